@@ -1,0 +1,18 @@
+# Install target and CMake package: find_package(kalfem) gives kalfem::kalfem and one target per stage.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+get_property(stages GLOBAL PROPERTY KALFEM_STAGES)
+add_library(kalfem_all INTERFACE)
+set_target_properties(kalfem_all PROPERTIES EXPORT_NAME kalfem)
+target_link_libraries(kalfem_all INTERFACE ${stages})
+
+install(TARGETS kalfem_flags kalfem_all ${stages} EXPORT kalfem ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS kalfem_command RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(DIRECTORY src/kalfem DESTINATION include FILES_MATCHING PATTERN "*.hpp")
+install(EXPORT kalfem NAMESPACE kalfem:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/kalfem)
+configure_package_config_file(cmake/kalfemConfig.cmake.in kalfemConfig.cmake
+                              INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/kalfem)
+write_basic_package_version_file(kalfemConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/kalfemConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/kalfemConfigVersion.cmake
+        DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/kalfem)

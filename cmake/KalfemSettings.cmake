@@ -1,0 +1,41 @@
+# Language, warnings, third-party packages and the flags that every target shares.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+
+find_program(CCACHE ccache)
+if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
+endif()
+
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(BLAS REQUIRED)
+find_package(LAPACK REQUIRED)
+find_package(HDF5 REQUIRED COMPONENTS C)
+find_package(yaml-cpp REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(fmt REQUIRED)
+find_package(muparser REQUIRED)
+
+add_library(kalfem_flags INTERFACE)
+target_compile_features(kalfem_flags INTERFACE cxx_std_20)
+target_link_libraries(kalfem_flags INTERFACE Eigen3::Eigen)
+# A fixed alignment keeps Eigen's types the same in the library and in programs compiled with other processor flags.
+target_compile_definitions(kalfem_flags INTERFACE EIGEN_MAX_ALIGN_BYTES=64)
+
+add_library(kalfem_private_flags INTERFACE)
+target_compile_options(kalfem_private_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wno-deprecated-enum-enum-conversion
+                       -fno-math-errno -fPIC)
+if(KALFEM_NATIVE AND NOT KALFEM_SANITIZE)
+  target_compile_options(kalfem_private_flags INTERFACE -march=native)
+endif()
+if(KALFEM_SANITIZE)
+  target_compile_options(kalfem_private_flags INTERFACE -fsanitize=address,undefined -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(kalfem_private_flags INTERFACE -fsanitize=address,undefined)
+endif()

@@ -1,0 +1,37 @@
+# kalfem_stage(<folder> SOURCES ... [USES <stage> ...] [LIBRARIES <target> ...])
+#
+# One static library for one folder of src/kalfem. A stage is linked only to the stages it names, so a call against the
+# direction of the data flow does not link. LIBRARIES are third-party targets.
+function(kalfem_stage name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;USES;LIBRARIES" ${ARGN})
+  set(target kalfem_${name})
+  add_library(${target} STATIC ${ARG_SOURCES})
+  add_library(kalfem::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src> $<INSTALL_INTERFACE:include>)
+  list(TRANSFORM ARG_USES PREPEND kalfem_)
+  target_link_libraries(${target} PUBLIC kalfem_flags ${ARG_USES} ${ARG_LIBRARIES}
+                        PRIVATE $<BUILD_INTERFACE:kalfem_private_flags>)
+  target_precompile_headers(${target} PRIVATE <Eigen/Dense> <string> <vector> <memory> <optional> <functional>)
+  set_property(GLOBAL APPEND PROPERTY KALFEM_STAGES ${target})
+endfunction()
+
+# kalfem_test(<name> USES <stage> ... [SOURCES ...] [LIBRARIES ...] [LABELS ...] [TIMEOUT s]): a GoogleTest program of
+# tests/<folder>, sources default to <name>_test.cpp. Every TEST in it becomes a ctest entry unless it is labelled.
+function(kalfem_test name)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;USES;LIBRARIES;LABELS" ${ARGN})
+  if(NOT ARG_SOURCES)
+    set(ARG_SOURCES ${name}_test.cpp)
+  endif()
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 120)
+  endif()
+  add_executable(${name}_test ${ARG_SOURCES})
+  list(TRANSFORM ARG_USES PREPEND kalfem_)
+  target_include_directories(${name}_test PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  target_link_libraries(${name}_test PRIVATE ${ARG_USES} ${ARG_LIBRARIES} GTest::gtest_main kalfem_private_flags)
+  target_compile_definitions(${name}_test PRIVATE KALFEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}" KALFEM_COMMAND="${CMAKE_BINARY_DIR}/bin/kalfem")
+  target_precompile_headers(${name}_test PRIVATE <gtest/gtest.h> <Eigen/Dense>)
+  set_target_properties(${name}_test PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  gtest_discover_tests(${name}_test DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
+endfunction()

@@ -1,0 +1,70 @@
+#include "kalfem/base/invalid_input.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace kalfem {
+namespace {
+
+std::string join(const std::vector<Issue>& issues) {
+  std::string text;
+  for (const auto& issue : issues) text += (text.empty() ? "" : "\n") + to_string(issue);
+  return text;
+}
+
+/// Levenshtein distance: insertions, deletions and substitutions each cost one.
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), 0);
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, substituted}));
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::string to_string(const Issue& issue) {
+  std::string text;
+  if (!issue.location.file.empty()) {
+    text += issue.location.file;
+    if (issue.location.line > 0) text += ":" + std::to_string(issue.location.line);
+    text += ": ";
+  }
+  text += issue.what;
+  if (!issue.why.empty()) text += ": " + issue.why;
+  if (!issue.fix.empty()) text += "; " + issue.fix;
+  return text;
+}
+
+InvalidInput::InvalidInput(std::vector<Issue> issues) : std::runtime_error(join(issues)), issues_(std::move(issues)) {}
+
+void IssueList::add(const InvalidInput& error, const SourceLocation& where_unknown) {
+  for (auto issue : error.issues()) {
+    if (issue.location.file.empty()) issue.location = where_unknown;
+    issues_.push_back(std::move(issue));
+  }
+}
+
+void IssueList::raise() const {
+  if (!issues_.empty()) throw InvalidInput(issues_);
+}
+
+std::string did_you_mean(const std::string& name, const std::vector<std::string>& known) {
+  const std::string* nearest = nullptr;
+  std::size_t distance = 1 + std::max<std::size_t>(1, name.size() / 3);
+  for (const auto& candidate : known) {
+    const std::size_t d = edit_distance(name, candidate);
+    if (d < distance) {
+      distance = d;
+      nearest = &candidate;
+    }
+  }
+  return nearest ? " (did you mean '" + *nearest + "'?)" : "";
+}
+
+}  // namespace kalfem

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+
+#include "kalfem/casefile/form.hpp"
+#include "kalfem/casefile/yaml_reader.hpp"
+
+namespace kalfem {
+
+/// Throws InvalidInput with the issues in the order of the lines; does nothing when there are none.
+void raise_in_line_order(const IssueList& issues);
+
+/// Reads the text of a case file in the given form. `file` names it in messages, and paths are relative to its folder.
+/// Throws InvalidInput with every problem that was found.
+template <class T>
+T read_case_text(const std::string& text, const std::string& file, const Form<T>& form,
+                 const Environment& environment = process_environment()) {
+  Reading reading{file, std::filesystem::path(file).parent_path(), {}};
+  std::optional<T> value;
+  try {
+    const YamlNodePtr root = parse_yaml(text, file, environment, reading.issues);
+    value = form.read(Cursor(reading, root, "", root->line));
+  } catch (const InvalidInput& error) {
+    reading.issues.add(error, {file, 0});
+  }
+  raise_in_line_order(reading.issues);
+  return std::move(*value);
+}
+
+/// Reads a case file; see read_case_text().
+template <class T>
+T read_case(const std::string& file, const Form<T>& form, const Environment& environment = process_environment()) {
+  return read_case_text(read_text_file(file), file, form, environment);
+}
+
+}  // namespace kalfem

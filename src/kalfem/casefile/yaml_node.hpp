@@ -1,0 +1,48 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace kalfem {
+
+struct YamlNode;
+using YamlNodePtr = std::shared_ptr<const YamlNode>;
+
+/// "key: value" in a map.
+struct YamlEntry {
+  std::string key;
+  int line = 0;
+  YamlNodePtr value;
+};
+
+/// A YAML value, immutable once it is built; the same type for what is read and for what is written.
+struct YamlNode {
+  enum class Kind { null, scalar, list, map };
+
+  Kind kind = Kind::null;
+  std::string text;                ///< of a scalar
+  bool literal = true;             ///< scalar written without quotes: a number, a choice, true or false
+  std::vector<YamlNodePtr> items;  ///< of a list
+  std::vector<YamlEntry> entries;  ///< of a map, in file order
+  int line = 0;                    ///< 1-based; 0 where it was not read from a file
+  std::string comment;             ///< written after the value, usually the unit
+  std::size_t weight = 1;          ///< nodes below and including this one, aliases counted each time
+
+  /// The entry's value, or null when the map has no such key.
+  [[nodiscard]] const YamlEntry* find(const std::string& key) const;
+};
+
+YamlNodePtr yaml_literal(std::string text, std::string comment = {});
+YamlNodePtr yaml_text(std::string text);
+YamlNodePtr yaml_list(std::vector<YamlNodePtr> items, std::string comment = {});
+YamlNodePtr yaml_map(std::vector<YamlEntry> entries);
+
+/// "a map", "a list", "nothing" or the scalar in quotes, for messages.
+std::string describe(const YamlNode& node);
+
+/// The document as YAML text: maps as blocks, lists of scalars on one line, comments after the values.
+std::string to_yaml(const YamlNode& root);
+
+}  // namespace kalfem

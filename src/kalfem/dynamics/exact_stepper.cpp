@@ -1,0 +1,67 @@
+#include "kalfem/dynamics/exact_step.hpp"
+#include "kalfem/dynamics/stepper.hpp"
+
+namespace kalfem {
+namespace {
+
+using Eigen::VectorXd;
+
+OutputMap accelerations_of(const LocallyNonlinearSystem& system) {
+  const auto n = system.size();
+  const auto none = Eigen::MatrixXd::Zero(n, n), inputs = Eigen::MatrixXd::Zero(n, system.input_count());
+  return {system.dofs, std::vector<std::string>(system.dofs.size(), "m/s^2"), none, none,
+          Eigen::MatrixXd::Identity(n, n), inputs, inputs, inputs,
+          Eigen::MatrixXd::Zero(n, system.connector_count())};
+}
+
+/// The exact step of the linear part, connector forces linear over the step.
+class ExactStepper final : public Stepper {
+ public:
+  ExactStepper(const LocallyNonlinearSystem& system, double step, const ForceSolveOptions& forces)
+      : form_(system, accelerations_of(system)), step_(form_, step), forces_(system, forces), state_(form_.size()) {}
+
+  ForceSolveOutcome start(Motion& motion, const VectorXd& inputs) override {
+    state_ << motion.displacement, motion.velocity;
+    const VectorXd free = form_.motion().state * state_ + form_.motion().input * inputs;
+    const auto outcome = forces_.start(free, step_.instant_compliance, motion);
+    set_acceleration(motion, inputs);
+    return outcome;
+  }
+
+  ForceSolveOutcome advance(Motion& motion, const VectorXd& begin, const VectorXd& end) override {
+    next_.noalias() = step_.transition * state_;
+    next_.noalias() += step_.begin_force * motion.force;
+    next_.noalias() += step_.begin_input * begin;
+    next_.noalias() += step_.end_input * end;
+    free_.noalias() = form_.motion().state * next_;
+    free_.noalias() += form_.motion().input * end;
+    const auto outcome = forces_.solve(free_, step_.compliance, step_.step, motion);
+    next_.noalias() += step_.end_force * motion.force;
+    state_.swap(next_);
+    motion.displacement = state_.head(form_.dof_count());
+    motion.velocity = state_.segment(form_.dof_count(), form_.dof_count());
+    set_acceleration(motion, end);
+    return outcome;
+  }
+
+ private:
+  void set_acceleration(Motion& motion, const VectorXd& inputs) {
+    motion.acceleration = form_.outputs().state * state_;
+    motion.acceleration.noalias() += form_.outputs().input * inputs;
+    motion.acceleration.noalias() += form_.outputs().force * motion.force;
+  }
+
+  FirstOrderForm form_;
+  ExactStep step_;
+  SinglePointForces forces_;
+  VectorXd state_, next_, free_;
+};
+
+}  // namespace
+
+std::unique_ptr<Stepper> make_exact_stepper(const LocallyNonlinearSystem& system, double step,
+                                            const ForceSolveOptions& forces) {
+  return std::make_unique<ExactStepper>(system, step, forces);
+}
+
+}  // namespace kalfem

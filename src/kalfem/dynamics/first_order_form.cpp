@@ -1,0 +1,150 @@
+#include "kalfem/dynamics/first_order_form.hpp"
+
+#include <cmath>
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+namespace {
+
+Index state_count(InputModel model) {
+  switch (model) {
+    case InputModel::known: return 0;
+    case InputModel::integrated: return 2;
+    case InputModel::first_order_markov: return 1;
+  }
+  return 0;
+}
+
+LinearOutput zero_output(Index rows, Index states, Index inputs, Index forces) {
+  return {MatrixXd::Zero(rows, states), MatrixXd::Zero(rows, inputs), MatrixXd::Zero(rows, forces)};
+}
+
+void add_scaled(LinearOutput& sum, const MatrixXd& rows, const LinearOutput& term) {
+  sum.state += rows * term.state;
+  sum.input += rows * term.input;
+  sum.force += rows * term.force;
+}
+
+}  // namespace
+
+FirstOrderForm::FirstOrderForm(const LocallyNonlinearSystem& system, const OutputMap& outputs,
+                               const std::vector<MeasurementChain>& chains,
+                               const std::vector<InputTreatment>& treatments)
+    : n_(system.size()), n_u_(system.input_count()), m_(system.connector_count()), treatments_(treatments) {
+  treatments_.resize(static_cast<std::size_t>(n_u_));
+  Index states = 2 * n_;
+  for (const auto& treatment : treatments_) {
+    const Index count = state_count(treatment.model);
+    input_state_.push_back(count > 0 ? states : -1);
+    states += count;
+  }
+  for (const auto& chain : chains) states += chain.states();
+  dynamics_ = MatrixXd::Zero(states, states);
+  force_gain_ = MatrixXd::Zero(states, m_);
+  input_gain_ = MatrixXd::Zero(states, 3 * n_u_);
+  set_mechanics(system);
+  add_input_models(treatments_);
+  set_motion(system);
+  add_chains(raw_outputs(outputs), chains);
+}
+
+/// z'' = M^-1 (P u - C z' - K z - B f) and the rows of z and z' in A, G, B.
+void FirstOrderForm::set_mechanics(const LocallyNonlinearSystem& system) {
+  const Eigen::LDLT<MatrixXd> mass{MatrixXd(system.mass)};
+  acceleration_ = zero_output(n_, dynamics_.cols(), 3 * n_u_, m_);
+  acceleration_.state.leftCols(n_) = -mass.solve(MatrixXd(system.stiffness));
+  acceleration_.state.middleCols(n_, n_) = -mass.solve(MatrixXd(system.damping));
+  acceleration_.force = -mass.solve(system.connector_directions());
+  for (Index i = 0; i < n_u_; ++i) {
+    const auto& input = system.inputs[static_cast<std::size_t>(i)];
+    acceleration_.input.col(i) = mass.solve(input.value);
+    acceleration_.input.col(n_u_ + i) = mass.solve(input.rate);
+    acceleration_.input.col(2 * n_u_ + i) = mass.solve(input.acceleration);
+  }
+  acceleration_ = route_inputs(std::move(acceleration_));
+  dynamics_.block(0, n_, n_, n_).setIdentity();
+  dynamics_.middleRows(n_, n_) = acceleration_.state;
+  force_gain_.middleRows(n_, n_) = acceleration_.force;
+  input_gain_.middleRows(n_, n_) = acceleration_.input;
+}
+
+void FirstOrderForm::add_input_models(const std::vector<InputTreatment>& treatments) {
+  for (Index i = 0; i < n_u_; ++i) {
+    const auto& treatment = treatments[static_cast<std::size_t>(i)];
+    const Index state = input_state(i);
+    if (treatment.model == InputModel::integrated) {
+      dynamics_(state, state + 1) = 1.0;
+      input_gain_(state + 1, 2 * n_u_ + i) = 1.0;
+    } else if (treatment.model == InputModel::first_order_markov) {
+      dynamics_(state, state) = -1.0 / treatment.correlation_time;
+    }
+  }
+}
+
+/// Moves the columns of inputs that are states from `input` to `state`.
+LinearOutput FirstOrderForm::route_inputs(LinearOutput output) const {
+  for (Index i = 0; i < n_u_; ++i) {
+    const auto& treatment = treatments_[static_cast<std::size_t>(i)];
+    const Index state = input_state(i);
+    if (treatment.model == InputModel::known) continue;
+    output.state.col(state) += output.input.col(i);
+    if (treatment.model == InputModel::integrated) {
+      output.state.col(state + 1) += output.input.col(n_u_ + i);
+    } else {
+      output.state.col(state) -= output.input.col(n_u_ + i) / treatment.correlation_time;
+      output.input.col(2 * n_u_ + i).setZero();
+    }
+    output.input.col(i).setZero();
+    output.input.col(n_u_ + i).setZero();
+  }
+  return output;
+}
+
+LinearOutput FirstOrderForm::raw_outputs(const OutputMap& outputs) const {
+  LinearOutput raw = zero_output(outputs.size(), dynamics_.cols(), 3 * n_u_, m_);
+  raw.state.leftCols(n_) = outputs.displacement;
+  raw.state.middleCols(n_, n_) = outputs.velocity;
+  raw.input << outputs.input_value, outputs.input_rate, outputs.input_acceleration;
+  raw.force = outputs.force;
+  raw = route_inputs(std::move(raw));
+  add_scaled(raw, outputs.acceleration, acceleration_);
+  return raw;
+}
+
+void FirstOrderForm::set_motion(const LocallyNonlinearSystem& system) {
+  const MatrixXd directions = system.connector_directions().transpose(), bases = system.connector_bases();
+  motion_ = zero_output(3 * m_, dynamics_.cols(), 3 * n_u_, m_);
+  for (Index derivative = 0; derivative < 3; ++derivative) {
+    if (derivative < 2) motion_.state.block(derivative * m_, derivative * n_, m_, n_) = directions;
+    motion_.input.block(derivative * m_, derivative * n_u_, m_, n_u_) = -bases;
+  }
+  motion_ = route_inputs(std::move(motion_));
+  MatrixXd rows = MatrixXd::Zero(3 * m_, n_);
+  rows.bottomRows(m_) = directions;
+  add_scaled(motion_, rows, acceleration_);
+}
+
+/// s' = A_c s + B_c y_raw per sensor, y = C_c s + D_c y_raw.
+void FirstOrderForm::add_chains(const LinearOutput& raw, const std::vector<MeasurementChain>& chains) {
+  outputs_ = raw;
+  Index state = dynamics_.rows();
+  for (const auto& chain : chains) state -= chain.states();
+  for (std::size_t i = 0; i < chains.size(); ++i) {
+    const ChainStateSpace chain = chains[i].realise();
+    const auto row = static_cast<Index>(i), count = chain.A.rows();
+    dynamics_.middleRows(state, count) = chain.B * raw.state.row(row);
+    dynamics_.block(state, state, count, count) += chain.A;
+    force_gain_.middleRows(state, count) = chain.B * raw.force.row(row);
+    input_gain_.middleRows(state, count) = chain.B * raw.input.row(row);
+    outputs_.state.row(row) *= chain.D;
+    outputs_.state.row(row).segment(state, count) += chain.C;
+    outputs_.force.row(row) *= chain.D;
+    outputs_.input.row(row) *= chain.D;
+    state += count;
+  }
+}
+
+}  // namespace kalfem

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <vector>
+
+#include "kalfem/linalg/first_order_hold.hpp"
+#include "kalfem/system/locally_nonlinear_system.hpp"
+#include "kalfem/system/measurement_chain.hpp"
+#include "kalfem/system/output_map.hpp"
+
+namespace kalfem {
+
+/// Linear map of state, input triples and connector forces, v = state x + input u + force f.
+struct LinearOutput {
+  Eigen::MatrixXd state;  ///< rows x n_x
+  Eigen::MatrixXd input;  ///< rows x 3 n_u
+  Eigen::MatrixXd force;  ///< rows x m
+};
+
+/// How an input that is not known as a motion enters the state. The signal w that drives it takes the place of r''.
+enum class InputModel {
+  known,                ///< r, r' and r'' are given
+  integrated,           ///< r'' = w is given (a measured acceleration): r and r' become states
+  first_order_markov    ///< nothing is given: r' = -r / tau + white noise becomes a state (an unknown force)
+};
+
+struct InputTreatment {
+  InputModel model = InputModel::known;
+  double correlation_time = 1.0;  ///< tau of first_order_markov [s]; infinite: a random walk
+};
+
+/// The locally nonlinear system as first-order equations, sensor dynamics and input models appended:
+///     x' = A x + G f + B u,   x = [z; z'; input states; sensor states],   u = [r; r'; r''],
+///     k  = [d; d'; d''] of the connectors,     y = sensor outputs behind their measurement chains.
+/// Dense: for lumped and reduced systems. Immutable after construction.
+class FirstOrderForm {
+ public:
+  /// `chains` has one entry an output (identity where a sensor has no dynamics) or is empty.
+  FirstOrderForm(const LocallyNonlinearSystem& system, const OutputMap& outputs,
+                 const std::vector<MeasurementChain>& chains = {}, const std::vector<InputTreatment>& treatments = {});
+
+  [[nodiscard]] Eigen::Index size() const { return dynamics_.rows(); }
+  [[nodiscard]] Eigen::Index dof_count() const { return n_; }
+  [[nodiscard]] Eigen::Index input_state_offset() const { return 2 * n_; }
+  /// First state of the input's model, -1 for a known input.
+  [[nodiscard]] Eigen::Index input_state(Eigen::Index input) const { return input_state_[static_cast<std::size_t>(input)]; }
+
+  [[nodiscard]] const Eigen::MatrixXd& dynamics() const { return dynamics_; }      ///< A, n_x x n_x
+  [[nodiscard]] const Eigen::MatrixXd& force_gain() const { return force_gain_; }  ///< G, n_x x m
+  [[nodiscard]] const Eigen::MatrixXd& input_gain() const { return input_gain_; }  ///< B, n_x x 3 n_u
+  [[nodiscard]] const LinearOutput& motion() const { return motion_; }             ///< k, 3m rows
+  [[nodiscard]] const LinearOutput& outputs() const { return outputs_; }           ///< y, l rows
+  /// Any other outputs of the same system, without measurement chains.
+  [[nodiscard]] LinearOutput raw_outputs(const OutputMap& outputs) const;
+
+ private:
+  void set_mechanics(const LocallyNonlinearSystem& system);
+  void add_input_models(const std::vector<InputTreatment>& treatments);
+  void set_motion(const LocallyNonlinearSystem& system);
+  void add_chains(const LinearOutput& raw, const std::vector<MeasurementChain>& chains);
+  [[nodiscard]] LinearOutput route_inputs(LinearOutput output) const;
+
+  Eigen::Index n_ = 0, n_u_ = 0, m_ = 0;
+  Eigen::MatrixXd dynamics_, force_gain_, input_gain_;
+  LinearOutput acceleration_;  ///< z'' as a function of state, input and force
+  std::vector<Eigen::Index> input_state_;
+  std::vector<InputTreatment> treatments_;
+  LinearOutput motion_, outputs_;
+};
+
+}  // namespace kalfem

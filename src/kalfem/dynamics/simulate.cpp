@@ -1,0 +1,147 @@
+#include "kalfem/dynamics/simulate.hpp"
+
+#include <cmath>
+
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/dynamics/stepper.hpp"
+
+namespace kalfem {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr Index input_block = 4096;  ///< steps whose inputs are sampled together
+
+void check(const LocallyNonlinearSystem& system, const std::vector<SignalPtr>& signals, const InitialState& initial,
+           const SimulationOptions& options) {
+  IssueList issues;
+  if (!(options.step > 0.0) || !std::isfinite(options.step))
+    issues.add({}, "the time step is " + std::to_string(options.step) + " s", "it must be positive");
+  if (!(options.duration >= options.step) || !std::isfinite(options.duration))
+    issues.add({}, "the duration is " + std::to_string(options.duration) + " s", "it must be at least one time step");
+  if (options.keep_every < 1) issues.add({}, "keep_every is below 1", "every so many steps one is kept");
+  if (options.integrator == Integrator::hht_alpha && !(options.hht_alpha >= -1.0 / 3.0 && options.hht_alpha <= 0.0))
+    issues.add({}, "alpha of HHT is " + std::to_string(options.hht_alpha), "it lies in [-1/3, 0]");
+  if (options.integrator == Integrator::generalized_alpha &&
+      !(options.spectral_radius >= 0.0 && options.spectral_radius <= 1.0))
+    issues.add({}, "the spectral radius is " + std::to_string(options.spectral_radius), "it lies in [0, 1]");
+  if (static_cast<Index>(signals.size()) != system.input_count())
+    issues.add({}, std::to_string(signals.size()) + " signals for " + std::to_string(system.input_count()) + " inputs",
+               "each input needs one signal");
+  if (initial.displacement.size() != system.size() || initial.velocity.size() != system.size() ||
+      initial.connector_states.size() != system.connector_states())
+    issues.add({}, "the initial state does not fit the system's size", "one value a degree of freedom and internal state");
+  issues.raise();
+}
+
+std::unique_ptr<Stepper> make_stepper(const LocallyNonlinearSystem& system, const SimulationOptions& options) {
+  switch (options.integrator) {
+    case Integrator::newmark: return make_alpha_stepper(system, options.step, newmark_parameters(), options.forces);
+    case Integrator::hht_alpha:
+      return make_alpha_stepper(system, options.step, hht_parameters(options.hht_alpha), options.forces);
+    case Integrator::generalized_alpha:
+      return make_alpha_stepper(system, options.step, generalized_alpha_parameters(options.spectral_radius),
+                                options.forces);
+    case Integrator::exact: return make_exact_stepper(system, options.step, options.forces);
+  }
+  return {};
+}
+
+/// [r; r'; r''] of all inputs at `count` steps from `first` on, 3 n_u x count.
+MatrixXd sample_inputs(const std::vector<SignalPtr>& signals, double step, Index first, Index count) {
+  const auto n_u = static_cast<Index>(signals.size());
+  MatrixXd inputs(3 * n_u, count);
+  for (Index i = 0; i < n_u; ++i) {
+    const auto sampled = signals[static_cast<std::size_t>(i)]->sample(static_cast<double>(first) * step, step, count);
+    for (Index derivative = 0; derivative < 3; ++derivative)
+      inputs.row(derivative * n_u + i) = sampled.col(derivative).matrix().transpose();
+  }
+  return inputs;
+}
+
+Trajectory allocate(const LocallyNonlinearSystem& system, const SimulationOptions& options, Index samples) {
+  const auto motion = MatrixXd::Zero(system.size(), samples);
+  return {options.step * static_cast<double>(options.keep_every), motion, motion, motion,
+          MatrixXd::Zero(system.connector_count(), samples), MatrixXd::Zero(3 * system.input_count(), samples),
+          MatrixXd::Zero(system.connector_states(), samples)};
+}
+
+void store(Trajectory& trajectory, Index sample, const Motion& motion, const VectorXd& inputs) {
+  trajectory.displacement.col(sample) = motion.displacement;
+  trajectory.velocity.col(sample) = motion.velocity;
+  trajectory.acceleration.col(sample) = motion.acceleration;
+  trajectory.force.col(sample) = motion.force;
+  trajectory.inputs.col(sample) = inputs;
+  trajectory.connector_states.col(sample) = motion.connector_states;
+}
+
+void observe(const OutputMap& map, const Motion& motion, const VectorXd& inputs, MatrixXd::RowXpr row) {
+  const Index n_u = inputs.size() / 3;
+  row = (map.displacement * motion.displacement + map.velocity * motion.velocity +
+         map.acceleration * motion.acceleration + map.force * motion.force + map.input_value * inputs.head(n_u) +
+         map.input_rate * inputs.segment(n_u, n_u) + map.input_acceleration * inputs.tail(n_u))
+            .transpose();
+}
+
+std::optional<SimulationFailure> failure_of(const ForceSolveOutcome& outcome, const Motion& motion, double time) {
+  if (!outcome.finite || !motion.acceleration.allFinite())
+    return SimulationFailure{time, "a connector force or the motion is no longer finite: the response grows without "
+                                   "bound or a law divides by zero"};
+  if (!outcome.converged)
+    return SimulationFailure{time, "the connector forces did not converge: take a smaller step or a smoother law"};
+  return std::nullopt;
+}
+
+}  // namespace
+
+InitialState at_rest(Index dofs, Index connector_states) {
+  return {VectorXd::Zero(dofs), VectorXd::Zero(dofs), VectorXd::Zero(connector_states)};
+}
+
+AlphaParameters newmark_parameters() { return {}; }
+
+AlphaParameters hht_parameters(double alpha) {
+  return {(1.0 - alpha) * (1.0 - alpha) / 4.0, 0.5 - alpha, 0.0, -alpha};
+}
+
+AlphaParameters generalized_alpha_parameters(double rho) {
+  const double a_m = (2.0 * rho - 1.0) / (rho + 1.0), a_f = rho / (rho + 1.0);
+  return {(1.0 - a_m + a_f) * (1.0 - a_m + a_f) / 4.0, 0.5 - a_m + a_f, a_m, a_f};
+}
+
+SimulationResult simulate(const LocallyNonlinearSystem& system, const std::vector<SignalPtr>& signals,
+                          const InitialState& initial, const SimulationOptions& options) {
+  check(system, signals, initial, options);
+  const auto steps = static_cast<Index>(std::llround(options.duration / options.step));
+  const auto stepper = make_stepper(system, options);
+  const bool observing = options.every_step.size() > 0;
+  SimulationResult result{allocate(system, options, steps / options.keep_every + 1),
+                          MatrixXd::Zero(observing ? steps + 1 : 0, options.every_step.size()), {}};
+  Motion motion{initial.displacement, initial.velocity, VectorXd::Zero(system.size()),
+                VectorXd::Zero(system.connector_count()), initial.connector_states};
+
+  MatrixXd inputs = sample_inputs(signals, options.step, 0, std::min(input_block, steps) + 1);
+  Index block_start = 0;
+  result.failure = failure_of(stepper->start(motion, inputs.col(0)), motion, 0.0);
+  store(result.trajectory, 0, motion, inputs.col(0));
+  if (observing) observe(options.every_step, motion, inputs.col(0), result.every_step.row(0));
+  VectorXd begin = inputs.col(0), end;
+  for (Index k = 1; k <= steps && !result.failure; ++k) {
+    if (k - block_start > input_block) {
+      block_start = k - 1;
+      inputs = sample_inputs(signals, options.step, block_start, std::min(input_block, steps - block_start) + 1);
+      if (options.progress) options.progress("simulate", static_cast<double>(k) / static_cast<double>(steps));
+    }
+    end = inputs.col(k - block_start);
+    const auto outcome = stepper->advance(motion, begin, end);
+    result.failure = failure_of(outcome, motion, static_cast<double>(k) * options.step);
+    if (observing) observe(options.every_step, motion, end, result.every_step.row(k));
+    if (k % options.keep_every == 0) store(result.trajectory, k / options.keep_every, motion, end);
+    begin.swap(end);
+  }
+  return result;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace kalfem {
+
+/// Where a motion starts.
+struct InitialState {
+  Eigen::VectorXd displacement;      ///< [m], n
+  Eigen::VectorXd velocity;          ///< [m/s], n
+  Eigen::VectorXd connector_states;  ///< internal states of all connectors, in order
+};
+
+/// Rest at zero.
+InitialState at_rest(Eigen::Index dofs, Eigen::Index connector_states);
+
+/// Motion at equally spaced times; column k is the time k * step.
+struct Trajectory {
+  double step = 0.0;                 ///< [s]
+  Eigen::MatrixXd displacement;      ///< n x samples
+  Eigen::MatrixXd velocity;          ///< n x samples
+  Eigen::MatrixXd acceleration;      ///< n x samples
+  Eigen::MatrixXd force;             ///< connector forces, m x samples
+  Eigen::MatrixXd inputs;            ///< [r; r'; r''], 3 n_u x samples
+  Eigen::MatrixXd connector_states;  ///< states x samples
+
+  [[nodiscard]] Eigen::Index samples() const { return displacement.cols(); }
+};
+
+/// Why a simulation ended before its last sample.
+struct SimulationFailure {
+  double time = 0.0;   ///< [s]
+  std::string reason;  ///< in words
+};
+
+struct SimulationResult {
+  Trajectory trajectory;                     ///< up to the failure, where there was one
+  Eigen::MatrixXd every_step;                ///< the outputs asked for at every step, (steps + 1) x outputs
+  std::optional<SimulationFailure> failure;  ///< empty: it ran to the end
+};
+
+}  // namespace kalfem

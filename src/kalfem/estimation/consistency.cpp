@@ -1,0 +1,47 @@
+#include "kalfem/estimation/consistency.hpp"
+
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/normal.hpp>
+#include <cmath>
+#include <map>
+
+namespace kalfem {
+
+double normal_quantile(double probability) { return boost::math::quantile(boost::math::normal(), probability); }
+
+double chi_squared_quantile(double probability, double degrees_of_freedom) {
+  return boost::math::quantile(boost::math::chi_squared(degrees_of_freedom), probability);
+}
+
+ConsistencySummary summarise_consistency(const Eigen::VectorXd& nis, const Eigen::VectorXi& measured,
+                                         const Eigen::MatrixXd& innovation, const Eigen::VectorXd& noise_deviation,
+                                         Eigen::Index first) {
+  ConsistencySummary summary{0.0, 0.0, 0.0, Eigen::VectorXd::Zero(noise_deviation.size())};
+  Eigen::VectorXd counts = Eigen::VectorXd::Zero(noise_deviation.size());
+  std::map<int, std::pair<double, double>> bands;
+  double samples = 0.0;
+  for (Eigen::Index k = first; k < nis.size(); ++k) {
+    if (!std::isfinite(nis[k])) continue;
+    const int channels = measured[k];
+    const auto [band, added] = bands.try_emplace(channels);
+    if (added) band->second = {chi_squared_quantile(0.025, channels), chi_squared_quantile(0.975, channels)};
+    samples += 1.0;
+    summary.mean_nis += nis[k];
+    summary.expected_nis += channels;
+    summary.fraction_in_95 += nis[k] >= band->second.first && nis[k] <= band->second.second ? 1.0 : 0.0;
+    for (Eigen::Index i = 0; i < counts.size(); ++i)
+      if (std::isfinite(innovation(i, k))) {
+        counts[i] += 1.0;
+        summary.innovation_to_noise[i] += innovation(i, k) * innovation(i, k);
+      }
+  }
+  const double scale = 1.0 / std::max(samples, 1.0);
+  summary.mean_nis *= scale;
+  summary.expected_nis *= scale;
+  summary.fraction_in_95 *= scale;
+  summary.innovation_to_noise =
+      (summary.innovation_to_noise.array() / counts.array().max(1.0)).sqrt() / noise_deviation.array();
+  return summary;
+}
+
+}  // namespace kalfem

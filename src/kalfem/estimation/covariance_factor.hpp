@@ -1,0 +1,21 @@
+#pragma once
+
+#include <Eigen/Dense>
+
+namespace kalfem {
+
+/// Square root S with S S^T = P of a symmetric positive semi-definite matrix (lower triangle read): Cholesky, and where P
+/// is singular (states known exactly) a pivoted factorisation of its correlation matrix, which drops directions of no
+/// variance. False where P has a negative variance beyond rounding (smaller than -1e-9 of the correlation matrix) or a
+/// value that is not finite. `factor` then holds nothing of use.
+bool covariance_factor(const Eigen::MatrixXd& covariance, Eigen::MatrixXd& factor);
+
+/// Lower triangular L with L L^T = sum of the products of the given block of columns, [A_1 A_2 ...], by a QR
+/// factorisation of the transposed array. Works in `array`, (columns) x n, which holds the transposed columns on entry.
+void triangularise(Eigen::MatrixXd& array, Eigen::MatrixXd& lower);
+
+/// L L^T - v v^T in place (hyperbolic rotations); false, with L unchanged, where the result would not be positive
+/// definite. Golub and Van Loan, Matrix Computations, 4th ed., section 6.5.4.
+bool downdate(Eigen::MatrixXd& lower, Eigen::VectorXd vector);
+
+}  // namespace kalfem

@@ -1,0 +1,171 @@
+#include "kalfem/estimation/estimate.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/estimation/consistency.hpp"
+#include "kalfem/estimation/observer_maps.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+
+void check(const Observer& observer, const Record& record, const EstimationOptions& options) {
+  IssueList issues;
+  const Index l = observer.form().outputs().state.rows(), n_u = observer.system().input_count();
+  if (record.measurements.rows() != l || record.noise.rows() != l || record.noise.cols() != l)
+    issues.add({}, "record or noise does not have one channel a sensor", "");
+  if (record.inputs.rows() != 3 * n_u || record.inputs.cols() != record.measurements.cols())
+    issues.add({}, "inputs and measurements do not have the same samples", "");
+  if (!record.inputs.allFinite()) issues.add({}, "an input is not finite", "the observer is driven by it");
+  if (record.measurements.cols() < 1) issues.add({}, "the record is empty", "");
+  if (options.passes < 1) issues.add({}, "the number of passes is below 1", "");
+  if (options.passes > 1 && !observer.options().keep_initial_state)
+    issues.add({}, "several passes without an estimate of the initial state", "each pass starts from it",
+               "set estimate_initial_state: true");
+  issues.raise();
+}
+
+/// One pass of a filter over a record: predict, update, keep.
+class Pass {
+ public:
+  Pass(const Observer& observer, const Record& record, const EstimationOptions& options)
+      : observer_(observer), record_(record), options_(options), filter_(make_filter(options.filter, options.unscented)),
+        transition_(observer), measurement_(observer, observer.form().outputs()) {
+    if (options.monitored.size() > 0)
+      monitored_.emplace(observer, observer.form().raw_outputs(options.monitored));
+    allocate();
+  }
+
+  EstimationResult run(const Gaussian& prior) {
+    filter_->reset(prior);
+    const Index samples = record_.measurements.cols();
+    for (Index k = 0; k < samples; ++k) {
+      const auto begin = std::chrono::steady_clock::now();
+      FilterOutcome outcome = k == 0 ? FilterOutcome::usable : predict(k);
+      if (outcome == FilterOutcome::usable) outcome = update(k);
+      result_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      if (outcome == FilterOutcome::usable) outcome = keep(k);
+      if (outcome != FilterOutcome::usable) {
+        result_.failure = {outcome, static_cast<double>(k) * observer_.step().step, to_string(outcome)};
+        break;
+      }
+      if (options_.progress && k % 512 == 0)
+        options_.progress("estimate", static_cast<double>(k) / static_cast<double>(samples));
+    }
+    result_.final_covariance = filter_->covariance();
+    return std::move(result_);
+  }
+
+ private:
+  void allocate() {
+    const Index samples = record_.measurements.cols(), l = record_.measurements.rows();
+    const auto series = [&](Index rows) {
+      const MatrixXd empty = MatrixXd::Constant(rows, samples, not_a_number);
+      return EstimatedSeries{empty, empty};
+    };
+    result_.state = series(observer_.layout().size());
+    result_.unknowns = series(observer_.layout().unknowns);
+    result_.monitored = series(options_.monitored.size());
+    result_.innovation = result_.innovation_deviation = MatrixXd::Constant(l, samples, not_a_number);
+    result_.nis = VectorXd::Constant(samples, not_a_number);
+    result_.measured = Eigen::VectorXi::Zero(samples);
+  }
+
+  FilterOutcome predict(Index k) {
+    transition_.set_inputs(record_.inputs.col(k - 1), record_.inputs.col(k));
+    return filter_->predict(transition_, observer_.process_noise());
+  }
+
+  FilterOutcome update(Index k) {
+    select_measured(k);
+    if (rows_.empty()) return FilterOutcome::usable;
+    measurement_.set_inputs(record_.inputs.col(k));
+    const auto outcome = filter_->update(measurement_, noise_, record_.measurements(rows_, k), innovation_);
+    if (outcome != FilterOutcome::usable) return outcome;
+    result_.innovation(rows_, k) = innovation_.value;
+    result_.innovation_deviation(rows_, k) = innovation_.covariance.diagonal().cwiseSqrt();
+    result_.nis[k] = innovation_.nis;
+    result_.log_likelihood += innovation_.log_likelihood;
+    result_.measured[k] = static_cast<int>(rows_.size());
+    return outcome;
+  }
+
+  /// The channels that were measured at sample k; the map and R follow when they change.
+  void select_measured(Index k) {
+    present_.clear();
+    for (Index row = 0; row < record_.measurements.rows(); ++row)
+      if (std::isfinite(record_.measurements(row, k))) present_.push_back(row);
+    if (present_ == rows_ && k > 0) return;
+    rows_ = present_;
+    measurement_.select_rows(rows_);
+    noise_ = record_.noise(rows_, rows_);
+  }
+
+  FilterOutcome keep(Index k) {
+    const auto& layout = observer_.layout();
+    result_.state.mean.col(k) = filter_->mean();
+    result_.state.deviation.col(k) = filter_->standard_deviation();
+    for (Index i = 0; i < layout.unknowns; ++i) {
+      const auto& transform = observer_.options().unknowns[static_cast<std::size_t>(i)].transform;
+      const double state = result_.state.mean(layout.unknown() + i, k);
+      result_.unknowns.mean(i, k) = transform.to_parameter(state);
+      result_.unknowns.deviation(i, k) = transform.slope(state) * result_.state.deviation(layout.unknown() + i, k);
+    }
+    if (!monitored_) return FilterOutcome::usable;
+    monitored_->set_inputs(record_.inputs.col(k));
+    const auto outcome = filter_->observe(*monitored_, output_mean_, output_deviation_);
+    if (outcome != FilterOutcome::usable) return outcome;
+    result_.monitored.mean.col(k) = output_mean_;
+    result_.monitored.deviation.col(k) = output_deviation_;
+    return outcome;
+  }
+
+  const Observer& observer_;
+  const Record& record_;
+  const EstimationOptions& options_;
+  std::unique_ptr<Filter> filter_;
+  TransitionMap transition_;
+  InstantMap measurement_;
+  std::optional<InstantMap> monitored_;
+  Innovation innovation_;
+  std::vector<Index> rows_, present_;
+  MatrixXd noise_;
+  VectorXd output_mean_, output_deviation_;
+  EstimationResult result_;
+};
+
+/// The prior of the next pass: parameters and initial state of the last one, the first prior's covariance.
+Gaussian next_prior(const Observer& observer, const EstimationResult& result) {
+  const auto& layout = observer.layout();
+  const VectorXd last = result.state.mean.col(result.state.mean.cols() - 1);
+  return observer.prior_about(last.segment(layout.unknown(), layout.unknowns),
+                              last.segment(layout.initial_state(), layout.linear),
+                              last.tail(layout.connector_states));
+}
+
+}  // namespace
+
+EstimationResult estimate(const Observer& observer, const Record& record, const EstimationOptions& options) {
+  check(observer, record, options);
+  EstimationResult result = Pass(observer, record, options).run(observer.prior());
+  for (int pass = 1; pass < options.passes && !result.failure; ++pass)
+    result = Pass(observer, record, options).run(next_prior(observer, result));
+  return result;
+}
+
+Interval confidence_interval(const ParameterTransform& transform, double state_mean, double state_deviation,
+                             double probability) {
+  const double width = normal_quantile(0.5 * (1.0 + probability)) * state_deviation;
+  return {transform.to_parameter(state_mean - width), transform.to_parameter(state_mean + width)};
+}
+
+}  // namespace kalfem

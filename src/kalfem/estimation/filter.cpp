@@ -1,0 +1,32 @@
+#include "kalfem/estimation/filter.hpp"
+
+#include "kalfem/estimation/covariance_filter.hpp"
+#include "kalfem/estimation/square_root_filter.hpp"
+
+namespace kalfem {
+
+std::string to_string(FilterOutcome outcome) {
+  switch (outcome) {
+    case FilterOutcome::usable: return "usable";
+    case FilterOutcome::model_not_evaluable:
+      return "a connector force was not finite or did not converge at a sigma point: bound the unknown parameters "
+             "(transform: log or bounds), or narrow their prior";
+    case FilterOutcome::covariance_not_positive_definite:
+      return "the covariance of the state lost its positive sign: use filter: ukf_square_root, add process noise, or "
+             "narrow the prior";
+    case FilterOutcome::innovation_not_positive_definite:
+      return "the covariance of the innovations is singular: give every sensor noise";
+  }
+  return {};
+}
+
+std::unique_ptr<Filter> make_filter(FilterKind kind, const UnscentedOptions& options) {
+  switch (kind) {
+    case FilterKind::unscented: return std::make_unique<CovarianceFilter>(UnscentedTransform(options));
+    case FilterKind::unscented_square_root: return std::make_unique<SquareRootFilter>(UnscentedTransform(options));
+    case FilterKind::extended: return std::make_unique<CovarianceFilter>(UnscentedTransform::linearised());
+  }
+  return {};
+}
+
+}  // namespace kalfem

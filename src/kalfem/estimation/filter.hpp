@@ -1,0 +1,60 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "kalfem/estimation/gaussian.hpp"
+#include "kalfem/estimation/partially_linear_map.hpp"
+#include "kalfem/estimation/unscented_transform.hpp"
+
+namespace kalfem {
+
+enum class FilterKind {
+  unscented,              ///< Table 1 of the paper, covariance form
+  unscented_square_root,  ///< the same estimates, the covariance carried as a triangular factor
+  extended                ///< first-order linearisation about the mean
+};
+
+/// Why a filter could not go on.
+enum class FilterOutcome {
+  usable,
+  model_not_evaluable,                  ///< a connector force was not finite or its solve did not converge
+  covariance_not_positive_definite,     ///< the state's covariance lost its sign
+  innovation_not_positive_definite      ///< the innovation's covariance did, or is singular: a sensor without noise
+};
+
+/// In words, with what to do.
+std::string to_string(FilterOutcome outcome);
+
+/// What one measurement told.
+struct Innovation {
+  Eigen::VectorXd value;       ///< y - predicted y, l
+  Eigen::MatrixXd covariance;  ///< P_yy + R, l x l, lower triangle
+  double nis = 0.0;            ///< normalised innovation squared, value^T covariance^-1 value
+  double log_likelihood = 0.0; ///< of this measurement given those before
+};
+
+/// A Gaussian filter over partially linear maps. Predict and update follow Table 1 with additive noise; sigma points are
+/// drawn anew for each. An outcome other than usable leaves the estimate as it was. One thread.
+class Filter {
+ public:
+  virtual ~Filter() = default;
+
+  virtual void reset(const Gaussian& estimate) = 0;
+  /// x <- map(x) + N(0, Q).
+  [[nodiscard]] virtual FilterOutcome predict(PartiallyLinearMap& transition, const Eigen::MatrixXd& process_noise) = 0;
+  /// Conditions on y = map(x) + N(0, R).
+  [[nodiscard]] virtual FilterOutcome update(PartiallyLinearMap& measurement, const Eigen::MatrixXd& noise,
+                                             const Eigen::VectorXd& y, Innovation& innovation) = 0;
+  /// Mean and standard deviation of another map of the present estimate.
+  [[nodiscard]] virtual FilterOutcome observe(PartiallyLinearMap& map, Eigen::VectorXd& mean,
+                                              Eigen::VectorXd& deviation) = 0;
+
+  [[nodiscard]] virtual const Eigen::VectorXd& mean() const = 0;
+  [[nodiscard]] virtual Eigen::VectorXd standard_deviation() const = 0;
+  [[nodiscard]] virtual Eigen::MatrixXd covariance() const = 0;
+};
+
+std::unique_ptr<Filter> make_filter(FilterKind kind, const UnscentedOptions& options = {});
+
+}  // namespace kalfem

@@ -1,0 +1,136 @@
+#include "kalfem/estimation/observer.hpp"
+
+#include <cmath>
+
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/linalg/van_loan.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+void check_unknown(const UnknownParameter& unknown, const LocallyNonlinearSystem& system, IssueList& issues) {
+  const std::string title = "unknown '" + unknown.name + "'";
+  if (!std::isfinite(unknown.initial))
+    issues.add({}, title + " has no finite initial value", "the filter starts from it");
+  if (!(unknown.deviation > 0.0) || !std::isfinite(unknown.deviation))
+    issues.add({}, title + " has the prior standard deviation " + std::to_string(unknown.deviation),
+               "it must be positive: a parameter without uncertainty is not unknown");
+  if (!(unknown.random_walk >= 0.0)) issues.add({}, title + " has a negative random walk", "it is a density");
+  if (unknown.targets.empty()) issues.add({}, title + " changes nothing", "name a parameter of a connector");
+  for (const auto& target : unknown.targets)
+    if (target.connector < 0 || target.connector >= system.connector_count() || target.parameter < 0 ||
+        target.parameter >= system.connectors[static_cast<std::size_t>(target.connector)].parameters.size())
+      issues.add({}, title + " names a connector parameter that does not exist", "");
+  const auto& transform = unknown.transform;
+  if (transform.kind == TransformKind::log && !(unknown.initial > 0.0))
+    issues.add({}, title + " starts at " + std::to_string(unknown.initial), "under transform: log it must be positive");
+  if (transform.kind == TransformKind::logit && !(transform.lower < unknown.initial && unknown.initial < transform.upper))
+    issues.add({}, title + " starts at " + std::to_string(unknown.initial) + ", outside its bounds [" +
+                       std::to_string(transform.lower) + ", " + std::to_string(transform.upper) + "]",
+               "the start must lie strictly between the bounds", "move the start or the bounds");
+}
+
+}  // namespace
+
+Observer::Observer(const LocallyNonlinearSystem& system, const OutputMap& sensors,
+                   const std::vector<MeasurementChain>& chains, ObserverOptions options)
+    : system_(system), options_(std::move(options)), form_(system_, sensors, chains, options_.inputs),
+      step_(form_, options_.step),
+      layout_{system.size(), form_.size(), system.connector_states(), static_cast<Index>(options_.unknowns.size()),
+              options_.keep_initial_state} {
+  check();
+  set_prior();
+  set_process_noise();
+}
+
+void Observer::check() const {
+  IssueList issues;
+  for (const auto& unknown : options_.unknowns) check_unknown(unknown, system_, issues);
+  const auto& prior = options_.prior;
+  const auto& noise = options_.process_noise;
+  const Index n = layout_.dofs, s = layout_.connector_states, u = system_.input_count();
+  const bool fits = prior.mean.displacement.size() == n && prior.mean.velocity.size() == n &&
+                    prior.mean.connector_states.size() == s && prior.displacement_deviation.size() == n &&
+                    prior.velocity_deviation.size() == n && prior.connector_state_deviation.size() == s &&
+                    prior.input_deviation.size() == u && prior.input_rate_deviation.size() == u &&
+                    noise.acceleration.size() == n && noise.input.size() == u && noise.connector_states.size() == s;
+  if (!fits) issues.add({}, "prior or process noise does not fit the system's size", "one value a state");
+  issues.raise();
+}
+
+void Observer::set_prior() {
+  const auto& prior = options_.prior;
+  const Index n = layout_.dofs;
+  VectorXd deviation = VectorXd::Zero(layout_.size());
+  deviation.segment(2 * n, layout_.linear - 2 * n).setConstant(prior.sensor_state_deviation);
+  deviation.head(n) = prior.displacement_deviation;
+  deviation.segment(n, n) = prior.velocity_deviation;
+  for (Index i = 0; i < system_.input_count(); ++i) {
+    const Index state = form_.input_state(i);
+    if (state < 0) continue;
+    deviation[state] = prior.input_deviation[i];
+    if (options_.inputs[static_cast<std::size_t>(i)].model == InputModel::integrated)
+      deviation[state + 1] = prior.input_rate_deviation[i];
+  }
+  deviation.segment(layout_.connector_state(), layout_.connector_states) = prior.connector_state_deviation;
+
+  VectorXd unknowns(layout_.unknowns);
+  for (Index i = 0; i < layout_.unknowns; ++i) {
+    const auto& unknown = options_.unknowns[static_cast<std::size_t>(i)];
+    unknowns[i] = unknown.transform.to_state(unknown.initial);
+    deviation[layout_.unknown() + i] = unknown.deviation / unknown.transform.slope(unknowns[i]);
+  }
+  prior_.covariance = deviation.cwiseAbs2().asDiagonal();
+  if (layout_.keeps_initial_state) {  // x(0) is the same random variable as x at the start
+    const Index begin = layout_.initial_state(), count = layout_.size() - begin;
+    const MatrixXd start = prior_.covariance.topLeftCorner(count, count);
+    prior_.covariance.block(begin, begin, count, count) = start;
+    prior_.covariance.block(begin, 0, count, count) = start;
+    prior_.covariance.block(0, begin, count, count) = start;
+  }
+  VectorXd linear = VectorXd::Zero(layout_.linear);
+  linear.head(n) = prior.mean.displacement;
+  linear.segment(n, n) = prior.mean.velocity;
+  prior_ = prior_about(unknowns, linear, prior.mean.connector_states);
+}
+
+Gaussian Observer::prior_about(const VectorXd& unknowns, const VectorXd& linear_state,
+                               const VectorXd& connector_states) const {
+  Gaussian prior{VectorXd::Zero(layout_.size()), prior_.covariance};
+  prior.mean.head(layout_.linear) = linear_state;
+  prior.mean.segment(layout_.connector_state(), layout_.connector_states) = connector_states;
+  prior.mean.segment(layout_.unknown(), layout_.unknowns) = unknowns;
+  if (layout_.keeps_initial_state)
+    prior.mean.tail(layout_.size() - layout_.initial_state()) << linear_state, connector_states;
+  return prior;
+}
+
+void Observer::set_process_noise() {
+  const auto& noise = options_.process_noise;
+  const Index n = layout_.dofs, s = layout_.connector_states;
+  MatrixXd density = MatrixXd::Zero(layout_.linear, layout_.linear);
+  density.diagonal().segment(n, n) = noise.acceleration.cwiseAbs2();
+  for (Index i = 0; i < system_.input_count(); ++i) {
+    const Index state = form_.input_state(i);
+    if (state < 0) continue;
+    const bool integrated = options_.inputs[static_cast<std::size_t>(i)].model == InputModel::integrated;
+    density(integrated ? state + 1 : state, integrated ? state + 1 : state) = noise.input[i] * noise.input[i];
+  }
+  process_noise_ = MatrixXd::Zero(layout_.size(), layout_.size());
+  if (!density.isZero(0.0))
+    process_noise_.topLeftCorner(layout_.linear, layout_.linear) =
+        process_noise_covariance(form_.dynamics(), density, step_.step);
+  process_noise_.diagonal().segment(layout_.connector_state(), s) = step_.step * noise.connector_states.cwiseAbs2();
+  for (Index i = 0; i < layout_.unknowns; ++i) {
+    const auto& unknown = options_.unknowns[static_cast<std::size_t>(i)];
+    const double walk = unknown.random_walk / unknown.transform.slope(unknown.transform.to_state(unknown.initial));
+    process_noise_(layout_.unknown() + i, layout_.unknown() + i) = step_.step * walk * walk;
+  }
+}
+
+}  // namespace kalfem

@@ -1,0 +1,37 @@
+#pragma once
+
+#include "kalfem/estimation/filter.hpp"
+
+namespace kalfem {
+
+/// Carries mean and lower triangular square root S, P = S S^T. Time update and measurement update are orthogonal
+/// triangularisations of arrays of columns (Kailath, Sayed and Hassibi, Linear Estimation, chapter 12),
+///     [ D  G Sigma^(1/2)  Q^(1/2) ]  ->  [ S+ 0 ],      [ D_y  G Sigma^(1/2)  R^(1/2) ]  ->  [ L_y  0  0 ]
+///                                                       [ S        0             0    ]      [ J    S+ 0 ],
+/// so that no difference of covariances is ever formed. Only where a negative centre weight makes Sigma indefinite are
+/// its negative directions taken off by a downdate that refuses to leave the positive definite matrices.
+class SquareRootFilter final : public Filter {
+ public:
+  explicit SquareRootFilter(UnscentedTransform transform) : transform_(std::move(transform)) {}
+
+  void reset(const Gaussian& estimate) override;
+  FilterOutcome predict(PartiallyLinearMap& transition, const Eigen::MatrixXd& process_noise) override;
+  FilterOutcome update(PartiallyLinearMap& measurement, const Eigen::MatrixXd& noise, const Eigen::VectorXd& y,
+                       Innovation& innovation) override;
+  FilterOutcome observe(PartiallyLinearMap& map, Eigen::VectorXd& mean, Eigen::VectorXd& deviation) override;
+
+  const Eigen::VectorXd& mean() const override { return mean_; }
+  Eigen::VectorXd standard_deviation() const override { return factor_.rowwise().norm(); }
+  Eigen::MatrixXd covariance() const override { return factor_ * factor_.transpose(); }
+
+ private:
+  bool split_scatter(const PartiallyLinearMap& map);
+  const Eigen::MatrixXd& root_of(const Eigen::MatrixXd& noise, Eigen::MatrixXd& kept, Eigen::MatrixXd& root);
+
+  UnscentedTransform transform_;
+  Eigen::VectorXd mean_;
+  Eigen::MatrixXd factor_, array_, triangle_, added_, removed_;
+  Eigen::MatrixXd process_noise_, process_root_, noise_, noise_root_;
+};
+
+}  // namespace kalfem

@@ -1,0 +1,91 @@
+#include "kalfem/estimation/unscented_transform.hpp"
+
+#include <cmath>
+
+namespace kalfem {
+
+using Eigen::ArrayXXd;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double linearisation_spread = 1e-4;  ///< in standard deviations: difference and rounding error balance
+
+}  // namespace
+
+UnscentedWeights::UnscentedWeights(const UnscentedOptions& options, Index dimension) {
+  const auto n = static_cast<double>(dimension);
+  const double c = options.alpha * options.alpha * (n + options.kappa);
+  spread = std::sqrt(c);
+  mean_centre = (c - n) / c;
+  covariance_centre = mean_centre + 1.0 - options.alpha * options.alpha + options.beta;
+  other = 0.5 / c;
+}
+
+UnscentedTransform UnscentedTransform::linearised() {
+  UnscentedTransform transform;
+  transform.linearised_ = true;
+  return transform;
+}
+
+bool UnscentedTransform::apply(PartiallyLinearMap& map, const VectorXd& mean, const MatrixXd& factor) {
+  UnscentedWeights weights(options_, factor.cols());
+  if (linearised_) weights.spread = linearisation_spread, weights.mean_centre = 1.0, weights.other = 0.0;
+  place_points(map, mean, factor, weights.spread);
+  out_.resize(in_.rows(), map.gain.cols());
+  if (!map.evaluate(in_, out_)) return false;
+  gather_channels(weights);
+
+  mean_ = map.offset;
+  mean_.noalias() += map.linear * mean;
+  mean_.noalias() += map.gain * channel_mean_;
+  deviations_.noalias() = map.linear * factor;
+  deviations_.noalias() += map.gain * delta_.matrix().transpose();
+  return true;
+}
+
+/// w at the centre and at the 2 n points, one a row.
+void UnscentedTransform::place_points(const PartiallyLinearMap& map, const VectorXd& mean, const MatrixXd& factor,
+                                      double spread) {
+  const Index n = factor.cols(), q = map.selection.rows();
+  in_.resize(2 * n + 1, q);
+  channel_factor_.noalias() = factor.transpose() * map.selection.transpose();
+  channel_mean_.resize(q);
+  channel_mean_ = map.input_offset;
+  channel_mean_.noalias() += map.selection * mean;
+  for (Index j = 0; j < q; ++j) {
+    const double centre = channel_mean_[j];
+    in_(0, j) = centre;
+    in_.col(j).segment(1, n) = centre + spread * channel_factor_.col(j).array();
+    in_.col(j).tail(n) = centre - spread * channel_factor_.col(j).array();
+  }
+}
+
+/// mean(phi), delta and Sigma from phi at all points.
+void UnscentedTransform::gather_channels(const UnscentedWeights& weights) {
+  const Index p = out_.cols(), n = (out_.rows() - 1) / 2;
+  channel_mean_.resize(p);
+  delta_.resize(n, p);
+  sigma_.resize(n + 1, p);
+  for (Index j = 0; j < p; ++j) {
+    const auto plus = out_.col(j).segment(1, n), minus = out_.col(j).tail(n);
+    channel_mean_[j] = weights.mean_centre * out_(0, j) + weights.other * (plus.sum() + minus.sum());
+    delta_.col(j) = (plus - minus) * (0.5 / weights.spread);
+    sigma_.col(j).head(n) = (0.5 * (plus + minus) - channel_mean_[j]) * std::sqrt(2.0 * weights.other);
+    sigma_(n, j) = out_(0, j) - channel_mean_[j];
+  }
+  scatter_.resize(p, p);
+  scatter_.noalias() = sigma_.topRows(n).matrix().transpose() * sigma_.topRows(n).matrix();
+  if (!linearised_)
+    scatter_.noalias() += weights.covariance_centre * sigma_.row(n).matrix().transpose() * sigma_.row(n).matrix();
+}
+
+void UnscentedTransform::add_covariance(const PartiallyLinearMap& map, MatrixXd& covariance) {
+  covariance.selfadjointView<Eigen::Lower>().rankUpdate(deviations_);
+  gain_scatter_.noalias() = map.gain * scatter_;
+  covariance.triangularView<Eigen::Lower>() += gain_scatter_ * map.gain.transpose();
+}
+
+}  // namespace kalfem

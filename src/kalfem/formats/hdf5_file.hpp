@@ -1,0 +1,74 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace kalfem {
+
+/// One HDF5 file, open for writing (`create`) or for reading (`open`).
+///
+/// Objects are named by their path from the root, "/estimate/frame.p5/displacement"; groups on the way are made when
+/// they are missing. A matrix is stored row by row, so one row of the file is one row of the matrix; long arrays are
+/// chunked and compressed (shuffle + gzip level 4). Numbers are stored as 64-bit floats exactly as they are given,
+/// NaN included; text as UTF-8.
+///
+/// Every failure (no such file, not HDF5, no such dataset, wrong kind, disk full) throws InvalidInput with the name of
+/// the file and the reason. HDF5's own messages on stderr are switched off from the first use on.
+/// Not for use from several threads at once.
+class Hdf5File {
+public:
+  /// A new, empty file; one of that name is replaced.
+  static Hdf5File create(const std::string& path);
+  /// An existing file, read only.
+  static Hdf5File open(const std::string& path);
+
+  Hdf5File(Hdf5File&&) noexcept;
+  Hdf5File& operator=(Hdf5File&&) noexcept;
+  /// Closes without a word; call `close` to learn whether everything reached the disk.
+  ~Hdf5File();
+
+  /// Flushes and closes; using the file afterwards throws. Closing twice does nothing.
+  void close();
+
+  /// @name Writing
+  /// A name can be written once.
+  ///@{
+  void write(const std::string& dataset, const Eigen::Ref<const Eigen::VectorXd>& values);
+  void write_matrix(const std::string& dataset, const Eigen::Ref<const Eigen::MatrixXd>& values);
+  void write_strings(const std::string& dataset, const std::vector<std::string>& values);
+  /// Attaches a value to an existing dataset or group ("/" for the file itself); an old value is replaced.
+  void set_attribute(const std::string& object, const std::string& name, const std::string& value);
+  void set_attribute(const std::string& object, const std::string& name, double value);
+  ///@}
+
+  /// @name Reading
+  /// Integers and floats of any width are read as double.
+  ///@{
+  [[nodiscard]] bool contains(const std::string& object) const;
+  [[nodiscard]] bool has_attribute(const std::string& object, const std::string& name) const;
+  /// Paths of all datasets below a group, sorted.
+  [[nodiscard]] std::vector<std::string> datasets(const std::string& group = "/") const;
+  /// Lengths along each dimension; empty for a scalar.
+  [[nodiscard]] std::vector<Eigen::Index> shape(const std::string& dataset) const;
+  /// A scalar, a 1-D dataset, or a 2-D one with a single row or column.
+  [[nodiscard]] Eigen::VectorXd read(const std::string& dataset) const;
+  /// A 2-D dataset; a 1-D one is one column.
+  [[nodiscard]] Eigen::MatrixXd read_matrix(const std::string& dataset) const;
+  /// Column `column` (0-based) of a 2-D dataset, without reading the others.
+  [[nodiscard]] Eigen::VectorXd read_column(const std::string& dataset, Eigen::Index column) const;
+  [[nodiscard]] std::vector<std::string> read_strings(const std::string& dataset) const;
+  [[nodiscard]] std::string text_attribute(const std::string& object, const std::string& name) const;
+  [[nodiscard]] double number_attribute(const std::string& object, const std::string& name) const;
+  ///@}
+
+private:
+  struct Handle;
+  explicit Hdf5File(std::unique_ptr<Handle> handle);
+  [[nodiscard]] const Handle& handle() const;
+
+  std::unique_ptr<Handle> handle_;
+};
+
+}  // namespace kalfem

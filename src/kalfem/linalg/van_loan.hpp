@@ -1,0 +1,19 @@
+#pragma once
+
+#include <Eigen/Dense>
+
+namespace kalfem {
+
+/// Covariance that continuous white noise of density Qc adds to the state of x' = A x + w over an interval,
+///     Q(h) = int_0^h exp(A s) Qc exp(A^T s) ds.
+///
+/// Van Loan's block exponential gives Q over a short interval h0 = h / 2^k with |A| h0 <= 1/2, and
+///     Q(2 h0) = Q(h0) + exp(A h0) Q(h0) exp(A h0)^T
+/// doubles it k times; unlike the block exponential over the whole of h, which contains exp(-A h), that stays bounded
+/// for stiff, damped systems. A: n x n, Qc: n x n symmetric positive semi-definite [state^2/s], h [s] > 0. The result
+/// is symmetric. Throws InvalidInput where a value is not finite or the shapes do not match. Source: Van Loan, IEEE
+/// Trans. Autom. Control 23 (1978) 395-404.
+Eigen::MatrixXd process_noise_covariance(const Eigen::Ref<const Eigen::MatrixXd>& A,
+                                         const Eigen::Ref<const Eigen::MatrixXd>& Qc, double h);
+
+}  // namespace kalfem

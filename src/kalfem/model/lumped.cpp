@@ -1,0 +1,146 @@
+#include "kalfem/model/lumped.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace kalfem {
+namespace {
+
+bool is_ground(const LumpedSubstructure& substructure, const std::string& point) {
+  return std::ranges::find(substructure.grounds, point) != substructure.grounds.end();
+}
+
+std::vector<std::string> point_names(const LumpedSubstructure& substructure) {
+  std::vector<std::string> names = substructure.grounds;
+  for (const auto& mass : substructure.masses) names.push_back(mass.dof);
+  for (const auto& [name, combination] : substructure.points) names.push_back(name);
+  return names;
+}
+
+/// Displacement of a point per degree of freedom; zero for a ground.
+Eigen::VectorXd participation(const LumpedSubstructure& substructure, const std::string& point) {
+  const auto& masses = substructure.masses;
+  Eigen::VectorXd vector = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(masses.size()));
+  for (std::size_t i = 0; i < masses.size(); ++i)
+    if (masses[i].dof == point) vector[static_cast<Eigen::Index>(i)] = 1.0;
+  if (const auto named = substructure.points.find(point); named != substructure.points.end())
+    for (const auto& [dof, coefficient] : named->second) vector += coefficient * participation(substructure, dof);
+  return vector;
+}
+
+void check_masses(const LumpedSubstructure& substructure, IssueList& issues) {
+  std::set<std::string> seen;
+  if (substructure.masses.empty())
+    issues.add({}, "substructure '" + substructure.name + "' has no masses", "it has no degree of freedom",
+               "give it at least one mass");
+  for (const auto& [dof, mass] : substructure.masses) {
+    if (!seen.insert(dof).second)
+      issues.add({}, "mass '" + substructure.name + "." + dof + "' is given twice", "names must be unique");
+    if (!(mass > 0.0) || !std::isfinite(mass))
+      issues.add({}, "mass of '" + substructure.name + "." + dof + "' is " + std::to_string(mass),
+                 "a mass must be positive and finite", "give the mass in kg");
+  }
+}
+
+void check_springs(const LumpedSubstructure& substructure, IssueList& issues) {
+  const auto known = point_names(substructure);
+  for (const auto& spring : substructure.springs) {
+    const std::string title = "spring '" + substructure.name + "." + spring.name + "'";
+    for (const auto& end : {spring.from, spring.to})
+      if (std::ranges::find(known, end) == known.end())
+        issues.add({}, title + " ends at '" + end + "', which does not exist" + did_you_mean(end, known),
+                   "a spring joins masses, points or grounds of its substructure");
+    if (spring.from == spring.to) issues.add({}, title + " joins '" + spring.from + "' to itself", "it has no effect");
+    for (const double value : {spring.stiffness, spring.damping})
+      if (!(value >= 0.0) || !std::isfinite(value))
+        issues.add({}, title + " has the value " + std::to_string(value),
+                   "stiffness and damping of a lumped spring are not negative");
+  }
+}
+
+void check_points(const LumpedSubstructure& substructure, IssueList& issues) {
+  for (const auto& [name, combination] : substructure.points)
+    for (const auto& [dof, coefficient] : combination) {
+      const bool exists = std::ranges::any_of(substructure.masses, [&](const auto& m) { return m.dof == dof; });
+      if (!exists)
+        issues.add({}, "point '" + substructure.name + "." + name + "' uses '" + dof + "', which is no degree of freedom",
+                   "a point is a combination of degrees of freedom");
+    }
+}
+
+void check_damping(const LumpedSubstructure& substructure, IssueList& issues) {
+  for (const double ratio : substructure.modal_damping)
+    if (!(ratio >= 0.0 && ratio < 1.0))
+      issues.add({}, "modal damping ratio of '" + substructure.name + "' is " + std::to_string(ratio),
+                 "a ratio lies in [0, 1)", "write 1 % or 0.01");
+  const auto& [alpha, beta] = substructure.rayleigh;
+  if (!(alpha >= 0.0 && beta >= 0.0) || !std::isfinite(alpha + beta))
+    issues.add({}, "Rayleigh factors of '" + substructure.name + "' are negative or not finite",
+               "they would feed energy in");
+}
+
+GroundCoupling& coupling_of(LinearModel& model, const std::string& ground) {
+  for (auto& coupling : model.grounds)
+    if (coupling.ground == ground) return coupling;
+  const auto zero = Eigen::VectorXd::Zero(model.size());
+  return model.grounds.emplace_back(GroundCoupling{ground, zero, zero});
+}
+
+/// Damping that is not a dashpot: modal and Rayleigh.
+Eigen::MatrixXd material_damping(const LumpedSubstructure& substructure, const LinearModel& model) {
+  const auto& [alpha, beta] = substructure.rayleigh;
+  Eigen::MatrixXd damping = alpha * model.mass + beta * model.stiffness;
+  if (!substructure.modal_damping.empty())
+    damping += modal_damping(model.mass, normal_modes(model.mass, model.stiffness), substructure.modal_damping);
+  return damping;
+}
+
+/// Shape in which the model follows a slowly moving ground, K s = k_g: material damping acts on the motion relative to it.
+Eigen::VectorXd pseudo_static_shape(const Eigen::MatrixXd& stiffness, const Eigen::VectorXd& ground_stiffness) {
+  return stiffness.completeOrthogonalDecomposition().solve(ground_stiffness);
+}
+
+}  // namespace
+
+std::vector<Issue> validate(const LumpedSubstructure& substructure) {
+  IssueList issues;
+  check_masses(substructure, issues);
+  check_springs(substructure, issues);
+  check_points(substructure, issues);
+  check_damping(substructure, issues);
+  return issues.issues();
+}
+
+LinearModel assemble(const LumpedSubstructure& substructure) {
+  if (auto issues = validate(substructure); !issues.empty()) throw InvalidInput(std::move(issues));
+  LinearModel model;
+  model.points = substructure.points;
+  const auto n = static_cast<Eigen::Index>(substructure.masses.size());
+  Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(n, n), damping = mass, stiffness = mass;
+  for (const auto& [dof, value] : substructure.masses) {
+    mass(model.size(), model.size()) = value;
+    model.dofs.push_back(dof);
+  }
+  for (const auto& ground : substructure.grounds) coupling_of(model, ground);
+  for (const auto& spring : substructure.springs) {
+    const Eigen::VectorXd elongation =
+        participation(substructure, spring.to) - participation(substructure, spring.from);
+    stiffness += spring.stiffness * elongation * elongation.transpose();
+    damping += spring.damping * elongation * elongation.transpose();
+    // The ground's motion pulls its end: f = -b (b^T z + s r) with s = +1 at `to`, -1 at `from`.
+    for (const auto& [end, sign] : {std::pair{spring.to, 1.0}, std::pair{spring.from, -1.0}}) {
+      if (!is_ground(substructure, end)) continue;
+      coupling_of(model, end).stiffness -= sign * spring.stiffness * elongation;
+      coupling_of(model, end).damping -= sign * spring.damping * elongation;
+    }
+  }
+  model.mass = mass.sparseView();
+  model.stiffness = stiffness.sparseView();
+  const Eigen::MatrixXd material = material_damping(substructure, model);
+  for (auto& ground : model.grounds) ground.damping += material * pseudo_static_shape(stiffness, ground.stiffness);
+  model.damping = (damping + material).sparseView();
+  return model;
+}
+
+}  // namespace kalfem

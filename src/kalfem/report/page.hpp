@@ -1,0 +1,84 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace kalfem {
+
+/// What a curve stands for; decides its colour and stroke, the same on every chart of the page.
+enum class Role {
+  truth,      ///< reference values: thin, dark, dashed
+  estimate,   ///< filtered or smoothed values: blue, solid
+  measured,   ///< a sensor's record: grey
+  predicted,  ///< response of the driven substructure: vermilion
+  initial,    ///< a first guess or the model before updating: purple, dotted
+  limit,      ///< a bound or a confidence limit: green, dashed
+  other,      ///< the next free colour
+};
+
+/// One curve.
+struct Series {
+  std::string label = {};
+  std::vector<double> y = {};
+  std::vector<double> lower = {};  ///< band around y, empty for none
+  std::vector<double> upper = {};
+  Role role = Role::other;
+  std::vector<double> x = {};  ///< only on a scatter chart: the abscissae of this curve
+};
+
+/// A range on an axis, low < high.
+using Range = std::array<double, 2>;
+
+/// Curves over one abscissa (time, frequency), or with `scatter` paths in a plane (connector force over deformation).
+/// Values that are not finite are gaps.
+struct Chart {
+  std::string id = {};  ///< for links, "#chart-<id>"; no blanks, used once on the page; empty: numbered
+  std::string title = {};
+  std::string caption = {};
+  std::string x_label = {};  ///< with the unit, "time [s]"
+  std::string y_label = {};
+  std::vector<double> x = {};  ///< strictly increasing; empty on a scatter chart
+  std::vector<Series> series = {};
+  bool scatter = false;
+  std::optional<Range> x_window = {};  ///< part of x that is shown first
+  std::optional<Range> y_window = {};  ///< part of y that is shown first; else what the curves need
+  bool half_width = false;             ///< two in a row on a wide screen; scatter charts always are
+};
+
+enum class Align { left, right, center };
+
+struct Table {
+  std::string title = {};
+  std::vector<std::string> columns = {};
+  std::vector<std::vector<std::string>> rows = {};  ///< as many cells as columns
+  std::vector<Align> alignment = {};  ///< per column; empty: columns of numbers to the right, text to the left
+};
+
+struct Section {
+  std::string heading = {};
+  std::string text = {};  ///< plain text; an empty line starts a paragraph
+  std::vector<std::variant<Chart, Table>> items = {};
+};
+
+enum class PageStatus { ok, unusable };
+
+struct Page {
+  std::string title = {};
+  std::string subtitle = {};
+  PageStatus status = PageStatus::ok;
+  std::string summary = {};  ///< the answer in a sentence or two, beside the status
+  std::vector<Section> sections = {};
+};
+
+/// Rows of a chart, and points of a path, that are kept; longer records are thinned so that every peak stays.
+inline constexpr std::size_t report_points = 4000;
+
+/// The page as one self-contained HTML document: data, style and scripts inside, no reference to any other resource.
+/// All texts are taken as plain text. Throws InvalidInput with every mistake of the page: unequal lengths, abscissae
+/// that do not increase, empty ranges, ids that appear twice, rows of the wrong length.
+std::string render_html(const Page& page);
+
+}  // namespace kalfem

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <vector>
+
+#include "kalfem/system/locally_nonlinear_system.hpp"
+
+namespace kalfem {
+
+/// When the implicit solve for the connector forces counts as done.
+struct ForceSolveOptions {
+  double tolerance = 1e-8;   ///< stop when |last correction of f_j| <= tolerance (|f_j| + force_floor); Newton's next error is its square
+  double force_floor = 1e-6; ///< [N]
+  int max_iterations = 60;   ///< Newton corrections, halvings included
+};
+
+/// How the solve ended: a value, counted by the caller.
+struct ForceSolveOutcome {
+  bool converged = true;
+  bool finite = true;
+  int iterations = 0;
+};
+
+/// The connectors of a system at N points at once: forces of all laws, and the small implicit solve of size m that every
+/// time stepping needs. Owns its arrays: one thread at a time, no allocation once the number of points has been seen.
+///
+/// A solver knows the connectors' motion up to their own forces, k = k_free + H f with k = [d; d'; d''] (3m) and H constant
+/// (3m x m), and asks for the f with f = law(k_free + H f).
+class ConnectorForces {
+ public:
+  explicit ConnectorForces(const LocallyNonlinearSystem& system, ForceSolveOptions options = {});
+
+  /// Sets the number of points; parameters return to the connectors' own values.
+  void resize(Eigen::Index points);
+  [[nodiscard]] Eigen::Index points() const { return force_.rows(); }
+
+  /// Values of one law parameter at all points (unknown parameters at sigma points).
+  auto parameter(Eigen::Index connector, Eigen::Index index) {
+    return parameters_[static_cast<std::size_t>(connector)].col(index);
+  }
+
+  // Motion is stored N x 3m with columns [d_1 .. d_m, d'_1 .. d'_m, d''_1 .. d''_m].
+  Eigen::ArrayXXd& free_motion() { return free_motion_; }       ///< k_free at the interval's end, input
+  Eigen::ArrayXXd& begin_motion() { return begin_motion_; }     ///< k at the interval's begin, N x 2m used, input
+  Eigen::ArrayXXd& begin_states() { return begin_states_; }     ///< s at the interval's begin, N x states, input
+  Eigen::ArrayXXd& force() { return force_; }                   ///< f, N x m: first guess in, solution out
+  [[nodiscard]] const Eigen::ArrayXXd& motion() const { return motion_; }  ///< k = k_free + H f, output
+  [[nodiscard]] const Eigen::ArrayXXd& states() const { return states_; }  ///< s at the end, output
+
+  /// Solves f = law(k_free + H f) over an interval of the given duration (0: at an instant, states stay).
+  ForceSolveOutcome solve(const Eigen::MatrixXd& compliance, double duration);
+
+ private:
+  void set_motion(const Eigen::MatrixXd& compliance);
+  void respond(double duration);
+  [[nodiscard]] bool feels_its_forces(const Eigen::MatrixXd& compliance) const;
+  [[nodiscard]] bool correct(const Eigen::MatrixXd& compliance);
+  void correct_single(const Eigen::MatrixXd& compliance);
+  void correct_coupled(const Eigen::MatrixXd& compliance);
+  void halve_where_worse();
+
+  std::vector<ConnectorLawPtr> laws_;
+  std::vector<Eigen::VectorXd> nominal_;
+  std::vector<Eigen::Index> state_offset_;
+  ForceSolveOptions options_;
+  Eigen::Index state_count_ = 0;
+
+  std::vector<Eigen::ArrayXXd> parameters_;
+  Eigen::ArrayXXd free_motion_, begin_motion_, motion_, begin_states_, states_, force_;
+  Eigen::ArrayXXd law_force_, tangents_, correction_, residual_, previous_residual_;
+  Eigen::MatrixXd jacobian_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
+  Eigen::VectorXd small_;
+};
+
+}  // namespace kalfem

@@ -1,0 +1,158 @@
+#include "kalfem/system/coupling.hpp"
+
+#include <algorithm>
+
+#include "kalfem/system/law_library.hpp"
+
+namespace kalfem {
+namespace {
+
+using Triplets = std::vector<Eigen::Triplet<double>>;
+
+void append_block(Triplets& triplets, const SparseMatrix& block, Eigen::Index offset) {
+  for (Eigen::Index column = 0; column < block.outerSize(); ++column)
+    for (SparseMatrix::InnerIterator it(block, column); it; ++it)
+      triplets.emplace_back(offset + it.row(), offset + it.col(), it.value());
+}
+
+SparseMatrix block_diagonal(const std::vector<Substructure>& parts, SparseMatrix LinearModel::* matrix) {
+  Triplets triplets;
+  Eigen::Index offset = 0;
+  for (const auto& part : parts) {
+    append_block(triplets, part.model.*matrix, offset);
+    offset += part.model.size();
+  }
+  SparseMatrix result(offset, offset);
+  result.setFromTriplets(triplets.begin(), triplets.end());
+  return result;
+}
+
+const char* value_unit(InputKind kind) {
+  switch (kind) {
+    case InputKind::base_displacement: return "m";
+    case InputKind::base_acceleration: return "m/s^2";
+    case InputKind::force: return "N";
+  }
+  return "";
+}
+
+}  // namespace
+
+CoupledModel::CoupledModel(std::vector<Substructure> substructures,
+                           const std::vector<ConnectorDescription>& connectors,
+                           const std::vector<InputDescription>& inputs)
+    : substructures_(std::move(substructures)), inputs_(inputs) {
+  assemble_linear_part();
+  base_accelerations_ = Eigen::MatrixXd::Zero(system_.size(), static_cast<Eigen::Index>(inputs.size()));
+  IssueList issues;
+  for (std::size_t i = 0; i < inputs.size(); ++i) try {
+      add_input(inputs[i], i);
+    } catch (const InvalidInput& error) {
+      issues.add(error, {});
+    }
+  for (const auto& connector : connectors) add_connector(connector, issues);
+  issues.raise();
+}
+
+void CoupledModel::assemble_linear_part() {
+  for (const auto& part : substructures_)
+    for (const auto& dof : part.model.dofs) system_.dofs.push_back(part.name + "." + dof);
+  system_.mass = block_diagonal(substructures_, &LinearModel::mass);
+  system_.damping = block_diagonal(substructures_, &LinearModel::damping);
+  system_.stiffness = block_diagonal(substructures_, &LinearModel::stiffness);
+}
+
+void CoupledModel::add_input(const InputDescription& description, std::size_t index) {
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(system_.size());
+  Input input{description.name, value_unit(description.kind), zero, zero, zero};
+  if (description.kind == InputKind::force) {
+    input.value = motion(description.target).dofs;
+    if (input.value.isZero())
+      throw InvalidInput("force '" + description.name + "' acts on the ground '" + description.target + "'",
+                         "the ground does not move by a force", "name a point of a substructure");
+  } else if (description.kind == InputKind::base_displacement) {
+    Eigen::Index offset = 0;
+    bool found = false;
+    for (const auto& part : substructures_) {
+      for (const auto& ground : part.model.grounds)
+        if (part.name + "." + ground.ground == description.target) {
+          found = true;
+          input.value.segment(offset, part.model.size()) = ground.stiffness;
+          input.rate.segment(offset, part.model.size()) = ground.damping;
+        }
+      offset += part.model.size();
+    }
+    if (!found)
+      throw InvalidInput("base displacement '" + description.name + "' moves '" + description.target +
+                             "', which is not a ground" + did_you_mean(description.target, point_names()),
+                         "only a ground can be moved", "name it as substructure.ground");
+  } else {
+    Eigen::VectorXd direction = Eigen::VectorXd::Ones(system_.size());
+    if (!description.direction.empty()) direction.setZero();
+    for (const auto& [dof, value] : description.direction) direction += value * motion(dof).dofs;
+    base_accelerations_.col(static_cast<Eigen::Index>(index)) = direction;
+    input.value = -(system_.mass * direction);
+  }
+  system_.inputs.push_back(std::move(input));
+}
+
+void CoupledModel::add_connector(const ConnectorDescription& description, IssueList& issues) {
+  try {
+    const PointMotion from = motion(description.from), to = motion(description.to);
+    const Eigen::VectorXd deformation = to.dofs - from.dofs;
+    if (deformation.isZero())
+      issues.add({}, "connector '" + description.name + "' joins '" + description.from + "' and '" + description.to + "'",
+                 "they do not move against each other", "join two different points, one of them not a ground");
+    for (const auto& issue : validate_parameters(*description.law, description.parameters))
+      issues.add(issue.location, "connector '" + description.name + "': " + issue.what, issue.why, issue.fix);
+    system_.connectors.push_back(
+        {description.name, description.law, description.parameters, deformation, from.base - to.base});
+  } catch (const InvalidInput& error) {
+    for (const auto& issue : error.issues())
+      issues.add(issue.location, "connector '" + description.name + "': " + issue.what, issue.why, issue.fix);
+  }
+}
+
+PointMotion CoupledModel::zero_motion() const {
+  return {Eigen::VectorXd::Zero(system_.size()), Eigen::VectorXd::Zero(static_cast<Eigen::Index>(inputs_.size()))};
+}
+
+PointMotion CoupledModel::motion(const std::string& point) const {
+  PointMotion motion = zero_motion();
+  if (const auto dof = dof_index(point); dof >= 0) {
+    motion.dofs[dof] = 1.0;
+    return motion;
+  }
+  for (const auto& part : substructures_) {
+    for (const auto& [name, combination] : part.model.points)
+      if (part.name + "." + name == point) {
+        for (const auto& [dof, coefficient] : combination) motion.dofs[dof_index(part.name + "." + dof)] += coefficient;
+        return motion;
+      }
+    for (const auto& ground : part.model.grounds)
+      if (part.name + "." + ground.ground == point) {
+        for (std::size_t i = 0; i < inputs_.size(); ++i)
+          if (inputs_[i].kind == InputKind::base_displacement && inputs_[i].target == point)
+            motion.base[static_cast<Eigen::Index>(i)] = 1.0;
+        return motion;
+      }
+  }
+  throw InvalidInput("there is no point '" + point + "'" + did_you_mean(point, point_names()),
+                     "points are written substructure.name", "name one of the substructure's masses, points or grounds");
+}
+
+std::vector<std::string> CoupledModel::point_names() const {
+  std::vector<std::string> names = system_.dofs;
+  for (const auto& part : substructures_) {
+    for (const auto& [name, combination] : part.model.points) names.push_back(part.name + "." + name);
+    for (const auto& ground : part.model.grounds) names.push_back(part.name + "." + ground.ground);
+  }
+  return names;
+}
+
+Eigen::Index CoupledModel::dof_index(const std::string& dof) const {
+  const auto found = std::ranges::find(system_.dofs, dof);
+  return found == system_.dofs.end() ? -1 : found - system_.dofs.begin();
+}
+
+}  // namespace kalfem

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/system/locally_nonlinear_system.hpp"
+
+namespace kalfem {
+
+/// A linear substructure under the name that qualifies its points: "wheel.w".
+struct Substructure {
+  std::string name;
+  LinearModel model;
+};
+
+/// A connector as the user describes it: a law between two qualified points.
+struct ConnectorDescription {
+  std::string name;
+  std::string from;
+  std::string to;
+  ConnectorLawPtr law;
+  Eigen::VectorXd parameters;
+};
+
+/// What an input does to the structure.
+enum class InputKind {
+  base_displacement,  ///< moves the ground `target` in absolute coordinates, through what touches it
+  base_acceleration,  ///< accelerates the whole ground; displacements are then relative to it
+  force               ///< acts at the point `target`
+};
+
+struct InputDescription {
+  std::string name;
+  InputKind kind = InputKind::force;
+  std::string target;                   ///< qualified point; for base_acceleration the direction below counts instead
+  DofCombination direction = {};        ///< base_acceleration: rigid motion per unit, by qualified DOF (empty: all 1)
+};
+
+/// Displacement of a point, z_p = dofs^T z + base^T r.
+struct PointMotion {
+  Eigen::VectorXd dofs;  ///< n
+  Eigen::VectorXd base;  ///< n_u
+};
+
+/// Everything that joins: substructures, connectors between their points, and inputs. The system and the names of its
+/// points in one, so that sensors can be placed.
+class CoupledModel {
+ public:
+  /// Throws InvalidInput with every unknown point, doubled name or unsuitable parameter found.
+  CoupledModel(std::vector<Substructure> substructures, const std::vector<ConnectorDescription>& connectors,
+               const std::vector<InputDescription>& inputs);
+
+  [[nodiscard]] const LocallyNonlinearSystem& system() const { return system_; }
+  [[nodiscard]] const std::vector<Substructure>& substructures() const { return substructures_; }
+  /// Motion of the qualified point; throws InvalidInput (with the nearest name) when there is none.
+  [[nodiscard]] PointMotion motion(const std::string& point) const;
+  /// All names that motion() knows.
+  [[nodiscard]] std::vector<std::string> point_names() const;
+  /// Index of a degree of freedom, -1 when there is none.
+  [[nodiscard]] Eigen::Index dof_index(const std::string& dof) const;
+  /// Direction of the uniform base acceleration per input, n x n_u (zero columns for other inputs): absolute = relative + this.
+  [[nodiscard]] const Eigen::MatrixXd& base_accelerations() const { return base_accelerations_; }
+
+ private:
+  void assemble_linear_part();
+  void add_input(const InputDescription& description, std::size_t index);
+  void add_connector(const ConnectorDescription& description, IssueList& issues);
+  [[nodiscard]] PointMotion zero_motion() const;
+
+  std::vector<Substructure> substructures_;
+  std::vector<InputDescription> inputs_;
+  LocallyNonlinearSystem system_;
+  Eigen::MatrixXd base_accelerations_;
+};
+
+}  // namespace kalfem

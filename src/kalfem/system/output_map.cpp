@@ -1,0 +1,91 @@
+#include "kalfem/system/output_map.hpp"
+
+namespace kalfem {
+namespace {
+
+const char* unit_of(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::displacement:
+    case Quantity::connector_deformation: return "m";
+    case Quantity::velocity:
+    case Quantity::connector_rate: return "m/s";
+    case Quantity::acceleration: return "m/s^2";
+    case Quantity::connector_force: return "N";
+  }
+  return "";
+}
+
+Eigen::Index connector_index(const LocallyNonlinearSystem& system, const std::string& name) {
+  std::vector<std::string> names;
+  for (const auto& connector : system.connectors) {
+    if (connector.name == name) return static_cast<Eigen::Index>(names.size());
+    names.push_back(connector.name);
+  }
+  throw InvalidInput("there is no connector '" + name + "'" + did_you_mean(name, names), "", "");
+}
+
+void set_connector_row(OutputMap& map, Eigen::Index row, const LocallyNonlinearSystem& system, Quantity quantity,
+                       Eigen::Index index) {
+  const auto& connector = system.connectors[static_cast<std::size_t>(index)];
+  if (quantity == Quantity::connector_force) {
+    map.force(row, index) = 1.0;
+  } else if (quantity == Quantity::connector_deformation) {
+    map.displacement.row(row) = connector.deformation.transpose();
+    map.input_value.row(row) = -connector.base.transpose();
+  } else {
+    map.velocity.row(row) = connector.deformation.transpose();
+    map.input_rate.row(row) = -connector.base.transpose();
+  }
+}
+
+void set_point_row(OutputMap& map, Eigen::Index row, const CoupledModel& model, const OutputDescription& output) {
+  const PointMotion motion = model.motion(output.target);
+  switch (output.quantity) {
+    case Quantity::displacement:
+      map.displacement.row(row) = motion.dofs.transpose();
+      map.input_value.row(row) = motion.base.transpose();
+      break;
+    case Quantity::velocity:
+      map.velocity.row(row) = motion.dofs.transpose();
+      map.input_rate.row(row) = motion.base.transpose();
+      break;
+    default:
+      map.acceleration.row(row) = motion.dofs.transpose();
+      map.input_acceleration.row(row) = motion.base.transpose();
+      if (!output.relative_to_base) map.input_value.row(row) += motion.dofs.transpose() * model.base_accelerations();
+  }
+}
+
+bool is_of_connector(Quantity quantity) {
+  return quantity == Quantity::connector_force || quantity == Quantity::connector_deformation ||
+         quantity == Quantity::connector_rate;
+}
+
+}  // namespace
+
+OutputMap make_outputs(const CoupledModel& model, const std::vector<OutputDescription>& descriptions) {
+  const auto& system = model.system();
+  const auto l = static_cast<Eigen::Index>(descriptions.size());
+  const auto dofs = Eigen::MatrixXd::Zero(l, system.size());
+  const auto inputs = Eigen::MatrixXd::Zero(l, system.input_count());
+  OutputMap map{{}, {}, dofs, dofs, dofs, inputs, inputs, inputs, Eigen::MatrixXd::Zero(l, system.connector_count())};
+  IssueList issues;
+  for (Eigen::Index row = 0; row < l; ++row) {
+    const auto& output = descriptions[static_cast<std::size_t>(row)];
+    map.names.push_back(output.name);
+    map.units.emplace_back(unit_of(output.quantity));
+    try {
+      if (is_of_connector(output.quantity))
+        set_connector_row(map, row, system, output.quantity, connector_index(system, output.target));
+      else
+        set_point_row(map, row, model, output);
+    } catch (const InvalidInput& error) {
+      for (const auto& issue : error.issues())
+        issues.add(issue.location, "sensor '" + output.name + "': " + issue.what, issue.why, issue.fix);
+    }
+  }
+  issues.raise();
+  return map;
+}
+
+}  // namespace kalfem

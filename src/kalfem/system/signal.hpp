@@ -1,0 +1,44 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <memory>
+#include <vector>
+
+namespace kalfem {
+
+/// Value, first and second time derivative of an excitation, one row per instant: a base displacement acts through its
+/// rate and its acceleration as well [unit, unit/s, unit/s^2].
+using SignalSamples = Eigen::ArrayX3d;
+
+/// An excitation as a function of time. Signals are immutable, safe to share between threads, and depend on the time
+/// alone: the same instant gives the same numbers however the call is partitioned.
+class Signal {
+public:
+  virtual ~Signal() = default;
+
+  /// Row k holds value, first and second derivative at the time start + k * step, k = 0 ... count - 1.
+  /// Throws InvalidInput unless start is finite, step positive and count >= 0, and where the signal is not known there.
+  [[nodiscard]] virtual SignalSamples sample(double start, double step, Eigen::Index count) const = 0;
+
+  /// Whether the signal is known on the whole of [begin, end]; formulas are, records may not be.
+  [[nodiscard]] virtual bool covers(double begin, double end) const {
+    (void)begin, (void)end;
+    return true;
+  }
+};
+
+using SignalPtr = std::shared_ptr<const Signal>;
+
+/// Throws InvalidInput unless start is finite, step is positive and finite, and count >= 0.
+void check_sampling(double start, double step, Eigen::Index count);
+
+/// factor * signal.
+SignalPtr scaled(SignalPtr signal, double factor);
+
+/// The sum of the signals, zero for none.
+SignalPtr sum(std::vector<SignalPtr> signals);
+
+/// signal(t - delay): what the rear axle meets when the front axle met `signal`, with delay = wheelbase / speed [s].
+SignalPtr delayed(SignalPtr signal, double delay);
+
+}  // namespace kalfem

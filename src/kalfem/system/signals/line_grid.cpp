@@ -1,0 +1,36 @@
+#include "kalfem/system/signals/line_grid.hpp"
+
+#include <cmath>
+
+#include "kalfem/system/option_checks.hpp"
+
+namespace kalfem {
+
+namespace {
+
+constexpr double most_lines = 200'000.0;
+constexpr double edge_tolerance = 1e-9;  // of a line spacing: an edge that is a multiple but for rounding belongs to it
+
+double first_line(const LineGrid& grid) { return std::ceil(grid.lower * grid.duration - edge_tolerance); }
+double last_line(const LineGrid& grid) { return std::floor(grid.upper * grid.duration + edge_tolerance); }
+
+}  // namespace
+
+void require_lines(IssueList& issues, const std::string& signal, const LineGrid& grid) {
+  const double count = last_line(grid) - first_line(grid) + 1.0;
+  const std::string band = "[" + shown(grid.lower) + ", " + shown(grid.upper) + "] Hz";
+  if (!(count >= 1.0))
+    issues.add({}, signal + ": no multiple of 1/duration = " + shown(1.0 / grid.duration) + " Hz lies in " + band,
+               "the signal is a sum of lines with that spacing", "widen the band or lengthen the duration");
+  if (count > most_lines)
+    issues.add({}, signal + ": " + band + " over " + shown(grid.duration) + " s needs " + shown(count) + " lines",
+               "at most " + shown(most_lines) + " are computed", "narrow the band or shorten the duration");
+}
+
+std::vector<double> line_frequencies(const LineGrid& grid) {
+  std::vector<double> frequencies;
+  for (double line = first_line(grid); line <= last_line(grid); ++line) frequencies.push_back(line / grid.duration);
+  return frequencies;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,88 @@
+#include "kalfem/system/signals/sampled.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "kalfem/system/option_checks.hpp"
+#include "kalfem/system/signals/uniform_spline.hpp"
+
+namespace kalfem {
+
+namespace {
+
+constexpr double edge = 1e-6;  // of a sampling interval: instants that rounding moved over an end or a sample
+
+class Sampled final : public Signal {
+public:
+  Sampled(Eigen::VectorXd values, const SampledOptions& options)
+      : options_(options), values_(std::move(values)), curvature_(Eigen::VectorXd::Zero(values_.size())) {
+    if (options_.interpolation == Interpolation::cubic) curvature_ = not_a_knot_curvature(values_);
+  }
+
+  bool covers(double begin, double end) const override {
+    return options_.beyond == BeyondRecord::hold || (position(begin) >= -edge && position(end) <= last() + edge);
+  }
+
+  SignalSamples sample(double start, double step, Eigen::Index count) const override {
+    check_sampling(start, step, count);
+    if (count > 0) require_covered(start, start + static_cast<double>(count - 1) * step);
+    SignalSamples samples(count, 3);
+    for (Eigen::Index k = 0; k < count; ++k) samples.row(k) = at(position(start + static_cast<double>(k) * step));
+    return samples;
+  }
+
+private:
+  double last() const { return static_cast<double>(values_.size() - 1); }
+  double position(double time) const { return (time - options_.start) * options_.sample_rate; }
+
+  void require_covered(double begin, double end) const {
+    if (covers(begin, end)) return;
+    throw InvalidInput("a record from " + shown(options_.start) + " s to " +
+                           shown(options_.start + last() / options_.sample_rate) + " s is asked for the time from " +
+                           shown(begin) + " s to " + shown(end) + " s",
+                       "it is not known outside its samples",
+                       "shorten the analysis, supply a longer record, or let the record hold its end values");
+  }
+
+  /// Value and derivatives at a position counted in samples.
+  Eigen::Array<double, 1, 3> at(double position) const {
+    if (position < -edge) return {values_(0), 0.0, 0.0};
+    if (position > last() + edge) return {values_(values_.size() - 1), 0.0, 0.0};
+    const auto i = std::clamp<Eigen::Index>(static_cast<Eigen::Index>(position + edge), 0, values_.size() - 2);
+    const auto [value, slope, curvature] =
+        spline_segment(values_(i), values_(i + 1), curvature_(i), curvature_(i + 1), position - static_cast<double>(i));
+    const double rate = options_.sample_rate;
+    return {value, slope * rate, curvature * rate * rate};
+  }
+
+  SampledOptions options_;
+  Eigen::VectorXd values_;
+  Eigen::VectorXd curvature_;  ///< second derivatives at the samples, per sampling interval squared
+};
+
+}  // namespace
+
+IssueList validate(const SampledOptions& options) {
+  IssueList issues;
+  require_positive(issues, "sampled signal: sample_rate [Hz]", options.sample_rate);
+  require_finite(issues, "sampled signal: start [s]", options.start);
+  return issues;
+}
+
+SignalPtr make_sampled(Eigen::VectorXd values, const SampledOptions& options) {
+  IssueList issues = validate(options);
+  if (values.size() < 2)
+    issues.add({}, "sampled signal: " + std::to_string(values.size()) + " samples", "at least two are interpolated");
+  for (Eigen::Index k = 0; k < values.size(); ++k)
+    if (!std::isfinite(values(k))) {
+      issues.add({}, "sampled signal: sample " + std::to_string(k + 1) + " is " + shown(values(k)),
+                 "every sample must be finite", "repair or cut the record");
+      break;
+    }
+  issues.raise();
+  return std::make_shared<Sampled>(std::move(values), options);
+}
+
+}  // namespace kalfem

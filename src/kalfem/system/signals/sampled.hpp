@@ -1,0 +1,32 @@
+#pragma once
+
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/system/signal.hpp"
+
+namespace kalfem {
+
+/// cubic:  not-a-knot spline: twice continuously differentiable, value of order 4, rate of order 3, acceleration of
+///         order 2 in the sampling interval, up to the ends. Three samples give a parabola, two a line.
+/// linear: straight between the samples; the rate is the segment's slope (of the segment that begins there, at a
+/// sample),
+///         the second derivative zero. For forces; a base displacement needs `cubic`.
+enum class Interpolation { cubic, linear };
+
+/// What holds before the first and after the last sample: sample() throws, or the end value stays with zero
+/// derivatives.
+enum class BeyondRecord { reject, hold };
+
+/// A measured column with its own sampling rate as a function of time.
+struct SampledOptions {
+  double sample_rate = 1.0;  ///< [Hz]
+  double start = 0.0;        ///< time of the first sample [s]
+  Interpolation interpolation = Interpolation::cubic;
+  BeyondRecord beyond = BeyondRecord::reject;
+};
+
+IssueList validate(const SampledOptions& options);
+
+/// Throws InvalidInput for fewer than two samples or one that is not finite.
+SignalPtr make_sampled(Eigen::VectorXd values, const SampledOptions& options);
+
+}  // namespace kalfem

@@ -1,0 +1,105 @@
+#include "kalfem/system/signals/smooth_step.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "kalfem/system/option_checks.hpp"
+
+namespace kalfem {
+
+namespace {
+
+class Step final : public Signal {
+public:
+  explicit Step(const StepOptions& options) : options_(options) {}
+
+  SignalSamples sample(double start, double step, Eigen::Index count) const override {
+    check_sampling(start, step, count);
+    SignalSamples samples(count, 3);
+    for (Eigen::Index k = 0; k < count; ++k) samples.row(k) = at(start + static_cast<double>(k) * step);
+    return samples;
+  }
+
+private:
+  Eigen::Array<double, 1, 3> at(double time) const {
+    const double T = options_.duration;
+    const double x = std::clamp((time - options_.start) / T, 0.0, 1.0);
+    const double height = options_.after - options_.before;
+    return {options_.before + height * x * x * x * (10.0 + x * (-15.0 + 6.0 * x)),
+            height / T * 30.0 * x * x * (1.0 - x) * (1.0 - x),
+            height / (T * T) * 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x)};
+  }
+
+  StepOptions options_;
+};
+
+class Constant final : public Signal {
+public:
+  explicit Constant(double value) : value_(value) {}
+  SignalSamples sample(double start, double step, Eigen::Index count) const override {
+    check_sampling(start, step, count);
+    SignalSamples samples = SignalSamples::Zero(count, 3);
+    samples.col(0) = value_;
+    return samples;
+  }
+
+private:
+  double value_;
+};
+
+class Product final : public Signal {
+public:
+  Product(SignalPtr x, SignalPtr y) : x_(std::move(x)), y_(std::move(y)) {}
+  SignalSamples sample(double start, double step, Eigen::Index count) const override {
+    const SignalSamples x = x_->sample(start, step, count);
+    const SignalSamples y = y_->sample(start, step, count);
+    SignalSamples xy(count, 3);
+    xy.col(0) = x.col(0) * y.col(0);
+    xy.col(1) = x.col(1) * y.col(0) + x.col(0) * y.col(1);
+    xy.col(2) = x.col(2) * y.col(0) + 2.0 * x.col(1) * y.col(1) + x.col(0) * y.col(2);
+    return xy;
+  }
+  bool covers(double begin, double end) const override { return x_->covers(begin, end) && y_->covers(begin, end); }
+
+private:
+  SignalPtr x_;
+  SignalPtr y_;
+};
+
+}  // namespace
+
+IssueList validate(const StepOptions& options) {
+  IssueList issues;
+  require_finite(issues, "step: before", options.before);
+  require_finite(issues, "step: after", options.after);
+  require_finite(issues, "step: start [s]", options.start);
+  require_positive(issues, "step: duration of the transition [s]", options.duration);
+  return issues;
+}
+
+SignalPtr make_step(const StepOptions& options) {
+  validate(options).raise();
+  return std::make_shared<Step>(options);
+}
+
+SignalPtr make_constant(double value) {
+  IssueList issues;
+  require_finite(issues, "constant signal: value", value);
+  issues.raise();
+  return std::make_shared<Constant>(value);
+}
+
+SignalPtr product(SignalPtr x, SignalPtr y) {
+  if (!x || !y) throw InvalidInput("a signal is missing (null pointer)", "a product needs two signals", "");
+  return std::make_shared<Product>(std::move(x), std::move(y));
+}
+
+SignalPtr faded_in(SignalPtr signal, double rise, double begin) {
+  IssueList issues;
+  require_nonnegative(issues, "fade-in [s]", rise);
+  issues.raise();
+  if (rise == 0.0) return signal;
+  return product(std::move(signal), make_step({.before = 0.0, .after = 1.0, .start = begin, .duration = rise}));
+}
+
+}  // namespace kalfem

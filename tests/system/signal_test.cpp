@@ -1,0 +1,271 @@
+#include "kalfem/system/signal.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <unsupported/Eigen/FFT>
+
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/time_series.hpp"
+#include "kalfem/system/signals/harmonic.hpp"
+#include "kalfem/system/signals/pulse.hpp"
+#include "kalfem/system/signals/random_signal.hpp"
+#include "kalfem/system/signals/road_profile.hpp"
+#include "kalfem/system/signals/sampled.hpp"
+#include "kalfem/system/signals/smooth_step.hpp"
+
+namespace kalfem {
+namespace {
+
+const double nan = std::numeric_limits<double>::quiet_NaN();
+
+/// One-sided power spectral density of a record that repeats: |X_k|^2 2 / (N^2 df).
+Eigen::ArrayXd periodogram(const Eigen::VectorXd& x, double sample_rate) {
+  Eigen::FFT<double> fft;
+  Eigen::VectorXcd X;
+  fft.fwd(X, x);
+  const double n = static_cast<double>(x.size());
+  return X.head(x.size() / 2).array().abs2() * 2.0 / (n * sample_rate);
+}
+
+/// Largest difference of the given derivatives from central differences of the column before, relative to their rms.
+double derivative_error(const Signal& signal, double start, double end) {
+  constexpr double h = 1e-5;
+  double worst = 0.0;
+  const int points = 200;
+  const double step = (end - start) / points;
+  const auto at = signal.sample(start, step, points);
+  const auto before = signal.sample(start - h, step, points);
+  const auto after = signal.sample(start + h, step, points);
+  for (int d = 1; d <= 2; ++d) {
+    const Eigen::ArrayXd difference = (after.col(d - 1) - before.col(d - 1)) / (2 * h);
+    const double size = std::max(1e-300, std::sqrt(at.col(d).square().mean()));
+    worst = std::max(worst, (difference - at.col(d)).abs().maxCoeff() / size);
+  }
+  return worst;
+}
+
+TEST(Signals, DerivativesAreThoseOfTheValue) {
+  // central differences with h = 1e-5: truncation (w h)^2 / 6 = 6e-7 at 30 Hz, rounding 1e-16 / 1e-5
+  EXPECT_LT(derivative_error(*make_random({.rms = 3e-3, .seed = 7}), 0.1, 4.0), 1e-5);
+  EXPECT_LT(derivative_error(*make_random({.rms = 3e-3, .fade_in = 0.0}), 0.1, 4.0), 1e-5);
+  EXPECT_LT(derivative_error(*make_sine({.amplitude = 2, .frequency = 7, .phase = 0.3}), -1.0, 2.0), 1e-5);
+  EXPECT_LT(derivative_error(*make_sine({.frequency = 7, .fade_in = 1.0}), 0.0, 2.0), 1e-5);
+  EXPECT_LT(derivative_error(*make_swept_sine({.from = 1, .to = 30, .duration = 5}), 0.1, 4.9), 1e-5);
+  EXPECT_LT(
+      derivative_error(*make_swept_sine({.from = 30, .to = 1, .duration = 5, .sweep = Sweep::logarithmic}), 0.1, 4.9),
+      1e-5);
+  EXPECT_LT(derivative_error(*make_pulse({.start = 0.2, .duration = 0.5, .shape = PulseShape::smooth}), 0.0, 1.0),
+            1e-5);
+  EXPECT_LT(derivative_error(*make_pulse({.start = 0.2, .duration = 0.5}), 0.21, 0.69), 1e-5);
+  EXPECT_LT(derivative_error(*make_step({.before = 40, .after = 0, .start = 0.2, .duration = 0.1}), 0.0, 0.5), 1e-4);
+  EXPECT_LT(derivative_error(*make_road_profile({.road_class = 'B', .speed = 10}), 0.1, 3.0), 1e-5);
+}
+
+TEST(Signals, StartFromRestWhenFadedIn) {
+  for (const auto& signal :
+       {make_random({}), make_road_profile({}), make_sine({.frequency = 3, .phase = 1, .fade_in = 0.2})})
+    EXPECT_EQ(signal->sample(0.0, 1.0, 1).abs().maxCoeff(), 0.0);
+}
+
+TEST(RandomSignal, HasItsRmsAndItsBandExactly) {
+  const double rate = 200.0, duration = 20.0;
+  const auto signal =
+      make_random({.rms = 3e-3, .lower = 0.5, .upper = 30, .duration = duration, .fade_in = 0.0, .seed = 7});
+  const Eigen::VectorXd x = signal->sample(0.0, 1 / rate, Eigen::Index(rate * duration)).col(0);
+  EXPECT_NEAR(rms(x) / 3e-3, 1.0, 1e-12);
+
+  const Eigen::ArrayXd psd = periodogram(x, rate);
+  const double flat = 9e-6 / ((600 - 10 + 1) / duration);  // variance over 591 lines of 0.05 Hz
+  EXPECT_LT((psd.segment(10, 591) / flat - 1.0).abs().maxCoeff(), 1e-9);
+  EXPECT_LT(psd.head(10).maxCoeff() / flat, 1e-20);
+  EXPECT_LT(psd.tail(psd.size() - 601).maxCoeff() / flat, 1e-20);
+}
+
+TEST(RandomSignal, IsGaussianLike) {
+  const Eigen::ArrayXd x = make_random({.duration = 60, .fade_in = 0.0})->sample(0.0, 0.005, 12000).col(0);
+  EXPECT_NEAR(x.pow(4).mean(), 3.0, 0.25);  // kurtosis; 1770 independent values scatter by sqrt(24 / 1770) = 0.12
+  EXPECT_NEAR(x.pow(3).mean(), 0.0, 0.25);
+}
+
+TEST(RandomSignal, DoesNotDependOnThePartitionOfTheCall) {
+  const auto signal = make_random({.duration = 160, .fade_in = 0.5});
+  const auto whole = signal->sample(0.0, 5e-4, 300000);
+  const auto part = signal->sample(100.0, 1e-3, 40000);
+  const auto one = signal->sample(149.9995, 5e-4, 1);
+  const Eigen::Array3d size = whole.abs().colwise().maxCoeff().transpose();
+  for (int d = 0; d < 3; ++d) {
+    for (Eigen::Index k = 0; k < part.rows(); k += 997)
+      EXPECT_NEAR(part(k, d), whole(200000 + 2 * k, d), 1e-10 * size(d));
+    EXPECT_NEAR(one(0, d), whole(299999, d), 1e-10 * size(d));
+  }
+}
+
+TEST(RandomSignal, SeedsAndNamesAreIndependentAndReproducible) {
+  const auto values = [](std::uint64_t seed, const char* name) {
+    return Eigen::VectorXd(make_random({.fade_in = 0, .seed = seed, .name = name})->sample(0.0, 0.01, 2000).col(0));
+  };
+  EXPECT_EQ(values(1, "a"), values(1, "a"));
+  // correlation of independent band-limited signals of 590 lines: about 1 / sqrt(590) = 0.04
+  EXPECT_LT(std::abs(values(1, "a").dot(values(2, "a"))) / 2000, 0.2);
+  EXPECT_LT(std::abs(values(1, "a").dot(values(1, "b"))) / 2000, 0.2);
+}
+
+TEST(RandomSignal, IsFast) {
+  const auto signal = make_random({.lower = 0.5, .upper = 30, .duration = 20});
+  const auto begin = std::chrono::steady_clock::now();
+  const auto samples = signal->sample(0.0, 1.0 / 16000, 320000);
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+  EXPECT_TRUE(samples.allFinite());
+  RecordProperty("seconds", std::to_string(elapsed.count()));
+  EXPECT_LT(elapsed.count(), 10.0);  // about 0.2 s; the bound only catches a change of algorithm
+}
+
+TEST(RoadProfile, HasTheSpectrumOfItsClass) {
+  EXPECT_DOUBLE_EQ(road_spectrum('A', 0.1), 16e-6);
+  EXPECT_DOUBLE_EQ(road_spectrum('C', 0.1), 256e-6);
+  EXPECT_NEAR(road_spectrum('C', 0.2), 64e-6, 1e-18);
+  // Averaged Hann periodograms of a window that is no period of the profile: leakage and scatter are real.
+  const double speed = 15.0, rate = 200.0;
+  const Eigen::Index n = 2000;
+  const Eigen::ArrayXd window =
+      1.0 - (Eigen::ArrayXd::LinSpaced(n, 0.0, double(n - 1)) * (2 * std::numbers::pi / n)).cos();
+  Eigen::ArrayXd mean = Eigen::ArrayXd::Zero(n / 2);
+  const int seeds = 200;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    const auto road = make_road_profile(
+        {.road_class = 'C', .speed = speed, .duration = 43.0, .fade_in = 0, .seed = std::uint64_t(seed)});
+    const Eigen::VectorXd r = road->sample(3.0, 1 / rate, n).col(0).array() * window;
+    mean += periodogram(r, rate) / (seeds * window.square().mean());
+  }
+  for (const double f : {2.0, 5.0, 10.0, 20.0}) {
+    // five neighbouring lines of 200 seeds: scatter about 1 / sqrt(200 * 5 / 2) = 4.5 %
+    const auto line = Eigen::Index(std::lround(f * n / rate));
+    const double expected = road_spectrum('C', f / speed) / speed;  // Gd(f) = Gd(n) / v
+    EXPECT_NEAR(mean.segment(line - 2, 5).mean() / expected, 1.0, 0.10) << f << " Hz";
+  }
+}
+
+TEST(Wrappers, DelayShiftsScaleAndSumAdd) {
+  const auto front = make_road_profile({.speed = 20});
+  const double delay = 2.5 / 20;  // wheelbase / speed, 125 samples of 1 ms
+  const auto rear = delayed(front, delay);
+  const auto f = front->sample(0.0, 1e-3, 5000);
+  const auto r = rear->sample(0.0, 1e-3, 5000);
+  EXPECT_LT((r.bottomRows(4875) - f.topRows(4875)).abs().maxCoeff(), 1e-10 * f.abs().maxCoeff());
+  EXPECT_EQ(r.topRows(125).abs().maxCoeff(), 0.0);  // before its fade-in the road is level
+  const auto both = sum({front, scaled(rear, -2.0)})->sample(0.0, 1e-3, 5000);
+  EXPECT_LT((both - (f - 2.0 * r)).abs().maxCoeff(), 1e-15 * f.abs().maxCoeff());
+}
+
+TEST(SweptSine, RunsThroughItsFrequencies) {
+  // turned cycles: linear mean of the ends, logarithmic T (to - from) / ln(to / from)
+  const double pi = std::numbers::pi;
+  const auto linear = make_swept_sine({.from = 2, .to = 9, .duration = 3})->sample(3.0, 1.0, 1);
+  EXPECT_NEAR(linear(0, 0), std::sin(2 * pi * 16.5), 1e-12);
+  EXPECT_NEAR(linear(0, 1), 2 * pi * 9 * std::cos(2 * pi * 16.5), 1e-9);
+  const auto logarithmic =
+      make_swept_sine({.from = 2, .to = 8, .duration = 3, .sweep = Sweep::logarithmic})->sample(1.5, 1.0, 1);
+  const double cycles = 3.0 * (4.0 - 2.0) / std::log(4.0);
+  EXPECT_NEAR(logarithmic(0, 0), std::sin(2 * pi * cycles), 1e-12);
+  EXPECT_NEAR(logarithmic(0, 1), 2 * pi * 4 * std::cos(2 * pi * cycles), 1e-9);
+}
+
+TEST(Pulse, HasTheImpulseItStates) {
+  for (const auto& [shape, area] :
+       {std::pair{PulseShape::half_sine, 2 / std::numbers::pi}, {PulseShape::smooth, 0.375}}) {
+    const auto samples =
+        make_pulse({.amplitude = 5, .start = 0.1, .duration = 0.02, .shape = shape})->sample(0.0, 1e-5, 20000);
+    EXPECT_NEAR(samples.col(0).sum() * 1e-5, 5 * 0.02 * area, 1e-7);  // trapezoidal error (pi h / T)^2 / 12
+    EXPECT_NEAR(samples.col(0).maxCoeff(), 5.0, 1e-9);
+  }
+}
+
+double spline_error(double rate, int derivative) {
+  const auto n = Eigen::Index(2 * rate) + 1;
+  const auto exact = make_sine({.frequency = 1.0, .phase = 0.4});
+  const auto spline = make_sampled(exact->sample(0.0, 1 / rate, n).col(0), {.sample_rate = rate});
+  const auto error = spline->sample(0.0, 2.0 / 4001, 4001) - exact->sample(0.0, 2.0 / 4001, 4001);
+  return error.col(derivative).abs().maxCoeff();
+}
+
+TEST(SampledSignal, CubicSplineConvergesAtItsOrderUpToTheEnds) {
+  for (const int derivative : {0, 1, 2}) {
+    const double order = std::log2(spline_error(40, derivative) / spline_error(80, derivative));
+    EXPECT_NEAR(order, 4.0 - derivative, 0.25) << "derivative " << derivative;
+  }
+}
+
+TEST(SampledSignal, ReproducesAnyCubicFromFourSamplesOn) {
+  for (const Eigen::Index n : {4, 5, 9}) {
+    const Eigen::ArrayXd t = Eigen::ArrayXd::LinSpaced(n, 1.0, 1.0 + 0.5 * double(n - 1));
+    const auto spline = make_sampled((t.pow(3) - 2 * t.square() + 5).matrix(), {.sample_rate = 2, .start = 1});
+    const double x = 1.0 + 0.3 * double(n - 1);
+    const auto s = spline->sample(x, 1.0, 1);
+    EXPECT_NEAR(s(0, 0), x * x * x - 2 * x * x + 5, 1e-11);
+    EXPECT_NEAR(s(0, 1), 3 * x * x - 4 * x, 1e-11);
+    EXPECT_NEAR(s(0, 2), 6 * x - 4, 1e-10);
+  }
+  const auto parabola = make_sampled(Eigen::Vector3d(0, 1, 4), {})->sample(1.5, 1, 1);
+  EXPECT_NEAR(parabola(0, 0), 2.25, 1e-14);
+  EXPECT_NEAR(parabola(0, 2), 2.0, 1e-14);
+  EXPECT_NEAR(make_sampled(Eigen::Vector2d(0, 1), {})->sample(0.5, 1, 1)(0, 0), 0.5, 1e-15);
+}
+
+TEST(SampledSignal, LinearIsStraightBetweenItsSamples) {
+  const auto line =
+      make_sampled(Eigen::Vector3d(0, 2, -1), {.sample_rate = 10, .interpolation = Interpolation::linear});
+  const auto s = line->sample(0.05, 0.05, 3);  // 0.05, 0.10, 0.15
+  EXPECT_NEAR(s(0, 0), 1.0, 1e-14);
+  EXPECT_NEAR(s(0, 1), 20.0, 1e-12);
+  EXPECT_NEAR(s(1, 1), -30.0, 1e-12);
+  EXPECT_NEAR(s(2, 0), 0.5, 1e-13);
+  EXPECT_EQ(s.col(2).abs().maxCoeff(), 0.0);
+}
+
+TEST(SampledSignal, EndsWhereItsSamplesEnd) {
+  const Eigen::VectorXd values = Eigen::VectorXd::LinSpaced(101, 0.0, 10.0);
+  const auto strict = make_sampled(values, {.sample_rate = 100});
+  EXPECT_TRUE(strict->covers(0.0, 1.0));
+  EXPECT_FALSE(strict->covers(0.0, 1.01));
+  EXPECT_FALSE(delayed(strict, 0.1)->covers(0.0, 1.0));
+  EXPECT_NO_THROW((void)strict->sample(0.0, 0.001, 1001));
+  EXPECT_THROW((void)strict->sample(0.0, 0.001, 1002), InvalidInput);
+  EXPECT_THROW((void)strict->sample(-0.01, 0.001, 5), InvalidInput);
+  const auto held = make_sampled(values, {.sample_rate = 100, .beyond = BeyondRecord::hold});
+  const auto s = held->sample(-1.0, 3.0, 2);
+  EXPECT_EQ(s(0, 0), 0.0);
+  EXPECT_EQ(s(1, 0), 10.0);
+  EXPECT_EQ(s.rightCols(2).abs().maxCoeff(), 0.0);
+}
+
+TEST(Signals, RefuseBadOptionsAllAtOnce) {
+  EXPECT_EQ(validate(RandomSignalOptions{.rms = nan, .lower = 5, .upper = 1, .duration = -1}).issues().size(), 4u);
+  EXPECT_THROW(make_random({.lower = 1.01, .upper = 1.02, .duration = 1}), InvalidInput);
+  EXPECT_THROW(make_random({.lower = 1, .upper = 1e12, .duration = 1e12}), InvalidInput);
+  EXPECT_THROW(make_sine({.frequency = nan}), InvalidInput);
+  EXPECT_THROW(make_sine({.frequency = 0}), InvalidInput);
+  EXPECT_THROW(make_swept_sine({.from = 0}), InvalidInput);
+  EXPECT_THROW(make_pulse({.duration = 0}), InvalidInput);
+  EXPECT_THROW(make_step({.duration = nan}), InvalidInput);
+  EXPECT_THROW(make_constant(nan), InvalidInput);
+  EXPECT_THROW(make_road_profile({.road_class = 'I'}), InvalidInput);
+  EXPECT_THROW(make_road_profile({.speed = 0}), InvalidInput);
+  EXPECT_THROW(make_sampled(Eigen::Vector3d(0, nan, 1), {}), InvalidInput);
+  EXPECT_THROW(make_sampled(Eigen::VectorXd(1), {}), InvalidInput);
+  EXPECT_THROW(delayed(make_constant(1), nan), InvalidInput);
+  EXPECT_THROW(scaled(nullptr, 1), InvalidInput);
+  for (const auto& signal : {make_constant(1), make_sine({}), make_random({}), make_pulse({})}) {
+    EXPECT_THROW((void)signal->sample(nan, 1, 1), InvalidInput);
+    EXPECT_THROW((void)signal->sample(0, 0, 1), InvalidInput);
+    EXPECT_THROW((void)signal->sample(0, 1, -1), InvalidInput);
+    EXPECT_EQ(signal->sample(0, 1, 0).rows(), 0);
+  }
+}
+
+}  // namespace
+}  // namespace kalfem
