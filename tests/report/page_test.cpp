@@ -90,7 +90,7 @@ TEST(Report, TheFirstViewIsNotThinnedWithoutNeed) {
   chart.x.resize(100000);
   for (std::size_t k = 0; k < chart.x.size(); ++k) chart.x[k] = static_cast<double>(k);
   chart.series[0].y.assign(chart.x.size(), 0.0);
-  chart.x_window = Range{50000.0, 52000.0};
+  chart.x_window = AxisRange{50000.0, 52000.0};
   const auto json = nlohmann::json::parse(charts_as_json(page_of(chart)));
   const auto x = json[0]["x"].get<std::vector<double>>();
   EXPECT_EQ(std::count_if(x.begin(), x.end(), [](double at) { return at >= 50000.0 && at <= 52000.0; }), 2001);
@@ -135,8 +135,8 @@ TEST(Report, EveryMistakeIsNamed) {
   Chart bad = short_chart();
   bad.id = "1";  // the number of the first chart, which has no id
   bad.x = {0, std::nan(""), 0};
-  bad.x_window = Range{2, 1};
-  bad.y_window = Range{0, std::numeric_limits<double>::infinity()};
+  bad.x_window = AxisRange{2, 1};
+  bad.y_window = AxisRange{0, std::numeric_limits<double>::infinity()};
   bad.series[0].y = {1, 2};
   bad.series[0].lower = {1, 2};
   items.emplace_back(bad);
@@ -224,15 +224,6 @@ TEST_F(ReportInBrowser, DrawsChartsOfOneValueOrNone) {
   ASSERT_EQ(result.exit, 0);
   EXPECT_TRUE(contains(result.output, "data-charts=\"4\""));
   EXPECT_TRUE(contains(result.output, "data-errors=\"0\""));
-}
-
-/// Writes the sample page for the eye when KALFEM_SAMPLE_REPORT names a file.
-TEST(Report, SamplePageForTheEye) {
-  const char* file = std::getenv("KALFEM_SAMPLE_REPORT");
-  if (!file) GTEST_SKIP() << "KALFEM_SAMPLE_REPORT names no file";
-  std::ofstream out(file);
-  out << render_html(sample_page());
-  EXPECT_TRUE(out.good());
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ inline Page sample_page() {
   Chart second = convergence;
   second.id = "mu_c1";
   second.title = "suspension_2.mu_c1";
-  second.y_window = Range{25.0, 35.0};
+  second.y_window = AxisRange{25.0, 35.0};
   Chart displacement{.id = "p5",
                      .title = "frame.p5.z, displacement",
                      .caption = "",
@@ -57,7 +57,7 @@ inline Page sample_page() {
   zoomed.id = "p5-late";
   zoomed.title = "The same after two seconds";
   zoomed.caption = "Drag to look closer, double click to see the whole record.";
-  zoomed.x_window = Range{2.0, 3.5};
+  zoomed.x_window = AxisRange{2.0, 3.5};
   zoomed.series[0].y[2500] = std::nan("");
   Chart loop{.id = "loop",
              .title = "Connector suspension_2",

@@ -62,8 +62,9 @@ struct Prefix {
   std::string_view symbol;
   double factor;
 };
-constexpr Prefix prefixes[] = {{"p", 1e-12}, {"n", 1e-9}, {"µ", 1e-6}, {"μ", 1e-6}, {"u", 1e-6}, {"m", 1e-3},
-                               {"c", 1e-2},  {"d", 1e-1}, {"h", 1e2},  {"k", 1e3},  {"M", 1e6},  {"G", 1e9}, {"T", 1e12}};
+constexpr Prefix prefixes[] = {{"p", 1e-12}, {"n", 1e-9}, {"µ", 1e-6}, {"μ", 1e-6}, {"u", 1e-6},
+                               {"m", 1e-3},  {"c", 1e-2}, {"d", 1e-1}, {"h", 1e2},  {"k", 1e3},
+                               {"M", 1e6},   {"G", 1e9},  {"T", 1e12}};
 
 constexpr std::string_view superscripts[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
 
@@ -104,7 +105,7 @@ Unit operator*(const Unit& a, const Unit& b) {
 /// Recursive descent:  product = [slash] factor { (slash | star | space) factor };  factor = atom [power];
 /// atom = symbol | "1" | "(" product ")" | "sqrt(" product ")".
 class UnitParser {
- public:
+public:
   explicit UnitParser(std::string_view text) : text_(text), rest_(trim(text)) {}
 
   Unit parse() {
@@ -116,7 +117,7 @@ class UnitParser {
     return unit;
   }
 
- private:
+private:
   [[noreturn]] void fail(const std::string& why) const {
     throw InvalidInput("unit '" + std::string(text_.substr(0, longest_text)) + "'", why,
                        "write units like m/s^2, kN/m, N s/m, %, deg");
@@ -225,7 +226,8 @@ class UnitParser {
 
   double number() {
     double value = 0.0;
-    const auto [end, error] = std::from_chars(rest_.data(), rest_.data() + rest_.size(), value, std::chars_format::fixed);
+    const auto [end, error] =
+        std::from_chars(rest_.data(), rest_.data() + rest_.size(), value, std::chars_format::fixed);
     if (error != std::errc{}) fail("a power is missing");
     rest_.remove_prefix(static_cast<std::size_t>(end - rest_.data()));
     return value;
@@ -275,7 +277,8 @@ Quantity parse_quantity(std::string_view text) {
   double number = 0.0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
   if (error == std::errc::result_out_of_range) throw InvalidInput(shown, "the number is too large or too small", "");
-  if (error != std::errc{}) throw InvalidInput(shown + " is not a number", "", "write a number with an optional unit, like 3 mm");
+  if (error != std::errc{})
+    throw InvalidInput(shown + " is not a number", "", "write a number with an optional unit, like 3 mm");
   if (!std::isfinite(number)) throw InvalidInput(shown + " is not a finite number", "", "");
 
   const std::string_view unit_text = trim(digits.substr(static_cast<std::size_t>(end - digits.data())));

@@ -28,10 +28,10 @@ struct Quantity {
 /// Equal value and meaning: a bare number equals only a bare number.
 bool operator==(const Quantity& a, const Quantity& b);
 
-/// Reads a product of units: "kN/m", "N s/m", "kg·m²", "m/s^2/sqrt(Hz)", "1/s", "N/(m s)"; "" and "-" are dimensionless.
-/// Powers are ^2, ^-1, ^0.5, ^(1/3), ² or a digit that follows (s2). SI prefixes stand before g, m, s, N, Pa, J, W, Hz, V, A,
-/// K and rad. `g` is the gram; standard gravity is `g0` or `gn`. A space or * after a slash ("N/m s") is refused as
-/// ambiguous. Throws InvalidInput that names the part that is not understood.
+/// Reads a product of units: "kN/m", "N s/m", "kg·m²", "m/s^2/sqrt(Hz)", "1/s", "N/(m s)"; "" and "-" are
+/// dimensionless. Powers are ^2, ^-1, ^0.5, ^(1/3), ² or a digit that follows (s2). SI prefixes stand before g, m, s,
+/// N, Pa, J, W, Hz, V, A, K and rad. `g` is the gram; standard gravity is `g0` or `gn`. A space or * after a slash
+/// ("N/m s") is refused as ambiguous. Throws InvalidInput that names the part that is not understood.
 Unit parse_unit(std::string_view text);
 
 /// Reads "15 %", "20 kN/m", "-3e-3"; a number without a unit is SI. The result is finite. Throws InvalidInput.

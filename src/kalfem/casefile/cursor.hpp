@@ -17,7 +17,7 @@ struct Reading {
 
 /// A value in the case file together with where it stands: its line and its path ("connectors.suspension.law").
 class Cursor {
- public:
+public:
   Cursor(Reading& reading, YamlNodePtr node, std::string path, int line)
       : reading_(&reading), node_(std::move(node)), path_(std::move(path)), line_(line) {}
 
@@ -36,7 +36,7 @@ class Cursor {
   /// Whether the node is of that kind; otherwise adds an issue that shows how it is `written`.
   [[nodiscard]] bool require(YamlNode::Kind kind, const std::string& written) const;
 
- private:
+private:
   Reading* reading_;
   YamlNodePtr node_;
   std::string path_;

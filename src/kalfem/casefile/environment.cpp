@@ -13,12 +13,12 @@ namespace {
 constexpr int deepest_default = 20;
 
 class Expander {
- public:
+public:
   Expander(std::string_view text, const Environment& environment) : text_(text), environment_(environment) {}
 
   std::string expand() { return until_brace(0); }
 
- private:
+private:
   /// Copies up to the closing brace of the enclosing ${ (depth > 0) or the end of the text.
   std::string until_brace(int depth) {
     if (depth > deepest_default) fail("the defaults are nested too deeply", "use fewer ${...} inside one another");
@@ -39,7 +39,8 @@ class Expander {
     const std::string name = variable_name();
     std::optional<std::string> fallback;
     if (take(":-")) fallback = until_brace(depth + 1);
-    if (!take("}")) fail("a '}' is missing or the name is not one of letters, digits and _", "write ${NAME} or ${NAME:-default}");
+    if (!take("}"))
+      fail("a '}' is missing or the name is not one of letters, digits and _", "write ${NAME} or ${NAME:-default}");
     if (auto value = environment_(name); value && !(value->empty() && fallback)) return *value;
     if (!fallback) fail("the environment variable " + name + " is not set", "set it or write ${" + name + ":-default}");
     return *fallback;
@@ -47,9 +48,11 @@ class Expander {
 
   std::string variable_name() {
     const std::size_t begin = position_;
-    while (position_ < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[position_])) || text_[position_] == '_'))
+    while (position_ < text_.size() &&
+           (std::isalnum(static_cast<unsigned char>(text_[position_])) || text_[position_] == '_'))
       ++position_;
-    if (position_ == begin) fail("${ is not followed by a name", "write ${NAME} or ${NAME:-default}; $${ for a literal ${");
+    if (position_ == begin)
+      fail("${ is not followed by a name", "write ${NAME} or ${NAME:-default}; $${ for a literal ${");
     return std::string(text_.substr(begin, position_ - begin));
   }
 

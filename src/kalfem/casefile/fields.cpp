@@ -27,7 +27,8 @@ void report_unknown_keys(const Cursor& map, const std::vector<std::string>& know
       map.at(entry).issue("unknown key" + did_you_mean(entry.key, known), "", "known here: " + join(known, ", "));
 }
 
-void report_missing_key(const Cursor& map, const std::string& key, const std::string& written, const std::string& meaning) {
+void report_missing_key(const Cursor& map, const std::string& key, const std::string& written,
+                        const std::string& meaning) {
   map.issue("'" + key + "' is missing (" + meaning + ")", "", "add '" + key + ": " + written + "'");
 }
 
@@ -37,7 +38,8 @@ std::optional<std::size_t> only_key(const Cursor& map, const std::vector<std::st
     const auto* entry = map.node().find(keys[i]);
     if (!entry) continue;
     if (chosen) {
-      map.at(*entry).issue("given beside '" + keys[*chosen] + "'", "only one of them can hold", "keep one of " + join(keys, ", "));
+      map.at(*entry).issue("given beside '" + keys[*chosen] + "'", "only one of them can hold",
+                           "keep one of " + join(keys, ", "));
       return std::nullopt;
     }
     chosen = i;
@@ -46,12 +48,13 @@ std::optional<std::size_t> only_key(const Cursor& map, const std::vector<std::st
   return chosen;
 }
 
-void report_keys_without_effect(const Cursor& map, const std::vector<std::vector<std::string>>& keys, const std::vector<std::string>& names,
-                                std::size_t chosen) {
+void report_keys_without_effect(const Cursor& map, const std::vector<std::vector<std::string>>& keys,
+                                const std::vector<std::string>& names, std::size_t chosen) {
   for (std::size_t i = 0; i < keys.size(); ++i)
     for (const auto& key : keys[i])
       if (const auto* entry = map.node().find(key); entry && !holds(keys[chosen], key))
-        map.at(*entry).issue("belongs to '" + names[i] + "' but '" + names[chosen] + "' is given", "it would have no effect", "remove it");
+        map.at(*entry).issue("belongs to '" + names[i] + "' but '" + names[chosen] + "' is given",
+                             "it would have no effect", "remove it");
 }
 
 void describe_field(Json& object, const std::string& key, const Json& schema, const std::string& meaning, bool required,
@@ -67,7 +70,7 @@ void describe_cases(Json& object, const std::vector<Json>& cases, const std::vec
   Json alternatives = Json::array(), any = Json::array();
   for (std::size_t i = 0; i < cases.size(); ++i) {
     for (const auto& [key, property] : cases[i].at("properties").items()) {
-      object["properties"].emplace(key, property);
+      object["properties"].emplace(key, Json(property));
       object["properties"][key]["x-one-of"] = join(names, " | ");
     }
     alternatives.push_back(requirement(cases[i].value("required", Json::array({names[i]}))));

@@ -25,21 +25,23 @@ struct Case {
 
 // What does not depend on the types (fields.cpp).
 void report_unknown_keys(const Cursor& map, const std::vector<std::string>& known);
-void report_missing_key(const Cursor& map, const std::string& key, const std::string& written, const std::string& meaning);
+void report_missing_key(const Cursor& map, const std::string& key, const std::string& written,
+                        const std::string& meaning);
 /// Index of the only key that the map has, or nothing; adds an issue for two keys, or for none when one is `needed`.
 std::optional<std::size_t> only_key(const Cursor& map, const std::vector<std::string>& keys, bool needed);
 /// Issues for the keys of the alternatives that were not chosen.
-void report_keys_without_effect(const Cursor& map, const std::vector<std::vector<std::string>>& keys, const std::vector<std::string>& names,
-                                std::size_t chosen);
+void report_keys_without_effect(const Cursor& map, const std::vector<std::vector<std::string>>& keys,
+                                const std::vector<std::string>& names, std::size_t chosen);
 void describe_field(nlohmann::ordered_json& object, const std::string& key, const nlohmann::ordered_json& schema,
                     const std::string& meaning, bool required, const YamlNode* default_value);
-void describe_cases(nlohmann::ordered_json& object, const std::vector<nlohmann::ordered_json>& cases, const std::vector<std::string>& names, bool needed);
+void describe_cases(nlohmann::ordered_json& object, const std::vector<nlohmann::ordered_json>& cases,
+                    const std::vector<std::string>& names, bool needed);
 
-/// The table that binds the keys of a map to the members of a T, one line a member. From it a case file is read strictly,
-/// the resolved case is echoed, and the reference and the JSON Schema are written.
+/// The table that binds the keys of a map to the members of a T, one line a member. From it a case file is read
+/// strictly, the resolved case is echoed, and the reference and the JSON Schema are written.
 template <class T>
 class Fields {
- public:
+public:
   /// A key that must be there.
   template <class M>
   Fields& required(const std::string& key, M T::*member, const Form<M>& form, const std::string& meaning) {
@@ -54,7 +56,8 @@ class Fields {
 
   /// A key that may be left out; then the member stays empty.
   template <class M>
-  Fields& optional(const std::string& key, std::optional<M> T::*member, const Form<M>& form, const std::string& meaning) {
+  Fields& optional(const std::string& key, std::optional<M> T::*member, const Form<M>& form,
+                   const std::string& meaning) {
     Part<T> part;
     part.keys = {key};
     part.read = [=](const Cursor& map, T& object) {
@@ -63,7 +66,9 @@ class Fields {
     part.write = [=](const T& object, std::vector<YamlEntry>& entries) {
       if (object.*member) entries.push_back({key, 0, form.write(*(object.*member))});
     };
-    part.describe = [=](nlohmann::ordered_json& object) { describe_field(object, key, form.schema, meaning, false, nullptr); };
+    part.describe = [=](nlohmann::ordered_json& object) {
+      describe_field(object, key, form.schema, meaning, false, nullptr);
+    };
     parts_.push_back(std::move(part));
     return *this;
   }
@@ -83,7 +88,9 @@ class Fields {
       report_keys_without_effect(map, keys, names, *chosen);
       (read_case(cases, names[*chosen], map, object.*member), ...);
     };
-    part.write = [=](const T& object, std::vector<YamlEntry>& entries) { (write_case(cases, object.*member, entries), ...); };
+    part.write = [=](const T& object, std::vector<YamlEntry>& entries) {
+      (write_case(cases, object.*member, entries), ...);
+    };
     part.describe = [=](nlohmann::ordered_json& object) {
       std::vector<nlohmann::ordered_json> schemas(sizeof...(cases));
       std::size_t i = 0;
@@ -99,7 +106,8 @@ class Fields {
   Fields& inlined(M T::*member, const Fields<M>& fields) {
     const Part<M> inner = fields.as_part();
     parts_.push_back({inner.keys, [=](const Cursor& map, T& object) { inner.read(map, object.*member); },
-                      [=](const T& object, std::vector<YamlEntry>& entries) { inner.write(object.*member, entries); }, inner.describe});
+                      [=](const T& object, std::vector<YamlEntry>& entries) { inner.write(object.*member, entries); },
+                      inner.describe});
     return *this;
   }
 
@@ -127,9 +135,10 @@ class Fields {
             }};
   }
 
- private:
+private:
   template <class M>
-  Fields& add_field(const std::string& key, M T::*member, const Form<M>& form, const std::string& meaning, bool required) {
+  Fields& add_field(const std::string& key, M T::*member, const Form<M>& form, const std::string& meaning,
+                    bool required) {
     Part<T> part;
     part.keys = {key};
     part.read = [=](const Cursor& map, T& object) {
@@ -138,7 +147,9 @@ class Fields {
       if (!entry) return;
       if (auto value = form.read(map.at(*entry))) object.*member = std::move(*value);
     };
-    part.write = [=](const T& object, std::vector<YamlEntry>& entries) { entries.push_back({key, 0, form.write(object.*member)}); };
+    part.write = [=](const T& object, std::vector<YamlEntry>& entries) {
+      entries.push_back({key, 0, form.write(object.*member)});
+    };
     part.describe = [=](nlohmann::ordered_json& object) {
       const YamlNodePtr default_value = required ? nullptr : form.write(T{}.*member);
       describe_field(object, key, form.schema, meaning, required, default_value.get());
@@ -193,7 +204,8 @@ Case<U> when(const std::string& key, const Form<U>& form, const std::string& mea
            [=](const U& value, std::vector<YamlEntry>& entries) { part.write({value}, entries); }, part.describe}};
 }
 
-/// The alternative whose fields stand beside one another in the map; the first key selects it:  file: road.csv, channel: r1.
+/// The alternative whose fields stand beside one another in the map; the first key selects it:  file: road.csv,
+/// channel: r1.
 template <class U>
 Case<U> when(const Fields<U>& fields) {
   return {fields.keys().front(), fields.as_part()};
@@ -210,7 +222,8 @@ Form<T> mapping(const Fields<T>& fields) {
   written = "{" + written + "}";
 
   const auto read = [=](const Cursor& cursor) -> std::optional<T> {
-    if (cursor.node().kind != YamlNode::Kind::null && !cursor.require(YamlNode::Kind::map, written)) return std::nullopt;
+    if (cursor.node().kind != YamlNode::Kind::null && !cursor.require(YamlNode::Kind::map, written))
+      return std::nullopt;
     const std::size_t before = cursor.issue_count();
     T object{};
     report_unknown_keys(cursor, part.keys);

@@ -1,7 +1,7 @@
 #include "kalfem/casefile/form.hpp"
 
-#include <charconv>
 #include <cctype>
+#include <charconv>
 
 namespace kalfem {
 namespace {
@@ -12,7 +12,8 @@ Integer parse_whole(const std::string& text, Integer low, Integer high) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   const bool whole = error == std::errc{} && end == text.data() + text.size();
   if (!whole || value < low || value > high)
-    throw InvalidInput("'" + text + "' given", "", "write a whole number from " + std::to_string(low) + " to " + std::to_string(high));
+    throw InvalidInput("'" + text + "' given", "",
+                       "write a whole number from " + std::to_string(low) + " to " + std::to_string(high));
   return value;
 }
 
@@ -37,7 +38,9 @@ bool Bounds::contain(double x) const { return (low_open ? x > low : x >= low) &&
 
 std::string Bounds::describe() const {
   const bool below = std::isfinite(low), above = std::isfinite(high);
-  if (below && above) return std::string("in ") + (low_open ? "(" : "[") + shortest(low) + ", " + shortest(high) + (high_open ? ")" : "]");
+  if (below && above)
+    return std::string("in ") + (low_open ? "(" : "[") + shortest(low) + ", " + shortest(high) +
+           (high_open ? ")" : "]");
   if (below) return (low_open ? "> " : ">= ") + shortest(low);
   if (above) return (high_open ? "< " : "<= ") + shortest(high);
   return "";
@@ -59,11 +62,15 @@ double checked_number(const Located<Quantity>& given, const std::string& unit, c
 
 void require_name(const std::string& name, NameRule rule) {
   const auto belongs = [&](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' || (c == '.' && rule == NameRule::dotted);
+    return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' ||
+           (c == '.' && rule == NameRule::dotted);
   };
-  const bool dots_between = !name.empty() && name.front() != '.' && name.back() != '.' && name.find("..") == std::string::npos;
+  const bool dots_between =
+      !name.empty() && name.front() != '.' && name.back() != '.' && name.find("..") == std::string::npos;
   if (!dots_between || name.size() > 100 || !std::all_of(name.begin(), name.end(), belongs))
-    throw InvalidInput("the name cannot be used", "", rule == NameRule::name ? "use letters, digits, _ and -" : "use names joined by dots, like suspension.k");
+    throw InvalidInput(
+        "the name cannot be used", "",
+        rule == NameRule::name ? "use letters, digits, _ and -" : "use names joined by dots, like suspension.k");
 }
 
 namespace form {
@@ -81,7 +88,8 @@ Form<double> number(const std::string& unit, const Bounds& bounds) {
 
 Form<int> integer(int low, int high) {
   const auto parse = [=](const std::string& text) { return parse_whole(text, low, high); };
-  auto form = scalar<int>("whole number", parse, [](const int& value) { return std::to_string(value); }, true);
+  auto form = scalar<int>(
+      "whole number", parse, [](const int& value) { return std::to_string(value); }, true);
   form.schema["type"] = "integer";
   if (low != std::numeric_limits<int>::min()) form.schema["minimum"] = low;
   if (high != std::numeric_limits<int>::max()) form.schema["maximum"] = high;
@@ -92,7 +100,8 @@ Form<std::uint64_t> seed() {
   const auto parse = [](const std::string& text) {
     return parse_whole<std::uint64_t>(text, 0, std::numeric_limits<std::uint64_t>::max());
   };
-  auto form = scalar<std::uint64_t>("whole number", parse, [](const std::uint64_t& value) { return std::to_string(value); }, true);
+  auto form = scalar<std::uint64_t>(
+      "whole number", parse, [](const std::uint64_t& value) { return std::to_string(value); }, true);
   form.schema["type"] = "integer";
   form.schema["minimum"] = 0;
   return form;
@@ -103,7 +112,8 @@ Form<bool> boolean() {
     if (text != "true" && text != "false") throw InvalidInput("'" + text + "' given", "", "write true or false");
     return text == "true";
   };
-  auto form = scalar<bool>("true | false", parse, [](const bool& value) { return std::string(value ? "true" : "false"); }, true);
+  auto form = scalar<bool>(
+      "true | false", parse, [](const bool& value) { return std::string(value ? "true" : "false"); }, true);
   form.schema["type"] = "boolean";
   return form;
 }
@@ -117,7 +127,8 @@ Form<Quantity> quantity() {
   const auto print = [](const Quantity& given) {
     return shortest(given.value) + (given.bare ? "" : " " + si_unit(given.dimension));
   };
-  return scalar<Quantity>("number with its unit", [](const std::string& text) { return parse_quantity(text); }, print, true);
+  return scalar<Quantity>(
+      "number with its unit", [](const std::string& text) { return parse_quantity(text); }, print, true);
 }
 
 Form<std::filesystem::path> path(bool existing) {

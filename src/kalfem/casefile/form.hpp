@@ -133,7 +133,8 @@ Form<T> choice(const std::vector<Choice<T>>& choices) {
     throw InvalidInput("'" + word + "' is not known" + did_you_mean(word, words), "", "write one of " + joined);
   };
   const auto print = [=](const T& value) {
-    const auto found = std::find_if(choices.begin(), choices.end(), [&](const auto& each) { return each.value == value; });
+    const auto found =
+        std::find_if(choices.begin(), choices.end(), [&](const auto& each) { return each.value == value; });
     return found == choices.end() ? std::string() : found->word;
   };
   auto form = scalar<T>(joined, parse, print);
@@ -146,14 +147,17 @@ Form<std::string> word(const std::vector<std::string>& known);
 
 /// A list of any length.
 template <class T>
-Form<std::vector<T>> list(const Form<T>& item, std::size_t least = 0, std::size_t most = std::numeric_limits<std::size_t>::max()) {
+Form<std::vector<T>> list(const Form<T>& item, std::size_t least = 0,
+                          std::size_t most = std::numeric_limits<std::size_t>::max()) {
   const std::string written = "[" + item.written() + ", ...]";
   const auto read = [=](const Cursor& cursor) -> std::optional<std::vector<T>> {
     if (!cursor.require(YamlNode::Kind::list, written)) return std::nullopt;
     const std::size_t size = cursor.node().items.size();
     if (size < least || size > most) {
       cursor.issue(std::to_string(size) + " values given", "",
-                   least == most ? "give " + std::to_string(least) : (size < least ? "give at least " + std::to_string(least) : "give at most " + std::to_string(most)));
+                   least == most ? "give " + std::to_string(least)
+                                 : (size < least ? "give at least " + std::to_string(least)
+                                                 : "give at most " + std::to_string(most)));
       return std::nullopt;
     }
     std::vector<T> values;
@@ -199,7 +203,8 @@ Form<T> either(const Form<T>& short_form, const Form<T>& full_form) {
   return {read, full_form.write, {{"anyOf", {short_form.schema, full_form.schema}}, {"x-written", written}}};
 }
 
-/// Another C++ type for the same text: `to` after reading (throws InvalidInput when it cannot be), `from` before writing.
+/// Another C++ type for the same text: `to` after reading (throws InvalidInput when it cannot be), `from` before
+/// writing.
 template <class U, class T>
 Form<U> convert(const Form<T>& form, std::function<U(const T&)> to, std::function<T(const U&)> from) {
   const auto read = [=](const Cursor& cursor) -> std::optional<U> {
@@ -219,7 +224,8 @@ Form<U> convert(const Form<T>& form, std::function<U(const T&)> to, std::functio
 template <class T>
 Form<std::vector<T>> one_or_list(const Form<T>& item) {
   const auto single = convert<std::vector<T>, T>(
-      item, [](const T& value) { return std::vector<T>{value}; }, [](const std::vector<T>& values) { return values.front(); });
+      item, [](const T& value) { return std::vector<T>{value}; },
+      [](const std::vector<T>& values) { return values.front(); });
   return either(single, list(item));
 }
 

@@ -16,7 +16,8 @@ Json scalar_json(const YamlNode& node) {
   std::uint64_t whole = 0;
   if (const auto [stop, error] = std::from_chars(begin, end, whole); error == std::errc{} && stop == end) return whole;
   double number = 0.0;
-  if (const auto [stop, error] = std::from_chars(begin, end, number); error == std::errc{} && stop == end && std::isfinite(number))
+  if (const auto [stop, error] = std::from_chars(begin, end, number);
+      error == std::errc{} && stop == end && std::isfinite(number))
     return number;
   return node.text;
 }
@@ -34,7 +35,8 @@ bool is_needed(const Json& object, const std::string& key) {
 std::string qualifier(const Json& object, const std::string& key, const Json& property) {
   if (property.contains("x-one-of")) return " (one of " + property["x-one-of"].get<std::string>() + ")";
   if (is_needed(object, key)) return " (required)";
-  if (property.contains("default") && !property["default"].is_object()) return " (default " + property["default"].dump() + ")";
+  if (property.contains("default") && !property["default"].is_object())
+    return " (default " + property["default"].dump() + ")";
   return "";
 }
 
@@ -53,7 +55,8 @@ std::string below(const Json& schema, const std::string& indent) {
     text += indent + "<name>:" + (inner.empty() ? " " + item.value("x-written", "") : "") + "\n" + inner;
   }
   if (schema.contains("items"))
-    if (const std::string inner = below(schema["items"], indent + "  "); !inner.empty()) text += indent + "- each:\n" + inner;
+    if (const std::string inner = below(schema["items"], indent + "  "); !inner.empty())
+      text += indent + "- each:\n" + inner;
   for (const auto& alternative : schema.value("anyOf", Json::array()))
     if (const std::string inner = below(alternative, indent + "  "); !inner.empty())
       text += indent + "or " + alternative.value("x-written", "") + "\n" + inner;
@@ -67,14 +70,17 @@ std::string below(const Json& schema, const std::string& indent) {
 
 Json to_json(const YamlNode& node) {
   switch (node.kind) {
-    case YamlNode::Kind::null: return nullptr;
-    case YamlNode::Kind::scalar: return scalar_json(node);
+    case YamlNode::Kind::null:
+      return nullptr;
+    case YamlNode::Kind::scalar:
+      return scalar_json(node);
     case YamlNode::Kind::list: {
       Json list = Json::array();
       for (const auto& item : node.items) list.push_back(to_json(*item));
       return list;
     }
-    case YamlNode::Kind::map: break;
+    case YamlNode::Kind::map:
+      break;
   }
   Json map = Json::object();
   for (const auto& entry : node.entries) map[entry.key] = to_json(*entry.value);

@@ -47,28 +47,38 @@ std::string key_text(const std::string& key) {
 
 std::string scalar_text(const YamlNode& node) {
   if (node.literal) return node.text;
-  const bool plain = !node.text.empty() && (std::isalpha(static_cast<unsigned char>(node.text.front())) || node.text.front() == '/') &&
-                     std::all_of(node.text.begin(), node.text.end(), [](char c) { return is_plain_character(c) || c == ' '; }) &&
-                     node.text.back() != ' ' && !is_reserved(node.text);
+  const bool plain =
+      !node.text.empty() && (std::isalpha(static_cast<unsigned char>(node.text.front())) || node.text.front() == '/') &&
+      std::all_of(node.text.begin(), node.text.end(), [](char c) { return is_plain_character(c) || c == ' '; }) &&
+      node.text.back() != ' ' && !is_reserved(node.text);
   return plain ? node.text : in_quotes(node.text);
 }
 
-bool is_scalar(const YamlNodePtr& node) { return node->kind == YamlNode::Kind::scalar || node->kind == YamlNode::Kind::null; }
+bool is_scalar(const YamlNodePtr& node) {
+  return node->kind == YamlNode::Kind::scalar || node->kind == YamlNode::Kind::null;
+}
 
 bool fits_one_line(const YamlNode& node) {
   switch (node.kind) {
-    case YamlNode::Kind::map: return node.entries.empty();
-    case YamlNode::Kind::list: return std::all_of(node.items.begin(), node.items.end(), is_scalar);
-    default: return true;
+    case YamlNode::Kind::map:
+      return node.entries.empty();
+    case YamlNode::Kind::list:
+      return std::all_of(node.items.begin(), node.items.end(), is_scalar);
+    default:
+      return true;
   }
 }
 
 std::string one_line(const YamlNode& node) {
   switch (node.kind) {
-    case YamlNode::Kind::null: return "null";
-    case YamlNode::Kind::scalar: return scalar_text(node);
-    case YamlNode::Kind::map: return "{}";
-    case YamlNode::Kind::list: break;
+    case YamlNode::Kind::null:
+      return "null";
+    case YamlNode::Kind::scalar:
+      return scalar_text(node);
+    case YamlNode::Kind::map:
+      return "{}";
+    case YamlNode::Kind::list:
+      break;
   }
   std::string text;
   for (const auto& item : node.items) text += (text.empty() ? "" : ", ") + one_line(*item);
@@ -96,7 +106,8 @@ std::string block(const YamlNode& node, const std::string& indent) {
 }  // namespace
 
 const YamlEntry* YamlNode::find(const std::string& key) const {
-  const auto found = std::find_if(entries.begin(), entries.end(), [&](const YamlEntry& entry) { return entry.key == key; });
+  const auto found =
+      std::find_if(entries.begin(), entries.end(), [&](const YamlEntry& entry) { return entry.key == key; });
   return found == entries.end() ? nullptr : &*found;
 }
 
@@ -107,7 +118,8 @@ YamlNodePtr yaml_literal(std::string text, std::string comment) {
 }
 
 YamlNodePtr yaml_text(std::string text) {
-  return std::make_shared<YamlNode>(YamlNode{.kind = YamlNode::Kind::scalar, .text = std::move(text), .literal = false});
+  return std::make_shared<YamlNode>(
+      YamlNode{.kind = YamlNode::Kind::scalar, .text = std::move(text), .literal = false});
 }
 
 YamlNodePtr yaml_list(std::vector<YamlNodePtr> items, std::string comment) {
@@ -122,10 +134,14 @@ YamlNodePtr yaml_map(std::vector<YamlEntry> entries) {
 
 std::string describe(const YamlNode& node) {
   switch (node.kind) {
-    case YamlNode::Kind::null: return "nothing";
-    case YamlNode::Kind::list: return "a list";
-    case YamlNode::Kind::map: return "a map";
-    case YamlNode::Kind::scalar: break;
+    case YamlNode::Kind::null:
+      return "nothing";
+    case YamlNode::Kind::list:
+      return "a list";
+    case YamlNode::Kind::map:
+      return "a map";
+    case YamlNode::Kind::scalar:
+      break;
   }
   return "'" + node.text.substr(0, 80) + (node.text.size() > 80 ? "..." : "") + "'";
 }

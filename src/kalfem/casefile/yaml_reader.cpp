@@ -21,7 +21,7 @@ constexpr std::size_t deepest_tree = 100;
 
 /// Builds the tree bottom-up from the parser's events: the innermost unfinished map or list is the last of `open_`.
 class TreeBuilder : public YAML::EventHandler {
- public:
+public:
   TreeBuilder(std::string name, const Environment& environment, IssueList& issues)
       : name_(std::move(name)), environment_(environment), issues_(issues) {}
 
@@ -34,7 +34,8 @@ class TreeBuilder : public YAML::EventHandler {
     add(std::make_shared<YamlNode>(YamlNode{.line = mark.line + 1}), anchor, mark.line + 1);
   }
 
-  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, const std::string& value) override {
+  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                const std::string& value) override {
     YamlNode node{.kind = YamlNode::Kind::scalar, .text = value, .literal = tag != "!", .line = mark.line + 1};
     if (!expects_key()) node.text = expand(value, node.line);
     add(std::make_shared<YamlNode>(std::move(node)), anchor, mark.line + 1);
@@ -46,16 +47,18 @@ class TreeBuilder : public YAML::EventHandler {
     add(found->second, 0, mark.line + 1);
   }
 
-  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor, YAML::EmitterStyle::value) override {
+  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value) override {
     open(YamlNode::Kind::list, mark, anchor);
   }
-  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor, YAML::EmitterStyle::value) override {
+  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                  YAML::EmitterStyle::value) override {
     open(YamlNode::Kind::map, mark, anchor);
   }
   void OnSequenceEnd() override { close(); }
   void OnMapEnd() override { close(); }
 
- private:
+private:
   struct Unfinished {
     YamlNode node;
     YAML::anchor_t anchor = 0;
@@ -69,8 +72,10 @@ class TreeBuilder : public YAML::EventHandler {
   }
 
   void open(YamlNode::Kind kind, const YAML::Mark& mark, YAML::anchor_t anchor) {
-    if (open_.size() == deepest_tree) fail(mark.line + 1, "the file is nested too deeply", "at most 100 levels are read");
-    if (expects_key()) fail(mark.line + 1, "a key must be a word or a number, not a map or a list", "check for stray braces");
+    if (open_.size() == deepest_tree)
+      fail(mark.line + 1, "the file is nested too deeply", "at most 100 levels are read");
+    if (expects_key())
+      fail(mark.line + 1, "a key must be a word or a number, not a map or a list", "check for stray braces");
     open_.push_back({YamlNode{.kind = kind, .line = mark.line + 1}, anchor, std::nullopt});
   }
 
@@ -115,7 +120,8 @@ class TreeBuilder : public YAML::EventHandler {
       map.merged.push_back(entry.value);
     } else if (!map.keys.insert(entry.key).second) {
       const std::string first = std::to_string(map.node.find(entry.key)->line);
-      issues_.add({name_, entry.line}, "'" + entry.key + "' is given twice", "first on line " + first, "remove one of them");
+      issues_.add({name_, entry.line}, "'" + entry.key + "' is given twice", "first on line " + first,
+                  "remove one of them");
     } else {
       map.node.entries.push_back(std::move(entry));
     }
@@ -126,7 +132,8 @@ class TreeBuilder : public YAML::EventHandler {
     if (source.kind == YamlNode::Kind::list)
       for (const auto& item : source.items) merge(*item, target);
     else if (source.kind != YamlNode::Kind::map)
-      issues_.add({name_, target.node.line}, "<< merges " + describe(source), "only maps can be merged", "write <<: *anchor_of_a_map");
+      issues_.add({name_, target.node.line}, "<< merges " + describe(source), "only maps can be merged",
+                  "write <<: *anchor_of_a_map");
     for (const auto& entry : source.entries)
       if (target.keys.insert(entry.key).second) target.node.entries.push_back(entry);
   }
@@ -155,7 +162,11 @@ class TreeBuilder : public YAML::EventHandler {
 std::size_t utf8_length(const std::string& text, std::size_t at) {
   const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
   const unsigned first = byte(at);
-  const std::size_t length = first < 0x80 ? 1 : first >= 0xC2 && first < 0xE0 ? 2 : first >= 0xE0 && first < 0xF0 ? 3 : first >= 0xF0 && first < 0xF5 ? 4 : 0;
+  const std::size_t length = first < 0x80                    ? 1
+                             : first >= 0xC2 && first < 0xE0 ? 2
+                             : first >= 0xE0 && first < 0xF0 ? 3
+                             : first >= 0xF0 && first < 0xF5 ? 4
+                                                             : 0;
   for (std::size_t i = 1; i < length; ++i)
     if ((byte(at + i) & 0xC0U) != 0x80U) return 0;
   return length;
@@ -168,7 +179,8 @@ void require_text(const std::string& text, const std::string& name) {
     const std::size_t length = utf8_length(text, i);
     const bool control = (c < 0x20 && c != '\t' && c != '\n' && c != '\r') || c == 0x7F;
     if (length == 0 || control)
-      throw InvalidInput(Issue{{name, line}, "not a text file in UTF-8", "a byte that is no text was found", "save the file as UTF-8"});
+      throw InvalidInput(Issue{
+          {name, line}, "not a text file in UTF-8", "a byte that is no text was found", "save the file as UTF-8"});
     if (c == '\n') ++line;
     i += length;
   }
@@ -176,7 +188,8 @@ void require_text(const std::string& text, const std::string& name) {
 
 }  // namespace
 
-YamlNodePtr parse_yaml(const std::string& text, const std::string& name, const Environment& environment, IssueList& issues) {
+YamlNodePtr parse_yaml(const std::string& text, const std::string& name, const Environment& environment,
+                       IssueList& issues) {
   require_text(text, name);
   TreeBuilder builder(name, environment, issues);
   try {
@@ -185,10 +198,12 @@ YamlNodePtr parse_yaml(const std::string& text, const std::string& name, const E
     parser.HandleNextDocument(builder);
     const YamlNodePtr first = builder.root;
     if (parser.HandleNextDocument(builder))
-      issues.add({name, builder.root ? builder.root->line : 0}, "a second document starts with ---", "a case is one document", "remove it");
+      issues.add({name, builder.root ? builder.root->line : 0}, "a second document starts with ---",
+                 "a case is one document", "remove it");
     builder.root = first;
   } catch (const YAML::Exception& error) {
-    throw InvalidInput(Issue{{name, error.mark.line + 1}, "this is not YAML", error.msg, "check indentation, quotes and brackets"});
+    throw InvalidInput(
+        Issue{{name, error.mark.line + 1}, "this is not YAML", error.msg, "check indentation, quotes and brackets"});
   }
   if (!builder.root || builder.root->kind == YamlNode::Kind::null)
     throw InvalidInput(Issue{{name, 1}, "the file is empty", "", "write the case in it"});
@@ -198,7 +213,8 @@ YamlNodePtr parse_yaml(const std::string& text, const std::string& name, const E
 std::string read_text_file(const std::string& file) {
   std::error_code error;
   if (!std::filesystem::exists(file, error)) throw InvalidInput(Issue{{file, 0}, "no such file", "", "check the path"});
-  if (!std::filesystem::is_regular_file(file, error)) throw InvalidInput(Issue{{file, 0}, "not a file", "", "give a case file"});
+  if (!std::filesystem::is_regular_file(file, error))
+    throw InvalidInput(Issue{{file, 0}, "not a file", "", "give a case file"});
   if (std::filesystem::file_size(file, error) > largest_file)
     throw InvalidInput(Issue{{file, 0}, "too large for a case file", "", "keep data in files of their own"});
   std::ifstream stream(file, std::ios::binary);

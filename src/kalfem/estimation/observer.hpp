@@ -7,7 +7,7 @@
 #include "kalfem/dynamics/trajectory.hpp"
 #include "kalfem/estimation/gaussian.hpp"
 #include "kalfem/estimation/parameter_transform.hpp"
-#include "kalfem/system/locally_nonlinear_system.hpp"
+#include "kalfem/system/connector_forces.hpp"
 
 namespace kalfem {
 

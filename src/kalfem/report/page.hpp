@@ -30,7 +30,7 @@ struct Series {
 };
 
 /// A range on an axis, low < high.
-using Range = std::array<double, 2>;
+using AxisRange = std::array<double, 2>;
 
 /// Curves over one abscissa (time, frequency), or with `scatter` paths in a plane (connector force over deformation).
 /// Values that are not finite are gaps.
@@ -43,8 +43,8 @@ struct Chart {
   std::vector<double> x = {};  ///< strictly increasing; empty on a scatter chart
   std::vector<Series> series = {};
   bool scatter = false;
-  std::optional<Range> x_window = {};  ///< part of x that is shown first
-  std::optional<Range> y_window = {};  ///< part of y that is shown first; else what the curves need
+  std::optional<AxisRange> x_window = {};  ///< part of x that is shown first
+  std::optional<AxisRange> y_window = {};  ///< part of y that is shown first; else what the curves need
   bool half_width = false;             ///< two in a row on a wide screen; scatter charts always are
 };
 

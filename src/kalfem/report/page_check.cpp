@@ -37,7 +37,7 @@ private:
     require(ids_.insert(known_as).second, "its id is taken", "each chart has an id of its own");
   }
 
-  void check_window(const std::optional<Range>& window, const std::string& name) {
+  void check_window(const std::optional<AxisRange>& window, const std::string& name) {
     if (!window) return;
     const auto [low, high] = *window;
     require(std::isfinite(low) && std::isfinite(high) && low < high,

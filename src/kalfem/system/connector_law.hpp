@@ -14,41 +14,42 @@ enum class Range { any, nonnegative, positive, fraction, at_least_one };
 /// Name, unit and meaning of one parameter or internal state of a connector law.
 struct LawQuantity {
   std::string name;
-  std::string unit;
-  std::string meaning;
+  std::string unit = {};
+  std::string meaning = {};
   Range range = Range::any;
   /// NaN: the user must give it. An infinite default says that infinity is a sensible value (an absent stop).
   double default_value = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// N independent points at which one connector is evaluated over an interval [0, h]; every array has N rows, so that a
-/// law's inner loop runs over contiguous memory. Internal states are advanced from `begin_states` at the interval's start
-/// to its end; h = 0 asks for the force at an instant (the states stay as they are, and so they are in the tangents).
+/// law's inner loop runs over contiguous memory. Internal states are advanced from `begin_states` at the interval's
+/// start to its end; h = 0 asks for the force at an instant (the states stay as they are, and so they are in the
+/// tangents).
 struct LawPoints {
-  double duration = 0.0;                              ///< h [s]
-  Eigen::Ref<const Eigen::ArrayXXd> parameters;       ///< N x parameters
-  Eigen::Ref<const Eigen::ArrayXd> begin_deformation; ///< d(0) [m]
-  Eigen::Ref<const Eigen::ArrayXd> begin_rate;        ///< d'(0) [m/s]
-  Eigen::Ref<const Eigen::ArrayXXd> begin_states;     ///< s(0), N x states
-  Eigen::Ref<const Eigen::ArrayXd> deformation;       ///< d(h) [m]
-  Eigen::Ref<const Eigen::ArrayXd> rate;              ///< d'(h) [m/s]
-  Eigen::Ref<const Eigen::ArrayXd> acceleration;      ///< d''(h) [m/s^2]
+  double duration = 0.0;                               ///< h [s]
+  Eigen::Ref<const Eigen::ArrayXXd> parameters;        ///< N x parameters
+  Eigen::Ref<const Eigen::ArrayXd> begin_deformation;  ///< d(0) [m]
+  Eigen::Ref<const Eigen::ArrayXd> begin_rate;         ///< d'(0) [m/s]
+  Eigen::Ref<const Eigen::ArrayXXd> begin_states;      ///< s(0), N x states
+  Eigen::Ref<const Eigen::ArrayXd> deformation;        ///< d(h) [m]
+  Eigen::Ref<const Eigen::ArrayXd> rate;               ///< d'(h) [m/s]
+  Eigen::Ref<const Eigen::ArrayXd> acceleration;       ///< d''(h) [m/s^2]
 };
 
 /// What a law answers at the interval's end; the caller owns and sizes the arrays, which must not overlap the points'.
 struct LawResponse {
-  Eigen::Ref<Eigen::ArrayXd> force;                 ///< f [N]
-  Eigen::Ref<Eigen::ArrayXd> stiffness;             ///< df/dd  [N/m], through the states too
-  Eigen::Ref<Eigen::ArrayXd> damping;               ///< df/dd' [N s/m], through the states too
-  Eigen::Ref<Eigen::ArrayXd> inertance;             ///< df/dd'' [kg]
-  Eigen::Ref<Eigen::ArrayXXd> states;               ///< s(h), N x states
+  Eigen::Ref<Eigen::ArrayXd> force;      ///< f [N]
+  Eigen::Ref<Eigen::ArrayXd> stiffness;  ///< df/dd  [N/m], through the states too
+  Eigen::Ref<Eigen::ArrayXd> damping;    ///< df/dd' [N s/m], through the states too
+  Eigen::Ref<Eigen::ArrayXd> inertance;  ///< df/dd'' [kg]
+  Eigen::Ref<Eigen::ArrayXXd> states;    ///< s(h), N x states
 };
 
 /// Force of a local nonlinear element as a function of its deformation and history,
 ///     f(h) = f(d(h), d'(h), d''(h), s(h); theta),     s(h) = s(0) + int_0^h s'(d, d', s; theta) dt.
 /// Positive force resists positive deformation. Laws are immutable and safe to share between threads.
 class ConnectorLaw {
- public:
+public:
   virtual ~ConnectorLaw() = default;
 
   [[nodiscard]] virtual std::string name() const = 0;

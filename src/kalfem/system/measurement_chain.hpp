@@ -22,10 +22,14 @@ struct FilterStage {
   double upper_cutoff = 0.0;  ///< band-pass: the upper edge [Hz]
 };
 
-/// Pure delay, by a Pade all-pass: amplitude exactly 1 and the phase error at frequency f, in degrees,
-///     order   f delay = 0.25    0.5       1         1.5
-///       2       0.7            13        92        ...
-///       4       4e-6 ...
+/// Pure delay, by a diagonal Pade all-pass: amplitude exactly 1, and at the frequency f the phase error in degrees
+///     order     f delay = 0.25      0.5        1      1.5      2
+///       2                 0.65       13      110      250    410
+///       4               1.2e-4     0.05      9.4       72    190
+///       6               3.4e-9   2.4e-5     0.11      6.5     50
+///       8              < 1e-12   3.1e-9   2.5e-4     0.11    4.4
+///      10              < 1e-12  < 1e-12   2.2e-7   5.8e-4    0.1
+/// so the default stays below one degree while the delay is shorter than a period.
 struct DelayStage {
   double delay = 0.0;  ///< [s], >= 0
   int order = 6;       ///< even, 2 to 12

@@ -146,7 +146,7 @@ class ChartView {
     const color = cssColor(curve.color);
     const common = {label: curve.label, show: curve.show, stroke: color, width: curve.width, dash: curve.dash,
                     pxAlign: 0, points: {show: false}};
-    if (!this.data.scatter) return {...common, points: {size: 4, fill: color}};
+    if (!this.data.scatter) return {...common, points: {size: 4, fill: color}, paths: curveWithBand};
     return {...common, facets: [{scale: "x", auto: true}, {scale: "y", auto: true}], paths: path};
   }
 
@@ -357,6 +357,12 @@ function path(u, i) {
     }
   });
   return {stroke, fill: null, clip: null, band: null, gaps: null, flags: 0};
+}
+
+// uPlot's own line steps from pixel to pixel where points are dense; its areas do well.
+const uplotLine = uPlot.paths.linear();
+function curveWithBand(u, i, from, to) {
+  return {...uplotLine(u, i, from, to), stroke: path(u, i).stroke};
 }
 
 // Room for the longest label of the vertical axis.

@@ -7,8 +7,8 @@ namespace kalfem {
 /// Regularised Coulomb friction with a spring and dashpot alongside,
 ///     f = k d + c v + f_c tanh(v / v_ref).
 /// The hyperbolic tangent is smooth everywhere and reaches sliding friction to 1e-4 at 5 v_ref; the algebraic form
-/// v / (v_ref + |v|), which nears it only as 1/v, is the saturating law's. Below v_ref it creeps instead of sticking: where
-/// sticking matters use jenkins. Parameters f_c [N], v_ref [m/s], k [N/m], c [N s/m].
+/// v / (v_ref + |v|), which nears it only as 1/v, is the saturating law's. Below v_ref it creeps instead of sticking:
+/// where sticking matters use jenkins. Parameters f_c [N], v_ref [m/s], k [N/m], c [N s/m].
 ConnectorLawPtr coulomb_law();
 
 /// Friction that falls from static to sliding with the rate (Stribeck), regularised as in coulomb_law,

@@ -31,15 +31,14 @@ struct GapKernel {
 ConnectorLawPtr gap_law() {
   constexpr double absent = std::numeric_limits<double>::infinity();
   return std::make_shared<PointwiseLaw<GapKernel>>(
-      "gap",
-      std::vector<LawQuantity>{
-          {"k_stop", "N/m", "stiffness of a stop in contact", Range::nonnegative},
-          {"c_stop", "N s/m", "damping of a stop in contact", Range::nonnegative, 0.0},
-          {"gap_upper", "m", "positive deformation at which the upper stop is met", Range::nonnegative, absent},
-          {"gap_lower", "m", "size of the negative deformation at which the lower stop is met", Range::nonnegative,
-           absent},
-          {"k", "N/m", "stiffness alongside", Range::nonnegative, 0.0},
-          {"c", "N s/m", "damping alongside", Range::nonnegative, 0.0}});
+      "gap", std::vector<LawQuantity>{
+                 {"k_stop", "N/m", "stiffness of a stop in contact", Range::nonnegative},
+                 {"c_stop", "N s/m", "damping of a stop in contact", Range::nonnegative, 0.0},
+                 {"gap_upper", "m", "positive deformation at which the upper stop is met", Range::nonnegative, absent},
+                 {"gap_lower", "m", "size of the negative deformation at which the lower stop is met",
+                  Range::nonnegative, absent},
+                 {"k", "N/m", "stiffness alongside", Range::nonnegative, 0.0},
+                 {"c", "N s/m", "damping alongside", Range::nonnegative, 0.0}});
 }
 
 }  // namespace kalfem

@@ -22,8 +22,8 @@ struct LinearNominal {
 
 /// Departure of a spring, dashpot or mass of the linear part from its nominal value,
 ///     f = (k - k_nominal) d + (c - c_nominal) v + (b - b_nominal) a,
-/// so that it can be an unknown of an otherwise linear part. Parameters k [N/m], c [N s/m], b [kg]; each defaults to its
-/// nominal value, which is no force. Throws InvalidInput where a nominal value is negative or not finite.
+/// so that it can be an unknown of an otherwise linear part. Parameters k [N/m], c [N s/m], b [kg]; each defaults to
+/// its nominal value, which is no force. Throws InvalidInput where a nominal value is negative or not finite.
 ConnectorLawPtr linear_change_law(const LinearNominal& nominal);
 
 }  // namespace kalfem

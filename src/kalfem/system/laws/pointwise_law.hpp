@@ -14,11 +14,11 @@ namespace kalfem {
 /// What a pointwise kernel reads: one row of LawPoints with P parameters and S states.
 template <std::size_t P, std::size_t S = 0>
 struct KernelInput {
-  std::array<double, P> p;             ///< parameters
-  double d = 0.0, v = 0.0, a = 0.0;    ///< d(h), d'(h), d''(h)
-  double duration = 0.0;               ///< h [s]
-  double begin_d = 0.0, begin_v = 0.0; ///< d(0), d'(0)
-  std::array<double, S> s;             ///< s(0)
+  std::array<double, P> p;              ///< parameters
+  double d = 0.0, v = 0.0, a = 0.0;     ///< d(h), d'(h), d''(h)
+  double duration = 0.0;                ///< h [s]
+  double begin_d = 0.0, begin_v = 0.0;  ///< d(0), d'(0)
+  std::array<double, S> s;              ///< s(0)
 };
 
 /// What a pointwise kernel answers: one row of LawResponse.
@@ -30,11 +30,11 @@ struct KernelOutput {
 
 /// Makes a ConnectorLaw of a kernel, a callable
 ///     KernelOutput<S> operator()(const KernelInput<P, S>&) const
-/// with constants `parameter_count` = P and `state_count` = S. The loop over the points is inlined around the kernel, so a
-/// kernel without branches and library calls is vectorised over the points.
+/// with constants `parameter_count` = P and `state_count` = S. The loop over the points is inlined around the kernel,
+/// so a kernel without branches and library calls is vectorised over the points.
 template <class Kernel>
 class PointwiseLaw final : public ConnectorLaw {
- public:
+public:
   static constexpr std::size_t P = Kernel::parameter_count, S = Kernel::state_count;
 
   PointwiseLaw(std::string name, std::vector<LawQuantity> parameters, std::vector<LawQuantity> states = {},
@@ -55,7 +55,7 @@ class PointwiseLaw final : public ConnectorLaw {
     evaluate(points, response, std::make_index_sequence<P>{}, std::make_index_sequence<S>{});
   }
 
- private:
+private:
   template <std::size_t... j, std::size_t... m>
   void evaluate(const LawPoints& in, LawResponse& out, std::index_sequence<j...>, std::index_sequence<m...>) const {
     const double* p = in.parameters.data();
@@ -71,14 +71,15 @@ class PointwiseLaw final : public ConnectorLaw {
     const Kernel kernel = kernel_;  // a copy of its own cannot alias the outputs
 #pragma GCC ivdep
     for (Eigen::Index i = 0; i < count; ++i) {
-      const KernelOutput<S> answer = kernel(KernelInput<P, S>{.p = {p[i + static_cast<Eigen::Index>(j) * p_stride]...},
-                                                              .d = d[i],
-                                                              .v = v[i],
-                                                              .a = a[i],
-                                                              .duration = duration,
-                                                              .begin_d = begin_d[i],
-                                                              .begin_v = begin_v[i],
-                                                              .s = {s[i + static_cast<Eigen::Index>(m) * s_stride]...}});
+      const KernelOutput<S> answer =
+          kernel(KernelInput<P, S>{.p = {p[i + static_cast<Eigen::Index>(j) * p_stride]...},
+                                   .d = d[i],
+                                   .v = v[i],
+                                   .a = a[i],
+                                   .duration = duration,
+                                   .begin_d = begin_d[i],
+                                   .begin_v = begin_v[i],
+                                   .s = {s[i + static_cast<Eigen::Index>(m) * s_stride]...}});
       force[i] = answer.force;
       stiffness[i] = answer.stiffness;
       damping[i] = answer.damping;

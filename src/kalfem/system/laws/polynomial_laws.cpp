@@ -35,7 +35,7 @@ void horner(const Eigen::Ref<const Eigen::ArrayXXd>& coefficients, const Eigen::
 }
 
 class PolynomialLaw final : public ConnectorLaw {
- public:
+public:
   PolynomialLaw(int stiffness_degree, int damping_degree)
       : stiffness_degree_(stiffness_degree), damping_degree_(damping_degree) {
     for (int i = 1; i <= stiffness_degree; ++i) add("k", i, "N/m", "stiffness");
@@ -54,7 +54,7 @@ class PolynomialLaw final : public ConnectorLaw {
     out.inertance.setZero();
   }
 
- private:
+private:
   void add(const std::string& symbol, int degree, const std::string& unit, const std::string& meaning) {
     const std::string power = std::to_string(degree);
     const std::string unit_of_degree = degree == 1 ? unit : symbol == "k" ? "N/m^" + power : "N (s/m)^" + power;

@@ -10,8 +10,8 @@ ConnectorLawPtr cubic_law();
 
 /// Polynomial spring and damper of any degree,
 ///     f = sum_{i=1..N} k_i d^i + sum_{i=1..M} c_i v^i,     N = stiffness_degree, M = damping_degree.
-/// Parameters k1 .. kN [N/m^i], c1 .. cM [N (s/m)^i], all 0 unless given. Even terms make the force differ between tension
-/// and compression. Throws InvalidInput unless both degrees lie in [0, 30] and one of them is positive.
+/// Parameters k1 .. kN [N/m^i], c1 .. cM [N (s/m)^i], all 0 unless given. Even terms make the force differ between
+/// tension and compression. Throws InvalidInput unless both degrees lie in [0, 30] and one of them is positive.
 ConnectorLawPtr polynomial_law(int stiffness_degree, int damping_degree);
 
 }  // namespace kalfem

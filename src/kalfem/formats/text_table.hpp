@@ -1,0 +1,67 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kalfem/base/invalid_input.hpp"
+
+namespace kalfem {
+
+/// One line of a text file, without its end (\n, \r\n); `number` is 1-based.
+struct TextLine {
+  std::string_view text;
+  int number = 0;
+};
+
+/// Content of a file without a leading byte-order mark. Throws InvalidInput when it cannot be read.
+std::string read_text(const std::filesystem::path& path);
+
+std::vector<TextLine> split_lines(std::string_view text);
+
+std::string_view trimmed(std::string_view text);
+
+/// The cells between separators, trimmed, quotation marks removed; a separator inside quotation marks belongs to its
+/// cell. The separator ' ' stands for any run of blanks and tabs.
+std::vector<std::string_view> split_cells(std::string_view line, char separator);
+
+/// The number that fills the whole cell (NaN and infinities included), or nothing.
+std::optional<double> parse_number(std::string_view cell, char decimal);
+
+/// Collects the problems of a file, of which the first 20 are kept and the rest is counted.
+class FileProblems {
+public:
+  explicit FileProblems(std::string file) : file_(std::move(file)) {}
+  void add(int line, std::string what, std::string why = {}, std::string fix = {});
+  /// Throws InvalidInput when there was any.
+  void raise() const;
+  [[nodiscard]] bool empty() const { return count_ == 0; }
+  [[nodiscard]] const std::string& file() const { return file_; }
+
+private:
+  std::string file_;
+  IssueList listed_;
+  std::size_t count_ = 0;
+};
+
+/// Rows of finite numbers from lines of cells. Cells that are empty, no number or not finite become problems.
+class NumberRows {
+public:
+  /// `columns`: positions of the wanted cells; `names`: of all cells, for the messages.
+  NumberRows(std::vector<std::size_t> columns, std::vector<std::string> names, char decimal);
+  void add(int line, const std::vector<std::string_view>& cells, FileProblems& problems);
+  [[nodiscard]] Eigen::MatrixXd matrix() const;                           ///< rows x wanted columns
+  [[nodiscard]] const std::vector<int>& lines() const { return lines_; }  ///< line of each row
+
+private:
+  std::vector<std::size_t> columns_;
+  std::vector<std::string> names_;
+  char decimal_;
+  std::vector<double> numbers_;
+  std::vector<int> lines_;
+};
+
+}  // namespace kalfem

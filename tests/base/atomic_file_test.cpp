@@ -1,0 +1,58 @@
+#include "kalfem/base/atomic_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "kalfem/base/invalid_input.hpp"
+
+namespace kalfem {
+namespace {
+
+namespace fs = std::filesystem;
+
+class AtomicFile : public testing::Test {
+protected:
+  void SetUp() override {
+    folder = fs::temp_directory_path() /
+             ("kalfem_atomic_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+  }
+  void TearDown() override { fs::remove_all(folder); }
+
+  [[nodiscard]] auto files() const { return std::distance(fs::directory_iterator(folder), fs::directory_iterator()); }
+
+  static std::string read(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+  fs::path folder;
+};
+
+TEST_F(AtomicFile, ReplacesTheWholeFileAndLeavesNothingElse) {
+  const std::string bytes("a\0b\r\n", 5);
+  write_file_atomically(folder / "x.json", "something longer that was there before");
+  write_file_atomically(folder / "x.json", bytes);
+  EXPECT_EQ(read(folder / "x.json"), bytes);
+  EXPECT_EQ(files(), 1);
+}
+
+TEST_F(AtomicFile, MakesTheFolder) {
+  write_file_atomically(folder / "a" / "b" / "x.json", "{}");
+  EXPECT_EQ(read(folder / "a" / "b" / "x.json"), "{}");
+}
+
+TEST_F(AtomicFile, AFailureIsInvalidInputAndLeavesNoTemporaryFile) {
+  fs::create_directories(folder / "taken" / "inside");  // a folder stands where the file should be
+  EXPECT_THROW(write_file_atomically(folder / "taken", "{}"), InvalidInput);
+  EXPECT_EQ(files(), 1);
+  std::ofstream(folder / "file") << "x";
+  EXPECT_THROW(write_file_atomically(folder / "file" / "x.json", "{}"), InvalidInput);
+}
+
+}  // namespace
+}  // namespace kalfem
