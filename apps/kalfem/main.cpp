@@ -1,1 +1,63 @@
-int main() { return 0; }
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+
+#include "kalfem/base/version.hpp"
+#include "verbs.hpp"
+
+using namespace kalfem;
+
+namespace {
+
+struct Arguments {
+  std::string case_file, folder;
+  bool json = false, laws = false;
+};
+
+CLI::App* add_stage(CLI::App& app, const char* verb, const char* meaning, Arguments& arguments) {
+  auto* command = app.add_subcommand(verb, meaning);
+  command->add_option("case", arguments.case_file, "case file (YAML)")->required();
+  command->add_option("--out", arguments.folder, "folder of the results; default: <case>.kalfem-out");
+  return command;
+}
+
+command::ExitCode execute(const CLI::App& app, const Arguments& arguments) {
+  if (app.got_subcommand("check")) return command::check(arguments.case_file);
+  if (app.got_subcommand("schema")) return command::schema(arguments.json, arguments.laws);
+  if (app.got_subcommand("simulate")) return command::run(arguments.case_file, Stage::simulate, arguments.folder);
+  if (app.got_subcommand("estimate")) return command::run(arguments.case_file, Stage::estimate, arguments.folder);
+  return command::run(arguments.case_file, Stage::predict, arguments.folder);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Identifies and updates nonlinear finite-element models of structures from vibration measurements.", "kalfem"};
+  app.set_version_flag("--version", version);
+  app.require_subcommand(1);
+  Arguments arguments;
+  add_stage(app, "run", "every stage that the case declares", arguments);
+  add_stage(app, "simulate", "the reference solution and the record made from it", arguments);
+  add_stage(app, "estimate", "states and unknown parameters, with what it needs before", arguments);
+  add_stage(app, "predict", "response of a linear substructure, with what it needs before", arguments);
+  app.add_subcommand("check", "validate and explain a case, run nothing")
+      ->add_option("case", arguments.case_file, "case file (YAML)")
+      ->required();
+  auto* schema = app.add_subcommand("schema", "the case-file reference");
+  schema->add_flag("--json", arguments.json, "as JSON Schema, for editors");
+  schema->add_flag("--laws", arguments.laws, "the connector laws and their parameters");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? command::done : command::mend_the_input;
+  }
+  try {
+    return execute(app, arguments);
+  } catch (const InvalidInput& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return command::mend_the_input;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "kalfem: internal error: %s\n", error.what());
+    return command::a_bug;
+  }
+}

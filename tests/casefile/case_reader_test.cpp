@@ -176,7 +176,7 @@ TEST(CaseReader, AProblemFoundLaterKnowsItsPlace) {
     FAIL();
   } catch (const InvalidInput& error) {
     EXPECT_NE(std::string(error.what())
-                  .find("case.yaml:13: connectors.suspension.parameters.mu: 20 m kg s^-2 given where kg is required"),
+                  .find("case.yaml:13: connectors.suspension.parameters.mu: 20 N given where kg is required"),
               std::string::npos)
         << error.what();
   }

@@ -17,7 +17,7 @@ TEST(Echo, ShowsDefaultsAndUnits) {
   const std::string echoed = to_yaml(*study_form().write(read(valid_text)));
   for (const char* line :
        {"  sample_rate: 1000  # Hz\n", "  iterations: 10\n", "    stiffness: 20000  # N/m\n",
-        "      band: [0.5, 30]  # Hz\n", "    modal: [0.01]\n", "      - from: ground\n", "        mu: 20 m kg s^-2\n"})
+        "      band: [0.5, 30]  # Hz\n", "    modal: [0.01]\n", "      - from: ground\n", "      mu: 20 N\n"})
     EXPECT_NE(echoed.find(line), std::string::npos) << line << "in\n" << echoed;
 }
 
@@ -64,9 +64,10 @@ TEST(Schema, IsAJsonSchemaOfTheTable) {
 
 TEST(Schema, ReferenceTextNamesEveryKeyWithItsMeaning) {
   const std::string text = reference_text(study_form().schema);
-  for (const char* part :
-       {"simulate:", "  duration: number [s] > 0 (required)", "length of the record", "(default 1000)",
-        "<name>:", "random: (one of random | file)", "= newmark", "average acceleration", "- each:"})
+  for (const char* part : {"simulate:", "  duration: number [s] > 0 (required)", "length of the record",
+                           "(default 1000)", "<name>:", "random: (one of random | file)", "channel: text (with file)",
+                           "iterations: whole number in [1, 100] (default 10)", "list of 2: number [Hz]", "= newmark",
+                           "average acceleration", "- each:"})
     EXPECT_NE(text.find(part), std::string::npos) << part << "\nin\n" << text;
 }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -18,6 +20,8 @@ struct LawCase {
   double rate = 0.1;          ///< [m/s]
   bool force_at_rest = false;
 };
+
+inline void PrintTo(const LawCase& of, std::ostream* stream) { *stream << of.label; }
 
 /// Arrays for N points of one law, all parameters alike.
 struct LawBench {

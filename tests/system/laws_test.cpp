@@ -58,7 +58,7 @@ std::vector<LawCase> law_cases() {
 class EveryLaw : public testing::TestWithParam<LawCase> {};
 
 INSTANTIATE_TEST_SUITE_P(Laws, EveryLaw, testing::ValuesIn(law_cases()),
-                         [](const auto& info) { return info.param.label; });
+                         [](const auto& instance) { return instance.param.label; });
 
 void draw_motion(LawBench& bench, const LawCase& of, RandomStream& random) {
   for (Eigen::Index i = 0; i < bench.force.size(); ++i) {

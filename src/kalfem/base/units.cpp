@@ -313,6 +313,8 @@ double to_si(const Quantity& quantity, std::string_view expected_unit) {
 }
 
 std::string si_unit(const Dimension& dimension) {
+  for (const char* usual : {"N", "N/m", "N s/m", "N m", "Pa", "m/s", "m/s^2", "V"})
+    if (parse_unit(usual).dimension == dimension) return usual;
   constexpr std::string_view symbols[] = {"m", "kg", "s", "K", "A", "rad"};
   std::string text;
   for (std::size_t i = 0; i < dimension.twelfths.size(); ++i) {

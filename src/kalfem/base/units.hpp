@@ -47,7 +47,7 @@ double to_si(std::string_view text, std::string_view expected_unit);
 /// As above for a quantity that was read before; it is described in SI.
 double to_si(const Quantity& quantity, std::string_view expected_unit);
 
-/// The dimension written in SI base units so that parse_unit() reads it back: "m kg s^-2"; "-" when dimensionless.
+/// The SI unit of the dimension, which parse_unit() reads back with a factor of one: "N/m", "kg m^2", "-".
 std::string si_unit(const Dimension& dimension);
 
 /// Shortest decimal text that reads back as the same double.

@@ -35,15 +35,25 @@ private:
     return out;
   }
 
+  /// The text after ${; a default that is not used is still read to its brace, but may name variables that are not set.
   std::string variable(int depth) {
     const std::string name = variable_name();
+    const std::optional<std::string> value = environment_(name);
     std::optional<std::string> fallback;
-    if (take(":-")) fallback = until_brace(depth + 1);
-    if (!take("}"))
+    if (take(":-")) {
+      const bool is_used = !value || value->empty();
+      unused_ += is_used ? 0 : 1;
+      fallback = until_brace(depth + 1);
+      unused_ -= is_used ? 0 : 1;
+    }
+    if (!take("}")) {
       fail("a '}' is missing or the name is not one of letters, digits and _", "write ${NAME} or ${NAME:-default}");
-    if (auto value = environment_(name); value && !(value->empty() && fallback)) return *value;
-    if (!fallback) fail("the environment variable " + name + " is not set", "set it or write ${" + name + ":-default}");
-    return *fallback;
+    }
+    if (value && !(value->empty() && fallback)) return *value;
+    if (!fallback && unused_ == 0) {
+      fail("the environment variable " + name + " is not set", "set it or write ${" + name + ":-default}");
+    }
+    return fallback.value_or("");
   }
 
   std::string variable_name() {
@@ -69,6 +79,7 @@ private:
   std::string_view text_;
   const Environment& environment_;
   std::size_t position_ = 0;
+  int unused_ = 0;  ///< defaults around this place that are not used
 };
 
 }  // namespace

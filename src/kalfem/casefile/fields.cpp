@@ -71,7 +71,7 @@ void describe_cases(Json& object, const std::vector<Json>& cases, const std::vec
   for (std::size_t i = 0; i < cases.size(); ++i) {
     for (const auto& [key, property] : cases[i].at("properties").items()) {
       object["properties"].emplace(key, Json(property));
-      object["properties"][key]["x-one-of"] = join(names, " | ");
+      object["properties"][key]["x-needed"] = key == names[i] ? "one of " + join(names, " | ") : "with " + names[i];
     }
     alternatives.push_back(requirement(cases[i].value("required", Json::array({names[i]}))));
     any.push_back(requirement({names[i]}));

@@ -88,8 +88,12 @@ Form<double> number(const std::string& unit, const Bounds& bounds) {
 
 Form<int> integer(int low, int high) {
   const auto parse = [=](const std::string& text) { return parse_whole(text, low, high); };
+  const Bounds bounds{low == std::numeric_limits<int>::min() ? -std::numeric_limits<double>::infinity() : low,
+                      high == std::numeric_limits<int>::max() ? std::numeric_limits<double>::infinity() : high};
+  const std::string range = bounds.describe();
   auto form = scalar<int>(
-      "whole number", parse, [](const int& value) { return std::to_string(value); }, true);
+      "whole number" + (range.empty() ? "" : " " + range), parse,
+      [](const int& value) { return std::to_string(value); }, true);
   form.schema["type"] = "integer";
   if (low != std::numeric_limits<int>::min()) form.schema["minimum"] = low;
   if (high != std::numeric_limits<int>::max()) form.schema["maximum"] = high;

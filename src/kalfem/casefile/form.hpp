@@ -23,7 +23,8 @@ struct Form {
   /// Nothing when the value is not usable; then an issue was added.
   std::function<std::optional<T>(const Cursor&)> read;
   std::function<YamlNodePtr(const T&)> write;
-  /// JSON Schema (draft 2020-12) with two more words: "x-written", the form in a few English words, and "x-unit".
+  /// JSON Schema (draft 2020-12) with words of our own: "x-written", the form in a few English words, "x-unit", and
+  /// "x-needed", which says when a key of alternatives is needed.
   nlohmann::ordered_json schema;
 
   [[nodiscard]] std::string written() const { return schema.value("x-written", ""); }
@@ -189,7 +190,9 @@ Form<std::array<T, N>> tuple(const Form<T>& item) {
     return array;
   };
   const auto write = [=](const std::array<T, N>& array) { return values.write({array.begin(), array.end()}); };
-  return {read, write, values.schema};
+  auto schema = values.schema;
+  schema["x-written"] = "list of " + std::to_string(N) + ": " + item.written();
+  return {read, write, schema};
 }
 
 /// A form and a shorter one for the same thing: `modal: 1 %` for `modal: [1 %]`. The short form is the one taken for a

@@ -33,7 +33,7 @@ bool is_needed(const Json& object, const std::string& key) {
 }
 
 std::string qualifier(const Json& object, const std::string& key, const Json& property) {
-  if (property.contains("x-one-of")) return " (one of " + property["x-one-of"].get<std::string>() + ")";
+  if (property.contains("x-needed")) return " (" + property["x-needed"].get<std::string>() + ")";
   if (is_needed(object, key)) return " (required)";
   if (property.contains("default") && !property["default"].is_object())
     return " (default " + property["default"].dump() + ")";

@@ -23,12 +23,12 @@ struct YamlNode {
 
   Kind kind = Kind::null;
   std::string text{};                ///< of a scalar
-  bool literal = true;             ///< scalar written without quotes: a number, a choice, true or false
+  bool literal = true;               ///< scalar written without quotes: a number, a choice, true or false
   std::vector<YamlNodePtr> items{};  ///< of a list
   std::vector<YamlEntry> entries{};  ///< of a map, in file order
-  int line = 0;                    ///< 1-based; 0 where it was not read from a file
+  int line = 0;                      ///< 1-based; 0 where it was not read from a file
   std::string comment{};             ///< written after the value, usually the unit
-  std::size_t weight = 1;          ///< nodes below and including this one, aliases counted each time
+  std::size_t weight = 1;            ///< nodes below and including this one, aliases counted each time
 
   /// The entry's value, or null when the map has no such key.
   [[nodiscard]] const YamlEntry* find(const std::string& key) const;

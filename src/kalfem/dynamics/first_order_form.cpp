@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "kalfem/base/invalid_input.hpp"
+
 namespace kalfem {
 
 using Eigen::Index;
@@ -28,12 +30,28 @@ void add_scaled(LinearOutput& sum, const MatrixXd& rows, const LinearOutput& ter
   sum.force += rows * term.force;
 }
 
+void check(const std::vector<InputTreatment>& treatments, Index inputs, std::size_t chains, Index outputs) {
+  IssueList issues;
+  if (!treatments.empty() && static_cast<Index>(treatments.size()) != inputs)
+    issues.add({}, std::to_string(treatments.size()) + " input models for " + std::to_string(inputs) + " inputs",
+               "each input needs one");
+  if (chains != 0 && static_cast<Index>(chains) != outputs)
+    issues.add({}, std::to_string(chains) + " measurement chains for " + std::to_string(outputs) + " sensors",
+               "each sensor needs one");
+  for (const auto& treatment : treatments)
+    if (treatment.model == InputModel::first_order_markov && !(treatment.correlation_time > 0.0))
+      issues.add({}, "the correlation time of an input is " + std::to_string(treatment.correlation_time) + " s",
+                 "it must be positive (infinite: a random walk)");
+  issues.raise();
+}
+
 }  // namespace
 
 FirstOrderForm::FirstOrderForm(const LocallyNonlinearSystem& system, const OutputMap& outputs,
                                const std::vector<MeasurementChain>& chains,
                                const std::vector<InputTreatment>& treatments)
     : n_(system.size()), n_u_(system.input_count()), m_(system.connector_count()), treatments_(treatments) {
+  check(treatments, n_u_, chains.size(), outputs.size());
   treatments_.resize(static_cast<std::size_t>(n_u_));
   Index states = 2 * n_;
   for (const auto& treatment : treatments_) {

@@ -35,7 +35,8 @@ struct InputTreatment {
 /// Dense: for lumped and reduced systems. Immutable after construction.
 class FirstOrderForm {
  public:
-  /// `chains` has one entry an output (identity where a sensor has no dynamics) or is empty.
+  /// `chains` has one entry an output (identity where a sensor has no dynamics) or is empty, and so has `treatments`
+  /// (all known). Throws InvalidInput where their numbers do not match or a correlation time is not positive.
   FirstOrderForm(const LocallyNonlinearSystem& system, const OutputMap& outputs,
                  const std::vector<MeasurementChain>& chains = {}, const std::vector<InputTreatment>& treatments = {});
 

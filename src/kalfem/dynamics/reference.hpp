@@ -18,13 +18,14 @@ struct ReferenceOptions {
 /// A solution whose step was halved until the sensors' records stopped moving.
 struct Reference {
   SimulationResult simulation;      ///< sampled at the record's rate
-  Eigen::MatrixXd sensors;          ///< behind their measurement chains, free of noise, samples x l
+  Eigen::MatrixXd sensors;          ///< behind their measurement chains, free of noise, samples x l; empty after a failure
   Eigen::Index substeps = 0;        ///< time steps per sample that were used
   double last_change = 0.0;         ///< largest relative change of a sensor's record in the last halving
   bool converged = false;
 };
 
 /// Simulates with the options' integrator and duration (their step and keep_every are set here), refining the step.
+/// Throws InvalidInput on unsuitable options.
 Reference simulate_reference(const LocallyNonlinearSystem& system, const std::vector<SignalPtr>& signals,
                              const InitialState& initial, const OutputMap& sensors,
                              const std::vector<MeasurementChain>& chains, SimulationOptions simulation,

@@ -13,6 +13,16 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr Index input_block = 4096;  ///< steps whose inputs are sampled together
+constexpr double most_steps = 1e10;
+constexpr double most_values = 2e9;  ///< stored, 16 GB
+
+/// Numbers that a simulation would store.
+double stored_values(const LocallyNonlinearSystem& system, const SimulationOptions& options) {
+  const double steps = options.duration / options.step;
+  const auto a_sample = static_cast<double>(3 * system.size() + system.connector_count() + 3 * system.input_count() +
+                                            system.connector_states());
+  return steps * (a_sample / static_cast<double>(options.keep_every) + static_cast<double>(options.every_step.size()));
+}
 
 void check(const LocallyNonlinearSystem& system, const std::vector<SignalPtr>& signals, const InitialState& initial,
            const SimulationOptions& options) {
@@ -34,6 +44,10 @@ void check(const LocallyNonlinearSystem& system, const std::vector<SignalPtr>& s
       initial.connector_states.size() != system.connector_states())
     issues.add({}, "the initial state does not fit the system's size", "one value a degree of freedom and internal state");
   issues.raise();
+  if (options.duration / options.step > most_steps || stored_values(system, options) > most_values)
+    throw InvalidInput(std::to_string(options.duration) + " s in steps of " + std::to_string(options.step) +
+                           " s are more samples than fit in memory",
+                       "at most 10^10 steps and 2 10^9 stored values", "shorten the duration or keep fewer samples");
 }
 
 std::unique_ptr<Stepper> make_stepper(const LocallyNonlinearSystem& system, const SimulationOptions& options) {
@@ -75,6 +89,13 @@ void store(Trajectory& trajectory, Index sample, const Motion& motion, const Vec
   trajectory.force.col(sample) = motion.force;
   trajectory.inputs.col(sample) = inputs;
   trajectory.connector_states.col(sample) = motion.connector_states;
+}
+
+/// Leaves the first `samples` samples.
+void truncate(Trajectory& trajectory, Index samples) {
+  for (auto* series : {&trajectory.displacement, &trajectory.velocity, &trajectory.acceleration, &trajectory.force,
+                       &trajectory.inputs, &trajectory.connector_states})
+    series->conservativeResize(Eigen::NoChange, samples);
 }
 
 void observe(const OutputMap& map, const Motion& motion, const VectorXd& inputs, MatrixXd::RowXpr row) {
@@ -128,7 +149,8 @@ SimulationResult simulate(const LocallyNonlinearSystem& system, const std::vecto
   store(result.trajectory, 0, motion, inputs.col(0));
   if (observing) observe(options.every_step, motion, inputs.col(0), result.every_step.row(0));
   VectorXd begin = inputs.col(0), end;
-  for (Index k = 1; k <= steps && !result.failure; ++k) {
+  Index k = 1;
+  for (; k <= steps && !result.failure; ++k) {
     if (k - block_start > input_block) {
       block_start = k - 1;
       inputs = sample_inputs(signals, options.step, block_start, std::min(input_block, steps - block_start) + 1);
@@ -140,6 +162,11 @@ SimulationResult simulate(const LocallyNonlinearSystem& system, const std::vecto
     if (observing) observe(options.every_step, motion, end, result.every_step.row(k));
     if (k % options.keep_every == 0) store(result.trajectory, k / options.keep_every, motion, end);
     begin.swap(end);
+  }
+  if (result.failure) {
+    const Index failed = k - 1;
+    truncate(result.trajectory, failed == 0 ? 0 : (failed - 1) / options.keep_every + 1);
+    if (observing) result.every_step.conservativeResize(failed, Eigen::NoChange);
   }
   return result;
 }

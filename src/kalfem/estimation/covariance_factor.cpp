@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "kalfem/estimation/small_kernels.hpp"
+
 namespace kalfem {
 
 using Eigen::Index;
@@ -28,39 +30,10 @@ bool semidefinite_factor(const MatrixXd& covariance, MatrixXd& factor) {
   return factor.allFinite();
 }
 
-/// Column-oriented Cholesky for small matrices, where the blocked one spends its time on bookkeeping.
-bool small_cholesky(const MatrixXd& covariance, MatrixXd& factor) {
-  const Index n = covariance.rows();
-  factor = covariance;
-  for (Index j = 0; j < n; ++j) {
-    const Index below = n - j - 1;
-    const double pivot = factor(j, j);
-    if (!(pivot > rounding * covariance(j, j))) return false;
-    const double root = std::sqrt(pivot);
-    factor(j, j) = root;
-    factor.col(j).tail(below) *= 1.0 / root;
-    for (Index k = j + 1; k < n; ++k) factor.col(k).tail(n - k) -= factor(k, j) * factor.col(j).tail(n - k);
-    factor.col(j).head(j).setZero();
-  }
-  return true;
-}
-
-constexpr Index small_dimension = 48;
-
 }  // namespace
 
 bool covariance_factor(const MatrixXd& covariance, MatrixXd& factor) {
-  const Index n = covariance.rows();
-  if (n <= small_dimension) {
-    if (small_cholesky(covariance, factor)) return true;
-  } else {
-    factor = covariance;
-    if (Eigen::internal::llt_inplace<double, Eigen::Lower>::blocked(factor) < 0) {
-      factor.triangularView<Eigen::StrictlyUpper>().setZero();
-      return true;
-    }
-  }
-  return semidefinite_factor(covariance, factor);
+  return cholesky(covariance, rounding, factor) || semidefinite_factor(covariance, factor);
 }
 
 void triangularise(MatrixXd& array, MatrixXd& lower) {

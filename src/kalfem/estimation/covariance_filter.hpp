@@ -6,8 +6,9 @@ namespace kalfem {
 
 /// Carries mean and covariance: the UKF of Table 1, or with the linearised transform the EKF.
 class CovarianceFilter final : public Filter {
- public:
-  explicit CovarianceFilter(UnscentedTransform transform) : transform_(std::move(transform)) {}
+public:
+  explicit CovarianceFilter(const UnscentedTransform& transform)
+      : transition_(transform), measurement_(transform), observation_(transform) {}
 
   void reset(const Gaussian& estimate) override;
   FilterOutcome predict(PartiallyLinearMap& transition, const Eigen::MatrixXd& process_noise) override;
@@ -19,15 +20,16 @@ class CovarianceFilter final : public Filter {
   Eigen::VectorXd standard_deviation() const override;
   Eigen::MatrixXd covariance() const override { return estimate_.covariance.selfadjointView<Eigen::Lower>(); }
 
- private:
-  FilterOutcome transform(PartiallyLinearMap& map);
+private:
+  FilterOutcome transform(PartiallyLinearMap& map, UnscentedTransform& transform);
 
-  UnscentedTransform transform_;
-  Gaussian estimate_;  ///< covariance: lower triangle
-  Eigen::MatrixXd factor_, next_covariance_, cross_, gain_;
+  UnscentedTransform transition_, measurement_, observation_;  ///< one for each size, whose arrays then stay
+  Gaussian estimate_;                                          ///< covariance: lower triangle
+  Eigen::MatrixXd factor_, innovation_factor_, gain_, output_covariance_;
+  Eigen::VectorXd whitened_;
 };
 
-/// NIS and log-likelihood from the innovation and the Cholesky factor of its covariance.
-void score(Innovation& innovation, const Eigen::MatrixXd& factor);
+/// NIS and log-likelihood from the Cholesky factor L of the innovation's covariance and `whitened` = L^-1 value.
+void score(Innovation& innovation, const Eigen::MatrixXd& factor, const Eigen::VectorXd& whitened);
 
 }  // namespace kalfem

@@ -26,6 +26,14 @@ void check(const Observer& observer, const Record& record, const EstimationOptio
   if (record.inputs.rows() != 3 * n_u || record.inputs.cols() != record.measurements.cols())
     issues.add({}, "inputs and measurements do not have the same samples", "");
   if (!record.inputs.allFinite()) issues.add({}, "an input is not finite", "the observer is driven by it");
+  if (!record.noise.allFinite() || (record.noise.diagonal().array() < 0.0).any())
+    issues.add({}, "a sensor's noise is negative or not finite", "it is a covariance", "give every sensor its noise");
+  const auto& [alpha, beta, kappa] = options.unscented;
+  const double n = static_cast<double>(observer.layout().size());
+  if (!(alpha > 0.0 && n + kappa > 0.0) || !std::isfinite(alpha * alpha * (n + kappa)) || !std::isfinite(beta))
+    issues.add({}, "the sigma points have alpha " + std::to_string(alpha) + ", beta " + std::to_string(beta) +
+                       ", kappa " + std::to_string(kappa) + " with " + std::to_string(observer.layout().size()) + " states",
+               "alpha must be positive, kappa above minus the number of states, all finite", "use 1, 2, 0");
   if (record.measurements.cols() < 1) issues.add({}, "the record is empty", "");
   if (options.passes < 1) issues.add({}, "the number of passes is below 1", "");
   if (options.passes > 1 && !observer.options().keep_initial_state)

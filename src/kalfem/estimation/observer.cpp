@@ -20,7 +20,8 @@ void check_unknown(const UnknownParameter& unknown, const LocallyNonlinearSystem
   if (!(unknown.deviation > 0.0) || !std::isfinite(unknown.deviation))
     issues.add({}, title + " has the prior standard deviation " + std::to_string(unknown.deviation),
                "it must be positive: a parameter without uncertainty is not unknown");
-  if (!(unknown.random_walk >= 0.0)) issues.add({}, title + " has a negative random walk", "it is a density");
+  if (!(unknown.random_walk >= 0.0) || !std::isfinite(unknown.random_walk))
+    issues.add({}, title + " has a random walk that is negative or not finite", "it is a density");
   if (unknown.targets.empty()) issues.add({}, title + " changes nothing", "name a parameter of a connector");
   for (const auto& target : unknown.targets)
     if (target.connector < 0 || target.connector >= system.connector_count() || target.parameter < 0 ||
@@ -29,10 +30,23 @@ void check_unknown(const UnknownParameter& unknown, const LocallyNonlinearSystem
   const auto& transform = unknown.transform;
   if (transform.kind == TransformKind::log && !(unknown.initial > 0.0))
     issues.add({}, title + " starts at " + std::to_string(unknown.initial), "under transform: log it must be positive");
-  if (transform.kind == TransformKind::logit && !(transform.lower < unknown.initial && unknown.initial < transform.upper))
+  if (transform.kind == TransformKind::logit && !std::isfinite(transform.upper - transform.lower))
+    issues.add({}, title + " has a bound that is not finite", "logit needs two bounds", "use transform: log");
+  else if (transform.kind == TransformKind::logit &&
+           !(transform.lower < unknown.initial && unknown.initial < transform.upper))
     issues.add({}, title + " starts at " + std::to_string(unknown.initial) + ", outside its bounds [" +
                        std::to_string(transform.lower) + ", " + std::to_string(transform.upper) + "]",
                "the start must lie strictly between the bounds", "move the start or the bounds");
+}
+
+void check_finite(const VectorXd& values, const std::string& what, IssueList& issues) {
+  if (!values.allFinite()) issues.add({}, "a " + what + " is not finite", "the filter starts from it");
+}
+
+void check_deviation(const VectorXd& values, const std::string& what, IssueList& issues) {
+  if (!values.allFinite() || (values.array() < 0.0).any())
+    issues.add({}, "a " + what + " is negative or not finite", "it is a standard deviation or a noise density",
+               "zero says that it is known exactly");
 }
 
 }  // namespace
@@ -60,6 +74,18 @@ void Observer::check() const {
                     prior.input_deviation.size() == u && prior.input_rate_deviation.size() == u &&
                     noise.acceleration.size() == n && noise.input.size() == u && noise.connector_states.size() == s;
   if (!fits) issues.add({}, "prior or process noise does not fit the system's size", "one value a state");
+  check_finite(prior.mean.displacement, "initial displacement", issues);
+  check_finite(prior.mean.velocity, "initial velocity", issues);
+  check_finite(prior.mean.connector_states, "initial internal state of a connector", issues);
+  check_deviation(prior.displacement_deviation, "prior deviation of a displacement", issues);
+  check_deviation(prior.velocity_deviation, "prior deviation of a velocity", issues);
+  check_deviation(prior.connector_state_deviation, "prior deviation of a connector's internal state", issues);
+  check_deviation(prior.input_deviation, "prior deviation of an input", issues);
+  check_deviation(prior.input_rate_deviation, "prior deviation of an input's rate", issues);
+  check_deviation(VectorXd::Constant(1, prior.sensor_state_deviation), "prior deviation of a sensor's state", issues);
+  check_deviation(noise.acceleration, "process noise of a degree of freedom", issues);
+  check_deviation(noise.input, "process noise of an input", issues);
+  check_deviation(noise.connector_states, "process noise of a connector's internal state", issues);
   issues.raise();
 }
 

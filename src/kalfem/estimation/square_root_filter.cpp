@@ -82,8 +82,9 @@ FilterOutcome SquareRootFilter::update(PartiallyLinearMap& measurement, const Ma
     return FilterOutcome::innovation_not_positive_definite;
   innovation.value = y - transform_.mean();
   innovation.covariance = innovation_root * innovation_root.transpose();
-  score(innovation, innovation_root);
-  mean_ += triangle_.bottomLeftCorner(n, l) * innovation_root.triangularView<Eigen::Lower>().solve(innovation.value);
+  const VectorXd whitened = innovation_root.triangularView<Eigen::Lower>().solve(innovation.value);
+  score(innovation, innovation_root, whitened);
+  mean_ += triangle_.bottomLeftCorner(n, l) * whitened;
   factor_ = triangle_.bottomRightCorner(n, n);
   return FilterOutcome::usable;
 }

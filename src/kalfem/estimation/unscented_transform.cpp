@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "kalfem/estimation/small_kernels.hpp"
+
 namespace kalfem {
 
 using Eigen::ArrayXXd;
@@ -41,8 +43,8 @@ bool UnscentedTransform::apply(PartiallyLinearMap& map, const VectorXd& mean, co
   mean_ = map.offset;
   mean_.noalias() += map.linear * mean;
   mean_.noalias() += map.gain * channel_mean_;
-  deviations_.noalias() = map.linear * factor;
-  deviations_.noalias() += map.gain * delta_.matrix().transpose();
+  multiply(map.linear, factor, deviations_);
+  add_product_transposed(map.gain, delta_, deviations_);
   return true;
 }
 
@@ -51,12 +53,12 @@ void UnscentedTransform::place_points(const PartiallyLinearMap& map, const Vecto
                                       double spread) {
   const Index n = factor.cols(), q = map.selection.rows();
   in_.resize(2 * n + 1, q);
-  channel_factor_.noalias() = factor.transpose() * map.selection.transpose();
-  channel_mean_.resize(q);
-  channel_mean_ = map.input_offset;
-  channel_mean_.noalias() += map.selection * mean;
+  multiply(map.selection, factor, selected_);
+  channel_factor_ = selected_.transpose();
+  centre_ = map.input_offset;
+  centre_.noalias() += map.selection * mean;
   for (Index j = 0; j < q; ++j) {
-    const double centre = channel_mean_[j];
+    const double centre = centre_[j];
     in_(0, j) = centre;
     in_.col(j).segment(1, n) = centre + spread * channel_factor_.col(j).array();
     in_.col(j).tail(n) = centre - spread * channel_factor_.col(j).array();
@@ -72,20 +74,22 @@ void UnscentedTransform::gather_channels(const UnscentedWeights& weights) {
   for (Index j = 0; j < p; ++j) {
     const auto plus = out_.col(j).segment(1, n), minus = out_.col(j).tail(n);
     channel_mean_[j] = weights.mean_centre * out_(0, j) + weights.other * (plus.sum() + minus.sum());
-    delta_.col(j) = (plus - minus) * (0.5 / weights.spread);
+    delta_.col(j).array() = (plus - minus) * (0.5 / weights.spread);
     sigma_.col(j).head(n) = (0.5 * (plus + minus) - channel_mean_[j]) * std::sqrt(2.0 * weights.other);
     sigma_(n, j) = out_(0, j) - channel_mean_[j];
   }
   scatter_.resize(p, p);
-  scatter_.noalias() = sigma_.topRows(n).matrix().transpose() * sigma_.topRows(n).matrix();
-  if (!linearised_)
-    scatter_.noalias() += weights.covariance_centre * sigma_.row(n).matrix().transpose() * sigma_.row(n).matrix();
+  const double centre_weight = linearised_ ? 0.0 : weights.covariance_centre;
+  for (Index j = 0; j < p; ++j)
+    for (Index i = j; i < p; ++i)
+      scatter_(i, j) = scatter_(j, i) =
+          (sigma_.col(i).head(n) * sigma_.col(j).head(n)).sum() + centre_weight * sigma_(n, i) * sigma_(n, j);
 }
 
 void UnscentedTransform::add_covariance(const PartiallyLinearMap& map, MatrixXd& covariance) {
-  covariance.selfadjointView<Eigen::Lower>().rankUpdate(deviations_);
-  gain_scatter_.noalias() = map.gain * scatter_;
-  covariance.triangularView<Eigen::Lower>() += gain_scatter_ * map.gain.transpose();
+  gain_scatter_.noalias() = map.gain.lazyProduct(scatter_);
+  add_symmetric_product(deviations_, deviations_, 1.0, covariance);
+  add_symmetric_product(gain_scatter_, map.gain, 1.0, covariance);
 }
 
 }  // namespace kalfem

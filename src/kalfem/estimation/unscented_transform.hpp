@@ -26,7 +26,8 @@ struct UnscentedWeights {
 
 /// The unscented transform of a partially linear map, equal to that over the full set of 2 n + 1 points but without
 /// forming the images of the linear part. For the pair i let phi+ and phi- be phi at m +- sqrt(c) s_i; with
-///     delta_i = (phi+ - phi-) / (2 sqrt(c)),   sigma_i = (phi+ + phi-) / 2 - mean(phi),   D = A S + G [delta_1 ... delta_n]
+///     delta_i = (phi+ - phi-) / (2 sqrt(c)),   sigma_i = (phi+ + phi-) / 2 - mean(phi),   D = A S + G [delta_1 ...
+///     delta_n]
 /// the images of the pair lie at mean(y) +- sqrt(c) D_i + G sigma_i, so that
 ///     mean(y) = A m + G mean(phi) + b,
 ///     P_yy    = D D^T + G Sigma G^T,      Sigma = sum_i sigma_i sigma_i^T / c + W_c0 sigma_0 sigma_0^T,
@@ -34,7 +35,7 @@ struct UnscentedWeights {
 /// n columns are moved instead of 2 n + 1, and D is the statistically linearised map in square-root form.
 /// Arrays are kept between calls: one thread, no allocation after the first.
 class UnscentedTransform {
- public:
+public:
   explicit UnscentedTransform(const UnscentedOptions& options = {}) : options_(options) {}
   /// The first-order transform: the spread goes to zero, D = (A + G phi'(w) N) S and Sigma = 0.
   static UnscentedTransform linearised();
@@ -49,16 +50,16 @@ class UnscentedTransform {
   /// Adds P_yy to the lower triangle of `covariance`, n_y x n_y.
   void add_covariance(const PartiallyLinearMap& map, Eigen::MatrixXd& covariance);
 
- private:
+private:
   void place_points(const PartiallyLinearMap& map, const Eigen::VectorXd& mean, const Eigen::MatrixXd& factor,
                     double spread);
   void gather_channels(const UnscentedWeights& weights);
 
   UnscentedOptions options_;
   bool linearised_ = false;
-  Eigen::VectorXd mean_, channel_mean_;
-  Eigen::MatrixXd deviations_, scatter_, gain_scatter_, channel_factor_;
-  Eigen::ArrayXXd in_, out_, delta_, sigma_;
+  Eigen::VectorXd mean_, centre_, channel_mean_;
+  Eigen::MatrixXd deviations_, scatter_, gain_scatter_, selected_, channel_factor_, delta_;
+  Eigen::ArrayXXd in_, out_, sigma_;
 };
 
 }  // namespace kalfem

@@ -14,16 +14,16 @@ namespace kalfem {
 /// Accepted: comment lines that begin with # or %, blank lines, quoted names, both kinds of line ends, a byte-order
 /// mark, one separator at the end of a line.
 struct CsvOptions {
-  std::optional<char> separator;     ///< one of  ; tab , space  (space: any run of blanks); found in that order
-  std::optional<char> decimal;       ///< '.' or ','; a comma is recognised unless it separates
-  std::optional<bool> header;        ///< whether the first line names the columns; found by its being no numbers
-  std::vector<std::string> columns;  ///< the channels to read, by name; empty: all
+  std::optional<char> separator = {};     ///< one of  ; tab , space  (space: any run of blanks); found in that order
+  std::optional<char> decimal = {};       ///< '.' or ','; a comma is recognised unless it separates
+  std::optional<bool> header = {};        ///< whether the first line names the columns; found by its being no numbers
+  std::vector<std::string> columns = {};  ///< the channels to read, by name; empty: all
 
   // Only for read_csv:
-  std::string
-      time_column;  ///< name, or position from "1"; empty: a first column called t, time, t_s, time_s, x_value...
-  std::optional<double> sample_rate;  ///< [Hz]; must agree with the time column where there is one
-  double jitter = 0.05;               ///< allowed deviation of a sampling interval, as a fraction of it
+  std::string time_column =
+      {};  ///< name, or position from "1"; empty: a first column called t, time, t_s, zeit, x_value ...
+  std::optional<double> sample_rate = {};  ///< [Hz]; must agree with the time column where there is one
+  double jitter = 0.05;                    ///< allowed deviation of a sampling interval, as a fraction of it
 };
 
 /// Named columns of numbers with the line of the file in which each row stands.

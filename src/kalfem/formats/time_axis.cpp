@@ -39,8 +39,18 @@ double typical_interval(const Eigen::VectorXd& stamps) {
   return *middle;
 }
 
+/// By how much rounding to `unit` may move an interval; nothing when that is too much to see a gap. Coarse stamps that
+/// count whole units (0, 1, 2 ...) are not rounded at all.
+std::optional<double> visible_rounding(double unit, double interval) {
+  if (unit < 0.75 * interval) return 1.01 * unit;
+  const double units = interval / unit;
+  if (std::round(units) >= 1.0 && std::abs(units - std::round(units)) < 1e-9) return 0.0;
+  return std::nullopt;
+}
+
 void find_gaps(const Eigen::VectorXd& stamps, const std::vector<int>& lines, double interval, double tolerance,
                const std::string& column, FileProblems& problems) {
+  tolerance += 8.0 * std::numeric_limits<double>::epsilon() * stamps.cwiseAbs().maxCoeff();
   for (Eigen::Index k = 1; k < stamps.size(); ++k) {
     const double found = stamps(k) - stamps(k - 1);
     if (std::abs(found - interval) <= tolerance) continue;
@@ -78,15 +88,15 @@ TimeAxis time_axis(const Eigen::VectorXd& stamps, const std::vector<int>& lines,
                  "name the column that holds the time in seconds");
     return {};
   }
-  if (unit >= 0.75 * interval && !options.sample_rate) {
+  const std::optional<double> rounding = visible_rounding(unit, interval);
+  if (!rounding && !options.sample_rate) {
     problems.add(lines.front(),
                  "the time column '" + options.column + "' is rounded to " + shown(unit) + " s at intervals of " +
                      shown(interval) + " s",
                  "a missing sample could not be seen", "give the sampling rate");
     return {};
   }
-  if (unit < 0.75 * interval)
-    find_gaps(stamps, lines, interval, options.jitter * interval + 1.01 * unit, options.column, problems);
+  if (rounding) find_gaps(stamps, lines, interval, options.jitter * interval + *rounding, options.column, problems);
 
   const double span = stamps(stamps.size() - 1) - stamps(0);
   const double rate = static_cast<double>(stamps.size() - 1) / span;

@@ -16,9 +16,9 @@ struct TimeAxis {
 };
 
 struct TimeAxisOptions {
-  std::string column = "t";           ///< for the messages
-  double jitter = 0.05;               ///< allowed deviation of an interval, as a fraction of the interval
-  std::optional<double> sample_rate;  ///< known rate [Hz], which the stamps must then confirm within 0.1 %
+  std::string column = "t";                ///< for the messages
+  double jitter = 0.05;                    ///< allowed deviation of an interval, as a fraction of the interval
+  std::optional<double> sample_rate = {};  ///< known rate [Hz], which the stamps must then confirm within 0.1 %
 };
 
 /// Start and sampling rate from time stamps [s], and a problem with its line for every gap, repeated or reversed stamp.

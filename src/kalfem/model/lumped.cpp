@@ -31,9 +31,6 @@ Eigen::VectorXd participation(const LumpedSubstructure& substructure, const std:
 
 void check_masses(const LumpedSubstructure& substructure, IssueList& issues) {
   std::set<std::string> seen;
-  if (substructure.masses.empty())
-    issues.add({}, "substructure '" + substructure.name + "' has no masses", "it has no degree of freedom",
-               "give it at least one mass");
   for (const auto& [dof, mass] : substructure.masses) {
     if (!seen.insert(dof).second)
       issues.add({}, "mass '" + substructure.name + "." + dof + "' is given twice", "names must be unique");
@@ -59,9 +56,28 @@ void check_springs(const LumpedSubstructure& substructure, IssueList& issues) {
   }
 }
 
+/// A name that is a mass, a ground and a point at once would be taken for one of them silently.
+void check_names(const LumpedSubstructure& substructure, IssueList& issues) {
+  const auto is_mass = [&](const std::string& name) {
+    return std::ranges::any_of(substructure.masses, [&](const auto& mass) { return mass.dof == name; });
+  };
+  std::set<std::string> grounds;
+  for (const auto& ground : substructure.grounds)
+    if (!grounds.insert(ground).second || is_mass(ground))
+      issues.add({}, "ground '" + substructure.name + "." + ground + "' has the name of a mass or another ground",
+                 "names must be unique");
+  for (const auto& [name, combination] : substructure.points)
+    if (is_mass(name) || grounds.contains(name))
+      issues.add({}, "point '" + substructure.name + "." + name + "' has the name of a mass or a ground",
+                 "names must be unique");
+}
+
 void check_points(const LumpedSubstructure& substructure, IssueList& issues) {
   for (const auto& [name, combination] : substructure.points)
     for (const auto& [dof, coefficient] : combination) {
+      if (!std::isfinite(coefficient))
+        issues.add({}, "point '" + substructure.name + "." + name + "' has a coefficient of '" + dof +
+                           "' that is not finite", "a point is a combination of degrees of freedom");
       const bool exists = std::ranges::any_of(substructure.masses, [&](const auto& m) { return m.dof == dof; });
       if (!exists)
         issues.add({}, "point '" + substructure.name + "." + name + "' uses '" + dof + "', which is no degree of freedom",
@@ -107,6 +123,7 @@ std::vector<Issue> validate(const LumpedSubstructure& substructure) {
   IssueList issues;
   check_masses(substructure, issues);
   check_springs(substructure, issues);
+  check_names(substructure, issues);
   check_points(substructure, issues);
   check_damping(substructure, issues);
   return issues.issues();

@@ -31,7 +31,7 @@ struct RayleighDamping {
 };
 
 /// Masses joined by springs and dashpots. Springs may end at a ground (the name `ground` or one of `grounds`), whose
-/// motion is an input of the whole system.
+/// motion is an input of the whole system. Without masses it is only a place for grounds.
 struct LumpedSubstructure {
   std::string name;
   std::vector<LumpedMass> masses;

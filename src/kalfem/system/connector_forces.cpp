@@ -6,6 +6,20 @@ using Eigen::ArrayXXd;
 using Eigen::Index;
 using Eigen::MatrixXd;
 
+namespace {
+
+// Whole-array tests as arithmetic reductions: these run over vector registers, Eigen's all() and any() entry by entry.
+
+bool all_finite(const ArrayXXd& values) { return (0.0 * values).sum() == 0.0; }
+
+/// Whether a > b anywhere; false where it is undefined.
+template <class A, class B>
+bool exceeds(const A& a, const B& b) {
+  return (a - b).template maxCoeff<Eigen::PropagateNaN>() > 0.0;
+}
+
+}  // namespace
+
 ConnectorForces::ConnectorForces(const LocallyNonlinearSystem& system, ForceSolveOptions options) : options_(options) {
   for (const auto& connector : system.connectors) {
     laws_.push_back(connector.law);
@@ -36,7 +50,7 @@ ForceSolveOutcome ConnectorForces::solve(const MatrixXd& compliance, double dura
   respond(duration);
   if (!feels_its_forces(compliance)) {
     force_ = law_force_;
-    outcome.finite = force_.allFinite();
+    outcome.finite = all_finite(force_);
     return outcome;
   }
   residual_ = law_force_ - force_;
@@ -45,20 +59,20 @@ ForceSolveOutcome ConnectorForces::solve(const MatrixXd& compliance, double dura
     set_motion(compliance);
     if (done) break;
     respond(duration);
-    previous_residual_ = residual_;
+    previous_residual_.swap(residual_);
     residual_ = law_force_ - force_;
     if (++outcome.iterations >= options_.max_iterations) {
       outcome.converged = false;
       break;
     }
-    for (int halvings = 0; halvings < 8 && (residual_.abs() > 2.0 * previous_residual_.abs()).any(); ++halvings) {
+    for (int halvings = 0; halvings < 8 && exceeds(residual_.abs(), 2.0 * previous_residual_.abs()); ++halvings) {
       halve_where_worse();
       set_motion(compliance);
       respond(duration);
       residual_ = law_force_ - force_;
     }
   }
-  outcome.finite = force_.allFinite() && states_.allFinite();
+  outcome.finite = all_finite(force_) && all_finite(states_);
   return outcome;
 }
 
@@ -66,7 +80,7 @@ ForceSolveOutcome ConnectorForces::solve(const MatrixXd& compliance, double dura
 /// some law uses it.
 bool ConnectorForces::feels_its_forces(const MatrixXd& compliance) const {
   const Index m = force_.cols();
-  return !compliance.topRows(2 * m).isZero(0.0) || !(tangents_.rightCols(m) == 0.0).all();
+  return !compliance.topRows(2 * m).isZero(0.0) || !(tangents_.rightCols(m).abs().sum() == 0.0);
 }
 
 void ConnectorForces::set_motion(const MatrixXd& compliance) {
@@ -89,15 +103,15 @@ void ConnectorForces::respond(double duration) {
   }
 }
 
-/// One Newton correction of f - law(k_free + H f) = 0; true when it was small enough to be the last.
+/// One Newton correction of f - law(k_free + H f) = 0; true when it was small enough to be the last, or not
+/// finite.
 bool ConnectorForces::correct(const MatrixXd& compliance) {
   if (force_.cols() == 1)
     correct_single(compliance);
   else
     correct_coupled(compliance);
   force_ += correction_;
-  return (correction_.abs() <= options_.tolerance * (force_.abs() + options_.force_floor)).all() ||
-         !correction_.allFinite();
+  return !exceeds(correction_.abs(), options_.tolerance * (force_.abs() + options_.force_floor));
 }
 
 void ConnectorForces::correct_single(const MatrixXd& compliance) {

@@ -1,6 +1,7 @@
 #include "kalfem/system/coupling.hpp"
 
 #include <algorithm>
+#include <set>
 
 #include "kalfem/system/law_library.hpp"
 
@@ -27,6 +28,15 @@ SparseMatrix block_diagonal(const std::vector<Substructure>& parts, SparseMatrix
   return result;
 }
 
+/// Adds an issue for every name that stands twice in the list.
+template <typename Named>
+void require_unique(const std::vector<Named>& items, const std::string& what, IssueList& issues) {
+  std::set<std::string> seen;
+  for (const auto& item : items)
+    if (!seen.insert(item.name).second)
+      issues.add({}, "the " + what + " '" + item.name + "' is given twice", "names must be unique", "rename one of them");
+}
+
 const char* value_unit(InputKind kind) {
   switch (kind) {
     case InputKind::base_displacement: return "m";
@@ -45,6 +55,9 @@ CoupledModel::CoupledModel(std::vector<Substructure> substructures,
   assemble_linear_part();
   base_accelerations_ = Eigen::MatrixXd::Zero(system_.size(), static_cast<Eigen::Index>(inputs.size()));
   IssueList issues;
+  require_unique(substructures_, "substructure", issues);
+  require_unique(connectors, "connector", issues);
+  require_unique(inputs, "input", issues);
   for (std::size_t i = 0; i < inputs.size(); ++i) try {
       add_input(inputs[i], i);
     } catch (const InvalidInput& error) {
@@ -103,6 +116,7 @@ void CoupledModel::add_connector(const ConnectorDescription& description, IssueL
     if (deformation.isZero())
       issues.add({}, "connector '" + description.name + "' joins '" + description.from + "' and '" + description.to + "'",
                  "they do not move against each other", "join two different points, one of them not a ground");
+    if (!description.law) throw InvalidInput("it has no law", "its force is unknown", "name one of the laws");
     for (const auto& issue : validate_parameters(*description.law, description.parameters))
       issues.add(issue.location, "connector '" + description.name + "': " + issue.what, issue.why, issue.fix);
     system_.connectors.push_back(

@@ -3,14 +3,14 @@
 namespace kalfem {
 namespace {
 
-const char* unit_of(Quantity quantity) {
+const char* unit_of(ObservedQuantity quantity) {
   switch (quantity) {
-    case Quantity::displacement:
-    case Quantity::connector_deformation: return "m";
-    case Quantity::velocity:
-    case Quantity::connector_rate: return "m/s";
-    case Quantity::acceleration: return "m/s^2";
-    case Quantity::connector_force: return "N";
+    case ObservedQuantity::displacement:
+    case ObservedQuantity::connector_deformation: return "m";
+    case ObservedQuantity::velocity:
+    case ObservedQuantity::connector_rate: return "m/s";
+    case ObservedQuantity::acceleration: return "m/s^2";
+    case ObservedQuantity::connector_force: return "N";
   }
   return "";
 }
@@ -24,12 +24,12 @@ Eigen::Index connector_index(const LocallyNonlinearSystem& system, const std::st
   throw InvalidInput("there is no connector '" + name + "'" + did_you_mean(name, names), "", "");
 }
 
-void set_connector_row(OutputMap& map, Eigen::Index row, const LocallyNonlinearSystem& system, Quantity quantity,
+void set_connector_row(OutputMap& map, Eigen::Index row, const LocallyNonlinearSystem& system, ObservedQuantity quantity,
                        Eigen::Index index) {
   const auto& connector = system.connectors[static_cast<std::size_t>(index)];
-  if (quantity == Quantity::connector_force) {
+  if (quantity == ObservedQuantity::connector_force) {
     map.force(row, index) = 1.0;
-  } else if (quantity == Quantity::connector_deformation) {
+  } else if (quantity == ObservedQuantity::connector_deformation) {
     map.displacement.row(row) = connector.deformation.transpose();
     map.input_value.row(row) = -connector.base.transpose();
   } else {
@@ -38,14 +38,24 @@ void set_connector_row(OutputMap& map, Eigen::Index row, const LocallyNonlinearS
   }
 }
 
+PointMotion combined_motion(const CoupledModel& model, const DofCombination& points) {
+  PointMotion sum{Eigen::VectorXd::Zero(model.system().size()), Eigen::VectorXd::Zero(model.system().input_count())};
+  for (const auto& [point, coefficient] : points) {
+    const PointMotion motion = model.motion(point);
+    sum.dofs += coefficient * motion.dofs;
+    sum.base += coefficient * motion.base;
+  }
+  return sum;
+}
+
 void set_point_row(OutputMap& map, Eigen::Index row, const CoupledModel& model, const OutputDescription& output) {
-  const PointMotion motion = model.motion(output.target);
+  const PointMotion motion = combined_motion(model, output.points);
   switch (output.quantity) {
-    case Quantity::displacement:
+    case ObservedQuantity::displacement:
       map.displacement.row(row) = motion.dofs.transpose();
       map.input_value.row(row) = motion.base.transpose();
       break;
-    case Quantity::velocity:
+    case ObservedQuantity::velocity:
       map.velocity.row(row) = motion.dofs.transpose();
       map.input_rate.row(row) = motion.base.transpose();
       break;
@@ -56,9 +66,9 @@ void set_point_row(OutputMap& map, Eigen::Index row, const CoupledModel& model, 
   }
 }
 
-bool is_of_connector(Quantity quantity) {
-  return quantity == Quantity::connector_force || quantity == Quantity::connector_deformation ||
-         quantity == Quantity::connector_rate;
+bool is_of_connector(ObservedQuantity quantity) {
+  return quantity == ObservedQuantity::connector_force || quantity == ObservedQuantity::connector_deformation ||
+         quantity == ObservedQuantity::connector_rate;
 }
 
 }  // namespace
@@ -75,8 +85,9 @@ OutputMap make_outputs(const CoupledModel& model, const std::vector<OutputDescri
     map.names.push_back(output.name);
     map.units.emplace_back(unit_of(output.quantity));
     try {
+      if (output.points.empty()) throw InvalidInput("it observes nothing", "", "name a point or a connector");
       if (is_of_connector(output.quantity))
-        set_connector_row(map, row, system, output.quantity, connector_index(system, output.target));
+        set_connector_row(map, row, system, output.quantity, connector_index(system, output.points.begin()->first));
       else
         set_point_row(map, row, model, output);
     } catch (const InvalidInput& error) {

@@ -9,13 +9,13 @@
 namespace kalfem {
 
 /// What a sensor sees before its measurement chain.
-enum class Quantity { displacement, velocity, acceleration, connector_force, connector_deformation, connector_rate };
+enum class ObservedQuantity { displacement, velocity, acceleration, connector_force, connector_deformation, connector_rate };
 
 /// One observed quantity: at a point (absolute, or relative to the base) or in a connector.
 struct OutputDescription {
   std::string name;
-  Quantity quantity = Quantity::acceleration;
-  std::string target;             ///< qualified point, or connector name
+  ObservedQuantity quantity = ObservedQuantity::acceleration;
+  DofCombination points;          ///< sum of coefficient times motion, by qualified point; of a connector: its name alone
   bool relative_to_base = false;  ///< with base_acceleration inputs: leave the base's own motion out
 };
 

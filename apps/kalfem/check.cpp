@@ -1,0 +1,74 @@
+#include <fmt/format.h>
+
+#include "kalfem/report/tables.hpp"
+#include "verbs.hpp"
+
+namespace kalfem::command {
+namespace {
+
+Table substructure_table(const Study& study) {
+  Table table{"", {"substructure", "degrees of freedom", "mass", "lowest frequencies [Hz]"}, {}, {}};
+  for (const auto& part : study.model->substructures()) {
+    const auto modes = normal_modes(part.model.mass, part.model.stiffness);
+    std::string frequencies;
+    for (Eigen::Index i = 0; i < std::min<Eigen::Index>(5, modes.frequencies.size()); ++i)
+      frequencies += (i ? ", " : "") + shown(modes.frequencies[i]);
+    table.rows.push_back({part.name, std::to_string(part.model.size()), shown(part.model.mass.sum()), frequencies});
+  }
+  return table;
+}
+
+Table connector_table(const Study& study) {
+  Table table{"", {"connector", "law", "parameters"}, {}, {}};
+  for (const auto& connector : study.model->system().connectors) {
+    std::string parameters;
+    const auto& quantities = connector.law->parameters();
+    for (std::size_t i = 0; i < quantities.size(); ++i)
+      parameters += fmt::format("{}{} = {} {}", i ? ", " : "", quantities[i].name,
+                                shown(connector.parameters[static_cast<Eigen::Index>(i)]), quantities[i].unit);
+    table.rows.push_back({connector.name, connector.law->name(), parameters});
+  }
+  return table;
+}
+
+Table sensor_table(const Study& study) {
+  Table table{"", {"sensor", "unit", "noise", "chain states"}, {}, {}};
+  for (const auto& sensor : study.sensors)
+    table.rows.push_back({sensor.name, sensor.unit,
+                          sensor.relative_noise ? fmt::format("{} % of rms", shown(100.0 * sensor.noise)) : shown(sensor.noise),
+                          std::to_string(sensor.chain.states())});
+  return table;
+}
+
+Table unknown_table(const ObserverSetup& setup) {
+  Table table{"", {"unknown", "unit", "initial", "std", "truth"}, {}, {}};
+  for (std::size_t i = 0; i < setup.options.unknowns.size(); ++i) {
+    const auto& unknown = setup.options.unknowns[i];
+    table.rows.push_back({unknown.name, unknown.unit, shown(unknown.initial), shown(unknown.deviation),
+                          setup.true_parameters[i] ? shown(*setup.true_parameters[i]) : "-"});
+  }
+  return table;
+}
+
+void print_table(const Table& table) {
+  if (!table.rows.empty()) fmt::print("{}\n", to_text(table));
+}
+
+}  // namespace
+
+ExitCode check(const std::string& case_file) {
+  const Study study = load_study(case_file);
+  fmt::print("{}\n\n", study.given.title.empty() ? case_file : study.given.title);
+  print_table(substructure_table(study));
+  print_table(connector_table(study));
+  print_table(sensor_table(study));
+  if (study.record)
+    fmt::print("record: {} samples at {} Hz from {} s\n\n", study.record->series.samples(), shown(study.sample_rate()),
+               shown(study.record->series.start));
+  if (study.observer) print_table(unknown_table(*study.observer));
+  for (const auto& warning : study.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  fmt::print("No problem found; nothing was run.\n");
+  return done;
+}
+
+}  // namespace kalfem::command

@@ -1,0 +1,54 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <string>
+
+#include "verbs.hpp"
+
+namespace kalfem::command {
+namespace {
+
+/// One line on stderr that is drawn again and wiped at the end of a stage.
+class Bar {
+ public:
+  ~Bar() { wipe(); }
+
+  void show(std::string_view stage, double fraction) {
+    const auto now = std::chrono::steady_clock::now();
+    if (stage != stage_ || fraction < fraction_) {
+      wipe();
+      stage_ = stage;
+      start_ = now;
+    }
+    fraction_ = fraction;
+    const double elapsed = std::chrono::duration<double>(now - start_).count();
+    if (elapsed < 1.0 || fraction <= 0.0) return;
+    constexpr int columns = 32;
+    const int filled = static_cast<int>(columns * fraction);
+    fmt::print(stderr, "\r{:<10} [{}{}] {:3.0f} %, {:.0f} s left ", stage_, std::string(filled, '='),
+               std::string(columns - filled, ' '), 100.0 * fraction, elapsed * (1.0 / fraction - 1.0));
+    std::fflush(stderr);
+    drawn_ = true;
+  }
+
+ private:
+  void wipe() {
+    if (drawn_) fmt::print(stderr, "\r{:72}\r", "");
+    drawn_ = false;
+  }
+
+  std::string stage_;
+  double fraction_ = 0.0;
+  std::chrono::steady_clock::time_point start_;
+  bool drawn_ = false;
+};
+
+}  // namespace
+
+Progress progress_bar() {
+  if (!isatty(STDERR_FILENO)) return {};
+  return [bar = std::make_shared<Bar>()](std::string_view stage, double fraction) { bar->show(stage, fraction); };
+}
+
+}  // namespace kalfem::command

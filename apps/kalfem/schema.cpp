@@ -1,0 +1,37 @@
+#include "kalfem/casefile/schema.hpp"
+
+#include <fmt/format.h>
+
+#include "kalfem/casefile/description_form.hpp"
+#include "kalfem/report/tables.hpp"
+#include "kalfem/system/law_library.hpp"
+#include "verbs.hpp"
+
+namespace kalfem::command {
+namespace {
+
+void print_laws() {
+  for (const auto& law : law_library()) {
+    fmt::print("{}: {}\n  {}\n", law.name, law.meaning, law.equation);
+    Table table{"", {"parameter", "unit", "default", "meaning"}, {}, {}};
+    for (const auto& quantity : law.parameters)
+      table.rows.push_back({quantity.name, quantity.unit, shown(quantity.default_value), quantity.meaning});
+    for (const auto& state : law.states) table.rows.push_back({"(state) " + state.name, state.unit, "", state.meaning});
+    fmt::print("{}\n", table.rows.empty() ? "" : to_text(table));
+  }
+}
+
+}  // namespace
+
+ExitCode schema(bool as_json, bool laws) {
+  const auto document = json_schema(description::case_form(), "kalfem case file");
+  if (laws)
+    print_laws();
+  else if (as_json)
+    fmt::print("{}\n", document.dump(2));
+  else
+    fmt::print("{}\n", reference_text(document));
+  return done;
+}
+
+}  // namespace kalfem::command

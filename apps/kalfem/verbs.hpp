@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+#include "kalfem/casefile/stages.hpp"
+
+namespace kalfem::command {
+
+/// Exit codes of the contract.
+enum ExitCode { done = 0, a_bug = 1, mend_the_input = 2, not_usable = 3 };
+
+/// run, simulate, estimate, predict: the stages up to `last`, results into `folder` (empty: <case>.kalfem-out beside it).
+ExitCode run(const std::string& case_file, Stage last, const std::string& folder);
+/// check: validate and explain, run nothing.
+ExitCode check(const std::string& case_file);
+/// schema: the case-file reference as text, or as JSON Schema, or the connector laws.
+ExitCode schema(bool as_json, bool laws);
+
+/// A bar on stderr while a stage runs longer than a second; only on a terminal.
+Progress progress_bar();
+
+}  // namespace kalfem::command

@@ -1,0 +1,156 @@
+#include "kalfem/casefile/assembly.hpp"
+
+#include <algorithm>
+
+#include "kalfem/system/law_library.hpp"
+
+namespace kalfem {
+namespace {
+
+using description::Case;
+
+std::string qualified(const std::string& node, const std::string& direction) {
+  return direction.empty() ? node : node + "." + direction;
+}
+
+DofCombination combination(const Named<double>& weights) { return {weights.begin(), weights.end()}; }
+
+void add_chain(LumpedSubstructure& part, const description::Chain& chain) {
+  for (int i = 1; i <= chain.masses; ++i) {
+    part.masses.push_back({std::to_string(i), chain.mass});
+    if (i > 1)
+      part.springs.push_back({std::to_string(i - 1) + "-" + std::to_string(i), std::to_string(i - 1), std::to_string(i),
+                              chain.stiffness, chain.damping});
+  }
+}
+
+LumpedSubstructure make_substructure(const std::string& name, const description::Substructure& given) {
+  LumpedSubstructure part;
+  part.name = name;
+  for (const auto& [node, masses] : given.masses)
+    for (const auto& [direction, mass] : masses) part.masses.push_back({qualified(node, direction), mass});
+  if (given.chain) add_chain(part, *given.chain);
+  for (const auto& spring : given.springs)
+    part.springs.push_back({spring_name(spring), spring.from.value, spring.to.value, spring.stiffness, spring.damping});
+  part.grounds.insert(part.grounds.end(), given.grounds.begin(), given.grounds.end());
+  for (const auto& [point, weights] : given.points) part.points[point] = combination(weights);
+  part.modal_damping = given.damping.modal;
+  part.rayleigh = {given.damping.mass_factor, given.damping.stiffness_factor};
+  return part;
+}
+
+LawArguments law_arguments(const description::Connector& given) {
+  LawArguments arguments;
+  for (const auto& [name, value] : given.parameters) arguments.parameter_names.push_back(name);
+  arguments.force = given.force;
+  for (const auto& [name, state] : given.states)
+    arguments.states.push_back({{name, state.unit, "internal state"}, state.rate});
+  return arguments;
+}
+
+/// Values in the law's order; a unit of '?' is whatever the user gave (expressions).
+Eigen::VectorXd parameter_values(const std::string& connector, const description::Connector& given,
+                                 const ConnectorLaw& law, IssueList& issues) {
+  const auto& quantities = law.parameters();
+  Eigen::VectorXd values(static_cast<Eigen::Index>(quantities.size()));
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < quantities.size(); ++i) {
+    names.push_back(quantities[i].name);
+    values[static_cast<Eigen::Index>(i)] = quantities[i].default_value;
+    const auto found =
+        std::ranges::find(given.parameters, quantities[i].name, &std::pair<std::string, description::Value>::first);
+    if (found != given.parameters.end()) {
+      try {
+        values[static_cast<Eigen::Index>(i)] = given.law.value == "expression"
+                                                   ? found->second.value.value
+                                                   : checked_number(found->second, quantities[i].unit);
+      } catch (const InvalidInput& error) {
+        issues.add(error, found->second.location);
+        values[static_cast<Eigen::Index>(i)] = 1.0;
+      }
+    } else if (std::isnan(quantities[i].default_value)) {
+      issues.add(given.law.location, "connectors." + connector + ": parameter '" + quantities[i].name + "' is missing",
+                 "the law '" + given.law.value + "' needs it: " + quantities[i].meaning,
+                 "give it in " + quantities[i].unit);
+      values[static_cast<Eigen::Index>(i)] = 1.0;
+    }
+  }
+  for (const auto& [name, value] : given.parameters)
+    if (std::ranges::find(names, name) == names.end())
+      issues.add(value.location,
+                 value.path + ": the law '" + given.law.value + "' has no such parameter" + did_you_mean(name, names));
+  return values;
+}
+
+void add_connector(const std::string& name, const description::Connector& given, Parts& parts, IssueList& issues) {
+  try {
+    const auto law = make_law(given.law.value, law_arguments(given));
+    const auto values = parameter_values(name, given, *law, issues);
+    parts.connectors.push_back({name, given.from.value, given.to.value, law, values});
+  } catch (const InvalidInput& error) {
+    for (const auto& issue : error.issues())
+      issues.add(given.law.location, "connectors." + name + ": " + issue.what, issue.why, issue.fix);
+  }
+}
+
+InputDescription make_input(const std::string& name, const description::Excitation& given) {
+  if (const auto* base = std::get_if<description::BaseDisplacement>(&given.target))
+    return {name, InputKind::base_displacement, base->ground.value, {}};
+  if (const auto* force = std::get_if<description::Force>(&given.target))
+    return {name, InputKind::force, force->point.value, {}};
+  const auto& direction = std::get<description::BaseAcceleration>(given.target).direction.value;
+  const bool all = direction.size() == 1 && direction.front().first == "all";
+  return {name, InputKind::base_acceleration, "", all ? DofCombination{} : combination(direction)};
+}
+
+/// Everything that CoupledModel would refuse, with the place in the file.
+void check_places(const Case& given, const Parts& parts, const SourceLocation& file, IssueList& issues) {
+  for (const auto& part : parts.substructures)
+    for (const auto& issue : validate(part)) issues.add(file, issue.what, issue.why, issue.fix);
+  if (!issues.empty()) return;
+  Parts only_points{parts.substructures, {}, {}};
+  const CoupledModel model = couple(only_points);
+  const auto known = model.point_names();
+  const auto check = [&](const description::Name& name) {
+    if (std::ranges::find(known, name.value) == known.end())
+      issues.add(name.location,
+                 name.path + ": there is no point '" + name.value + "'" + did_you_mean(name.value, known),
+                 "points are written substructure.name", "name a mass, point or ground of a substructure");
+  };
+  for (const auto& [name, connector] : given.connectors) {
+    check(connector.from);
+    check(connector.to);
+  }
+  for (const auto& [name, excitation] : given.excitation) {
+    if (const auto* base = std::get_if<description::BaseDisplacement>(&excitation.target)) check(base->ground);
+    if (const auto* force = std::get_if<description::Force>(&excitation.target)) check(force->point);
+  }
+}
+
+}  // namespace
+
+std::string spring_name(const description::Spring& spring) {
+  return spring.name.empty() ? spring.from.value + "-" + spring.to.value : spring.name;
+}
+
+Parts make_parts(const Case& given, const SourceLocation& file, IssueList& issues) {
+  Parts parts;
+  for (const auto& [name, part] : given.substructures) {
+    parts.substructures.push_back(make_substructure(name, part));
+    if (parts.substructures.back().masses.empty())
+      issues.add(file, "substructures." + name + " has no masses", "it has no degree of freedom",
+                 "give it `masses` or a `chain`");
+  }
+  for (const auto& [name, connector] : given.connectors) add_connector(name, connector, parts, issues);
+  for (const auto& [name, excitation] : given.excitation) parts.inputs.push_back(make_input(name, excitation));
+  check_places(given, parts, file, issues);
+  return parts;
+}
+
+CoupledModel couple(const Parts& parts) {
+  std::vector<Substructure> assembled;
+  for (const auto& part : parts.substructures) assembled.push_back({part.name, assemble(part)});
+  return {std::move(assembled), parts.connectors, parts.inputs};
+}
+
+}  // namespace kalfem

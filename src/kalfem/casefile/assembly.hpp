@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "kalfem/casefile/description.hpp"
+#include "kalfem/model/lumped.hpp"
+#include "kalfem/system/coupling.hpp"
+#include "kalfem/system/signal.hpp"
+
+namespace kalfem {
+
+/// The parts of a case as the library's own types, ready to be coupled.
+struct Parts {
+  std::vector<LumpedSubstructure> substructures;
+  std::vector<ConnectorDescription> connectors;
+  std::vector<InputDescription> inputs;
+};
+
+/// Translates what the case says. Problems go to `issues` with their place; what had one is left out.
+Parts make_parts(const description::Case& given, const SourceLocation& file, IssueList& issues);
+
+/// Assembles every substructure and couples. Throws InvalidInput with everything that does not fit.
+CoupledModel couple(const Parts& parts);
+
+/// One signal an input. `duration` is the period of random signals that have none of their own.
+std::vector<SignalPtr> make_signals(const description::Case& given, const std::vector<InputDescription>& inputs,
+                                    double duration, IssueList& issues);
+
+/// Point of a spring that has no name: "from-to".
+std::string spring_name(const description::Spring& spring);
+
+}  // namespace kalfem

@@ -1,0 +1,237 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "kalfem/casefile/form.hpp"
+#include "kalfem/dynamics/simulate.hpp"
+#include "kalfem/estimation/filter.hpp"
+#include "kalfem/estimation/parameter_transform.hpp"
+#include "kalfem/system/measurement_chain.hpp"
+#include "kalfem/system/output_map.hpp"
+#include "kalfem/system/signals/harmonic.hpp"
+#include "kalfem/system/signals/pulse.hpp"
+
+/// A case as its file says it: what the user wrote, with the place of every name that is looked up later. study.hpp
+/// makes the model, the signals and the observer from it. Meanings and units of the keys stand in description_form.cpp.
+namespace kalfem::description {
+
+using Name = Located<std::string>;
+using Value = Located<Quantity>;        ///< a number whose unit depends on what it is for
+using Points = Located<Named<double>>;  ///< a point, or a weighted sum of points
+
+struct Spring {
+  std::string name;
+  Name from, to;
+  double stiffness = 0.0, damping = 0.0;
+};
+struct Chain {
+  int masses = 1;
+  double mass = 1.0, stiffness = 0.0, damping = 0.0;
+};
+struct Damping {
+  std::vector<double> modal;
+  double mass_factor = 0.0, stiffness_factor = 0.0;
+};
+struct Substructure {
+  Named<Named<double>> masses;  ///< node -> direction -> mass; a node with one mass has the direction ""
+  std::optional<Chain> chain;
+  std::vector<Spring> springs;
+  std::vector<std::string> grounds;
+  Named<Named<double>> points;
+  Damping damping;
+};
+
+struct ExpressionState {
+  std::string rate, unit = "-";
+};
+struct Connector {
+  Name from, to;
+  Located<std::string> law;
+  Named<Value> parameters;
+  std::string force;
+  Named<ExpressionState> states;
+};
+
+struct RandomSignal {
+  Value rms;
+  std::array<double, 2> band{};
+  std::optional<double> duration;
+  double fade_in = 0.5;
+  std::uint64_t seed = 1;
+};
+struct Sine {
+  Value amplitude;
+  double frequency = 1.0, phase = 0.0, fade_in = 0.0;
+};
+struct SweptSine {
+  Value amplitude;
+  double from = 1.0, to = 30.0;
+  std::optional<double> duration;
+  Sweep kind = Sweep::linear;
+  double fade_in = 0.0;
+};
+struct Impulse {
+  Value amplitude;
+  double start = 0.0, duration = 0.01;
+  PulseShape shape = PulseShape::half_sine;
+};
+struct Road {
+  char road_class = 'C';
+  double speed = 20.0;
+  std::array<double, 2> band{0.011, 2.83};
+  std::optional<double> duration;
+  double fade_in = 0.5;
+  std::uint64_t seed = 1;
+};
+struct FileSignal {
+  std::filesystem::path file;
+  std::string channel;
+  std::optional<double> sample_rate;
+  std::string unit;
+};
+struct Delayed {
+  Name input;
+  double delay = 0.0;
+};
+struct Trailing {
+  Name input;
+  double wheelbase = 0.0, speed = 0.0;
+};
+struct Constant {
+  Value value;
+};
+using Signal = std::variant<RandomSignal, Sine, SweptSine, Impulse, Road, FileSignal, Delayed, Trailing, Constant>;
+
+struct BaseDisplacement {
+  Name ground;
+};
+struct BaseAcceleration {
+  Points direction;
+};
+struct Force {
+  Name point;
+};
+struct Excitation {
+  std::variant<BaseDisplacement, BaseAcceleration, Force> target;
+  Signal signal;
+  double scale = 1.0;
+};
+
+/// What a sensor sees, one type a key of the case file.
+template <ObservedQuantity Q>
+struct Observed {
+  static constexpr ObservedQuantity quantity = Q;
+  Points points;
+};
+using ObservedPoints =
+    std::variant<Observed<ObservedQuantity::displacement>, Observed<ObservedQuantity::velocity>,
+                 Observed<ObservedQuantity::acceleration>, Observed<ObservedQuantity::connector_force>,
+                 Observed<ObservedQuantity::connector_deformation>, Observed<ObservedQuantity::connector_rate>>;
+struct Sensor {
+  ObservedPoints observed;
+  bool relative = false;
+  Value noise;                    ///< a percentage of the channel's rms, or in the sensor's unit
+  std::vector<ChainStage> chain;  ///< measurement chain
+  std::optional<std::string> channel;
+};
+
+struct Record {
+  std::filesystem::path file;
+  std::optional<double> sample_rate;
+  std::string unit;   ///< of the columns; empty: SI
+  std::string group;  ///< of an HDF5 file: the dataset
+  std::optional<double> start, end;
+  bool skip_missing = false;
+  bool repair_splice = false;
+  bool from_release = false;
+  double release_delay = 0.0;
+  std::optional<double> motion_threshold;
+};
+
+struct PointStart {
+  double displacement = 0.0, velocity = 0.0;
+};
+struct Simulation {
+  double duration = 10.0, sample_rate = 1000.0;
+  Integrator integrator = Integrator::newmark;
+  double hht_alpha = -0.05, spectral_radius = 0.8, tolerance = 1e-3;
+  int max_substeps = 256;
+  std::uint64_t seed = 1;  ///< of the sensors' noise
+  Named<PointStart> initial;
+};
+
+struct Unknown {
+  Value initial;
+  std::optional<Value> std;
+  std::optional<TransformKind> transform;
+  std::optional<std::array<Quantity, 2>> bounds;
+  std::optional<Value> random_walk;
+  std::optional<Value> truth;
+  std::vector<Name> applies_to;
+};
+struct PointPrior {
+  double displacement = 0.0, velocity = 0.0, displacement_std = 0.0, velocity_std = 0.0;
+};
+struct Noise {
+  double acceleration = 0.0;    ///< on every degree of freedom
+  Named<double> accelerations;  ///< on single ones
+};
+struct InterfaceAcceleration {
+  Name sensor;  ///< the recorded channel that drives the interface
+  double displacement_std = 0.0, velocity_std = 0.0;
+};
+struct InterfaceForce {
+  double std = 0.0, correlation_time = 0.1;
+};
+struct Interface {
+  std::variant<InterfaceAcceleration, InterfaceForce> motion;
+};
+struct LocalObserver {
+  std::vector<Name> substructures;
+  Named<Interface> interface;
+};
+struct Estimation {
+  FilterKind filter = FilterKind::unscented;
+  UnscentedOptions unscented;
+  std::optional<double> spread;
+  Named<Unknown> unknown;
+  Named<PointPrior> initial_state;
+  double initial_connector_state_std = 0.0;
+  Noise process_noise;
+  double settle = 2.0;
+  std::optional<LocalObserver> local;
+  bool estimate_initial_state = false;
+  int passes = 1;
+};
+
+struct Prediction {
+  Name substructure;
+};
+struct Report {
+  std::vector<Name> displacements;
+  double zoom = 1.0;
+};
+
+struct Case {
+  int version = 1;
+  std::string title;
+  Named<Substructure> substructures;
+  Named<Connector> connectors;
+  Named<Excitation> excitation;
+  Named<Sensor> sensors;
+  std::optional<Simulation> simulate;
+  std::optional<Record> record;
+  std::optional<Estimation> estimate;
+  std::optional<Prediction> predict;
+  Report report;
+};
+
+/// How a case is written: one table from which it is read, echoed and documented.
+Form<Case> case_form();
+
+}  // namespace kalfem::description

@@ -1,0 +1,209 @@
+#include "kalfem/casefile/description_form.hpp"
+
+#include "kalfem/casefile/fields.hpp"
+
+namespace kalfem::description {
+
+using namespace form;
+
+Form<Name> name() { return located(text()); }
+Form<Value> value() { return located(quantity()); }
+
+Form<Points> points(const std::string& short_name) {
+  auto single = convert<Named<double>, std::string>(
+      text(),
+      [](const std::string& point) {
+        return Named<double>{{point, 1.0}};
+      },
+      [](const Named<double>& points) { return points.front().first; });
+  single.schema["x-written"] = short_name;
+  auto sum = named(number("-"), NameRule::dotted);
+  sum.schema["x-written"] = "{" + short_name + ": weight, ...}";
+  return located(either(single, sum));
+}
+
+namespace {
+
+Bounds positive() { return Bounds::positive(); }
+Bounds nonnegative() { return Bounds::nonnegative(); }
+
+Form<Connector> connector() {
+  const auto state = Fields<ExpressionState>()
+                         .required("rate", &ExpressionState::rate, text(), "time derivative as an expression")
+                         .optional("unit", &ExpressionState::unit, text(), "unit of the state");
+  return mapping(Fields<Connector>()
+                     .required("from", &Connector::from, name(), "point at one end, substructure.name")
+                     .required("to", &Connector::to, name(), "point at the other end; the deformation is to minus from")
+                     .required("law", &Connector::law, name(), "name of the law; `kalfem schema --laws` lists them")
+                     .optional("parameters", &Connector::parameters, named(value()), "parameters of the law by name")
+                     .optional("force", &Connector::force, text(),
+                               "law expression: force [N] of x (deformation), v (rate), states and parameters")
+                     .optional("states", &Connector::states, named(mapping(state)), "law expression: internal states"));
+}
+
+Form<std::vector<ChainStage>> measurement_chain() {
+  struct Filter {
+    int order = 4;
+    std::optional<double> low_pass, high_pass;
+    std::optional<std::array<double, 2>> band_pass;
+  };
+  struct Stage {
+    std::optional<Filter> butterworth, bessel;
+    std::optional<double> delay;
+    std::optional<ResonanceStage> resonance;
+    std::optional<double> gain;
+  };
+  const auto filter = mapping(Fields<Filter>()
+                                  .optional("order", &Filter::order, integer(1, 12), "of the low-pass prototype")
+                                  .optional("low_pass", &Filter::low_pass, number("Hz", positive()), "cut-off, -3 dB")
+                                  .optional("high_pass", &Filter::high_pass, number("Hz", positive()), "cut-off, -3 dB")
+                                  .optional("band_pass", &Filter::band_pass, tuple<2>(number("Hz", positive())),
+                                            "lower and upper edge, -3 dB"));
+  const auto resonance =
+      mapping(Fields<ResonanceStage>()
+                  .required("frequency", &ResonanceStage::frequency, number("Hz", positive()), "resonance")
+                  .optional("damping", &ResonanceStage::damping, number("-", positive()), "ratio to critical"));
+  const auto stage = mapping(Fields<Stage>()
+                                 .optional("butterworth", &Stage::butterworth, filter, "maximally flat filter")
+                                 .optional("bessel", &Stage::bessel, filter, "filter of constant delay")
+                                 .optional("delay", &Stage::delay, number("s", nonnegative()), "pure delay")
+                                 .optional("resonance", &Stage::resonance, resonance, "roll-off of an accelerometer")
+                                 .optional("gain", &Stage::gain, number("-"), "constant factor"));
+  const auto make_filter_stage = [](const Filter& given, FilterFamily family) -> ChainStage {
+    const int bands = given.low_pass.has_value() + given.high_pass.has_value() + given.band_pass.has_value();
+    if (bands != 1) throw InvalidInput("a filter has one of low_pass, high_pass, band_pass", "", "");
+    if (given.band_pass)
+      return FilterStage{family, FilterBand::band_pass, given.order, (*given.band_pass)[0], (*given.band_pass)[1]};
+    return FilterStage{family, given.low_pass ? FilterBand::low_pass : FilterBand::high_pass, given.order,
+                       given.low_pass ? *given.low_pass : *given.high_pass, 0.0};
+  };
+  const auto to = [=](const std::vector<Stage>& stages) {
+    MeasurementChainOptions options;
+    for (const auto& each : stages) {
+      if (each.butterworth) options.stages.push_back(make_filter_stage(*each.butterworth, FilterFamily::butterworth));
+      if (each.bessel) options.stages.push_back(make_filter_stage(*each.bessel, FilterFamily::bessel));
+      if (each.delay) options.stages.push_back(DelayStage{*each.delay});
+      if (each.resonance) options.stages.push_back(*each.resonance);
+      if (each.gain) options.stages.push_back(GainStage{*each.gain});
+    }
+    validate(options).raise();
+    return options.stages;
+  };
+  const auto from = [](const std::vector<ChainStage>& stages) {
+    std::vector<Stage> written;
+    for (const auto& each : stages) {
+      Stage one;
+      if (const auto* f = std::get_if<FilterStage>(&each)) {
+        Filter filter_written{f->order, {}, {}, {}};
+        if (f->band == FilterBand::low_pass) filter_written.low_pass = f->cutoff;
+        if (f->band == FilterBand::high_pass) filter_written.high_pass = f->cutoff;
+        if (f->band == FilterBand::band_pass) filter_written.band_pass = {f->cutoff, f->upper_cutoff};
+        (f->family == FilterFamily::butterworth ? one.butterworth : one.bessel) = filter_written;
+      }
+      if (const auto* d = std::get_if<DelayStage>(&each)) one.delay = d->delay;
+      if (const auto* r = std::get_if<ResonanceStage>(&each)) one.resonance = *r;
+      if (const auto* g = std::get_if<GainStage>(&each)) one.gain = g->gain;
+      written.push_back(one);
+    }
+    return written;
+  };
+  return convert<std::vector<ChainStage>, std::vector<Stage>>(list(stage), to, from);
+}
+
+template <ObservedQuantity Q>
+kalfem::Case<Observed<Q>> observing(const std::string& key, const std::string& target, const std::string& meaning) {
+  const auto form = convert<Observed<Q>, Points>(
+      points(target), [](const Points& given) { return Observed<Q>{given}; },
+      [](const Observed<Q>& observed) { return observed.points; });
+  return when(key, form, meaning);
+}
+
+Form<Sensor> sensor() {
+  using enum ObservedQuantity;
+  return mapping(
+      Fields<Sensor>()
+          .one_of(&Sensor::observed, observing<displacement>("displacement", "point", "absolute displacement [m]"),
+                  observing<velocity>("velocity", "point", "absolute velocity [m/s]"),
+                  observing<acceleration>("acceleration", "point", "absolute acceleration [m/s^2]"),
+                  observing<connector_force>("force", "connector", "force of a connector [N]"),
+                  observing<connector_deformation>("deformation", "connector", "deformation of a connector [m]"),
+                  observing<connector_rate>("rate", "connector", "deformation rate of a connector [m/s]"))
+          .optional("relative", &Sensor::relative, boolean(), "relative to the accelerated base")
+          .required("noise", &Sensor::noise, value(),
+                    "standard deviation: per cent of the channel's rms, or in the sensor's unit")
+          .optional("chain", &Sensor::chain, measurement_chain(), "dynamics between the quantity and the record")
+          .optional("channel", &Sensor::channel, text(), "column of the record; default: the sensor's name"));
+}
+
+Form<Record> record() {
+  return mapping(
+      Fields<Record>()
+          .required("file", &Record::file, path(), "measured record: .csv, .lvm or .h5")
+          .optional("sample_rate", &Record::sample_rate, number("Hz", positive()), "where the file does not say it")
+          .optional("unit", &Record::unit, text(), "unit of the columns, default SI")
+          .optional("dataset", &Record::group, text(), "in an .h5 file: the dataset whose columns are the channels")
+          .optional("start", &Record::start, number("s"), "time in the file where the case begins")
+          .optional("end", &Record::end, number("s"), "time in the file where it ends")
+          .optional("skip_missing", &Record::skip_missing, boolean(),
+                    "NaN in the record: skip the sample, not an error")
+          .optional("repair_splice", &Record::repair_splice, boolean(),
+                    "find a place where the record was spliced together and put the missing samples back as missing")
+          .optional("from_release", &Record::from_release, boolean(),
+                    "find the release of a held structure and begin there (start is then not used)")
+          .optional("release_delay", &Record::release_delay, number("s", nonnegative()),
+                    "begin so long after the release")
+          .optional("motion_threshold", &Record::motion_threshold, number("m", positive()),
+                    "end the case half a second after the channels last left their rest position by this much"));
+}
+
+Form<Simulation> simulation() {
+  const auto start = Fields<PointStart>()
+                         .optional("displacement", &PointStart::displacement, number("m"), "at time 0")
+                         .optional("velocity", &PointStart::velocity, number("m/s"), "at time 0");
+  return mapping(
+      Fields<Simulation>()
+          .required("duration", &Simulation::duration, number("s", positive()), "length of the record")
+          .required("sample_rate", &Simulation::sample_rate, number("Hz", positive()), "of the record")
+          .optional("integrator", &Simulation::integrator,
+                    choice<Integrator>({{"newmark", Integrator::newmark, "average acceleration"},
+                                        {"hht_alpha", Integrator::hht_alpha, "with high-frequency dissipation"},
+                                        {"generalized_alpha", Integrator::generalized_alpha, "Chung and Hulbert"},
+                                        {"exact", Integrator::exact, "exact linear part, forces linear over a step"}}),
+                    "time stepping of the reference")
+          .optional("hht_alpha", &Simulation::hht_alpha, number("-", Bounds::between(-1.0 / 3.0, 0.0)), "of hht_alpha")
+          .optional("spectral_radius", &Simulation::spectral_radius, number("-", Bounds::between(0, 1)),
+                    "of generalized_alpha, at infinite frequency")
+          .optional("tolerance", &Simulation::tolerance, number("-", positive()),
+                    "the step is halved until no sensor's record changes by more than this part of its rms")
+          .optional("max_substeps", &Simulation::max_substeps, integer(4, 65536), "steps per sample at the most")
+          .optional("seed", &Simulation::seed, seed(), "of the sensors' noise")
+          .optional("initial", &Simulation::initial, named(mapping(start), NameRule::dotted),
+                    "degrees of freedom that do not start at rest at zero"));
+}
+
+}  // namespace
+
+Form<Case> case_form() {
+  const auto report = Fields<Report>()
+                          .optional("displacements", &Report::displacements, one_or_list(name()),
+                                    "points whose displacement is drawn; default: the first of the predicted part")
+                          .optional("zoom", &Report::zoom, number("s", positive()), "length of the zoomed pictures");
+  const auto prediction =
+      Fields<Prediction>().required("substructure", &Prediction::substructure, name(),
+                                    "linear substructure to drive by its estimated boundary motion");
+  return mapping(
+      Fields<Case>()
+          .required("kalfem", &Case::version, integer(1, 1), "version of the case-file format")
+          .optional("title", &Case::title, text(), "one line for the report")
+          .required("substructures", &Case::substructures, named(substructure()), "linear parts")
+          .optional("connectors", &Case::connectors, named(connector()), "local nonlinear parts between points")
+          .optional("excitation", &Case::excitation, named(excitation()), "what drives the structure")
+          .optional("sensors", &Case::sensors, named(sensor()), "what is measured")
+          .optional("simulate", &Case::simulate, simulation(), "make the record by simulation")
+          .optional("record", &Case::record, record(), "or read it from a file")
+          .optional("estimate", &Case::estimate, estimation(), "states and unknown parameters from the record")
+          .optional("predict", &Case::predict, mapping(prediction), "response of a linear substructure")
+          .optional("report", &Case::report, mapping(report), "what the report page shows"));
+}
+
+}  // namespace kalfem::description

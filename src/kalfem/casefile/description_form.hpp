@@ -1,0 +1,17 @@
+#pragma once
+
+#include "kalfem/casefile/description.hpp"
+
+namespace kalfem::description {
+
+/// Forms of the parts, each in a file of its own beside description_form.cpp.
+Form<Name> name();
+Form<Value> value();
+/// A point by its name, or a map of points and weights.
+Form<Points> points(const std::string& short_name);
+
+Form<Substructure> substructure();
+Form<Excitation> excitation();
+Form<Estimation> estimation();
+
+}  // namespace kalfem::description

@@ -1,0 +1,91 @@
+#include "kalfem/casefile/description_form.hpp"
+#include "kalfem/casefile/fields.hpp"
+
+namespace kalfem::description {
+
+using namespace form;
+
+namespace {
+
+Form<double> deviation(const std::string& unit) { return number(unit, Bounds::nonnegative()); }
+
+Form<Unknown> unknown() {
+  return mapping(
+      Fields<Unknown>()
+          .required("initial", &Unknown::initial, value(), "first guess: mean of the prior")
+          .optional("std", &Unknown::std, value(),
+                    "standard deviation of the prior, in its unit or per cent of initial")
+          .optional("transform", &Unknown::transform,
+                    choice<TransformKind>({{"none", TransformKind::none, "as it is"},
+                                           {"log", TransformKind::log, "positive"},
+                                           {"logit", TransformKind::logit, "between bounds"}}),
+                    "how it is carried in the state; default: logit with bounds, else none")
+          .optional("bounds", &Unknown::bounds, tuple<2>(quantity()), "lower and upper bound")
+          .optional("random_walk", &Unknown::random_walk, value(), "drift per square root of a second")
+          .optional("truth", &Unknown::truth, value(), "true value where known; default: the simulated one")
+          .optional("applies_to", &Unknown::applies_to, list(name()), "several parameters that share this value"));
+}
+
+Form<LocalObserver> local_observer() {
+  const auto acceleration =
+      Fields<InterfaceAcceleration>()
+          .required("sensor", &InterfaceAcceleration::sensor, name(), "sensor whose record drives the interface")
+          .optional("displacement_std", &InterfaceAcceleration::displacement_std, deviation("m"), "of its start")
+          .optional("velocity_std", &InterfaceAcceleration::velocity_std, deviation("m/s"), "of its start");
+  const auto force = Fields<InterfaceForce>()
+                         .required("std", &InterfaceForce::std, deviation("N"), "stationary standard deviation")
+                         .optional("correlation_time", &InterfaceForce::correlation_time,
+                                   number("s", Bounds::positive()), "of the first-order Markov process");
+  const auto interface = Fields<Interface>().one_of(
+      &Interface::motion, when("acceleration", mapping(acceleration), "a measured acceleration moves the point"),
+      when("force", mapping(force), "an unknown force acts at the point in place of what is cut off"));
+  return mapping(
+      Fields<LocalObserver>()
+          .required("substructures", &LocalObserver::substructures, one_or_list(name()), "what the observer holds")
+          .required("interface", &LocalObserver::interface, named(mapping(interface), NameRule::dotted),
+                    "points where the rest of the structure was"));
+}
+
+}  // namespace
+
+Form<Estimation> estimation() {
+  const auto prior = Fields<PointPrior>()
+                         .optional("displacement", &PointPrior::displacement, number("m"), "mean")
+                         .optional("velocity", &PointPrior::velocity, number("m/s"), "mean")
+                         .optional("displacement_std", &PointPrior::displacement_std, deviation("m"), "deviation")
+                         .optional("velocity_std", &PointPrior::velocity_std, deviation("m/s"), "deviation");
+  const auto noise = Fields<Noise>()
+                         .optional("acceleration", &Noise::acceleration, deviation("m/s^2/sqrt(Hz)"),
+                                   "white acceleration on every degree of freedom")
+                         .optional("accelerations", &Noise::accelerations,
+                                   named(deviation("m/s^2/sqrt(Hz)"), NameRule::dotted), "on single ones");
+  const auto unscented = Fields<UnscentedOptions>()
+                             .optional("alpha", &UnscentedOptions::alpha, number("-", Bounds::positive()), "spread")
+                             .optional("beta", &UnscentedOptions::beta, number("-"), "2 for a normal distribution")
+                             .optional("kappa", &UnscentedOptions::kappa, number("-"), "second spread");
+  return mapping(
+      Fields<Estimation>()
+          .optional("filter", &Estimation::filter,
+                    choice<FilterKind>({{"ukf", FilterKind::unscented, "unscented Kalman filter"},
+                                        {"ukf_square_root", FilterKind::unscented_square_root, "in square-root form"},
+                                        {"ekf", FilterKind::extended, "first-order linearisation"}}),
+                    "the estimator")
+          .inlined(&Estimation::unscented, unscented)
+          .optional("spread", &Estimation::spread, number("-", Bounds::positive()),
+                    "distance of the sigma points in standard deviations, in place of alpha and kappa")
+          .optional("unknown", &Estimation::unknown, named(unknown(), NameRule::dotted),
+                    "unknown parameters: connector.parameter, substructure.spring.stiffness, ....damping, "
+                    "substructure.mass.mass, or a name with applies_to")
+          .optional("initial_state", &Estimation::initial_state, named(mapping(prior), NameRule::dotted),
+                    "degrees of freedom that do not surely start at rest at zero; `all` for every one")
+          .optional("initial_connector_state_std", &Estimation::initial_connector_state_std,
+                    number("-", Bounds::nonnegative()), "deviation of the internal states at the start")
+          .optional("process_noise", &Estimation::process_noise, mapping(noise), "what the model leaves out")
+          .optional("settle", &Estimation::settle, deviation("s"), "errors and NIS are summed up from here on")
+          .optional("local", &Estimation::local, local_observer(), "hold only a part of the structure in the observer")
+          .optional("estimate_initial_state", &Estimation::estimate_initial_state, boolean(),
+                    "carry the initial state as constants: a fixed-point smoother")
+          .optional("passes", &Estimation::passes, integer(1, 100), "runs over the record"));
+}
+
+}  // namespace kalfem::description

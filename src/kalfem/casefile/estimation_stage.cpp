@@ -1,0 +1,231 @@
+#include "kalfem/casefile/estimation_stage.hpp"
+
+#include <chrono>
+#include <cmath>
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr ObservedQuantity point_quantities[] = {ObservedQuantity::displacement, ObservedQuantity::velocity,
+                                                 ObservedQuantity::acceleration};
+constexpr ObservedQuantity connector_quantities[] = {
+    ObservedQuantity::connector_deformation, ObservedQuantity::connector_rate, ObservedQuantity::connector_force};
+
+/// Everything that the case's record holds, with the noise of each channel.
+struct FullRecord {
+  TimeSeries series;
+  std::vector<double> noise;
+};
+
+FullRecord full_record(const Study& study, const StudyResults& results) {
+  if (results.simulation) return {results.simulation->measurements, results.simulation->noise};
+  FullRecord record{study.record->series, {}};
+  for (std::size_t i = 0; i < study.sensors.size(); ++i) {
+    const VectorXd channel = record.series.values.col(static_cast<Index>(i));
+    const VectorXd known = channel.array().isNaN().select(0.0, channel);
+    record.noise.push_back(study.sensors[i].deviation(rms(known)));
+    record.series.channels[i].unit = study.sensors[i].unit;
+  }
+  return record;
+}
+
+TimeSeries channels_of(const TimeSeries& series, const std::vector<StudySensor>& sensors) {
+  TimeSeries selected{
+      series.sample_rate, series.start, {}, MatrixXd(series.samples(), static_cast<Index>(sensors.size()))};
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    const Index column = series.find(sensors[i].name);
+    selected.channels.push_back(series.channels[static_cast<std::size_t>(column)]);
+    selected.values.col(static_cast<Index>(i)) = series.values.col(column);
+  }
+  return selected;
+}
+
+/// [r; r'; r''] of the observer's inputs: excitation signals, recorded accelerations in the place of r'', zero for
+/// unknown forces.
+MatrixXd observer_inputs(const Study& study, const FullRecord& record) {
+  const auto& sources = study.observer->input_sources;
+  const auto n_u = static_cast<Index>(sources.size());
+  MatrixXd inputs = MatrixXd::Zero(3 * n_u, record.series.samples());
+  for (Index i = 0; i < n_u; ++i) {
+    const std::string& source = sources[static_cast<std::size_t>(i)];
+    if (source.empty()) continue;
+    if (source.front() == '@') {
+      inputs.row(2 * n_u + i) = record.series.values.col(record.series.find(source.substr(1))).transpose();
+      continue;
+    }
+    for (std::size_t j = 0; j < study.parts.inputs.size(); ++j) {
+      if (study.parts.inputs[j].name != source) continue;
+      const auto sampled =
+          study.signals[j]->sample(record.series.start, 1.0 / study.sample_rate(), record.series.samples());
+      for (Index derivative = 0; derivative < 3; ++derivative)
+        inputs.row(derivative * n_u + i) = sampled.col(derivative).matrix().transpose();
+    }
+  }
+  return inputs;
+}
+
+/// The observer's options with what only the record tells: the noise of accelerations that drive it, sensor states.
+ObserverOptions completed_options(const Study& study, const FullRecord& record) {
+  ObserverOptions options = study.observer->options;
+  for (std::size_t i = 0; i < study.observer->input_sources.size(); ++i) {
+    const std::string& source = study.observer->input_sources[i];
+    if (source.empty() || source.front() != '@') continue;
+    const Index channel = record.series.find(source.substr(1));
+    // White noise of standard deviation s per sample, held over 1 / f, has the density s / sqrt(f).
+    options.process_noise.input[static_cast<Index>(i)] =
+        record.noise[static_cast<std::size_t>(channel)] / std::sqrt(record.series.sample_rate);
+  }
+  double largest = 0.0;
+  for (Index j = 0; j < record.series.values.cols(); ++j) {
+    const VectorXd channel = record.series.values.col(j);
+    largest = std::max(largest, rms(channel.array().isNaN().select(0.0, channel)));
+  }
+  options.prior.sensor_state_deviation = 0.1 * largest;
+  return options;
+}
+
+std::vector<OutputDescription> monitored_outputs(const CoupledModel& model) {
+  std::vector<OutputDescription> outputs;
+  std::vector<std::string> points = model.system().dofs;
+  for (const auto& part : model.substructures()) {
+    for (const auto& [name, combination] : part.model.points) points.push_back(part.name + "." + name);
+    if (part.model.size() == 0)
+      for (const auto& ground : part.model.grounds) points.push_back(part.name + "." + ground.ground);
+  }
+  for (const auto& point : points)
+    for (const auto quantity : point_quantities) outputs.push_back({point, quantity, {{point, 1.0}}, false});
+  for (const auto& connector : model.system().connectors)
+    for (const auto quantity : connector_quantities)
+      outputs.push_back({connector.name, quantity, {{connector.name, 1.0}}, false});
+  return outputs;
+}
+
+/// The same quantity of the reference solution; empty where the structure does not have it.
+VectorXd truth_of(const Study& study, const StudyResults& results, const OutputDescription& output) {
+  if (!results.simulation) return {};
+  const auto& trajectory = results.simulation->reference.simulation.trajectory;
+  try {
+    const OutputMap map = make_outputs(*study.model, {output});
+    const Index n_u = study.model->system().input_count();
+    return (map.displacement * trajectory.displacement + map.velocity * trajectory.velocity +
+            map.acceleration * trajectory.acceleration + map.force * trajectory.force +
+            map.input_value * trajectory.inputs.topRows(n_u) + map.input_rate * trajectory.inputs.middleRows(n_u, n_u) +
+            map.input_acceleration * trajectory.inputs.bottomRows(n_u))
+        .transpose();
+  } catch (const InvalidInput&) {
+    return {};  // a connector that only the observer has
+  }
+}
+
+/// The record again from the estimated parameters and initial state, without any correction by measurements.
+void simulate_open_loop(const Study& study, EstimationStage& stage) {
+  const auto& observer = *stage.observer;
+  const auto& layout = observer.layout();
+  const Index last = stage.result.state.mean.cols() - 1;
+  LocallyNonlinearSystem system = observer.system();
+  for (Index i = 0; i < layout.unknowns; ++i)
+    for (const auto& target : observer.options().unknowns[static_cast<std::size_t>(i)].targets)
+      system.connectors[static_cast<std::size_t>(target.connector)].parameters[target.parameter] =
+          stage.result.unknowns.mean(i, last);
+  const VectorXd start = stage.result.state.mean.col(last).segment(layout.initial_state(), layout.linear);
+  const VectorXd states = stage.result.state.mean.col(last).tail(layout.connector_states);
+
+  std::vector<OutputDescription> outputs;
+  std::vector<MeasurementChain> chains;
+  for (const auto& sensor : study.observer->sensors) {
+    outputs.push_back(sensor.output);
+    chains.push_back(sensor.chain);
+  }
+  SimulationOptions options;
+  options.integrator = Integrator::exact;
+  options.duration = static_cast<double>(last) / study.sample_rate();
+  auto reference = simulate_reference(system, study.signals,
+                                      {start.head(layout.dofs), start.segment(layout.dofs, layout.dofs), states},
+                                      make_outputs(*study.observer->model, outputs), chains, options,
+                                      {.sample_rate = study.sample_rate(), .first_substeps = 1, .max_substeps = 64});
+  stage.open_loop = std::move(reference.simulation);
+  stage.open_loop_sensors = std::move(reference.sensors);
+  const Index tail = std::max<Index>(1, (last + 1) / 20);
+  for (Index j = 0; j < stage.measurements.values.cols(); ++j) {
+    const VectorXd measured = stage.measurements.values.col(j);
+    const auto present = measured.array().isNaN();
+    const double rest =
+        study.record
+            ? study.record
+                  ->rest[study.record->series.find(stage.measurements.channels[static_cast<std::size_t>(j)].name)]
+            : 0.0;
+    const VectorXd error = present.select(0.0, stage.open_loop_sensors.col(j) - measured);
+    const VectorXd about_rest = present.select(0.0, measured.array() - rest);
+    stage.open_loop_nrmse.push_back(rms(error) / std::max(rms(about_rest), 1e-300));
+    stage.open_loop_rest_error.push_back(stage.open_loop_sensors.col(j).tail(tail).mean() - rest);
+  }
+}
+
+}  // namespace
+
+void set_truth(PointQuantity& quantity, VectorXd truth, Index settled) {
+  quantity.truth = std::move(truth);
+  const Index count = quantity.mean.size() - settled;
+  if (count < 1 || quantity.truth.size() != quantity.mean.size()) return;
+  const double error = nrmse(quantity.mean.tail(count), quantity.truth.tail(count));
+  if (std::isfinite(error)) quantity.nrmse = error;
+}
+
+EstimationStage estimate_stage(const Study& study, const StudyResults& results, const Progress& progress,
+                               std::string& failure) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto& given = *study.given.estimate;
+  const auto& setup = *study.observer;
+  const FullRecord record = full_record(study, results);
+  EstimationStage stage;
+  std::vector<OutputDescription> outputs;
+  std::vector<MeasurementChain> chains;
+  for (const auto& sensor : setup.sensors) {
+    outputs.push_back(sensor.output);
+    chains.push_back(sensor.chain);
+    stage.noise.push_back(record.noise[static_cast<std::size_t>(record.series.find(sensor.name))]);
+  }
+  stage.measurements = channels_of(record.series, setup.sensors);
+  stage.observer = std::make_shared<const Observer>(setup.model->system(), make_outputs(*setup.model, outputs), chains,
+                                                    completed_options(study, record));
+  const VectorXd noise = Eigen::Map<const VectorXd>(stage.noise.data(), static_cast<Index>(stage.noise.size()));
+  const auto monitored = monitored_outputs(*setup.model);
+  EstimationOptions options{given.filter, given.unscented, given.passes, make_outputs(*setup.model, monitored),
+                            progress};
+  if (given.spread) {
+    options.unscented.alpha = *given.spread / std::sqrt(static_cast<double>(stage.observer->layout().size()));
+    options.unscented.kappa = 0.0;
+  }
+  const Record observed{stage.measurements.values.transpose(), observer_inputs(study, record),
+                        noise.cwiseAbs2().asDiagonal()};
+  stage.result = estimate(*stage.observer, observed, options);
+  if (stage.result.failure)
+    failure = "the filter stopped at " + shortest(stage.result.failure->time) + " s: " + stage.result.failure->reason;
+
+  stage.settled = std::min<Index>(static_cast<Index>(std::llround(given.settle * study.sample_rate())),
+                                  stage.measurements.samples() - 1);
+  stage.consistency =
+      summarise_consistency(stage.result.nis, stage.result.measured, stage.result.innovation, noise, stage.settled);
+  for (std::size_t i = 0; i < monitored.size(); ++i) {
+    const auto row = static_cast<Index>(i);
+    PointQuantity quantity{monitored[i].name,
+                           monitored[i].quantity,
+                           stage.result.monitored.mean.row(row).transpose(),
+                           stage.result.monitored.deviation.row(row).transpose(),
+                           {},
+                           {}};
+    if (VectorXd truth = truth_of(study, results, monitored[i]); truth.size() > 0)
+      set_truth(quantity, std::move(truth), stage.settled);
+    stage.points.push_back(std::move(quantity));
+  }
+  if (given.estimate_initial_state && !stage.result.failure && !given.local) simulate_open_loop(study, stage);
+  stage.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return stage;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "kalfem/casefile/stages.hpp"
+
+namespace kalfem {
+
+/// Runs the observer over the simulated or measured record. `failure` says in words why the numbers are not usable.
+EstimationStage estimate_stage(const Study& study, const StudyResults& results, const Progress& progress,
+                               std::string& failure);
+
+/// Gives a quantity its reference and its NRMSE over the samples from `settled` on.
+void set_truth(PointQuantity& quantity, Eigen::VectorXd truth, Eigen::Index settled);
+
+}  // namespace kalfem

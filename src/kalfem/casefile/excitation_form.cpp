@@ -1,0 +1,109 @@
+#include "kalfem/casefile/description_form.hpp"
+#include "kalfem/casefile/fields.hpp"
+
+namespace kalfem::description {
+
+using namespace form;
+
+namespace {
+
+Form<double> seconds() { return number("s", Bounds::nonnegative()); }
+Form<double> hertz() { return number("Hz", Bounds::nonnegative()); }
+
+template <class T>
+kalfem::Case<T> target(const std::string& key, Name T::*member, const std::string& meaning) {
+  return when(key,
+              convert<T, Name>(
+                  name(),
+                  [=](const Name& given) {
+                    T t;
+                    t.*member = given;
+                    return t;
+                  },
+                  [=](const T& t) { return t.*member; }),
+              meaning);
+}
+
+kalfem::Case<BaseAcceleration> base_acceleration() {
+  return when("base_acceleration",
+              convert<BaseAcceleration, Points>(
+                  points("all"), [](const Points& given) { return BaseAcceleration{given}; },
+                  [](const BaseAcceleration& target) { return target.direction; }),
+              "accelerate the whole ground: `all` degrees of freedom alike, or a weight each; displacements are then "
+              "relative to it [m/s^2]");
+}
+
+}  // namespace
+
+Form<Excitation> excitation() {
+  const auto random = Fields<RandomSignal>()
+                          .required("rms", &RandomSignal::rms, value(), "root mean square")
+                          .required("band", &RandomSignal::band, tuple<2>(hertz()), "from, to")
+                          .optional("duration", &RandomSignal::duration, seconds(), "period; default: the simulation's")
+                          .optional("fade_in", &RandomSignal::fade_in, seconds(), "smooth start from rest")
+                          .optional("seed", &RandomSignal::seed, seed(), "of the phases");
+  const auto sine = Fields<Sine>()
+                        .required("amplitude", &Sine::amplitude, value(), "amplitude")
+                        .required("frequency", &Sine::frequency, hertz(), "frequency")
+                        .optional("phase", &Sine::phase, number("rad"), "phase at time 0")
+                        .optional("fade_in", &Sine::fade_in, seconds(), "smooth start from rest");
+  const auto sweep =
+      Fields<SweptSine>()
+          .required("amplitude", &SweptSine::amplitude, value(), "amplitude")
+          .required("from", &SweptSine::from, hertz(), "first frequency")
+          .required("to", &SweptSine::to, hertz(), "last frequency")
+          .optional("duration", &SweptSine::duration, seconds(), "of the sweep; default: the simulation's")
+          .optional("kind", &SweptSine::kind,
+                    choice<Sweep>({{"linear", Sweep::linear, ""}, {"logarithmic", Sweep::logarithmic, ""}}),
+                    "how the frequency runs")
+          .optional("fade_in", &SweptSine::fade_in, seconds(), "smooth start from rest");
+  const auto impulse =
+      Fields<Impulse>()
+          .required("amplitude", &Impulse::amplitude, value(), "peak")
+          .optional("start", &Impulse::start, number("s"), "begin of the pulse")
+          .optional("duration", &Impulse::duration, number("s", Bounds::positive()), "length of the pulse")
+          .optional("shape", &Impulse::shape,
+                    choice<PulseShape>({{"half_sine", PulseShape::half_sine, "for forces"},
+                                        {"smooth", PulseShape::smooth, "for base displacements"}}),
+                    "of the pulse");
+  const auto road_class = convert<char, std::string>(
+      word({"A", "B", "C", "D", "E", "F", "G", "H"}), [](const std::string& word) { return word.front(); },
+      [](const char& letter) { return std::string(1, letter); });
+  const auto road =
+      Fields<Road>()
+          .required("class", &Road::road_class, road_class, "of ISO 8608, A very good to H very poor")
+          .required("speed", &Road::speed, number("m/s", Bounds::positive()), "of the vehicle")
+          .optional("band", &Road::band, tuple<2>(number("1/m", Bounds::positive())), "spatial frequencies")
+          .optional("duration", &Road::duration, seconds(), "period; default: the simulation's")
+          .optional("fade_in", &Road::fade_in, seconds(), "smooth start from the level")
+          .optional("seed", &Road::seed, seed(), "of the phases");
+  const auto file = Fields<FileSignal>()
+                        .required("file", &FileSignal::file, path(), "table with a column of samples")
+                        .required("channel", &FileSignal::channel, text(), "column")
+                        .optional("sample_rate", &FileSignal::sample_rate, number("Hz", Bounds::positive()),
+                                  "where the file has no time column")
+                        .optional("unit", &FileSignal::unit, text(), "of the column, default SI");
+  const auto delayed = Fields<Delayed>()
+                           .required("input", &Delayed::input, name(), "the input that comes first")
+                           .required("delay", &Delayed::delay, seconds(), "how much later");
+  const auto trailing =
+      Fields<Trailing>()
+          .required("input", &Trailing::input, name(), "input of the axle ahead")
+          .required("wheelbase", &Trailing::wheelbase, number("m", Bounds::positive()), "distance of the axles")
+          .required("speed", &Trailing::speed, number("m/s", Bounds::positive()), "of the vehicle");
+  const auto constant = convert<Constant, Value>(
+      value(), [](const Value& given) { return Constant{given}; }, [](const Constant& c) { return c.value; });
+  return mapping(
+      Fields<Excitation>()
+          .one_of(&Excitation::target, target("base_displacement", &BaseDisplacement::ground, "move a ground [m]"),
+                  base_acceleration(), target("force", &Force::point, "force at a point [N]"))
+          .one_of(&Excitation::signal, when("random", mapping(random), "flat spectrum in a band"),
+                  when("sine", mapping(sine), "one frequency"), when("sweep", mapping(sweep), "swept sine"),
+                  when("impulse", mapping(impulse), "one pulse"), when("road", mapping(road), "ISO 8608 road profile"),
+                  when(file), when("delayed", mapping(delayed), "another input, later"),
+                  when("trailing_axle", mapping(trailing), "another input, later by wheelbase / speed"),
+                  when("constant", constant, "the same at all times (gravity, a preload)"))
+          .optional("scale", &Excitation::scale, number("-"), "factor on the signal"));
+}
+
+}  // namespace kalfem::description

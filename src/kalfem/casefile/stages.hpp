@@ -1,0 +1,71 @@
+#pragma once
+
+#include <optional>
+
+#include "kalfem/base/progress.hpp"
+#include "kalfem/casefile/study.hpp"
+#include "kalfem/dynamics/reference.hpp"
+#include "kalfem/estimation/consistency.hpp"
+#include "kalfem/estimation/estimate.hpp"
+#include "kalfem/prediction/base_driven.hpp"
+
+namespace kalfem {
+
+/// The reference solution and the record made from it.
+struct SimulationStage {
+  Reference reference;
+  TimeSeries measurements;    ///< with noise, one channel a sensor
+  std::vector<double> noise;  ///< standard deviation per sensor
+  double seconds = 0.0;
+};
+
+/// One quantity of one point as the estimation or the prediction gives it, with the reference where there is one.
+struct PointQuantity {
+  std::string point;
+  ObservedQuantity quantity = ObservedQuantity::displacement;
+  Eigen::VectorXd mean;
+  Eigen::VectorXd deviation;    ///< empty where not known
+  Eigen::VectorXd truth;        ///< empty where not known
+  std::optional<double> nrmse;  ///< against the truth, after settling
+};
+
+struct EstimationStage {
+  std::shared_ptr<const Observer> observer;
+  EstimationResult result;
+  TimeSeries measurements;  ///< of the sensors that the observer uses
+  std::vector<double> noise;
+  ConsistencySummary consistency;
+  std::vector<PointQuantity>
+      points;                ///< displacement, velocity, acceleration of points; deformation, rate, force of connectors
+  Eigen::Index settled = 0;  ///< first sample that counts
+  double seconds = 0.0;
+  std::optional<SimulationResult>
+      open_loop;                             ///< the record again from the estimated parameters and initial state alone
+  Eigen::MatrixXd open_loop_sensors;         ///< samples x sensors
+  std::vector<double> open_loop_nrmse;       ///< per sensor, about the channel's rest
+  std::vector<double> open_loop_rest_error;  ///< last value against the channel's, per sensor
+};
+
+struct PredictionStage {
+  std::string substructure;
+  std::vector<PointQuantity> points;
+  double seconds = 0.0;
+};
+
+/// What was computed; stages that did not run are empty.
+struct StudyResults {
+  std::optional<SimulationStage> simulation;
+  std::optional<EstimationStage> estimation;
+  std::optional<PredictionStage> prediction;
+  std::string failure;  ///< in words, where the numbers are not usable
+  double total_seconds = 0.0;
+
+  [[nodiscard]] bool usable() const { return failure.empty(); }
+};
+
+enum class Stage { simulate, estimate, predict };
+
+/// Runs the stages of the case up to the given one, each as far as the case declares it.
+StudyResults run_study(const Study& study, Stage last, const Progress& progress = {});
+
+}  // namespace kalfem

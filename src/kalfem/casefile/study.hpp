@@ -1,0 +1,52 @@
+#pragma once
+
+#include <memory>
+
+#include "kalfem/casefile/assembly.hpp"
+#include "kalfem/casefile/record_source.hpp"
+#include "kalfem/estimation/observer.hpp"
+
+namespace kalfem {
+
+/// A sensor of the case.
+struct StudySensor {
+  std::string name;
+  OutputDescription output;
+  MeasurementChain chain;
+  bool relative_noise = false;  ///< noise is a part of the channel's rms
+  double noise = 0.0;           ///< standard deviation, in the sensor's unit or as that part
+  std::string unit;
+
+  /// Standard deviation of the noise on a channel of that rms.
+  [[nodiscard]] double deviation(double channel_rms) const { return relative_noise ? noise * channel_rms : noise; }
+};
+
+/// What the observer is made of: its own model, which may be a part of the structure and holds the guesses of unknowns
+/// in its linear part, and the sensors that it uses.
+struct ObserverSetup {
+  std::shared_ptr<const CoupledModel> model;
+  std::vector<StudySensor> sensors;
+  ObserverOptions options;
+  std::vector<std::string> input_sources;  ///< name of the excitation of each input, or of a sensor ("@name")
+  std::vector<std::optional<double>> true_parameters;  ///< one an unknown
+};
+
+/// A case that was read and understood: everything that the stages need. Immutable.
+struct Study {
+  description::Case given;
+  std::string file;
+  Parts parts;
+  std::shared_ptr<const CoupledModel> model;  ///< the structure as the case gives it
+  std::vector<StudySensor> sensors;
+  std::vector<SignalPtr> signals;         ///< one an input
+  std::optional<MeasuredRecord> record;   ///< where the case reads one
+  std::optional<ObserverSetup> observer;  ///< where the case estimates
+  std::vector<std::string> warnings;      ///< what is allowed but probably not meant
+
+  [[nodiscard]] double sample_rate() const;
+};
+
+/// Reads a case file. Throws InvalidInput with every problem found in it and in the files it names.
+Study load_study(const std::string& file);
+
+}  // namespace kalfem

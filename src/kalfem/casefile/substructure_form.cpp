@@ -1,0 +1,66 @@
+#include "kalfem/casefile/description_form.hpp"
+#include "kalfem/casefile/fields.hpp"
+
+namespace kalfem::description {
+
+using namespace form;
+
+namespace {
+
+/// Mass of a node: one number, or one a direction.
+Form<Named<double>> mass() {
+  const auto single = convert<Named<double>, double>(
+      number("kg", Bounds::positive()),
+      [](const double& value) {
+        return Named<double>{{"", value}};
+      },
+      [](const Named<double>& masses) { return masses.front().second; });
+  auto form = either(single, named(number("kg", Bounds::positive())));
+  const auto full = form.write;
+  form.write = [=](const Named<double>& masses) {
+    return masses.size() == 1 && masses.front().first.empty() ? single.write(masses) : full(masses);
+  };
+  return form;
+}
+
+Form<Spring> spring() {
+  const auto coefficient = [](const std::string& unit) { return number(unit, Bounds::nonnegative()); };
+  return mapping(Fields<Spring>()
+                     .optional("name", &Spring::name, text(), "to name it as an unknown; default from-to")
+                     .required("from", &Spring::from, name(), "mass, point or ground at one end")
+                     .required("to", &Spring::to, name(), "at the other end")
+                     .optional("stiffness", &Spring::stiffness, coefficient("N/m"), "of the spring")
+                     .optional("damping", &Spring::damping, coefficient("N s/m"), "of the dashpot beside it"));
+}
+
+Form<Chain> chain() {
+  const auto coefficient = [](const std::string& unit) { return number(unit, Bounds::nonnegative()); };
+  return mapping(Fields<Chain>()
+                     .required("masses", &Chain::masses, integer(1, 100000), "how many, named 1, 2, ...")
+                     .required("mass", &Chain::mass, number("kg", Bounds::positive()), "of each")
+                     .required("stiffness", &Chain::stiffness, coefficient("N/m"), "between neighbours")
+                     .optional("damping", &Chain::damping, coefficient("N s/m"), "between neighbours"));
+}
+
+}  // namespace
+
+Form<Substructure> substructure() {
+  const auto damping =
+      Fields<Damping>()
+          .optional("modal", &Damping::modal, one_or_list(number("-", Bounds::between(0, 0.999))),
+                    "ratio to critical of every mode, or of each in turn (the last holds for the rest)")
+          .optional("mass_factor", &Damping::mass_factor, number("1/s", Bounds::nonnegative()), "Rayleigh alpha")
+          .optional("stiffness_factor", &Damping::stiffness_factor, number("s", Bounds::nonnegative()),
+                    "Rayleigh beta");
+  return mapping(Fields<Substructure>()
+                     .optional("masses", &Substructure::masses, named(mass()),
+                               "by name: a mass, or one a direction ({x: 2 kg, rz: 0.1}) named node.direction")
+                     .optional("chain", &Substructure::chain, chain(), "equal masses in a row, joined by equal springs")
+                     .optional("springs", &Substructure::springs, list(spring()), "springs and dashpots")
+                     .optional("grounds", &Substructure::grounds, list(text()), "names of grounds beside `ground`")
+                     .optional("points", &Substructure::points, named(named(number("-"), NameRule::dotted)),
+                               "named weighted sums of degrees of freedom: LH: {heave: 1, pitch: -0.75}")
+                     .optional("damping", &Substructure::damping, mapping(damping), "beside the dashpots"));
+}
+
+}  // namespace kalfem::description

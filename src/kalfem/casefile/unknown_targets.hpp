@@ -1,0 +1,34 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kalfem/casefile/assembly.hpp"
+
+namespace kalfem {
+
+/// A parameter of the case by its name.
+struct ParameterReference {
+  enum class Kind { connector, spring_stiffness, spring_damping, mass };
+  Kind kind = Kind::connector;
+  std::size_t part = 0;     ///< index of the connector, or of the substructure
+  std::size_t element = 0;  ///< index of the law parameter, spring or mass
+  std::string unit;
+  double value = 0.0;  ///< as the case gives it
+};
+
+/// "connector.parameter", "substructure.spring.stiffness", "substructure.spring.damping" or "substructure.dof.mass".
+/// Nothing where there is no such parameter.
+std::optional<ParameterReference> find_parameter(const Parts& parts, const std::string& name);
+
+/// All names that find_parameter() knows.
+std::vector<std::string> parameter_names(const Parts& parts);
+
+/// Makes an element of a linear substructure a connector parameter: its value in the substructure becomes `nominal`,
+/// and a connector that carries the departure from it is added at the same place. Returns the reference to that
+/// connector's parameter. Masses hang on the inertial frame, a substructure of no degree of freedom that is added when
+/// needed.
+ParameterReference release_linear_element(Parts& parts, const ParameterReference& element, double nominal);
+
+}  // namespace kalfem

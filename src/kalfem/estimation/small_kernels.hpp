@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Dense>
+
+namespace kalfem {
+
+// Dense products and the Cholesky factorisation at the sizes of a filter. Up to some tens of states a general library
+// spends its time on packing and dispatch; here tiles of the result stay in registers. Larger ones go to Eigen.
+// Arrays are contiguous; nothing allocates below `small_dimension`.
+
+constexpr Eigen::Index small_dimension = 64;  ///< above it Eigen's blocked routines are as fast or faster
+
+/// out = A B.
+void multiply(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, Eigen::MatrixXd& out);
+/// out = A B^T.
+void multiply_transposed(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, Eigen::MatrixXd& out);
+/// out += A B^T.
+void add_product_transposed(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, Eigen::MatrixXd& out);
+/// Lower triangle of out += sign A B^T, a product known to be symmetric; the upper triangle is left without meaning.
+void add_symmetric_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, double sign, Eigen::MatrixXd& out);
+
+/// Lower triangular L with L L^T = P (lower triangle read), zeros above; false where a pivot is not larger than
+/// `pivot_floor` times the variance on its diagonal. `lower` then holds nothing of use.
+bool cholesky(const Eigen::MatrixXd& p, double pivot_floor, Eigen::MatrixXd& lower);
+
+/// B <- B L^-T in place, for few columns.
+void solve_on_the_right(const Eigen::MatrixXd& lower, Eigen::MatrixXd& b);
+
+}  // namespace kalfem

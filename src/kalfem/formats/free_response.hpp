@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <optional>
+
+#include "kalfem/base/time_series.hpp"
+
+namespace kalfem {
+
+/// Free response after a hold: when it starts, when it has died out, and where the structure stays.
+struct FreeResponseOptions {
+  double hold = 0.1;          ///< the record begins with a hold of at least this length [s]
+  double departure = 0.01;    ///< a channel has left a position when it is off by this part of its largest excursion
+  double noise_factor = 5.0;  ///< or by this many standard deviations of its noise, whichever is more
+  Eigen::Index samples = 5;   ///< for so many samples in a row
+  double still = 0.2;         ///< at rest, all channels stay where they are for at least this length [s]
+};
+
+/// The end of a hold.
+struct Release {
+  Eigen::Index sample = 0;   ///< the first one at which a channel has left the hold
+  double time = 0.0;         ///< [s]
+  Eigen::VectorXd position;  ///< mean of each channel over the hold
+};
+
+/// The first sample at which any channel has departed from where it was held. Nothing where the record does not begin
+/// with a hold or never leaves it. Samples that are not finite are left out. Throws InvalidInput on options out of
+/// range.
+std::optional<Release> find_release(const TimeSeries& record, const FreeResponseOptions& options = {});
+
+/// The longest time for which a structure stands still after it moved.
+struct Rest {
+  Eigen::Index motion_end = 0;   ///< last sample at which a channel is away from its rest position
+  Eigen::Index last = 0;         ///< last sample of the rest: the record's last one unless something disturbs it
+  double motion_end_time = 0.0;  ///< [s]
+  Eigen::VectorXd position;      ///< mean of each channel over the second half of the rest
+  Eigen::VectorXd deviation;     ///< standard deviation about it
+};
+
+/// Rest after the sample `from` (a release). It is the longest run of windows of length `still` in which every channel
+/// stays within +-departure, so a disturbance at the record's end does not spoil its position. Nothing where the
+/// structure never comes to rest. Samples that are not finite are left out. Throws InvalidInput as above.
+std::optional<Rest> find_rest(const TimeSeries& record, Eigen::Index from, const FreeResponseOptions& options = {});
+
+}  // namespace kalfem

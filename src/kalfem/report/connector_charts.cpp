@@ -1,0 +1,136 @@
+#include "kalfem/report/connector_charts.hpp"
+
+#include <algorithm>
+
+namespace kalfem {
+namespace {
+
+using Eigen::ArrayXd;
+using Eigen::ArrayXXd;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr Index curve_points = 201;
+
+std::vector<double> values(const VectorXd& vector) { return {vector.begin(), vector.end()}; }
+
+/// Force of a law without memory at given deformations and rates.
+VectorXd force(const ConnectorLaw& law, const VectorXd& parameters, const VectorXd& deformation, const VectorXd& rate) {
+  const Index n = deformation.size();
+  const ArrayXXd p = parameters.transpose().array().replicate(n, 1), none = ArrayXXd::Zero(n, 0);
+  const ArrayXd d = deformation.array(), v = rate.array(), zero = ArrayXd::Zero(n);
+  ArrayXd f(n), k(n), c(n), b(n);
+  ArrayXXd states(n, 0);
+  law.respond({0.0, p, d, v, none, d, v, zero}, {f, k, c, b, states});
+  return f.matrix();
+}
+
+/// Parameters of one connector in the observer as a function of the unknowns' states.
+class IdentifiedConnector {
+ public:
+  IdentifiedConnector(const EstimationStage& stage, Index connector) : stage_(stage), connector_(connector) {
+    const auto& layout = stage.observer->layout();
+    last_ = stage.result.state.mean.cols() - 1;
+    state_ = stage.result.state.mean.col(last_).segment(layout.unknown(), layout.unknowns);
+    covariance_ = stage.result.final_covariance.block(layout.unknown(), layout.unknown(), layout.unknowns, layout.unknowns);
+  }
+
+  [[nodiscard]] VectorXd parameters(const VectorXd& state) const {
+    VectorXd values = stage_.observer->system().connectors[static_cast<std::size_t>(connector_)].parameters;
+    const auto& unknowns = stage_.observer->options().unknowns;
+    for (std::size_t i = 0; i < unknowns.size(); ++i)
+      for (const auto& target : unknowns[i].targets)
+        if (target.connector == connector_)
+          values[target.parameter] = unknowns[i].transform.to_parameter(state[static_cast<Index>(i)]);
+    return values;
+  }
+
+  /// Curve with the band that the parameters' covariance gives to first order.
+  [[nodiscard]] Series curve(const VectorXd& x, const VectorXd& deformation, const VectorXd& rate) const {
+    const auto& law = *stage_.observer->system().connectors[static_cast<std::size_t>(connector_)].law;
+    const VectorXd mean = force(law, parameters(state_), deformation, rate);
+    MatrixXd slope(mean.size(), state_.size());
+    for (Index i = 0; i < state_.size(); ++i) {
+      const double step = 1e-3 * std::sqrt(std::max(covariance_(i, i), 1e-300));
+      VectorXd shifted = state_;
+      shifted[i] += step;
+      slope.col(i) = (force(law, parameters(shifted), deformation, rate) - mean) / step;
+    }
+    const VectorXd width = normal_quantile(0.975) * ((slope * covariance_).cwiseProduct(slope)).rowwise().sum().cwiseMax(0.0).cwiseSqrt();
+    return {.label = "identified, 95 %", .y = values(mean), .lower = values(mean - width), .upper = values(mean + width),
+            .role = Role::estimate, .x = values(x)};
+  }
+
+ private:
+  const EstimationStage& stage_;
+  Index connector_, last_ = 0;
+  VectorXd state_;
+  MatrixXd covariance_;
+};
+
+const PointQuantity* find(const EstimationStage& stage, const std::string& name, ObservedQuantity quantity) {
+  const auto found = std::ranges::find_if(stage.points, [&](const auto& p) { return p.point == name && p.quantity == quantity; });
+  return found == stage.points.end() ? nullptr : &*found;
+}
+
+const Connector* true_connector(const Study& study, const std::string& name) {
+  if (!study.given.simulate) return nullptr;
+  const auto& connectors = study.model->system().connectors;
+  const auto found = std::ranges::find(connectors, name, &Connector::name);
+  return found == connectors.end() ? nullptr : &*found;
+}
+
+Chart characteristic(const Study& study, const EstimationStage& stage, Index index, bool over_rate) {
+  const auto& connector = stage.observer->system().connectors[static_cast<std::size_t>(index)];
+  const auto* range = find(stage, connector.name, over_rate ? ObservedQuantity::connector_rate : ObservedQuantity::connector_deformation);
+  const double largest = std::max(1e-12, range->mean.tail(range->mean.size() - stage.settled).cwiseAbs().maxCoeff());
+  const VectorXd x = VectorXd::LinSpaced(curve_points, -largest, largest), zero = VectorXd::Zero(curve_points);
+  const VectorXd &deformation = over_rate ? zero : x, &rate = over_rate ? x : zero;
+  Chart chart{.id = connector.name + (over_rate ? "-damper" : "-spring"),
+              .title = connector.name + (over_rate ? ": force over rate" : ": force over deformation"),
+              .caption = over_rate ? "At zero deformation." : "At rest.",
+              .x_label = over_rate ? "deformation rate [m/s]" : "deformation [m]", .y_label = "force [N]",
+              .series = {IdentifiedConnector(stage, index).curve(x, deformation, rate)}, .scatter = true};
+  if (const auto* truth = true_connector(study, connector.name))
+    chart.series.push_back({.label = "true", .y = values(force(*truth->law, truth->parameters, deformation, rate)),
+                            .role = Role::truth, .x = values(x)});
+  return chart;
+}
+
+/// Force over deformation as it went, over the last part of the record.
+Chart path(const EstimationStage& stage, const std::string& name) {
+  const auto *force_history = find(stage, name, ObservedQuantity::connector_force),
+             *deformation = find(stage, name, ObservedQuantity::connector_deformation);
+  const Index count = std::min<Index>(2000, force_history->mean.size() - stage.settled);
+  Chart chart{.id = name + "-path", .title = name + ": path", .caption = "The last part of the record.",
+              .x_label = "deformation [m]", .y_label = "force [N]",
+              .series = {{.label = "estimated", .y = values(force_history->mean.tail(count)), .role = Role::estimate,
+                          .x = values(deformation->mean.tail(count))}},
+              .scatter = true};
+  if (force_history->truth.size() > 0 && deformation->truth.size() > 0)
+    chart.series.push_back({.label = "true", .y = values(force_history->truth.tail(count)), .role = Role::truth,
+                            .x = values(deformation->truth.tail(count))});
+  return chart;
+}
+
+}  // namespace
+
+Section connectors_section(const Study& study, const EstimationStage& stage) {
+  Section section{"Connectors", "The identified laws.", {}};
+  const auto& connectors = stage.observer->system().connectors;
+  for (std::size_t j = 0; j < connectors.size(); ++j) {
+    const bool unknown = std::ranges::any_of(stage.observer->options().unknowns, [&](const auto& each) {
+      return std::ranges::any_of(each.targets, [&](const auto& target) { return target.connector == static_cast<Index>(j); });
+    });
+    if (!unknown) continue;
+    if (connectors[j].law->states().empty()) {
+      section.items.emplace_back(characteristic(study, stage, static_cast<Index>(j), false));
+      section.items.emplace_back(characteristic(study, stage, static_cast<Index>(j), true));
+    }
+    section.items.emplace_back(path(stage, connectors[j].name));
+  }
+  return section;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,145 @@
+#include "kalfem/report/summary.hpp"
+
+#include <cmath>
+#include <filesystem>
+
+#include "kalfem/base/version.hpp"
+
+namespace kalfem {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
+
+Json model_summary(const Study& study) {
+  Json parts = Json::object();
+  for (const auto& part : study.model->substructures()) {
+    Json frequencies = Json::array();
+    for (const double f : normal_modes(part.model.mass, part.model.stiffness).frequencies) frequencies.push_back(number(f));
+    parts[part.name] = {{"dofs", part.model.size()}, {"frequencies_hz", frequencies}};
+  }
+  return {{"dofs", study.model->system().size()},
+          {"reduced_dofs", study.observer ? study.observer->model->system().size() : study.model->system().size()},
+          {"connectors", study.model->system().connector_count()},
+          {"substructures", parts}};
+}
+
+Json parameters_summary(const Study& study, const EstimationStage& stage) {
+  Json parameters = Json::object();
+  const auto last = stage.result.unknowns.mean.cols() - 1;
+  const auto& layout = stage.observer->layout();
+  for (Eigen::Index i = 0; i < layout.unknowns; ++i) {
+    const auto index = static_cast<std::size_t>(i);
+    const auto& unknown = stage.observer->options().unknowns[index];
+    const auto interval = confidence_interval(unknown.transform, stage.result.state.mean(layout.unknown() + i, last),
+                                              stage.result.state.deviation(layout.unknown() + i, last));
+    parameters[unknown.name] = {{"true", number(study.observer->true_parameters[index])},
+                                {"initial", number(unknown.initial)},
+                                {"estimate", number(stage.result.unknowns.mean(i, last))},
+                                {"std", number(stage.result.unknowns.deviation(i, last))},
+                                {"interval_95", {number(interval.lower), number(interval.upper)}},
+                                {"unit", unknown.unit}};
+  }
+  return parameters;
+}
+
+const char* filter_name(FilterKind kind) {
+  switch (kind) {
+    case FilterKind::unscented: return "ukf";
+    case FilterKind::unscented_square_root: return "ukf_square_root";
+    case FilterKind::extended: return "ekf";
+  }
+  return "";
+}
+
+const char* quantity_key(ObservedQuantity quantity) {
+  switch (quantity) {
+    case ObservedQuantity::displacement: return "displacement_nrmse";
+    case ObservedQuantity::velocity: return "velocity_nrmse";
+    case ObservedQuantity::acceleration: return "acceleration_nrmse";
+    case ObservedQuantity::connector_deformation: return "deformation_nrmse";
+    case ObservedQuantity::connector_rate: return "rate_nrmse";
+    case ObservedQuantity::connector_force: return "force_nrmse";
+  }
+  return "";
+}
+
+Json errors_by_point(const std::vector<PointQuantity>& points) {
+  Json errors = Json::object();
+  for (const auto& point : points)
+    if (point.truth.size() > 0) errors[point.point][quantity_key(point.quantity)] = number(point.nrmse);
+  return errors;
+}
+
+Json open_loop_summary(const EstimationStage& stage) {
+  Json sensors = Json::object();
+  for (std::size_t i = 0; i < stage.open_loop_nrmse.size(); ++i)
+    sensors[stage.measurements.channels[i].name] = {{"nrmse", number(stage.open_loop_nrmse[i])},
+                                                    {"rest_error", number(stage.open_loop_rest_error[i])}};
+  return sensors;
+}
+
+Json estimation_summary(const Study& study, const EstimationStage& stage) {
+  Json ratios = Json::object();
+  for (std::size_t i = 0; i < stage.measurements.channels.size(); ++i)
+    ratios[stage.measurements.channels[i].name] = number(stage.consistency.innovation_to_noise[static_cast<Eigen::Index>(i)]);
+  Json summary = {{"filter", filter_name(study.given.estimate->filter)},
+                  {"steps", stage.measurements.samples()},
+                  {"state_dimension", stage.observer->layout().size()},
+                  {"log_likelihood", number(stage.result.log_likelihood)},
+                  {"nis", {{"mean", number(stage.consistency.mean_nis)},
+                           {"expected", number(stage.consistency.expected_nis)},
+                           {"fraction_in_95", number(stage.consistency.fraction_in_95)}}},
+                  {"innovation_to_noise", ratios}};
+  if (const auto states = errors_by_point(stage.points); !states.empty()) summary["states"] = states;
+  if (stage.open_loop) summary["open_loop"] = open_loop_summary(stage);
+  return summary;
+}
+
+Json prediction_summary(const PredictionStage& stage) {
+  Json points = Json::object();
+  for (const auto& point : stage.points)
+    points[point.point.substr(point.point.find('.') + 1)][quantity_key(point.quantity)] = number(point.nrmse);
+  return {{stage.substructure, points}};
+}
+
+Json timing_summary(const StudyResults& results) {
+  Json timing = {{"total_s", number(results.total_seconds)}};
+  if (results.simulation) timing["simulate_s"] = number(results.simulation->seconds);
+  if (results.estimation) {
+    const auto& stage = *results.estimation;
+    const auto steps = static_cast<double>(stage.measurements.samples());
+    timing["estimate_s"] = number(stage.seconds);
+    timing["estimate_us_per_step"] = number(1e6 * stage.result.seconds / steps);
+    timing["real_time_factor"] = number(steps / stage.measurements.sample_rate / stage.result.seconds);
+  }
+  if (results.prediction) timing["predict_s"] = number(results.prediction->seconds);
+  return timing;
+}
+
+}  // namespace
+
+Json summarise(const Study& study, const StudyResults& results) {
+  Json summary = {{"kalfem", version},
+                  {"case", std::filesystem::path(study.file).filename().string()},
+                  {"title", study.given.title},
+                  {"status", results.usable() ? "ok" : "unusable"},
+                  {"message", results.failure},
+                  {"model", model_summary(study)}};
+  if (!study.warnings.empty()) summary["warnings"] = study.warnings;
+  if (results.simulation)
+    summary["simulation"] = {{"steps_per_sample", results.simulation->reference.substeps},
+                             {"last_change", number(results.simulation->reference.last_change)}};
+  if (results.estimation) {
+    summary["parameters"] = parameters_summary(study, *results.estimation);
+    summary["estimation"] = estimation_summary(study, *results.estimation);
+  }
+  if (results.prediction) summary["prediction"] = prediction_summary(*results.prediction);
+  summary["timing"] = timing_summary(results);
+  return summary;
+}
+
+}  // namespace kalfem

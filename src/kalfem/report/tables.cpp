@@ -1,0 +1,133 @@
+#include "kalfem/report/tables.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace kalfem {
+namespace {
+
+std::string per_cent(double ratio) { return std::isfinite(ratio) ? fmt::format("{:.2f} %", 100.0 * ratio) : "-"; }
+
+const char* short_name(ObservedQuantity quantity) {
+  switch (quantity) {
+    case ObservedQuantity::displacement:
+    case ObservedQuantity::connector_deformation: return "displacement";
+    case ObservedQuantity::velocity:
+    case ObservedQuantity::connector_rate: return "velocity";
+    case ObservedQuantity::acceleration: return "acceleration";
+    case ObservedQuantity::connector_force: return "force";
+  }
+  return "";
+}
+
+/// Length as shown: UTF-8 continuation bytes take no room.
+std::size_t width(const std::string& text) {
+  return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+std::string padded(const std::string& text, std::size_t columns, bool right) {
+  const std::string blank(columns - std::min(columns, width(text)), ' ');
+  return right ? blank + text : text + blank;
+}
+
+}  // namespace
+
+std::string shown(double value) { return std::isfinite(value) ? fmt::format("{:.4g}", value) : "-"; }
+
+Table parameter_table(const Study& study, const EstimationStage& stage) {
+  Table table{"Parameters", {"parameter", "unit", "initial", "estimate", "std", "truth", "error"}, {}, {}};
+  const auto last = stage.result.unknowns.mean.cols() - 1;
+  for (std::size_t i = 0; i < stage.observer->options().unknowns.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    const auto& unknown = stage.observer->options().unknowns[i];
+    const auto& truth = study.observer->true_parameters[i];
+    const double estimate = stage.result.unknowns.mean(row, last);
+    table.rows.push_back({unknown.name, unknown.unit, shown(unknown.initial), shown(estimate),
+                          shown(stage.result.unknowns.deviation(row, last)), truth ? shown(*truth) : "-",
+                          truth && *truth != 0.0 ? per_cent(estimate / *truth - 1.0) : "-"});
+  }
+  return table;
+}
+
+Table error_table(const std::string& title, const std::vector<PointQuantity>& points) {
+  std::vector<std::string> order;
+  std::map<std::string, std::map<std::string, std::string>> cells;
+  for (const auto& point : points) {
+    if (point.truth.size() == 0) continue;
+    if (!cells.contains(point.point)) order.push_back(point.point);
+    cells[point.point][short_name(point.quantity)] = point.nrmse ? per_cent(*point.nrmse) : "-";
+  }
+  Table table{title, {"point", "displacement", "velocity", "acceleration", "force"}, {}, {}};
+  const auto used = [&](const std::string& column) {
+    return std::ranges::any_of(cells, [&](const auto& row) { return row.second.contains(column); });
+  };
+  std::erase_if(table.columns, [&](const auto& column) { return column != "point" && !used(column); });
+  for (const auto& name : order) {
+    std::vector<std::string> row{name};
+    for (std::size_t c = 1; c < table.columns.size(); ++c) {
+      const auto cell = cells[name].find(table.columns[c]);
+      row.push_back(cell == cells[name].end() ? "" : cell->second);
+    }
+    table.rows.push_back(row);
+  }
+  return table;
+}
+
+Table open_loop_table(const EstimationStage& stage) {
+  Table table{"Open loop against the record", {"sensor", "NRMSE about rest", "rest error"}, {}, {}};
+  for (std::size_t i = 0; i < stage.open_loop_nrmse.size(); ++i)
+    table.rows.push_back({stage.measurements.channels[i].name, fmt::format("{:.3f}", stage.open_loop_nrmse[i]),
+                          shown(stage.open_loop_rest_error[i]) + " " + stage.measurements.channels[i].unit});
+  return table;
+}
+
+std::string to_text(const Table& table) {
+  std::vector<std::size_t> widths;
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    widths.push_back(width(table.columns[c]));
+    for (const auto& row : table.rows) widths[c] = std::max(widths[c], width(row[c]));
+  }
+  std::string text;
+  const auto add = [&](const std::vector<std::string>& cells) {
+    std::string line;
+    for (std::size_t c = 0; c < cells.size(); ++c) line += (c ? "   " : "  ") + padded(cells[c], widths[c], c > 0);
+    text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+  };
+  add(table.columns);
+  std::size_t total = 0;
+  for (const auto w : widths) total += w + 3;
+  text += "  " + std::string(total - 3, '-') + "\n";
+  for (const auto& row : table.rows) add(row);
+  return text;
+}
+
+std::string console_report(const Study& study, const StudyResults& results) {
+  std::string text = study.given.title.empty() ? std::string() : study.given.title + "\n\n";
+  if (results.simulation) {
+    const auto& reference = results.simulation->reference;
+    text += fmt::format("Reference: {} degrees of freedom, {} s at {} Hz, {} steps a sample (last change {}), {:.1f} s\n\n",
+                        study.model->system().size(), shown(study.given.simulate->duration), shown(study.sample_rate()),
+                        reference.substeps, per_cent(reference.last_change), results.simulation->seconds);
+  }
+  if (results.estimation) {
+    const auto& stage = *results.estimation;
+    text += "Estimated parameters\n" + to_text(parameter_table(study, stage)) + "\n";
+    text += fmt::format("NIS {:.2f} where {:.2f} is right, {} inside the 95 % band\n", stage.consistency.mean_nis,
+                        stage.consistency.expected_nis, per_cent(stage.consistency.fraction_in_95));
+    text += fmt::format("{} states, {} steps, {:.2f} us a step: {:.0f} x real time\n\n", stage.observer->layout().size(),
+                        stage.measurements.samples(), 1e6 * stage.result.seconds / static_cast<double>(stage.measurements.samples()),
+                        static_cast<double>(stage.measurements.samples()) / stage.measurements.sample_rate / stage.result.seconds);
+    if (const auto table = error_table("", stage.points); !table.rows.empty())
+      text += fmt::format("Estimated motion, NRMSE after {} s\n", shown(study.given.estimate->settle)) + to_text(table) + "\n";
+    if (stage.open_loop) text += "Open loop from the estimated parameters and initial state\n" + to_text(open_loop_table(stage)) + "\n";
+  }
+  if (results.prediction)
+    if (const auto table = error_table("", results.prediction->points); !table.rows.empty())
+      text += "'" + results.prediction->substructure + "' driven by its estimated boundary motion, NRMSE\n" + to_text(table) + "\n";
+  return text;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include "kalfem/casefile/stages.hpp"
+#include "kalfem/report/page.hpp"
+
+namespace kalfem {
+
+/// Unknowns with initial value, estimate, standard deviation, truth and deviation from it.
+Table parameter_table(const Study& study, const EstimationStage& stage);
+/// NRMSE of a stage's points against the reference.
+Table error_table(const std::string& title, const std::vector<PointQuantity>& points);
+/// Open-loop re-simulation against the record.
+Table open_loop_table(const EstimationStage& stage);
+
+/// Parameters, consistency and errors as a person reads them on a terminal.
+std::string console_report(const Study& study, const StudyResults& results);
+
+/// A table as text with aligned columns.
+std::string to_text(const Table& table);
+
+/// Four significant digits.
+std::string shown(double value);
+
+}  // namespace kalfem

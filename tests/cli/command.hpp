@@ -1,0 +1,47 @@
+#pragma once
+
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+
+/// Runs the command as a user does, and reads what it left.
+namespace kalfem::test {
+
+struct Outcome {
+  int code = -1;
+  std::string output, errors;
+};
+
+inline std::string read(const std::filesystem::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+/// A folder of its own for each test, empty at its start.
+inline std::filesystem::path fresh_folder(const std::string& name) {
+  const auto folder = std::filesystem::temp_directory_path() / ("kalfem-test-" + std::to_string(getpid()) + "-" + name);
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  return folder;
+}
+
+inline Outcome run_command(const std::string& arguments, const std::filesystem::path& folder) {
+  const auto out = folder / "stdout.txt", err = folder / "stderr.txt";
+  const std::string line = std::string(KALFEM_COMMAND) + " " + arguments + " >" + out.string() + " 2>" + err.string();
+  const int status = std::system(line.c_str());
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(out), read(err)};
+}
+
+inline nlohmann::json read_summary(const std::filesystem::path& folder) {
+  return nlohmann::json::parse(read(folder / "summary.json"));
+}
+
+inline std::string example(const std::string& name) { return std::string(KALFEM_SOURCE_DIR) + "/examples/" + name; }
+
+}  // namespace kalfem::test

@@ -1,0 +1,98 @@
+#include <gtest/gtest.h>
+
+#include "command.hpp"
+#include "kalfem/formats/hdf5_file.hpp"
+
+namespace kalfem::test {
+namespace {
+
+/// Runs an example and returns its summary; the folder holds the four files of the contract.
+nlohmann::json run_example(const std::string& name, const std::filesystem::path& folder) {
+  const auto outcome = run_command("run " + example(name) + " --out " + (folder / "out").string(), folder);
+  EXPECT_EQ(outcome.code, 0) << outcome.errors;
+  EXPECT_EQ(outcome.errors, "");
+  for (const char* file : {"summary.json", "results.h5", "report.html", "case.resolved.yaml"})
+    EXPECT_TRUE(std::filesystem::exists(folder / "out" / file)) << file;
+  return read_summary(folder / "out");
+}
+
+double relative_error(const nlohmann::json& parameter) {
+  return std::abs(parameter["estimate"].get<double>() / parameter["true"].get<double>() - 1.0);
+}
+
+double normalised_error(const nlohmann::json& parameter) {
+  return std::abs(parameter["estimate"].get<double>() - parameter["true"].get<double>()) / parameter["std"].get<double>();
+}
+
+TEST(Examples, ChainReachesTheFiguresOfThePaper) {
+  const auto folder = fresh_folder("chain");
+  const auto summary = run_example("chain/chain.yaml", folder);
+  for (const char* name : {"suspension.mu_k1", "suspension.mu_c1"}) {
+    EXPECT_LT(relative_error(summary["parameters"][name]), 0.01) << name;
+    EXPECT_LT(normalised_error(summary["parameters"][name]), 3.0) << name;
+  }
+  // NIS of 4 channels over 18,000 samples: standard error 0.021.
+  EXPECT_NEAR(summary["estimation"]["nis"]["mean"].get<double>(), 4.0, 0.08);
+  EXPECT_LE(summary["estimation"]["states"]["body.3"]["displacement_nrmse"].get<double>(), 0.005);
+  EXPECT_EQ(summary["prediction"]["body"].size(), 10u);
+  for (const auto& [point, errors] : summary["prediction"]["body"].items())
+    EXPECT_LE(errors["acceleration_nrmse"].get<double>(), 0.035) << point;
+}
+
+TEST(Examples, ResultsFileHoldsTheContract) {
+  const auto folder = fresh_folder("contract");
+  run_example("chain/expression.yaml", folder);
+  const auto file = Hdf5File::open((folder / "out" / "results.h5").string());
+  for (const char* name :
+       {"/time", "/measurements/a3", "/truth/body.3/displacement", "/truth/body.3/velocity", "/truth/body.3/acceleration",
+        "/estimate/body.3/displacement", "/estimate/body.3/displacement_std", "/estimate/body.3/velocity",
+        "/estimate/body.3/acceleration_std", "/estimate/parameters/suspension.mu_k1",
+        "/estimate/parameters/suspension.mu_k1_std", "/innovation/value/a3", "/innovation/nis", "/prediction/body.10/acceleration"})
+    EXPECT_TRUE(file.contains(name)) << name;
+  EXPECT_EQ(file.read("/time").size(), file.read("/truth/body.3/displacement").size());
+  EXPECT_EQ(file.text_attribute("/truth/body.3/displacement", "unit"), "m");
+  EXPECT_EQ(file.number_attribute("/truth/body.3/displacement", "sample_rate"), 1000.0);
+}
+
+TEST(Examples, ClusteredSensorsDoVisiblyWorse) {
+  const auto folder = fresh_folder("clustered");
+  std::filesystem::create_directories(folder / "spread");
+  const auto clustered = run_example("chain/clustered.yaml", folder), spread = run_example("chain/chain.yaml", folder / "spread");
+  const auto deviation = [](const nlohmann::json& summary) { return summary["parameters"]["suspension.mu_k1"]["std"].get<double>(); };
+  EXPECT_GT(deviation(clustered), 1.3 * deviation(spread));
+  EXPECT_GT(clustered["estimation"]["states"]["body.1"]["displacement_nrmse"].get<double>(),
+            1.3 * spread["estimation"]["states"]["body.1"]["displacement_nrmse"].get<double>());
+}
+
+TEST(Examples, BoucWenSuspension) {
+  const auto summary = run_example("chain/bouc_wen.yaml", fresh_folder("bouc-wen"));
+  for (const auto& [name, parameter] : summary["parameters"].items()) {
+    EXPECT_LT(relative_error(parameter), 0.02) << name;
+    EXPECT_LT(normalised_error(parameter), 3.5) << name;
+  }
+}
+
+TEST(Examples, ExpressionLaw) {
+  const auto summary = run_example("chain/expression.yaml", fresh_folder("expression"));
+  for (const auto& [name, parameter] : summary["parameters"].items()) EXPECT_LT(normalised_error(parameter), 3.5) << name;
+}
+
+TEST(Examples, LocalObserver) {
+  const auto summary = run_example("chain/local.yaml", fresh_folder("local"));
+  for (const auto& [name, parameter] : summary["parameters"].items()) {
+    EXPECT_LT(relative_error(parameter), 0.05) << name;
+    EXPECT_LT(normalised_error(parameter), 3.5) << name;
+  }
+}
+
+TEST(Examples, TheResolvedCaseRunsAgainWithTheSameResult) {
+  const auto folder = fresh_folder("resolved");
+  std::filesystem::create_directories(folder / "again");
+  const auto first = run_example("chain/local.yaml", folder);
+  const auto outcome = run_command("run " + (folder / "out" / "case.resolved.yaml").string() + " --out " + (folder / "again").string(), folder);
+  ASSERT_EQ(outcome.code, 0) << outcome.errors;
+  EXPECT_EQ(first["parameters"].dump(), read_summary(folder / "again")["parameters"].dump());
+}
+
+}  // namespace
+}  // namespace kalfem::test

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "kalfem/dynamics/simulate.hpp"
+#include "kalfem/system/laws/saturating_law.hpp"
+#include "kalfem/system/signals/sampled.hpp"
+#include "kalfem/system/signals/smooth_step.hpp"
+#include "system/small_systems.hpp"
+
+namespace kalfem {
+
+/// A damped oscillator m z'' + c z' + k z = F under free vibration and under a ramp F = rate t.
+struct DampedOscillator {
+  double m, c, k;
+
+  [[nodiscard]] double omega() const { return std::sqrt(k / m); }
+  [[nodiscard]] double zeta() const { return c / (2 * m * omega()); }
+  /// Displacement and velocity a time t after (d, v), zeta < 1.
+  [[nodiscard]] Eigen::Vector2d free(double d, double v, double t) const {
+    const double decay = zeta() * omega(), damped = omega() * std::sqrt(1 - zeta() * zeta());
+    const double b = (v + decay * d) / damped, e = std::exp(-decay * t), s = std::sin(damped * t), o = std::cos(damped * t);
+    return {e * (d * o + b * s), e * ((b * damped - decay * d) * o - (d * damped + decay * b) * s)};
+  }
+  /// From rest under F = rate t: the particular solution rate (t - c/k) / k and the free motion that starts it at rest.
+  [[nodiscard]] Eigen::Vector2d ramp(double rate, double t) const {
+    return Eigen::Vector2d(rate * (t - c / k) / k, rate / k) + free(rate * c / (k * k), -rate / k, t);
+  }
+};
+
+/// Classical Runge-Kutta of m z'' = F(t) - c z' - k z - f(z, z') from (d, v), `steps` steps to the time T: displacement,
+/// velocity. Shares nothing with the integrators under test.
+template <typename Force, typename Law>
+Eigen::Vector2d runge_kutta(const DampedOscillator& body, const Force& applied, const Law& law, double d, double v,
+                            double T, int steps) {
+  const auto rate = [&](double t, const Eigen::Vector2d& x) {
+    return Eigen::Vector2d(x[1], (applied(t) - body.c * x[1] - body.k * x[0] - law(x[0], x[1])) / body.m);
+  };
+  Eigen::Vector2d x(d, v);
+  const double h = T / steps;
+  for (int i = 0; i < steps; ++i) {
+    const double t = i * h;
+    const Eigen::Vector2d k1 = rate(t, x), k2 = rate(t + h / 2, x + h / 2 * k1), k3 = rate(t + h / 2, x + h / 2 * k2),
+                          k4 = rate(t + h, x + h * k3);
+    x += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+  }
+  return x;
+}
+
+inline SignalPtr straight_lines(const Eigen::VectorXd& samples, double sample_rate) {
+  return make_sampled(samples, {.sample_rate = sample_rate, .interpolation = Interpolation::linear,
+                                .beyond = BeyondRecord::hold});
+}
+
+inline InitialState start_at(double d, double v, Eigen::Index connector_states = 0) {
+  auto state = at_rest(1, connector_states);
+  state.displacement[0] = d;
+  state.velocity[0] = v;
+  return state;
+}
+
+}  // namespace kalfem

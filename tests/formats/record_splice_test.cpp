@@ -1,0 +1,175 @@
+#include "kalfem/formats/record_splice.hpp"
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "formats/measured_record.hpp"
+#include "kalfem/base/invalid_input.hpp"
+
+namespace kalfem {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+/// Two decaying oscillations of 1.5 and 2.2 Hz and a small one of 9 Hz.
+double motion(Index channel, double time) {
+  const double rate = channel == 0 ? 9.4 : channel == 1 ? 13.8 : 56.0, size = channel == 2 ? 0.002 : 0.03;
+  return size * std::exp(-0.4 * time) * std::cos(rate * time + 0.3 * static_cast<double>(channel));
+}
+
+/// A record at 500 Hz that is quiet up to sample `change` and noisy from there on, where its time jumps by `missing`.
+TimeSeries record_with(Index change, double missing, double quiet = 2e-7, double noisy = 1e-5, unsigned seed = 3) {
+  TimeSeries record;
+  record.sample_rate = 500.0;
+  record.start = 2.0;
+  record.channels = {{"left", "m"}, {"right", "m"}, {"wheel", "m"}};
+  record.values.resize(1500, 3);
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> normal;
+  for (Index k = 0; k < 1500; ++k)
+    for (Index c = 0; c < 3; ++c) {
+      const double shifted = static_cast<double>(k) + (k < change ? 0.0 : missing);
+      record.values(k, c) = motion(c, shifted / 500.0) + (k < change ? quiet : noisy) * normal(generator);
+    }
+  return record;
+}
+
+TEST(FindSplice, FindsPlaceAndNumberOfMissingSamples) {
+  for (const double missing : {1.0, 4.0, 9.0, 15.0}) {
+    const auto splice = find_splice(record_with(400, missing));
+    ASSERT_TRUE(splice) << missing;
+    // The largest second difference stands on one of the two samples between which the time jumps.
+    EXPECT_NEAR(static_cast<double>(splice->sample), 400.0, 1.0);
+    EXPECT_EQ(splice->inserted, static_cast<Index>(missing));
+    EXPECT_NEAR(splice->missing, missing, 0.3);
+    EXPECT_DOUBLE_EQ(splice->time, 2.0 + static_cast<double>(splice->sample) / 500.0);
+  }
+}
+
+TEST(FindSplice, ReportsTheNoiseOfBothParts) {
+  const auto splice = find_splice(record_with(400, 4.0));
+  ASSERT_TRUE(splice);
+  for (const auto& channel : splice->evidence) EXPECT_NEAR(channel.noise_after, 1e-5, 2e-6) << channel.channel;
+  EXPECT_NE(describe(*splice).find("4 missing samples inserted"), std::string::npos) << describe(*splice);
+  EXPECT_NE(describe(*splice).find("wheel"), std::string::npos);
+}
+
+TEST(FindSplice, FindsAnEndOfNoiseToo) {
+  const auto splice = find_splice(record_with(700, 4.0, 1e-5, 2e-7));
+  ASSERT_TRUE(splice);
+  EXPECT_EQ(splice->inserted, 4);
+}
+
+TEST(FindSplice, LeavesARecordWithoutSpliceAlone) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    EXPECT_FALSE(find_splice(record_with(1500, 0.0, 1e-5, 1e-5, seed))) << "noise alone, seed " << seed;
+    EXPECT_FALSE(find_splice(record_with(400, 0.0, 2e-7, 1e-5, seed))) << "more noise but no jump, seed " << seed;
+  }
+}
+
+TEST(FindSplice, TakesNoReleaseForASplice) {
+  for (const double frequency : {2.0, 10.0, 40.0, 90.0})
+    for (const double noise : {0.0, 1e-7, 1e-5}) {
+      auto record = record_with(1500, 0.0);
+      std::mt19937 generator(11);
+      std::normal_distribution<double> normal;
+      for (Index k = 0; k < 1500; ++k)
+        for (Index c = 0; c < 3; ++c) {
+          const double time = std::max(0.0, static_cast<double>(k - 300) / 500.0);
+          record.values(k, c) =
+              0.03 * std::exp(-2.0 * time) * std::cos(6.28 * frequency * (1.0 + 0.2 * static_cast<double>(c)) * time) +
+              noise * normal(generator);
+        }
+      EXPECT_FALSE(find_splice(record)) << frequency << " Hz, noise " << noise;
+    }
+}
+
+TEST(FindSplice, TakesNoBlowForASplice) {
+  auto record = record_with(1500, 0.0, 2e-7, 2e-7);
+  for (Index k = 500; k < 1500; ++k)
+    for (Index c = 0; c < 3; ++c) {
+      const double time = static_cast<double>(k - 500) / 500.0;
+      record.values(k, c) +=
+          1e-3 * std::exp(-5.0 * time) * std::sin(500.0 * (1.0 + 0.1 * static_cast<double>(c)) * time);
+    }
+  EXPECT_FALSE(find_splice(record));
+}
+
+TEST(FindSplice, IgnoresChannelsThatSayNothingAndMissingSamples) {
+  auto record = record_with(400, 4.0);
+  record.values.conservativeResize(Eigen::NoChange, 4);
+  record.values.col(3).setConstant(0.7);
+  record.values.row(120).setConstant(nan);
+  record.values(405, 1) = nan;
+  const auto splice = find_splice(record);
+  ASSERT_TRUE(splice);
+  EXPECT_EQ(splice->inserted, 4);
+}
+
+TEST(FindSplice, SurvivesDegenerateRecords) {
+  TimeSeries record;
+  EXPECT_FALSE(find_splice(record));
+  record.values = MatrixXd::Zero(500, 2);
+  EXPECT_FALSE(find_splice(record));
+  record.values.setConstant(nan);
+  EXPECT_FALSE(find_splice(record));
+  record.values.setConstant(std::numeric_limits<double>::infinity());
+  EXPECT_FALSE(find_splice(record));
+}
+
+TEST(FindSplice, RefusesOptionsOutOfRange) {
+  const auto record = record_with(400, 4.0);
+  EXPECT_THROW((void)find_splice(record, {.noise_ratio = nan}), InvalidInput);
+  EXPECT_THROW((void)find_splice(record, {.shortest = 0}), InvalidInput);
+  EXPECT_THROW((void)find_splice(record, {.before = 2}), InvalidInput);
+  EXPECT_THROW((void)find_splice(record, {.degree = 0}), InvalidInput);
+  EXPECT_THROW((void)find_splice(record, {.largest = 0}), InvalidInput);
+  EXPECT_THROW((void)find_splice(record, {.blanked = -1}), InvalidInput);
+}
+
+TEST(Mend, RestoresTheTimesOfTheSecondPart) {
+  const auto record = record_with(400, 4.0, 0.0, 1e-5);
+  const auto splice = find_splice(record);
+  ASSERT_TRUE(splice);
+  const auto mended = mend(record, *splice);
+  ASSERT_EQ(mended.samples(), record.samples() + 4);
+  Index missing = 0;
+  for (Index k = 0; k < mended.samples(); ++k) {
+    if (std::isnan(mended.values(k, 0))) {
+      ++missing;
+      EXPECT_TRUE(mended.values.row(k).array().isNaN().all());
+      continue;
+    }
+    for (Index c = 0; c < 3; ++c)  // six standard deviations of the noise
+      EXPECT_NEAR(mended.values(k, c), motion(c, static_cast<double>(k) / 500.0), 6e-5);
+  }
+  EXPECT_EQ(missing, 4 + 5);
+  EXPECT_FALSE(find_splice(mended)) << "a mended record needs no more mending";
+}
+
+TEST(Mend, RefusesASpliceOfAnotherRecord) {
+  Splice splice;
+  splice.sample = 5000;
+  EXPECT_THROW((void)mend(record_with(400, 4.0), splice), InvalidInput);
+}
+
+TEST(FindSplice, FindsFourMissingSamplesInEveryMeasuredRun) {
+  const auto runs = measured_runs();
+  if (runs.empty()) GTEST_SKIP() << "no measured records at " << measured_runs_folder();
+  // Sample of the jump, read off the records' second differences by eye.
+  const std::vector<Index> jump = {429, 483, 287, 276, 372, 298};
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const auto splice = find_splice(runs[i].record);
+    ASSERT_TRUE(splice) << runs[i].key;
+    EXPECT_EQ(splice->inserted, 4) << runs[i].key << ": " << describe(*splice);
+    EXPECT_LE(std::abs(splice->sample - jump[i]), 1) << runs[i].key;
+    EXPECT_FALSE(find_splice(mend(runs[i].record, *splice))) << runs[i].key;
+  }
+}
+
+}  // namespace
+}  // namespace kalfem

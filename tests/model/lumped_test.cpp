@@ -1,0 +1,162 @@
+#include "kalfem/model/lumped.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace kalfem {
+namespace {
+
+/// Two masses between two grounds: ground - k - a - k_middle - b - k - ground.
+LumpedSubstructure pair_between_grounds(double mass, double k, double k_middle) {
+  return {.name = "pair",
+          .masses = {{"a", mass}, {"b", mass}},
+          .springs = {{"left", "ground", "a", k}, {"middle", "a", "b", k_middle}, {"right", "b", "ground", k}}};
+}
+
+std::string issues_of(const LumpedSubstructure& substructure) {
+  std::string all;
+  for (const auto& issue : validate(substructure)) all += to_string(issue) + "\n";
+  return all;
+}
+
+TEST(Lumped, FrequenciesOfTwoMassesHaveTheirClosedForm) {
+  const double m = 2.0, k = 3e3, k_middle = 5e2;
+  const auto model = assemble(pair_between_grounds(m, k, k_middle));
+  const auto modes = normal_modes(model.mass, model.stiffness);
+  // In phase the middle spring is idle, in opposition it counts twice. Eigensolver rounding only.
+  EXPECT_NEAR(2 * M_PI * modes.frequencies[0], std::sqrt(k / m), 1e-10 * std::sqrt(k / m));
+  EXPECT_NEAR(2 * M_PI * modes.frequencies[1], std::sqrt((k + 2 * k_middle) / m), 1e-10 * std::sqrt(k / m));
+  EXPECT_LT((modes.shapes.transpose() * (model.mass * modes.shapes) - Eigen::Matrix2d::Identity()).norm(), 1e-12);
+}
+
+TEST(Lumped, FreeSubstructureHasAnExactlyZeroFrequency) {
+  LumpedSubstructure free{.name = "free", .masses = {{"a", 1.0}, {"b", 3.0}}, .springs = {{"s", "a", "b", 6.0}}};
+  const auto model = assemble(free);
+  const auto modes = normal_modes(model.mass, model.stiffness);
+  EXPECT_EQ(modes.frequencies[0], 0.0);
+  EXPECT_NEAR(2 * M_PI * modes.frequencies[1], std::sqrt(6.0 * (1.0 / 1.0 + 1.0 / 3.0)), 1e-12);
+}
+
+TEST(Lumped, ModalDampingRatiosComeBackFromTheDampingMatrix) {
+  auto pair = pair_between_grounds(1.5, 2e4, 3e4);
+  pair.masses[1].mass = 4.0;
+  pair.modal_damping = {0.01, 0.03};
+  const auto model = assemble(pair);
+  const auto modes = normal_modes(model.mass, model.stiffness);
+  const Eigen::MatrixXd modal = modes.shapes.transpose() * (model.damping * modes.shapes);
+  for (int i = 0; i < 2; ++i)
+    EXPECT_NEAR(modal(i, i) / (4 * M_PI * modes.frequencies[i]), pair.modal_damping[std::size_t(i)], 1e-13);
+  EXPECT_NEAR(modal(0, 1), 0.0, 1e-10 * modal(1, 1));
+}
+
+TEST(Lumped, LastModalRatioHoldsForTheFurtherModes) {
+  auto one = pair_between_grounds(1.0, 1e3, 1e3), two = one;
+  one.modal_damping = {0.02};
+  two.modal_damping = {0.02, 0.02};
+  EXPECT_LT((Eigen::MatrixXd(assemble(one).damping) - Eigen::MatrixXd(assemble(two).damping)).norm(), 1e-12);
+}
+
+TEST(Lumped, RayleighAndDashpotsAddUp) {
+  auto pair = pair_between_grounds(2.0, 1e3, 4e2);
+  pair.rayleigh = {.mass_factor = 0.7, .stiffness_factor = 1e-3};
+  pair.springs[1].damping = 5.0;
+  const auto model = assemble(pair);
+  const Eigen::Matrix2d dashpot{{5.0, -5.0}, {-5.0, 5.0}};
+  const Eigen::Matrix2d expected = 0.7 * Eigen::MatrixXd(model.mass) + 1e-3 * Eigen::MatrixXd(model.stiffness) + dashpot;
+  EXPECT_LT((Eigen::MatrixXd(model.damping) - expected).norm(), 1e-12);
+}
+
+TEST(Lumped, RigidMotionWithAllGroundsGivesNoForce) {
+  LumpedSubstructure body{.name = "body",
+                          .masses = {{"a", 1.0}, {"b", 2.0}, {"c", 3.0}},
+                          .springs = {{"1", "floor", "a", 1e4, 3.0},
+                                      {"2", "b", "a", 2e4, 1.0},
+                                      {"3", "b", "c", 5e3, 0.0},
+                                      {"4", "c", "wall", 7e3, 8.0}},
+                          .grounds = {"floor", "wall"},
+                          .modal_damping = {0.05}};
+  const auto model = assemble(body);
+  ASSERT_EQ(model.grounds.size(), 2u);
+  const Eigen::Vector3d ones = Eigen::Vector3d::Ones();
+  const Eigen::VectorXd pull = model.grounds[0].stiffness + model.grounds[1].stiffness;
+  const Eigen::VectorXd drag = model.grounds[0].damping + model.grounds[1].damping;
+  EXPECT_LT((model.stiffness * ones - pull).norm(), 1e-10);  // rounding of 1e4
+  EXPECT_LT((model.damping * ones - drag).norm(), 1e-10);
+  EXPECT_DOUBLE_EQ(model.grounds[0].stiffness[0], 1e4);  // a ground that rises pulls its mass up
+  EXPECT_DOUBLE_EQ(model.grounds[1].stiffness[2], 7e3);
+}
+
+TEST(Lumped, QuasiStaticFollowingOfOneGroundMeetsNoMaterialDamping) {
+  // One of two grounds moves slowly: z = K^-1 k_g r. Modal damping acts on the motion relative to that shape.
+  auto pair = pair_between_grounds(1.0, 1e3, 1e3);
+  pair.grounds = {"ground", "moving"};
+  pair.springs[0].from = "moving";
+  pair.modal_damping = {0.1};
+  const auto model = assemble(pair);
+  const Eigen::MatrixXd stiffness(model.stiffness);
+  const auto& moving = model.grounds[1];
+  ASSERT_EQ(moving.ground, "moving");
+  const Eigen::VectorXd shape = stiffness.ldlt().solve(moving.stiffness);
+  EXPECT_NEAR(shape[0], 2.0 / 3.0, 1e-12);  // three equal springs in series
+  EXPECT_LT((model.damping * shape - moving.damping).norm(), 1e-11);
+}
+
+TEST(Lumped, SpringsMayEndAtCombinationsOfDegreesOfFreedom) {
+  // A bar (heave z, pitch p) on a spring at a = 0.4 m: K = k [1 a; a a^2].
+  LumpedSubstructure bar{.name = "bar",
+                         .masses = {{"z", 10.0}, {"p", 2.0}},
+                         .springs = {{"s", "ground", "end", 100.0, 7.0}},
+                         .points = {{"end", {{"z", 1.0}, {"p", 0.4}}}}};
+  const auto model = assemble(bar);
+  const Eigen::Matrix2d shape{{1.0, 0.4}, {0.4, 0.16}};
+  EXPECT_LT((Eigen::MatrixXd(model.stiffness) - 100.0 * shape).norm(), 1e-12);
+  EXPECT_LT((Eigen::MatrixXd(model.damping) - 7.0 * shape).norm(), 1e-12);
+  EXPECT_LT((model.grounds[0].stiffness - Eigen::Vector2d(100.0, 40.0)).norm(), 1e-12);
+  EXPECT_EQ(model.points.at("end").at("p"), 0.4);
+}
+
+TEST(Lumped, EveryMistakeIsNamedAtOnce) {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  LumpedSubstructure wrong{.name = "body",
+                           .masses = {{"a", -1.0}, {"b", nan}, {"b", infinity}, {"wheel", 0.0}},
+                           .springs = {{"s1", "a", "wheal", 1.0},
+                                       {"s2", "a", "a", 1.0},
+                                       {"s3", "a", "b", -5.0},
+                                       {"s4", "a", "b", 1.0, nan},
+                                       {"s5", "a", "b", infinity}},
+                           .points = {{"p", {{"q", 1.0}}}},
+                           .modal_damping = {1.5, nan},
+                           .rayleigh = {-1.0, 0.0}};
+  const auto issues = issues_of(wrong);
+  for (const char* part : {"'body.a' is -1", "'body.b' is given twice", "'body.wheel' is 0", "did you mean 'wheel'",
+                           "joins 'a' to itself", "'body.s3' has the value -5", "'body.s4' has the value",
+                           "'body.s5' has the value inf", "point 'body.p' uses 'q'", "modal damping ratio", "Rayleigh"})
+    EXPECT_NE(issues.find(part), std::string::npos) << part << "\n" << issues;
+  EXPECT_THROW(assemble(wrong), InvalidInput);
+}
+
+TEST(Lumped, DoubledNamesOfPointsAndGroundsAndBadCoefficientsAreNamed) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  LumpedSubstructure wrong{.name = "body",
+                           .masses = {{"a", 1.0}, {"ground", 1.0}},
+                           .springs = {{"s", "ground", "a", 1.0}},
+                           .points = {{"a", {{"a", 2.0}}}, {"p", {{"a", nan}}}}};
+  const auto issues = issues_of(wrong);
+  for (const char* part : {"'body.ground'", "'body.a'", "coefficient"})
+    EXPECT_NE(issues.find(part), std::string::npos) << part << "\n" << issues;
+}
+
+TEST(Lumped, EmptySubstructureIsRefused) {
+  EXPECT_THROW(assemble({.name = "nothing"}), InvalidInput);
+}
+
+TEST(NormalModes, MasslessDegreeOfFreedomIsRefused) {
+  SparseMatrix mass(2, 2), stiffness(2, 2);
+  mass.insert(0, 0) = 1.0;
+  stiffness.insert(0, 0) = 1.0;
+  stiffness.insert(1, 1) = 1.0;
+  EXPECT_THROW(normal_modes(mass, stiffness), InvalidInput);
+}
+
+}  // namespace
+}  // namespace kalfem

@@ -1,0 +1,136 @@
+#include "kalfem/prediction/base_driven.hpp"
+
+#include "dynamics/closed_forms.hpp"
+#include "kalfem/system/signals/random_signal.hpp"
+
+namespace kalfem {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// The error of a predicted motion relative to the size of the true one.
+double error(const MatrixXd& predicted, const MatrixXd& truth) { return (predicted - truth).norm() / truth.norm(); }
+
+std::string message_of(const LinearModel& model, const std::vector<Index>& boundary) {
+  try {
+    const BaseDrivenSubstructure prediction(model, boundary);
+  } catch (const InvalidInput& e) {
+    return e.what();
+  }
+  return "";
+}
+
+class DrivenBody : public testing::Test {
+protected:
+  CoupledModel model = quarter_chain(
+      10, {{"suspension", "wheel.w", "body.1", make_law("saturating"), saturating_parameters()}},
+      {{"road", InputKind::base_displacement, "wheel.ground"}, {"F", InputKind::force, "body.6"}});
+  std::vector<SignalPtr> signals{
+      make_random({.rms = 3e-3, .lower = 0.5, .upper = 30.0, .duration = 4.0, .fade_in = 0.3, .seed = 7}),
+      make_random({.rms = 2.0, .lower = 1.0, .upper = 20.0, .duration = 4.0, .fade_in = 0.3, .seed = 8})};
+  const LinearModel& body = model.substructures()[1].model;
+
+  [[nodiscard]] Trajectory simulated(double step, double duration, Index keep) const {
+    auto start = at_rest(11, 0);
+    start.displacement.tail(10).setLinSpaced(1e-3, 3e-3);  // not at rest: the interior starts with a motion of its own
+    start.velocity.tail(10).setConstant(0.02);
+    return simulate(model.system(), signals, start,
+                    {.integrator = Integrator::newmark, .step = step, .duration = duration, .keep_every = keep}).trajectory;
+  }
+  [[nodiscard]] PredictedMotion predicted(const Trajectory& truth, bool with_force) const {
+    MatrixXd applied = MatrixXd::Zero(10, truth.samples());
+    applied.row(5) = truth.inputs.row(1);
+    return BaseDrivenSubstructure(body, {0}).predict(
+        {truth.displacement.row(1), truth.velocity.row(1), truth.acceleration.row(1)}, with_force ? applied : MatrixXd(),
+        truth.displacement.col(0).tail(10), truth.velocity.col(0).tail(10), 1.0 / truth.step);
+  }
+};
+
+TEST_F(DrivenBody, ByTheTrueBoundaryMotionEqualsTheWholeSimulation) {
+  const auto error_at = [&](Index substeps) {
+    const auto truth = simulated(1e-3 / 16, 2.0, 16 / substeps);
+    const auto motion = predicted(truth, true);
+    EXPECT_LT(error(motion.displacement, truth.displacement.bottomRows(10)), 1e-3);
+    EXPECT_LT(error(motion.velocity, truth.velocity.bottomRows(10)), 3e-3);
+    return error(motion.acceleration, truth.acceleration.bottomRows(10));
+  };
+  // Boundary accelerations are taken as straight between samples, where the damper's kinks bend them.
+  const double coarse = error_at(1), fine = error_at(8);
+  EXPECT_LT(coarse, 0.05);
+  EXPECT_LT(fine, 4e-3);
+  EXPECT_LT(fine, coarse / 4);
+}
+
+TEST_F(DrivenBody, WithoutTheAppliedForceTheDifferenceShows) {
+  const auto truth = simulated(1e-3 / 4, 1.0, 4);
+  EXPECT_GT(error(predicted(truth, false).acceleration, truth.acceleration.bottomRows(10)), 0.02);
+}
+
+TEST_F(DrivenBody, BoundaryOfTwoKeepsItsOrder) {
+  const auto truth = simulated(1e-3 / 8, 1.0, 2);
+  const BaseDrivenSubstructure prediction(body, {9, 0});
+  EXPECT_EQ(prediction.boundary(), (std::vector<Index>{9, 0}));
+  EXPECT_EQ(prediction.interior().size(), 8u);
+  MatrixXd applied = MatrixXd::Zero(10, truth.samples());
+  applied.row(5) = truth.inputs.row(1);
+  const std::vector<Index> ends{10, 1};
+  const auto motion = prediction.predict({truth.displacement(ends, Eigen::all), truth.velocity(ends, Eigen::all),
+                                          truth.acceleration(ends, Eigen::all)},
+                                         applied, truth.displacement.col(0).tail(10), truth.velocity.col(0).tail(10),
+                                         1.0 / truth.step);
+  EXPECT_LT(error(motion.acceleration, truth.acceleration.bottomRows(10)), 0.02);
+  EXPECT_EQ(motion.displacement.row(9), truth.displacement.row(10));
+}
+
+TEST(BaseDriven, RigidMotionOfTheBoundaryIsFollowedWithoutDrift) {
+  // A body held nowhere else rides on its boundary: after 200 s at constant velocity it still lies on it to rounding.
+  const auto model = quarter_chain(5, {}, {}, 0.02);
+  const BaseDrivenSubstructure body(model.substructures()[1].model, {0});
+  const Index samples = 20001;
+  BoundaryMotion boundary{MatrixXd(1, samples), MatrixXd::Constant(1, samples, 0.5), MatrixXd::Zero(1, samples)};
+  for (Index k = 0; k < samples; ++k) boundary.displacement(0, k) = 0.5 * 0.01 * static_cast<double>(k);
+  const auto motion = body.predict(boundary, {}, VectorXd::Zero(5), VectorXd::Constant(5, 0.5), 100.0);
+  EXPECT_LT((motion.displacement.rowwise() - boundary.displacement.row(0)).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_LT(motion.acceleration.cwiseAbs().maxCoeff(), 1e-7);
+}
+
+TEST(BaseDriven, ConstantAccelerationBendsTheBodyStatically) {
+  // q = -K^-1 M 1 a once the damped motion has settled: for one mass m on a spring k below it, -m a / k.
+  LumpedSubstructure pair;
+  pair.masses = {{"base", 1.0}, {"top", 2.0}};
+  pair.springs = {{"s", "base", "top", 800.0, 40.0}};
+  const BaseDrivenSubstructure body(assemble(pair), {0});
+  const double rate = 100.0, a = 3.0;
+  const Index samples = 201;
+  BoundaryMotion boundary{MatrixXd(1, samples), MatrixXd(1, samples), MatrixXd::Constant(1, samples, a)};
+  for (Index k = 0; k < samples; ++k) {
+    const double t = static_cast<double>(k) / rate;
+    boundary.displacement(0, k) = 0.5 * a * t * t;
+    boundary.velocity(0, k) = a * t;
+  }
+  const auto motion = body.predict(boundary, {}, VectorXd::Zero(2), VectorXd::Zero(2), rate);
+  const double lag = motion.displacement(1, samples - 1) - boundary.displacement(0, samples - 1);
+  EXPECT_NEAR(lag, -2.0 * a / 800.0, 1e-8);  // exp(-10 rad/s 2 s) = 2e-9 of it is left to settle
+  EXPECT_NEAR(motion.acceleration(1, samples - 1), a, 1e-6);
+}
+
+TEST(BaseDriven, PartThatFloatsIsNamed) {
+  LumpedSubstructure parts;
+  parts.masses = {{"base", 1.0}, {"held", 1.0}, {"loose", 1.0}};
+  parts.springs = {{"s", "base", "held", 1e4}};
+  const auto message = message_of(assemble(parts), {0});
+  EXPECT_NE(message.find("moves freely at 'loose'"), std::string::npos) << message;
+}
+
+TEST(BaseDriven, NoBoundaryOrNoInteriorIsRefused) {
+  LumpedSubstructure pair;
+  pair.masses = {{"a", 1.0}, {"b", 1.0}};
+  pair.springs = {{"s", "a", "b", 1e4}};
+  EXPECT_NE(message_of(assemble(pair), {}).find("no connector"), std::string::npos);
+  EXPECT_NE(message_of(assemble(pair), {0, 1}).find("no degree of freedom beside"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace kalfem

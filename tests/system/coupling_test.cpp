@@ -1,0 +1,108 @@
+#include "kalfem/system/coupling.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "system/small_systems.hpp"
+
+namespace kalfem {
+namespace {
+
+const std::vector<InputDescription> road{{"road", InputKind::base_displacement, "wheel.ground"}};
+
+std::string message_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Coupling, TwoSubstructuresJoinedByASpringAreTheWholeInOnePiece) {
+  const double k = 5e3, c = 12.0;
+  const auto split = quarter_chain(3, {{"strut", "wheel.w", "body.1", make_law("linear"), values({k, c})}}, road, 0.0);
+  LumpedSubstructure whole{.name = "all",
+                           .masses = {{"w", 1.5}, {"1", 1.0}, {"2", 1.0}, {"3", 1.0}},
+                           .springs = {{"tyre", "ground", "w", 2e4, 4.0},
+                                       {"strut", "w", "1", k, c},
+                                       {"s2", "1", "2", 3e4},
+                                       {"s3", "2", "3", 3e4}}};
+  const auto model = assemble(whole);
+  const auto& system = split.system();
+  const Eigen::VectorXd b = system.connectors[0].deformation;
+  EXPECT_LT((Eigen::MatrixXd(system.stiffness) + k * b * b.transpose() - Eigen::MatrixXd(model.stiffness)).norm(), 1e-9);
+  EXPECT_LT((Eigen::MatrixXd(system.damping) + c * b * b.transpose() - Eigen::MatrixXd(model.damping)).norm(), 1e-9);
+  EXPECT_LT((Eigen::MatrixXd(system.mass) - Eigen::MatrixXd(model.mass)).norm(), 1e-15);
+  EXPECT_EQ(system.inputs[0].value, model.grounds[0].stiffness);
+  EXPECT_EQ(system.inputs[0].rate, model.grounds[0].damping);
+}
+
+TEST(Coupling, ConnectorToAMovingGroundPullsAsALinearSpringDoes) {
+  // -b k (b^T z - g r) must be the one-piece -K z + k_g r, whichever way round the connector is named.
+  const double k = 7e3;
+  LumpedSubstructure whole{.name = "body", .masses = {{"x", 2.0}}, .springs = {{"s", "ground", "x", 1e3 + k}}};
+  const auto expected = assemble(whole).grounds[0].stiffness;
+  for (const auto& [from, to] : {std::pair{"body.ground", "body.x"}, std::pair{"body.x", "body.ground"}}) {
+    const auto model = oscillator(2.0, 0.0, 1e3, {{"strut", from, to, make_law("linear"), values({k, 0.0})}},
+                                  {{"road", InputKind::base_displacement, "body.ground"}});
+    const auto& connector = model.system().connectors[0];
+    const Eigen::VectorXd pull = model.system().inputs[0].value + k * connector.deformation * connector.base[0];
+    EXPECT_NEAR(pull[0], expected[0], 1e-9) << from;
+  }
+}
+
+TEST(Coupling, PointsAreFoundByTheirQualifiedNames) {
+  LumpedSubstructure bar{.name = "bar",
+                         .masses = {{"z", 10.0}, {"p", 2.0}},
+                         .springs = {{"s", "ground", "end", 100.0}},
+                         .points = {{"end", {{"z", 1.0}, {"p", 0.4}}}}};
+  const CoupledModel model({{"bar", assemble(bar)}}, {}, {{"road", InputKind::base_displacement, "bar.ground"}});
+  EXPECT_EQ(model.motion("bar.p").dofs, values({0.0, 1.0}));
+  EXPECT_EQ(model.motion("bar.end").dofs, values({1.0, 0.4}));
+  EXPECT_EQ(model.motion("bar.ground").base, values({1.0}));
+  EXPECT_EQ(model.motion("bar.ground").dofs, values({0.0, 0.0}));
+  EXPECT_EQ(model.dof_index("bar.p"), 1);
+  EXPECT_EQ(model.dof_index("bar.end"), -1);
+  EXPECT_NE(message_of([&] { (void)model.motion("bar.ent"); }).find("did you mean 'bar.end'?"), std::string::npos);
+}
+
+TEST(Coupling, ForceActsOnACombinationByItsCoefficients) {
+  LumpedSubstructure bar{.name = "bar",
+                         .masses = {{"z", 10.0}, {"p", 2.0}},
+                         .springs = {{"s", "ground", "z", 100.0}},
+                         .points = {{"end", {{"z", 1.0}, {"p", 0.4}}}}};
+  const CoupledModel model({{"bar", assemble(bar)}}, {}, {{"F", InputKind::force, "bar.end"}});
+  EXPECT_EQ(model.system().inputs[0].value, values({1.0, 0.4}));
+}
+
+TEST(Coupling, EveryMistakeIsNamedAtOnce) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto build = [&] {
+    quarter_chain(2,
+                  {{"c1", "wheel.w", "body.one", make_law("linear"), values({1.0, 0.0})},
+                   {"c2", "wheel.w", "wheel.w", make_law("linear"), values({1.0, 0.0})},
+                   {"c3", "wheel.w", "body.1", make_law("linear"), values({nan, 0.0})},
+                   {"c4", "wheel.w", "body.1", make_law("linear"), values({1.0})},
+                   {"c5", "wheel.w", "body.1", nullptr, values({1.0})}},
+                  {{"r1", InputKind::base_displacement, "wheel.groud"},
+                   {"r2", InputKind::force, "wheel.ground"},
+                   {"r3", InputKind::force, "body.9"}});
+  };
+  const auto message = message_of(build);
+  for (const char* part : {"connector 'c1'", "connector 'c2'", "connector 'c3'", "connector 'c4'", "connector 'c5'",
+                           "did you mean 'wheel.ground'?", "acts on the ground", "body.9"})
+    EXPECT_NE(message.find(part), std::string::npos) << part << "\n" << message;
+}
+
+TEST(Coupling, DoubledNamesAreRefused) {
+  const ConnectorDescription strut{"strut", "wheel.w", "body.1", make_law("linear"), values({1.0, 0.0})};
+  EXPECT_NE(message_of([&] { quarter_chain(2, {strut, strut}, road); }).find("strut"), std::string::npos);
+  EXPECT_NE(message_of([&] { quarter_chain(2, {}, {road[0], road[0]}); }).find("road"), std::string::npos);
+  LumpedSubstructure body{.name = "body", .masses = {{"x", 1.0}}};
+  const Substructure part{"body", assemble(body)};
+  EXPECT_NE(message_of([&] { CoupledModel({part, part}, {}, {}); }).find("body"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace kalfem
