@@ -12,8 +12,8 @@ Table substructure_table(const Study& study) {
     const auto modes = normal_modes(part.model.mass, part.model.stiffness);
     std::string frequencies;
     for (Eigen::Index i = 0; i < std::min<Eigen::Index>(5, modes.frequencies.size()); ++i)
-      frequencies += (i ? ", " : "") + shown(modes.frequencies[i]);
-    table.rows.push_back({part.name, std::to_string(part.model.size()), shown(part.model.mass.sum()), frequencies});
+      frequencies += (i ? ", " : "") + four_digits(modes.frequencies[i]);
+    table.rows.push_back({part.name, std::to_string(part.model.size()), four_digits(part.model.mass.sum()), frequencies});
   }
   return table;
 }
@@ -25,7 +25,7 @@ Table connector_table(const Study& study) {
     const auto& quantities = connector.law->parameters();
     for (std::size_t i = 0; i < quantities.size(); ++i)
       parameters += fmt::format("{}{} = {} {}", i ? ", " : "", quantities[i].name,
-                                shown(connector.parameters[static_cast<Eigen::Index>(i)]), quantities[i].unit);
+                                four_digits(connector.parameters[static_cast<Eigen::Index>(i)]), quantities[i].unit);
     table.rows.push_back({connector.name, connector.law->name(), parameters});
   }
   return table;
@@ -35,7 +35,7 @@ Table sensor_table(const Study& study) {
   Table table{"", {"sensor", "unit", "noise", "chain states"}, {}, {}};
   for (const auto& sensor : study.sensors)
     table.rows.push_back({sensor.name, sensor.unit,
-                          sensor.relative_noise ? fmt::format("{} % of rms", shown(100.0 * sensor.noise)) : shown(sensor.noise),
+                          sensor.relative_noise ? fmt::format("{} % of rms", four_digits(100.0 * sensor.noise)) : four_digits(sensor.noise),
                           std::to_string(sensor.chain.states())});
   return table;
 }
@@ -44,8 +44,8 @@ Table unknown_table(const ObserverSetup& setup) {
   Table table{"", {"unknown", "unit", "initial", "std", "truth"}, {}, {}};
   for (std::size_t i = 0; i < setup.options.unknowns.size(); ++i) {
     const auto& unknown = setup.options.unknowns[i];
-    table.rows.push_back({unknown.name, unknown.unit, shown(unknown.initial), shown(unknown.deviation),
-                          setup.true_parameters[i] ? shown(*setup.true_parameters[i]) : "-"});
+    table.rows.push_back({unknown.name, unknown.unit, four_digits(unknown.initial), four_digits(unknown.deviation),
+                          setup.true_parameters[i] ? four_digits(*setup.true_parameters[i]) : "-"});
   }
   return table;
 }
@@ -63,8 +63,8 @@ ExitCode check(const std::string& case_file) {
   print_table(connector_table(study));
   print_table(sensor_table(study));
   if (study.record)
-    fmt::print("record: {} samples at {} Hz from {} s\n\n", study.record->series.samples(), shown(study.sample_rate()),
-               shown(study.record->series.start));
+    fmt::print("record: {} samples at {} Hz from {} s\n\n", study.record->series.samples(), four_digits(study.sample_rate()),
+               four_digits(study.record->series.start));
   if (study.observer) print_table(unknown_table(*study.observer));
   for (const auto& warning : study.warnings) fmt::print(stderr, "warning: {}\n", warning);
   fmt::print("No problem found; nothing was run.\n");

@@ -15,7 +15,7 @@ void print_laws() {
     fmt::print("{}: {}\n  {}\n", law.name, law.meaning, law.equation);
     Table table{"", {"parameter", "unit", "default", "meaning"}, {}, {}};
     for (const auto& quantity : law.parameters)
-      table.rows.push_back({quantity.name, quantity.unit, shown(quantity.default_value), quantity.meaning});
+      table.rows.push_back({quantity.name, quantity.unit, four_digits(quantity.default_value), quantity.meaning});
     for (const auto& state : law.states) table.rows.push_back({"(state) " + state.name, state.unit, "", state.meaning});
     fmt::print("{}\n", table.rows.empty() ? "" : to_text(table));
   }

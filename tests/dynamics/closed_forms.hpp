@@ -20,7 +20,8 @@ struct DampedOscillator {
   /// Displacement and velocity a time t after (d, v), zeta < 1.
   [[nodiscard]] Eigen::Vector2d free(double d, double v, double t) const {
     const double decay = zeta() * omega(), damped = omega() * std::sqrt(1 - zeta() * zeta());
-    const double b = (v + decay * d) / damped, e = std::exp(-decay * t), s = std::sin(damped * t), o = std::cos(damped * t);
+    const double b = (v + decay * d) / damped, e = std::exp(-decay * t), s = std::sin(damped * t),
+                 o = std::cos(damped * t);
     return {e * (d * o + b * s), e * ((b * damped - decay * d) * o - (d * damped + decay * b) * s)};
   }
   /// From rest under F = rate t: the particular solution rate (t - c/k) / k and the free motion that starts it at rest.
@@ -29,8 +30,8 @@ struct DampedOscillator {
   }
 };
 
-/// Classical Runge-Kutta of m z'' = F(t) - c z' - k z - f(z, z') from (d, v), `steps` steps to the time T: displacement,
-/// velocity. Shares nothing with the integrators under test.
+/// Classical Runge-Kutta of m z'' = F(t) - c z' - k z - f(z, z') from (d, v), `steps` steps to the time T:
+/// displacement, velocity. Shares nothing with the integrators under test.
 template <typename Force, typename Law>
 Eigen::Vector2d runge_kutta(const DampedOscillator& body, const Force& applied, const Law& law, double d, double v,
                             double T, int steps) {
@@ -49,8 +50,8 @@ Eigen::Vector2d runge_kutta(const DampedOscillator& body, const Force& applied, 
 }
 
 inline SignalPtr straight_lines(const Eigen::VectorXd& samples, double sample_rate) {
-  return make_sampled(samples, {.sample_rate = sample_rate, .interpolation = Interpolation::linear,
-                                .beyond = BeyondRecord::hold});
+  return make_sampled(
+      samples, {.sample_rate = sample_rate, .interpolation = Interpolation::linear, .beyond = BeyondRecord::hold});
 }
 
 inline InitialState start_at(double d, double v, Eigen::Index connector_states = 0) {

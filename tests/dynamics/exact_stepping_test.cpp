@@ -10,7 +10,8 @@ const DampedOscillator body{1.5, 8.0, 2e4};
 TEST(ExactStepping, FreeVibrationIsExactAtAnyStep) {
   const auto model = oscillator(body.m, body.c, body.k);
   for (const double h : {1e-4, 7e-3, 0.13, 1.7}) {  // from 500 steps a period down to 30 periods a step
-    const auto result = simulate(model.system(), {make_constant(0.0)}, start_at(2e-3, -0.1), {.step = h, .duration = 10 * h});
+    const auto result =
+        simulate(model.system(), {make_constant(0.0)}, start_at(2e-3, -0.1), {.step = h, .duration = 10 * h});
     ASSERT_FALSE(result.failure);
     const auto expected = body.free(2e-3, -0.1, 10 * h);
     // rounding of the matrix exponential, a few hundred roundings of the state's size
@@ -31,7 +32,8 @@ TEST(ExactStepping, RampResponseIsExactAtAnyStep) {
       const auto expected = body.ramp(rate, t);
       EXPECT_NEAR(result.trajectory.displacement(0, k), expected[0], 1e-10 * rate * T / body.k) << h;
       EXPECT_NEAR(result.trajectory.acceleration(0, k),
-                  (rate * t - body.c * expected[1] - body.k * expected[0]) / body.m, 1e-8 * rate * T / body.m) << h;
+                  (rate * t - body.c * expected[1] - body.k * expected[0]) / body.m, 1e-8 * rate * T / body.m)
+          << h;
     }
   }
 }
@@ -76,7 +78,8 @@ TEST(ExactStepping, BaseAccelerationAndBaseDisplacementGiveTheSameRelativeMotion
   const OutputDescription sensor{"a", ObservedQuantity::acceleration, {{"body.2", 1.0}}};
   const auto y_a = make_outputs(absolute, {sensor}), y_r = make_outputs(relative, {sensor});
   const Eigen::VectorXd from_a = (y_a.acceleration * a.acceleration).transpose();
-  const Eigen::VectorXd from_r = (y_r.acceleration * r.acceleration + y_r.input_value * r.inputs.topRows(1)).transpose();
+  const Eigen::VectorXd from_r =
+      (y_r.acceleration * r.acceleration + y_r.input_value * r.inputs.topRows(1)).transpose();
   EXPECT_LT((from_a - from_r).norm(), 2e-3 * from_a.norm());
 }
 

@@ -31,7 +31,8 @@ TEST(FirstOrderForm, IntegratedAccelerationReproducesThePrescribedGroundMotion) 
   const ExactStep step(form, h);
   VectorXd x = VectorXd::Zero(4);
   const auto input = [&](double t) { return values({1e9, -1e9, 6 * b * t}); };  // r and r' given must not matter
-  for (int k = 0; k < 20; ++k) x = step.transition * x + step.begin_input * input(k * h) + step.end_input * input((k + 1) * h);
+  for (int k = 0; k < 20; ++k)
+    x = step.transition * x + step.begin_input * input(k * h) + step.end_input * input((k + 1) * h);
   const double T = 20 * h;
   EXPECT_NEAR(x[2], b * T * T * T, 1e-11);
   EXPECT_NEAR(x[3], 3 * b * T * T, 1e-11);
@@ -44,8 +45,9 @@ TEST(FirstOrderForm, IntegratedAccelerationReproducesThePrescribedGroundMotion) 
 }
 
 TEST(FirstOrderForm, IntegratedInputMovesTheConnectorsGround) {
-  const auto model = oscillator(body.m, 0.0, 0.0, {{"strut", "body.ground", "body.x", make_law("linear"), values({1.0, 1.0})}},
-                                {{"road", InputKind::base_displacement, "body.ground"}});
+  const auto model =
+      oscillator(body.m, 0.0, 0.0, {{"strut", "body.ground", "body.x", make_law("linear"), values({1.0, 1.0})}},
+                 {{"road", InputKind::base_displacement, "body.ground"}});
   const FirstOrderForm form(model.system(), sensor(model, ObservedQuantity::displacement), {},
                             {{.model = InputModel::integrated}});
   const VectorXd x = values({0.5, 0.7, 0.2, 0.3}), input = values({9.0, 9.0, 4.0});
@@ -66,7 +68,8 @@ TEST(FirstOrderForm, MarkovForceDecaysAndDrives) {
   for (int k = 0; k < 25; ++k) x = (step.transition * x).eval();
   const double T = 25 * h;
   EXPECT_NEAR(x[2], 50.0 * std::exp(-T / tau), 1e-11);
-  const auto expected = runge_kutta(body, [&](double t) { return 50.0 * std::exp(-t / tau); }, no_law, 0.0, 0.0, T, 40000);
+  const auto expected = runge_kutta(
+      body, [&](double t) { return 50.0 * std::exp(-t / tau); }, no_law, 0.0, 0.0, T, 40000);
   EXPECT_NEAR(x[0], expected[0], 1e-10);
   EXPECT_NEAR((form.outputs().state * x)[0], (x[2] - body.c * x[1] - body.k * x[0]) / body.m, 1e-9);
 }
@@ -83,9 +86,9 @@ TEST(FirstOrderForm, SensorStatesEqualFilteringAfterwards) {
   const auto outputs = make_outputs(model, {{"a", ObservedQuantity::acceleration, {{"body.1", 1.0}}},
                                             {"b", ObservedQuantity::acceleration, {{"wheel.w", 1.0}}},
                                             {"c", ObservedQuantity::displacement, {{"wheel.w", 1.0}}}});
-  const std::vector<MeasurementChain> chains{MeasurementChain({.stages = {FilterStage{.cutoff = 60.0}}}),
-                                             MeasurementChain({.stages = {GainStage{2.0}, DelayStage{.delay = 2e-3, .order = 4}}}),
-                                             MeasurementChain{}};
+  const std::vector<MeasurementChain> chains{
+      MeasurementChain({.stages = {FilterStage{.cutoff = 60.0}}}),
+      MeasurementChain({.stages = {GainStage{2.0}, DelayStage{.delay = 2e-3, .order = 4}}}), MeasurementChain{}};
   const auto road = make_random({.rms = 3e-3, .lower = 0.5, .upper = 30.0, .duration = 2.0, .fade_in = 0.3, .seed = 5});
   const auto error = [&](double h) {
     const auto steps = static_cast<Index>(std::llround(1.0 / h));

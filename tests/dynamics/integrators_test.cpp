@@ -14,9 +14,9 @@ class AlphaFamily : public EveryIntegrator {};
 
 double displacement_at_end(const CoupledModel& model, const std::vector<SignalPtr>& signals, const InitialState& start,
                            Integrator integrator, double T, int steps) {
-  const auto result = simulate(model.system(), signals, start,
-                               {.integrator = integrator, .step = T / steps, .duration = T, .keep_every = steps,
-                                .hht_alpha = -0.1});
+  const auto result =
+      simulate(model.system(), signals, start,
+               {.integrator = integrator, .step = T / steps, .duration = T, .keep_every = steps, .hht_alpha = -0.1});
   EXPECT_FALSE(result.failure);
   return result.trajectory.displacement(0, 1);
 }
@@ -40,8 +40,9 @@ TEST_P(AlphaFamily, LinearOscillatorConvergesWithOrderTwo) {
   std::vector<double> steps, errors;
   for (const int count : {400, 800, 1600, 3200}) {
     steps.push_back(T / count);
-    errors.push_back(std::abs(displacement_at_end(model, {make_constant(0.0)}, start_at(1e-3, 0.02),
-                                                  GetParam().integrator, T, count) - truth));
+    errors.push_back(std::abs(
+        displacement_at_end(model, {make_constant(0.0)}, start_at(1e-3, 0.02), GetParam().integrator, T, count) -
+        truth));
   }
   EXPECT_NEAR(order_of(steps, errors), 2.0, 0.05);  // the next term of the expansion is a few per cent here
 }
@@ -62,8 +63,8 @@ TEST_P(EveryIntegrator, SaturatingConnectorConvergesWithOrderTwo) {
   std::vector<double> steps, errors;
   for (const int count : {500, 1000, 2000, 4000, 8000}) {
     steps.push_back(T / count);
-    errors.push_back(std::abs(displacement_at_end(model, {make_sine(sine)}, at_rest(1, 0), GetParam().integrator, T, count) -
-                              reference));
+    errors.push_back(std::abs(
+        displacement_at_end(model, {make_sine(sine)}, at_rest(1, 0), GetParam().integrator, T, count) - reference));
   }
   // The law's kinks add errors of the same order whose size varies with where in the step they fall.
   EXPECT_NEAR(order_of(steps, errors), 2.0, 0.25);
@@ -79,8 +80,9 @@ INSTANTIATE_TEST_SUITE_P(All, EveryIntegrator, testing::Values(newmark, hht, gen
 
 SimulationResult undamped(Integrator integrator, double omega, double h, int steps, double radius = 0.8) {
   const auto model = oscillator(1.0, 0.0, omega * omega);
-  return simulate(model.system(), {make_constant(0.0)}, start_at(1.0, 0.0),
-                  {.integrator = integrator, .step = h, .duration = steps * h, .hht_alpha = -0.3, .spectral_radius = radius});
+  return simulate(
+      model.system(), {make_constant(0.0)}, start_at(1.0, 0.0),
+      {.integrator = integrator, .step = h, .duration = steps * h, .hht_alpha = -0.3, .spectral_radius = radius});
 }
 
 TEST(Newmark, AverageAccelerationElongatesThePeriodByItsLeadingTerm) {
@@ -99,8 +101,8 @@ TEST(Newmark, AverageAccelerationElongatesThePeriodByItsLeadingTerm) {
 TEST(Newmark, AverageAccelerationKeepsTheEnergy) {
   const double omega = 40.0;
   const auto motion = undamped(Integrator::newmark, omega, 0.013, 5000).trajectory;
-  const Eigen::ArrayXd energy = motion.velocity.row(0).array().square() / (omega * omega) +
-                                motion.displacement.row(0).array().square();
+  const Eigen::ArrayXd energy =
+      motion.velocity.row(0).array().square() / (omega * omega) + motion.displacement.row(0).array().square();
   EXPECT_LT((energy - 1.0).abs().maxCoeff(), 1e-10);  // 5000 roundings
 }
 
@@ -143,19 +145,25 @@ TEST(InternalStates, ExactAndNewmarkAgreeOnBoucWenHysteresis) {
 }
 
 TEST(EnergyBalance, WorkOfTheRoadIsStoredOrDissipated) {
-  const auto model = quarter_chain(10, {{"strut", "wheel.w", "body.1", make_law("saturating"), saturating_parameters()}},
-                                   {{"road", InputKind::base_displacement, "wheel.ground"}});
+  const auto model =
+      quarter_chain(10, {{"strut", "wheel.w", "body.1", make_law("saturating"), saturating_parameters()}},
+                    {{"road", InputKind::base_displacement, "wheel.ground"}});
   const auto& system = model.system();
   const double h = 2e-5;
   const auto road = make_sine({.amplitude = 4e-3, .frequency = 9.0, .fade_in = 0.1});
   for (const auto integrator : {Integrator::newmark, Integrator::exact}) {
-    const auto motion = simulate(system, {road}, at_rest(11, 0), {.integrator = integrator, .step = h, .duration = 0.7}).trajectory;
+    const auto motion =
+        simulate(system, {road}, at_rest(11, 0), {.integrator = integrator, .step = h, .duration = 0.7}).trajectory;
     const Eigen::RowVectorXd drive = system.inputs[0].value.transpose() * motion.velocity;
     const Eigen::RowVectorXd drag = system.inputs[0].rate.transpose() * motion.velocity;
     const Eigen::RowVectorXd strut = system.connectors[0].deformation.transpose() * motion.velocity;
-    const Eigen::RowVectorXd internal = (motion.velocity.array() * (system.damping * motion.velocity).array()).colwise().sum();
-    const Eigen::RowVectorXd power = (drive.array() * motion.inputs.row(0).array() + drag.array() * motion.inputs.row(1).array() -
-                                      strut.array() * motion.force.row(0).array()).matrix() - internal;
+    const Eigen::RowVectorXd internal =
+        (motion.velocity.array() * (system.damping * motion.velocity).array()).colwise().sum();
+    const Eigen::RowVectorXd power =
+        (drive.array() * motion.inputs.row(0).array() + drag.array() * motion.inputs.row(1).array() -
+         strut.array() * motion.force.row(0).array())
+            .matrix() -
+        internal;
     const double work = h * (power.sum() - 0.5 * (power[0] + power[power.size() - 1]));
     const double dissipated = h * (internal.sum() + (strut.array() * motion.force.row(0).array()).sum());
     const Eigen::VectorXd z = motion.displacement.rightCols(1), v = motion.velocity.rightCols(1);

@@ -20,8 +20,9 @@ OutputMap displacement_of(const CoupledModel& model) {
 
 TEST(Simulate, StoresTheSamplesAskedFor) {
   const auto model = oscillator(1.0, 0.0, 100.0);
-  const auto result = simulate(model.system(), {rest_signal}, start_at(1.0, 0.0),
-                               {.step = 1e-3, .duration = 10.0, .keep_every = 10, .every_step = displacement_of(model)});
+  const auto result =
+      simulate(model.system(), {rest_signal}, start_at(1.0, 0.0),
+               {.step = 1e-3, .duration = 10.0, .keep_every = 10, .every_step = displacement_of(model)});
   EXPECT_EQ(result.trajectory.samples(), 1001);
   EXPECT_EQ(result.every_step.rows(), 10001);  // beyond the block in which inputs are sampled
   EXPECT_DOUBLE_EQ(result.trajectory.step, 1e-2);
@@ -33,7 +34,8 @@ TEST(Simulate, StoresTheSamplesAskedFor) {
 TEST(Simulate, InputsGoOnUnchangedOverTheirBlocks) {
   const auto model = oscillator(1.0, 1.0, 100.0);
   const auto sine = make_sine({.amplitude = 1.0, .frequency = 2.0});
-  const auto inputs = simulate(model.system(), {sine}, at_rest(1, 0), {.step = 1e-3, .duration = 9.0}).trajectory.inputs;
+  const auto inputs =
+      simulate(model.system(), {sine}, at_rest(1, 0), {.step = 1e-3, .duration = 9.0}).trajectory.inputs;
   for (const Eigen::Index k : {4095, 4096, 4097, 8192, 8193, 9000})
     EXPECT_NEAR(inputs(0, k), std::sin(4 * M_PI * 1e-3 * static_cast<double>(k)), 1e-10) << k;
 }
@@ -42,8 +44,9 @@ TEST(Simulate, GrowthWithoutBoundIsAFailureWithItsTime) {
   const double k = 4e6;  // z'' = (k - 1e3) z grows as exp(2000 t): beyond 1e308 at 0.35 s
   const auto model = with_law(function_law([k](double d, double) { return FunctionLaw::Value{-k * d, -k, 0.0}; }));
   for (const auto integrator : {Integrator::exact, Integrator::newmark}) {
-    const auto result = simulate(model.system(), {rest_signal}, start_at(1e-3, 0.0),
-                                 {.integrator = integrator, .step = 1e-4, .duration = 1.0, .every_step = displacement_of(model)});
+    const auto result =
+        simulate(model.system(), {rest_signal}, start_at(1e-3, 0.0),
+                 {.integrator = integrator, .step = 1e-4, .duration = 1.0, .every_step = displacement_of(model)});
     ASSERT_TRUE(result.failure);
     EXPECT_NEAR(result.failure->time, 0.355, 0.02);
     EXPECT_NE(result.failure->reason.find("finite"), std::string::npos);
@@ -64,7 +67,9 @@ TEST(Simulate, LawThatGivesNoNumberIsAFailure) {
 }
 
 TEST(Simulate, StartThatIsNoNumberIsAFailureAtOnce) {
-  const auto result = simulate(with_law(function_law([](double d, double) { return FunctionLaw::Value{d, 1.0, 0.0}; })).system(),
+  const auto result = simulate(with_law(function_law([](double d, double) {
+                                 return FunctionLaw::Value{d, 1.0, 0.0};
+                               })).system(),
                                {rest_signal}, start_at(nan_value, 0.0), {});
   ASSERT_TRUE(result.failure);
   EXPECT_EQ(result.failure->time, 0.0);
@@ -72,9 +77,10 @@ TEST(Simulate, StartThatIsNoNumberIsAFailureAtOnce) {
 }
 
 TEST(Simulate, NonSmoothLawsRunThrough) {
-  const std::vector<std::pair<std::string, Eigen::VectorXd>> laws{
-      {"gap", values({1e6, 100.0, 1e-4, 1e-4, 0.0, 0.0})}, {"coulomb", values({20.0, 1e-6, 0.0, 0.0})},
-      {"jenkins", values({1e7, 20.0, 0.0, 0.0})},           {"bilinear", values({1e6, 20.0, 0.01, 0.0})}};
+  const std::vector<std::pair<std::string, Eigen::VectorXd>> laws{{"gap", values({1e6, 100.0, 1e-4, 1e-4, 0.0, 0.0})},
+                                                                  {"coulomb", values({20.0, 1e-6, 0.0, 0.0})},
+                                                                  {"jenkins", values({1e7, 20.0, 0.0, 0.0})},
+                                                                  {"bilinear", values({1e6, 20.0, 0.01, 0.0})}};
   for (const auto& [name, parameters] : laws)
     for (const auto integrator : {Integrator::exact, Integrator::newmark, Integrator::hht_alpha}) {
       const auto model = oscillator(1.0, 1.0, 1e3, {{"strut", "body.ground", "body.x", make_law(name), parameters}});
@@ -105,8 +111,9 @@ TEST(Simulate, UnsuitableOptionsAreRefusedTogether) {
 
 class ReferenceOfAChain : public testing::Test {
 protected:
-  CoupledModel model = quarter_chain(3, {{"strut", "wheel.w", "body.1", make_law("saturating"), saturating_parameters()}},
-                                     {{"road", InputKind::base_displacement, "wheel.ground"}});
+  CoupledModel model =
+      quarter_chain(3, {{"strut", "wheel.w", "body.1", make_law("saturating"), saturating_parameters()}},
+                    {{"road", InputKind::base_displacement, "wheel.ground"}});
   OutputMap sensors = make_outputs(model, {{"a", ObservedQuantity::acceleration, {{"body.2", 1.0}}}});
   SignalPtr road = make_sine({.amplitude = 3e-3, .frequency = 8.0, .fade_in = 0.2});
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "kalfem/base/random.hpp"
 #include "kalfem/base/time_series.hpp"
 #include "kalfem/dynamics/reference.hpp"
@@ -12,7 +14,8 @@ namespace kalfem {
 
 /// Prior and noise of the right sizes, all zero: everything known, starting at rest.
 inline ObserverOptions all_known(const LocallyNonlinearSystem& system, double step) {
-  const Eigen::VectorXd dofs = Eigen::VectorXd::Zero(system.size()), inputs = Eigen::VectorXd::Zero(system.input_count()),
+  const Eigen::VectorXd dofs = Eigen::VectorXd::Zero(system.size()),
+                        inputs = Eigen::VectorXd::Zero(system.input_count()),
                         states = Eigen::VectorXd::Zero(system.connector_states());
   ObserverOptions options;
   options.step = step;
@@ -21,14 +24,16 @@ inline ObserverOptions all_known(const LocallyNonlinearSystem& system, double st
   return options;
 }
 
-/// The eleven-degree-of-freedom chain of Tsotalou et al. (2017), case 1, with values of this project: a wheel on a moving
-/// ground, a saturating suspension, ten masses with 1 % modal damping. Sensors: accelerations at DOFs 3, 5, 7 and 11.
+/// The eleven-degree-of-freedom chain of Tsotalou et al. (2017), case 1, with values of this project: a wheel on a
+/// moving ground, a saturating suspension, ten masses with 1 % modal damping. Sensors: accelerations at DOFs 3, 5, 7
+/// and 11.
 struct Chain {
   static constexpr double rate = 1000.0;  // [Hz]
   static constexpr double mu_k1 = 20.0, mu_c1 = 10.0;
 
   CoupledModel model = make_model();
-  OutputMap sensors = make_outputs(model, {acceleration("2"), acceleration("4"), acceleration("6"), acceleration("10")});
+  OutputMap sensors =
+      make_outputs(model, {acceleration("2"), acceleration("4"), acceleration("6"), acceleration("10")});
   SignalPtr road = make_random({.rms = 3e-3, .lower = 0.5, .upper = 30.0, .duration = 20.0, .fade_in = 0.5, .seed = 7});
 
   static OutputDescription acceleration(const std::string& mass) {
@@ -40,10 +45,16 @@ struct Chain {
   }
 
   /// Newmark's method, refined until the records stop moving: another discretisation than the filter's.
-  [[nodiscard]] Reference reference(double duration) const {
+  [[nodiscard]] Reference reference(double duration, double sample_rate = rate) const {
     return simulate_reference(model.system(), {road}, at_rest(11, 0), sensors, {},
                               {.integrator = Integrator::newmark, .duration = duration},
-                              {.sample_rate = rate, .max_substeps = 64, .tolerance = 2e-3});
+                              {.sample_rate = sample_rate, .max_substeps = 64, .tolerance = 2e-3});
+  }
+
+  /// Leaves one measurement in `every`: the observer's step is then finer than the sampling interval.
+  static void thin_out(Record& record, Eigen::Index every) {
+    for (Eigen::Index k = 0; k < record.measurements.cols(); ++k)
+      if (k % every != 0) record.measurements.col(k).setConstant(std::numeric_limits<double>::quiet_NaN());
   }
 
   /// The reference with white noise of 15 % of each channel's rms.
@@ -53,15 +64,16 @@ struct Chain {
     for (Eigen::Index i = 0; i < deviation.size(); ++i) {
       RandomStream random(seed, "noise " + std::to_string(i));
       deviation[i] = 0.15 * rms(reference.sensors.col(i));
-      for (Eigen::Index k = 0; k < record.measurements.cols(); ++k) record.measurements(i, k) += deviation[i] * random.normal();
+      for (Eigen::Index k = 0; k < record.measurements.cols(); ++k)
+        record.measurements(i, k) += deviation[i] * random.normal();
     }
     record.noise = deviation.cwiseAbs2().asDiagonal();
     return record;
   }
 
   /// Guesses of 50 % and 160 % of the truth with a standard deviation of half the guess.
-  [[nodiscard]] ObserverOptions options(TransformKind transform = TransformKind::log) const {
-    auto options = all_known(model.system(), 1.0 / rate);
+  [[nodiscard]] ObserverOptions options(TransformKind transform = TransformKind::log, double sample_rate = rate) const {
+    auto options = all_known(model.system(), 1.0 / sample_rate);
     options.unknowns = {{"mu_k1", "N", {{0, 1}}, {transform, 0.0, 100.0}, 0.5 * mu_k1, 0.25 * mu_k1},
                         {"mu_c1", "N", {{0, 4}}, {transform, 0.0, 100.0}, 1.6 * mu_c1, 0.8 * mu_c1}};
     options.prior.displacement_deviation.setConstant(1e-5);

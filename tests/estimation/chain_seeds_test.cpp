@@ -6,31 +6,37 @@ namespace kalfem {
 namespace {
 
 TEST(PaperChainOverSeeds, TruthLiesInTheStatedIntervals) {
+  // Steps of 0.5 ms, measured at every second one. At 1 ms the bias of the straight forces, 0.16 % of mu_k1, is 1.7
+  // standard deviations of its estimate and would be all that this test sees.
   const Chain chain;
-  const auto reference = chain.reference(20.0);
-  const auto options = chain.options();
+  const double rate = 2 * Chain::rate;
+  const auto reference = chain.reference(20.0, rate);
+  const auto options = chain.options(TransformKind::log, rate);
   const Observer observer(chain.model.system(), chain.sensors, {}, options);
   const double truth[] = {Chain::mu_k1, Chain::mu_c1};
   const int seeds = 100;
   int covered[2] = {0, 0};
   double nis = 0.0, mean[2] = {0.0, 0.0}, deviation[2] = {0.0, 0.0};
   for (int seed = 1; seed <= seeds; ++seed) {
-    const auto record = Chain::record(reference, std::uint64_t(seed));
+    auto record = Chain::record(reference, std::uint64_t(seed));
+    Chain::thin_out(record, 2);
     const auto result = estimate(observer, record, {});
     ASSERT_FALSE(result.failure) << seed << " " << result.failure->reason;
-    nis += result.nis.mean() / seeds;
+    nis += summarise_consistency(result.nis, result.measured, result.innovation, record.noise.diagonal().cwiseSqrt(), 0)
+               .mean_nis /
+           seeds;
     for (int i = 0; i < 2; ++i) {
       const auto row = observer.layout().unknown() + i, last = result.state.mean.cols() - 1;
-      const auto interval = confidence_interval(options.unknowns[std::size_t(i)].transform, result.state.mean(row, last),
-                                                result.state.deviation(row, last));
+      const auto interval = confidence_interval(options.unknowns[std::size_t(i)].transform,
+                                                result.state.mean(row, last), result.state.deviation(row, last));
       covered[i] += interval.lower <= truth[i] && truth[i] <= interval.upper;
       mean[i] += result.unknowns.mean(i, last) / seeds;
       deviation[i] += result.unknowns.deviation(i, last) / seeds;
     }
   }
   std::cout << "mu_k1 in its 95 % interval: " << covered[0] << " of 100 (mean " << mean[0] << " +- " << deviation[0]
-            << "), mu_c1: " << covered[1] << " of 100 (mean " << mean[1] << " +- " << deviation[1] << "), mean NIS " << nis
-            << "\n";
+            << "), mu_c1: " << covered[1] << " of 100 (mean " << mean[1] << " +- " << deviation[1] << "), mean NIS "
+            << nis << "\n";
   // Binomial with 0.95: 90 to 99 of 100 hold 97 % of the probability.
   for (const int count : covered) {
     EXPECT_GE(count, 90);

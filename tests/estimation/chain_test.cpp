@@ -44,15 +44,16 @@ TEST_F(PaperChain, BothParametersAreIdentifiedFromFourNoisySensors) {
     ASSERT_FALSE(result.failure) << result.failure->reason;
     const VectorXd estimate = result.unknowns.mean.rightCols(1), deviation = result.unknowns.deviation.rightCols(1);
     const VectorXd early = result.unknowns.mean.col(2000);
-    const auto consistency = summarise_consistency(result.nis, result.measured, result.innovation,
-                                                   all.noise.diagonal().cwiseSqrt(), 0);
+    const auto consistency =
+        summarise_consistency(result.nis, result.measured, result.innovation, all.noise.diagonal().cwiseSqrt(), 0);
     const Index from = 2000, count = 18001;
     const double displacement = nrmse(result.monitored.mean.row(0).tail(count).transpose(),
                                       reference_->simulation.trajectory.displacement.row(3).tail(count).transpose());
-    std::cout << "mu_k1 " << estimate[0] << " +- " << deviation[0] << " (" << early[0] << " at 2 s), mu_c1 " << estimate[1]
-              << " +- " << deviation[1] << " (" << early[1] << " at 2 s), mean NIS " << consistency.mean_nis
-              << ", in 95 % band " << consistency.fraction_in_95 << ", DOF 4 NRMSE " << displacement << ", "
-              << 1e6 * result.seconds / 20001 << " us/step, reference substeps " << reference_->substeps << "\n";
+    std::cout << "mu_k1 " << estimate[0] << " +- " << deviation[0] << " (" << early[0] << " at 2 s), mu_c1 "
+              << estimate[1] << " +- " << deviation[1] << " (" << early[1] << " at 2 s), mean NIS "
+              << consistency.mean_nis << ", in 95 % band " << consistency.fraction_in_95 << ", DOF 4 NRMSE "
+              << displacement << ", " << 1e6 * result.seconds / 20001 << " us/step, reference substeps "
+              << reference_->substeps << "\n";
     EXPECT_NEAR(estimate[0], Chain::mu_k1, 0.01 * Chain::mu_k1);
     EXPECT_NEAR(estimate[1], Chain::mu_c1, 0.01 * Chain::mu_c1);
     EXPECT_LT(std::abs(estimate[0] - Chain::mu_k1), 3 * deviation[0]);
@@ -63,9 +64,26 @@ TEST_F(PaperChain, BothParametersAreIdentifiedFromFourNoisySensors) {
     EXPECT_NEAR(consistency.mean_nis, 4.0, 0.08);
     EXPECT_NEAR(consistency.fraction_in_95, 0.95, 0.01);
     EXPECT_LT((consistency.innovation_to_noise.array() - 1.0).abs().maxCoeff(), 0.03);
-    EXPECT_LT(displacement, 0.01);
+    // The observer's forces are straight over 1 ms, the suspension's relaxation takes 3 ms: that leaves one per cent.
+    EXPECT_LT(displacement, 0.015);
     EXPECT_EQ(result.monitored.mean.cols(), from + count);
   }
+}
+
+TEST_F(PaperChain, BiasOfTheParametersIsOfSecondOrderInTheObserversStep) {
+  const auto bias = [&](double rate) {
+    const auto reference = chain().reference(10.0, rate);
+    auto exact = Chain::record(reference, 1);
+    exact.measurements = reference.sensors.transpose();  // without noise what is left is bias
+    Chain::thin_out(exact, static_cast<Index>(rate / Chain::rate));
+    const auto result = estimate(observer(chain().options(TransformKind::log, rate)), exact, {});
+    EXPECT_FALSE(result.failure);
+    return std::abs(result.unknowns.mean(0, exact.measurements.cols() - 1) - Chain::mu_k1);
+  };
+  const double coarse = bias(1000.0), fine = bias(4000.0);
+  std::cout << "bias of mu_k1: " << coarse << " N at 1 ms, " << fine << " N at 0.25 ms\n";
+  EXPECT_LT(coarse, 0.005 * Chain::mu_k1);
+  EXPECT_LT(fine, coarse / 6);  // 16 for a smooth law
 }
 
 TEST_F(PaperChain, SquareRootFormGivesTheSameEstimates) {
@@ -78,10 +96,12 @@ TEST_F(PaperChain, SquareRootFormGivesTheSameEstimates) {
     ASSERT_FALSE(plain.failure) << plain.failure->reason;
     ASSERT_FALSE(root.failure) << root.failure->reason;
     // in standard deviations; P - J J^T loses digits that the root keeps
-    const double error = ((plain.state.mean - root.state.mean).array() / plain.state.deviation.array()).abs().maxCoeff();
+    const double error =
+        ((plain.state.mean - root.state.mean).array() / plain.state.deviation.array()).abs().maxCoeff();
     EXPECT_LT(error, 1e-7) << alpha;
     EXPECT_LT((plain.state.deviation.array() / root.state.deviation.array() - 1.0).abs().maxCoeff(), 1e-7) << alpha;
-    EXPECT_LT(((plain.unknowns.mean - root.unknowns.mean).array() / plain.unknowns.mean.array()).abs().maxCoeff(), 1e-9);
+    EXPECT_LT(((plain.unknowns.mean - root.unknowns.mean).array() / plain.unknowns.mean.array()).abs().maxCoeff(),
+              1e-9);
     EXPECT_NEAR(plain.log_likelihood, root.log_likelihood, 1e-9 * std::abs(plain.log_likelihood));
   }
 }

@@ -15,7 +15,8 @@ struct LinearProblem {
   }
 };
 
-/// The filter as textbooks print it (Bar-Shalom, Li and Kirubarajan 2001, section 5.2), rows that are not a number left out.
+/// The filter as textbooks print it (Bar-Shalom, Li and Kirubarajan 2001, section 5.2), rows that are not a number left
+/// out.
 struct KalmanFilter {
   Eigen::VectorXd x;
   Eigen::MatrixXd P;

@@ -18,8 +18,9 @@ struct LinearChain {
                                      {{"strut", "wheel.w", "body.1", make_law("linear"), values({5e3, 20.0})},
                                       {"tie", "wheel.ground", "body.2", make_law("linear"), values({800.0, 3.0})}},
                                      {{"road", InputKind::base_displacement, "wheel.ground"}});
-  OutputMap sensors = make_outputs(model, {Chain::acceleration("1"), Chain::acceleration("2"),
-                                           {"d", ObservedQuantity::displacement, {{"body.1", 1.0}}}});
+  OutputMap sensors = make_outputs(
+      model,
+      {Chain::acceleration("1"), Chain::acceleration("2"), {"d", ObservedQuantity::displacement, {{"body.1", 1.0}}}});
   MatrixXd R = Eigen::Vector3d(0.04, 0.09, 1e-8).asDiagonal();
 
   [[nodiscard]] ObserverOptions options() const {
@@ -55,9 +56,12 @@ TEST_P(EqualsTheKalmanFilter, OnALinearChainWithMissingSamples) {
     if (k > 0) kalman.predict(problem, problem.drive(record.inputs.col(k - 1), record.inputs.col(k)));
     kalman.update(problem, record.inputs.col(k), record.measurements.col(k));
     const VectorXd deviation = kalman.P.diagonal().cwiseSqrt();
-    mean_error = std::max(mean_error, ((result.state.mean.col(k) - kalman.x).array() / deviation.array()).abs().maxCoeff());
-    deviation_error = std::max(deviation_error, (result.state.deviation.col(k).array() / deviation.array() - 1.0).abs().maxCoeff());
-    if (result.measured[k] > 0) nis_error = std::max(nis_error, std::abs(result.nis[k] - kalman.nis) / (1.0 + kalman.nis));
+    mean_error =
+        std::max(mean_error, ((result.state.mean.col(k) - kalman.x).array() / deviation.array()).abs().maxCoeff());
+    deviation_error =
+        std::max(deviation_error, (result.state.deviation.col(k).array() / deviation.array() - 1.0).abs().maxCoeff());
+    if (result.measured[k] > 0)
+      nis_error = std::max(nis_error, std::abs(result.nis[k] - kalman.nis) / (1.0 + kalman.nis));
   }
   // Rounding through a few hundred steps, in standard deviations; the linearised form takes differences of 1e-4 of one.
   const double tolerance = GetParam() == FilterKind::extended ? 1e-7 : 1e-9;
@@ -73,7 +77,8 @@ TEST_P(EqualsTheKalmanFilter, OnALinearChainWithMissingSamples) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, EqualsTheKalmanFilter,
-                         testing::Values(FilterKind::unscented, FilterKind::unscented_square_root, FilterKind::extended));
+                         testing::Values(FilterKind::unscented, FilterKind::unscented_square_root,
+                                         FilterKind::extended));
 
 /// Mean and covariance of [x(0); y(0); ...; y(T)] of the linear problem, written out from its definition.
 Gaussian joint_of_start_and_record(const LinearProblem& problem, const Gaussian& prior, const MatrixXd& inputs) {
@@ -117,8 +122,8 @@ TEST(LinearRecord, LikelihoodAndSmoothedStartAreThoseOfTheJointNormal) {
   const VectorXd residual = record.measurements.reshaped() - joint.mean.tail(count);
   const Eigen::LLT<MatrixXd> factor(joint.covariance.bottomRightCorner(count, count));
   const double log_determinant = 2.0 * MatrixXd(factor.matrixL()).diagonal().array().log().sum();
-  const double log_density = -0.5 * (residual.dot(factor.solve(residual)) + log_determinant +
-                                     double(count) * std::log(2 * std::numbers::pi));
+  const double log_density =
+      -0.5 * (residual.dot(factor.solve(residual)) + log_determinant + double(count) * std::log(2 * std::numbers::pi));
   const MatrixXd cross = joint.covariance.topRightCorner(n, count);
   const VectorXd start = plain.prior().mean + cross * factor.solve(residual);
   const MatrixXd covariance = plain.prior().covariance - cross * factor.solve(cross.transpose());
@@ -212,7 +217,8 @@ TEST(ProcessNoise, EstimatesDoNotDependOnSamplesThatAreMissing) {
   const Index samples = 300;
   RandomStream random(9, "forces");
   Record record{MatrixXd(1, samples), MatrixXd::Zero(3, samples), MatrixXd::Constant(1, 1, 0.04)};
-  for (Index k = 0; k < samples; ++k) record.inputs(0, k) = 5.0 * random.normal(), record.measurements(0, k) = random.normal();
+  for (Index k = 0; k < samples; ++k)
+    record.inputs(0, k) = 5.0 * random.normal(), record.measurements(0, k) = random.normal();
   Record dense{MatrixXd::Constant(1, 2 * samples - 1, NAN), MatrixXd::Zero(3, 2 * samples - 1), record.noise};
   for (Index k = 0; k < samples; ++k) {
     dense.measurements(0, 2 * k) = record.measurements(0, k);

@@ -8,7 +8,8 @@
 namespace kalfem {
 namespace {
 
-const ParameterTransform transforms[] = {{TransformKind::none}, {TransformKind::log}, {TransformKind::logit, -2.0, 5.0}};
+const ParameterTransform transforms[] = {
+    {TransformKind::none}, {TransformKind::log}, {TransformKind::logit, -2.0, 5.0}};
 
 TEST(ParameterTransform, RoundTrip) {
   for (const auto& transform : transforms)

@@ -62,7 +62,8 @@ TEST(Lumped, RayleighAndDashpotsAddUp) {
   pair.springs[1].damping = 5.0;
   const auto model = assemble(pair);
   const Eigen::Matrix2d dashpot{{5.0, -5.0}, {-5.0, 5.0}};
-  const Eigen::Matrix2d expected = 0.7 * Eigen::MatrixXd(model.mass) + 1e-3 * Eigen::MatrixXd(model.stiffness) + dashpot;
+  const Eigen::Matrix2d expected =
+      0.7 * Eigen::MatrixXd(model.mass) + 1e-3 * Eigen::MatrixXd(model.stiffness) + dashpot;
   EXPECT_LT((Eigen::MatrixXd(model.damping) - expected).norm(), 1e-12);
 }
 
@@ -146,8 +147,15 @@ TEST(Lumped, DoubledNamesOfPointsAndGroundsAndBadCoefficientsAreNamed) {
     EXPECT_NE(issues.find(part), std::string::npos) << part << "\n" << issues;
 }
 
-TEST(Lumped, EmptySubstructureIsRefused) {
-  EXPECT_THROW(assemble({.name = "nothing"}), InvalidInput);
+TEST(Lumped, WithoutMassesItIsAPlaceForGrounds) {
+  LumpedSubstructure place;
+  place.name = "road";
+  place.grounds = {"front", "rear"};
+  place.modal_damping = {0.01};
+  const auto model = assemble(place);
+  EXPECT_EQ(model.size(), 0);
+  EXPECT_EQ(model.grounds.size(), 2u);
+  EXPECT_EQ(model.grounds[1].stiffness.size(), 0);
 }
 
 TEST(NormalModes, MasslessDegreeOfFreedomIsRefused) {

@@ -22,16 +22,16 @@ std::string message_of(const std::function<void()>& action) {
 TEST(Coupling, TwoSubstructuresJoinedByASpringAreTheWholeInOnePiece) {
   const double k = 5e3, c = 12.0;
   const auto split = quarter_chain(3, {{"strut", "wheel.w", "body.1", make_law("linear"), values({k, c})}}, road, 0.0);
-  LumpedSubstructure whole{.name = "all",
-                           .masses = {{"w", 1.5}, {"1", 1.0}, {"2", 1.0}, {"3", 1.0}},
-                           .springs = {{"tyre", "ground", "w", 2e4, 4.0},
-                                       {"strut", "w", "1", k, c},
-                                       {"s2", "1", "2", 3e4},
-                                       {"s3", "2", "3", 3e4}}};
+  LumpedSubstructure whole{
+      .name = "all",
+      .masses = {{"w", 1.5}, {"1", 1.0}, {"2", 1.0}, {"3", 1.0}},
+      .springs = {
+          {"tyre", "ground", "w", 2e4, 4.0}, {"strut", "w", "1", k, c}, {"s2", "1", "2", 3e4}, {"s3", "2", "3", 3e4}}};
   const auto model = assemble(whole);
   const auto& system = split.system();
   const Eigen::VectorXd b = system.connectors[0].deformation;
-  EXPECT_LT((Eigen::MatrixXd(system.stiffness) + k * b * b.transpose() - Eigen::MatrixXd(model.stiffness)).norm(), 1e-9);
+  EXPECT_LT((Eigen::MatrixXd(system.stiffness) + k * b * b.transpose() - Eigen::MatrixXd(model.stiffness)).norm(),
+            1e-9);
   EXPECT_LT((Eigen::MatrixXd(system.damping) + c * b * b.transpose() - Eigen::MatrixXd(model.damping)).norm(), 1e-9);
   EXPECT_LT((Eigen::MatrixXd(system.mass) - Eigen::MatrixXd(model.mass)).norm(), 1e-15);
   EXPECT_EQ(system.inputs[0].value, model.grounds[0].stiffness);

@@ -12,7 +12,9 @@ struct Instant {
 
 Instant random_instant(const LocallyNonlinearSystem& system) {
   RandomStream random(3, "instant");
-  const auto draw = [&](Eigen::Index n) { return Eigen::VectorXd::NullaryExpr(n, [&] { return random.normal(); }).eval(); };
+  const auto draw = [&](Eigen::Index n) {
+    return Eigen::VectorXd::NullaryExpr(n, [&] { return random.normal(); }).eval();
+  };
   const auto n = system.size(), u = system.input_count();
   return {draw(n), draw(n), draw(n), draw(u), draw(u), draw(u), draw(system.connector_count())};
 }
@@ -55,9 +57,8 @@ TEST(OutputMap, EveryQuantityOfAPointAndOfAConnector) {
 
 TEST(OutputMap, AccelerationUnderBaseAccelerationIsAbsoluteUnlessAskedOtherwise) {
   const auto model = oscillator(1.0, 1.0, 1e3, {}, {{"quake", InputKind::base_acceleration, ""}});
-  const auto map = make_outputs(
-      model, {{"absolute", ObservedQuantity::acceleration, {{"body.x", 1.0}}},
-              {"relative", ObservedQuantity::acceleration, {{"body.x", 1.0}}, true}});
+  const auto map = make_outputs(model, {{"absolute", ObservedQuantity::acceleration, {{"body.x", 1.0}}},
+                                        {"relative", ObservedQuantity::acceleration, {{"body.x", 1.0}}, true}});
   const auto at = random_instant(model.system());
   EXPECT_EQ(output(map, 0, at), at.a[0] + at.r[0]);
   EXPECT_EQ(output(map, 1, at), at.a[0]);
@@ -71,7 +72,8 @@ TEST(OutputMap, EveryUnknownPointIsNamedWithItsSensor) {
     FAIL() << "accepted";
   } catch (const InvalidInput& error) {
     const std::string message = error.what();
-    for (const char* part : {"sensor 's1'", "did you mean 'body.1'?", "sensor 's2'", "did you mean 'strut'?", "sensor 's3'"})
+    for (const char* part :
+         {"sensor 's1'", "did you mean 'body.1'?", "sensor 's2'", "did you mean 'strut'?", "sensor 's3'"})
       EXPECT_NE(message.find(part), std::string::npos) << part << "\n" << message;
   }
 }

@@ -207,6 +207,7 @@ struct Estimation {
   std::optional<LocalObserver> local;
   bool estimate_initial_state = false;
   int passes = 1;
+  int substeps = 4;
 };
 
 struct Prediction {

@@ -85,6 +85,8 @@ Form<Estimation> estimation() {
           .optional("local", &Estimation::local, local_observer(), "hold only a part of the structure in the observer")
           .optional("estimate_initial_state", &Estimation::estimate_initial_state, boolean(),
                     "carry the initial state as constants: a fixed-point smoother")
+          .optional("substeps", &Estimation::substeps, integer(1, 64),
+                    "parts of a sample interval over which connector forces and inputs are taken as linear")
           .optional("passes", &Estimation::passes, integer(1, 100), "runs over the record"));
 }
 

@@ -45,23 +45,35 @@ TimeSeries channels_of(const TimeSeries& series, const std::vector<StudySensor>&
   return selected;
 }
 
-/// [r; r'; r''] of the observer's inputs: excitation signals, recorded accelerations in the place of r'', zero for
-/// unknown forces.
+/// Samples with so many equal parts between each two, straight lines between them.
+VectorXd interpolated(const VectorXd& samples, Index parts) {
+  VectorXd fine((samples.size() - 1) * parts + 1);
+  for (Index k = 0; k < fine.size(); ++k) {
+    const Index before = std::min(k / parts, samples.size() - 2);
+    const double weight = static_cast<double>(k - before * parts) / static_cast<double>(parts);
+    fine[k] = (1.0 - weight) * samples[before] + weight * samples[before + 1];
+  }
+  return fine;
+}
+
+/// [r; r'; r''] of the observer's inputs at every substep: excitation signals, recorded accelerations in the place of r'', zero
+/// for unknown forces.
 MatrixXd observer_inputs(const Study& study, const FullRecord& record) {
   const auto& sources = study.observer->input_sources;
   const auto n_u = static_cast<Index>(sources.size());
-  MatrixXd inputs = MatrixXd::Zero(3 * n_u, record.series.samples());
+  const Index parts = study.observer->options.substeps, fine = (record.series.samples() - 1) * parts + 1;
+  MatrixXd inputs = MatrixXd::Zero(3 * n_u, fine);
   for (Index i = 0; i < n_u; ++i) {
     const std::string& source = sources[static_cast<std::size_t>(i)];
     if (source.empty()) continue;
     if (source.front() == '@') {
-      inputs.row(2 * n_u + i) = record.series.values.col(record.series.find(source.substr(1))).transpose();
+      inputs.row(2 * n_u + i) = interpolated(record.series.values.col(record.series.find(source.substr(1))), parts).transpose();
       continue;
     }
     for (std::size_t j = 0; j < study.parts.inputs.size(); ++j) {
       if (study.parts.inputs[j].name != source) continue;
-      const auto sampled =
-          study.signals[j]->sample(record.series.start, 1.0 / study.sample_rate(), record.series.samples());
+      const double step = 1.0 / (study.sample_rate() * static_cast<double>(parts));
+      const auto sampled = study.signals[j]->sample(record.series.start, step, fine);
       for (Index derivative = 0; derivative < 3; ++derivative)
         inputs.row(derivative * n_u + i) = sampled.col(derivative).matrix().transpose();
     }

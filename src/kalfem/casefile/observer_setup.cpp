@@ -289,6 +289,7 @@ ObserverSetup make_observer_setup(const Study& study, IssueList& issues) {
   if (cut) cut->set_priors(setup);
   options.keep_initial_state = given.estimate_initial_state;
   options.step = 1.0 / study.sample_rate();
+  options.substeps = given.substeps;
   check_driving_sensors(study, setup, issues);
   setup.sensors = observer_sensors(study, setup, issues);
   return setup;

@@ -22,11 +22,10 @@ bool semidefinite_factor(const MatrixXd& covariance, MatrixXd& factor) {
   const VectorXd scale = (deviation.array() > 0.0).select(deviation.cwiseInverse(), 0.0);
   MatrixXd correlation = covariance.selfadjointView<Eigen::Lower>();
   correlation = scale.asDiagonal() * correlation * scale.asDiagonal();
-  const Eigen::LDLT<MatrixXd> ldlt(correlation);
-  if (ldlt.vectorD().minCoeff() < -negative_variance_tolerance) return false;
-  factor = ldlt.matrixL();
-  factor = ldlt.transpositionsP().transpose() * factor;
-  factor = deviation.asDiagonal() * factor * ldlt.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(correlation);
+  if (eigen.info() != Eigen::Success || eigen.eigenvalues()[0] < -negative_variance_tolerance) return false;
+  const VectorXd roots = eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  factor = deviation.asDiagonal() * eigen.eigenvectors() * roots.asDiagonal();
   return factor.allFinite();
 }
 

@@ -7,6 +7,13 @@
 #include "kalfem/estimation/small_kernels.hpp"
 
 namespace kalfem {
+namespace {
+
+/// The difference P - J J^T is wrong by rounding in proportion to P. Widening the variances by a little more than that keeps
+/// it positive semi-definite where a measurement leaves almost nothing of them.
+constexpr double rounding_allowance = 1e-13;
+
+}  // namespace
 
 void CovarianceFilter::reset(const Gaussian& estimate) { estimate_ = estimate; }
 
@@ -37,6 +44,7 @@ FilterOutcome CovarianceFilter::update(PartiallyLinearMap& measurement, const Ei
   whitened_ = innovation.value;
   innovation_factor_.triangularView<Eigen::Lower>().solveInPlace(whitened_);
   estimate_.mean.noalias() += gain_ * whitened_;
+  estimate_.covariance.diagonal() *= 1.0 + rounding_allowance;
   add_symmetric_product(gain_, gain_, -1.0, estimate_.covariance);
   score(innovation, innovation_factor_, whitened_);
   return FilterOutcome::usable;

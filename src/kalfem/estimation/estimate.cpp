@@ -23,7 +23,8 @@ void check(const Observer& observer, const Record& record, const EstimationOptio
   const Index l = observer.form().outputs().state.rows(), n_u = observer.system().input_count();
   if (record.measurements.rows() != l || record.noise.rows() != l || record.noise.cols() != l)
     issues.add({}, "record or noise does not have one channel a sensor", "");
-  if (record.inputs.rows() != 3 * n_u || record.inputs.cols() != record.measurements.cols())
+  const Index samples = record.measurements.cols(), fine = (samples - 1) * observer.options().substeps + 1;
+  if (record.inputs.rows() != 3 * n_u || (record.inputs.cols() != samples && record.inputs.cols() != fine))
     issues.add({}, "inputs and measurements do not have the same samples", "");
   if (!record.inputs.allFinite()) issues.add({}, "an input is not finite", "the observer is driven by it");
   if (!record.noise.allFinite() || (record.noise.diagonal().array() < 0.0).any())
@@ -47,6 +48,7 @@ class Pass {
  public:
   Pass(const Observer& observer, const Record& record, const EstimationOptions& options)
       : observer_(observer), record_(record), options_(options), filter_(make_filter(options.filter, options.unscented)),
+        input_stride_(record.inputs.cols() > record.measurements.cols() ? observer.options().substeps : 1),
         transition_(observer), measurement_(observer, observer.form().outputs()) {
     if (options.monitored.size() > 0)
       monitored_.emplace(observer, observer.form().raw_outputs(options.monitored));
@@ -63,7 +65,7 @@ class Pass {
       result_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
       if (outcome == FilterOutcome::usable) outcome = keep(k);
       if (outcome != FilterOutcome::usable) {
-        result_.failure = {outcome, static_cast<double>(k) * observer_.step().step, to_string(outcome)};
+        result_.failure = {outcome, static_cast<double>(k) * observer_.options().step, to_string(outcome)};
         break;
       }
       if (options_.progress && k % 512 == 0)
@@ -89,14 +91,17 @@ class Pass {
   }
 
   FilterOutcome predict(Index k) {
-    transition_.set_inputs(record_.inputs.col(k - 1), record_.inputs.col(k));
+    if (input_stride_ > 1)
+      transition_.set_inputs(record_.inputs.middleCols((k - 1) * input_stride_, input_stride_ + 1));
+    else
+      transition_.set_inputs(record_.inputs.col(k - 1), record_.inputs.col(k));
     return filter_->predict(transition_, observer_.process_noise());
   }
 
   FilterOutcome update(Index k) {
     select_measured(k);
     if (rows_.empty()) return FilterOutcome::usable;
-    measurement_.set_inputs(record_.inputs.col(k));
+    measurement_.set_inputs(record_.inputs.col(k * input_stride_));
     const auto outcome = filter_->update(measurement_, noise_, record_.measurements(rows_, k), innovation_);
     if (outcome != FilterOutcome::usable) return outcome;
     result_.innovation(rows_, k) = innovation_.value;
@@ -129,7 +134,7 @@ class Pass {
       result_.unknowns.deviation(i, k) = transform.slope(state) * result_.state.deviation(layout.unknown() + i, k);
     }
     if (!monitored_) return FilterOutcome::usable;
-    monitored_->set_inputs(record_.inputs.col(k));
+    monitored_->set_inputs(record_.inputs.col(k * input_stride_));
     const auto outcome = filter_->observe(*monitored_, output_mean_, output_deviation_);
     if (outcome != FilterOutcome::usable) return outcome;
     result_.monitored.mean.col(k) = output_mean_;
@@ -141,6 +146,7 @@ class Pass {
   const Record& record_;
   const EstimationOptions& options_;
   std::unique_ptr<Filter> filter_;
+  Index input_stride_;  ///< columns of the inputs per sample
   TransitionMap transition_;
   InstantMap measurement_;
   std::optional<InstantMap> monitored_;

@@ -22,7 +22,7 @@ struct EstimationOptions {
 /// What the sensors recorded and what drove the structure. A value that is not a number is a sample that is missing.
 struct Record {
   Eigen::MatrixXd measurements;  ///< l x samples
-  Eigen::MatrixXd inputs;        ///< [r; r'; r''], 3 n_u x samples
+  Eigen::MatrixXd inputs;        ///< [r; r'; r''], 3 n_u x samples, or at every substep, 3 n_u x ((samples - 1) substeps + 1)
   Eigen::MatrixXd noise;         ///< R, l x l
 };
 

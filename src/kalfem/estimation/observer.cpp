@@ -49,12 +49,18 @@ void check_deviation(const VectorXd& values, const std::string& what, IssueList&
                "zero says that it is known exactly");
 }
 
+ObserverOptions checked(ObserverOptions options) {
+  if (options.substeps < 1)
+    throw InvalidInput("the observer has " + std::to_string(options.substeps) + " substeps", "it needs at least one", "");
+  return options;
+}
+
 }  // namespace
 
 Observer::Observer(const LocallyNonlinearSystem& system, const OutputMap& sensors,
                    const std::vector<MeasurementChain>& chains, ObserverOptions options)
-    : system_(system), options_(std::move(options)), form_(system_, sensors, chains, options_.inputs),
-      step_(form_, options_.step),
+    : system_(system), options_(checked(std::move(options))), form_(system_, sensors, chains, options_.inputs),
+      step_(form_, options_.step / options_.substeps),
       layout_{system.size(), form_.size(), system.connector_states(), static_cast<Index>(options_.unknowns.size()),
               options_.keep_initial_state} {
   check();
@@ -150,12 +156,12 @@ void Observer::set_process_noise() {
   process_noise_ = MatrixXd::Zero(layout_.size(), layout_.size());
   if (!density.isZero(0.0))
     process_noise_.topLeftCorner(layout_.linear, layout_.linear) =
-        process_noise_covariance(form_.dynamics(), density, step_.step);
-  process_noise_.diagonal().segment(layout_.connector_state(), s) = step_.step * noise.connector_states.cwiseAbs2();
+        process_noise_covariance(form_.dynamics(), density, options_.step);
+  process_noise_.diagonal().segment(layout_.connector_state(), s) = options_.step * noise.connector_states.cwiseAbs2();
   for (Index i = 0; i < layout_.unknowns; ++i) {
     const auto& unknown = options_.unknowns[static_cast<std::size_t>(i)];
     const double walk = unknown.random_walk / unknown.transform.slope(unknown.transform.to_state(unknown.initial));
-    process_noise_(layout_.unknown() + i, layout_.unknown() + i) = step_.step * walk * walk;
+    process_noise_(layout_.unknown() + i, layout_.unknown() + i) = options_.step * walk * walk;
   }
 }
 

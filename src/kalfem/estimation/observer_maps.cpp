@@ -43,64 +43,87 @@ bool solve_instant(const Observer& observer, const ArrayXXd& in, Index states_co
 }  // namespace
 
 TransitionMap::TransitionMap(const Observer& observer)
-    : observer_(&observer), begin_(observer.system(), observer.options().forces),
-      end_(observer.system(), observer.options().forces) {
+    : observer_(&observer), parts_(observer.options().substeps), forces_(observer.system(), observer.options().forces) {
   const auto& layout = observer.layout();
   const auto& step = observer.step();
   const MatrixXd& motion = observer.form().motion().state;
   const Index n = layout.size(), x = layout.linear, s = layout.connector_states, m = step.begin_force.cols();
 
-  linear = MatrixXd::Identity(n, n);
-  linear.topLeftCorner(x, x) = step.transition;
-  linear.block(x, x, s, s).setZero();
-  gain = MatrixXd::Zero(n, 2 * m + s);
-  gain.topRows(x).leftCols(2 * m) << step.begin_force, step.end_force;
-  gain.block(x, 2 * m, s, s).setIdentity();
-
-  selection = MatrixXd::Zero(6 * m + s + layout.unknowns, n);
+  selection = MatrixXd::Zero(3 * m * (parts_ + 1) + s + layout.unknowns, n);
+  force_motion_ = MatrixXd::Zero(3 * m * parts_, m * parts_);
+  MatrixXd transition = MatrixXd::Identity(x, x), forces = MatrixXd::Zero(x, m * (parts_ + 1));
   selection.topRows(3 * m).leftCols(x) = motion;
-  selection.middleRows(3 * m, 3 * m).leftCols(x) = motion * step.transition;
-  select_states_and_unknowns(layout, 6 * m, selection);
-  begin_force_motion_ = motion * step.begin_force;
+  for (Index part = 1; part <= parts_; ++part) {
+    transition = step.transition * transition;
+    forces = step.transition * forces;
+    forces.middleCols((part - 1) * m, m) += step.begin_force;
+    selection.middleRows(3 * m * part, 3 * m).leftCols(x) = motion * transition;
+    force_motion_.middleRows(3 * m * (part - 1), 3 * m) = motion * forces.leftCols(m * parts_);
+    forces.middleCols(part * m, m) += step.end_force;
+  }
+  select_states_and_unknowns(layout, 3 * m * (parts_ + 1), selection);
+
+  linear = MatrixXd::Identity(n, n);
+  linear.topLeftCorner(x, x) = transition;
+  linear.block(x, x, s, s).setZero();
+  gain = MatrixXd::Zero(n, m * (parts_ + 1) + s);
+  gain.topRows(x).leftCols(forces.cols()) = forces;
+  gain.block(x, forces.cols(), s, s).setIdentity();
   offset = VectorXd::Zero(n);
   input_offset = VectorXd::Zero(selection.rows());
 }
 
-void TransitionMap::set_inputs(const Ref<const VectorXd>& begin, const Ref<const VectorXd>& end) {
+void TransitionMap::set_inputs(const Ref<const MatrixXd>& inputs) {
   const auto& step = observer_->step();
   const auto& motion = observer_->form().motion();
   const Index m3 = motion.state.rows();
-  drive_.noalias() = step.begin_input * begin;
-  drive_.noalias() += step.end_input * end;
+  input_offset.head(m3).noalias() = motion.input * inputs.col(0);
+  for (Index part = 1; part <= parts_; ++part) {
+    moved_.noalias() = step.begin_input * inputs.col(part - 1);
+    if (part > 1) moved_.noalias() += step.transition * drive_;
+    moved_.noalias() += step.end_input * inputs.col(part);
+    drive_.swap(moved_);
+    input_offset.segment(part * m3, m3).noalias() = motion.state * drive_;
+    input_offset.segment(part * m3, m3).noalias() += motion.input * inputs.col(part);
+  }
   offset.head(drive_.size()) = drive_;
-  input_offset.head(m3).noalias() = motion.input * begin;
-  input_offset.segment(m3, m3).noalias() = motion.state * drive_;
-  input_offset.segment(m3, m3).noalias() += motion.input * end;
+}
+
+void TransitionMap::set_inputs(const Ref<const VectorXd>& begin, const Ref<const VectorXd>& end) {
+  interpolated_.resize(begin.size(), parts_ + 1);
+  for (Index part = 0; part <= parts_; ++part)
+    interpolated_.col(part) = begin + (end - begin) * (static_cast<double>(part) / static_cast<double>(parts_));
+  set_inputs(interpolated_);
 }
 
 bool TransitionMap::evaluate(const ArrayXXd& in, ArrayXXd& out) {
   const auto& layout = observer_->layout();
-  const Index m = begin_force_motion_.cols(), states = 6 * m;
-  fit_points(begin_, in.rows());
-  fit_points(end_, in.rows());
-  set_unknowns(*observer_, in, states + layout.connector_states, begin_);
-  set_unknowns(*observer_, in, states + layout.connector_states, end_);
-  if (!solve_instant(*observer_, in, states, begin_)) return false;
-
-  for (Index row = 0; row < 3 * m; ++row) {
-    end_.free_motion().col(row) = in.col(3 * m + row);
-    for (Index j = 0; j < m; ++j)
-      end_.free_motion().col(row) += begin_force_motion_(row, j) * begin_.force().col(j);
+  const Index m = forces_.force().cols(), states = 3 * m * (parts_ + 1);
+  fit_points(forces_, in.rows());
+  set_unknowns(*observer_, in, states + layout.connector_states, forces_);
+  if (!solve_instant(*observer_, in, states, forces_)) return false;
+  out.leftCols(m) = forces_.force();
+  for (Index part = 1; part <= parts_; ++part) {
+    forces_.begin_motion() = forces_.motion();
+    if (part > 1) forces_.begin_states() = forces_.states();
+    if (!solve_part(part, in, out)) return false;
+    out.middleCols(part * m, m) = forces_.force();
   }
-  end_.begin_motion() = begin_.motion();
-  end_.begin_states() = begin_.begin_states();
-  end_.force() = begin_.force();
-  const auto outcome = end_.solve(observer_->step().compliance, observer_->step().step);
-  if (!outcome.finite || !outcome.converged) return false;
-  out.leftCols(m) = begin_.force();
-  out.middleCols(m, m) = end_.force();
-  out.rightCols(layout.connector_states) = end_.states();
+  out.rightCols(layout.connector_states) = forces_.states();
   return true;
+}
+
+/// Forces at the end of one part from those at the ends of the earlier ones, in the columns of `out`.
+bool TransitionMap::solve_part(Index part, const ArrayXXd& in, const ArrayXXd& out) {
+  const Index m3 = forces_.free_motion().cols(), earlier = part * (m3 / 3);
+  for (Index row = 0; row < m3; ++row) {
+    forces_.free_motion().col(row) = in.col(part * m3 + row);
+    for (Index j = 0; j < earlier; ++j)
+      if (const double weight = force_motion_((part - 1) * m3 + row, j); weight != 0.0)
+        forces_.free_motion().col(row) += weight * out.col(j);
+  }
+  const auto outcome = forces_.solve(observer_->step().compliance, observer_->step().step);
+  return outcome.finite && outcome.converged;
 }
 
 InstantMap::InstantMap(const Observer& observer, LinearOutput output)

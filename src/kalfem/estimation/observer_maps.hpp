@@ -8,28 +8,38 @@
 
 namespace kalfem {
 
-/// Transition of the augmented state over one sample interval. Channels in: connector motion at the begin (3m) and, as far
-/// as the linear part gives it, at the end (3m), internal states, unknowns. Channels out: forces at begin and end, internal
-/// states at the end.
+/// Transition of the augmented state over one sample interval, in N equal parts over which the connector forces are
+/// linear:
+///     x_i = A_h x_(i-1) + G_0 f_(i-1) + G_1 f_i + drive_i,   i = 1 ... N.
+/// Channels in: connector motion at the begin and, as far as the linear part and the inputs give it, at the end of each
+/// part (3m each), internal states, unknowns. Channels out: the N + 1 forces, internal states at the end. The state
+/// itself is moved once over the whole interval.
 class TransitionMap final : public PartiallyLinearMap {
- public:
+public:
   explicit TransitionMap(const Observer& observer);
 
-  /// Inputs [r; r'; r''] at the begin and the end of the interval.
+  /// Inputs [r; r'; r''] at the N + 1 instants, 3 n_u x (N + 1).
+  void set_inputs(const Eigen::Ref<const Eigen::MatrixXd>& inputs);
+  /// The same for inputs that are linear over the whole interval.
   void set_inputs(const Eigen::Ref<const Eigen::VectorXd>& begin, const Eigen::Ref<const Eigen::VectorXd>& end);
   bool evaluate(const Eigen::ArrayXXd& in, Eigen::ArrayXXd& out) override;
 
- private:
+private:
+  bool solve_part(Eigen::Index part, const Eigen::ArrayXXd& in, const Eigen::ArrayXXd& out);
+
   const Observer* observer_;
-  ConnectorForces begin_, end_;
-  Eigen::MatrixXd begin_force_motion_;  ///< connector motion at the end per force at the begin, 3m x m
-  Eigen::VectorXd drive_;
+  Eigen::Index parts_;
+  ConnectorForces forces_;
+  Eigen::MatrixXd
+      force_motion_;  ///< connector motion at the end of part i per earlier force j, block (i - 1, j), 3m x m each
+  Eigen::MatrixXd interpolated_;
+  Eigen::VectorXd drive_, moved_;
 };
 
-/// Outputs at an instant as a function of the augmented state, through the connector forces of that instant. Channels in:
-/// connector motion without the forces (3m), internal states, unknowns. Channels out: forces.
+/// Outputs at an instant as a function of the augmented state, through the connector forces of that instant. Channels
+/// in: connector motion without the forces (3m), internal states, unknowns. Channels out: forces.
 class InstantMap final : public PartiallyLinearMap {
- public:
+public:
   InstantMap(const Observer& observer, LinearOutput output);
 
   void set_inputs(const Eigen::Ref<const Eigen::VectorXd>& inputs);
@@ -37,7 +47,7 @@ class InstantMap final : public PartiallyLinearMap {
   void select_rows(const std::vector<Eigen::Index>& rows);
   bool evaluate(const Eigen::ArrayXXd& in, Eigen::ArrayXXd& out) override;
 
- private:
+private:
   const Observer* observer_;
   LinearOutput all_;
   Eigen::MatrixXd input_;

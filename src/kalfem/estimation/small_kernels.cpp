@@ -140,13 +140,25 @@ bool small(const MatrixXd& a, Index depth) { return std::max({a.rows(), a.cols()
 
 }  // namespace
 
-void multiply(const MatrixXd& a, const MatrixXd& b, MatrixXd& out) {
-  if (!small(b, a.rows())) {
-    out.noalias() = a * b;
-    return;
+void multiply(const MatrixXd& a, const MatrixXd& b, bool b_is_lower, MatrixXd& out) {
+  const Index depth = b.rows(), columns = b.cols(), panel = small(b, a.rows()) ? 6 : 48;
+  out.resize(a.rows(), columns);
+  for (Index j = 0; j < columns; j += panel) {
+    const Index width = std::min(panel, columns - j), first = b_is_lower ? j : 0, left = depth - first;
+    if (panel > 6) {
+      out.middleCols(j, width).noalias() = a.rightCols(left) * b.block(first, j, left, width);
+    } else {
+      out.middleCols(j, width).setZero();
+      add_product(a.rows(), width, left, a.data() + first * a.rows(), plain(b).from(first, j), 1.0, false,
+                  out.data() + j * a.rows());
+    }
   }
-  out.setZero(a.rows(), b.cols());
-  add_product(a.rows(), b.cols(), a.cols(), a.data(), plain(b), 1.0, false, out.data());
+}
+
+bool is_lower(const MatrixXd& matrix) {
+  for (Index j = 1; j < matrix.cols(); ++j)
+    if (!(matrix.col(j).head(std::min(j, matrix.rows())).array().abs().sum() == 0.0)) return false;
+  return true;
 }
 
 void multiply_transposed(const MatrixXd& a, const MatrixXd& b, MatrixXd& out) {

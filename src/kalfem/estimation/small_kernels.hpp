@@ -10,8 +10,10 @@ namespace kalfem {
 
 constexpr Eigen::Index small_dimension = 64;  ///< above it Eigen's blocked routines are as fast or faster
 
-/// out = A B.
-void multiply(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, Eigen::MatrixXd& out);
+/// out = A B, with half the work where B is known to be lower triangular.
+void multiply(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, bool b_is_lower, Eigen::MatrixXd& out);
+/// Whether nothing but zeros stands above the diagonal.
+bool is_lower(const Eigen::MatrixXd& matrix);
 /// out = A B^T.
 void multiply_transposed(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, Eigen::MatrixXd& out);
 /// out += A B^T.

@@ -35,6 +35,7 @@ UnscentedTransform UnscentedTransform::linearised() {
 bool UnscentedTransform::apply(PartiallyLinearMap& map, const VectorXd& mean, const MatrixXd& factor) {
   UnscentedWeights weights(options_, factor.cols());
   if (linearised_) weights.spread = linearisation_spread, weights.mean_centre = 1.0, weights.other = 0.0;
+  lower_ = is_lower(factor);
   place_points(map, mean, factor, weights.spread);
   out_.resize(in_.rows(), map.gain.cols());
   if (!map.evaluate(in_, out_)) return false;
@@ -43,7 +44,7 @@ bool UnscentedTransform::apply(PartiallyLinearMap& map, const VectorXd& mean, co
   mean_ = map.offset;
   mean_.noalias() += map.linear * mean;
   mean_.noalias() += map.gain * channel_mean_;
-  multiply(map.linear, factor, deviations_);
+  multiply(map.linear, factor, lower_, deviations_);
   add_product_transposed(map.gain, delta_, deviations_);
   return true;
 }
@@ -53,7 +54,7 @@ void UnscentedTransform::place_points(const PartiallyLinearMap& map, const Vecto
                                       double spread) {
   const Index n = factor.cols(), q = map.selection.rows();
   in_.resize(2 * n + 1, q);
-  multiply(map.selection, factor, selected_);
+  multiply(map.selection, factor, lower_, selected_);
   channel_factor_ = selected_.transpose();
   centre_ = map.input_offset;
   centre_.noalias() += map.selection * mean;

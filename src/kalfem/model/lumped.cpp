@@ -107,13 +107,14 @@ GroundCoupling& coupling_of(LinearModel& model, const std::string& ground) {
 Eigen::MatrixXd material_damping(const LumpedSubstructure& substructure, const LinearModel& model) {
   const auto& [alpha, beta] = substructure.rayleigh;
   Eigen::MatrixXd damping = alpha * model.mass + beta * model.stiffness;
-  if (!substructure.modal_damping.empty())
+  if (!substructure.modal_damping.empty() && model.size() > 0)
     damping += modal_damping(model.mass, normal_modes(model.mass, model.stiffness), substructure.modal_damping);
   return damping;
 }
 
 /// Shape in which the model follows a slowly moving ground, K s = k_g: material damping acts on the motion relative to it.
 Eigen::VectorXd pseudo_static_shape(const Eigen::MatrixXd& stiffness, const Eigen::VectorXd& ground_stiffness) {
+  if (stiffness.size() == 0) return ground_stiffness;
   return stiffness.completeOrthogonalDecomposition().solve(ground_stiffness);
 }
 

@@ -47,7 +47,7 @@ class IdentifiedConnector {
   }
 
   /// Curve with the band that the parameters' covariance gives to first order.
-  [[nodiscard]] Series curve(const VectorXd& x, const VectorXd& deformation, const VectorXd& rate) const {
+  [[nodiscard]] Series curve(const VectorXd& deformation, const VectorXd& rate) const {
     const auto& law = *stage_.observer->system().connectors[static_cast<std::size_t>(connector_)].law;
     const VectorXd mean = force(law, parameters(state_), deformation, rate);
     MatrixXd slope(mean.size(), state_.size());
@@ -59,7 +59,7 @@ class IdentifiedConnector {
     }
     const VectorXd width = normal_quantile(0.975) * ((slope * covariance_).cwiseProduct(slope)).rowwise().sum().cwiseMax(0.0).cwiseSqrt();
     return {.label = "identified, 95 %", .y = values(mean), .lower = values(mean - width), .upper = values(mean + width),
-            .role = Role::estimate, .x = values(x)};
+            .role = Role::estimate};
   }
 
  private:
@@ -91,10 +91,10 @@ Chart characteristic(const Study& study, const EstimationStage& stage, Index ind
               .title = connector.name + (over_rate ? ": force over rate" : ": force over deformation"),
               .caption = over_rate ? "At zero deformation." : "At rest.",
               .x_label = over_rate ? "deformation rate [m/s]" : "deformation [m]", .y_label = "force [N]",
-              .series = {IdentifiedConnector(stage, index).curve(x, deformation, rate)}, .scatter = true};
+              .x = values(x), .series = {IdentifiedConnector(stage, index).curve(deformation, rate)}, .half_width = true};
   if (const auto* truth = true_connector(study, connector.name))
     chart.series.push_back({.label = "true", .y = values(force(*truth->law, truth->parameters, deformation, rate)),
-                            .role = Role::truth, .x = values(x)});
+                            .role = Role::truth});
   return chart;
 }
 

@@ -76,7 +76,7 @@ Chart motion_chart(const Study& study, const EstimationStage& stage, const Point
               .y_label = "displacement [m]", .x = times(stage.measurements),
               .series = {with_band("estimate", point.mean, point.deviation, Role::estimate)}};
   if (point.truth.size() > 0) chart.series.push_back({.label = "simulated", .y = values(point.truth), .role = Role::truth});
-  if (point.nrmse) chart.caption = fmt::format("NRMSE {:.3f} % after {} s.", 100.0 * *point.nrmse, shown(study.given.estimate->settle));
+  if (point.nrmse) chart.caption = fmt::format("NRMSE {:.3f} % after {} s.", 100.0 * *point.nrmse, four_digits(study.given.estimate->settle));
   if (zoomed) chart.x_window = AxisRange{from, std::min(from + study.given.report.zoom, chart.x.back())};
   return chart;
 }

@@ -35,7 +35,7 @@ std::string padded(const std::string& text, std::size_t columns, bool right) {
 
 }  // namespace
 
-std::string shown(double value) { return std::isfinite(value) ? fmt::format("{:.4g}", value) : "-"; }
+std::string four_digits(double value) { return std::isfinite(value) ? fmt::format("{:.4g}", value) : "-"; }
 
 Table parameter_table(const Study& study, const EstimationStage& stage) {
   Table table{"Parameters", {"parameter", "unit", "initial", "estimate", "std", "truth", "error"}, {}, {}};
@@ -45,8 +45,8 @@ Table parameter_table(const Study& study, const EstimationStage& stage) {
     const auto& unknown = stage.observer->options().unknowns[i];
     const auto& truth = study.observer->true_parameters[i];
     const double estimate = stage.result.unknowns.mean(row, last);
-    table.rows.push_back({unknown.name, unknown.unit, shown(unknown.initial), shown(estimate),
-                          shown(stage.result.unknowns.deviation(row, last)), truth ? shown(*truth) : "-",
+    table.rows.push_back({unknown.name, unknown.unit, four_digits(unknown.initial), four_digits(estimate),
+                          four_digits(stage.result.unknowns.deviation(row, last)), truth ? four_digits(*truth) : "-",
                           truth && *truth != 0.0 ? per_cent(estimate / *truth - 1.0) : "-"});
   }
   return table;
@@ -80,7 +80,7 @@ Table open_loop_table(const EstimationStage& stage) {
   Table table{"Open loop against the record", {"sensor", "NRMSE about rest", "rest error"}, {}, {}};
   for (std::size_t i = 0; i < stage.open_loop_nrmse.size(); ++i)
     table.rows.push_back({stage.measurements.channels[i].name, fmt::format("{:.3f}", stage.open_loop_nrmse[i]),
-                          shown(stage.open_loop_rest_error[i]) + " " + stage.measurements.channels[i].unit});
+                          four_digits(stage.open_loop_rest_error[i]) + " " + stage.measurements.channels[i].unit});
   return table;
 }
 
@@ -109,7 +109,7 @@ std::string console_report(const Study& study, const StudyResults& results) {
   if (results.simulation) {
     const auto& reference = results.simulation->reference;
     text += fmt::format("Reference: {} degrees of freedom, {} s at {} Hz, {} steps a sample (last change {}), {:.1f} s\n\n",
-                        study.model->system().size(), shown(study.given.simulate->duration), shown(study.sample_rate()),
+                        study.model->system().size(), four_digits(study.given.simulate->duration), four_digits(study.sample_rate()),
                         reference.substeps, per_cent(reference.last_change), results.simulation->seconds);
   }
   if (results.estimation) {
@@ -121,7 +121,7 @@ std::string console_report(const Study& study, const StudyResults& results) {
                         stage.measurements.samples(), 1e6 * stage.result.seconds / static_cast<double>(stage.measurements.samples()),
                         static_cast<double>(stage.measurements.samples()) / stage.measurements.sample_rate / stage.result.seconds);
     if (const auto table = error_table("", stage.points); !table.rows.empty())
-      text += fmt::format("Estimated motion, NRMSE after {} s\n", shown(study.given.estimate->settle)) + to_text(table) + "\n";
+      text += fmt::format("Estimated motion, NRMSE after {} s\n", four_digits(study.given.estimate->settle)) + to_text(table) + "\n";
     if (stage.open_loop) text += "Open loop from the estimated parameters and initial state\n" + to_text(open_loop_table(stage)) + "\n";
   }
   if (results.prediction)

@@ -21,6 +21,6 @@ std::string console_report(const Study& study, const StudyResults& results);
 std::string to_text(const Table& table);
 
 /// Four significant digits.
-std::string shown(double value);
+std::string four_digits(double value);
 
 }  // namespace kalfem

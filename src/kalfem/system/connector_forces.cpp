@@ -15,7 +15,7 @@ bool all_finite(const ArrayXXd& values) { return (0.0 * values).sum() == 0.0; }
 /// Whether a > b anywhere; false where it is undefined.
 template <class A, class B>
 bool exceeds(const A& a, const B& b) {
-  return (a - b).template maxCoeff<Eigen::PropagateNaN>() > 0.0;
+  return (a - b).max(0.0).sum() > 0.0;
 }
 
 }  // namespace
@@ -85,8 +85,8 @@ bool ConnectorForces::feels_its_forces(const MatrixXd& compliance) const {
 
 void ConnectorForces::set_motion(const MatrixXd& compliance) {
   for (Index row = 0; row < motion_.cols(); ++row) {
-    motion_.col(row) = free_motion_.col(row);
-    for (Index j = 0; j < force_.cols(); ++j)
+    motion_.col(row) = free_motion_.col(row) + compliance(row, 0) * force_.col(0);
+    for (Index j = 1; j < force_.cols(); ++j)
       if (compliance(row, j) != 0.0) motion_.col(row) += compliance(row, j) * force_.col(j);
   }
 }
