@@ -51,7 +51,7 @@ void dsyrk(const MatrixXd& in, MatrixXd& out) {
 
 void own_rank_update(const MatrixXd& in, MatrixXd& out) {
   out.setZero();
-  add_symmetric_product(in, in, 1.0, out);
+  add_symmetric_product(in, in, out);
 }
 
 void eigen_full_product(const MatrixXd& in, MatrixXd& out) { out.noalias() = in * in.transpose(); }

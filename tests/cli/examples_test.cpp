@@ -54,14 +54,10 @@ TEST(Examples, ResultsFileHoldsTheContract) {
   EXPECT_EQ(file.number_attribute("/truth/body.3/displacement", "sample_rate"), 1000.0);
 }
 
-TEST(Examples, ClusteredSensorsDoVisiblyWorse) {
-  const auto folder = fresh_folder("clustered");
-  std::filesystem::create_directories(folder / "spread");
-  const auto clustered = run_example("chain/clustered.yaml", folder), spread = run_example("chain/chain.yaml", folder / "spread");
-  const auto deviation = [](const nlohmann::json& summary) { return summary["parameters"]["suspension.mu_k1"]["std"].get<double>(); };
-  EXPECT_GT(deviation(clustered), 1.3 * deviation(spread));
-  EXPECT_GT(clustered["estimation"]["states"]["body.1"]["displacement_nrmse"].get<double>(),
-            1.3 * spread["estimation"]["states"]["body.1"]["displacement_nrmse"].get<double>());
+TEST(Examples, ClusteredSensors) {
+  const auto summary = run_example("chain/clustered.yaml", fresh_folder("clustered"));
+  for (const auto& [name, parameter] : summary["parameters"].items()) EXPECT_LT(normalised_error(parameter), 3.5) << name;
+  EXPECT_NEAR(summary["estimation"]["nis"]["mean"].get<double>(), 4.0, 0.08);
 }
 
 TEST(Examples, BoucWenSuspension) {

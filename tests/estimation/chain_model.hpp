@@ -51,6 +51,11 @@ struct Chain {
                               {.sample_rate = sample_rate, .max_substeps = 64, .tolerance = 2e-3});
   }
 
+  /// [r; r'; r''] of the road at `rate`, 3 x count.
+  [[nodiscard]] Eigen::MatrixXd inputs(double sample_rate, Eigen::Index count) const {
+    return road->sample(0.0, 1.0 / sample_rate, count).matrix().transpose();
+  }
+
   /// Leaves one measurement in `every`: the observer's step is then finer than the sampling interval.
   static void thin_out(Record& record, Eigen::Index every) {
     for (Eigen::Index k = 0; k < record.measurements.cols(); ++k)

@@ -140,6 +140,11 @@ struct Sensor {
   std::optional<std::string> channel;
 };
 
+struct FreeResponse {
+  double delay = 0.0;             ///< the case begins so long after the release
+  double threshold = 5e-4;        ///< the filter stops when no channel is further from rest than this ...
+  double margin = 0.5;            ///< ... and so long has passed since
+};
 struct Record {
   std::filesystem::path file;
   std::optional<double> sample_rate;
@@ -148,9 +153,7 @@ struct Record {
   std::optional<double> start, end;
   bool skip_missing = false;
   bool repair_splice = false;
-  bool from_release = false;
-  double release_delay = 0.0;
-  std::optional<double> motion_threshold;
+  std::optional<FreeResponse> free_response;
 };
 
 struct PointStart {
@@ -177,6 +180,9 @@ struct Unknown {
 struct PointPrior {
   double displacement = 0.0, velocity = 0.0, displacement_std = 0.0, velocity_std = 0.0;
 };
+struct ConnectorStatePrior {
+  double value = 0.0, std = 0.0;
+};
 struct Noise {
   double acceleration = 0.0;    ///< on every degree of freedom
   Named<double> accelerations;  ///< on single ones
@@ -198,10 +204,10 @@ struct LocalObserver {
 struct Estimation {
   FilterKind filter = FilterKind::unscented;
   UnscentedOptions unscented;
-  std::optional<double> spread;
   Named<Unknown> unknown;
   Named<PointPrior> initial_state;
-  double initial_connector_state_std = 0.0;
+  bool initial_state_from_record = false;
+  Named<ConnectorStatePrior> initial_connector_states;
   Noise process_noise;
   double settle = 2.0;
   std::optional<LocalObserver> local;

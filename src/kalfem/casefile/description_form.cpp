@@ -136,6 +136,13 @@ Form<Sensor> sensor() {
 }
 
 Form<Record> record() {
+  const auto free_response =
+      Fields<FreeResponse>()
+          .optional("delay", &FreeResponse::delay, number("s", nonnegative()), "begin so long after the release")
+          .optional("threshold", &FreeResponse::threshold, number("m", positive()),
+                    "the filter stops when no channel is further from rest")
+          .optional("margin", &FreeResponse::margin, number("s", nonnegative()), "and so much later");
+
   return mapping(
       Fields<Record>()
           .required("file", &Record::file, path(), "measured record: .csv, .lvm or .h5")
@@ -147,13 +154,10 @@ Form<Record> record() {
           .optional("skip_missing", &Record::skip_missing, boolean(),
                     "NaN in the record: skip the sample, not an error")
           .optional("repair_splice", &Record::repair_splice, boolean(),
-                    "find a place where the record was spliced together and put the missing samples back as missing")
-          .optional("from_release", &Record::from_release, boolean(),
-                    "find the release of a held structure and begin there (start is then not used)")
-          .optional("release_delay", &Record::release_delay, number("s", nonnegative()),
-                    "begin so long after the release")
-          .optional("motion_threshold", &Record::motion_threshold, number("m", positive()),
-                    "end the case half a second after the channels last left their rest position by this much"));
+                    "find a place where two recordings were put together and leave the samples missing there out")
+          .optional("free_response", &Record::free_response, mapping(free_response),
+                    "a structure is held, released and comes to rest: find both, take the record about the rest"));
+
 }
 
 Form<Simulation> simulation() {

@@ -54,7 +54,12 @@ Form<Estimation> estimation() {
                          .optional("velocity", &PointPrior::velocity, number("m/s"), "mean")
                          .optional("displacement_std", &PointPrior::displacement_std, deviation("m"), "deviation")
                          .optional("velocity_std", &PointPrior::velocity_std, deviation("m/s"), "deviation");
+  const auto connector_state =
+      Fields<ConnectorStatePrior>()
+          .optional("value", &ConnectorStatePrior::value, number("-"), "mean, in the state's SI unit")
+          .optional("std", &ConnectorStatePrior::std, deviation("-"), "deviation, in the state's SI unit");
   const auto noise = Fields<Noise>()
+
                          .optional("acceleration", &Noise::acceleration, deviation("m/s^2/sqrt(Hz)"),
                                    "white acceleration on every degree of freedom")
                          .optional("accelerations", &Noise::accelerations,
@@ -71,15 +76,17 @@ Form<Estimation> estimation() {
                                         {"ekf", FilterKind::extended, "first-order linearisation"}}),
                     "the estimator")
           .inlined(&Estimation::unscented, unscented)
-          .optional("spread", &Estimation::spread, number("-", Bounds::positive()),
-                    "distance of the sigma points in standard deviations, in place of alpha and kappa")
+          
           .optional("unknown", &Estimation::unknown, named(unknown(), NameRule::dotted),
                     "unknown parameters: connector.parameter, substructure.spring.stiffness, ....damping, "
                     "substructure.mass.mass, or a name with applies_to")
           .optional("initial_state", &Estimation::initial_state, named(mapping(prior), NameRule::dotted),
                     "degrees of freedom that do not surely start at rest at zero; `all` for every one")
-          .optional("initial_connector_state_std", &Estimation::initial_connector_state_std,
-                    number("-", Bounds::nonnegative()), "deviation of the internal states at the start")
+          .optional("initial_state_from_record", &Estimation::initial_state_from_record, boolean(),
+                    "means of displacements and velocities from the displacement sensors around the first sample")
+          .optional("initial_connector_states", &Estimation::initial_connector_states,
+                    named(mapping(connector_state), NameRule::dotted), "internal states, connector.state")
+          
           .optional("process_noise", &Estimation::process_noise, mapping(noise), "what the model leaves out")
           .optional("settle", &Estimation::settle, deviation("s"), "errors and NIS are summed up from here on")
           .optional("local", &Estimation::local, local_observer(), "hold only a part of the structure in the observer")

@@ -2,6 +2,10 @@
 
 #include <chrono>
 #include <cmath>
+#include <limits>
+
+#include "kalfem/formats/local_polynomial.hpp"
+
 
 namespace kalfem {
 
@@ -81,6 +85,22 @@ MatrixXd observer_inputs(const Study& study, const FullRecord& record) {
   return inputs;
 }
 
+/// Displacements and velocities at the first sample, least squares from the displacement sensors.
+void set_start_from_record(const Study& study, const TimeSeries& series, InitialState& start) {
+  std::vector<OutputDescription> outputs;
+  std::vector<Index> columns;
+  for (const auto& sensor : study.observer->sensors) {
+    if (sensor.output.quantity != ObservedQuantity::displacement) continue;
+    outputs.push_back(sensor.output);
+    columns.push_back(series.find(sensor.name));
+  }
+  const OutputMap map = make_outputs(*study.observer->model, outputs);
+  const auto motion = local_motion(series, 0, {.half_window = 3.0 / series.sample_rate, .degree = 2});
+  const auto inverse = map.displacement.completeOrthogonalDecomposition();
+  start.displacement = inverse.solve(motion.position(columns).eval());
+  start.velocity = inverse.solve(motion.velocity(columns).eval());
+}
+
 /// The observer's options with what only the record tells: the noise of accelerations that drive it, sensor states.
 ObserverOptions completed_options(const Study& study, const FullRecord& record) {
   ObserverOptions options = study.observer->options;
@@ -98,6 +118,8 @@ ObserverOptions completed_options(const Study& study, const FullRecord& record) 
     largest = std::max(largest, rms(channel.array().isNaN().select(0.0, channel)));
   }
   options.prior.sensor_state_deviation = 0.1 * largest;
+  if (study.given.estimate->initial_state_from_record) set_start_from_record(study, record.series, options.prior.mean);
+
   return options;
 }
 
@@ -162,15 +184,13 @@ void simulate_open_loop(const Study& study, EstimationStage& stage) {
                                       {.sample_rate = study.sample_rate(), .first_substeps = 1, .max_substeps = 64});
   stage.open_loop = std::move(reference.simulation);
   stage.open_loop_sensors = std::move(reference.sensors);
-  const Index tail = std::max<Index>(1, (last + 1) / 20);
+  const Index tail = std::max<Index>(1, (last + 1) / 20);  // where the structure rests at the end
+
   for (Index j = 0; j < stage.measurements.values.cols(); ++j) {
     const VectorXd measured = stage.measurements.values.col(j);
     const auto present = measured.array().isNaN();
-    const double rest =
-        study.record
-            ? study.record
-                  ->rest[study.record->series.find(stage.measurements.channels[static_cast<std::size_t>(j)].name)]
-            : 0.0;
+    const VectorXd end = measured.tail(tail), known = end.array().isNaN().select(0.0, end);
+    const double rest = known.sum() / std::max(1.0, static_cast<double>((!end.array().isNaN()).count()));
     const VectorXd error = present.select(0.0, stage.open_loop_sensors.col(j) - measured);
     const VectorXd about_rest = present.select(0.0, measured.array() - rest);
     stage.open_loop_nrmse.push_back(rms(error) / std::max(rms(about_rest), 1e-300));
@@ -209,11 +229,9 @@ EstimationStage estimate_stage(const Study& study, const StudyResults& results, 
   const auto monitored = monitored_outputs(*setup.model);
   EstimationOptions options{given.filter, given.unscented, given.passes, make_outputs(*setup.model, monitored),
                             progress};
-  if (given.spread) {
-    options.unscented.alpha = *given.spread / std::sqrt(static_cast<double>(stage.observer->layout().size()));
-    options.unscented.kappa = 0.0;
-  }
-  const Record observed{stage.measurements.values.transpose(), observer_inputs(study, record),
+  MatrixXd used = stage.measurements.values.transpose();
+  if (study.record) used.rightCols(used.cols() - study.record->used).setConstant(std::numeric_limits<double>::quiet_NaN());
+  const Record observed{used, observer_inputs(study, record),
                         noise.cwiseAbs2().asDiagonal()};
   stage.result = estimate(*stage.observer, observed, options);
   if (stage.result.failure)

@@ -190,6 +190,17 @@ private:
   std::vector<std::string> moving_;
 };
 
+/// Index of "connector.state" among all internal states, -1 where there is none.
+Index connector_state_index(const LocallyNonlinearSystem& system, const std::string& name) {
+  Index index = 0;
+  for (const auto& connector : system.connectors)
+    for (const auto& state : connector.law->states()) {
+      if (connector.name + "." + state.name == name) return index;
+      ++index;
+    }
+  return -1;
+}
+
 void set_state_prior(const d::Estimation& given, const CoupledModel& model, StatePrior& prior, IssueList& issues) {
   for (const auto& [point, start] : given.initial_state) {
     const auto apply = [&](Index i) {
@@ -207,7 +218,17 @@ void set_state_prior(const d::Estimation& given, const CoupledModel& model, Stat
                          did_you_mean(point, model.system().dofs));
     }
   }
-  prior.connector_state_deviation.setConstant(given.initial_connector_state_std);
+  for (const auto& [name, start] : given.initial_connector_states) {
+    const Index index = connector_state_index(model.system(), name);
+    if (index < 0) {
+      issues.add({}, "estimate.initial_connector_states: there is no internal state '" + name + "'", "",
+                 "write connector.state");
+      continue;
+    }
+    prior.mean.connector_states[index] = start.value;
+    prior.connector_state_deviation[index] = start.std;
+  }
+
 }
 
 void set_noise(const d::Noise& given, const CoupledModel& model, ProcessNoise& noise, IssueList& issues) {

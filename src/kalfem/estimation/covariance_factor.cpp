@@ -25,7 +25,9 @@ bool semidefinite_factor(const MatrixXd& covariance, MatrixXd& factor) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(correlation);
   if (eigen.info() != Eigen::Success || eigen.eigenvalues()[0] < -negative_variance_tolerance) return false;
   const VectorXd roots = eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-  factor = deviation.asDiagonal() * eigen.eigenvectors() * roots.asDiagonal();
+  MatrixXd transposed = roots.asDiagonal() * eigen.eigenvectors().transpose();
+  triangularise(transposed, factor);
+  factor = deviation.asDiagonal() * factor;
   return factor.allFinite();
 }
 

@@ -4,8 +4,9 @@
 
 namespace kalfem {
 
-/// Square root S with S S^T = P of a symmetric positive semi-definite matrix (lower triangle read): Cholesky, and where
-/// P is singular (states known exactly) the eigenvectors of its correlation matrix, which drop directions of no variance. False where P has a negative variance beyond rounding (smaller than -1e-9 of the correlation matrix) or a
+/// Lower triangular S with S S^T = P of a symmetric positive semi-definite matrix (lower triangle read): Cholesky, and
+/// where P is singular (states known exactly) the eigenvectors of its correlation matrix, which drop directions of no
+/// variance. False where P has a negative variance beyond rounding (smaller than -1e-9 of the correlation matrix) or a
 /// value that is not finite. `factor` then holds nothing of use.
 bool covariance_factor(const Eigen::MatrixXd& covariance, Eigen::MatrixXd& factor);
 

@@ -9,9 +9,17 @@
 namespace kalfem {
 namespace {
 
-/// The difference P - J J^T is wrong by rounding in proportion to P. Widening the variances by a little more than that keeps
-/// it positive semi-definite where a measurement leaves almost nothing of them.
+/// The difference P - J J^T is wrong by rounding in proportion to P. Widening the variances by a little more than that
+/// keeps it positive semi-definite where a measurement leaves almost nothing of them.
 constexpr double rounding_allowance = 1e-13;
+
+/// v <- L^-1 v for a few channels.
+void whiten(const Eigen::MatrixXd& lower, Eigen::VectorXd& vector) {
+  for (Eigen::Index i = 0; i < vector.size(); ++i) {
+    for (Eigen::Index k = 0; k < i; ++k) vector[i] -= lower(i, k) * vector[k];
+    vector[i] /= lower(i, i);
+  }
+}
 
 }  // namespace
 
@@ -19,7 +27,9 @@ void CovarianceFilter::reset(const Gaussian& estimate) { estimate_ = estimate; }
 
 FilterOutcome CovarianceFilter::transform(PartiallyLinearMap& map, UnscentedTransform& transform) {
   if (!covariance_factor(estimate_.covariance, factor_)) return FilterOutcome::covariance_not_positive_definite;
-  return transform.apply(map, estimate_.mean, factor_) ? FilterOutcome::usable : FilterOutcome::model_not_evaluable;
+  return transform.apply(map, estimate_.mean, factor_, FactorShape::lower_triangular)
+             ? FilterOutcome::usable
+             : FilterOutcome::model_not_evaluable;
 }
 
 FilterOutcome CovarianceFilter::predict(PartiallyLinearMap& transition, const Eigen::MatrixXd& process_noise) {
@@ -42,10 +52,10 @@ FilterOutcome CovarianceFilter::update(PartiallyLinearMap& measurement, const Ei
   multiply_transposed(factor_, measurement_.deviations(), gain_);
   solve_on_the_right(innovation_factor_, gain_);
   whitened_ = innovation.value;
-  innovation_factor_.triangularView<Eigen::Lower>().solveInPlace(whitened_);
-  estimate_.mean.noalias() += gain_ * whitened_;
+  whiten(innovation_factor_, whitened_);
+  estimate_.mean.noalias() += gain_.lazyProduct(whitened_);
   estimate_.covariance.diagonal() *= 1.0 + rounding_allowance;
-  add_symmetric_product(gain_, gain_, -1.0, estimate_.covariance);
+  subtract_square(gain_, estimate_.covariance);
   score(innovation, innovation_factor_, whitened_);
   return FilterOutcome::usable;
 }

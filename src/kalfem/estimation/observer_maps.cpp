@@ -77,14 +77,14 @@ void TransitionMap::set_inputs(const Ref<const MatrixXd>& inputs) {
   const auto& step = observer_->step();
   const auto& motion = observer_->form().motion();
   const Index m3 = motion.state.rows();
-  input_offset.head(m3).noalias() = motion.input * inputs.col(0);
+  input_offset.head(m3).noalias() = motion.input.lazyProduct(inputs.col(0));
   for (Index part = 1; part <= parts_; ++part) {
-    moved_.noalias() = step.begin_input * inputs.col(part - 1);
+    moved_.noalias() = step.begin_input.lazyProduct(inputs.col(part - 1));
     if (part > 1) moved_.noalias() += step.transition * drive_;
-    moved_.noalias() += step.end_input * inputs.col(part);
+    moved_.noalias() += step.end_input.lazyProduct(inputs.col(part));
     drive_.swap(moved_);
-    input_offset.segment(part * m3, m3).noalias() = motion.state * drive_;
-    input_offset.segment(part * m3, m3).noalias() += motion.input * inputs.col(part);
+    input_offset.segment(part * m3, m3).noalias() = motion.state.lazyProduct(drive_);
+    input_offset.segment(part * m3, m3).noalias() += motion.input.lazyProduct(inputs.col(part));
   }
   offset.head(drive_.size()) = drive_;
 }
@@ -149,9 +149,9 @@ void InstantMap::select_rows(const std::vector<Index>& rows) {
 }
 
 void InstantMap::set_inputs(const Ref<const VectorXd>& inputs) {
-  offset.noalias() = input_ * inputs;
+  offset.noalias() = input_.lazyProduct(inputs);
   const auto& motion = observer_->form().motion();
-  input_offset.head(motion.state.rows()).noalias() = motion.input * inputs;
+  input_offset.head(motion.state.rows()).noalias() = motion.input.lazyProduct(inputs);
 }
 
 bool InstantMap::evaluate(const ArrayXXd& in, ArrayXXd& out) {

@@ -10,16 +10,18 @@ namespace kalfem {
 
 constexpr Eigen::Index small_dimension = 64;  ///< above it Eigen's blocked routines are as fast or faster
 
-/// out = A B, with half the work where B is known to be lower triangular.
-void multiply(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, bool b_is_lower, Eigen::MatrixXd& out);
-/// Whether nothing but zeros stands above the diagonal.
-bool is_lower(const Eigen::MatrixXd& matrix);
+/// out = A B.
+void multiply(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, Eigen::MatrixXd& out);
+/// out = A L with L lower triangular, its zeros included: half the work.
+void multiply_lower(const Eigen::MatrixXd& a, const Eigen::MatrixXd& lower, Eigen::MatrixXd& out);
 /// out = A B^T.
 void multiply_transposed(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, Eigen::MatrixXd& out);
 /// out += A B^T.
 void add_product_transposed(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, Eigen::MatrixXd& out);
-/// Lower triangle of out += sign A B^T, a product known to be symmetric; the upper triangle is left without meaning.
-void add_symmetric_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, double sign, Eigen::MatrixXd& out);
+/// Lower triangle of out += A B^T, a product known to be symmetric; the upper triangle is left without meaning.
+void add_symmetric_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, Eigen::MatrixXd& out);
+/// Lower triangle of out -= A A^T; the upper triangle is left without meaning.
+void subtract_square(const Eigen::MatrixXd& a, Eigen::MatrixXd& out);
 
 /// Lower triangular L with L L^T = P (lower triangle read), zeros above; false where a pivot is not larger than
 /// `pivot_floor` times the variance on its diagonal. `lower` then holds nothing of use.

@@ -40,7 +40,7 @@ bool SquareRootFilter::split_scatter(const PartiallyLinearMap& map) {
 
 FilterOutcome SquareRootFilter::predict(PartiallyLinearMap& transition, const MatrixXd& process_noise) {
   if (!factor_.allFinite()) return FilterOutcome::covariance_not_positive_definite;
-  if (!transform_.apply(transition, mean_, factor_) || !split_scatter(transition))
+  if (!transform_.apply(transition, mean_, factor_, FactorShape::lower_triangular) || !split_scatter(transition))
     return FilterOutcome::model_not_evaluable;
   const MatrixXd& noise_root = root_of(process_noise, process_noise_, process_root_);
   const auto& deviations = transform_.deviations();
@@ -59,7 +59,7 @@ FilterOutcome SquareRootFilter::predict(PartiallyLinearMap& transition, const Ma
 FilterOutcome SquareRootFilter::update(PartiallyLinearMap& measurement, const MatrixXd& noise, const VectorXd& y,
                                        Innovation& innovation) {
   if (!factor_.allFinite()) return FilterOutcome::covariance_not_positive_definite;
-  if (!transform_.apply(measurement, mean_, factor_) || !split_scatter(measurement))
+  if (!transform_.apply(measurement, mean_, factor_, FactorShape::lower_triangular) || !split_scatter(measurement))
     return FilterOutcome::model_not_evaluable;
   const MatrixXd& noise_root = root_of(noise, noise_, noise_root_);
   const auto& deviations = transform_.deviations();
@@ -90,7 +90,7 @@ FilterOutcome SquareRootFilter::update(PartiallyLinearMap& measurement, const Ma
 }
 
 FilterOutcome SquareRootFilter::observe(PartiallyLinearMap& map, VectorXd& mean, VectorXd& deviation) {
-  if (!transform_.apply(map, mean_, factor_)) return FilterOutcome::model_not_evaluable;
+  if (!transform_.apply(map, mean_, factor_, FactorShape::lower_triangular)) return FilterOutcome::model_not_evaluable;
   mean = transform_.mean();
   MatrixXd covariance = MatrixXd::Zero(mean.size(), mean.size());
   transform_.add_covariance(map, covariance);

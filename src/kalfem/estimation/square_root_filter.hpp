@@ -11,7 +11,7 @@ namespace kalfem {
 /// so that no difference of covariances is ever formed. Only where a negative centre weight makes Sigma indefinite are
 /// its negative directions taken off by a downdate that refuses to leave the positive definite matrices.
 class SquareRootFilter final : public Filter {
- public:
+public:
   explicit SquareRootFilter(UnscentedTransform transform) : transform_(std::move(transform)) {}
 
   void reset(const Gaussian& estimate) override;
@@ -24,7 +24,7 @@ class SquareRootFilter final : public Filter {
   Eigen::VectorXd standard_deviation() const override { return factor_.rowwise().norm(); }
   Eigen::MatrixXd covariance() const override { return factor_ * factor_.transpose(); }
 
- private:
+private:
   bool split_scatter(const PartiallyLinearMap& map);
   const Eigen::MatrixXd& root_of(const Eigen::MatrixXd& noise, Eigen::MatrixXd& kept, Eigen::MatrixXd& root);
 

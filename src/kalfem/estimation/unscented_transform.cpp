@@ -15,6 +15,13 @@ namespace {
 
 constexpr double linearisation_spread = 1e-4;  ///< in standard deviations: difference and rounding error balance
 
+void multiply_factor(const MatrixXd& a, const MatrixXd& factor, FactorShape shape, MatrixXd& out) {
+  if (shape == FactorShape::lower_triangular)
+    multiply_lower(a, factor, out);
+  else
+    multiply(a, factor, out);
+}
+
 }  // namespace
 
 UnscentedWeights::UnscentedWeights(const UnscentedOptions& options, Index dimension) {
@@ -32,29 +39,29 @@ UnscentedTransform UnscentedTransform::linearised() {
   return transform;
 }
 
-bool UnscentedTransform::apply(PartiallyLinearMap& map, const VectorXd& mean, const MatrixXd& factor) {
+bool UnscentedTransform::apply(PartiallyLinearMap& map, const VectorXd& mean, const MatrixXd& factor,
+                               FactorShape shape) {
   UnscentedWeights weights(options_, factor.cols());
   if (linearised_) weights.spread = linearisation_spread, weights.mean_centre = 1.0, weights.other = 0.0;
-  lower_ = is_lower(factor);
-  place_points(map, mean, factor, weights.spread);
+  place_points(map, mean, factor, shape, weights.spread);
   out_.resize(in_.rows(), map.gain.cols());
   if (!map.evaluate(in_, out_)) return false;
   gather_channels(weights);
 
   mean_ = map.offset;
   mean_.noalias() += map.linear * mean;
-  mean_.noalias() += map.gain * channel_mean_;
-  multiply(map.linear, factor, lower_, deviations_);
+  mean_.noalias() += map.gain.lazyProduct(channel_mean_);
+  multiply_factor(map.linear, factor, shape, deviations_);
   add_product_transposed(map.gain, delta_, deviations_);
   return true;
 }
 
 /// w at the centre and at the 2 n points, one a row.
 void UnscentedTransform::place_points(const PartiallyLinearMap& map, const VectorXd& mean, const MatrixXd& factor,
-                                      double spread) {
+                                      FactorShape shape, double spread) {
   const Index n = factor.cols(), q = map.selection.rows();
   in_.resize(2 * n + 1, q);
-  multiply(map.selection, factor, lower_, selected_);
+  multiply_factor(map.selection, factor, shape, selected_);
   channel_factor_ = selected_.transpose();
   centre_ = map.input_offset;
   centre_.noalias() += map.selection * mean;
@@ -89,8 +96,8 @@ void UnscentedTransform::gather_channels(const UnscentedWeights& weights) {
 
 void UnscentedTransform::add_covariance(const PartiallyLinearMap& map, MatrixXd& covariance) {
   gain_scatter_.noalias() = map.gain.lazyProduct(scatter_);
-  add_symmetric_product(deviations_, deviations_, 1.0, covariance);
-  add_symmetric_product(gain_scatter_, map.gain, 1.0, covariance);
+  add_symmetric_product(deviations_, deviations_, covariance);
+  add_symmetric_product(gain_scatter_, map.gain, covariance);
 }
 
 }  // namespace kalfem

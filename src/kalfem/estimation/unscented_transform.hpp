@@ -24,6 +24,9 @@ struct UnscentedWeights {
   double other;              ///< W_i
 };
 
+/// What is known of the zeros of a square root.
+enum class FactorShape { general, lower_triangular };
+
 /// The unscented transform of a partially linear map, equal to that over the full set of 2 n + 1 points but without
 /// forming the images of the linear part. For the pair i let phi+ and phi- be phi at m +- sqrt(c) s_i; with
 ///     delta_i = (phi+ - phi-) / (2 sqrt(c)),   sigma_i = (phi+ + phi-) / 2 - mean(phi),   D = A S + G [delta_1 ...
@@ -41,7 +44,8 @@ public:
   static UnscentedTransform linearised();
 
   /// False where the map could not be evaluated at some point. `factor` is S with S S^T = P, n_x x n_x.
-  [[nodiscard]] bool apply(PartiallyLinearMap& map, const Eigen::VectorXd& mean, const Eigen::MatrixXd& factor);
+  [[nodiscard]] bool apply(PartiallyLinearMap& map, const Eigen::VectorXd& mean, const Eigen::MatrixXd& factor,
+                           FactorShape shape = FactorShape::general);
 
   [[nodiscard]] const Eigen::VectorXd& mean() const { return mean_; }              ///< mean(y)
   [[nodiscard]] const Eigen::MatrixXd& deviations() const { return deviations_; }  ///< D, n_y x n_x
@@ -52,12 +56,11 @@ public:
 
 private:
   void place_points(const PartiallyLinearMap& map, const Eigen::VectorXd& mean, const Eigen::MatrixXd& factor,
-                    double spread);
+                    FactorShape shape, double spread);
   void gather_channels(const UnscentedWeights& weights);
 
   UnscentedOptions options_;
   bool linearised_ = false;
-  bool lower_ = false;  ///< the factor is lower triangular
   Eigen::VectorXd mean_, centre_, channel_mean_;
   Eigen::MatrixXd deviations_, scatter_, gain_scatter_, selected_, channel_factor_, delta_;
   Eigen::ArrayXXd in_, out_, sigma_;

@@ -62,10 +62,10 @@ ForceSolveOutcome ConnectorForces::solve(const MatrixXd& compliance, double dura
     previous_residual_.swap(residual_);
     residual_ = law_force_ - force_;
     if (++outcome.iterations >= options_.max_iterations) {
-      outcome.converged = false;
+      outcome.converged = bisect(compliance, duration);
       break;
     }
-    for (int halvings = 0; halvings < 8 && exceeds(residual_.abs(), 2.0 * previous_residual_.abs()); ++halvings) {
+    for (int halvings = 0; halvings < 8 && exceeds(residual_.abs(), growth_limit()); ++halvings) {
       halve_where_worse();
       set_motion(compliance);
       respond(duration);
@@ -85,7 +85,10 @@ bool ConnectorForces::feels_its_forces(const MatrixXd& compliance) const {
 
 void ConnectorForces::set_motion(const MatrixXd& compliance) {
   for (Index row = 0; row < motion_.cols(); ++row) {
-    motion_.col(row) = free_motion_.col(row) + compliance(row, 0) * force_.col(0);
+    if (compliance(row, 0) != 0.0)
+      motion_.col(row) = free_motion_.col(row) + compliance(row, 0) * force_.col(0);
+    else
+      motion_.col(row) = free_motion_.col(row);
     for (Index j = 1; j < force_.cols(); ++j)
       if (compliance(row, j) != 0.0) motion_.col(row) += compliance(row, j) * force_.col(j);
   }
@@ -136,10 +139,39 @@ void ConnectorForces::correct_coupled(const MatrixXd& compliance) {
 /// Takes back half of the last correction at the points where it made any residual worse.
 void ConnectorForces::halve_where_worse() {
   for (Index point = 0; point < force_.rows(); ++point) {
-    if (!(residual_.row(point).abs() > 2.0 * previous_residual_.row(point).abs()).any()) continue;
+    if (!(residual_.row(point).abs() > growth_limit().row(point)).any()) continue;
     correction_.row(point) *= 0.5;
     force_.row(point) -= correction_.row(point);
   }
+}
+
+/// Where Newton's method runs to and fro across a kink: each connector in turn by bisection, until none moves. Sure for
+/// laws that rise with d, d' and d'' (their compliance is negative), which joints, stops and friction do.
+bool ConnectorForces::bisect(const MatrixXd& compliance, double duration) {
+  for (int sweep = 0; sweep < 200; ++sweep) {
+    const ArrayXXd before = force_;
+    for (Index j = 0; j < force_.cols(); ++j) bisect(j, compliance, duration);
+    if (!exceeds((force_ - before).abs(), options_.tolerance * (force_.abs() + options_.force_floor))) break;
+  }
+  residual_ = law_force_ - force_;
+  return !exceeds(residual_.abs(), 1e-6 * (force_.abs() + options_.force_floor));
+}
+
+/// f - law(k_free + H f) rises with f by 1 at least, so its root lies no farther from f than its value there.
+void ConnectorForces::bisect(Index j, const MatrixXd& compliance, double duration) {
+  set_motion(compliance);
+  respond(duration);
+  Eigen::ArrayXd lower = force_.col(j).min(law_force_.col(j)), upper = force_.col(j).max(law_force_.col(j));
+  for (int halving = 0; halving < 100; ++halving) {
+    force_.col(j) = 0.5 * (lower + upper);
+    if ((force_.col(j) == lower || force_.col(j) == upper).all()) break;
+    set_motion(compliance);
+    respond(duration);
+    lower = (law_force_.col(j) >= force_.col(j)).select(force_.col(j), lower);
+    upper = (law_force_.col(j) >= force_.col(j)).select(upper, force_.col(j));
+  }
+  set_motion(compliance);
+  respond(duration);
 }
 
 }  // namespace kalfem

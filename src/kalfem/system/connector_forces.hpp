@@ -10,7 +10,7 @@ namespace kalfem {
 /// When the implicit solve for the connector forces counts as done.
 struct ForceSolveOptions {
   double tolerance = 1e-8;   ///< stop when |last correction of f_j| <= tolerance (|f_j| + force_floor); Newton's next error is its square
-  double force_floor = 1e-6; ///< [N]
+  double force_floor = 1e-3; ///< [N]
   int max_iterations = 60;   ///< Newton corrections, halvings included
 };
 
@@ -58,6 +58,12 @@ class ConnectorForces {
   void correct_single(const Eigen::MatrixXd& compliance);
   void correct_coupled(const Eigen::MatrixXd& compliance);
   void halve_where_worse();
+  /// Residuals above this grew by a correction, and not by rounding alone.
+  auto growth_limit() const {
+    return 2.0 * previous_residual_.abs() + options_.tolerance * (force_.abs() + options_.force_floor);
+  }
+  [[nodiscard]] bool bisect(const Eigen::MatrixXd& compliance, double duration);
+  void bisect(Eigen::Index connector, const Eigen::MatrixXd& compliance, double duration);
 
   std::vector<ConnectorLawPtr> laws_;
   std::vector<Eigen::VectorXd> nominal_;
