@@ -62,7 +62,7 @@ const std::vector<Kernel>& cholesky_kernels() {
   static const std::vector<Kernel> kernels = {{"eigen_blocked", eigen_blocked},
                                               {"eigen_unblocked", eigen_unblocked},
                                               {"dpotrf", dpotrf},
-                                              {"kalfem", own_cholesky}};
+                                              {"kalfem", own_cholesky, true}};
   return kernels;
 }
 
@@ -70,7 +70,7 @@ const std::vector<Kernel>& rank_update_kernels() {
   static const std::vector<Kernel> kernels = {{"eigen_rank_update", eigen_rank_update},
                                               {"dsyrk", dsyrk},
                                               {"eigen_full_product", eigen_full_product},
-                                              {"kalfem", own_rank_update}};
+                                              {"kalfem", own_rank_update, true}};
   return kernels;
 }
 

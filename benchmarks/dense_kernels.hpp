@@ -10,6 +10,7 @@ namespace kalfem::benchmarks {
 struct Kernel {
   std::string name;
   void (*run)(const Eigen::MatrixXd& in, Eigen::MatrixXd& out);
+  bool own = false;  ///< kalfem's, not a public library's
 };
 
 /// Lower Cholesky factor of an n x n matrix.

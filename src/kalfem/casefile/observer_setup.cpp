@@ -14,7 +14,8 @@ namespace d = description;
 
 /// Prior standard deviation or walk: in the parameter's unit, or per cent of the initial value.
 double absolute(const d::Value& given, const std::string& unit, double initial) {
-  const bool percentage = !given.value.bare && given.value.dimension == Dimension{} && unit != "-" && !unit.empty();
+  const bool percentage = !given.value.bare && given.value.dimension == Dimension{};
+
   return percentage ? given.value.value * std::abs(initial) : checked_number(given, unit, Bounds::nonnegative());
 }
 
@@ -39,7 +40,10 @@ ParameterTransform transform_of(const d::Unknown& given, const std::string& unit
 /// Builds the unknowns and releases the linear elements among them from the observer's parts.
 class UnknownBuilder {
 public:
-  UnknownBuilder(const Parts& truth, Parts& parts, IssueList& issues) : truth_(truth), parts_(parts), issues_(issues) {}
+  /// `simulated`: the values of the case are the truth.
+  UnknownBuilder(const Parts& truth, bool simulated, Parts& parts, IssueList& issues)
+      : truth_(truth), simulated_(simulated), parts_(parts), issues_(issues) {}
+
 
   void add(const std::string& name, const d::Unknown& given, ObserverSetup& setup) {
     std::vector<d::Name> names = given.applies_to;
@@ -52,7 +56,8 @@ public:
       unknown.random_walk = given.random_walk ? absolute(*given.random_walk, unit, unknown.initial) : 0.0;
       std::optional<double> truth;
       for (const auto& target : names)
-        if (const auto value = add_target(target, unknown)) truth = value;
+        if (const auto value = add_target(target, unknown); value && simulated_) truth = value;
+
       if (given.truth) truth = checked_number(*given.truth, unit);
       setup.options.unknowns.push_back(unknown);
       setup.true_parameters.push_back(truth);
@@ -79,7 +84,9 @@ private:
     return value;
   }
 
-  const Parts& truth_;
+    const Parts& truth_;
+  bool simulated_;
+
   Parts& parts_;
   IssueList& issues_;
 };
@@ -284,7 +291,7 @@ ObserverSetup make_observer_setup(const Study& study, IssueList& issues) {
   const auto& given = *study.given.estimate;
   ObserverSetup setup;
   Parts parts = study.parts;
-  UnknownBuilder unknowns(study.parts, parts, issues);
+  UnknownBuilder unknowns(study.parts, study.given.simulate.has_value(), parts, issues);
   std::optional<LocalCut> cut;
   if (given.local) {
     cut.emplace(*given.local, parts, issues);

@@ -46,6 +46,13 @@ std::string inertial_point(Parts& parts) {
   return inertial_substructure + ".frame";
 }
 
+/// The connector that carries departures of the element at `place`; stiffness and damping of a spring share one.
+ConnectorDescription& connector_at(Parts& parts, const std::string& place, const std::string& from, const std::string& to) {
+  for (auto& connector : parts.connectors)
+    if (connector.name == place) return connector;
+  return parts.connectors.emplace_back(ConnectorDescription{place, from, to, nullptr, Eigen::VectorXd::Zero(3)});
+}
+
 }  // namespace
 
 std::optional<ParameterReference> find_parameter(const Parts& parts, const std::string& name) {
@@ -69,31 +76,29 @@ std::vector<std::string> parameter_names(const Parts& parts) {
 ParameterReference release_linear_element(Parts& parts, const ParameterReference& element, double nominal) {
   if (element.kind == Kind::connector) return element;
   auto& part = parts.substructures[element.part];
-  ConnectorDescription connector;
-  LinearNominal values;
-  std::size_t parameter = 0;
+  std::string from, to, place;
+  std::size_t parameter = 0;  // of linear_change: stiffness, damping, inertance
   if (element.kind == Kind::mass) {
     auto& mass = part.masses[element.element];
-    mass.mass = values.inertance = nominal;
+    mass.mass = nominal;
     parameter = 2;
-    connector = {part.name + "." + mass.dof + ".mass", "", part.name + "." + mass.dof, nullptr, {}};
-    connector.from = inertial_point(parts);
+    place = to = part.name + "." + mass.dof;
+    place += ".mass";
+    from = inertial_point(parts);
   } else {
     auto& spring = part.springs[element.element];
     const bool stiffness = element.kind == Kind::spring_stiffness;
     (stiffness ? spring.stiffness : spring.damping) = nominal;
-    (stiffness ? values.stiffness : values.damping) = nominal;
     parameter = stiffness ? 0 : 1;
-    connector = {part.name + "." + spring.name + (stiffness ? ".stiffness" : ".damping"),
-                 part.name + "." + spring.from,
-                 part.name + "." + spring.to,
-                 nullptr,
-                 {}};
+    place = part.name + "." + spring.name;
+    from = part.name + "." + spring.from;
+    to = part.name + "." + spring.to;
   }
-  connector.law = linear_change_law(values);
-  connector.parameters = Eigen::Vector3d(values.stiffness, values.damping, values.inertance);
-  parts.connectors.push_back(connector);
-  return {Kind::connector, parts.connectors.size() - 1, parameter, element.unit, nominal};
+  auto& connector = connector_at(parts, place, from, to);
+  connector.parameters[static_cast<Eigen::Index>(parameter)] = nominal;
+  connector.law = linear_change_law({connector.parameters[0], connector.parameters[1], connector.parameters[2]});
+  const auto index = static_cast<std::size_t>(&connector - parts.connectors.data());
+  return {Kind::connector, index, parameter, element.unit, nominal};
 }
 
 }  // namespace kalfem

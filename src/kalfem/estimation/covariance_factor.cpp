@@ -15,19 +15,29 @@ namespace {
 constexpr double negative_variance_tolerance = 1e-9;
 constexpr double rounding = 1e-13;  ///< a pivot that lost all digits: the matrix is singular
 
+/// Cholesky with diagonal pivoting on the correlation matrix, Higham, Accuracy and Stability of Numerical Algorithms,
+/// section 10.3: columns until what is left of every variance is rounding; then made triangular.
 bool semidefinite_factor(const MatrixXd& covariance, MatrixXd& factor) {
+  const Index n = covariance.rows();
   if (!covariance.triangularView<Eigen::Lower>().toDenseMatrix().allFinite()) return false;
-  const VectorXd deviation = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-  if (covariance.diagonal().minCoeff() < 0.0) return false;
+  if (n > 0 && covariance.diagonal().minCoeff() < 0.0) return false;
+  const VectorXd deviation = covariance.diagonal().cwiseSqrt();
   const VectorXd scale = (deviation.array() > 0.0).select(deviation.cwiseInverse(), 0.0);
   MatrixXd correlation = covariance.selfadjointView<Eigen::Lower>();
   correlation = scale.asDiagonal() * correlation * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(correlation);
-  if (eigen.info() != Eigen::Success || eigen.eigenvalues()[0] < -negative_variance_tolerance) return false;
-  const VectorXd roots = eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-  MatrixXd transposed = roots.asDiagonal() * eigen.eigenvectors().transpose();
-  triangularise(transposed, factor);
-  factor = deviation.asDiagonal() * factor;
+  VectorXd left = correlation.diagonal();
+  factor.setZero(n, n);
+  for (Index k = 0; k < n; ++k) {
+    Index pivot = 0;
+    if (left.maxCoeff(&pivot) <= rounding) break;
+    factor.col(k) = correlation.col(pivot) - factor.leftCols(k) * factor.row(pivot).head(k).transpose();
+    factor.col(k) /= std::sqrt(left[pivot]);
+    left -= factor.col(k).cwiseAbs2();
+    left[pivot] = 0.0;
+  }
+  if (n > 0 && !(left.minCoeff() > -negative_variance_tolerance)) return false;
+  MatrixXd array = factor.transpose() * deviation.asDiagonal();
+  triangularise(array, factor);
   return factor.allFinite();
 }
 

@@ -5,9 +5,9 @@
 namespace kalfem {
 
 /// Lower triangular S with S S^T = P of a symmetric positive semi-definite matrix (lower triangle read): Cholesky, and
-/// where P is singular (states known exactly) the eigenvectors of its correlation matrix, which drop directions of no
-/// variance. False where P has a negative variance beyond rounding (smaller than -1e-9 of the correlation matrix) or a
-/// value that is not finite. `factor` then holds nothing of use.
+/// where P is singular (states known exactly) a pivoted Cholesky of its correlation matrix, which drops directions of
+/// no variance. False where P has a negative variance beyond rounding (smaller than -1e-9 of the correlation matrix) or
+/// a value that is not finite. `factor` then holds nothing of use.
 bool covariance_factor(const Eigen::MatrixXd& covariance, Eigen::MatrixXd& factor);
 
 /// Lower triangular L with L L^T = sum of the products of the given block of columns, [A_1 A_2 ...], by a QR

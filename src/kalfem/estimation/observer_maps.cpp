@@ -116,12 +116,10 @@ bool TransitionMap::evaluate(const ArrayXXd& in, ArrayXXd& out) {
 /// Forces at the end of one part from those at the ends of the earlier ones, in the columns of `out`.
 bool TransitionMap::solve_part(Index part, const ArrayXXd& in, const ArrayXXd& out) {
   const Index m3 = forces_.free_motion().cols(), earlier = part * (m3 / 3);
-  for (Index row = 0; row < m3; ++row) {
-    forces_.free_motion().col(row) = in.col(part * m3 + row);
+  forces_.free_motion() = in.middleCols(part * m3, m3);
+  for (Index row = 0; row < m3; ++row)
     for (Index j = 0; j < earlier; ++j)
-      if (const double weight = force_motion_((part - 1) * m3 + row, j); weight != 0.0)
-        forces_.free_motion().col(row) += weight * out.col(j);
-  }
+      add_scaled(force_motion_((part - 1) * m3 + row, j), out, j, forces_.free_motion(), row);
   const auto outcome = forces_.solve(observer_->step().compliance, observer_->step().step);
   return outcome.finite && outcome.converged;
 }

@@ -62,14 +62,17 @@ void UnscentedTransform::place_points(const PartiallyLinearMap& map, const Vecto
   const Index n = factor.cols(), q = map.selection.rows();
   in_.resize(2 * n + 1, q);
   multiply_factor(map.selection, factor, shape, selected_);
-  channel_factor_ = selected_.transpose();
   centre_ = map.input_offset;
   centre_.noalias() += map.selection * mean;
   for (Index j = 0; j < q; ++j) {
-    const double centre = centre_[j];
-    in_(0, j) = centre;
-    in_.col(j).segment(1, n) = centre + spread * channel_factor_.col(j).array();
-    in_.col(j).tail(n) = centre - spread * channel_factor_.col(j).array();
+    const double centre = in_(0, j) = centre_[j];
+    const double* deviation = &selected_(j, 0);
+    double *plus = &in_(1, j), *minus = plus + n;
+#pragma GCC ivdep
+    for (Index i = 0; i < n; ++i) {
+      plus[i] = centre + spread * deviation[i * q];
+      minus[i] = centre - spread * deviation[i * q];
+    }
   }
 }
 
@@ -82,8 +85,14 @@ void UnscentedTransform::gather_channels(const UnscentedWeights& weights) {
   for (Index j = 0; j < p; ++j) {
     const auto plus = out_.col(j).segment(1, n), minus = out_.col(j).tail(n);
     channel_mean_[j] = weights.mean_centre * out_(0, j) + weights.other * (plus.sum() + minus.sum());
-    delta_.col(j).array() = (plus - minus) * (0.5 / weights.spread);
-    sigma_.col(j).head(n) = (0.5 * (plus + minus) - channel_mean_[j]) * std::sqrt(2.0 * weights.other);
+    const double difference = 0.5 / weights.spread, root = std::sqrt(2.0 * weights.other), centre = channel_mean_[j];
+    const double *up = &out_(1, j), *down = up + n;
+    double *delta = &delta_(0, j), *sigma = &sigma_(0, j);
+#pragma GCC ivdep
+    for (Index i = 0; i < n; ++i) {
+      delta[i] = (up[i] - down[i]) * difference;
+      sigma[i] = (0.5 * (up[i] + down[i]) - centre) * root;
+    }
     sigma_(n, j) = out_(0, j) - channel_mean_[j];
   }
   scatter_.resize(p, p);

@@ -62,7 +62,7 @@ private:
   UnscentedOptions options_;
   bool linearised_ = false;
   Eigen::VectorXd mean_, centre_, channel_mean_;
-  Eigen::MatrixXd deviations_, scatter_, gain_scatter_, selected_, channel_factor_, delta_;
+  Eigen::MatrixXd deviations_, scatter_, gain_scatter_, selected_, delta_;
   Eigen::ArrayXXd in_, out_, sigma_;
 };
 

@@ -20,6 +20,14 @@ bool exceeds(const A& a, const B& b) {
 
 }  // namespace
 
+void add_scaled(double factor, const ArrayXXd& from, Index from_column, ArrayXXd& to, Index to_column) {
+  if (factor == 0.0) return;
+  const double* in = &from(0, from_column);
+  double* out = &to(0, to_column);
+#pragma GCC ivdep
+  for (Index i = 0; i < to.rows(); ++i) out[i] += factor * in[i];
+}
+
 ConnectorForces::ConnectorForces(const LocallyNonlinearSystem& system, ForceSolveOptions options) : options_(options) {
   for (const auto& connector : system.connectors) {
     laws_.push_back(connector.law);
@@ -84,14 +92,9 @@ bool ConnectorForces::feels_its_forces(const MatrixXd& compliance) const {
 }
 
 void ConnectorForces::set_motion(const MatrixXd& compliance) {
-  for (Index row = 0; row < motion_.cols(); ++row) {
-    if (compliance(row, 0) != 0.0)
-      motion_.col(row) = free_motion_.col(row) + compliance(row, 0) * force_.col(0);
-    else
-      motion_.col(row) = free_motion_.col(row);
-    for (Index j = 1; j < force_.cols(); ++j)
-      if (compliance(row, j) != 0.0) motion_.col(row) += compliance(row, j) * force_.col(j);
-  }
+  motion_ = free_motion_;
+  for (Index row = 0; row < motion_.cols(); ++row)
+    for (Index j = 0; j < force_.cols(); ++j) add_scaled(compliance(row, j), force_, j, motion_, row);
 }
 
 void ConnectorForces::respond(double duration) {

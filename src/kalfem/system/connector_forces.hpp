@@ -9,9 +9,10 @@ namespace kalfem {
 
 /// When the implicit solve for the connector forces counts as done.
 struct ForceSolveOptions {
-  double tolerance = 1e-8;   ///< stop when |last correction of f_j| <= tolerance (|f_j| + force_floor); Newton's next error is its square
-  double force_floor = 1e-3; ///< [N]
-  int max_iterations = 60;   ///< Newton corrections, halvings included
+  double tolerance = 1e-8;    ///< stop when |last correction of f_j| <= tolerance (|f_j| + force_floor); Newton's next
+                              ///< error is its square
+  double force_floor = 1e-3;  ///< [N]
+  int max_iterations = 60;    ///< Newton corrections, halvings included
 };
 
 /// How the solve ended: a value, counted by the caller.
@@ -21,13 +22,14 @@ struct ForceSolveOutcome {
   int iterations = 0;
 };
 
-/// The connectors of a system at N points at once: forces of all laws, and the small implicit solve of size m that every
-/// time stepping needs. Owns its arrays: one thread at a time, no allocation once the number of points has been seen.
+/// The connectors of a system at N points at once: forces of all laws, and the small implicit solve of size m that
+/// every time stepping needs. Owns its arrays: one thread at a time, no allocation once the number of points has been
+/// seen.
 ///
-/// A solver knows the connectors' motion up to their own forces, k = k_free + H f with k = [d; d'; d''] (3m) and H constant
-/// (3m x m), and asks for the f with f = law(k_free + H f).
+/// A solver knows the connectors' motion up to their own forces, k = k_free + H f with k = [d; d'; d''] (3m) and H
+/// constant (3m x m), and asks for the f with f = law(k_free + H f).
 class ConnectorForces {
- public:
+public:
   explicit ConnectorForces(const LocallyNonlinearSystem& system, ForceSolveOptions options = {});
 
   /// Sets the number of points; parameters return to the connectors' own values.
@@ -40,17 +42,17 @@ class ConnectorForces {
   }
 
   // Motion is stored N x 3m with columns [d_1 .. d_m, d'_1 .. d'_m, d''_1 .. d''_m].
-  Eigen::ArrayXXd& free_motion() { return free_motion_; }       ///< k_free at the interval's end, input
-  Eigen::ArrayXXd& begin_motion() { return begin_motion_; }     ///< k at the interval's begin, N x 2m used, input
-  Eigen::ArrayXXd& begin_states() { return begin_states_; }     ///< s at the interval's begin, N x states, input
-  Eigen::ArrayXXd& force() { return force_; }                   ///< f, N x m: first guess in, solution out
+  Eigen::ArrayXXd& free_motion() { return free_motion_; }    ///< k_free at the interval's end, input
+  Eigen::ArrayXXd& begin_motion() { return begin_motion_; }  ///< k at the interval's begin, N x 2m used, input
+  Eigen::ArrayXXd& begin_states() { return begin_states_; }  ///< s at the interval's begin, N x states, input
+  Eigen::ArrayXXd& force() { return force_; }                ///< f, N x m: first guess in, solution out
   [[nodiscard]] const Eigen::ArrayXXd& motion() const { return motion_; }  ///< k = k_free + H f, output
   [[nodiscard]] const Eigen::ArrayXXd& states() const { return states_; }  ///< s at the end, output
 
   /// Solves f = law(k_free + H f) over an interval of the given duration (0: at an instant, states stay).
   ForceSolveOutcome solve(const Eigen::MatrixXd& compliance, double duration);
 
- private:
+private:
   void set_motion(const Eigen::MatrixXd& compliance);
   void respond(double duration);
   [[nodiscard]] bool feels_its_forces(const Eigen::MatrixXd& compliance) const;
@@ -78,5 +80,10 @@ class ConnectorForces {
   Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
   Eigen::VectorXd small_;
 };
+
+/// Column of `to` += factor * column of `from`, a column that need not stand on a register's boundary; nothing where
+/// the factor is zero, whatever `from` holds.
+void add_scaled(double factor, const Eigen::ArrayXXd& from, Eigen::Index from_column, Eigen::ArrayXXd& to,
+                Eigen::Index to_column);
 
 }  // namespace kalfem
