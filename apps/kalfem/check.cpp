@@ -13,7 +13,8 @@ Table substructure_table(const Study& study) {
     std::string frequencies;
     for (Eigen::Index i = 0; i < std::min<Eigen::Index>(5, modes.frequencies.size()); ++i)
       frequencies += (i ? ", " : "") + four_digits(modes.frequencies[i]);
-    table.rows.push_back({part.name, std::to_string(part.model.size()), four_digits(part.model.mass.sum()), frequencies});
+    table.rows.push_back(
+        {part.name, std::to_string(part.model.size()), four_digits(part.model.mass.sum()), frequencies});
   }
   return table;
 }
@@ -35,7 +36,8 @@ Table sensor_table(const Study& study) {
   Table table{"", {"sensor", "unit", "noise", "chain states"}, {}, {}};
   for (const auto& sensor : study.sensors)
     table.rows.push_back({sensor.name, sensor.unit,
-                          sensor.relative_noise ? fmt::format("{} % of rms", four_digits(100.0 * sensor.noise)) : four_digits(sensor.noise),
+                          sensor.relative_noise ? fmt::format("{} % of rms", four_digits(100.0 * sensor.noise))
+                                                : four_digits(sensor.noise),
                           std::to_string(sensor.chain.states())});
   return table;
 }
@@ -63,8 +65,8 @@ ExitCode check(const std::string& case_file) {
   print_table(connector_table(study));
   print_table(sensor_table(study));
   if (study.record)
-    fmt::print("record: {} samples at {} Hz from {} s\n\n", study.record->series.samples(), four_digits(study.sample_rate()),
-               four_digits(study.record->series.start));
+    fmt::print("record: {} samples at {} Hz from {} s\n\n", study.record->series.samples(),
+               four_digits(study.sample_rate()), four_digits(study.record->series.start));
   if (study.observer) print_table(unknown_table(*study.observer));
   for (const auto& warning : study.warnings) fmt::print(stderr, "warning: {}\n", warning);
   fmt::print("No problem found; nothing was run.\n");

@@ -32,7 +32,8 @@ command::ExitCode execute(const CLI::App& app, const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Identifies and updates nonlinear finite-element models of structures from vibration measurements.", "kalfem"};
+  CLI::App app{"Identifies and updates nonlinear finite-element models of structures from vibration measurements.",
+               "kalfem"};
   app.set_version_flag("--version", version);
   app.require_subcommand(1);
   Arguments arguments;

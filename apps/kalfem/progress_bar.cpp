@@ -11,7 +11,7 @@ namespace {
 
 /// One line on stderr that is drawn again and wiped at the end of a stage.
 class Bar {
- public:
+public:
   ~Bar() { wipe(); }
 
   void show(std::string_view stage, double fraction) {
@@ -32,7 +32,7 @@ class Bar {
     drawn_ = true;
   }
 
- private:
+private:
   void wipe() {
     if (drawn_) fmt::print(stderr, "\r{:72}\r", "");
     drawn_ = false;

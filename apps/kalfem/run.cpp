@@ -20,13 +20,14 @@ fs::path output_folder(const std::string& case_file, const std::string& asked) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error || !fs::is_directory(folder))
-    throw InvalidInput("the folder '" + folder.string() + "' cannot be made", error.message(), "give another one with --out");
+    throw InvalidInput("the folder '" + folder.string() + "' cannot be made", error.message(),
+                       "give another one with --out");
   return folder;
 }
 
 /// Removes the temporary file unless it was renamed to its place.
 class TemporaryFile {
- public:
+public:
   explicit TemporaryFile(fs::path place) : place_(std::move(place)), path_(place_.string() + ".partial") {}
   ~TemporaryFile() {
     std::error_code ignored;
@@ -40,7 +41,7 @@ class TemporaryFile {
     if (fs::exists(path_, ignored)) fs::rename(path_, place_);
   }
 
- private:
+private:
   fs::path place_, path_;
 };
 

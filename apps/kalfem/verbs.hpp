@@ -9,7 +9,8 @@ namespace kalfem::command {
 /// Exit codes of the contract.
 enum ExitCode { done = 0, a_bug = 1, mend_the_input = 2, not_usable = 3 };
 
-/// run, simulate, estimate, predict: the stages up to `last`, results into `folder` (empty: <case>.kalfem-out beside it).
+/// run, simulate, estimate, predict: the stages up to `last`, results into `folder` (empty: <case>.kalfem-out beside
+/// it).
 ExitCode run(const std::string& case_file, Stage last, const std::string& folder);
 /// check: validate and explain, run nothing.
 ExitCode check(const std::string& case_file);

@@ -15,7 +15,7 @@ excitation:
   road: {base_displacement: wheel.ground, random: {rms: 3 mm, band: [0.5, 30 Hz]}}
 sensors:
   a: {acceleration: body.2, noise: 15 %}
-simulate: {duration: 0.2 s, sample_rate: 1 kHz}
+simulate: {duration: 2 s, sample_rate: 1 kHz}
 estimate: {unknown: {suspension.k: {initial: 4 kN/m, std: 20 %}}, settle: 0.1 s}
 )";
 
@@ -39,29 +39,49 @@ TEST_P(BadInput, IsOneClearMessageAndNothingIsLeft) {
   for (const std::string verb : {"run", "check"}) {
     const auto outcome = run_command(verb + " " + (folder / "case.yaml").string(), folder);
     EXPECT_EQ(outcome.code, mistake.code) << outcome.errors;
-    for (const auto& piece : mistake.messages) EXPECT_NE(outcome.errors.find(piece), std::string::npos) << outcome.errors;
+    for (const auto& piece : mistake.messages)
+      EXPECT_NE(outcome.errors.find(piece), std::string::npos) << outcome.errors;
   }
   EXPECT_FALSE(std::filesystem::exists(folder / "case.kalfem-out"));
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Mistakes, BadInput,
-    testing::Values(
-        Mistake{"UnknownKey", "simulate: {duration", "simulate: {durations", {"case.yaml:11", "durations", "did you mean 'duration'"}},
-        Mistake{"WrongUnit", "rms: 3 mm", "rms: 3 kg", {"case.yaml:8", "3 kg", "excitation.road"}},
-        Mistake{"WrongParameterUnit", "k: 5 kN/m, c", "k: 5 kN, c", {"case.yaml:6", "N/m"}},
-        Mistake{"NegativeMass", "w: 1.5 kg", "w: -1.5 kg", {"case.yaml:3", "-1.5"}},
-        Mistake{"NotANumber", "w: 1.5 kg", "w: nan", {"case.yaml:3", "nan"}},
-        Mistake{"MissingFile", "random: {rms: 3 mm, band: [0.5, 30 Hz]}", "file: nowhere.csv, channel: r", {"case.yaml:8", "nowhere.csv"}},
-        Mistake{"SensorWithoutDof", "acceleration: body.2", "acceleration: body.3", {"case.yaml:10", "body.3", "did you mean"}},
-        Mistake{"ConnectorWithoutPoint", "to: body.1", "to: bodi.1", {"case.yaml:6", "bodi.1", "did you mean 'body.1'"}},
-        Mistake{"UnknownLaw", "law: linear", "law: liner", {"case.yaml:6", "did you mean 'linear'"}},
-        Mistake{"MissingParameter", "k: 5 kN/m, ", "", {"case.yaml:6", "'k' is missing"}},
-        Mistake{"UnknownUnknown", "suspension.k: {", "suspension.kk: {", {"case.yaml:12", "suspension.kk", "did you mean 'suspension.k'"}},
-        Mistake{"NoNoise", "noise: 15 %", "noise: 0 %", {"case.yaml:10", "noise"}},
-        Mistake{"TwoAtOnce", "simulate: {duration: 0.2 s, sample_rate: 1 kHz}", "simulate: {duration: -1 s, sample_rate: 1 m}",
-                {"duration", "sample_rate"}},
-        Mistake{"NoSyntax", "kalfem: 1", "kalfem: [1", {"case.yaml"}}),
+    testing::Values(Mistake{"UnknownKey",
+                            "simulate: {duration",
+                            "simulate: {durations",
+                            {"case.yaml:11", "durations", "did you mean 'duration'"}},
+                    Mistake{"WrongUnit", "rms: 3 mm", "rms: 3 kg", {"case.yaml:8", "3 kg", "excitation.road"}},
+                    Mistake{"WrongParameterUnit", "k: 5 kN/m, c", "k: 5 kN, c", {"case.yaml:6", "N/m"}},
+                    Mistake{"NegativeMass", "w: 1.5 kg", "w: -1.5 kg", {"case.yaml:3", "-1.5"}},
+                    Mistake{"NotANumber", "w: 1.5 kg", "w: nan", {"case.yaml:3", "nan"}},
+                    Mistake{"MissingFile",
+                            "random: {rms: 3 mm, band: [0.5, 30 Hz]}",
+                            "file: nowhere.csv, channel: r",
+                            {"case.yaml:8", "nowhere.csv"}},
+                    Mistake{"SensorWithoutDof",
+                            "acceleration: body.2",
+                            "acceleration: body.3",
+                            {"case.yaml:10", "body.3", "did you mean"}},
+                    Mistake{"ConnectorWithoutPoint",
+                            "to: body.1",
+                            "to: bodi.1",
+                            {"case.yaml:6", "bodi.1", "did you mean 'body.1'"}},
+                    Mistake{"UnknownLaw", "law: linear", "law: liner", {"case.yaml:6", "did you mean 'linear'"}},
+                    Mistake{"MissingParameter",
+                            "law: linear, parameters: {k: 5 kN/m, c: 10 N s/m}",
+                            "law: saturating, parameters: {k: 5 kN/m}",
+                            {"case.yaml:6", "'mu_k1' is missing"}},
+                    Mistake{"UnknownUnknown",
+                            "suspension.k: {",
+                            "suspension.kk: {",
+                            {"case.yaml:12", "suspension.kk", "did you mean 'suspension.k'"}},
+                    Mistake{"NoNoise", "noise: 15 %", "noise: 0 %", {"case.yaml:10", "noise"}},
+                    Mistake{"TwoAtOnce",
+                            "simulate: {duration: 2 s, sample_rate: 1 kHz}",
+                            "simulate: {duration: -1 s, sample_rate: 1 m}",
+                            {"duration", "sample_rate"}},
+                    Mistake{"NoSyntax", "kalfem: 1", "kalfem: [1", {"case.yaml"}}),
     [](const auto& info) { return std::string(info.param.name); });
 
 TEST(Command, SoundCaseRuns) {
@@ -83,7 +103,8 @@ TEST(Command, MissingCaseFileIsTheUsersToMend) {
 TEST(Command, FolderThatCannotBeMadeIsNamed) {
   const auto folder = fresh_folder("folder");
   std::ofstream(folder / "case.yaml") << sound_case;
-  const auto outcome = run_command("run " + (folder / "case.yaml").string() + " --out " + (folder / "case.yaml" / "x").string(), folder);
+  const auto outcome =
+      run_command("run " + (folder / "case.yaml").string() + " --out " + (folder / "case.yaml" / "x").string(), folder);
   EXPECT_EQ(outcome.code, 2);
   EXPECT_NE(outcome.errors.find("--out"), std::string::npos) << outcome.errors;
 }

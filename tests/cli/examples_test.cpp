@@ -21,7 +21,8 @@ double relative_error(const nlohmann::json& parameter) {
 }
 
 double normalised_error(const nlohmann::json& parameter) {
-  return std::abs(parameter["estimate"].get<double>() - parameter["true"].get<double>()) / parameter["std"].get<double>();
+  return std::abs(parameter["estimate"].get<double>() - parameter["true"].get<double>()) /
+         parameter["std"].get<double>();
 }
 
 TEST(Examples, ChainReachesTheFiguresOfThePaper) {
@@ -44,10 +45,11 @@ TEST(Examples, ResultsFileHoldsTheContract) {
   run_example("chain/expression.yaml", folder);
   const auto file = Hdf5File::open((folder / "out" / "results.h5").string());
   for (const char* name :
-       {"/time", "/measurements/a3", "/truth/body.3/displacement", "/truth/body.3/velocity", "/truth/body.3/acceleration",
-        "/estimate/body.3/displacement", "/estimate/body.3/displacement_std", "/estimate/body.3/velocity",
-        "/estimate/body.3/acceleration_std", "/estimate/parameters/suspension.mu_k1",
-        "/estimate/parameters/suspension.mu_k1_std", "/innovation/value/a3", "/innovation/nis", "/prediction/body.10/acceleration"})
+       {"/time", "/measurements/a3", "/truth/body.3/displacement", "/truth/body.3/velocity",
+        "/truth/body.3/acceleration", "/estimate/body.3/displacement", "/estimate/body.3/displacement_std",
+        "/estimate/body.3/velocity", "/estimate/body.3/acceleration_std", "/estimate/parameters/suspension.mu_k1",
+        "/estimate/parameters/suspension.mu_k1_std", "/innovation/value/a3", "/innovation/nis",
+        "/prediction/body.10/acceleration"})
     EXPECT_TRUE(file.contains(name)) << name;
   EXPECT_EQ(file.read("/time").size(), file.read("/truth/body.3/displacement").size());
   EXPECT_EQ(file.text_attribute("/truth/body.3/displacement", "unit"), "m");
@@ -56,7 +58,8 @@ TEST(Examples, ResultsFileHoldsTheContract) {
 
 TEST(Examples, ClusteredSensors) {
   const auto summary = run_example("chain/clustered.yaml", fresh_folder("clustered"));
-  for (const auto& [name, parameter] : summary["parameters"].items()) EXPECT_LT(normalised_error(parameter), 3.5) << name;
+  for (const auto& [name, parameter] : summary["parameters"].items())
+    EXPECT_LT(normalised_error(parameter), 3.5) << name;
   EXPECT_NEAR(summary["estimation"]["nis"]["mean"].get<double>(), 4.0, 0.08);
 }
 
@@ -70,7 +73,8 @@ TEST(Examples, BoucWenSuspension) {
 
 TEST(Examples, ExpressionLaw) {
   const auto summary = run_example("chain/expression.yaml", fresh_folder("expression"));
-  for (const auto& [name, parameter] : summary["parameters"].items()) EXPECT_LT(normalised_error(parameter), 3.5) << name;
+  for (const auto& [name, parameter] : summary["parameters"].items())
+    EXPECT_LT(normalised_error(parameter), 3.5) << name;
 }
 
 TEST(Examples, LocalObserver) {
@@ -85,7 +89,8 @@ TEST(Examples, TheResolvedCaseRunsAgainWithTheSameResult) {
   const auto folder = fresh_folder("resolved");
   std::filesystem::create_directories(folder / "again");
   const auto first = run_example("chain/local.yaml", folder);
-  const auto outcome = run_command("run " + (folder / "out" / "case.resolved.yaml").string() + " --out " + (folder / "again").string(), folder);
+  const auto outcome = run_command(
+      "run " + (folder / "out" / "case.resolved.yaml").string() + " --out " + (folder / "again").string(), folder);
   ASSERT_EQ(outcome.code, 0) << outcome.errors;
   EXPECT_EQ(first["parameters"].dump(), read_summary(folder / "again")["parameters"].dump());
 }

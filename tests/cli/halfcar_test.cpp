@@ -2,9 +2,9 @@
 
 #include "command.hpp"
 
-// The half-car rig: measured free responses of a real vehicle model with dry friction. Limits: open-loop NRMSE about the rest
-// position of 0.07 (sprung) and 0.20 (unsprung) for undamped runs released from both sides, sprung 0.12 for the others; the rest
-// position within 2 mm; stiffness of repeats within 1.5 %. One setting for all runs.
+// The half-car rig: measured free responses of a real vehicle model with dry friction. Limits: open-loop NRMSE about
+// the rest position of 0.07 (sprung) and 0.20 (unsprung) for undamped runs released from both sides, sprung 0.12 for
+// the others; the rest position within 2 mm; stiffness of repeats within 1.5 %. One setting for all runs.
 namespace kalfem::test {
 namespace {
 
@@ -24,16 +24,18 @@ nlohmann::json estimate(const Run& run) {
   setenv("HALFCAR_RUN", run.key, 1);
   setenv("BODY_MASS", run.loaded ? "473.77" : "433", 1);
   setenv("BODY_INERTIA", run.loaded ? "105.63" : "82.7", 1);
-  const auto outcome = run_command("run " + example("halfcar/halfcar.yaml") + " --out " + (folder / "out").string(), folder);
+  const auto outcome =
+      run_command("run " + example("halfcar/halfcar.yaml") + " --out " + (folder / "out").string(), folder);
   EXPECT_EQ(outcome.code, 0) << outcome.errors;
   return read_summary(folder / "out");
 }
 
 class HalfCar : public testing::TestWithParam<Run> {
- protected:
+protected:
   void SetUp() override {
     if (!std::filesystem::exists(data_folder() / "halfcar-rig" / "halfcar_500Hz.h5"))
-      GTEST_SKIP() << "the measured half-car records are not here: set KALFEM_DATA to the folder that holds halfcar-rig";
+      GTEST_SKIP()
+          << "the measured half-car records are not here: set KALFEM_DATA to the folder that holds halfcar-rig";
   }
 };
 
@@ -41,7 +43,8 @@ TEST_P(HalfCar, OpenLoopReproducesTheRecord) {
   const auto summary = estimate(GetParam());
   const auto& open_loop = summary["estimation"]["open_loop"];
   for (const char* side : {"LH", "RH"}) {
-    const auto &sprung = open_loop[std::string("sprung_") + side], &unsprung = open_loop[std::string("unsprung_") + side];
+    const auto &sprung = open_loop[std::string("sprung_") + side],
+               &unsprung = open_loop[std::string("unsprung_") + side];
     EXPECT_LE(sprung["nrmse"].get<double>(), GetParam().sprung_limit) << side;
     EXPECT_LE(unsprung["nrmse"].get<double>(), GetParam().unsprung_limit) << side;
     EXPECT_LE(std::abs(sprung["rest_error"].get<double>()), 2e-3) << side;
@@ -49,15 +52,18 @@ TEST_P(HalfCar, OpenLoopReproducesTheRecord) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Runs, HalfCar,
-                         testing::Values(Run{"Centre_p0000_m000_t1.1_r1", 0.07, 0.20}, Run{"Centre_p0000_m200_t5_r1", 0.07, 0.20, true},
-                                         Run{"Centre_p1000_m000_t3_r1", 0.12, 0.20}, Run{"LHS_p0000_m000_t16_r1", 0.12, 0.20},
+                         testing::Values(Run{"Centre_p0000_m000_t1.1_r1", 0.07, 0.20},
+                                         Run{"Centre_p0000_m200_t5_r1", 0.07, 0.20, true},
+                                         Run{"Centre_p1000_m000_t3_r1", 0.12, 0.20},
+                                         Run{"LHS_p0000_m000_t16_r1", 0.12, 0.20},
                                          Run{"LHS_p2000_m000_t20_r1", 0.12, 0.20}));
 
 class HalfCarRepeats : public HalfCar {};
 
 TEST_P(HalfCarRepeats, StiffnessAgrees) {
   const auto first = estimate({"Centre_p0000_m000_t1.1_r1", 0.0, 0.0}), second = estimate(GetParam());
-  for (const char* name : {"car.strut_L.stiffness", "car.strut_R.stiffness", "car.tyre_L.stiffness", "car.tyre_R.stiffness"}) {
+  for (const char* name :
+       {"car.strut_L.stiffness", "car.strut_R.stiffness", "car.tyre_L.stiffness", "car.tyre_R.stiffness"}) {
     const double a = first["parameters"][name]["estimate"], b = second["parameters"][name]["estimate"];
     EXPECT_NEAR(b / a, 1.0, 0.015) << name;
   }

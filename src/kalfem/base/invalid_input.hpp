@@ -25,7 +25,7 @@ std::string to_string(const Issue& issue);
 
 /// Input that the user can mend. Carries every problem that was found, not only the first.
 class InvalidInput : public std::runtime_error {
- public:
+public:
   explicit InvalidInput(std::vector<Issue> issues);
   explicit InvalidInput(Issue issue) : InvalidInput(std::vector<Issue>{std::move(issue)}) {}
   /// A problem without a place in a file: a precondition of a library function.
@@ -34,13 +34,13 @@ class InvalidInput : public std::runtime_error {
 
   [[nodiscard]] const std::vector<Issue>& issues() const { return issues_; }
 
- private:
+private:
   std::vector<Issue> issues_;
 };
 
 /// Collects problems so that they are reported together.
 class IssueList {
- public:
+public:
   void add(SourceLocation location, std::string what, std::string why = {}, std::string fix = {}) {
     issues_.push_back({std::move(location), std::move(what), std::move(why), std::move(fix)});
   }
@@ -50,7 +50,7 @@ class IssueList {
   /// Throws InvalidInput with everything collected; does nothing when there is nothing.
   void raise() const;
 
- private:
+private:
   std::vector<Issue> issues_;
 };
 

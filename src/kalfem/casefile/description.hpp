@@ -141,9 +141,9 @@ struct Sensor {
 };
 
 struct FreeResponse {
-  double delay = 0.0;             ///< the case begins so long after the release
-  double threshold = 5e-4;        ///< the filter stops when no channel is further from rest than this ...
-  double margin = 0.5;            ///< ... and so long has passed since
+  double delay = 0.0;       ///< the case begins so long after the release
+  double threshold = 5e-4;  ///< the filter stops when no channel is further from rest than this ...
+  double margin = 0.5;      ///< ... and so long has passed since
 };
 struct Record {
   std::filesystem::path file;

@@ -6,7 +6,6 @@
 
 #include "kalfem/formats/local_polynomial.hpp"
 
-
 namespace kalfem {
 
 using Eigen::Index;
@@ -60,8 +59,8 @@ VectorXd interpolated(const VectorXd& samples, Index parts) {
   return fine;
 }
 
-/// [r; r'; r''] of the observer's inputs at every substep: excitation signals, recorded accelerations in the place of r'', zero
-/// for unknown forces.
+/// [r; r'; r''] of the observer's inputs at every substep: excitation signals, recorded accelerations in the place of
+/// r'', zero for unknown forces.
 MatrixXd observer_inputs(const Study& study, const FullRecord& record) {
   const auto& sources = study.observer->input_sources;
   const auto n_u = static_cast<Index>(sources.size());
@@ -71,7 +70,8 @@ MatrixXd observer_inputs(const Study& study, const FullRecord& record) {
     const std::string& source = sources[static_cast<std::size_t>(i)];
     if (source.empty()) continue;
     if (source.front() == '@') {
-      inputs.row(2 * n_u + i) = interpolated(record.series.values.col(record.series.find(source.substr(1))), parts).transpose();
+      inputs.row(2 * n_u + i) =
+          interpolated(record.series.values.col(record.series.find(source.substr(1))), parts).transpose();
       continue;
     }
     for (std::size_t j = 0; j < study.parts.inputs.size(); ++j) {
@@ -230,9 +230,9 @@ EstimationStage estimate_stage(const Study& study, const StudyResults& results, 
   EstimationOptions options{given.filter, given.unscented, given.passes, make_outputs(*setup.model, monitored),
                             progress};
   MatrixXd used = stage.measurements.values.transpose();
-  if (study.record) used.rightCols(used.cols() - study.record->used).setConstant(std::numeric_limits<double>::quiet_NaN());
-  const Record observed{used, observer_inputs(study, record),
-                        noise.cwiseAbs2().asDiagonal()};
+  if (study.record)
+    used.rightCols(used.cols() - study.record->used).setConstant(std::numeric_limits<double>::quiet_NaN());
+  const Record observed{used, observer_inputs(study, record), noise.cwiseAbs2().asDiagonal()};
   stage.result = estimate(*stage.observer, observed, options);
   if (stage.result.failure)
     failure = "the filter stopped at " + shortest(stage.result.failure->time) + " s: " + stage.result.failure->reason;

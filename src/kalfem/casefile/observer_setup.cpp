@@ -44,19 +44,20 @@ public:
   UnknownBuilder(const Parts& truth, bool simulated, Parts& parts, IssueList& issues)
       : truth_(truth), simulated_(simulated), parts_(parts), issues_(issues) {}
 
-
   void add(const std::string& name, const d::Unknown& given, ObserverSetup& setup) {
     std::vector<d::Name> names = given.applies_to;
     if (names.empty()) names.push_back({name, given.initial.location, "estimate.unknown." + name});
+    if (!all_known(names)) return;
     try {
       const std::string unit = unit_of(truth_, names.front().value);
+
       UnknownParameter unknown{name, unit, {}, transform_of(given, unit), checked_number(given.initial, unit),
                                0.0,  0.0};
       unknown.deviation = given.std ? absolute(*given.std, unit, unknown.initial) : 0.5 * std::abs(unknown.initial);
       unknown.random_walk = given.random_walk ? absolute(*given.random_walk, unit, unknown.initial) : 0.0;
       std::optional<double> truth;
       for (const auto& target : names)
-        if (const auto value = add_target(target, unknown); value && simulated_) truth = value;
+        if (const double value = add_target(target, unknown); simulated_) truth = value;
 
       if (given.truth) truth = checked_number(*given.truth, unit);
       setup.options.unknowns.push_back(unknown);
@@ -67,16 +68,23 @@ public:
   }
 
 private:
-  /// The value that the case gives the parameter.
-  std::optional<double> add_target(const d::Name& name, UnknownParameter& unknown) {
-    const auto reference = find_parameter(parts_, name.value);
-    if (!reference) {
+  bool all_known(const std::vector<d::Name>& names) {
+    bool known = true;
+    for (const auto& name : names) {
+      if (find_parameter(parts_, name.value)) continue;
+      known = false;
       issues_.add(name.location,
                   name.path + ": there is no parameter '" + name.value + "'" +
                       did_you_mean(name.value, parameter_names(truth_)),
                   "an unknown is a parameter of a connector or of a lumped substructure", "");
-      return std::nullopt;
     }
+    return known;
+  }
+
+  /// The value that the case gives the parameter.
+
+  double add_target(const d::Name& name, UnknownParameter& unknown) {
+    const auto reference = find_parameter(parts_, name.value);
     const double value = reference->value;
     const auto target = release_linear_element(parts_, *reference, unknown.initial);
     unknown.targets.push_back({static_cast<Index>(target.part), static_cast<Index>(target.element)});
@@ -84,7 +92,7 @@ private:
     return value;
   }
 
-    const Parts& truth_;
+  const Parts& truth_;
   bool simulated_;
 
   Parts& parts_;
@@ -235,7 +243,6 @@ void set_state_prior(const d::Estimation& given, const CoupledModel& model, Stat
     prior.mean.connector_states[index] = start.value;
     prior.connector_state_deviation[index] = start.std;
   }
-
 }
 
 void set_noise(const d::Noise& given, const CoupledModel& model, ProcessNoise& noise, IssueList& issues) {

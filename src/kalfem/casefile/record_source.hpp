@@ -9,8 +9,7 @@ namespace kalfem {
 struct MeasuredRecord {
   TimeSeries series;                     ///< one channel a sensor, SI; start is the time in the file
   std::vector<std::string> preparation;  ///< what was done to it, in words
-  Eigen::Index used = 0;                ///< samples that the filter learns from; the rest is for comparison only
-
+  Eigen::Index used = 0;                 ///< samples that the filter learns from; the rest is for comparison only
 };
 
 /// Reads the channels of the case's sensors. Throws InvalidInput (missing file or channel, samples that are not finite

@@ -43,7 +43,22 @@ public:
     return {};
   }
 
+  /// Line of a value of the signal, where it has one that keeps its place.
+  [[nodiscard]] SourceLocation location(const std::string& name) const {
+    for (const auto& [input, excitation] : given_.excitation)
+      if (input == name) return std::visit([](const auto& signal) { return place_of(signal); }, excitation.signal);
+    return {};
+  }
+
 private:
+  template <class Signal>
+  static SourceLocation place_of(const Signal& signal) {
+    if constexpr (requires { signal.rms.location; }) return signal.rms.location;
+    if constexpr (requires { signal.amplitude.location; }) return signal.amplitude.location;
+    if constexpr (requires { signal.input.location; }) return signal.input.location;
+    return {};
+  }
+
   SignalPtr from(const d::RandomSignal& g) {
     return make_random({.rms = checked_number(g.rms, unit_, Bounds::nonnegative()),
                         .lower = g.band[0],
@@ -114,8 +129,12 @@ std::vector<SignalPtr> make_signals(const description::Case& given, const std::v
     try {
       signals.push_back(maker.make(input.name, input.kind));
     } catch (const InvalidInput& error) {
-      for (const auto& issue : error.issues())
-        issues.add(issue.location, "excitation." + input.name + ": " + issue.what, issue.why, issue.fix);
+      for (auto issue : error.issues()) {
+        if (issue.location.file.empty()) issue.location = maker.location(input.name);
+        const std::string path = "excitation." + input.name;
+        const bool named = issue.what.starts_with(path);
+        issues.add(issue.location, named ? issue.what : path + ": " + issue.what, issue.why, issue.fix);
+      }
     }
   }
   return signals;

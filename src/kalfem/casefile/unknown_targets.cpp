@@ -47,7 +47,8 @@ std::string inertial_point(Parts& parts) {
 }
 
 /// The connector that carries departures of the element at `place`; stiffness and damping of a spring share one.
-ConnectorDescription& connector_at(Parts& parts, const std::string& place, const std::string& from, const std::string& to) {
+ConnectorDescription& connector_at(Parts& parts, const std::string& place, const std::string& from,
+                                   const std::string& to) {
   for (auto& connector : parts.connectors)
     if (connector.name == place) return connector;
   return parts.connectors.emplace_back(ConnectorDescription{place, from, to, nullptr, Eigen::VectorXd::Zero(3)});

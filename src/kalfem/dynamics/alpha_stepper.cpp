@@ -16,10 +16,14 @@ using Eigen::VectorXd;
 ///     a1 = a_free - (1-a_f) W f1
 /// leaves a solve of size m a step.
 class AlphaStepper final : public Stepper {
- public:
+public:
   AlphaStepper(const LocallyNonlinearSystem& system, double step, const AlphaParameters& p,
                const ForceSolveOptions& forces)
-      : system_(system), h_(step), p_(p), forces_(system, forces), directions_(system.connector_directions()),
+      : system_(system),
+        h_(step),
+        p_(p),
+        forces_(system, forces),
+        directions_(system.connector_directions()),
         bases_(system.connector_bases()) {
     const double f = 1.0 - p.alpha_f;
     const SparseMatrix effective = (1.0 - p.alpha_m) * system.mass + (f * p.gamma * h_) * system.damping +
@@ -39,8 +43,8 @@ class AlphaStepper final : public Stepper {
   }
 
   ForceSolveOutcome start(Motion& motion, const VectorXd& inputs) override {
-    motion.acceleration = mass_.solve(applied(inputs) - system_.damping * motion.velocity -
-                                      system_.stiffness * motion.displacement);
+    motion.acceleration =
+        mass_.solve(applied(inputs) - system_.damping * motion.velocity - system_.stiffness * motion.displacement);
     const auto outcome = forces_.start(connector_motion(motion, inputs), start_compliance_, motion);
     motion.acceleration += start_response_ * motion.force;
     return outcome;
@@ -64,7 +68,7 @@ class AlphaStepper final : public Stepper {
     return outcome;
   }
 
- private:
+private:
   VectorXd applied(const VectorXd& inputs) const {
     VectorXd force = VectorXd::Zero(system_.size());
     const Index count = system_.input_count();

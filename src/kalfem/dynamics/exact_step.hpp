@@ -12,12 +12,12 @@ namespace kalfem {
 struct ExactStep {
   ExactStep(const FirstOrderForm& form, double step);
 
-  double step;                                ///< h [s]
-  Eigen::MatrixXd transition;                 ///< n_x x n_x
-  Eigen::MatrixXd begin_force, end_force;     ///< n_x x m
-  Eigen::MatrixXd begin_input, end_input;     ///< n_x x 3 n_u
-  Eigen::MatrixXd compliance;                 ///< connector motion per force at the end, 3m x m
-  Eigen::MatrixXd instant_compliance;         ///< the same at an instant: only d'' feels f, 3m x m
+  double step;                             ///< h [s]
+  Eigen::MatrixXd transition;              ///< n_x x n_x
+  Eigen::MatrixXd begin_force, end_force;  ///< n_x x m
+  Eigen::MatrixXd begin_input, end_input;  ///< n_x x 3 n_u
+  Eigen::MatrixXd compliance;              ///< connector motion per force at the end, 3m x m
+  Eigen::MatrixXd instant_compliance;      ///< the same at an instant: only d'' feels f, 3m x m
 };
 
 }  // namespace kalfem

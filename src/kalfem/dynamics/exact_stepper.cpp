@@ -9,14 +9,20 @@ using Eigen::VectorXd;
 OutputMap accelerations_of(const LocallyNonlinearSystem& system) {
   const auto n = system.size();
   const auto none = Eigen::MatrixXd::Zero(n, n), inputs = Eigen::MatrixXd::Zero(n, system.input_count());
-  return {system.dofs, std::vector<std::string>(system.dofs.size(), "m/s^2"), none, none,
-          Eigen::MatrixXd::Identity(n, n), inputs, inputs, inputs,
+  return {system.dofs,
+          std::vector<std::string>(system.dofs.size(), "m/s^2"),
+          none,
+          none,
+          Eigen::MatrixXd::Identity(n, n),
+          inputs,
+          inputs,
+          inputs,
           Eigen::MatrixXd::Zero(n, system.connector_count())};
 }
 
 /// The exact step of the linear part, connector forces linear over the step.
 class ExactStepper final : public Stepper {
- public:
+public:
   ExactStepper(const LocallyNonlinearSystem& system, double step, const ForceSolveOptions& forces)
       : form_(system, accelerations_of(system)), step_(form_, step), forces_(system, forces), state_(form_.size()) {}
 
@@ -44,7 +50,7 @@ class ExactStepper final : public Stepper {
     return outcome;
   }
 
- private:
+private:
   void set_acceleration(Motion& motion, const VectorXd& inputs) {
     motion.acceleration = form_.outputs().state * state_;
     motion.acceleration.noalias() += form_.outputs().input * inputs;

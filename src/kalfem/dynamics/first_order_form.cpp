@@ -13,9 +13,12 @@ namespace {
 
 Index state_count(InputModel model) {
   switch (model) {
-    case InputModel::known: return 0;
-    case InputModel::integrated: return 2;
-    case InputModel::first_order_markov: return 1;
+    case InputModel::known:
+      return 0;
+    case InputModel::integrated:
+      return 2;
+    case InputModel::first_order_markov:
+      return 1;
   }
   return 0;
 }

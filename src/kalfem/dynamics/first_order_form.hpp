@@ -19,9 +19,9 @@ struct LinearOutput {
 
 /// How an input that is not known as a motion enters the state. The signal w that drives it takes the place of r''.
 enum class InputModel {
-  known,                ///< r, r' and r'' are given
-  integrated,           ///< r'' = w is given (a measured acceleration): r and r' become states
-  first_order_markov    ///< nothing is given: r' = -r / tau + white noise becomes a state (an unknown force)
+  known,              ///< r, r' and r'' are given
+  integrated,         ///< r'' = w is given (a measured acceleration): r and r' become states
+  first_order_markov  ///< nothing is given: r' = -r / tau + white noise becomes a state (an unknown force)
 };
 
 struct InputTreatment {
@@ -34,7 +34,7 @@ struct InputTreatment {
 ///     k  = [d; d'; d''] of the connectors,     y = sensor outputs behind their measurement chains.
 /// Dense: for lumped and reduced systems. Immutable after construction.
 class FirstOrderForm {
- public:
+public:
   /// `chains` has one entry an output (identity where a sensor has no dynamics) or is empty, and so has `treatments`
   /// (all known). Throws InvalidInput where their numbers do not match or a correlation time is not positive.
   FirstOrderForm(const LocallyNonlinearSystem& system, const OutputMap& outputs,
@@ -44,7 +44,9 @@ class FirstOrderForm {
   [[nodiscard]] Eigen::Index dof_count() const { return n_; }
   [[nodiscard]] Eigen::Index input_state_offset() const { return 2 * n_; }
   /// First state of the input's model, -1 for a known input.
-  [[nodiscard]] Eigen::Index input_state(Eigen::Index input) const { return input_state_[static_cast<std::size_t>(input)]; }
+  [[nodiscard]] Eigen::Index input_state(Eigen::Index input) const {
+    return input_state_[static_cast<std::size_t>(input)];
+  }
 
   [[nodiscard]] const Eigen::MatrixXd& dynamics() const { return dynamics_; }      ///< A, n_x x n_x
   [[nodiscard]] const Eigen::MatrixXd& force_gain() const { return force_gain_; }  ///< G, n_x x m
@@ -54,7 +56,7 @@ class FirstOrderForm {
   /// Any other outputs of the same system, without measurement chains.
   [[nodiscard]] LinearOutput raw_outputs(const OutputMap& outputs) const;
 
- private:
+private:
   void set_mechanics(const LocallyNonlinearSystem& system);
   void add_input_models(const std::vector<InputTreatment>& treatments);
   void set_motion(const LocallyNonlinearSystem& system);

@@ -12,9 +12,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-MatrixXd every(const MatrixXd& fine, Index substeps) {
-  return fine(Eigen::seq(0, Eigen::last, substeps), Eigen::all);
-}
+MatrixXd every(const MatrixXd& fine, Index substeps) { return fine(Eigen::seq(0, Eigen::last, substeps), Eigen::all); }
 
 /// Passes the fine-step outputs through the measurement chains, then samples them.
 MatrixXd record(const MatrixXd& fine, const std::vector<MeasurementChain>& chains, double fine_rate, Index substeps) {
@@ -35,8 +33,10 @@ void check(const ReferenceOptions& options) {
   if (!(options.sample_rate > 0.0) || !std::isfinite(options.sample_rate))
     issues.add({}, "the sampling rate is " + std::to_string(options.sample_rate) + " Hz", "it must be positive");
   if (options.first_substeps < 1 || options.max_substeps < options.first_substeps)
-    issues.add({}, "the time steps per sample go from " + std::to_string(options.first_substeps) + " to " +
-                       std::to_string(options.max_substeps), "the first is at least 1, the last no less");
+    issues.add({},
+               "the time steps per sample go from " + std::to_string(options.first_substeps) + " to " +
+                   std::to_string(options.max_substeps),
+               "the first is at least 1, the last no less");
   if (!(options.tolerance > 0.0))
     issues.add({}, "the tolerance of the reference is " + std::to_string(options.tolerance), "it must be positive");
   issues.raise();

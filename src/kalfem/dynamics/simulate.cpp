@@ -42,7 +42,8 @@ void check(const LocallyNonlinearSystem& system, const std::vector<SignalPtr>& s
                "each input needs one signal");
   if (initial.displacement.size() != system.size() || initial.velocity.size() != system.size() ||
       initial.connector_states.size() != system.connector_states())
-    issues.add({}, "the initial state does not fit the system's size", "one value a degree of freedom and internal state");
+    issues.add({}, "the initial state does not fit the system's size",
+               "one value a degree of freedom and internal state");
   issues.raise();
   if (options.duration / options.step > most_steps || stored_values(system, options) > most_values)
     throw InvalidInput(std::to_string(options.duration) + " s in steps of " + std::to_string(options.step) +
@@ -52,13 +53,15 @@ void check(const LocallyNonlinearSystem& system, const std::vector<SignalPtr>& s
 
 std::unique_ptr<Stepper> make_stepper(const LocallyNonlinearSystem& system, const SimulationOptions& options) {
   switch (options.integrator) {
-    case Integrator::newmark: return make_alpha_stepper(system, options.step, newmark_parameters(), options.forces);
+    case Integrator::newmark:
+      return make_alpha_stepper(system, options.step, newmark_parameters(), options.forces);
     case Integrator::hht_alpha:
       return make_alpha_stepper(system, options.step, hht_parameters(options.hht_alpha), options.forces);
     case Integrator::generalized_alpha:
       return make_alpha_stepper(system, options.step, generalized_alpha_parameters(options.spectral_radius),
                                 options.forces);
-    case Integrator::exact: return make_exact_stepper(system, options.step, options.forces);
+    case Integrator::exact:
+      return make_exact_stepper(system, options.step, options.forces);
   }
   return {};
 }
@@ -77,8 +80,12 @@ MatrixXd sample_inputs(const std::vector<SignalPtr>& signals, double step, Index
 
 Trajectory allocate(const LocallyNonlinearSystem& system, const SimulationOptions& options, Index samples) {
   const auto motion = MatrixXd::Zero(system.size(), samples);
-  return {options.step * static_cast<double>(options.keep_every), motion, motion, motion,
-          MatrixXd::Zero(system.connector_count(), samples), MatrixXd::Zero(3 * system.input_count(), samples),
+  return {options.step * static_cast<double>(options.keep_every),
+          motion,
+          motion,
+          motion,
+          MatrixXd::Zero(system.connector_count(), samples),
+          MatrixXd::Zero(3 * system.input_count(), samples),
           MatrixXd::Zero(system.connector_states(), samples)};
 }
 
@@ -108,8 +115,9 @@ void observe(const OutputMap& map, const Motion& motion, const VectorXd& inputs,
 
 std::optional<SimulationFailure> failure_of(const ForceSolveOutcome& outcome, const Motion& motion, double time) {
   if (!outcome.finite || !motion.acceleration.allFinite())
-    return SimulationFailure{time, "a connector force or the motion is no longer finite: the response grows without "
-                                   "bound or a law divides by zero"};
+    return SimulationFailure{time,
+                             "a connector force or the motion is no longer finite: the response grows without "
+                             "bound or a law divides by zero"};
   if (!outcome.converged)
     return SimulationFailure{time, "the connector forces did not converge: take a smaller step or a smoother law"};
   return std::nullopt;
@@ -123,9 +131,7 @@ InitialState at_rest(Index dofs, Index connector_states) {
 
 AlphaParameters newmark_parameters() { return {}; }
 
-AlphaParameters hht_parameters(double alpha) {
-  return {(1.0 - alpha) * (1.0 - alpha) / 4.0, 0.5 - alpha, 0.0, -alpha};
-}
+AlphaParameters hht_parameters(double alpha) { return {(1.0 - alpha) * (1.0 - alpha) / 4.0, 0.5 - alpha, 0.0, -alpha}; }
 
 AlphaParameters generalized_alpha_parameters(double rho) {
   const double a_m = (2.0 * rho - 1.0) / (rho + 1.0), a_f = rho / (rho + 1.0);
@@ -139,7 +145,8 @@ SimulationResult simulate(const LocallyNonlinearSystem& system, const std::vecto
   const auto stepper = make_stepper(system, options);
   const bool observing = options.every_step.size() > 0;
   SimulationResult result{allocate(system, options, steps / options.keep_every + 1),
-                          MatrixXd::Zero(observing ? steps + 1 : 0, options.every_step.size()), {}};
+                          MatrixXd::Zero(observing ? steps + 1 : 0, options.every_step.size()),
+                          {}};
   Motion motion{initial.displacement, initial.velocity, VectorXd::Zero(system.size()),
                 VectorXd::Zero(system.connector_count()), initial.connector_states};
 

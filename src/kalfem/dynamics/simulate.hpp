@@ -30,12 +30,12 @@ AlphaParameters generalized_alpha_parameters(double spectral_radius);
 
 struct SimulationOptions {
   Integrator integrator = Integrator::exact;
-  double step = 1e-3;              ///< [s]
-  double duration = 1.0;           ///< [s]
-  Eigen::Index keep_every = 1;     ///< steps between stored samples
-  double hht_alpha = -0.05;        ///< of hht_alpha
-  double spectral_radius = 0.8;    ///< of generalized_alpha
-  OutputMap every_step = {};       ///< outputs kept at every step, for measurement chains that act at the fine step
+  double step = 1e-3;            ///< [s]
+  double duration = 1.0;         ///< [s]
+  Eigen::Index keep_every = 1;   ///< steps between stored samples
+  double hht_alpha = -0.05;      ///< of hht_alpha
+  double spectral_radius = 0.8;  ///< of generalized_alpha
+  OutputMap every_step = {};     ///< outputs kept at every step, for measurement chains that act at the fine step
   ForceSolveOptions forces = {};
   Progress progress = {};
 };

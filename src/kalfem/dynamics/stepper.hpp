@@ -13,10 +13,10 @@ struct Motion {
   Eigen::VectorXd connector_states;                      ///< internal states of all connectors
 };
 
-/// Advances a motion by one step h. Holds everything that is constant (factors, connector compliances) and the arrays of
-/// one thread.
+/// Advances a motion by one step h. Holds everything that is constant (factors, connector compliances) and the arrays
+/// of one thread.
 class Stepper {
- public:
+public:
   virtual ~Stepper() = default;
   /// Forces and accelerations that belong to the displacements, velocities and inputs of the start.
   virtual ForceSolveOutcome start(Motion& motion, const Eigen::VectorXd& inputs) = 0;
@@ -31,7 +31,7 @@ std::unique_ptr<Stepper> make_exact_stepper(const LocallyNonlinearSystem& system
 
 /// The connectors of one system at the single point of a simulation: start and end motion as vectors.
 class SinglePointForces {
- public:
+public:
   SinglePointForces(const LocallyNonlinearSystem& system, const ForceSolveOptions& options);
 
   /// Solves at the start of a simulation: motion k_free (3m) as it is without connector forces.
@@ -40,7 +40,7 @@ class SinglePointForces {
   ForceSolveOutcome solve(const Eigen::VectorXd& free_motion, const Eigen::MatrixXd& compliance, double duration,
                           Motion& motion);
 
- private:
+private:
   ConnectorForces forces_;
   Eigen::Index connectors_;
 };

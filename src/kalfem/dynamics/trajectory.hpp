@@ -37,8 +37,8 @@ struct SimulationFailure {
 };
 
 struct SimulationResult {
-  Trajectory trajectory;                     ///< samples before the failure, where there was one
-  Eigen::MatrixXd every_step;                ///< the outputs asked for at every step before a failure, (steps + 1) x outputs
+  Trajectory trajectory;       ///< samples before the failure, where there was one
+  Eigen::MatrixXd every_step;  ///< the outputs asked for at every step before a failure, (steps + 1) x outputs
   std::optional<SimulationFailure> failure;  ///< empty: it ran to the end
 };
 

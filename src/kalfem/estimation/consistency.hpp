@@ -13,8 +13,8 @@ double chi_squared_quantile(double probability, double degrees_of_freedom);
 /// degrees of freedom as channels (Bar-Shalom, Li and Kirubarajan 2001, section 5.4).
 struct ConsistencySummary {
   double mean_nis = 0.0;
-  double expected_nis = 0.0;       ///< mean number of channels measured
-  double fraction_in_95 = 0.0;     ///< part of the samples inside the two-sided 95 % band
+  double expected_nis = 0.0;            ///< mean number of channels measured
+  double fraction_in_95 = 0.0;          ///< part of the samples inside the two-sided 95 % band
   Eigen::VectorXd innovation_to_noise;  ///< rms of each channel's innovation / its noise standard deviation
 };
 

@@ -32,8 +32,9 @@ void check(const Observer& observer, const Record& record, const EstimationOptio
   const auto& [alpha, beta, kappa] = options.unscented;
   const double n = static_cast<double>(observer.layout().size());
   if (!(alpha > 0.0 && n + kappa > 0.0) || !std::isfinite(alpha * alpha * (n + kappa)) || !std::isfinite(beta))
-    issues.add({}, "the sigma points have alpha " + std::to_string(alpha) + ", beta " + std::to_string(beta) +
-                       ", kappa " + std::to_string(kappa) + " with " + std::to_string(observer.layout().size()) + " states",
+    issues.add({},
+               "the sigma points have alpha " + std::to_string(alpha) + ", beta " + std::to_string(beta) + ", kappa " +
+                   std::to_string(kappa) + " with " + std::to_string(observer.layout().size()) + " states",
                "alpha must be positive, kappa above minus the number of states, all finite", "use 1, 2, 0");
   if (record.measurements.cols() < 1) issues.add({}, "the record is empty", "");
   if (options.passes < 1) issues.add({}, "the number of passes is below 1", "");
@@ -45,13 +46,16 @@ void check(const Observer& observer, const Record& record, const EstimationOptio
 
 /// One pass of a filter over a record: predict, update, keep.
 class Pass {
- public:
+public:
   Pass(const Observer& observer, const Record& record, const EstimationOptions& options)
-      : observer_(observer), record_(record), options_(options), filter_(make_filter(options.filter, options.unscented)),
+      : observer_(observer),
+        record_(record),
+        options_(options),
+        filter_(make_filter(options.filter, options.unscented)),
         input_stride_(record.inputs.cols() > record.measurements.cols() ? observer.options().substeps : 1),
-        transition_(observer), measurement_(observer, observer.form().outputs()) {
-    if (options.monitored.size() > 0)
-      monitored_.emplace(observer, observer.form().raw_outputs(options.monitored));
+        transition_(observer),
+        measurement_(observer, observer.form().outputs()) {
+    if (options.monitored.size() > 0) monitored_.emplace(observer, observer.form().raw_outputs(options.monitored));
     allocate();
   }
 
@@ -75,7 +79,7 @@ class Pass {
     return std::move(result_);
   }
 
- private:
+private:
   void allocate() {
     const Index samples = record_.measurements.cols(), l = record_.measurements.rows();
     const auto series = [&](Index rows) {
@@ -162,8 +166,7 @@ Gaussian next_prior(const Observer& observer, const EstimationResult& result) {
   const auto& layout = observer.layout();
   const VectorXd last = result.state.mean.col(result.state.mean.cols() - 1);
   return observer.prior_about(last.segment(layout.unknown(), layout.unknowns),
-                              last.segment(layout.initial_state(), layout.linear),
-                              last.tail(layout.connector_states));
+                              last.segment(layout.initial_state(), layout.linear), last.tail(layout.connector_states));
 }
 
 }  // namespace

@@ -13,17 +13,17 @@ namespace kalfem {
 struct EstimationOptions {
   FilterKind filter = FilterKind::unscented;
   UnscentedOptions unscented = {};
-  int passes = 1;               ///< runs over the record; each further one starts from the last one's parameters and initial
-                                ///< state under the first prior's covariance (needs Observer keep_initial_state)
-  OutputMap monitored = {};     ///< further quantities to estimate at every sample, without measurement chains
+  int passes = 1;  ///< runs over the record; each further one starts from the last one's parameters and initial
+                   ///< state under the first prior's covariance (needs Observer keep_initial_state)
+  OutputMap monitored = {};  ///< further quantities to estimate at every sample, without measurement chains
   Progress progress = {};
 };
 
 /// What the sensors recorded and what drove the structure. A value that is not a number is a sample that is missing.
 struct Record {
   Eigen::MatrixXd measurements;  ///< l x samples
-  Eigen::MatrixXd inputs;        ///< [r; r'; r''], 3 n_u x samples, or at every substep, 3 n_u x ((samples - 1) substeps + 1)
-  Eigen::MatrixXd noise;         ///< R, l x l
+  Eigen::MatrixXd inputs;  ///< [r; r'; r''], 3 n_u x samples, or at every substep, 3 n_u x ((samples - 1) substeps + 1)
+  Eigen::MatrixXd noise;   ///< R, l x l
 };
 
 /// Mean and standard deviation of some quantities at every sample.
@@ -39,19 +39,20 @@ struct EstimationFailure {
   std::string reason;  ///< in words
 };
 
-/// Everything that a pass of the filter over a record gives. After a failure the samples from there on are not a number.
+/// Everything that a pass of the filter over a record gives. After a failure the samples from there on are not a
+/// number.
 struct EstimationResult {
-  EstimatedSeries state;      ///< the augmented state, after the update; see StateLayout
-  EstimatedSeries unknowns;   ///< in the parameters' own units
+  EstimatedSeries state;     ///< the augmented state, after the update; see StateLayout
+  EstimatedSeries unknowns;  ///< in the parameters' own units
   EstimatedSeries monitored;
   Eigen::MatrixXd innovation;            ///< l x samples, NaN where missing
   Eigen::MatrixXd innovation_deviation;  ///< l x samples
   Eigen::VectorXd nis;                   ///< per sample, NaN where nothing was measured
   Eigen::VectorXi measured;              ///< channels measured per sample
   double log_likelihood = 0.0;
-  Eigen::MatrixXd final_covariance;      ///< of the augmented state
+  Eigen::MatrixXd final_covariance;  ///< of the augmented state
   std::optional<EstimationFailure> failure;
-  double seconds = 0.0;                  ///< wall time of predictions and updates of the last pass
+  double seconds = 0.0;  ///< wall time of predictions and updates of the last pass
 };
 
 /// Runs the filter over the record. Throws InvalidInput where sizes do not fit or an input is not finite.

@@ -7,7 +7,8 @@ namespace kalfem {
 
 std::string to_string(FilterOutcome outcome) {
   switch (outcome) {
-    case FilterOutcome::usable: return "usable";
+    case FilterOutcome::usable:
+      return "usable";
     case FilterOutcome::model_not_evaluable:
       return "a connector force was not finite or did not converge at a sigma point: bound the unknown parameters "
              "(transform: log or bounds), or narrow their prior";
@@ -22,9 +23,12 @@ std::string to_string(FilterOutcome outcome) {
 
 std::unique_ptr<Filter> make_filter(FilterKind kind, const UnscentedOptions& options) {
   switch (kind) {
-    case FilterKind::unscented: return std::make_unique<CovarianceFilter>(UnscentedTransform(options));
-    case FilterKind::unscented_square_root: return std::make_unique<SquareRootFilter>(UnscentedTransform(options));
-    case FilterKind::extended: return std::make_unique<CovarianceFilter>(UnscentedTransform::linearised());
+    case FilterKind::unscented:
+      return std::make_unique<CovarianceFilter>(UnscentedTransform(options));
+    case FilterKind::unscented_square_root:
+      return std::make_unique<SquareRootFilter>(UnscentedTransform(options));
+    case FilterKind::extended:
+      return std::make_unique<CovarianceFilter>(UnscentedTransform::linearised());
   }
   return {};
 }

@@ -18,9 +18,9 @@ enum class FilterKind {
 /// Why a filter could not go on.
 enum class FilterOutcome {
   usable,
-  model_not_evaluable,                  ///< a connector force was not finite or its solve did not converge
-  covariance_not_positive_definite,     ///< the state's covariance lost its sign
-  innovation_not_positive_definite      ///< the innovation's covariance did, or is singular: a sensor without noise
+  model_not_evaluable,               ///< a connector force was not finite or its solve did not converge
+  covariance_not_positive_definite,  ///< the state's covariance lost its sign
+  innovation_not_positive_definite   ///< the innovation's covariance did, or is singular: a sensor without noise
 };
 
 /// In words, with what to do.
@@ -28,16 +28,16 @@ std::string to_string(FilterOutcome outcome);
 
 /// What one measurement told.
 struct Innovation {
-  Eigen::VectorXd value;       ///< y - predicted y, l
-  Eigen::MatrixXd covariance;  ///< P_yy + R, l x l, lower triangle
-  double nis = 0.0;            ///< normalised innovation squared, value^T covariance^-1 value
-  double log_likelihood = 0.0; ///< of this measurement given those before
+  Eigen::VectorXd value;        ///< y - predicted y, l
+  Eigen::MatrixXd covariance;   ///< P_yy + R, l x l, lower triangle
+  double nis = 0.0;             ///< normalised innovation squared, value^T covariance^-1 value
+  double log_likelihood = 0.0;  ///< of this measurement given those before
 };
 
-/// A Gaussian filter over partially linear maps. Predict and update follow Table 1 with additive noise; sigma points are
-/// drawn anew for each. An outcome other than usable leaves the estimate as it was. One thread.
+/// A Gaussian filter over partially linear maps. Predict and update follow Table 1 with additive noise; sigma points
+/// are drawn anew for each. An outcome other than usable leaves the estimate as it was. One thread.
 class Filter {
- public:
+public:
   virtual ~Filter() = default;
 
   virtual void reset(const Gaussian& estimate) = 0;

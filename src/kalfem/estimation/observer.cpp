@@ -34,8 +34,9 @@ void check_unknown(const UnknownParameter& unknown, const LocallyNonlinearSystem
     issues.add({}, title + " has a bound that is not finite", "logit needs two bounds", "use transform: log");
   else if (transform.kind == TransformKind::logit &&
            !(transform.lower < unknown.initial && unknown.initial < transform.upper))
-    issues.add({}, title + " starts at " + std::to_string(unknown.initial) + ", outside its bounds [" +
-                       std::to_string(transform.lower) + ", " + std::to_string(transform.upper) + "]",
+    issues.add({},
+               title + " starts at " + std::to_string(unknown.initial) + ", outside its bounds [" +
+                   std::to_string(transform.lower) + ", " + std::to_string(transform.upper) + "]",
                "the start must lie strictly between the bounds", "move the start or the bounds");
 }
 
@@ -51,7 +52,8 @@ void check_deviation(const VectorXd& values, const std::string& what, IssueList&
 
 ObserverOptions checked(ObserverOptions options) {
   if (options.substeps < 1)
-    throw InvalidInput("the observer has " + std::to_string(options.substeps) + " substeps", "it needs at least one", "");
+    throw InvalidInput("the observer has " + std::to_string(options.substeps) + " substeps", "it needs at least one",
+                       "");
   return options;
 }
 
@@ -59,7 +61,9 @@ ObserverOptions checked(ObserverOptions options) {
 
 Observer::Observer(const LocallyNonlinearSystem& system, const OutputMap& sensors,
                    const std::vector<MeasurementChain>& chains, ObserverOptions options)
-    : system_(system), options_(checked(std::move(options))), form_(system_, sensors, chains, options_.inputs),
+    : system_(system),
+      options_(checked(std::move(options))),
+      form_(system_, sensors, chains, options_.inputs),
       step_(form_, options_.step / options_.substeps),
       layout_{system.size(), form_.size(), system.connector_states(), static_cast<Index>(options_.unknowns.size()),
               options_.keep_initial_state} {

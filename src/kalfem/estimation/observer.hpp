@@ -38,12 +38,12 @@ struct ProcessNoise {
 /// Prior of everything but the unknown parameters.
 struct StatePrior {
   InitialState mean;
-  Eigen::VectorXd displacement_deviation;      ///< [m], n
-  Eigen::VectorXd velocity_deviation;          ///< [m/s], n
-  Eigen::VectorXd connector_state_deviation;   ///< per internal state
-  Eigen::VectorXd input_deviation;             ///< value of an input that is a state, n_u
-  Eigen::VectorXd input_rate_deviation;        ///< rate of an integrated input, n_u
-  double sensor_state_deviation = 0.0;         ///< of the measurement chains' states, in the sensor's unit
+  Eigen::VectorXd displacement_deviation;     ///< [m], n
+  Eigen::VectorXd velocity_deviation;         ///< [m/s], n
+  Eigen::VectorXd connector_state_deviation;  ///< per internal state
+  Eigen::VectorXd input_deviation;            ///< value of an input that is a state, n_u
+  Eigen::VectorXd input_rate_deviation;       ///< rate of an integrated input, n_u
+  double sensor_state_deviation = 0.0;        ///< of the measurement chains' states, in the sensor's unit
 };
 
 /// What an observer is made of, beside the system and its sensors.
@@ -54,8 +54,8 @@ struct ObserverOptions {
   std::vector<InputTreatment> inputs;  ///< one an input, or none: all known
   bool keep_initial_state = false;     ///< carry the initial state as constants: a fixed-point smoother of it
   double step = 1e-3;                  ///< sample interval [s]
-  /// Connector forces and inputs are linear in time over each of so many equal parts of a sample interval. Their error is of
-  /// second order in the part; more parts cost a few connector forces more, whatever the number of states.
+  /// Connector forces and inputs are linear in time over each of so many equal parts of a sample interval. Their error
+  /// is of second order in the part; more parts cost a few connector forces more, whatever the number of states.
   int substeps = 1;
   ForceSolveOptions forces = {};
 };
@@ -76,7 +76,7 @@ struct StateLayout {
 
 /// The augmented model of joint state and parameter estimation: immutable data from which each run makes its own maps.
 class Observer {
- public:
+public:
   /// Throws InvalidInput on priors outside their ranges, unknown parameters that no connector has, wrong sizes.
   Observer(const LocallyNonlinearSystem& system, const OutputMap& sensors, const std::vector<MeasurementChain>& chains,
            ObserverOptions options);
@@ -93,7 +93,7 @@ class Observer {
   [[nodiscard]] Gaussian prior_about(const Eigen::VectorXd& unknowns, const Eigen::VectorXd& linear_state,
                                      const Eigen::VectorXd& connector_states) const;
 
- private:
+private:
   void check() const;
   void set_prior();
   void set_process_noise();

@@ -6,9 +6,9 @@ namespace kalfem {
 
 /// How an unknown parameter is carried in the filter's state, so that no sigma point leaves its range.
 enum class TransformKind {
-  none,   ///< p = x
-  log,    ///< p = exp(x) > 0
-  logit   ///< p = lower + (upper - lower) / (1 + exp(-x))
+  none,  ///< p = x
+  log,   ///< p = exp(x) > 0
+  logit  ///< p = lower + (upper - lower) / (1 + exp(-x))
 };
 
 struct ParameterTransform {

@@ -10,7 +10,7 @@ namespace kalfem {
 /// observer here have this form; the filters know nothing else of the model. b and e may change from step to step.
 /// phi is evaluated at many points at once. An object belongs to one thread.
 class PartiallyLinearMap {
- public:
+public:
   virtual ~PartiallyLinearMap() = default;
 
   Eigen::MatrixXd linear;        ///< A, n_y x n_x
@@ -19,7 +19,8 @@ class PartiallyLinearMap {
   Eigen::VectorXd offset;        ///< b, n_y
   Eigen::VectorXd input_offset;  ///< e, q
 
-  /// phi at N points: `in` is N x q, `out` N x p. Returns false where a value is not finite or a solve did not converge.
+  /// phi at N points: `in` is N x q, `out` N x p. Returns false where a value is not finite or a solve did not
+  /// converge.
   virtual bool evaluate(const Eigen::ArrayXXd& in, Eigen::ArrayXXd& out) = 0;
 };
 

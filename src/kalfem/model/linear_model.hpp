@@ -42,7 +42,8 @@ struct NormalModes {
 /// Throws InvalidInput where the mass matrix is not positive definite.
 NormalModes normal_modes(const SparseMatrix& mass, const SparseMatrix& stiffness);
 
-/// C = M Phi diag(2 zeta_i omega_i) Phi^T M for the given ratios, one a mode (the last one holds for all further modes).
+/// C = M Phi diag(2 zeta_i omega_i) Phi^T M for the given ratios, one a mode (the last one holds for all further
+/// modes).
 SparseMatrix modal_damping(const SparseMatrix& mass, const NormalModes& modes, const std::vector<double>& ratios);
 
 }  // namespace kalfem

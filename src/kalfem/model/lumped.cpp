@@ -76,11 +76,13 @@ void check_points(const LumpedSubstructure& substructure, IssueList& issues) {
   for (const auto& [name, combination] : substructure.points)
     for (const auto& [dof, coefficient] : combination) {
       if (!std::isfinite(coefficient))
-        issues.add({}, "point '" + substructure.name + "." + name + "' has a coefficient of '" + dof +
-                           "' that is not finite", "a point is a combination of degrees of freedom");
+        issues.add(
+            {}, "point '" + substructure.name + "." + name + "' has a coefficient of '" + dof + "' that is not finite",
+            "a point is a combination of degrees of freedom");
       const bool exists = std::ranges::any_of(substructure.masses, [&](const auto& m) { return m.dof == dof; });
       if (!exists)
-        issues.add({}, "point '" + substructure.name + "." + name + "' uses '" + dof + "', which is no degree of freedom",
+        issues.add({},
+                   "point '" + substructure.name + "." + name + "' uses '" + dof + "', which is no degree of freedom",
                    "a point is a combination of degrees of freedom");
     }
 }
@@ -112,7 +114,8 @@ Eigen::MatrixXd material_damping(const LumpedSubstructure& substructure, const L
   return damping;
 }
 
-/// Shape in which the model follows a slowly moving ground, K s = k_g: material damping acts on the motion relative to it.
+/// Shape in which the model follows a slowly moving ground, K s = k_g: material damping acts on the motion relative to
+/// it.
 Eigen::VectorXd pseudo_static_shape(const Eigen::MatrixXd& stiffness, const Eigen::VectorXd& ground_stiffness) {
   if (stiffness.size() == 0) return ground_stiffness;
   return stiffness.completeOrthogonalDecomposition().solve(ground_stiffness);

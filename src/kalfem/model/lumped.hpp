@@ -42,7 +42,8 @@ struct LumpedSubstructure {
   RayleighDamping rayleigh;
 };
 
-/// Every problem of a lumped substructure: doubled or unknown names, non-positive masses, negative stiffness or damping.
+/// Every problem of a lumped substructure: doubled or unknown names, non-positive masses, negative stiffness or
+/// damping.
 std::vector<Issue> validate(const LumpedSubstructure& substructure);
 
 /// Assembles M, C and K. Modal and Rayleigh damping are of the substructure held as its springs hold it.

@@ -70,8 +70,8 @@ PredictedMotion BaseDrivenSubstructure::predict(const BoundaryMotion& boundary, 
       start_rate(interior_) - static_modes_ * boundary.velocity.col(0);
   const auto hold = first_order_hold(dynamics_, drive_, 1.0 / sample_rate);
   for (Index k = 1; k < samples; ++k)
-    relative.col(k) = hold.transition * relative.col(k - 1) + hold.begin_weight * inputs.col(k - 1) +
-                      hold.end_weight * inputs.col(k);
+    relative.col(k) =
+        hold.transition * relative.col(k - 1) + hold.begin_weight * inputs.col(k - 1) + hold.end_weight * inputs.col(k);
 
   const Index n = n_i + n_b;
   PredictedMotion motion{MatrixXd(n, samples), MatrixXd(n, samples), MatrixXd(n, samples)};

@@ -24,9 +24,9 @@ struct PredictedMotion {
 /// so that the accelerations z_i'' = Psi z_b'' + q'' need no integral of z_b'' and do not drift. Integrated exactly for
 /// boundary motion linear over each sample interval.
 class BaseDrivenSubstructure {
- public:
-  /// `boundary`: indices into the model's degrees of freedom. Throws InvalidInput where there is no interior, or where the
-  /// interior still moves freely with the boundary held (naming a degree of freedom that does).
+public:
+  /// `boundary`: indices into the model's degrees of freedom. Throws InvalidInput where there is no interior, or where
+  /// the interior still moves freely with the boundary held (naming a degree of freedom that does).
   BaseDrivenSubstructure(const LinearModel& model, std::vector<Eigen::Index> boundary);
 
   /// `applied`: forces on all degrees of freedom, n x samples (empty: none). `start` and `start_rate`: displacement and
@@ -38,7 +38,7 @@ class BaseDrivenSubstructure {
   [[nodiscard]] const std::vector<Eigen::Index>& boundary() const { return boundary_; }
   [[nodiscard]] const std::vector<Eigen::Index>& interior() const { return interior_; }
 
- private:
+private:
   std::vector<Eigen::Index> boundary_, interior_;
   Eigen::MatrixXd static_modes_;  ///< Psi, n_i x n_b
   Eigen::MatrixXd dynamics_;      ///< of [q; q'], 2 n_i x 2 n_i

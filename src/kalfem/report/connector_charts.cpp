@@ -28,12 +28,13 @@ VectorXd force(const ConnectorLaw& law, const VectorXd& parameters, const Vector
 
 /// Parameters of one connector in the observer as a function of the unknowns' states.
 class IdentifiedConnector {
- public:
+public:
   IdentifiedConnector(const EstimationStage& stage, Index connector) : stage_(stage), connector_(connector) {
     const auto& layout = stage.observer->layout();
     last_ = stage.result.state.mean.cols() - 1;
     state_ = stage.result.state.mean.col(last_).segment(layout.unknown(), layout.unknowns);
-    covariance_ = stage.result.final_covariance.block(layout.unknown(), layout.unknown(), layout.unknowns, layout.unknowns);
+    covariance_ =
+        stage.result.final_covariance.block(layout.unknown(), layout.unknown(), layout.unknowns, layout.unknowns);
   }
 
   [[nodiscard]] VectorXd parameters(const VectorXd& state) const {
@@ -57,12 +58,16 @@ class IdentifiedConnector {
       shifted[i] += step;
       slope.col(i) = (force(law, parameters(shifted), deformation, rate) - mean) / step;
     }
-    const VectorXd width = normal_quantile(0.975) * ((slope * covariance_).cwiseProduct(slope)).rowwise().sum().cwiseMax(0.0).cwiseSqrt();
-    return {.label = "identified, 95 %", .y = values(mean), .lower = values(mean - width), .upper = values(mean + width),
+    const VectorXd width =
+        normal_quantile(0.975) * ((slope * covariance_).cwiseProduct(slope)).rowwise().sum().cwiseMax(0.0).cwiseSqrt();
+    return {.label = "identified, 95 %",
+            .y = values(mean),
+            .lower = values(mean - width),
+            .upper = values(mean + width),
             .role = Role::estimate};
   }
 
- private:
+private:
   const EstimationStage& stage_;
   Index connector_, last_ = 0;
   VectorXd state_;
@@ -70,7 +75,8 @@ class IdentifiedConnector {
 };
 
 const PointQuantity* find(const EstimationStage& stage, const std::string& name, ObservedQuantity quantity) {
-  const auto found = std::ranges::find_if(stage.points, [&](const auto& p) { return p.point == name && p.quantity == quantity; });
+  const auto found =
+      std::ranges::find_if(stage.points, [&](const auto& p) { return p.point == name && p.quantity == quantity; });
   return found == stage.points.end() ? nullptr : &*found;
 }
 
@@ -83,18 +89,22 @@ const Connector* true_connector(const Study& study, const std::string& name) {
 
 Chart characteristic(const Study& study, const EstimationStage& stage, Index index, bool over_rate) {
   const auto& connector = stage.observer->system().connectors[static_cast<std::size_t>(index)];
-  const auto* range = find(stage, connector.name, over_rate ? ObservedQuantity::connector_rate : ObservedQuantity::connector_deformation);
+  const auto* range = find(stage, connector.name,
+                           over_rate ? ObservedQuantity::connector_rate : ObservedQuantity::connector_deformation);
   const double largest = std::max(1e-12, range->mean.tail(range->mean.size() - stage.settled).cwiseAbs().maxCoeff());
   const VectorXd x = VectorXd::LinSpaced(curve_points, -largest, largest), zero = VectorXd::Zero(curve_points);
   const VectorXd &deformation = over_rate ? zero : x, &rate = over_rate ? x : zero;
   Chart chart{.id = connector.name + (over_rate ? "-damper" : "-spring"),
               .title = connector.name + (over_rate ? ": force over rate" : ": force over deformation"),
               .caption = over_rate ? "At zero deformation." : "At rest.",
-              .x_label = over_rate ? "deformation rate [m/s]" : "deformation [m]", .y_label = "force [N]",
-              .x = values(x), .series = {IdentifiedConnector(stage, index).curve(deformation, rate)}, .half_width = true};
+              .x_label = over_rate ? "deformation rate [m/s]" : "deformation [m]",
+              .y_label = "force [N]",
+              .x = values(x),
+              .series = {IdentifiedConnector(stage, index).curve(deformation, rate)},
+              .half_width = true};
   if (const auto* truth = true_connector(study, connector.name))
-    chart.series.push_back({.label = "true", .y = values(force(*truth->law, truth->parameters, deformation, rate)),
-                            .role = Role::truth});
+    chart.series.push_back(
+        {.label = "true", .y = values(force(*truth->law, truth->parameters, deformation, rate)), .role = Role::truth});
   return chart;
 }
 
@@ -103,13 +113,20 @@ Chart path(const EstimationStage& stage, const std::string& name) {
   const auto *force_history = find(stage, name, ObservedQuantity::connector_force),
              *deformation = find(stage, name, ObservedQuantity::connector_deformation);
   const Index count = std::min<Index>(2000, force_history->mean.size() - stage.settled);
-  Chart chart{.id = name + "-path", .title = name + ": path", .caption = "The last part of the record.",
-              .x_label = "deformation [m]", .y_label = "force [N]",
-              .series = {{.label = "estimated", .y = values(force_history->mean.tail(count)), .role = Role::estimate,
+  Chart chart{.id = name + "-path",
+              .title = name + ": path",
+              .caption = "The last part of the record.",
+              .x_label = "deformation [m]",
+              .y_label = "force [N]",
+              .series = {{.label = "estimated",
+                          .y = values(force_history->mean.tail(count)),
+                          .role = Role::estimate,
                           .x = values(deformation->mean.tail(count))}},
               .scatter = true};
   if (force_history->truth.size() > 0 && deformation->truth.size() > 0)
-    chart.series.push_back({.label = "true", .y = values(force_history->truth.tail(count)), .role = Role::truth,
+    chart.series.push_back({.label = "true",
+                            .y = values(force_history->truth.tail(count)),
+                            .role = Role::truth,
                             .x = values(deformation->truth.tail(count))});
   return chart;
 }
@@ -121,7 +138,8 @@ Section connectors_section(const Study& study, const EstimationStage& stage) {
   const auto& connectors = stage.observer->system().connectors;
   for (std::size_t j = 0; j < connectors.size(); ++j) {
     const bool unknown = std::ranges::any_of(stage.observer->options().unknowns, [&](const auto& each) {
-      return std::ranges::any_of(each.targets, [&](const auto& target) { return target.connector == static_cast<Index>(j); });
+      return std::ranges::any_of(each.targets,
+                                 [&](const auto& target) { return target.connector == static_cast<Index>(j); });
     });
     if (!unknown) continue;
     if (connectors[j].law->states().empty()) {

@@ -5,8 +5,8 @@
 
 namespace kalfem {
 
-/// Force of every connector with an unknown parameter: over deformation at rest and over rate at zero deformation (identified
-/// with its 95 % band, and true) where the law has no memory, and the path that it went.
+/// Force of every connector with an unknown parameter: over deformation at rest and over rate at zero deformation
+/// (identified with its 95 % band, and true) where the law has no memory, and the path that it went.
 Section connectors_section(const Study& study, const EstimationStage& stage);
 
 }  // namespace kalfem

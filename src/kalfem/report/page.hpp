@@ -45,7 +45,7 @@ struct Chart {
   bool scatter = false;
   std::optional<AxisRange> x_window = {};  ///< part of x that is shown first
   std::optional<AxisRange> y_window = {};  ///< part of y that is shown first; else what the curves need
-  bool half_width = false;             ///< two in a row on a wide screen; scatter charts always are
+  bool half_width = false;                 ///< two in a row on a wide screen; scatter charts always are
 };
 
 enum class Align { left, right, center };

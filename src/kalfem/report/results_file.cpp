@@ -13,19 +13,25 @@ struct QuantityName {
 
 QuantityName name_of(ObservedQuantity quantity) {
   switch (quantity) {
-    case ObservedQuantity::displacement: return {"displacement", "m"};
-    case ObservedQuantity::velocity: return {"velocity", "m/s"};
-    case ObservedQuantity::acceleration: return {"acceleration", "m/s^2"};
-    case ObservedQuantity::connector_deformation: return {"deformation", "m"};
-    case ObservedQuantity::connector_rate: return {"rate", "m/s"};
-    case ObservedQuantity::connector_force: return {"force", "N"};
+    case ObservedQuantity::displacement:
+      return {"displacement", "m"};
+    case ObservedQuantity::velocity:
+      return {"velocity", "m/s"};
+    case ObservedQuantity::acceleration:
+      return {"acceleration", "m/s^2"};
+    case ObservedQuantity::connector_deformation:
+      return {"deformation", "m"};
+    case ObservedQuantity::connector_rate:
+      return {"rate", "m/s"};
+    case ObservedQuantity::connector_force:
+      return {"force", "N"};
   }
   return {"", ""};
 }
 
 /// A file whose series all have the same sampling rate.
 class SeriesFile {
- public:
+public:
   SeriesFile(const std::string& path, double sample_rate) : file_(Hdf5File::create(path)), sample_rate_(sample_rate) {
     file_.set_attribute("/", "kalfem", version);
     file_.set_attribute("/", "sample_rate", sample_rate);
@@ -49,7 +55,7 @@ class SeriesFile {
 
   void close() { file_.close(); }
 
- private:
+private:
   Hdf5File file_;
   double sample_rate_;
 };
@@ -83,9 +89,9 @@ void write_estimate(SeriesFile& file, const EstimationStage& stage) {
     const auto row = static_cast<Eigen::Index>(i);
     const auto& channel = stage.measurements.channels[i];
     file.write("/innovation/value/" + channel.name, stage.result.innovation.row(row).transpose(), channel.unit);
-    file.write("/innovation/deviation/" + channel.name, stage.result.innovation_deviation.row(row).transpose(), channel.unit);
-    if (stage.open_loop)
-      file.write("/open_loop/" + channel.name, stage.open_loop_sensors.col(row), channel.unit);
+    file.write("/innovation/deviation/" + channel.name, stage.result.innovation_deviation.row(row).transpose(),
+               channel.unit);
+    if (stage.open_loop) file.write("/open_loop/" + channel.name, stage.open_loop_sensors.col(row), channel.unit);
   }
   file.write("/innovation/nis", stage.result.nis, "-");
 }
@@ -98,8 +104,12 @@ void write_results(const std::string& path, const Study& study, const StudyResul
                                                   : nullptr;
   if (!record) return;
   SeriesFile file(path, study.sample_rate());
-  const Eigen::Index samples = results.simulation ? results.simulation->reference.simulation.trajectory.samples() : record->samples();
-  file.write("/time", Eigen::VectorXd::LinSpaced(samples, record->start, record->start + static_cast<double>(samples - 1) / study.sample_rate()), "s");
+  const Eigen::Index samples =
+      results.simulation ? results.simulation->reference.simulation.trajectory.samples() : record->samples();
+  file.write("/time",
+             Eigen::VectorXd::LinSpaced(samples, record->start,
+                                        record->start + static_cast<double>(samples - 1) / study.sample_rate()),
+             "s");
   const TimeSeries& measurements = results.simulation ? results.simulation->measurements : *record;
   for (std::size_t i = 0; i < measurements.channels.size(); ++i)
     file.write("/measurements/" + measurements.channels[i].name, measurements.values.col(static_cast<Eigen::Index>(i)),

@@ -38,16 +38,22 @@ Section parameters_section(const Study& study, const EstimationStage& stage) {
   for (Index i = 0; i < layout.unknowns; ++i) {
     const auto index = static_cast<std::size_t>(i);
     const auto& unknown = stage.observer->options().unknowns[index];
-    Series estimate{.label = "estimate", .y = values(stage.result.unknowns.mean.row(i).transpose()), .role = Role::estimate};
+    Series estimate{
+        .label = "estimate", .y = values(stage.result.unknowns.mean.row(i).transpose()), .role = Role::estimate};
     for (Index k = 0; k < stage.result.unknowns.mean.cols(); ++k) {
-      const auto interval = confidence_interval(unknown.transform, stage.result.state.mean(layout.unknown() + i, k),
-                                                stage.result.state.deviation(layout.unknown() + i, k), band_probability);
+      const auto interval =
+          confidence_interval(unknown.transform, stage.result.state.mean(layout.unknown() + i, k),
+                              stage.result.state.deviation(layout.unknown() + i, k), band_probability);
       estimate.lower.push_back(interval.lower);
       estimate.upper.push_back(interval.upper);
     }
-    Chart chart{.id = fmt::format("parameter-{}", i + 1), .title = unknown.name, .x_label = "time [s]",
-                .y_label = unknown.name + " [" + unknown.unit + "]", .x = times(stage.measurements),
-                .series = {estimate}, .half_width = true};
+    Chart chart{.id = fmt::format("parameter-{}", i + 1),
+                .title = unknown.name,
+                .x_label = "time [s]",
+                .y_label = unknown.name + " [" + unknown.unit + "]",
+                .x = times(stage.measurements),
+                .series = {estimate},
+                .half_width = true};
     if (const auto& truth = study.observer->true_parameters[index])
       chart.series.push_back({.label = "truth", .y = std::vector<double>(chart.x.size(), *truth), .role = Role::truth});
     section.items.emplace_back(std::move(chart));
@@ -55,8 +61,10 @@ Section parameters_section(const Study& study, const EstimationStage& stage) {
   return section;
 }
 
-const PointQuantity* find(const std::vector<PointQuantity>& points, const std::string& name, ObservedQuantity quantity) {
-  const auto found = std::ranges::find_if(points, [&](const auto& p) { return p.point == name && p.quantity == quantity; });
+const PointQuantity* find(const std::vector<PointQuantity>& points, const std::string& name,
+                          ObservedQuantity quantity) {
+  const auto found =
+      std::ranges::find_if(points, [&](const auto& p) { return p.point == name && p.quantity == quantity; });
   return found == points.end() ? nullptr : &*found;
 }
 
@@ -72,11 +80,16 @@ std::vector<std::string> shown_points(const Study& study, const EstimationStage&
 Chart motion_chart(const Study& study, const EstimationStage& stage, const PointQuantity& point, bool zoomed) {
   const double from = stage.measurements.time(stage.settled);
   Chart chart{.id = fmt::format("displacement-{}{}", point.point, zoomed ? "-zoom" : ""),
-              .title = "Displacement of " + point.point + (zoomed ? ", zoomed" : ""), .x_label = "time [s]",
-              .y_label = "displacement [m]", .x = times(stage.measurements),
+              .title = "Displacement of " + point.point + (zoomed ? ", zoomed" : ""),
+              .x_label = "time [s]",
+              .y_label = "displacement [m]",
+              .x = times(stage.measurements),
               .series = {with_band("estimate", point.mean, point.deviation, Role::estimate)}};
-  if (point.truth.size() > 0) chart.series.push_back({.label = "simulated", .y = values(point.truth), .role = Role::truth});
-  if (point.nrmse) chart.caption = fmt::format("NRMSE {:.3f} % after {} s.", 100.0 * *point.nrmse, four_digits(study.given.estimate->settle));
+  if (point.truth.size() > 0)
+    chart.series.push_back({.label = "simulated", .y = values(point.truth), .role = Role::truth});
+  if (point.nrmse)
+    chart.caption =
+        fmt::format("NRMSE {:.3f} % after {} s.", 100.0 * *point.nrmse, four_digits(study.given.estimate->settle));
   if (zoomed) chart.x_window = AxisRange{from, std::min(from + study.given.report.zoom, chart.x.back())};
   return chart;
 }
@@ -86,7 +99,8 @@ Section motion_section(const Study& study, const EstimationStage& stage) {
   for (const auto& name : shown_points(study, stage))
     if (const auto* point = find(stage.points, name, ObservedQuantity::displacement)) {
       section.items.emplace_back(motion_chart(study, stage, *point, false));
-      if (stage.settled + 1 < stage.measurements.samples()) section.items.emplace_back(motion_chart(study, stage, *point, true));
+      if (stage.settled + 1 < stage.measurements.samples())
+        section.items.emplace_back(motion_chart(study, stage, *point, true));
     }
   if (auto table = error_table("NRMSE against the reference", stage.points); !table.rows.empty())
     section.items.emplace_back(std::move(table));
@@ -95,18 +109,25 @@ Section motion_section(const Study& study, const EstimationStage& stage) {
 
 Section prediction_section(const Study& study, const EstimationStage& estimation, const PredictionStage& stage) {
   Section section{"Prediction of '" + stage.substructure + "'",
-                  "The linear substructure alone, driven by its estimated boundary accelerations.", {}};
+                  "The linear substructure alone, driven by its estimated boundary accelerations.",
+                  {}};
   const double from = estimation.measurements.time(estimation.settled);
   int drawn = 0;
   for (const auto& point : stage.points) {
     if (point.quantity != ObservedQuantity::acceleration || drawn == 4) continue;
     ++drawn;
-    Chart chart{.id = "prediction-" + point.point, .title = "Acceleration of " + point.point, .x_label = "time [s]",
-                .y_label = "acceleration [m/s^2]", .x = times(estimation.measurements),
-                .series = {{.label = "predicted", .y = values(point.mean), .role = Role::predicted}}, .half_width = true};
-    if (point.truth.size() > 0) chart.series.push_back({.label = "simulated", .y = values(point.truth), .role = Role::truth});
+    Chart chart{.id = "prediction-" + point.point,
+                .title = "Acceleration of " + point.point,
+                .x_label = "time [s]",
+                .y_label = "acceleration [m/s^2]",
+                .x = times(estimation.measurements),
+                .series = {{.label = "predicted", .y = values(point.mean), .role = Role::predicted}},
+                .half_width = true};
+    if (point.truth.size() > 0)
+      chart.series.push_back({.label = "simulated", .y = values(point.truth), .role = Role::truth});
     if (point.nrmse) chart.caption = fmt::format("NRMSE {:.2f} %.", 100.0 * *point.nrmse);
-    if (from < chart.x.back()) chart.x_window = AxisRange{from, std::min(from + study.given.report.zoom, chart.x.back())};
+    if (from < chart.x.back())
+      chart.x_window = AxisRange{from, std::min(from + study.given.report.zoom, chart.x.back())};
     section.items.emplace_back(std::move(chart));
   }
   if (auto table = error_table("NRMSE against the whole simulation", stage.points); !table.rows.empty())
@@ -123,7 +144,8 @@ Chart nis_chart(const EstimationStage& stage) {
   for (Index begin = 0; begin + window <= samples; begin += window) {
     double sum = 0.0, degrees = 0.0, count = 0.0;
     for (Index k = begin; k < begin + window; ++k)
-      if (std::isfinite(stage.result.nis[k])) sum += stage.result.nis[k], degrees += stage.result.measured[k], count += 1.0;
+      if (std::isfinite(stage.result.nis[k]))
+        sum += stage.result.nis[k], degrees += stage.result.measured[k], count += 1.0;
     if (count == 0.0) continue;
     chart.x.push_back(stage.measurements.time(begin + window / 2));
     mean.y.push_back(sum / count);
@@ -136,21 +158,26 @@ Chart nis_chart(const EstimationStage& stage) {
 }
 
 Section consistency_section(const EstimationStage& stage) {
-  Section section{"Innovations",
-                  fmt::format("Mean NIS {:.3f} where {:.3f} is right; {:.1f} % of the samples lie in the 95 % band.",
-                              stage.consistency.mean_nis, stage.consistency.expected_nis, 100.0 * stage.consistency.fraction_in_95),
-                  {nis_chart(stage)}};
+  Section section{
+      "Innovations",
+      fmt::format("Mean NIS {:.3f} where {:.3f} is right; {:.1f} % of the samples lie in the 95 % band.",
+                  stage.consistency.mean_nis, stage.consistency.expected_nis, 100.0 * stage.consistency.fraction_in_95),
+      {nis_chart(stage)}};
   for (std::size_t i = 0; i < stage.measurements.channels.size(); ++i) {
     const auto row = static_cast<Index>(i);
     const auto& channel = stage.measurements.channels[i];
     const VectorXd zero = VectorXd::Zero(stage.result.innovation.cols());
-    section.items.emplace_back(
-        Chart{.id = "innovation-" + channel.name, .title = "Innovation of " + channel.name,
-              .caption = fmt::format("RMS / noise = {:.3f}.", stage.consistency.innovation_to_noise[row]),
-              .x_label = "time [s]", .y_label = "innovation [" + channel.unit + "]", .x = times(stage.measurements),
-              .series = {{.label = "innovation", .y = values(stage.result.innovation.row(row).transpose()), .role = Role::measured},
-                         with_band("expected 95 %", zero, stage.result.innovation_deviation.row(row).transpose(), Role::limit)},
-              .half_width = true});
+    section.items.emplace_back(Chart{
+        .id = "innovation-" + channel.name,
+        .title = "Innovation of " + channel.name,
+        .caption = fmt::format("RMS / noise = {:.3f}.", stage.consistency.innovation_to_noise[row]),
+        .x_label = "time [s]",
+        .y_label = "innovation [" + channel.unit + "]",
+        .x = times(stage.measurements),
+        .series =
+            {{.label = "innovation", .y = values(stage.result.innovation.row(row).transpose()), .role = Role::measured},
+             with_band("expected 95 %", zero, stage.result.innovation_deviation.row(row).transpose(), Role::limit)},
+        .half_width = true});
   }
   return section;
 }
@@ -162,11 +189,14 @@ Section open_loop_section(const EstimationStage& stage) {
   for (std::size_t i = 0; i < stage.measurements.channels.size(); ++i) {
     const auto column = static_cast<Index>(i);
     const auto& channel = stage.measurements.channels[i];
-    section.items.emplace_back(
-        Chart{.id = "open-loop-" + channel.name, .title = channel.name, .x_label = "time [s]",
-              .y_label = "[" + channel.unit + "]", .x = times(stage.measurements),
-              .series = {{.label = "measured", .y = values(stage.measurements.values.col(column)), .role = Role::measured},
-                         {.label = "simulated", .y = values(stage.open_loop_sensors.col(column)), .role = Role::predicted}}});
+    section.items.emplace_back(Chart{
+        .id = "open-loop-" + channel.name,
+        .title = channel.name,
+        .x_label = "time [s]",
+        .y_label = "[" + channel.unit + "]",
+        .x = times(stage.measurements),
+        .series = {{.label = "measured", .y = values(stage.measurements.values.col(column)), .role = Role::measured},
+                   {.label = "simulated", .y = values(stage.open_loop_sensors.col(column)), .role = Role::predicted}}});
   }
   return section;
 }
@@ -184,12 +214,15 @@ Section simulation_section(const SimulationStage& stage) {
   for (std::size_t i = 0; i < stage.measurements.channels.size(); ++i) {
     const auto column = static_cast<Index>(i);
     const auto& channel = stage.measurements.channels[i];
-    section.items.emplace_back(
-        Chart{.id = "record-" + channel.name, .title = channel.name, .x_label = "time [s]", .y_label = "[" + channel.unit + "]",
-              .x = times(stage.measurements),
-              .series = {{.label = "recorded", .y = values(stage.measurements.values.col(column)), .role = Role::measured},
-                         {.label = "without noise", .y = values(stage.reference.sensors.col(column)), .role = Role::truth}},
-              .half_width = true});
+    section.items.emplace_back(Chart{
+        .id = "record-" + channel.name,
+        .title = channel.name,
+        .x_label = "time [s]",
+        .y_label = "[" + channel.unit + "]",
+        .x = times(stage.measurements),
+        .series = {{.label = "recorded", .y = values(stage.measurements.values.col(column)), .role = Role::measured},
+                   {.label = "without noise", .y = values(stage.reference.sensors.col(column)), .role = Role::truth}},
+        .half_width = true});
   }
   return section;
 }
@@ -208,7 +241,8 @@ Page make_page(const Study& study, const StudyResults& results) {
     if (stage.observer->layout().unknowns > 0) page.sections.push_back(parameters_section(study, stage));
     if (stage.open_loop) page.sections.push_back(open_loop_section(stage));
     page.sections.push_back(motion_section(study, stage));
-    if (auto section = connectors_section(study, stage); !section.items.empty()) page.sections.push_back(std::move(section));
+    if (auto section = connectors_section(study, stage); !section.items.empty())
+      page.sections.push_back(std::move(section));
     if (results.prediction) page.sections.push_back(prediction_section(study, stage, *results.prediction));
     page.sections.push_back(consistency_section(stage));
   } else if (results.simulation && results.usable()) {

@@ -18,7 +18,8 @@ Json model_summary(const Study& study) {
   Json parts = Json::object();
   for (const auto& part : study.model->substructures()) {
     Json frequencies = Json::array();
-    for (const double f : normal_modes(part.model.mass, part.model.stiffness).frequencies) frequencies.push_back(number(f));
+    for (const double f : normal_modes(part.model.mass, part.model.stiffness).frequencies)
+      frequencies.push_back(number(f));
     parts[part.name] = {{"dofs", part.model.size()}, {"frequencies_hz", frequencies}};
   }
   return {{"dofs", study.model->system().size()},
@@ -48,21 +49,30 @@ Json parameters_summary(const Study& study, const EstimationStage& stage) {
 
 const char* filter_name(FilterKind kind) {
   switch (kind) {
-    case FilterKind::unscented: return "ukf";
-    case FilterKind::unscented_square_root: return "ukf_square_root";
-    case FilterKind::extended: return "ekf";
+    case FilterKind::unscented:
+      return "ukf";
+    case FilterKind::unscented_square_root:
+      return "ukf_square_root";
+    case FilterKind::extended:
+      return "ekf";
   }
   return "";
 }
 
 const char* quantity_key(ObservedQuantity quantity) {
   switch (quantity) {
-    case ObservedQuantity::displacement: return "displacement_nrmse";
-    case ObservedQuantity::velocity: return "velocity_nrmse";
-    case ObservedQuantity::acceleration: return "acceleration_nrmse";
-    case ObservedQuantity::connector_deformation: return "deformation_nrmse";
-    case ObservedQuantity::connector_rate: return "rate_nrmse";
-    case ObservedQuantity::connector_force: return "force_nrmse";
+    case ObservedQuantity::displacement:
+      return "displacement_nrmse";
+    case ObservedQuantity::velocity:
+      return "velocity_nrmse";
+    case ObservedQuantity::acceleration:
+      return "acceleration_nrmse";
+    case ObservedQuantity::connector_deformation:
+      return "deformation_nrmse";
+    case ObservedQuantity::connector_rate:
+      return "rate_nrmse";
+    case ObservedQuantity::connector_force:
+      return "force_nrmse";
   }
   return "";
 }
@@ -85,14 +95,16 @@ Json open_loop_summary(const EstimationStage& stage) {
 Json estimation_summary(const Study& study, const EstimationStage& stage) {
   Json ratios = Json::object();
   for (std::size_t i = 0; i < stage.measurements.channels.size(); ++i)
-    ratios[stage.measurements.channels[i].name] = number(stage.consistency.innovation_to_noise[static_cast<Eigen::Index>(i)]);
+    ratios[stage.measurements.channels[i].name] =
+        number(stage.consistency.innovation_to_noise[static_cast<Eigen::Index>(i)]);
   Json summary = {{"filter", filter_name(study.given.estimate->filter)},
                   {"steps", stage.measurements.samples()},
                   {"state_dimension", stage.observer->layout().size()},
                   {"log_likelihood", number(stage.result.log_likelihood)},
-                  {"nis", {{"mean", number(stage.consistency.mean_nis)},
-                           {"expected", number(stage.consistency.expected_nis)},
-                           {"fraction_in_95", number(stage.consistency.fraction_in_95)}}},
+                  {"nis",
+                   {{"mean", number(stage.consistency.mean_nis)},
+                    {"expected", number(stage.consistency.expected_nis)},
+                    {"fraction_in_95", number(stage.consistency.fraction_in_95)}}},
                   {"innovation_to_noise", ratios}};
   if (const auto states = errors_by_point(stage.points); !states.empty()) summary["states"] = states;
   if (stage.open_loop) summary["open_loop"] = open_loop_summary(stage);
@@ -123,12 +135,9 @@ Json timing_summary(const StudyResults& results) {
 }  // namespace
 
 Json summarise(const Study& study, const StudyResults& results) {
-  Json summary = {{"kalfem", version},
-                  {"case", std::filesystem::path(study.file).filename().string()},
-                  {"title", study.given.title},
-                  {"status", results.usable() ? "ok" : "unusable"},
-                  {"message", results.failure},
-                  {"model", model_summary(study)}};
+  Json summary = {{"kalfem", version},          {"case", std::filesystem::path(study.file).filename().string()},
+                  {"title", study.given.title}, {"status", results.usable() ? "ok" : "unusable"},
+                  {"message", results.failure}, {"model", model_summary(study)}};
   if (!study.warnings.empty()) summary["warnings"] = study.warnings;
   if (results.simulation)
     summary["simulation"] = {{"steps_per_sample", results.simulation->reference.substeps},

@@ -14,11 +14,15 @@ std::string per_cent(double ratio) { return std::isfinite(ratio) ? fmt::format("
 const char* short_name(ObservedQuantity quantity) {
   switch (quantity) {
     case ObservedQuantity::displacement:
-    case ObservedQuantity::connector_deformation: return "displacement";
+    case ObservedQuantity::connector_deformation:
+      return "displacement";
     case ObservedQuantity::velocity:
-    case ObservedQuantity::connector_rate: return "velocity";
-    case ObservedQuantity::acceleration: return "acceleration";
-    case ObservedQuantity::connector_force: return "force";
+    case ObservedQuantity::connector_rate:
+      return "velocity";
+    case ObservedQuantity::acceleration:
+      return "acceleration";
+    case ObservedQuantity::connector_force:
+      return "force";
   }
   return "";
 }
@@ -108,25 +112,30 @@ std::string console_report(const Study& study, const StudyResults& results) {
   std::string text = study.given.title.empty() ? std::string() : study.given.title + "\n\n";
   if (results.simulation) {
     const auto& reference = results.simulation->reference;
-    text += fmt::format("Reference: {} degrees of freedom, {} s at {} Hz, {} steps a sample (last change {}), {:.1f} s\n\n",
-                        study.model->system().size(), four_digits(study.given.simulate->duration), four_digits(study.sample_rate()),
-                        reference.substeps, per_cent(reference.last_change), results.simulation->seconds);
+    text += fmt::format(
+        "Reference: {} degrees of freedom, {} s at {} Hz, {} steps a sample (last change {}), {:.1f} s\n\n",
+        study.model->system().size(), four_digits(study.given.simulate->duration), four_digits(study.sample_rate()),
+        reference.substeps, per_cent(reference.last_change), results.simulation->seconds);
   }
   if (results.estimation) {
     const auto& stage = *results.estimation;
     text += "Estimated parameters\n" + to_text(parameter_table(study, stage)) + "\n";
     text += fmt::format("NIS {:.2f} where {:.2f} is right, {} inside the 95 % band\n", stage.consistency.mean_nis,
                         stage.consistency.expected_nis, per_cent(stage.consistency.fraction_in_95));
-    text += fmt::format("{} states, {} steps, {:.2f} us a step: {:.0f} x real time\n\n", stage.observer->layout().size(),
-                        stage.measurements.samples(), 1e6 * stage.result.seconds / static_cast<double>(stage.measurements.samples()),
-                        static_cast<double>(stage.measurements.samples()) / stage.measurements.sample_rate / stage.result.seconds);
+    text += fmt::format(
+        "{} states, {} steps, {:.2f} us a step: {:.0f} x real time\n\n", stage.observer->layout().size(),
+        stage.measurements.samples(), 1e6 * stage.result.seconds / static_cast<double>(stage.measurements.samples()),
+        static_cast<double>(stage.measurements.samples()) / stage.measurements.sample_rate / stage.result.seconds);
     if (const auto table = error_table("", stage.points); !table.rows.empty())
-      text += fmt::format("Estimated motion, NRMSE after {} s\n", four_digits(study.given.estimate->settle)) + to_text(table) + "\n";
-    if (stage.open_loop) text += "Open loop from the estimated parameters and initial state\n" + to_text(open_loop_table(stage)) + "\n";
+      text += fmt::format("Estimated motion, NRMSE after {} s\n", four_digits(study.given.estimate->settle)) +
+              to_text(table) + "\n";
+    if (stage.open_loop)
+      text += "Open loop from the estimated parameters and initial state\n" + to_text(open_loop_table(stage)) + "\n";
   }
   if (results.prediction)
     if (const auto table = error_table("", results.prediction->points); !table.rows.empty())
-      text += "'" + results.prediction->substructure + "' driven by its estimated boundary motion, NRMSE\n" + to_text(table) + "\n";
+      text += "'" + results.prediction->substructure + "' driven by its estimated boundary motion, NRMSE\n" +
+              to_text(table) + "\n";
   return text;
 }
 

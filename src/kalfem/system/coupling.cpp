@@ -16,7 +16,7 @@ void append_block(Triplets& triplets, const SparseMatrix& block, Eigen::Index of
       triplets.emplace_back(offset + it.row(), offset + it.col(), it.value());
 }
 
-SparseMatrix block_diagonal(const std::vector<Substructure>& parts, SparseMatrix LinearModel::* matrix) {
+SparseMatrix block_diagonal(const std::vector<Substructure>& parts, SparseMatrix LinearModel::*matrix) {
   Triplets triplets;
   Eigen::Index offset = 0;
   for (const auto& part : parts) {
@@ -34,22 +34,25 @@ void require_unique(const std::vector<Named>& items, const std::string& what, Is
   std::set<std::string> seen;
   for (const auto& item : items)
     if (!seen.insert(item.name).second)
-      issues.add({}, "the " + what + " '" + item.name + "' is given twice", "names must be unique", "rename one of them");
+      issues.add({}, "the " + what + " '" + item.name + "' is given twice", "names must be unique",
+                 "rename one of them");
 }
 
 const char* value_unit(InputKind kind) {
   switch (kind) {
-    case InputKind::base_displacement: return "m";
-    case InputKind::base_acceleration: return "m/s^2";
-    case InputKind::force: return "N";
+    case InputKind::base_displacement:
+      return "m";
+    case InputKind::base_acceleration:
+      return "m/s^2";
+    case InputKind::force:
+      return "N";
   }
   return "";
 }
 
 }  // namespace
 
-CoupledModel::CoupledModel(std::vector<Substructure> substructures,
-                           const std::vector<ConnectorDescription>& connectors,
+CoupledModel::CoupledModel(std::vector<Substructure> substructures, const std::vector<ConnectorDescription>& connectors,
                            const std::vector<InputDescription>& inputs)
     : substructures_(std::move(substructures)), inputs_(inputs) {
   assemble_linear_part();
@@ -114,7 +117,8 @@ void CoupledModel::add_connector(const ConnectorDescription& description, IssueL
     const PointMotion from = motion(description.from), to = motion(description.to);
     const Eigen::VectorXd deformation = to.dofs - from.dofs;
     if (deformation.isZero())
-      issues.add({}, "connector '" + description.name + "' joins '" + description.from + "' and '" + description.to + "'",
+      issues.add({},
+                 "connector '" + description.name + "' joins '" + description.from + "' and '" + description.to + "'",
                  "they do not move against each other", "join two different points, one of them not a ground");
     if (!description.law) throw InvalidInput("it has no law", "its force is unknown", "name one of the laws");
     for (const auto& issue : validate_parameters(*description.law, description.parameters))
@@ -152,7 +156,8 @@ PointMotion CoupledModel::motion(const std::string& point) const {
       }
   }
   throw InvalidInput("there is no point '" + point + "'" + did_you_mean(point, point_names()),
-                     "points are written substructure.name", "name one of the substructure's masses, points or grounds");
+                     "points are written substructure.name",
+                     "name one of the substructure's masses, points or grounds");
 }
 
 std::vector<std::string> CoupledModel::point_names() const {

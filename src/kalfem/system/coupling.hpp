@@ -33,8 +33,8 @@ enum class InputKind {
 struct InputDescription {
   std::string name;
   InputKind kind = InputKind::force;
-  std::string target;                   ///< qualified point; for base_acceleration the direction below counts instead
-  DofCombination direction = {};        ///< base_acceleration: rigid motion per unit, by qualified DOF (empty: all 1)
+  std::string target;             ///< qualified point; for base_acceleration the direction below counts instead
+  DofCombination direction = {};  ///< base_acceleration: rigid motion per unit, by qualified DOF (empty: all 1)
 };
 
 /// Displacement of a point, z_p = dofs^T z + base^T r.
@@ -46,7 +46,7 @@ struct PointMotion {
 /// Everything that joins: substructures, connectors between their points, and inputs. The system and the names of its
 /// points in one, so that sensors can be placed.
 class CoupledModel {
- public:
+public:
   /// Throws InvalidInput with every unknown point, doubled name or unsuitable parameter found.
   CoupledModel(std::vector<Substructure> substructures, const std::vector<ConnectorDescription>& connectors,
                const std::vector<InputDescription>& inputs);
@@ -59,10 +59,11 @@ class CoupledModel {
   [[nodiscard]] std::vector<std::string> point_names() const;
   /// Index of a degree of freedom, -1 when there is none.
   [[nodiscard]] Eigen::Index dof_index(const std::string& dof) const;
-  /// Direction of the uniform base acceleration per input, n x n_u (zero columns for other inputs): absolute = relative + this.
+  /// Direction of the uniform base acceleration per input, n x n_u (zero columns for other inputs): absolute = relative
+  /// + this.
   [[nodiscard]] const Eigen::MatrixXd& base_accelerations() const { return base_accelerations_; }
 
- private:
+private:
   void assemble_linear_part();
   void add_input(const InputDescription& description, std::size_t index);
   void add_connector(const ConnectorDescription& description, IssueList& issues);

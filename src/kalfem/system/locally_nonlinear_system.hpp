@@ -21,10 +21,10 @@ struct Connector {
 /// One scalar input r(t) with its rate and acceleration.
 struct Input {
   std::string name;
-  std::string unit;             ///< of the value: m for a base displacement, N for a force, m/s^2 for a base acceleration
-  Eigen::VectorXd value;        ///< force on the system per value, n
-  Eigen::VectorXd rate;         ///< force per rate, n
-  Eigen::VectorXd acceleration; ///< force per second derivative, n
+  std::string unit;       ///< of the value: m for a base displacement, N for a force, m/s^2 for a base acceleration
+  Eigen::VectorXd value;  ///< force on the system per value, n
+  Eigen::VectorXd rate;   ///< force per rate, n
+  Eigen::VectorXd acceleration;  ///< force per second derivative, n
 };
 
 /// The one form that every system here has, full-order or reduced:

@@ -6,11 +6,15 @@ namespace {
 const char* unit_of(ObservedQuantity quantity) {
   switch (quantity) {
     case ObservedQuantity::displacement:
-    case ObservedQuantity::connector_deformation: return "m";
+    case ObservedQuantity::connector_deformation:
+      return "m";
     case ObservedQuantity::velocity:
-    case ObservedQuantity::connector_rate: return "m/s";
-    case ObservedQuantity::acceleration: return "m/s^2";
-    case ObservedQuantity::connector_force: return "N";
+    case ObservedQuantity::connector_rate:
+      return "m/s";
+    case ObservedQuantity::acceleration:
+      return "m/s^2";
+    case ObservedQuantity::connector_force:
+      return "N";
   }
   return "";
 }
@@ -24,8 +28,8 @@ Eigen::Index connector_index(const LocallyNonlinearSystem& system, const std::st
   throw InvalidInput("there is no connector '" + name + "'" + did_you_mean(name, names), "", "");
 }
 
-void set_connector_row(OutputMap& map, Eigen::Index row, const LocallyNonlinearSystem& system, ObservedQuantity quantity,
-                       Eigen::Index index) {
+void set_connector_row(OutputMap& map, Eigen::Index row, const LocallyNonlinearSystem& system,
+                       ObservedQuantity quantity, Eigen::Index index) {
   const auto& connector = system.connectors[static_cast<std::size_t>(index)];
   if (quantity == ObservedQuantity::connector_force) {
     map.force(row, index) = 1.0;

@@ -9,13 +9,20 @@
 namespace kalfem {
 
 /// What a sensor sees before its measurement chain.
-enum class ObservedQuantity { displacement, velocity, acceleration, connector_force, connector_deformation, connector_rate };
+enum class ObservedQuantity {
+  displacement,
+  velocity,
+  acceleration,
+  connector_force,
+  connector_deformation,
+  connector_rate
+};
 
 /// One observed quantity: at a point (absolute, or relative to the base) or in a connector.
 struct OutputDescription {
   std::string name;
   ObservedQuantity quantity = ObservedQuantity::acceleration;
-  DofCombination points;          ///< sum of coefficient times motion, by qualified point; of a connector: its name alone
+  DofCombination points;  ///< sum of coefficient times motion, by qualified point; of a connector: its name alone
   bool relative_to_base = false;  ///< with base_acceleration inputs: leave the base's own motion out
 };
 
@@ -23,9 +30,9 @@ struct OutputDescription {
 struct OutputMap {
   std::vector<std::string> names;
   std::vector<std::string> units;
-  Eigen::MatrixXd displacement, velocity, acceleration;          ///< l x n
-  Eigen::MatrixXd input_value, input_rate, input_acceleration;   ///< l x n_u
-  Eigen::MatrixXd force;                                         ///< l x m
+  Eigen::MatrixXd displacement, velocity, acceleration;         ///< l x n
+  Eigen::MatrixXd input_value, input_rate, input_acceleration;  ///< l x n_u
+  Eigen::MatrixXd force;                                        ///< l x m
 
   [[nodiscard]] Eigen::Index size() const { return displacement.rows(); }
 };
