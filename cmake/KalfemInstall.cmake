@@ -14,5 +14,5 @@ install(EXPORT kalfem NAMESPACE kalfem:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cma
 configure_package_config_file(cmake/kalfemConfig.cmake.in kalfemConfig.cmake
                               INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/kalfem)
 write_basic_package_version_file(kalfemConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${CMAKE_CURRENT_BINARY_DIR}/kalfemConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/kalfemConfigVersion.cmake
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/kalfemConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/kalfemConfigVersion.cmake cmake/FindCHOLMOD.cmake
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/kalfem)

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "kalfem/casefile/substructure_modes.hpp"
 #include "kalfem/report/tables.hpp"
 #include "verbs.hpp"
 
@@ -8,13 +9,11 @@ namespace {
 
 Table substructure_table(const Study& study) {
   Table table{"", {"substructure", "degrees of freedom", "mass", "lowest frequencies [Hz]"}, {}, {}};
-  for (const auto& part : study.model->substructures()) {
-    const auto modes = normal_modes(part.model.mass, part.model.stiffness);
+  for (const auto& part : substructure_modes(study, study.given.report.modes)) {
     std::string frequencies;
-    for (Eigen::Index i = 0; i < std::min<Eigen::Index>(5, modes.frequencies.size()); ++i)
-      frequencies += (i ? ", " : "") + four_digits(modes.frequencies[i]);
-    table.rows.push_back(
-        {part.name, std::to_string(part.model.size()), four_digits(part.model.mass.sum()), frequencies});
+    for (Eigen::Index i = 0; i < std::min<Eigen::Index>(5, part.frequencies.size()); ++i)
+      frequencies += (i ? ", " : "") + four_digits(part.frequencies[i]);
+    table.rows.push_back({part.name, std::to_string(part.dofs), four_digits(part.mass), frequencies});
   }
   return table;
 }

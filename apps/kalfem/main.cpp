@@ -24,6 +24,7 @@ CLI::App* add_stage(CLI::App& app, const char* verb, const char* meaning, Argume
 command::ExitCode execute(const CLI::App& app, const Arguments& arguments) {
   if (app.got_subcommand("check")) return command::check(arguments.case_file);
   if (app.got_subcommand("schema")) return command::schema(arguments.json, arguments.laws);
+  if (app.got_subcommand("modes")) return command::run(arguments.case_file, Stage::modes, arguments.folder);
   if (app.got_subcommand("simulate")) return command::run(arguments.case_file, Stage::simulate, arguments.folder);
   if (app.got_subcommand("estimate")) return command::run(arguments.case_file, Stage::estimate, arguments.folder);
   return command::run(arguments.case_file, Stage::predict, arguments.folder);
@@ -38,6 +39,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   Arguments arguments;
   add_stage(app, "run", "every stage that the case declares", arguments);
+  add_stage(app, "modes", "modes of every substructure, and what its reduction keeps of them", arguments);
   add_stage(app, "simulate", "the reference solution and the record made from it", arguments);
   add_stage(app, "estimate", "states and unknown parameters, with what it needs before", arguments);
   add_stage(app, "predict", "response of a linear substructure, with what it needs before", arguments);

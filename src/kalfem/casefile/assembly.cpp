@@ -108,7 +108,7 @@ void check_places(const Case& given, const Parts& parts, const SourceLocation& f
   for (const auto& part : parts.substructures)
     for (const auto& issue : validate(part)) issues.add(file, issue.what, issue.why, issue.fix);
   if (!issues.empty()) return;
-  Parts only_points{parts.substructures, {}, {}};
+  const Parts only_points{parts.substructures, parts.finite_elements, {}, {}};
   const CoupledModel model = couple(only_points);
   const auto known = model.point_names();
   const auto check = [&](const description::Name& name) {
@@ -133,13 +133,36 @@ std::string spring_name(const description::Spring& spring) {
   return spring.name.empty() ? spring.from.value + "-" + spring.to.value : spring.name;
 }
 
-Parts make_parts(const Case& given, const SourceLocation& file, IssueList& issues) {
+std::vector<std::string> attached_points(const Case& given, const std::string& substructure) {
+  std::vector<std::string> points;
+  const auto add = [&](const std::string& point) {
+    if (point.starts_with(substructure + ".")) points.push_back(point.substr(substructure.size() + 1));
+  };
+  for (const auto& [name, connector] : given.connectors) {
+    add(connector.from.value);
+    add(connector.to.value);
+  }
+  for (const auto& [name, excitation] : given.excitation)
+    if (const auto* force = std::get_if<description::Force>(&excitation.target)) add(force->point.value);
+  return points;
+}
+
+Parts make_parts(const Case& given, std::vector<Substructure> finite_elements, const SourceLocation& file,
+                 IssueList& issues) {
   Parts parts;
+  parts.finite_elements = std::move(finite_elements);
   for (const auto& [name, part] : given.substructures) {
+    if (part.finite_elements) {
+      if (!part.masses.empty() || part.chain)
+        issues.add(part.finite_elements->mesh.location,
+                   "substructures." + name + " has finite elements and also masses or a chain",
+                   "it is one or the other", "put bodies at nodes under finite_elements.masses");
+      continue;
+    }
     parts.substructures.push_back(make_substructure(name, part));
     if (parts.substructures.back().masses.empty())
       issues.add(file, "substructures." + name + " has no masses", "it has no degree of freedom",
-                 "give it `masses` or a `chain`");
+                 "give it `masses`, a `chain` or `finite_elements`");
   }
   for (const auto& [name, connector] : given.connectors) add_connector(name, connector, parts, issues);
   for (const auto& [name, excitation] : given.excitation) parts.inputs.push_back(make_input(name, excitation));
@@ -150,6 +173,7 @@ Parts make_parts(const Case& given, const SourceLocation& file, IssueList& issue
 CoupledModel couple(const Parts& parts) {
   std::vector<Substructure> assembled;
   for (const auto& part : parts.substructures) assembled.push_back({part.name, assemble(part)});
+  assembled.insert(assembled.end(), parts.finite_elements.begin(), parts.finite_elements.end());
   return {std::move(assembled), parts.connectors, parts.inputs};
 }
 

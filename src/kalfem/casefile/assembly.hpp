@@ -13,12 +13,18 @@ namespace kalfem {
 /// The parts of a case as the library's own types, ready to be coupled.
 struct Parts {
   std::vector<LumpedSubstructure> substructures;
+  std::vector<Substructure> finite_elements;  ///< as matrices: reduced for the observer, full or reduced for the record
   std::vector<ConnectorDescription> connectors;
   std::vector<InputDescription> inputs;
 };
 
 /// Translates what the case says. Problems go to `issues` with their place; what had one is left out.
-Parts make_parts(const description::Case& given, const SourceLocation& file, IssueList& issues);
+/// `finite_elements`: the case's finite-element substructures.
+Parts make_parts(const description::Case& given, std::vector<Substructure> finite_elements, const SourceLocation& file,
+                 IssueList& issues);
+
+/// Points of a substructure that connectors and forces touch, without its name.
+std::vector<std::string> attached_points(const description::Case& given, const std::string& substructure);
 
 /// Assembles every substructure and couples. Throws InvalidInput with everything that does not fit.
 CoupledModel couple(const Parts& parts);

@@ -11,6 +11,7 @@
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/estimation/filter.hpp"
 #include "kalfem/estimation/parameter_transform.hpp"
+#include "kalfem/model/elements/element.hpp"
 #include "kalfem/system/measurement_chain.hpp"
 #include "kalfem/system/output_map.hpp"
 #include "kalfem/system/signals/harmonic.hpp"
@@ -36,8 +37,84 @@ struct Chain {
 struct Damping {
   std::vector<double> modal;
   double mass_factor = 0.0, stiffness_factor = 0.0;
+  double modal_up_to = 500.0;  ///< of finite elements: modes up to this frequency have ratios of their own
 };
+
+struct Material {
+  double youngs_modulus = 0.0, poissons_ratio = 0.3, density = 0.0;
+};
+struct RectangleSection {
+  double width = 0.0, height = 0.0;
+};
+struct CircleSection {
+  double diameter = 0.0;
+};
+struct CircularTubeSection {
+  double diameter = 0.0, wall = 0.0;
+};
+struct RectangularTubeSection {
+  double width = 0.0, height = 0.0, wall = 0.0;
+};
+struct GeneralSection {
+  double area = 0.0, inertia_y = 0.0, inertia_z = 0.0, torsion = 0.0, shear_factor_y = 0.0, shear_factor_z = 0.0;
+};
+using Section =
+    std::variant<RectangleSection, CircleSection, CircularTubeSection, RectangularTubeSection, GeneralSection>;
+struct SectionHolder {
+  Section section;
+};
+struct ShellRegion {
+  double thickness = 0.0;
+};
+struct BeamRegion {
+  SectionHolder section;
+  std::array<double, 3> up{0.0, 0.0, 1.0}, offset{};
+};
+struct Region {
+  Name material;
+  std::variant<ShellRegion, BeamRegion> property;
+};
+/// A node by a group of the mesh, by its number, or the nearest one to a place.
+struct NodePlace {
+  std::string group;
+  std::array<double, 3> at{};  ///< where there is no group [m]
+};
+struct NodeMass {
+  Name at;
+  double mass = 0.0;
+  std::array<double, 3> inertia{}, offset{};
+};
+struct Link {
+  Name master;
+  Located<std::string> nodes;
+  std::vector<std::string> directions;
+};
+struct Fixed {
+  Located<std::string> nodes;
+  std::vector<std::string> directions;
+};
+struct FiniteElements {
+  Located<std::filesystem::path> mesh;
+  double scale = 1.0;  ///< of the mesh's coordinates to metres
+  Named<Material> materials;
+  Named<Region> regions;
+  Named<Located<NodePlace>> nodes;
+  Named<NodeMass> masses;
+  Named<Link> links;
+  Named<Fixed> fixed;
+  MassKind mass_matrix = MassKind::consistent;
+};
+enum class ReductionMethod { craig_bampton, guyan };
+struct Reduction {
+  ReductionMethod method = ReductionMethod::craig_bampton;
+  std::optional<int> modes;
+  std::optional<double> up_to, effective_mass;
+  std::vector<Name> boundary;
+};
+
 struct Substructure {
+  std::optional<FiniteElements> finite_elements;
+  std::optional<Reduction> reduction;
   Named<Named<double>> masses;  ///< node -> direction -> mass; a node with one mass has the direction ""
   std::optional<Chain> chain;
   std::vector<Spring> springs;
@@ -163,9 +240,10 @@ struct Simulation {
   double duration = 10.0, sample_rate = 1000.0;
   Integrator integrator = Integrator::newmark;
   double hht_alpha = -0.05, spectral_radius = 0.8, tolerance = 1e-3;
-  int max_substeps = 256;
+  int first_substeps = 4, max_substeps = 256;
+  std::optional<double> modes_up_to;  ///< superelements with modes up to here instead of full finite-element models
   std::uint64_t seed = 1;  ///< of the sensors' noise
-  Named<PointStart> initial;
+  Named<Located<PointStart>> initial;
 };
 
 struct Unknown {
@@ -185,7 +263,7 @@ struct ConnectorStatePrior {
 };
 struct Noise {
   double acceleration = 0.0;    ///< on every degree of freedom
-  Named<double> accelerations;  ///< on single ones
+  Named<Located<double>> accelerations;  ///< on single ones
 };
 struct InterfaceAcceleration {
   Name sensor;  ///< the recorded channel that drives the interface
@@ -199,15 +277,15 @@ struct Interface {
 };
 struct LocalObserver {
   std::vector<Name> substructures;
-  Named<Interface> interface;
+  Named<Located<Interface>> interface;
 };
 struct Estimation {
   FilterKind filter = FilterKind::unscented;
   UnscentedOptions unscented;
   Named<Unknown> unknown;
-  Named<PointPrior> initial_state;
+  Named<Located<PointPrior>> initial_state;
   bool initial_state_from_record = false;
-  Named<ConnectorStatePrior> initial_connector_states;
+  Named<Located<ConnectorStatePrior>> initial_connector_states;
   Noise process_noise;
   double settle = 2.0;
   std::optional<LocalObserver> local;
@@ -218,8 +296,15 @@ struct Estimation {
 
 struct Prediction {
   Name substructure;
+  int substeps = 2;  ///< of a large substructure, steps per sample
+};
+struct Pictures {
+  Name substructure;
+  double every = 0.02;  ///< [s]
 };
 struct Report {
+  std::optional<Pictures> fields;
+  int modes = 20;
   std::vector<Name> displacements;
   double zoom = 1.0;
 };

@@ -179,22 +179,37 @@ Form<Simulation> simulation() {
                     "of generalized_alpha, at infinite frequency")
           .optional("tolerance", &Simulation::tolerance, number("-", positive()),
                     "the step is halved until no sensor's record changes by more than this part of its rms")
-          .optional("max_substeps", &Simulation::max_substeps, integer(4, 65536), "steps per sample at the most")
+          .optional("modes_up_to", &Simulation::modes_up_to, number("Hz", positive()),
+                    "superelements with fixed-interface modes up to here stand for finite-element substructures; "
+                    "left out: their full models")
+          .optional("first_substeps", &Simulation::first_substeps, integer(1, 65536),
+                    "steps per sample of the first solution")
+          .optional("max_substeps", &Simulation::max_substeps, integer(1, 65536), "steps per sample at the most")
           .optional("seed", &Simulation::seed, seed(), "of the sensors' noise")
-          .optional("initial", &Simulation::initial, named(mapping(start), NameRule::dotted),
+          .optional("initial", &Simulation::initial, named(located(mapping(start)), NameRule::dotted),
                     "degrees of freedom that do not start at rest at zero"));
 }
 
 }  // namespace
 
 Form<Case> case_form() {
+  const auto fields =
+      Fields<Pictures>()
+          .required("substructure", &Pictures::substructure, name(), "finite-element substructure")
+          .optional("every", &Pictures::every, number("s", positive()), "time between two pictures");
   const auto report = Fields<Report>()
+                          .optional("fields", &Report::fields, mapping(fields),
+                                    "write the displacement of a whole substructure over time for ParaView")
+                          .optional("modes", &Report::modes, integer(1, 10000),
+                                    "lowest modes of a finite-element substructure that are computed and listed")
                           .optional("displacements", &Report::displacements, one_or_list(name()),
                                     "points whose displacement is drawn; default: the first of the predicted part")
                           .optional("zoom", &Report::zoom, number("s", positive()), "length of the zoomed pictures");
   const auto prediction =
       Fields<Prediction>().required("substructure", &Prediction::substructure, name(),
-                                    "linear substructure to drive by its estimated boundary motion");
+                                    "linear substructure to drive by its estimated boundary motion")
+          .optional("substeps", &Prediction::substeps, integer(1, 1000),
+                    "steps per sample of a large substructure's time integration");
   return mapping(
       Fields<Case>()
           .required("kalfem", &Case::version, integer(1, 1), "version of the case-file format")

@@ -10,6 +10,8 @@ Form<Value> value();
 /// A point by its name, or a map of points and weights.
 Form<Points> points(const std::string& short_name);
 
+Form<FiniteElements> finite_elements();
+Form<Reduction> reduction();
 Form<Substructure> substructure();
 Form<Excitation> excitation();
 Form<Estimation> estimation();

@@ -42,7 +42,7 @@ Form<LocalObserver> local_observer() {
   return mapping(
       Fields<LocalObserver>()
           .required("substructures", &LocalObserver::substructures, one_or_list(name()), "what the observer holds")
-          .required("interface", &LocalObserver::interface, named(mapping(interface), NameRule::dotted),
+          .required("interface", &LocalObserver::interface, named(located(mapping(interface)), NameRule::dotted),
                     "points where the rest of the structure was"));
 }
 
@@ -59,11 +59,10 @@ Form<Estimation> estimation() {
           .optional("value", &ConnectorStatePrior::value, number("-"), "mean, in the state's SI unit")
           .optional("std", &ConnectorStatePrior::std, deviation("-"), "deviation, in the state's SI unit");
   const auto noise = Fields<Noise>()
-
                          .optional("acceleration", &Noise::acceleration, deviation("m/s^2/sqrt(Hz)"),
                                    "white acceleration on every degree of freedom")
                          .optional("accelerations", &Noise::accelerations,
-                                   named(deviation("m/s^2/sqrt(Hz)"), NameRule::dotted), "on single ones");
+                                   named(located(deviation("m/s^2/sqrt(Hz)")), NameRule::dotted), "on single ones");
   const auto unscented = Fields<UnscentedOptions>()
                              .optional("alpha", &UnscentedOptions::alpha, number("-", Bounds::positive()), "spread")
                              .optional("beta", &UnscentedOptions::beta, number("-"), "2 for a normal distribution")
@@ -76,17 +75,15 @@ Form<Estimation> estimation() {
                                         {"ekf", FilterKind::extended, "first-order linearisation"}}),
                     "the estimator")
           .inlined(&Estimation::unscented, unscented)
-          
           .optional("unknown", &Estimation::unknown, named(unknown(), NameRule::dotted),
                     "unknown parameters: connector.parameter, substructure.spring.stiffness, ....damping, "
                     "substructure.mass.mass, or a name with applies_to")
-          .optional("initial_state", &Estimation::initial_state, named(mapping(prior), NameRule::dotted),
+          .optional("initial_state", &Estimation::initial_state, named(located(mapping(prior)), NameRule::dotted),
                     "degrees of freedom that do not surely start at rest at zero; `all` for every one")
           .optional("initial_state_from_record", &Estimation::initial_state_from_record, boolean(),
                     "means of displacements and velocities from the displacement sensors around the first sample")
           .optional("initial_connector_states", &Estimation::initial_connector_states,
-                    named(mapping(connector_state), NameRule::dotted), "internal states, connector.state")
-          
+                    named(located(mapping(connector_state)), NameRule::dotted), "internal states, connector.state")
           .optional("process_noise", &Estimation::process_noise, mapping(noise), "what the model leaves out")
           .optional("settle", &Estimation::settle, deviation("s"), "errors and NIS are summed up from here on")
           .optional("local", &Estimation::local, local_observer(), "hold only a part of the structure in the observer")

@@ -1,9 +1,10 @@
 #include "kalfem/casefile/estimation_stage.hpp"
 
-#include <chrono>
 #include <cmath>
 #include <limits>
 
+#include "kalfem/casefile/reported_quantities.hpp"
+#include "kalfem/casefile/stopwatch.hpp"
 #include "kalfem/formats/local_polynomial.hpp"
 
 namespace kalfem {
@@ -13,11 +14,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
-
-constexpr ObservedQuantity point_quantities[] = {ObservedQuantity::displacement, ObservedQuantity::velocity,
-                                                 ObservedQuantity::acceleration};
-constexpr ObservedQuantity connector_quantities[] = {
-    ObservedQuantity::connector_deformation, ObservedQuantity::connector_rate, ObservedQuantity::connector_force};
 
 /// Everything that the case's record holds, with the noise of each channel.
 struct FullRecord {
@@ -96,7 +92,7 @@ void set_start_from_record(const Study& study, const TimeSeries& series, Initial
   }
   const OutputMap map = make_outputs(*study.observer->model, outputs);
   const auto motion = local_motion(series, 0, {.half_window = 3.0 / series.sample_rate, .degree = 2});
-  const auto inverse = map.displacement.completeOrthogonalDecomposition();
+  const auto inverse = MatrixXd(map.displacement).completeOrthogonalDecomposition();
   start.displacement = inverse.solve(motion.position(columns).eval());
   start.velocity = inverse.solve(motion.velocity(columns).eval());
 }
@@ -121,39 +117,6 @@ ObserverOptions completed_options(const Study& study, const FullRecord& record) 
   if (study.given.estimate->initial_state_from_record) set_start_from_record(study, record.series, options.prior.mean);
 
   return options;
-}
-
-std::vector<OutputDescription> monitored_outputs(const CoupledModel& model) {
-  std::vector<OutputDescription> outputs;
-  std::vector<std::string> points = model.system().dofs;
-  for (const auto& part : model.substructures()) {
-    for (const auto& [name, combination] : part.model.points) points.push_back(part.name + "." + name);
-    if (part.model.size() == 0)
-      for (const auto& ground : part.model.grounds) points.push_back(part.name + "." + ground.ground);
-  }
-  for (const auto& point : points)
-    for (const auto quantity : point_quantities) outputs.push_back({point, quantity, {{point, 1.0}}, false});
-  for (const auto& connector : model.system().connectors)
-    for (const auto quantity : connector_quantities)
-      outputs.push_back({connector.name, quantity, {{connector.name, 1.0}}, false});
-  return outputs;
-}
-
-/// The same quantity of the reference solution; empty where the structure does not have it.
-VectorXd truth_of(const Study& study, const StudyResults& results, const OutputDescription& output) {
-  if (!results.simulation) return {};
-  const auto& trajectory = results.simulation->reference.simulation.trajectory;
-  try {
-    const OutputMap map = make_outputs(*study.model, {output});
-    const Index n_u = study.model->system().input_count();
-    return (map.displacement * trajectory.displacement + map.velocity * trajectory.velocity +
-            map.acceleration * trajectory.acceleration + map.force * trajectory.force +
-            map.input_value * trajectory.inputs.topRows(n_u) + map.input_rate * trajectory.inputs.middleRows(n_u, n_u) +
-            map.input_acceleration * trajectory.inputs.bottomRows(n_u))
-        .transpose();
-  } catch (const InvalidInput&) {
-    return {};  // a connector that only the observer has
-  }
 }
 
 /// The record again from the estimated parameters and initial state, without any correction by measurements.
@@ -200,17 +163,9 @@ void simulate_open_loop(const Study& study, EstimationStage& stage) {
 
 }  // namespace
 
-void set_truth(PointQuantity& quantity, VectorXd truth, Index settled) {
-  quantity.truth = std::move(truth);
-  const Index count = quantity.mean.size() - settled;
-  if (count < 1 || quantity.truth.size() != quantity.mean.size()) return;
-  const double error = nrmse(quantity.mean.tail(count), quantity.truth.tail(count));
-  if (std::isfinite(error)) quantity.nrmse = error;
-}
-
 EstimationStage estimate_stage(const Study& study, const StudyResults& results, const Progress& progress,
                                std::string& failure) {
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const auto& given = *study.given.estimate;
   const auto& setup = *study.observer;
   const FullRecord record = full_record(study, results);
@@ -226,7 +181,7 @@ EstimationStage estimate_stage(const Study& study, const StudyResults& results, 
   stage.observer = std::make_shared<const Observer>(setup.model->system(), make_outputs(*setup.model, outputs), chains,
                                                     completed_options(study, record));
   const VectorXd noise = Eigen::Map<const VectorXd>(stage.noise.data(), static_cast<Index>(stage.noise.size()));
-  const auto monitored = monitored_outputs(*setup.model);
+  const auto monitored = reported_quantities(*setup.model);
   EstimationOptions options{given.filter, given.unscented, given.passes, make_outputs(*setup.model, monitored),
                             progress};
   MatrixXd used = stage.measurements.values.transpose();
@@ -249,12 +204,13 @@ EstimationStage estimate_stage(const Study& study, const StudyResults& results, 
                            stage.result.monitored.deviation.row(row).transpose(),
                            {},
                            {}};
-    if (VectorXd truth = truth_of(study, results, monitored[i]); truth.size() > 0)
-      set_truth(quantity, std::move(truth), stage.settled);
+    if (results.simulation)
+      if (const auto* truth = find_quantity(results.simulation->points, quantity.point, quantity.quantity))
+        set_truth(quantity, truth->mean, stage.settled);
     stage.points.push_back(std::move(quantity));
   }
   if (given.estimate_initial_state && !stage.result.failure && !given.local) simulate_open_loop(study, stage);
-  stage.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  stage.seconds = watch.seconds();
   return stage;
 }
 

@@ -8,7 +8,4 @@ namespace kalfem {
 EstimationStage estimate_stage(const Study& study, const StudyResults& results, const Progress& progress,
                                std::string& failure);
 
-/// Gives a quantity its reference and its NRMSE over the samples from `settled` on.
-void set_truth(PointQuantity& quantity, Eigen::VectorXd truth, Eigen::Index settled);
-
 }  // namespace kalfem

@@ -114,6 +114,7 @@ public:
   void apply(ObserverSetup& setup) {
     check_names();
     std::erase_if(parts_.substructures, [&](const auto& part) { return !kept_.contains(part.name); });
+    std::erase_if(parts_.finite_elements, [&](const auto& part) { return !kept_.contains(part.name); });
     std::erase_if(parts_.inputs, [&](const auto& input) {
       return input.kind != InputKind::base_acceleration && !belongs(input.target, kept_);
     });
@@ -121,7 +122,7 @@ public:
       setup.input_sources.push_back(input.name);
       setup.options.inputs.push_back({});
     }
-    for (const auto& [point, interface] : local_.interface) add_interface(point, interface, setup);
+    for (const auto& [point, interface] : local_.interface) add_interface(point, interface.value, setup);
     std::erase_if(parts_.connectors, [&](const auto& c) { return !reachable(c.from) || !reachable(c.to); });
   }
 
@@ -134,12 +135,12 @@ public:
       const auto found =
           std::ranges::find_if(local_.interface, [&](const auto& each) { return each.first == parts_.inputs[i].name; });
       if (found == local_.interface.end()) continue;
-      if (const auto* measured = std::get_if<d::InterfaceAcceleration>(&found->second.motion)) {
+      if (const auto* measured = std::get_if<d::InterfaceAcceleration>(&found->second.value.motion)) {
         prior.input_deviation[index] = measured->displacement_std;
         prior.input_rate_deviation[index] = measured->velocity_std;
         noise[index] = 0.0;  // from the sensor's noise, once the record is known
       } else {
-        const auto& force = std::get<d::InterfaceForce>(found->second.motion);
+        const auto& force = std::get<d::InterfaceForce>(found->second.value.motion);
         prior.input_deviation[index] = force.std;
         noise[index] = force.std * std::sqrt(2.0 / force.correlation_time);
       }
@@ -150,6 +151,7 @@ private:
   void check_names() {
     std::vector<std::string> known;
     for (const auto& part : parts_.substructures) known.push_back(part.name);
+    for (const auto& part : parts_.finite_elements) known.push_back(part.name);
     for (const auto& name : local_.substructures)
       if (std::ranges::find(known, name.value) == known.end())
         issues_.add(name.location,
@@ -219,41 +221,41 @@ Index connector_state_index(const LocallyNonlinearSystem& system, const std::str
 void set_state_prior(const d::Estimation& given, const CoupledModel& model, StatePrior& prior, IssueList& issues) {
   for (const auto& [point, start] : given.initial_state) {
     const auto apply = [&](Index i) {
-      prior.mean.displacement[i] = start.displacement;
-      prior.mean.velocity[i] = start.velocity;
-      prior.displacement_deviation[i] = start.displacement_std;
-      prior.velocity_deviation[i] = start.velocity_std;
+      prior.mean.displacement[i] = start.value.displacement;
+      prior.mean.velocity[i] = start.value.velocity;
+      prior.displacement_deviation[i] = model.coordinate_scale()[i] * start.value.displacement_std;
+      prior.velocity_deviation[i] = model.coordinate_scale()[i] * start.value.velocity_std;
     };
     if (point == "all") {
       for (Index i = 0; i < model.system().size(); ++i) apply(i);
     } else if (const Index index = model.dof_index(point); index >= 0) {
       apply(index);
     } else {
-      issues.add({}, "estimate.initial_state: '" + point + "' is no degree of freedom of the observer" +
+      issues.add(start.location, start.path + ": '" + point + "' is no degree of freedom of the observer" +
                          did_you_mean(point, model.system().dofs));
     }
   }
   for (const auto& [name, start] : given.initial_connector_states) {
     const Index index = connector_state_index(model.system(), name);
     if (index < 0) {
-      issues.add({}, "estimate.initial_connector_states: there is no internal state '" + name + "'", "",
+      issues.add(start.location, start.path + ": there is no internal state '" + name + "'", "",
                  "write connector.state");
       continue;
     }
-    prior.mean.connector_states[index] = start.value;
-    prior.connector_state_deviation[index] = start.std;
+    prior.mean.connector_states[index] = start.value.value;
+    prior.connector_state_deviation[index] = start.value.std;
   }
 }
 
 void set_noise(const d::Noise& given, const CoupledModel& model, ProcessNoise& noise, IssueList& issues) {
-  noise.acceleration.setConstant(given.acceleration);
+  noise.acceleration = given.acceleration * model.coordinate_scale();
   for (const auto& [point, density] : given.accelerations) {
     const Index index = model.dof_index(point);
     if (index < 0)
-      issues.add({}, "estimate.process_noise.accelerations: '" + point + "' is no degree of freedom of the observer" +
+      issues.add(density.location, density.path + ": '" + point + "' is no degree of freedom of the observer" +
                          did_you_mean(point, model.system().dofs));
     else
-      noise.acceleration[index] = density;
+      noise.acceleration[index] = density.value;
   }
 }
 

@@ -14,18 +14,6 @@ namespace {
 
 namespace d = description;
 
-std::string unit_of(InputKind kind) {
-  switch (kind) {
-    case InputKind::base_displacement:
-      return "m";
-    case InputKind::base_acceleration:
-      return "m/s^2";
-    case InputKind::force:
-      return "N";
-  }
-  return "";
-}
-
 /// Makes the signals of one case; signals that follow another need it first.
 class SignalMaker {
 public:

@@ -1,9 +1,12 @@
 #include "kalfem/casefile/stages.hpp"
 
-#include <chrono>
-
 #include "kalfem/base/random.hpp"
 #include "kalfem/casefile/estimation_stage.hpp"
+#include "kalfem/casefile/field_series.hpp"
+#include "kalfem/casefile/prediction_stage.hpp"
+#include "kalfem/casefile/reported_quantities.hpp"
+#include "kalfem/casefile/stopwatch.hpp"
+#include "kalfem/casefile/substructure_modes.hpp"
 
 namespace kalfem {
 
@@ -13,29 +16,16 @@ using Eigen::VectorXd;
 
 namespace {
 
-class Stopwatch {
-public:
-  [[nodiscard]] double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
-private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
 InitialState initial_state(const Study& study) {
   const auto& system = study.model->system();
   InitialState start = at_rest(system.size(), system.connector_states());
   for (const auto& [point, given] : study.given.simulate->initial) {
     const Index index = study.model->dof_index(point);
     if (index < 0)
-      throw InvalidInput(
-          Issue{{study.file, 0},
-                "simulate.initial: '" + point + "' is no degree of freedom" + did_you_mean(point, system.dofs),
-                "",
-                ""});
-    start.displacement[index] = given.displacement;
-    start.velocity[index] = given.velocity;
+      throw InvalidInput(given.issue("'" + point + "' is no degree of freedom" + did_you_mean(point, system.dofs), "",
+                                     "name one of a lumped substructure"));
+    start.displacement[index] = given.value.displacement;
+    start.velocity[index] = given.value.velocity;
   }
   return start;
 }
@@ -61,7 +51,8 @@ void add_noise(const Study& study, SimulationStage& stage) {
   }
 }
 
-SimulationStage simulate_stage(const Study& study, const Progress& progress, std::string& failure) {
+SimulationStage simulate_stage(const Study& study, const Progress& progress, std::vector<FieldSeries>& fields,
+                               std::string& failure) {
   const auto& given = *study.given.simulate;
   std::vector<OutputDescription> outputs;
   for (const auto& sensor : study.sensors) outputs.push_back(sensor.output);
@@ -72,11 +63,19 @@ SimulationStage simulate_stage(const Study& study, const Progress& progress, std
   options.hht_alpha = given.hht_alpha;
   options.spectral_radius = given.spectral_radius;
   options.progress = progress;
+  options.keep_motion = false;
+  const auto reported = reported_quantities(*study.model);
+  options.every_sample = make_outputs(*study.model, reported);
+  FieldCollector collector(study);
+  collector.attach(options);
   SimulationStage stage;
   stage.reference = simulate_reference(
       study.model->system(), study.signals, initial_state(study), make_outputs(*study.model, outputs),
       chains_of(study.sensors), options,
-      {.sample_rate = given.sample_rate, .max_substeps = given.max_substeps, .tolerance = given.tolerance});
+      {.sample_rate = given.sample_rate,
+       .first_substeps = given.first_substeps,
+       .max_substeps = given.max_substeps,
+       .tolerance = given.tolerance});
   if (stage.reference.simulation.failure)
     failure = "the simulation stopped at " + shortest(stage.reference.simulation.failure->time) +
               " s: " + stage.reference.simulation.failure->reason;
@@ -86,99 +85,12 @@ SimulationStage simulate_stage(const Study& study, const Progress& progress, std
               " of its rms; raise simulate.max_substeps or simulate.tolerance";
   else
     add_noise(study, stage);
-  stage.seconds = watch.seconds();
-  return stage;
-}
-
-const Substructure& substructure_of(const Study& study, const std::string& name) {
-  for (const auto& part : study.model->substructures())
-    if (part.name == name) return part;
-  throw std::logic_error("substructure was checked when the case was read");
-}
-
-/// Degrees of freedom of the substructure that a connector touches.
-std::vector<Index> boundary_of(const Study& study, const Substructure& part, Index offset) {
-  std::vector<Index> boundary;
-  for (Index i = 0; i < part.model.size(); ++i)
-    for (const auto& connector : study.model->system().connectors)
-      if (connector.deformation[offset + i] != 0.0) {
-        boundary.push_back(i);
-        break;
-      }
-  return boundary;
-}
-
-const PointQuantity* find_point(const std::vector<PointQuantity>& points, const std::string& name,
-                                ObservedQuantity quantity) {
-  for (const auto& point : points)
-    if (point.point == name && point.quantity == quantity) return &point;
-  return nullptr;
-}
-
-/// Forces of the inputs on the substructure (moving grounds, forces at points), n x samples.
-MatrixXd applied_forces(const Study& study, const Substructure& part, Index offset, double start, Index samples) {
-  MatrixXd forces = MatrixXd::Zero(part.model.size(), samples);
-  const double step = 1.0 / study.sample_rate();
-  for (Index i = 0; i < study.model->system().input_count(); ++i) {
-    const auto& input = study.model->system().inputs[static_cast<std::size_t>(i)];
-    const auto sampled = study.signals[static_cast<std::size_t>(i)]->sample(start, step, samples);
-    const auto rows = [&](const VectorXd& direction) { return direction.segment(offset, part.model.size()); };
-    forces += rows(input.value) * sampled.col(0).matrix().transpose() +
-              rows(input.rate) * sampled.col(1).matrix().transpose() +
-              rows(input.acceleration) * sampled.col(2).matrix().transpose();
-  }
-  return forces;
-}
-
-PredictionStage predict_stage(const Study& study, const StudyResults& results) {
-  using enum ObservedQuantity;
-  const Stopwatch watch;
-  const auto& estimation = *results.estimation;
-  PredictionStage stage{study.given.predict->substructure.value, {}, 0.0};
-  const auto& part = substructure_of(study, stage.substructure);
-  const Index offset = study.model->dof_index(part.name + "." + part.model.dofs.front());
-  const BaseDrivenSubstructure driven(part.model, boundary_of(study, part, offset));
-
-  const Index samples = estimation.measurements.samples();
-  const auto n_b = static_cast<Index>(driven.boundary().size());
-  BoundaryMotion boundary{MatrixXd(n_b, samples), MatrixXd(n_b, samples), MatrixXd(n_b, samples)};
-  VectorXd start = VectorXd::Zero(part.model.size()), start_rate = start;
-  for (Index i = 0; i < part.model.size(); ++i) {
-    const std::string point = part.name + "." + part.model.dofs[static_cast<std::size_t>(i)];
-    if (const auto* estimated = find_point(estimation.points, point, displacement)) start[i] = estimated->mean[0];
-    if (const auto* estimated = find_point(estimation.points, point, velocity)) start_rate[i] = estimated->mean[0];
-  }
-  for (Index b = 0; b < n_b; ++b) {
-    const std::string point =
-        part.name + "." + part.model.dofs[static_cast<std::size_t>(driven.boundary()[static_cast<std::size_t>(b)])];
-    for (const auto& [quantity, rows] :
-         {std::pair{displacement, &boundary.displacement}, std::pair{velocity, &boundary.velocity},
-          std::pair{acceleration, &boundary.acceleration}}) {
-      const auto* estimated = find_point(estimation.points, point, quantity);
-      if (!estimated)
-        throw InvalidInput(study.given.predict->substructure.issue(
-            "the observer does not estimate the motion of '" + point + "'", "the substructure is driven by it",
-            "hold the point in the observer or make it an interface"));
-      rows->row(b) = estimated->mean.transpose();
-    }
-  }
-  const auto motion =
-      driven.predict(boundary, applied_forces(study, part, offset, estimation.measurements.start, samples), start,
-                     start_rate, study.sample_rate());
-  const auto* truth = results.simulation ? &results.simulation->reference.simulation.trajectory : nullptr;
-  for (Index i = 0; i < part.model.size(); ++i)
-    for (const auto& [quantity, predicted, reference] :
-         {std::tuple{displacement, &motion.displacement, truth ? &truth->displacement : nullptr},
-          std::tuple{acceleration, &motion.acceleration, truth ? &truth->acceleration : nullptr}}) {
-      PointQuantity point{part.name + "." + part.model.dofs[static_cast<std::size_t>(i)],
-                          quantity,
-                          predicted->row(i).transpose(),
-                          {},
-                          {},
-                          {}};
-      if (reference) set_truth(point, reference->row(offset + i).transpose(), estimation.settled);
-      stage.points.push_back(std::move(point));
-    }
+  const auto& values = stage.reference.simulation.every_sample;
+  for (std::size_t i = 0; i < reported.size(); ++i)
+    stage.points.push_back(
+        {reported[i].name, reported[i].quantity, values.col(static_cast<Index>(i)), {}, {}, {}});
+  stage.reference.simulation.every_sample.resize(0, 0);
+  if (auto series = collector.take()) fields.push_back(std::move(*series));
   stage.seconds = watch.seconds();
   return stage;
 }
@@ -188,11 +100,15 @@ PredictionStage predict_stage(const Study& study, const StudyResults& results) {
 StudyResults run_study(const Study& study, Stage last, const Progress& progress) {
   const Stopwatch watch;
   StudyResults results;
-  if (study.given.simulate) results.simulation = simulate_stage(study, progress, results.failure);
-  if (results.usable() && last >= Stage::estimate && study.observer)
+  results.modes = substructure_modes(study, study.given.report.modes);
+  if (last >= Stage::simulate && study.given.simulate)
+    results.simulation = simulate_stage(study, progress, results.fields, results.failure);
+  if (results.usable() && last >= Stage::estimate && study.observer) {
     results.estimation = estimate_stage(study, results, progress, results.failure);
+    if (auto series = estimated_fields(study, *results.estimation)) results.fields.push_back(std::move(*series));
+  }
   if (results.usable() && last >= Stage::predict && study.given.predict)
-    results.prediction = predict_stage(study, results);
+    results.prediction = predict_stage(study, results, progress);
   results.total_seconds = watch.seconds();
   return results;
 }

@@ -11,14 +11,6 @@
 
 namespace kalfem {
 
-/// The reference solution and the record made from it.
-struct SimulationStage {
-  Reference reference;
-  TimeSeries measurements;    ///< with noise, one channel a sensor
-  std::vector<double> noise;  ///< standard deviation per sensor
-  double seconds = 0.0;
-};
-
 /// One quantity of one point as the estimation or the prediction gives it, with the reference where there is one.
 struct PointQuantity {
   std::string point;
@@ -27,6 +19,32 @@ struct PointQuantity {
   Eigen::VectorXd deviation;    ///< empty where not known
   Eigen::VectorXd truth;        ///< empty where not known
   std::optional<double> nrmse;  ///< against the truth, after settling
+};
+
+/// The reference solution and the record made from it.
+struct SimulationStage {
+  Reference reference;
+  TimeSeries measurements;    ///< with noise, one channel a sensor
+  std::vector<double> noise;  ///< standard deviation per sensor
+  std::vector<PointQuantity> points;  ///< the reported points and connectors, free of noise
+  double seconds = 0.0;
+};
+
+/// Undamped free vibration of one substructure as the case gives it.
+struct SubstructureModes {
+  std::string name;
+  Eigen::Index dofs = 0;
+  double mass = 0.0;            ///< [kg]
+  Eigen::VectorXd frequencies;  ///< [Hz]; of a finite-element model the lowest only
+  Eigen::MatrixXd shapes;       ///< dofs x modes, mass-normalised
+};
+
+/// Displacement of every degree of freedom of a finite-element substructure at some times, for pictures.
+struct FieldSeries {
+  std::string name;              ///< "frame_simulated"
+  std::string substructure;
+  std::vector<double> times;     ///< [s]
+  Eigen::MatrixXd displacement;  ///< dofs of the full model x times
 };
 
 struct EstimationStage {
@@ -54,6 +72,8 @@ struct PredictionStage {
 
 /// What was computed; stages that did not run are empty.
 struct StudyResults {
+  std::vector<SubstructureModes> modes;
+  std::vector<FieldSeries> fields;
   std::optional<SimulationStage> simulation;
   std::optional<EstimationStage> estimation;
   std::optional<PredictionStage> prediction;
@@ -63,7 +83,7 @@ struct StudyResults {
   [[nodiscard]] bool usable() const { return failure.empty(); }
 };
 
-enum class Stage { simulate, estimate, predict };
+enum class Stage { modes, simulate, estimate, predict };
 
 /// Runs the stages of the case up to the given one, each as far as the case declares it.
 StudyResults run_study(const Study& study, Stage last, const Progress& progress = {});

@@ -4,27 +4,12 @@
 
 #include "kalfem/casefile/case_reader.hpp"
 #include "kalfem/casefile/observer_setup.hpp"
+#include "kalfem/casefile/study_elements.hpp"
 
 namespace kalfem {
 namespace {
 
 namespace d = description;
-
-const char* sensor_unit(ObservedQuantity quantity) {
-  switch (quantity) {
-    case ObservedQuantity::displacement:
-    case ObservedQuantity::connector_deformation:
-      return "m";
-    case ObservedQuantity::velocity:
-    case ObservedQuantity::connector_rate:
-      return "m/s";
-    case ObservedQuantity::acceleration:
-      return "m/s^2";
-    case ObservedQuantity::connector_force:
-      return "N";
-  }
-  return "";
-}
 
 StudySensor make_sensor(const std::string& name, const d::Sensor& given) {
   StudySensor sensor;
@@ -35,7 +20,7 @@ StudySensor make_sensor(const std::string& name, const d::Sensor& given) {
             name, observed.quantity, {observed.points.value.begin(), observed.points.value.end()}, given.relative};
       },
       given.observed);
-  sensor.unit = sensor_unit(sensor.output.quantity);
+  sensor.unit = unit_of(sensor.output.quantity);
   sensor.relative_noise = !given.noise.value.bare && given.noise.value.dimension == Dimension{};
   sensor.noise =
       sensor.relative_noise ? given.noise.value.value : checked_number(given.noise, sensor.unit, Bounds::nonnegative());
@@ -86,7 +71,7 @@ void check_prediction(const Study& study, IssueList& issues) {
   if (!study.given.predict) return;
   const auto& name = study.given.predict->substructure;
   std::vector<std::string> known;
-  for (const auto& part : study.parts.substructures) known.push_back(part.name);
+  for (const auto& [part, given] : study.given.substructures) known.push_back(part);
   if (std::ranges::find(known, name.value) == known.end())
     issues.add(name.location,
                name.path + ": there is no substructure '" + name.value + "'" + did_you_mean(name.value, known));
@@ -115,13 +100,14 @@ Study load_study(const std::string& file) {
   IssueList issues;
   const SourceLocation place{file, 0};
   check_stages(study.given, place, issues);
-  study.parts = make_parts(study.given, place, issues);
+  add_finite_elements(study, issues);
+  study.parts = make_parts(study.given, reduced_parts(study), place, issues);
   const double duration = study.given.simulate ? study.given.simulate->duration : 10.0;
   study.signals = make_signals(study.given, study.parts.inputs, duration, issues);
   check_prediction(study, issues);
   raise_in_line_order(issues);
   try {
-    study.model = std::make_shared<const CoupledModel>(couple(study.parts));
+    study.model = std::make_shared<const CoupledModel>(couple(reference_parts(study)));
     add_sensors(study, issues);
     if (study.given.record) study.record = read_measured_record(study.given);
   } catch (const InvalidInput& error) {
@@ -135,6 +121,7 @@ Study load_study(const std::string& file) {
   }
   raise_in_line_order(issues);
   warn(study);
+  warn_of_reductions(study);
   return study;
 }
 

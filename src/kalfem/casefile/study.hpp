@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "kalfem/casefile/assembly.hpp"
+#include "kalfem/casefile/finite_element_part.hpp"
 #include "kalfem/casefile/record_source.hpp"
 #include "kalfem/estimation/observer.hpp"
 
@@ -31,11 +32,20 @@ struct ObserverSetup {
   std::vector<std::optional<double>> true_parameters;  ///< one an unknown
 };
 
+/// A finite-element substructure in the orders of model that the stages use.
+struct StudyElements {
+  FiniteElementPartPtr part;
+  std::shared_ptr<const Superelement> reduced;    ///< in the observer; empty where nothing is attached
+  std::shared_ptr<const Superelement> reference;  ///< in the simulation; empty: the full model
+};
+
 /// A case that was read and understood: everything that the stages need. Immutable.
 struct Study {
   description::Case given;
   std::string file;
-  Parts parts;
+  std::vector<StudyElements> finite_elements;
+  Parts parts;  ///< with reduced finite-element substructures
+  double reduce_seconds = 0.0;
   std::shared_ptr<const CoupledModel> model;  ///< the structure as the case gives it
   std::vector<StudySensor> sensors;
   std::vector<SignalPtr> signals;         ///< one an input

@@ -1,7 +1,7 @@
-#include <Eigen/SparseCholesky>
-
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/dynamics/stepper.hpp"
+#include "kalfem/linalg/paired_product.hpp"
+#include "kalfem/linalg/sparse_factor.hpp"
 
 namespace kalfem {
 namespace {
@@ -10,11 +10,69 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+SparseFactor factor(const SparseMatrix& matrix, const LocallyNonlinearSystem& system, const std::string& what) {
+  try {
+    return SparseFactor(matrix);
+  } catch (const NotPositiveDefinite& error) {
+    throw InvalidInput("the " + what + " is not positive definite at '" +
+                           system.dofs[static_cast<std::size_t>(error.column())] + "'",
+                       "every degree of freedom needs mass", "give massless degrees of freedom a mass");
+  }
+}
+
+/// [P Q T]: force per input value, rate and acceleration, n x 3 n_u.
+SparseMatrix drive_of(const LocallyNonlinearSystem& system) {
+  MatrixXd drive(system.size(), 3 * system.input_count());
+  for (Index i = 0; i < system.input_count(); ++i) {
+    const auto& input = system.inputs[static_cast<std::size_t>(i)];
+    drive.col(i) = input.value;
+    drive.col(system.input_count() + i) = input.rate;
+    drive.col(2 * system.input_count() + i) = input.acceleration;
+  }
+  return drive.sparseView();
+}
+
+/// Solves (S + factor U R U^T) x = b + U R w for a low-rank U by the Woodbury identity,
+///     x = y + W g,  y = S^-1 b,  W = S^-1 U,  (I + factor R U^T W) g = R (w - factor U^T y).
+/// Without U it is S^-1 b.
+class LowRankSolver {
+public:
+  LowRankSolver(const SparseFactor& sparse, const ModalDamping& damping, const SparseMatrix& mass, double factor)
+      : sparse_(sparse), rates_(damping.rates), factor_(factor) {
+    if (empty()) return;
+    momenta_ = mass * damping.modes.shapes;
+    response_ = sparse.solve(momenta_);
+    MatrixXd small = factor * (rates_.asDiagonal() * (momenta_.transpose() * response_));
+    small.diagonal().array() += 1.0;
+    small_.compute(small);
+  }
+
+  [[nodiscard]] bool empty() const { return rates_.size() == 0; }
+  /// `rate`: the vector w stands for, w = U^T rate.
+  void solve(const VectorXd& b, const VectorXd& rate, VectorXd& x) const {
+    x.resize(b.size());
+    sparse_.solve(b, x);
+    if (empty()) return;
+    const VectorXd difference = momenta_.transpose() * (rate - factor_ * x);
+    x.noalias() += response_ * small_.solve(rates_.cwiseProduct(difference));
+  }
+
+private:
+  const SparseFactor& sparse_;
+  VectorXd rates_;
+  double factor_;
+  MatrixXd momenta_, response_;  ///< U = M Phi and S^-1 U, n x p
+  Eigen::PartialPivLU<MatrixXd> small_;
+};
+
 /// Generalised-alpha (Newmark and HHT as special cases) in acceleration form. The effective mass
 ///     M* = (1-a_m) M + (1-a_f) (gamma h C + beta h^2 K)
 /// is factored once and W = M*^-1 B formed once, so that
 ///     a1 = a_free - (1-a_f) W f1
-/// leaves a solve of size m a step.
+/// leaves a solve of size m a step. K is never multiplied: with s = 1 / ((1-a_f) beta h^2) the definition of M* gives
+///     K y = s (M* y - (1-a_m) M y) - gamma/(beta h) C y,
+/// so that a_free = M*^-1 [ M (s (1-a_m) y - a_m a0) + C w + P u - a_f B f0 ] - s y, with the predictor y of the
+/// displacement and w = gamma/(beta h) y less the predictor of the velocity: one back-solve and one sparse product.
 class AlphaStepper final : public Stepper {
 public:
   AlphaStepper(const LocallyNonlinearSystem& system, double step, const AlphaParameters& p,
@@ -24,59 +82,69 @@ public:
         p_(p),
         forces_(system, forces),
         directions_(system.connector_directions()),
-        bases_(system.connector_bases()) {
-    const double f = 1.0 - p.alpha_f;
-    const SparseMatrix effective = (1.0 - p.alpha_m) * system.mass + (f * p.gamma * h_) * system.damping +
-                                   (f * p.beta * h_ * h_) * system.stiffness;
-    effective_.compute(effective);
-    mass_.compute(system.mass);
-    if (effective_.info() != Eigen::Success || mass_.info() != Eigen::Success)
-      throw InvalidInput("the effective mass matrix of the time integration is not positive definite",
-                         "every degree of freedom needs mass", "give massless degrees of freedom a mass");
-    response_ = -f * effective_.solve(directions_);
+        bases_(system.connector_bases()),
+        drive_(drive_of(system)),
+        product_(system.mass, system.damping),
+        effective_(factor(effective_mass(system, step, p), system, "effective mass matrix of the time integration")),
+        solver_(effective_, system.modal_damping, system.mass, (1.0 - p.alpha_f) * p.gamma * step) {
+    const VectorXd none = VectorXd::Zero(system.size());
+    response_.resize(directions_.rows(), directions_.cols());
+    for (Index j = 0; j < directions_.cols(); ++j) {
+      solver_.solve(directions_.col(j), none, free_);
+      response_.col(j) = -(1.0 - p.alpha_f) * free_;
+    }
     const MatrixXd drive = directions_.transpose() * response_;
     compliance_.resize(3 * drive.rows(), drive.cols());
     compliance_ << p.beta * h_ * h_ * drive, p.gamma * h_ * drive, drive;
-    start_response_ = -mass_.solve(directions_);
-    start_compliance_ = MatrixXd::Zero(3 * drive.rows(), drive.cols());
-    start_compliance_.bottomRows(drive.rows()) = directions_.transpose() * start_response_;
   }
 
   ForceSolveOutcome start(Motion& motion, const VectorXd& inputs) override {
-    motion.acceleration =
-        mass_.solve(applied(inputs) - system_.damping * motion.velocity - system_.stiffness * motion.displacement);
-    const auto outcome = forces_.start(connector_motion(motion, inputs), start_compliance_, motion);
-    motion.acceleration += start_response_ * motion.force;
+    const SparseFactor mass = factor(system_.mass, system_, "mass matrix");
+    VectorXd load = drive_ * inputs - system_.damping * motion.velocity - system_.stiffness * motion.displacement;
+    const auto& damped = system_.modal_damping;
+    if (damped.rates.size() > 0 && !motion.velocity.isZero()) {
+      const VectorXd modal = damped.modes.shapes.transpose() * (system_.mass * motion.velocity);
+      load -= system_.mass * (damped.modes.shapes * damped.rates.cwiseProduct(modal));
+    }
+    motion.acceleration = mass.solve(load);
+    const MatrixXd response = -mass.solve(directions_);
+    MatrixXd compliance = MatrixXd::Zero(3 * directions_.cols(), directions_.cols());
+    compliance.bottomRows(directions_.cols()) = directions_.transpose() * response;
+    const auto outcome = forces_.start(connector_motion(motion, inputs), compliance, motion);
+    motion.acceleration += response * motion.force;
     return outcome;
   }
 
   ForceSolveOutcome advance(Motion& motion, const VectorXd& begin, const VectorXd& end) override {
     const auto& [beta, gamma, a_m, a_f] = p_;
-    const VectorXd drift = h_ * motion.velocity + (0.5 - beta) * h_ * h_ * motion.acceleration;
-    const VectorXd kick = (1.0 - gamma) * h_ * motion.acceleration;
-    right_side_ = applied((1.0 - a_f) * end + a_f * begin) - a_m * (system_.mass * motion.acceleration) -
-                  system_.damping * (motion.velocity + (1.0 - a_f) * kick) -
-                  system_.stiffness * (motion.displacement + (1.0 - a_f) * drift) - a_f * (directions_ * motion.force);
-    motion.acceleration = effective_.solve(right_side_);
-    motion.displacement += drift + beta * h_ * h_ * motion.acceleration;
-    motion.velocity += kick + gamma * h_ * motion.acceleration;
+    const double s = 1.0 / ((1.0 - a_f) * beta * h_ * h_);
+    const VectorXd& a = motion.acceleration;
+    displacement_.noalias() = motion.displacement + (1.0 - a_f) * (h_ * motion.velocity + (0.5 - beta) * h_ * h_ * a);
+    inertia_.noalias() = s * (1.0 - a_m) * displacement_ - a_m * a;
+    rate_.noalias() =
+        gamma / (beta * h_) * displacement_ - motion.velocity - ((1.0 - a_f) * (1.0 - gamma) * h_) * a;
+    product_.multiply(inertia_, rate_, load_);
+    input_.noalias() = (1.0 - a_f) * end + a_f * begin;
+    load_ += drive_ * input_;
+    if (a_f != 0.0) load_.noalias() -= directions_ * (a_f * motion.force);
+    solver_.solve(load_, rate_, free_);
+    free_ -= s * displacement_;
+
+    motion.displacement += h_ * motion.velocity + h_ * h_ * ((0.5 - beta) * a + beta * free_);
+    motion.velocity += h_ * ((1.0 - gamma) * a + gamma * free_);
+    motion.acceleration.swap(free_);
     const auto outcome = forces_.solve(connector_motion(motion, end), compliance_, h_, motion);
-    const VectorXd correction = response_ * motion.force;
-    motion.acceleration += correction;
-    motion.velocity += gamma * h_ * correction;
-    motion.displacement += beta * h_ * h_ * correction;
+    correction_.noalias() = response_ * motion.force;
+    motion.acceleration += correction_;
+    motion.velocity += gamma * h_ * correction_;
+    motion.displacement += beta * h_ * h_ * correction_;
     return outcome;
   }
 
 private:
-  VectorXd applied(const VectorXd& inputs) const {
-    VectorXd force = VectorXd::Zero(system_.size());
-    const Index count = system_.input_count();
-    for (Index i = 0; i < count; ++i) {
-      const auto& input = system_.inputs[static_cast<std::size_t>(i)];
-      force += inputs[i] * input.value + inputs[count + i] * input.rate + inputs[2 * count + i] * input.acceleration;
-    }
-    return force;
+  static SparseMatrix effective_mass(const LocallyNonlinearSystem& system, double h, const AlphaParameters& p) {
+    const double f = 1.0 - p.alpha_f;
+    return (1.0 - p.alpha_m) * system.mass + (f * p.gamma * h) * system.damping + (f * p.beta * h * h) * system.stiffness;
   }
 
   VectorXd connector_motion(const Motion& motion, const VectorXd& inputs) const {
@@ -92,9 +160,12 @@ private:
   double h_;
   AlphaParameters p_;
   SinglePointForces forces_;
-  MatrixXd directions_, bases_, response_, start_response_, compliance_, start_compliance_;
-  Eigen::SimplicialLDLT<SparseMatrix> effective_, mass_;
-  VectorXd right_side_;
+  MatrixXd directions_, bases_, response_, compliance_;
+  SparseMatrix drive_;
+  PairedProduct product_;  ///< of M and C
+  SparseFactor effective_;
+  LowRankSolver solver_;
+  VectorXd displacement_, inertia_, rate_, load_, input_, free_, correction_;
 };
 
 }  // namespace

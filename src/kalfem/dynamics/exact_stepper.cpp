@@ -8,16 +8,14 @@ using Eigen::VectorXd;
 
 OutputMap accelerations_of(const LocallyNonlinearSystem& system) {
   const auto n = system.size();
-  const auto none = Eigen::MatrixXd::Zero(n, n), inputs = Eigen::MatrixXd::Zero(n, system.input_count());
-  return {system.dofs,
-          std::vector<std::string>(system.dofs.size(), "m/s^2"),
-          none,
-          none,
-          Eigen::MatrixXd::Identity(n, n),
-          inputs,
-          inputs,
-          inputs,
-          Eigen::MatrixXd::Zero(n, system.connector_count())};
+  const auto inputs = Eigen::MatrixXd::Zero(n, system.input_count());
+  OutputMap map{system.dofs,       std::vector<std::string>(system.dofs.size(), "m/s^2"),
+                SparseRows(n, n),  SparseRows(n, n),
+                SparseRows(n, n),  inputs,
+                inputs,            inputs,
+                Eigen::MatrixXd::Zero(n, system.connector_count())};
+  map.acceleration.setIdentity();
+  return map;
 }
 
 /// The exact step of the linear part, connector forces linear over the step.

@@ -77,7 +77,7 @@ void FirstOrderForm::set_mechanics(const LocallyNonlinearSystem& system) {
   const Eigen::LDLT<MatrixXd> mass{MatrixXd(system.mass)};
   acceleration_ = zero_output(n_, dynamics_.cols(), 3 * n_u_, m_);
   acceleration_.state.leftCols(n_) = -mass.solve(MatrixXd(system.stiffness));
-  acceleration_.state.middleCols(n_, n_) = -mass.solve(MatrixXd(system.damping));
+  acceleration_.state.middleCols(n_, n_) = -mass.solve(system.full_damping());
   acceleration_.force = -mass.solve(system.connector_directions());
   for (Index i = 0; i < n_u_; ++i) {
     const auto& input = system.inputs[static_cast<std::size_t>(i)];
@@ -126,12 +126,12 @@ LinearOutput FirstOrderForm::route_inputs(LinearOutput output) const {
 
 LinearOutput FirstOrderForm::raw_outputs(const OutputMap& outputs) const {
   LinearOutput raw = zero_output(outputs.size(), dynamics_.cols(), 3 * n_u_, m_);
-  raw.state.leftCols(n_) = outputs.displacement;
-  raw.state.middleCols(n_, n_) = outputs.velocity;
+  raw.state.leftCols(n_) = MatrixXd(outputs.displacement);
+  raw.state.middleCols(n_, n_) = MatrixXd(outputs.velocity);
   raw.input << outputs.input_value, outputs.input_rate, outputs.input_acceleration;
   raw.force = outputs.force;
   raw = route_inputs(std::move(raw));
-  add_scaled(raw, outputs.acceleration, acceleration_);
+  add_scaled(raw, MatrixXd(outputs.acceleration), acceleration_);
   return raw;
 }
 

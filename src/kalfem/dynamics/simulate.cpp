@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/dynamics/damped_mode_split.hpp"
 #include "kalfem/dynamics/stepper.hpp"
 
 namespace kalfem {
@@ -13,14 +14,16 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr Index input_block = 4096;  ///< steps whose inputs are sampled together
+constexpr Index progress_block = 256;  ///< steps between two words of progress
 constexpr double most_steps = 1e10;
 constexpr double most_values = 2e9;  ///< stored, 16 GB
 
 /// Numbers that a simulation would store.
 double stored_values(const LocallyNonlinearSystem& system, const SimulationOptions& options) {
   const double steps = options.duration / options.step;
-  const auto a_sample = static_cast<double>(3 * system.size() + system.connector_count() + 3 * system.input_count() +
-                                            system.connector_states());
+  const auto a_sample =
+      static_cast<double>((options.keep_motion ? 3 * system.size() : 0) + system.connector_count() +
+                          3 * system.input_count() + system.connector_states() + options.every_sample.size());
   return steps * (a_sample / static_cast<double>(options.keep_every) + static_cast<double>(options.every_step.size()));
 }
 
@@ -79,7 +82,7 @@ MatrixXd sample_inputs(const std::vector<SignalPtr>& signals, double step, Index
 }
 
 Trajectory allocate(const LocallyNonlinearSystem& system, const SimulationOptions& options, Index samples) {
-  const auto motion = MatrixXd::Zero(system.size(), samples);
+  const MatrixXd motion = MatrixXd::Zero(options.keep_motion ? system.size() : 0, samples);
   return {options.step * static_cast<double>(options.keep_every),
           motion,
           motion,
@@ -87,15 +90,6 @@ Trajectory allocate(const LocallyNonlinearSystem& system, const SimulationOption
           MatrixXd::Zero(system.connector_count(), samples),
           MatrixXd::Zero(3 * system.input_count(), samples),
           MatrixXd::Zero(system.connector_states(), samples)};
-}
-
-void store(Trajectory& trajectory, Index sample, const Motion& motion, const VectorXd& inputs) {
-  trajectory.displacement.col(sample) = motion.displacement;
-  trajectory.velocity.col(sample) = motion.velocity;
-  trajectory.acceleration.col(sample) = motion.acceleration;
-  trajectory.force.col(sample) = motion.force;
-  trajectory.inputs.col(sample) = inputs;
-  trajectory.connector_states.col(sample) = motion.connector_states;
 }
 
 /// Leaves the first `samples` samples.
@@ -113,11 +107,57 @@ void observe(const OutputMap& map, const Motion& motion, const VectorXd& inputs,
             .transpose();
 }
 
+/// Stores what the options ask for while a simulation runs, in the system's own coordinates whatever it is stepped in.
+class Recorder {
+public:
+  Recorder(const LocallyNonlinearSystem& system, const SimulationOptions& options, const DampedModeSplit* split,
+           Index steps, SimulationResult& result)
+      : options_(options),
+        split_(split),
+        every_step_(split ? split->outputs(options.every_step) : options.every_step),
+        every_sample_(split ? split->outputs(options.every_sample) : options.every_sample),
+        result_(result) {
+    const Index samples = steps / options.keep_every + 1;
+    result.trajectory = allocate(system, options, samples);
+    result.every_step.setZero(every_step_.size() > 0 ? steps + 1 : 0, every_step_.size());
+    result.every_sample.setZero(samples, every_sample_.size());
+  }
+
+  void store(Index step, const Motion& motion, const VectorXd& inputs) {
+    if (every_step_.size() > 0) observe(every_step_, motion, inputs, result_.every_step.row(step));
+    if (step % options_.keep_every == 0) store_sample(step / options_.keep_every, motion, inputs);
+  }
+
+private:
+  void store_sample(Index sample, const Motion& motion, const VectorXd& inputs) {
+    auto& trajectory = result_.trajectory;
+    if (options_.keep_motion) {
+      trajectory.displacement.col(sample) = merged(motion.displacement);
+      trajectory.velocity.col(sample) = merged(motion.velocity);
+      trajectory.acceleration.col(sample) = merged(motion.acceleration);
+    }
+    trajectory.force.col(sample) = motion.force;
+    trajectory.inputs.col(sample) = inputs;
+    trajectory.connector_states.col(sample) = motion.connector_states;
+    if (every_sample_.size() > 0) observe(every_sample_, motion, inputs, result_.every_sample.row(sample));
+    if (options_.snapshot && sample % options_.snapshot_every == 0)
+      options_.snapshot(static_cast<double>(sample) * trajectory.step, merged(motion.displacement));
+  }
+
+  [[nodiscard]] VectorXd merged(const VectorXd& motion) const { return split_ ? split_->merge(motion) : motion; }
+
+  const SimulationOptions& options_;
+  const DampedModeSplit* split_;
+  OutputMap every_step_, every_sample_;
+  SimulationResult& result_;
+};
+
 std::optional<SimulationFailure> failure_of(const ForceSolveOutcome& outcome, const Motion& motion, double time) {
   if (!outcome.finite || !motion.acceleration.allFinite())
     return SimulationFailure{time,
-                             "a connector force or the motion is no longer finite: the response grows without "
-                             "bound or a law divides by zero"};
+                             "a connector force or the motion is no longer finite: a law divides by zero, or the response "
+                             "grows without bound (exact stepping with connectors much stiffer than the rest does so "
+                             "where omega h is above about 3.5: take more steps, or newmark)"};
   if (!outcome.converged)
     return SimulationFailure{time, "the connector forces did not converge: take a smaller step or a smoother law"};
   return std::nullopt;
@@ -141,39 +181,42 @@ AlphaParameters generalized_alpha_parameters(double rho) {
 SimulationResult simulate(const LocallyNonlinearSystem& system, const std::vector<SignalPtr>& signals,
                           const InitialState& initial, const SimulationOptions& options) {
   check(system, signals, initial, options);
+  const auto split = options.integrator == Integrator::exact ? std::nullopt : split_damped_modes(system);
+  const auto in_coordinates = [&](const VectorXd& motion) { return split ? split->split(motion) : motion; };
   const auto steps = static_cast<Index>(std::llround(options.duration / options.step));
-  const auto stepper = make_stepper(system, options);
-  const bool observing = options.every_step.size() > 0;
-  SimulationResult result{allocate(system, options, steps / options.keep_every + 1),
-                          MatrixXd::Zero(observing ? steps + 1 : 0, options.every_step.size()),
-                          {}};
-  Motion motion{initial.displacement, initial.velocity, VectorXd::Zero(system.size()),
-                VectorXd::Zero(system.connector_count()), initial.connector_states};
+  const auto stepper = make_stepper(split ? split->system : system, options);
+  SimulationResult result;
+  Recorder recorder(system, options, split ? &*split : nullptr, steps, result);
+  Motion motion{in_coordinates(initial.displacement),
+                in_coordinates(initial.velocity),
+                in_coordinates(VectorXd::Zero(system.size())),
+                VectorXd::Zero(system.connector_count()),
+                initial.connector_states};
 
   MatrixXd inputs = sample_inputs(signals, options.step, 0, std::min(input_block, steps) + 1);
   Index block_start = 0;
   result.failure = failure_of(stepper->start(motion, inputs.col(0)), motion, 0.0);
-  store(result.trajectory, 0, motion, inputs.col(0));
-  if (observing) observe(options.every_step, motion, inputs.col(0), result.every_step.row(0));
+  recorder.store(0, motion, inputs.col(0));
   VectorXd begin = inputs.col(0), end;
   Index k = 1;
   for (; k <= steps && !result.failure; ++k) {
     if (k - block_start > input_block) {
       block_start = k - 1;
       inputs = sample_inputs(signals, options.step, block_start, std::min(input_block, steps - block_start) + 1);
-      if (options.progress) options.progress("simulate", static_cast<double>(k) / static_cast<double>(steps));
     }
+    if (options.progress && k % progress_block == 0)
+      options.progress("simulate", static_cast<double>(k) / static_cast<double>(steps));
     end = inputs.col(k - block_start);
     const auto outcome = stepper->advance(motion, begin, end);
     result.failure = failure_of(outcome, motion, static_cast<double>(k) * options.step);
-    if (observing) observe(options.every_step, motion, end, result.every_step.row(k));
-    if (k % options.keep_every == 0) store(result.trajectory, k / options.keep_every, motion, end);
+    recorder.store(k, motion, end);
     begin.swap(end);
   }
   if (result.failure) {
-    const Index failed = k - 1;
-    truncate(result.trajectory, failed == 0 ? 0 : (failed - 1) / options.keep_every + 1);
-    if (observing) result.every_step.conservativeResize(failed, Eigen::NoChange);
+    const Index failed = k - 1, samples = failed == 0 ? 0 : (failed - 1) / options.keep_every + 1;
+    truncate(result.trajectory, samples);
+    result.every_sample.conservativeResize(samples, Eigen::NoChange);
+    if (result.every_step.size() > 0) result.every_step.conservativeResize(failed, Eigen::NoChange);
   }
   return result;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "kalfem/base/progress.hpp"
@@ -35,12 +36,18 @@ struct SimulationOptions {
   Eigen::Index keep_every = 1;   ///< steps between stored samples
   double hht_alpha = -0.05;      ///< of hht_alpha
   double spectral_radius = 0.8;  ///< of generalized_alpha
+  bool keep_motion = true;       ///< store the motion of every degree of freedom at every sample
   OutputMap every_step = {};     ///< outputs kept at every step, for measurement chains that act at the fine step
+  OutputMap every_sample = {};   ///< outputs kept at every sample
   ForceSolveOptions forces = {};
   Progress progress = {};
+  /// Called with the time and the displacement of every degree of freedom at every `snapshot_every`th sample.
+  std::function<void(double time, const Eigen::VectorXd& displacement)> snapshot = {};
+  Eigen::Index snapshot_every = 1;
 };
 
 /// Transient of the system under its inputs (one signal an input). The state at time 0 is stored first.
+/// Modal damping is stepped in the coordinates of DampedModeSplit where that can be.
 /// Throws InvalidInput on unsuitable options; a diverging or non-converging solve is a failure in the result.
 SimulationResult simulate(const LocallyNonlinearSystem& system, const std::vector<SignalPtr>& signals,
                           const InitialState& initial, const SimulationOptions& options);

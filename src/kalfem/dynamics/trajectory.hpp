@@ -17,7 +17,7 @@ struct InitialState {
 /// Rest at zero.
 InitialState at_rest(Eigen::Index dofs, Eigen::Index connector_states);
 
-/// Motion at equally spaced times; column k is the time k * step.
+/// Motion at equally spaced times; column k is the time k * step. The motions are empty where they were not to be kept.
 struct Trajectory {
   double step = 0.0;                 ///< [s]
   Eigen::MatrixXd displacement;      ///< n x samples
@@ -27,7 +27,7 @@ struct Trajectory {
   Eigen::MatrixXd inputs;            ///< [r; r'; r''], 3 n_u x samples
   Eigen::MatrixXd connector_states;  ///< states x samples
 
-  [[nodiscard]] Eigen::Index samples() const { return displacement.cols(); }
+  [[nodiscard]] Eigen::Index samples() const { return inputs.cols(); }
 };
 
 /// Why a simulation ended before its last sample.
@@ -38,7 +38,8 @@ struct SimulationFailure {
 
 struct SimulationResult {
   Trajectory trajectory;       ///< samples before the failure, where there was one
-  Eigen::MatrixXd every_step;  ///< the outputs asked for at every step before a failure, (steps + 1) x outputs
+  Eigen::MatrixXd every_step;    ///< the outputs asked for at every step before a failure, (steps + 1) x outputs
+  Eigen::MatrixXd every_sample;  ///< the outputs asked for at every stored sample, samples x outputs
   std::optional<SimulationFailure> failure;  ///< empty: it ran to the end
 };
 

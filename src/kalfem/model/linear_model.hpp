@@ -20,22 +20,33 @@ struct GroundCoupling {
   Eigen::VectorXd damping;    ///< force on the model per ground velocity [N s/m], n
 };
 
-/// M z'' + C z' + K z = sum_g (k_g r_g + c_g r_g'), a linear substructure with named degrees of freedom.
-struct LinearModel {
-  std::vector<std::string> dofs;
-  SparseMatrix mass;       ///< [kg], n x n, symmetric
-  SparseMatrix damping;    ///< [N s/m], n x n, symmetric
-  SparseMatrix stiffness;  ///< [N/m], n x n, symmetric
-  std::vector<GroundCoupling> grounds;
-  std::map<std::string, DofCombination> points;  ///< named combinations beside the degrees of freedom themselves
-
-  [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(dofs.size()); }
-};
-
 /// Undamped free vibration K phi = omega^2 M phi with phi^T M phi = 1.
 struct NormalModes {
   Eigen::VectorXd frequencies;  ///< [Hz], ascending; rigid-body modes are 0
   Eigen::MatrixXd shapes;       ///< n x modes, mass-normalised
+};
+
+/// Damping of some normal modes of a large model, C_m = M Phi diag(rates) Phi^T M: of low rank, never formed.
+struct ModalDamping {
+  NormalModes modes;      ///< of the model's own M and K
+  Eigen::VectorXd rates;  ///< 2 zeta omega per mode [1/s]
+};
+
+/// M z'' + (C + C_m) z' + K z = sum_g (k_g r_g + c_g r_g'), a linear substructure with named degrees of freedom.
+struct LinearModel {
+  std::vector<std::string> dofs;
+  SparseMatrix mass;           ///< [kg], n x n, symmetric
+  SparseMatrix damping;        ///< [N s/m], n x n, symmetric; without C_m
+  SparseMatrix stiffness;      ///< [N/m], n x n, symmetric
+  ModalDamping modal_damping;  ///< C_m; empty where there is none
+  std::vector<GroundCoupling> grounds;
+  std::map<std::string, DofCombination> points;  ///< named combinations beside the degrees of freedom themselves
+  bool points_only = false;  ///< the degrees of freedom are too many, or no places: only points are reported
+
+  Eigen::VectorXd scale;  ///< coordinate per displacement of a typical point: 1, or sqrt(mass) of a mass-normalised
+                          ///< mode; empty: all 1
+
+  [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(dofs.size()); }
 };
 
 /// All modes of a model of moderate size by the dense generalised eigenproblem.

@@ -1,9 +1,13 @@
 #include "kalfem/prediction/base_driven.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/linalg/first_order_hold.hpp"
+#include "kalfem/dynamics/simulate.hpp"
+#include "kalfem/linalg/lowest_modes.hpp"
+#include "kalfem/linalg/sparse_factor.hpp"
+#include "kalfem/linalg/sparse_select.hpp"
 
 namespace kalfem {
 
@@ -13,76 +17,162 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Factor of K_ii, after checking that holding the boundary holds the interior.
-Eigen::LDLT<MatrixXd> factor_interior(const MatrixXd& stiffness, const LinearModel& model,
-                                      const std::vector<Index>& interior) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(stiffness);
-  const VectorXd& values = eigen.eigenvalues();
-  if (values[0] <= 1e-12 * values[values.size() - 1]) {
-    Index free = 0;
-    eigen.eigenvectors().col(0).cwiseAbs().maxCoeff(&free);
-    throw InvalidInput("with its boundary held, the substructure still moves freely at '" +
-                           model.dofs[static_cast<std::size_t>(interior[static_cast<std::size_t>(free)])] + "'",
-                       "its motion does not follow from the boundary's", "join every part to the boundary by springs");
+/// Value, rate and acceleration that were sampled together, straight between the samples.
+class SampledMotion final : public Signal {
+public:
+  SampledMotion(double start, double sample_rate, SignalSamples samples)
+      : start_(start), sample_rate_(sample_rate), samples_(std::move(samples)) {}
+
+  [[nodiscard]] SignalSamples sample(double start, double step, Index count) const override {
+    SignalSamples result(count, 3);
+    for (Index k = 0; k < count; ++k) {
+      const double position = (start + static_cast<double>(k) * step - start_) * sample_rate_;
+      const Index before = std::clamp<Index>(static_cast<Index>(std::floor(position + 1e-9)), 0, samples_.rows() - 2);
+      const double weight = std::clamp(position - static_cast<double>(before), 0.0, 1.0);
+      result.row(k) = (1.0 - weight) * samples_.row(before) + weight * samples_.row(before + 1);
+    }
+    return result;
   }
-  return Eigen::LDLT<MatrixXd>(stiffness);
+
+private:
+  double start_, sample_rate_;
+  SignalSamples samples_;
+};
+
+/// Throws unless holding the boundary holds the interior.
+void require_held(const SparseMatrix& stiffness, const SparseMatrix& mass, const std::vector<std::string>& dofs) {
+  const auto lowest = lowest_modes(stiffness, mass, {.count = 1});
+  const double size = stiffness.diagonal().cwiseQuotient(mass.diagonal()).maxCoeff();
+  if (lowest.values[0] > 1e-14 * size) return;
+  Index free = 0;
+  lowest.vectors.col(0).cwiseAbs().maxCoeff(&free);
+  throw InvalidInput("with its boundary held, the substructure still moves freely at '" +
+                         dofs[static_cast<std::size_t>(free)] + "'",
+                     "its motion does not follow from the boundary's", "join every part to the boundary by springs");
+}
+
+/// The modal damping C_m of the whole on the interior alone, M_ii Phi' diag(rates) Phi'^T M_ii with M_ii Phi' = (M
+/// Phi)_i.
+ModalDamping interior_damping(const LinearModel& model, const SparseMatrix& interior_mass,
+                              const std::vector<Index>& interior) {
+  if (model.modal_damping.rates.size() == 0) return {};
+  const MatrixXd momenta = model.mass * model.modal_damping.modes.shapes;
+  return {{model.modal_damping.modes.frequencies, SparseFactor(interior_mass).solve(momenta(interior, Eigen::all))},
+          model.modal_damping.rates};
+}
+
+MatrixXd damping_times(const LinearModel& model, const MatrixXd& motion) {
+  MatrixXd force = model.damping * motion;
+  const auto& [modes, rates] = model.modal_damping;
+  if (rates.size() > 0)
+    force += model.mass * (modes.shapes * (rates.asDiagonal() * (modes.shapes.transpose() * (model.mass * motion))));
+  return force;
+}
+
+VectorXd interior_part(const VectorXd& vector, const std::vector<Index>& interior) {
+  return vector.size() == 0 ? VectorXd::Zero(static_cast<Index>(interior.size())) : VectorXd(vector(interior));
 }
 
 }  // namespace
 
 BaseDrivenSubstructure::BaseDrivenSubstructure(const LinearModel& model, std::vector<Index> boundary)
     : boundary_(std::move(boundary)) {
+  std::vector<bool> held(static_cast<std::size_t>(model.size()), false);
+  for (const Index i : boundary_) held[static_cast<std::size_t>(i)] = true;
   for (Index i = 0; i < model.size(); ++i)
-    if (std::ranges::find(boundary_, i) == boundary_.end()) interior_.push_back(i);
+    if (!held[static_cast<std::size_t>(i)]) interior_.push_back(i);
   if (boundary_.empty() || interior_.empty())
     throw InvalidInput(boundary_.empty() ? "no connector touches the substructure that is to be predicted"
                                          : "the substructure that is to be predicted has no degree of freedom beside "
                                            "those of its connectors",
                        "the prediction drives the interior by the boundary", "predict another substructure");
-  const MatrixXd mass(model.mass), damping(model.damping), stiffness(model.stiffness);
-  const auto n_i = static_cast<Index>(interior_.size()), n_b = static_cast<Index>(boundary_.size());
-  const MatrixXd interior_stiffness = stiffness(interior_, interior_), interior_mass = mass(interior_, interior_);
-  static_modes_ = -factor_interior(interior_stiffness, model, interior_).solve(stiffness(interior_, boundary_).eval());
+  for (const Index i : interior_) driven_.dofs.push_back(model.dofs[static_cast<std::size_t>(i)]);
+  driven_.mass = select(model.mass, interior_, interior_);
+  driven_.damping = select(model.damping, interior_, interior_);
+  driven_.stiffness = select(model.stiffness, interior_, interior_);
+  driven_.modal_damping = interior_damping(model, driven_.mass, interior_);
+  require_held(driven_.stiffness, driven_.mass, driven_.dofs);
 
-  const Eigen::LDLT<MatrixXd> mass_factor(interior_mass);
-  dynamics_ = MatrixXd::Zero(2 * n_i, 2 * n_i);
-  dynamics_.topRightCorner(n_i, n_i).setIdentity();
-  dynamics_.bottomLeftCorner(n_i, n_i) = -mass_factor.solve(interior_stiffness);
-  dynamics_.bottomRightCorner(n_i, n_i) = -mass_factor.solve(damping(interior_, interior_).eval());
-  drive_ = MatrixXd::Zero(2 * n_i, 2 * n_b + n_i);
-  drive_.bottomRows(n_i) << -mass_factor.solve(interior_mass * static_modes_ + mass(interior_, boundary_)),
-      -mass_factor.solve(damping(interior_, interior_) * static_modes_ + damping(interior_, boundary_)),
-      mass_factor.solve(MatrixXd::Identity(n_i, n_i));
+  const auto n_b = static_cast<Index>(boundary_.size());
+  shapes_ = MatrixXd::Zero(model.size(), n_b);
+  shapes_(interior_, Eigen::all) =
+      -SparseFactor(driven_.stiffness).solve(MatrixXd(select(model.stiffness, interior_, boundary_)));
+  shapes_(boundary_, Eigen::all).setIdentity();
+  const MatrixXd inertia = model.mass * shapes_, damping = damping_times(model, shapes_);
+  for (Index b = 0; b < n_b; ++b)
+    driven_.inputs.push_back({model.dofs[static_cast<std::size_t>(boundary_[static_cast<std::size_t>(b)])], "m",
+                              VectorXd::Zero(driven_.size()), -damping.col(b)(interior_), -inertia.col(b)(interior_)});
 }
 
-PredictedMotion BaseDrivenSubstructure::predict(const BoundaryMotion& boundary, const MatrixXd& applied,
-                                                const VectorXd& start, const VectorXd& start_rate,
-                                                double sample_rate) const {
-  const auto n_i = static_cast<Index>(interior_.size()), n_b = static_cast<Index>(boundary_.size());
-  const Index samples = boundary.acceleration.cols();
-  MatrixXd inputs = MatrixXd::Zero(2 * n_b + n_i, samples);
-  inputs.topRows(n_b) = boundary.acceleration;
-  inputs.middleRows(n_b, n_b) = boundary.velocity;
-  if (applied.size() > 0) inputs.bottomRows(n_i) = applied(interior_, Eigen::all);
+/// Rows S of all degrees of freedom as S_i q + S [Psi; 1] z_b.
+OutputMap BaseDrivenSubstructure::outputs(const SparseRows& points, Index inputs) const {
+  const Index k = points.rows(), n_b = static_cast<Index>(boundary_.size());
+  const SparseRows none(3 * k, driven_.size());
+  const MatrixXd no_input = MatrixXd::Zero(3 * k, inputs);
+  OutputMap map{std::vector<std::string>(static_cast<std::size_t>(3 * k)),
+                std::vector<std::string>(static_cast<std::size_t>(3 * k)),
+                none,
+                none,
+                none,
+                no_input,
+                no_input,
+                no_input,
+                MatrixXd(3 * k, 0)};
+  std::vector<Index> position(static_cast<std::size_t>(points.cols()), -1);
+  for (std::size_t i = 0; i < interior_.size(); ++i) position[static_cast<std::size_t>(interior_[i])] = static_cast<Index>(i);
+  const MatrixXd ridden = points * shapes_;
+  Index first = 0;
+  for (auto [rows, input] : {std::pair{&map.displacement, &map.input_value}, std::pair{&map.velocity, &map.input_rate},
+                             std::pair{&map.acceleration, &map.input_acceleration}}) {
+    std::vector<Eigen::Triplet<double>> entries;
+    for (Index row = 0; row < k; ++row)
+      for (SparseRows::InnerIterator it(points, row); it; ++it)
+        if (const Index i = position[static_cast<std::size_t>(it.col())]; i >= 0)
+          entries.emplace_back(first + row, i, it.value());
+    rows->setFromTriplets(entries.begin(), entries.end());
+    input->block(first, 0, k, n_b) = ridden;
+    first += k;
+  }
+  return map;
+}
 
-  MatrixXd relative(2 * n_i, samples);
-  relative.col(0) << start(interior_) - static_modes_ * boundary.displacement.col(0),
-      start_rate(interior_) - static_modes_ * boundary.velocity.col(0);
-  const auto hold = first_order_hold(dynamics_, drive_, 1.0 / sample_rate);
-  for (Index k = 1; k < samples; ++k)
-    relative.col(k) =
-        hold.transition * relative.col(k - 1) + hold.begin_weight * inputs.col(k - 1) + hold.end_weight * inputs.col(k);
+PredictedMotion BaseDrivenSubstructure::predict(const SparseRows& points, const BoundaryMotion& boundary,
+                                                const std::vector<AppliedInput>& applied, const PredictionStart& start,
+                                                const PredictionOptions& options) const {
+  const auto n_b = static_cast<Index>(boundary_.size());
+  LocallyNonlinearSystem driven = driven_;
+  std::vector<SignalPtr> signals;
+  for (Index b = 0; b < n_b; ++b) {
+    SignalSamples samples(boundary.acceleration.cols(), 3);
+    samples << boundary.displacement.row(b).transpose().array(), boundary.velocity.row(b).transpose().array(),
+        boundary.acceleration.row(b).transpose().array();
+    signals.push_back(std::make_shared<SampledMotion>(0.0, options.sample_rate, std::move(samples)));
+  }
+  for (const auto& [input, signal] : applied) {
+    driven.inputs.push_back({input.name, input.unit, interior_part(input.value, interior_),
+                             interior_part(input.rate, interior_), interior_part(input.acceleration, interior_)});
+    signals.push_back(delayed(signal, -start.time));
+  }
+  InitialState relative = at_rest(driven.size(), 0);
+  if (start.displacement.size() > 0)
+    relative.displacement =
+        start.displacement(interior_) - shapes_(interior_, Eigen::all) * boundary.displacement.col(0);
+  if (start.velocity.size() > 0)
+    relative.velocity = start.velocity(interior_) - shapes_(interior_, Eigen::all) * boundary.velocity.col(0);
 
-  const Index n = n_i + n_b;
-  PredictedMotion motion{MatrixXd(n, samples), MatrixXd(n, samples), MatrixXd(n, samples)};
-  motion.displacement(boundary_, Eigen::all) = boundary.displacement;
-  motion.velocity(boundary_, Eigen::all) = boundary.velocity;
-  motion.acceleration(boundary_, Eigen::all) = boundary.acceleration;
-  motion.displacement(interior_, Eigen::all) = static_modes_ * boundary.displacement + relative.topRows(n_i);
-  motion.velocity(interior_, Eigen::all) = static_modes_ * boundary.velocity + relative.bottomRows(n_i);
-  motion.acceleration(interior_, Eigen::all) =
-      static_modes_ * boundary.acceleration + dynamics_.bottomRows(n_i) * relative + drive_.bottomRows(n_i) * inputs;
-  return motion;
+  const bool exact = driven.size() <= options.exact_up_to;
+  const Index substeps = exact ? 1 : options.newmark_substeps, samples = boundary.acceleration.cols();
+  SimulationOptions simulation;
+  simulation.integrator = exact ? Integrator::exact : Integrator::newmark;
+  simulation.step = 1.0 / (options.sample_rate * static_cast<double>(substeps));
+  simulation.duration = static_cast<double>(samples - 1) / options.sample_rate;
+  simulation.keep_every = substeps;
+  simulation.keep_motion = false;
+  simulation.every_sample = outputs(points, driven.input_count());
+  simulation.progress = options.progress;
+  const MatrixXd motion = simulate(driven, signals, relative, simulation).every_sample.transpose();
+  const Index k = points.rows();
+  return {motion.topRows(k), motion.middleRows(k, k), motion.bottomRows(k)};
 }
 
 }  // namespace kalfem

@@ -60,19 +60,12 @@ private:
   double sample_rate_;
 };
 
-void write_truth(SeriesFile& file, const Study& study, const Trajectory& trajectory) {
-  for (Eigen::Index i = 0; i < study.model->system().size(); ++i) {
-    const std::string point = "/truth/" + study.model->system().dofs[static_cast<std::size_t>(i)];
-    file.write(point + "/displacement", trajectory.displacement.row(i).transpose(), "m");
-    file.write(point + "/velocity", trajectory.velocity.row(i).transpose(), "m/s");
-    file.write(point + "/acceleration", trajectory.acceleration.row(i).transpose(), "m/s^2");
-  }
-  for (Eigen::Index j = 0; j < study.model->system().connector_count(); ++j)
-    file.write("/truth/" + study.model->system().connectors[static_cast<std::size_t>(j)].name + "/force",
-               trajectory.force.row(j).transpose(), "N");
+void write_truth(SeriesFile& file, const Study& study, const SimulationStage& stage) {
+  file.write_points("/truth", stage.points);
+  const auto& inputs = stage.reference.simulation.trajectory.inputs;
   for (Eigen::Index i = 0; i < study.model->system().input_count(); ++i) {
     const auto& input = study.model->system().inputs[static_cast<std::size_t>(i)];
-    file.write("/inputs/" + input.name, trajectory.inputs.row(i).transpose(), input.unit);
+    file.write("/inputs/" + input.name, inputs.row(i).transpose(), input.unit);
   }
 }
 
@@ -114,7 +107,7 @@ void write_results(const std::string& path, const Study& study, const StudyResul
   for (std::size_t i = 0; i < measurements.channels.size(); ++i)
     file.write("/measurements/" + measurements.channels[i].name, measurements.values.col(static_cast<Eigen::Index>(i)),
                measurements.channels[i].unit);
-  if (results.simulation) write_truth(file, study, results.simulation->reference.simulation.trajectory);
+  if (results.simulation) write_truth(file, study, *results.simulation);
   if (results.estimation) write_estimate(file, *results.estimation);
   if (results.prediction) file.write_points("/prediction", results.prediction->points);
   file.close();

@@ -14,15 +14,35 @@ namespace {
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
 
-Json model_summary(const Study& study) {
+Json reduction_summary(const Superelement& superelement) {
+  const auto& evidence = superelement.evidence;
+  Json modes = Json::array();
+  for (const auto& mode : evidence.modes)
+    modes.push_back({{"full_hz", number(mode.full)},
+                     {"reduced_hz", number(mode.reduced)},
+                     {"mac", number(mode.mac)},
+                     {"residual", number(mode.residual)}});
+  return {{"dofs", superelement.model.size()},
+          {"boundary", superelement.boundary.size()},
+          {"reason", evidence.reason},
+          {"highest_kept_hz", number(evidence.highest_kept)},
+          {"next_left_out_hz", number(evidence.next_left_out)},
+          {"static_error", number(evidence.static_error)},
+          {"modes", modes}};
+}
+
+Json model_summary(const Study& study, const StudyResults& results) {
   Json parts = Json::object();
-  for (const auto& part : study.model->substructures()) {
+  Eigen::Index dofs = 0;
+  for (const auto& part : results.modes) {
     Json frequencies = Json::array();
-    for (const double f : normal_modes(part.model.mass, part.model.stiffness).frequencies)
-      frequencies.push_back(number(f));
-    parts[part.name] = {{"dofs", part.model.size()}, {"frequencies_hz", frequencies}};
+    for (const double f : part.frequencies) frequencies.push_back(number(f));
+    parts[part.name] = {{"dofs", part.dofs}, {"mass", number(part.mass)}, {"frequencies_hz", frequencies}};
+    dofs += part.dofs;
   }
-  return {{"dofs", study.model->system().size()},
+  for (const auto& elements : study.finite_elements)
+    if (elements.reduced) parts[elements.part->name]["reduction"] = reduction_summary(*elements.reduced);
+  return {{"dofs", dofs},
           {"reduced_dofs", study.observer ? study.observer->model->system().size() : study.model->system().size()},
           {"connectors", study.model->system().connector_count()},
           {"substructures", parts}};
@@ -118,8 +138,9 @@ Json prediction_summary(const PredictionStage& stage) {
   return {{stage.substructure, points}};
 }
 
-Json timing_summary(const StudyResults& results) {
+Json timing_summary(const Study& study, const StudyResults& results) {
   Json timing = {{"total_s", number(results.total_seconds)}};
+  if (!study.finite_elements.empty()) timing["reduce_s"] = number(study.reduce_seconds);
   if (results.simulation) timing["simulate_s"] = number(results.simulation->seconds);
   if (results.estimation) {
     const auto& stage = *results.estimation;
@@ -137,7 +158,7 @@ Json timing_summary(const StudyResults& results) {
 Json summarise(const Study& study, const StudyResults& results) {
   Json summary = {{"kalfem", version},          {"case", std::filesystem::path(study.file).filename().string()},
                   {"title", study.given.title}, {"status", results.usable() ? "ok" : "unusable"},
-                  {"message", results.failure}, {"model", model_summary(study)}};
+                  {"message", results.failure}, {"model", model_summary(study, results)}};
   if (!study.warnings.empty()) summary["warnings"] = study.warnings;
   if (results.simulation)
     summary["simulation"] = {{"steps_per_sample", results.simulation->reference.substeps},
@@ -147,7 +168,7 @@ Json summarise(const Study& study, const StudyResults& results) {
     summary["estimation"] = estimation_summary(study, *results.estimation);
   }
   if (results.prediction) summary["prediction"] = prediction_summary(*results.prediction);
-  summary["timing"] = timing_summary(results);
+  summary["timing"] = timing_summary(study, results);
   return summary;
 }
 

@@ -41,6 +41,27 @@ std::string padded(const std::string& text, std::size_t columns, bool right) {
 
 std::string four_digits(double value) { return std::isfinite(value) ? fmt::format("{:.4g}", value) : "-"; }
 
+Table modes_table(const Study& study, const StudyResults& results) {
+  Table table{"Modes", {"substructure", "mode", "full [Hz]", "reduced [Hz]", "difference", "MAC"}, {}, {}};
+  for (const auto& part : results.modes) {
+    const auto elements = std::ranges::find_if(study.finite_elements,
+                                               [&](const auto& each) { return each.part->name == part.name; });
+    const auto* evidence =
+        elements != study.finite_elements.end() && elements->reduced ? &elements->reduced->evidence : nullptr;
+    for (Eigen::Index i = 0; i < part.frequencies.size(); ++i) {
+      std::vector<std::string> row{part.name, std::to_string(i + 1), four_digits(part.frequencies[i]), "", "", ""};
+      if (const auto mode = static_cast<std::size_t>(i); evidence && mode < evidence->modes.size()) {
+        const auto& compared = evidence->modes[mode];
+        row[3] = four_digits(compared.reduced);
+        row[4] = compared.full > 0.0 ? fmt::format("{:.4f} %", 100.0 * (compared.reduced / compared.full - 1.0)) : "-";
+        row[5] = fmt::format("{:.6f}", compared.mac);
+      }
+      table.rows.push_back(std::move(row));
+    }
+  }
+  return table;
+}
+
 Table parameter_table(const Study& study, const EstimationStage& stage) {
   Table table{"Parameters", {"parameter", "unit", "initial", "estimate", "std", "truth", "error"}, {}, {}};
   const auto last = stage.result.unknowns.mean.cols() - 1;
@@ -110,6 +131,16 @@ std::string to_text(const Table& table) {
 
 std::string console_report(const Study& study, const StudyResults& results) {
   std::string text = study.given.title.empty() ? std::string() : study.given.title + "\n\n";
+  for (const auto& elements : study.finite_elements) {
+    text += fmt::format("'{}': {} degrees of freedom, {} kg", elements.part->name, elements.part->full.size(),
+                        four_digits(elements.part->mass.mass));
+    if (elements.reduced)
+      text += fmt::format("; reduced to {} ({} of the boundary, {})", elements.reduced->model.size(),
+                          elements.reduced->boundary.size(), elements.reduced->evidence.reason);
+    text += "\n";
+  }
+  if (!study.finite_elements.empty()) text += fmt::format("read, assembled and reduced in {:.1f} s\n\n", study.reduce_seconds);
+  if (!results.simulation && !results.estimation) text += to_text(modes_table(study, results)) + "\n";
   if (results.simulation) {
     const auto& reference = results.simulation->reference;
     text += fmt::format(

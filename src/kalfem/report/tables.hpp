@@ -7,6 +7,8 @@
 
 namespace kalfem {
 
+/// Modes of the finite-element substructures, and how the reduced ones compare.
+Table modes_table(const Study& study, const StudyResults& results);
 /// Unknowns with initial value, estimate, standard deviation, truth and deviation from it.
 Table parameter_table(const Study& study, const EstimationStage& stage);
 /// NRMSE of a stage's points against the reference.

@@ -38,7 +38,27 @@ void require_unique(const std::vector<Named>& items, const std::string& what, Is
                  "rename one of them");
 }
 
-const char* value_unit(InputKind kind) {
+/// Damped modes of all substructures, each zero outside its own.
+ModalDamping joined_modal_damping(const std::vector<Substructure>& parts, Eigen::Index dofs) {
+  Eigen::Index modes = 0, row = 0, column = 0;
+  for (const auto& part : parts) modes += part.model.modal_damping.rates.size();
+  if (modes == 0) return {};
+  ModalDamping joined{{Eigen::VectorXd(modes), Eigen::MatrixXd::Zero(dofs, modes)}, Eigen::VectorXd(modes)};
+  for (const auto& part : parts) {
+    const auto& own = part.model.modal_damping;
+    const Eigen::Index count = own.rates.size();
+    joined.modes.frequencies.segment(column, count) = own.modes.frequencies;
+    joined.rates.segment(column, count) = own.rates;
+    if (count > 0) joined.modes.shapes.block(row, column, part.model.size(), count) = own.modes.shapes;
+    row += part.model.size();
+    column += count;
+  }
+  return joined;
+}
+
+}  // namespace
+
+std::string unit_of(InputKind kind) {
   switch (kind) {
     case InputKind::base_displacement:
       return "m";
@@ -49,8 +69,6 @@ const char* value_unit(InputKind kind) {
   }
   return "";
 }
-
-}  // namespace
 
 CoupledModel::CoupledModel(std::vector<Substructure> substructures, const std::vector<ConnectorDescription>& connectors,
                            const std::vector<InputDescription>& inputs)
@@ -72,15 +90,24 @@ CoupledModel::CoupledModel(std::vector<Substructure> substructures, const std::v
 
 void CoupledModel::assemble_linear_part() {
   for (const auto& part : substructures_)
-    for (const auto& dof : part.model.dofs) system_.dofs.push_back(part.name + "." + dof);
+    for (const auto& dof : part.model.dofs) {
+      dof_indices_.emplace(part.name + "." + dof, system_.size());
+      system_.dofs.push_back(part.name + "." + dof);
+    }
   system_.mass = block_diagonal(substructures_, &LinearModel::mass);
   system_.damping = block_diagonal(substructures_, &LinearModel::damping);
   system_.stiffness = block_diagonal(substructures_, &LinearModel::stiffness);
+  coordinate_scale_ = Eigen::VectorXd::Ones(system_.size());
+  for (Eigen::Index offset = 0; const auto& part : substructures_) {
+    if (part.model.scale.size() > 0) coordinate_scale_.segment(offset, part.model.size()) = part.model.scale;
+    offset += part.model.size();
+  }
+  system_.modal_damping = joined_modal_damping(substructures_, system_.size());
 }
 
 void CoupledModel::add_input(const InputDescription& description, std::size_t index) {
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(system_.size());
-  Input input{description.name, value_unit(description.kind), zero, zero, zero};
+  Input input{description.name, unit_of(description.kind), zero, zero, zero};
   if (description.kind == InputKind::force) {
     input.value = motion(description.target).dofs;
     if (input.value.isZero())
@@ -160,6 +187,20 @@ PointMotion CoupledModel::motion(const std::string& point) const {
                      "name one of the substructure's masses, points or grounds");
 }
 
+std::vector<std::string> CoupledModel::reported_points() const {
+  std::vector<std::string> names;
+  const auto add = [&](const Substructure& part, const std::string& name) { names.push_back(part.name + "." + name); };
+  for (const auto& part : substructures_)
+    if (!part.model.points_only)
+      for (const auto& dof : part.model.dofs) add(part, dof);
+  for (const auto& part : substructures_) {
+    for (const auto& [name, combination] : part.model.points) add(part, name);
+    if (part.model.size() == 0)
+      for (const auto& ground : part.model.grounds) add(part, ground.ground);
+  }
+  return names;
+}
+
 std::vector<std::string> CoupledModel::point_names() const {
   std::vector<std::string> names = system_.dofs;
   for (const auto& part : substructures_) {
@@ -170,8 +211,8 @@ std::vector<std::string> CoupledModel::point_names() const {
 }
 
 Eigen::Index CoupledModel::dof_index(const std::string& dof) const {
-  const auto found = std::ranges::find(system_.dofs, dof);
-  return found == system_.dofs.end() ? -1 : found - system_.dofs.begin();
+  const auto found = dof_indices_.find(dof);
+  return found == dof_indices_.end() ? -1 : found->second;
 }
 
 }  // namespace kalfem

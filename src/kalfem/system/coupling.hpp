@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "kalfem/base/invalid_input.hpp"
@@ -30,6 +31,9 @@ enum class InputKind {
   force               ///< acts at the point `target`
 };
 
+/// SI unit of an input's value: "m", "m/s^2" or "N".
+std::string unit_of(InputKind kind);
+
 struct InputDescription {
   std::string name;
   InputKind kind = InputKind::force;
@@ -55,10 +59,14 @@ public:
   [[nodiscard]] const std::vector<Substructure>& substructures() const { return substructures_; }
   /// Motion of the qualified point; throws InvalidInput (with the nearest name) when there is none.
   [[nodiscard]] PointMotion motion(const std::string& point) const;
+  /// Qualified points whose motion is reported: every degree of freedom of lumped substructures, and all named points.
+  [[nodiscard]] std::vector<std::string> reported_points() const;
   /// All names that motion() knows.
   [[nodiscard]] std::vector<std::string> point_names() const;
   /// Index of a degree of freedom, -1 when there is none.
   [[nodiscard]] Eigen::Index dof_index(const std::string& dof) const;
+  /// Coordinate per displacement of a typical point, n (LinearModel::scale).
+  [[nodiscard]] const Eigen::VectorXd& coordinate_scale() const { return coordinate_scale_; }
   /// Direction of the uniform base acceleration per input, n x n_u (zero columns for other inputs): absolute = relative
   /// + this.
   [[nodiscard]] const Eigen::MatrixXd& base_accelerations() const { return base_accelerations_; }
@@ -72,6 +80,8 @@ private:
   std::vector<Substructure> substructures_;
   std::vector<InputDescription> inputs_;
   LocallyNonlinearSystem system_;
+  std::unordered_map<std::string, Eigen::Index> dof_indices_;
+  Eigen::VectorXd coordinate_scale_;
   Eigen::MatrixXd base_accelerations_;
 };
 

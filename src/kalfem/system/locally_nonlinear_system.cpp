@@ -2,6 +2,15 @@
 
 namespace kalfem {
 
+Eigen::MatrixXd LocallyNonlinearSystem::full_damping() const {
+  Eigen::MatrixXd full(damping);
+  if (modal_damping.rates.size() > 0) {
+    const Eigen::MatrixXd momenta = mass * modal_damping.modes.shapes;
+    full += momenta * modal_damping.rates.asDiagonal() * momenta.transpose();
+  }
+  return full;
+}
+
 Eigen::Index LocallyNonlinearSystem::connector_states() const {
   Eigen::Index count = 0;
   for (const auto& connector : connectors) count += static_cast<Eigen::Index>(connector.law->states().size());

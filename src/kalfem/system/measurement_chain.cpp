@@ -1,6 +1,7 @@
 #include "kalfem/system/measurement_chain.hpp"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string>
 
@@ -105,6 +106,19 @@ IssueList validate(const MeasurementChainOptions& options) {
     std::visit([&](const auto& stage) { check(issues, name, stage); }, options.stages[k]);
   }
   return issues;
+}
+
+double bandwidth(const MeasurementChainOptions& options) {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const auto& stage : options.stages) {
+    if (const auto* filter = std::get_if<FilterStage>(&stage)) {
+      if (filter->band == FilterBand::low_pass) lowest = std::min(lowest, filter->cutoff);
+      if (filter->band == FilterBand::band_pass) lowest = std::min(lowest, filter->upper_cutoff);
+    } else if (const auto* resonance = std::get_if<ResonanceStage>(&stage)) {
+      lowest = std::min(lowest, resonance->frequency);
+    }
+  }
+  return lowest;
 }
 
 MeasurementChain::MeasurementChain(const MeasurementChainOptions& options) {

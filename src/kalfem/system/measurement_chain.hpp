@@ -54,6 +54,10 @@ struct MeasurementChainOptions {
 
 IssueList validate(const MeasurementChainOptions& options);
 
+/// Frequency above which the stages let nothing through that counts: the lowest upper cut-off or resonance [Hz];
+/// infinite where there is none.
+double bandwidth(const MeasurementChainOptions& options);
+
 /// s' = A s + B y,  out = C s + D y  with one input and one output; the states have the unit of y.
 struct ChainStateSpace {
   Eigen::MatrixXd A;     ///< [1/s], n x n, lower block triangular, all eigenvalues in the open left half plane

@@ -18,6 +18,12 @@ enum class ObservedQuantity {
   connector_rate
 };
 
+/// SI unit of a quantity.
+std::string unit_of(ObservedQuantity quantity);
+
+/// A few rows over many degrees of freedom.
+using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
 /// One observed quantity: at a point (absolute, or relative to the base) or in a connector.
 struct OutputDescription {
   std::string name;
@@ -30,7 +36,7 @@ struct OutputDescription {
 struct OutputMap {
   std::vector<std::string> names;
   std::vector<std::string> units;
-  Eigen::MatrixXd displacement, velocity, acceleration;         ///< l x n
+  SparseRows displacement, velocity, acceleration;              ///< l x n
   Eigen::MatrixXd input_value, input_rate, input_acceleration;  ///< l x n_u
   Eigen::MatrixXd force;                                        ///< l x m
 

@@ -1,0 +1,213 @@
+#include "kalfem/casefile/finite_element_builder.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+#include "kalfem/casefile/assembly.hpp"
+#include "kalfem/formats/gmsh.hpp"
+
+namespace kalfem {
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+namespace d = description;
+
+Vector3d vector(const std::array<double, 3>& values) { return {values[0], values[1], values[2]}; }
+
+BeamSection section_of(const d::RectangleSection& given) { return rectangular_section(given.width, given.height); }
+BeamSection section_of(const d::CircleSection& given) { return circular_section(given.diameter); }
+BeamSection section_of(const d::CircularTubeSection& given) { return circular_tube_section(given.diameter, given.wall); }
+BeamSection section_of(const d::RectangularTubeSection& given) {
+  return rectangular_tube_section(given.width, given.height, given.wall);
+}
+BeamSection section_of(const d::GeneralSection& given) {
+  return {given.area, given.inertia_y, given.inertia_z, given.torsion, given.shear_factor_y, given.shear_factor_z};
+}
+
+RegionProperty property_of(const d::Region& given) {
+  if (const auto* shell = std::get_if<d::ShellRegion>(&given.property))
+    return ShellProperty{given.material.value, shell->thickness};
+  const auto& beam = std::get<d::BeamRegion>(given.property);
+  const BeamSection section = std::visit([](const auto& each) { return section_of(each); }, beam.section.section);
+  return BeamProperty{given.material.value, section, vector(beam.up), vector(beam.offset)};
+}
+
+std::array<bool, 6> chosen(const std::vector<std::string>& directions) {
+  std::array<bool, 6> result{};
+  result.fill(directions.empty());
+  for (const auto& name : directions) result[static_cast<std::size_t>(direction_index(name))] = true;
+  return result;
+}
+
+template <class Map>
+std::vector<std::string> names_of(const Map& map) {
+  std::vector<std::string> names;
+  for (const auto& entry : map) names.push_back(entry.first);
+  return names;
+}
+
+/// Builds one model step by step; a name that is not found is an issue with its place, and the rest goes on.
+class Builder {
+public:
+  Builder(const std::string& name, const d::Substructure& given) : given_(given), fe_(*given.finite_elements) {
+    model_.name = name;
+  }
+
+  NamedElements build() {
+    read_mesh();
+    add_properties();
+    name_nodes();
+    add_masses();
+    add_springs();
+    add_links_and_supports();
+    issues_.raise();
+    return {std::move(model_), std::move(nodes_)};
+  }
+
+private:
+  void read_mesh() {
+    try {
+      model_.mesh = read_gmsh(fe_.mesh.value.string());
+    } catch (const InvalidInput& error) {
+      IssueList issues;
+      issues.add(error, fe_.mesh.location);
+      issues.raise();
+    }
+    model_.mesh.nodes *= fe_.scale;
+    model_.mass_kind = fe_.mass_matrix;
+  }
+
+  void add_properties() {
+    for (const auto& [name, material] : fe_.materials)
+      model_.materials[name] = {material.youngs_modulus, material.poissons_ratio, material.density};
+    for (const auto& [name, region] : fe_.regions) {
+      const auto& place = region.material;
+      if (!model_.mesh.regions.contains(name))
+        issues_.add(place.location,
+                    "region '" + name + "' is no physical group of " + model_.mesh.source +
+                        did_you_mean(name, names_of(model_.mesh.regions)),
+                    "a property needs cells", "name one of the mesh's physical groups");
+      else if (!model_.materials.contains(place.value))
+        issues_.add(place.location,
+                    place.path + ": there is no material '" + place.value + "'" +
+                        did_you_mean(place.value, names_of(model_.materials)),
+                    "", "define it under `materials`");
+      else
+        model_.properties[name] = property_of(region);
+    }
+  }
+
+  void name_nodes() {
+    const NodeFinder finder(model_.mesh);
+    for (const auto& [name, place] : fe_.nodes) {
+      const Index node = place.value.group.empty() ? nearest_node(model_.mesh, vector(place.value.at))
+                                                   : node_of_group(place, finder);
+      if (node >= 0) nodes_.push_back({name, node});
+    }
+  }
+
+  Index node_of_group(const Located<d::NodePlace>& place, const NodeFinder& finder) {
+    const std::string& word = place.value.group;
+    if (const auto set = model_.mesh.node_sets.find(word); set != model_.mesh.node_sets.end()) {
+      if (set->second.size() == 1) return set->second.front();
+      issues_.add(place.location,
+                  place.path + ": the group '" + word + "' has " + std::to_string(set->second.size()) + " nodes",
+                  "a named node is one", "give a node number or coordinates");
+      return -1;
+    }
+    std::int64_t number = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+    const bool is_number = error == std::errc{} && end == word.data() + word.size();
+    if (const Index node = is_number ? finder.find(number) : -1; node >= 0) return node;
+    issues_.add(place.location,
+                place.path + ": the mesh has no " + (is_number ? "node " : "physical group ") + "'" + word + "'" +
+                    did_you_mean(word, names_of(model_.mesh.node_sets)),
+                "", "name a physical group of one node, a node number, or coordinates [x, y, z]");
+    return -1;
+  }
+
+  /// Index of a named node, -1 with an issue where there is none.
+  Index find_node(const std::string& name, const SourceLocation& location, const std::string& path) {
+    const auto found = std::ranges::find(nodes_, name, &NamedNode::name);
+    if (found != nodes_.end()) return found->node;
+    if (std::ranges::find(fe_.nodes, name, &std::pair<std::string, Located<d::NodePlace>>::first) == fe_.nodes.end())
+      issues_.add(location,
+                  path + ": there is no node '" + name + "'" + did_you_mean(name, names_of(fe_.nodes)), "",
+                  "name it under `nodes`");
+    return -1;
+  }
+
+  void add_masses() {
+    for (const auto& [name, mass] : fe_.masses)
+      if (const Index node = find_node(mass.at.value, mass.at.location, mass.at.path); node >= 0)
+        model_.masses.push_back({name, node, mass.mass, vector(mass.inertia).asDiagonal(), vector(mass.offset)});
+  }
+
+  [[nodiscard]] bool is_ground(const std::string& name) const {
+    return name == "ground" || std::ranges::find(given_.grounds, name) != given_.grounds.end();
+  }
+
+  std::optional<NodalDof> spring_end(const d::Name& end) {
+    const auto dot = end.value.rfind('.');
+    const int direction = dot == std::string::npos ? -1 : direction_index(end.value.substr(dot + 1));
+    if (direction < 0) {
+      issues_.add(end.location, end.path + ": '" + end.value + "' has no direction", "a spring acts along one motion",
+                  "write node.x, y, z, rx, ry or rz, or a ground");
+      return std::nullopt;
+    }
+    const Index node = find_node(end.value.substr(0, dot), end.location, end.path);
+    if (node < 0) return std::nullopt;
+    return NodalDof{node, direction};
+  }
+
+  void add_springs() {
+    for (const auto& spring : given_.springs) {
+      const bool from_ground = is_ground(spring.from.value), to_ground = is_ground(spring.to.value);
+      if (from_ground && to_ground) {
+        issues_.add(spring.from.location, spring.from.path + ": the spring joins two grounds", "it has no effect", "");
+        continue;
+      }
+      const auto first = spring_end(from_ground ? spring.to : spring.from);
+      NodalSpring nodal{spring_name(spring), first.value_or(NodalDof{}), {}, "ground", spring.stiffness, spring.damping};
+      if (from_ground || to_ground)
+        nodal.ground = (from_ground ? spring.from : spring.to).value;
+      else
+        nodal.to = spring_end(spring.to);
+      if (first && (nodal.to || from_ground || to_ground)) model_.springs.push_back(nodal);
+    }
+  }
+
+  /// Nodes of a group of the mesh, or one named node.
+  std::vector<Index> node_group(const Located<std::string>& place) {
+    if (const auto set = model_.mesh.node_sets.find(place.value); set != model_.mesh.node_sets.end()) return set->second;
+    const Index node = find_node(place.value, place.location, place.path);
+    return node < 0 ? std::vector<Index>{} : std::vector<Index>{node};
+  }
+
+  void add_links_and_supports() {
+    for (const auto& [name, link] : fe_.links) {
+      const Index master = find_node(link.master.value, link.master.location, link.master.path);
+      auto slaves = node_group(link.nodes);
+      std::erase(slaves, master);
+      if (master >= 0 && !slaves.empty()) model_.links.push_back({name, master, slaves, chosen(link.directions)});
+    }
+    for (const auto& [name, fixed] : fe_.fixed)
+      if (const auto nodes = node_group(fixed.nodes); !nodes.empty())
+        model_.fixed.push_back({name, nodes, chosen(fixed.directions)});
+  }
+
+  const d::Substructure& given_;
+  const d::FiniteElements& fe_;
+  FiniteElementModel model_;
+  std::vector<NamedNode> nodes_;
+  IssueList issues_;
+};
+
+}  // namespace
+
+NamedElements build_finite_elements(const std::string& name, const d::Substructure& given) {
+  return Builder(name, given).build();
+}
+
+}  // namespace kalfem

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "kalfem/casefile/description.hpp"
+#include "kalfem/model/fe_linear_model.hpp"
+
+namespace kalfem {
+
+/// A finite-element model and the names of its nodes.
+struct NamedElements {
+  FiniteElementModel elements;
+  std::vector<NamedNode> nodes;
+};
+
+/// Reads the mesh of a case's substructure and gives it materials, properties, masses, springs, links and supports.
+/// Throws InvalidInput with every name that does not exist, each with its place.
+NamedElements build_finite_elements(const std::string& name, const description::Substructure& given);
+
+}  // namespace kalfem

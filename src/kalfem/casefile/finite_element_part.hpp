@@ -1,0 +1,39 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "kalfem/casefile/description.hpp"
+#include "kalfem/model/assembly.hpp"
+#include "kalfem/model/fe_linear_model.hpp"
+#include "kalfem/model/mass_properties.hpp"
+#include "kalfem/reduction/superelement.hpp"
+
+namespace kalfem {
+
+/// A finite-element substructure of a case: what was meshed, its matrices, and its reduction where one was made.
+struct FiniteElementPart {
+  std::string name;
+  FiniteElementModel elements;
+  AssembledModel assembled;
+  MassProperties mass;
+  std::vector<NamedNode> nodes;
+  LinearModel full;
+  std::vector<std::string> boundary;  ///< names of the degrees of freedom that the rest of the structure touches
+};
+using FiniteElementPartPtr = std::shared_ptr<const FiniteElementPart>;
+
+/// Reads the mesh, gives it properties, assembles and damps it. `attached`: the points of it that connectors and forces
+/// touch ("p1.z"). Throws InvalidInput with every problem and its place.
+FiniteElementPart make_finite_element_part(const std::string& name, const description::Substructure& given,
+                                           const std::vector<std::string>& attached);
+
+/// The superelement with modes as the case asks for; where it does not say, up to three times the sensors' bandwidth.
+Superelement reduce(const FiniteElementPart& part, const std::optional<description::Reduction>& given,
+                    double sensor_bandwidth);
+
+/// The superelement that stands for the full model up to a frequency.
+Superelement reduce_up_to(const FiniteElementPart& part, double frequency);
+
+}  // namespace kalfem

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "kalfem/casefile/stages.hpp"
+
+namespace kalfem {
+
+/// Drives the case's substructure by the estimated motion of its boundary and compares with the reference.
+PredictionStage predict_stage(const Study& study, const StudyResults& results, const Progress& progress);
+
+}  // namespace kalfem

@@ -1,0 +1,43 @@
+#include "kalfem/casefile/reported_quantities.hpp"
+
+#include <cmath>
+
+#include "kalfem/base/time_series.hpp"
+
+namespace kalfem {
+
+namespace {
+
+constexpr ObservedQuantity point_quantities[] = {ObservedQuantity::displacement, ObservedQuantity::velocity,
+                                                 ObservedQuantity::acceleration};
+constexpr ObservedQuantity connector_quantities[] = {
+    ObservedQuantity::connector_deformation, ObservedQuantity::connector_rate, ObservedQuantity::connector_force};
+
+}  // namespace
+
+std::vector<OutputDescription> reported_quantities(const CoupledModel& model) {
+  std::vector<OutputDescription> outputs;
+  for (const auto& point : model.reported_points())
+    for (const auto quantity : point_quantities) outputs.push_back({point, quantity, {{point, 1.0}}, false});
+  for (const auto& connector : model.system().connectors)
+    for (const auto quantity : connector_quantities)
+      outputs.push_back({connector.name, quantity, {{connector.name, 1.0}}, false});
+  return outputs;
+}
+
+const PointQuantity* find_quantity(const std::vector<PointQuantity>& quantities, const std::string& point,
+                                   ObservedQuantity quantity) {
+  for (const auto& each : quantities)
+    if (each.point == point && each.quantity == quantity) return &each;
+  return nullptr;
+}
+
+void set_truth(PointQuantity& quantity, Eigen::VectorXd truth, Eigen::Index settled) {
+  quantity.truth = std::move(truth);
+  const Eigen::Index count = quantity.mean.size() - settled;
+  if (count < 1 || quantity.truth.size() != quantity.mean.size()) return;
+  const double error = nrmse(quantity.mean.tail(count), quantity.truth.tail(count));
+  if (std::isfinite(error)) quantity.nrmse = error;
+}
+
+}  // namespace kalfem

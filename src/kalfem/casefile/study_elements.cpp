@@ -1,0 +1,81 @@
+#include "kalfem/casefile/study_elements.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+
+namespace kalfem {
+namespace {
+
+namespace d = description;
+
+/// Frequency above which no sensor sees anything [Hz].
+double sensor_bandwidth(const d::Case& given) {
+  double widest = 0.0;
+  const double rate = given.simulate ? given.simulate->sample_rate : std::numeric_limits<double>::infinity();
+  for (const auto& [name, sensor] : given.sensors)
+    widest = std::max(widest, std::min(0.5 * rate, bandwidth({sensor.chain})));
+  return widest > 0.0 ? widest : std::numeric_limits<double>::infinity();
+}
+
+/// Highest frequency that an excitation is meant to hold, 0 where it is not known.
+double excitation_band(const d::Case& given) {
+  double highest = 0.0;
+  for (const auto& [name, excitation] : given.excitation) {
+    if (const auto* random = std::get_if<d::RandomSignal>(&excitation.signal)) highest = std::max(highest, random->band[1]);
+    if (const auto* sine = std::get_if<d::Sine>(&excitation.signal)) highest = std::max(highest, sine->frequency);
+    if (const auto* sweep = std::get_if<d::SweptSine>(&excitation.signal))
+      highest = std::max({highest, sweep->from, sweep->to});
+  }
+  return highest;
+}
+
+}  // namespace
+
+void add_finite_elements(Study& study, IssueList& issues) {
+  const auto begin = std::chrono::steady_clock::now();
+  for (const auto& [name, given] : study.given.substructures) {
+    if (!given.finite_elements) continue;
+    try {
+      StudyElements elements;
+      elements.part = std::make_shared<const FiniteElementPart>(
+          make_finite_element_part(name, given, attached_points(study.given, name)));
+      if (!elements.part->boundary.empty()) {
+        elements.reduced = std::make_shared<const Superelement>(
+            reduce(*elements.part, given.reduction, sensor_bandwidth(study.given)));
+        if (study.given.simulate && study.given.simulate->modes_up_to)
+          elements.reference = std::make_shared<const Superelement>(
+              reduce_up_to(*elements.part, *study.given.simulate->modes_up_to));
+      }
+      study.finite_elements.push_back(std::move(elements));
+    } catch (const InvalidInput& error) {
+      issues.add(error, given.finite_elements->mesh.location);
+    }
+  }
+  study.reduce_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+std::vector<Substructure> reduced_parts(const Study& study) {
+  std::vector<Substructure> parts;
+  for (const auto& [part, reduced, reference] : study.finite_elements)
+    parts.push_back({part->name, reduced ? reduced->model : part->full});
+  return parts;
+}
+
+Parts reference_parts(const Study& study) {
+  Parts parts = study.parts;
+  parts.finite_elements.clear();
+  for (const auto& [part, reduced, reference] : study.finite_elements)
+    parts.finite_elements.push_back({part->name, reference ? reference->model : part->full});
+  return parts;
+}
+
+void warn_of_reductions(Study& study) {
+  for (const auto& [part, reduced, reference] : study.finite_elements)
+    if (reduced && study.observer)
+      for (const auto& warning :
+           reduction_warnings(reduced->evidence, excitation_band(study.given), sensor_bandwidth(study.given)))
+        study.warnings.push_back("substructure '" + part->name + "': " + warning);
+}
+
+}  // namespace kalfem

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "kalfem/casefile/study.hpp"
+
+namespace kalfem {
+
+/// Meshes, assembles and reduces every finite-element substructure of the case. Problems go to `issues`.
+void add_finite_elements(Study& study, IssueList& issues);
+
+/// The finite-element substructures as the observer holds them.
+std::vector<Substructure> reduced_parts(const Study& study);
+
+/// The case's parts as its record is simulated from them.
+Parts reference_parts(const Study& study);
+
+/// Words on reductions that are too coarse for the excitation or for the sensors.
+void warn_of_reductions(Study& study);
+
+}  // namespace kalfem

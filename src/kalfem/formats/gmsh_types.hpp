@@ -1,0 +1,22 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "kalfem/model/mesh.hpp"
+
+namespace kalfem {
+
+/// A type of element of the MSH format.
+struct GmshType {
+  int number = 0;
+  int dimension = 0;
+  int nodes = 0;
+  std::string name;
+  std::optional<CellShape> shape = {};  ///< nothing where the program has no such cell
+};
+
+/// The type of this number, nullptr where the format has none.
+const GmshType* find_gmsh_type(std::int64_t number);
+
+}  // namespace kalfem

@@ -1,0 +1,182 @@
+#include "kalfem/formats/vtu.hpp"
+
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <set>
+#include <span>
+
+#include "kalfem/base/atomic_file.hpp"
+#include "kalfem/base/invalid_input.hpp"
+
+namespace kalfem {
+
+namespace {
+
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '&')
+      result += "&amp;";
+    else if (c == '<')
+      result += "&lt;";
+    else if (c == '>')
+      result += "&gt;";
+    else if (c == '"')
+      result += "&quot;";
+    else
+      result += c;
+  }
+  return result;
+}
+
+std::uint8_t vtk_type(CellShape shape) {
+  switch (shape) {
+    case CellShape::point1:
+      return 1;
+    case CellShape::line2:
+      return 3;
+    case CellShape::triangle3:
+      return 5;
+    case CellShape::quadrilateral4:
+      return 9;
+  }
+  return 0;
+}
+
+const char* type_name(double) { return "Float64"; }
+const char* type_name(std::int64_t) { return "Int64"; }
+const char* type_name(std::int32_t) { return "Int32"; }
+const char* type_name(std::uint8_t) { return "UInt8"; }
+
+/// The XML with its arrays, whose bytes are collected to stand behind it, each after their number in 8 bytes.
+class VtkDocument {
+public:
+  void add(const std::string& xml) { xml_ += xml; }
+
+  template <typename Number>
+  void add_array(const std::string& name, std::size_t components, std::span<const Number> values) {
+    xml_ += std::string("<DataArray type=\"") + type_name(Number{}) + "\" Name=\"" + escaped(name) +
+            "\" NumberOfComponents=\"" + std::to_string(components) + "\" format=\"appended\" offset=\"" +
+            std::to_string(bytes_.size()) + "\"/>\n";
+    const std::uint64_t size = values.size_bytes();
+    bytes_.append(reinterpret_cast<const char*>(&size), sizeof size);
+    bytes_.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
+  }
+
+  [[nodiscard]] std::string text() const {
+    const char* const order = std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian";
+    return "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"" +
+           std::string(order) + "\" header_type=\"UInt64\">\n<UnstructuredGrid>\n" + xml_ +
+           "</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_" + bytes_ + "\n</AppendedData>\n</VTKFile>\n";
+  }
+
+private:
+  std::string xml_, bytes_;
+};
+
+void check(const Mesh& mesh, const std::vector<NodalField>& fields) {
+  IssueList issues;
+  std::set<std::string> names{"node"};
+  for (const auto& field : fields) {
+    if (field.name.empty()) issues.add({}, "a field has no name", "ParaView lists fields by their names", "name it");
+    if (!names.insert(field.name).second)
+      issues.add({}, "the field '" + field.name + "' is given twice, or is named as the numbers of the nodes",
+                 "names must differ", "rename it");
+    if (field.values.cols() != mesh.node_count() || field.values.rows() < 1)
+      issues.add({},
+                 "the field '" + field.name + "' is of size " + std::to_string(field.values.rows()) + " x " +
+                     std::to_string(field.values.cols()),
+                 "it must have a column for each of the " + std::to_string(mesh.node_count()) + " nodes and a row at least",
+                 "give components x nodes");
+  }
+  issues.raise();
+}
+
+/// Names as VTK writes strings in ASCII: the codes of their characters, each name closed by a zero.
+void add_region_names(VtkDocument& document, const Mesh& mesh) {
+  if (mesh.regions.empty()) return;
+  document.add("<FieldData>\n<DataArray type=\"String\" Name=\"regions\" NumberOfTuples=\"" +
+               std::to_string(mesh.regions.size()) + "\" format=\"ascii\">\n");
+  for (const auto& [name, cells] : mesh.regions) {
+    std::string codes;
+    for (const unsigned char c : name) codes += std::to_string(c) + " ";
+    document.add(codes + "0\n");
+  }
+  document.add("</DataArray>\n</FieldData>\n");
+}
+
+void add_nodes(VtkDocument& document, const Mesh& mesh, const std::vector<NodalField>& fields) {
+  document.add("<PointData>\n");
+  document.add_array<std::int64_t>("node", 1, mesh.node_ids);
+  for (const auto& field : fields)
+    document.add_array<double>(field.name, static_cast<std::size_t>(field.values.rows()),
+                               {field.values.data(), static_cast<std::size_t>(field.values.size())});
+  document.add("</PointData>\n<Points>\n");
+  document.add_array<double>("points", 3, {mesh.nodes.data(), static_cast<std::size_t>(mesh.nodes.size())});
+  document.add("</Points>\n");
+}
+
+void add_cells(VtkDocument& document, const Mesh& mesh) {
+  std::vector<std::int64_t> nodes, ends, numbers;
+  std::vector<std::uint8_t> types;
+  for (const auto& cell : mesh.cells) {
+    for (const auto node : mesh.nodes_of(cell)) nodes.push_back(node);
+    ends.push_back(static_cast<std::int64_t>(nodes.size()));
+    types.push_back(vtk_type(cell.shape));
+    numbers.push_back(cell.id);
+  }
+  document.add("<Cells>\n");
+  document.add_array<std::int64_t>("connectivity", 1, nodes);
+  document.add_array<std::int64_t>("offsets", 1, ends);
+  document.add_array<std::uint8_t>("types", 1, types);
+  document.add("</Cells>\n<CellData Scalars=\"region\">\n");
+  document.add_array<std::int64_t>("cell", 1, numbers);
+}
+
+void add_cell_regions(VtkDocument& document, const Mesh& mesh) {
+  std::vector<std::int32_t> region_of(mesh.cells.size(), -1);
+  std::int32_t position = 0;
+  for (const auto& [name, cells] : mesh.regions) {
+    for (const auto cell : cells)
+      if (auto& region = region_of[static_cast<std::size_t>(cell)]; region < 0) region = position;
+    ++position;
+  }
+  document.add_array<std::int32_t>("region", 1, region_of);
+  document.add("</CellData>\n");
+}
+
+std::string shortest(double value) {
+  std::array<char, 32> digits{};
+  return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr};
+}
+
+}  // namespace
+
+void write_vtu(const std::filesystem::path& file, const Mesh& mesh, const std::vector<NodalField>& fields) {
+  check(mesh, fields);
+  VtkDocument document;
+  add_region_names(document, mesh);
+  document.add("<Piece NumberOfPoints=\"" + std::to_string(mesh.node_count()) + "\" NumberOfCells=\"" +
+               std::to_string(mesh.cells.size()) + "\">\n");
+  add_nodes(document, mesh, fields);
+  add_cells(document, mesh);
+  add_cell_regions(document, mesh);
+  document.add("</Piece>\n");
+  write_file_atomically(file, document.text());
+}
+
+void write_pvd(const std::filesystem::path& file, const std::vector<SeriesEntry>& entries) {
+  std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";
+  for (const auto& entry : entries) {
+    if (!std::isfinite(entry.time))
+      throw InvalidInput("the time of '" + entry.file + "' is not finite", "a series needs the time of each file",
+                         "give it in s");
+    text += "<DataSet timestep=\"" + shortest(entry.time) + "\" part=\"0\" file=\"" + escaped(entry.file) + "\"/>\n";
+  }
+  write_file_atomically(file, text + "</Collection>\n</VTKFile>\n");
+}
+
+}  // namespace kalfem

@@ -1,0 +1,107 @@
+#include "kalfem/linalg/block_lanczos.hpp"
+
+#include <cmath>
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+namespace {
+
+/// What is smaller than this against the operator's image is rounding, not a new direction.
+constexpr double no_direction = 1e-14;
+
+/// Makes the columns M-orthonormal, W = W' T with the columns of W' returned in place of W; directions shorter than
+/// `shortest` are dropped, so that T is r x k.
+MatrixXd normalise(const Eigen::SparseMatrix<double>& mass, double shortest, MatrixXd& block) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> gram(block.transpose() * (mass * block));
+  const Index dropped = (gram.eigenvalues().array() <= shortest * shortest).count();  // ascending: the first ones
+  const Index kept = block.cols() - dropped;
+  const Eigen::VectorXd lengths = gram.eigenvalues().tail(kept).cwiseSqrt();
+  const MatrixXd directions = gram.eigenvectors().rightCols(kept);
+  block = block * (directions * lengths.cwiseInverse().asDiagonal());
+  return lengths.asDiagonal() * directions.transpose();
+}
+
+}  // namespace
+
+BlockLanczos::BlockLanczos(const SparseFactor& factor, const Eigen::SparseMatrix<double>& mass, Index width,
+                           Index capacity)
+    : factor_(factor), mass_(mass), width_(width), basis_(mass.rows(), capacity) {}
+
+MatrixXd BlockLanczos::apply(const MatrixXd& vectors) {
+  MatrixXd image = mass_ * vectors;
+  factor_.solve(image, image);
+  solves_ += vectors.cols();
+  return image;
+}
+
+/// Splits the block as Q projections + Q' triangle and puts Q' behind the first `columns` of the basis. Once before
+/// and once after the normalisation: the second pass removes what cancellation left in the first.
+void BlockLanczos::attach(MatrixXd block, double scale, Index columns, MatrixXd& projections, MatrixXd& triangle) {
+  const auto basis = basis_.leftCols(columns);
+  projections = basis.transpose() * (mass_ * block);
+  block.noalias() -= basis * projections;
+  triangle = normalise(mass_, no_direction * scale, block);
+  const MatrixXd remainder = basis.transpose() * (mass_ * block);
+  block.noalias() -= basis * remainder;
+  projections += remainder * triangle;
+  triangle = normalise(mass_, 0.5, block) * triangle;  // nothing that is left had length 1: it lay in the basis
+  last_ = block.cols();
+  basis_.middleCols(columns, last_) = block;
+}
+
+bool BlockLanczos::step() {
+  if (last_ == 0) return false;
+  const Index columns = size_ + last_;
+  const MatrixXd image = apply(basis_.middleCols(size_, last_));
+  const double scale = std::sqrt((image.transpose() * (mass_ * image)).diagonal().maxCoeff());
+  const Index begin = size_, width = last_;
+  MatrixXd projections, triangle;
+  attach(image, scale, columns, projections, triangle);
+
+  projected_.conservativeResize(columns, columns);
+  projected_.middleCols(begin, width) = projections;
+  projected_.middleRows(begin, width) = projections.transpose();
+  coupling_.setZero(last_, columns);
+  coupling_.middleCols(begin, width) = triangle;
+  size_ = columns;
+  return true;
+}
+
+bool BlockLanczos::restart_at_random() {
+  MatrixXd block(basis_.rows(), width_);
+  for (double& value : block.reshaped()) value = std::ldexp(random_(), -31) - 1.0;
+  block = apply(block);
+  const double scale = std::sqrt((block.transpose() * (mass_ * block)).diagonal().maxCoeff());
+  MatrixXd projections, triangle;
+  attach(block, scale, size_, projections, triangle);
+  coupling_.setZero(last_, size_);
+  return last_ > 0;
+}
+
+void BlockLanczos::compress(const RitzPairs& pairs, Index keep) {
+  const MatrixXd next = basis_.middleCols(size_, last_);
+  const auto kept = pairs.vectors.leftCols(keep);
+  basis_.leftCols(keep) = vectors(pairs, keep);
+  basis_.middleCols(keep, last_) = next;
+  projected_ = pairs.values.head(keep).asDiagonal();
+  coupling_ = (coupling_ * kept).eval();
+  size_ = keep;
+}
+
+void BlockLanczos::set_capacity(Index capacity) { basis_.conservativeResize(Eigen::NoChange, capacity); }
+
+RitzPairs BlockLanczos::pairs() const {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(0.5 * (projected_ + projected_.transpose()));
+  RitzPairs pairs{solver.eigenvalues().reverse(), {}, solver.eigenvectors().rowwise().reverse()};
+  pairs.residuals = (coupling_ * pairs.vectors).colwise().norm().transpose();
+  return pairs;
+}
+
+MatrixXd BlockLanczos::vectors(const RitzPairs& pairs, Index count) const {
+  return basis_.leftCols(size_) * pairs.vectors.leftCols(count);
+}
+
+}  // namespace kalfem

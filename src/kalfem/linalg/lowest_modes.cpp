@@ -1,0 +1,255 @@
+#include "kalfem/linalg/lowest_modes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/linalg/block_lanczos.hpp"
+#include "kalfem/linalg/dense_modes.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Matrix = Eigen::SparseMatrix<double>;
+
+namespace {
+
+constexpr double rigid_energy = 1e-12;
+constexpr double guard_tolerance = 1e-2;  ///< of the first pair that is not wanted: only its place matters
+constexpr double check_tolerance = 5e-2;
+constexpr double same_value = 1e-7;  ///< eigenvalues that differ less are one
+constexpr Index sturm_limit = 3000;
+constexpr Index dense_limit = 200;
+constexpr Index block_width = 8;
+constexpr Index first_guess = 24;  ///< of the number of modes below a limit
+constexpr int most_rooms = 60;
+constexpr int most_checks = 20;
+
+void check(const Matrix& stiffness, const Matrix& mass, const LowestModesOptions& options) {
+  IssueList issues;
+  if (stiffness.rows() != stiffness.cols() || mass.rows() != stiffness.rows() || mass.cols() != stiffness.cols())
+    issues.add({}, "modes of a " + std::to_string(stiffness.rows()) + "-row stiffness and a " +
+                       std::to_string(mass.rows()) + "-row mass matrix", "both must be square and of one size");
+  if (!options.count && !options.below)
+    issues.add({}, "neither a number of modes nor a limit is given", "one of them must end the search");
+  if (options.count && *options.count < 0)
+    issues.add({}, std::to_string(*options.count) + " modes are asked for", "the number must not be negative");
+  if (!(options.tolerance > 0.0)) issues.add({}, "the tolerance is not positive");
+  issues.raise();
+}
+
+double natural_shift(const Matrix& stiffness, const Matrix& mass) {
+  const VectorXd k = stiffness.diagonal(), m = mass.diagonal();
+  std::vector<double> ratios;
+  for (Index j = 0; j < k.size(); ++j)
+    if (k[j] > 0.0 && m[j] > 0.0) ratios.push_back(k[j] / m[j]);
+  if (ratios.empty()) return 1.0;  // no stiffness anywhere: every mode is at zero, whatever the shift
+  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+  std::nth_element(ratios.begin(), middle, ratios.end());
+  return 1e-8 * *middle;
+}
+
+/// The wanted pairs lead the list of all; how many they are may show only as they come.
+class Wanted {
+public:
+  Wanted(const LowestModesOptions& options, double shift)
+      : count_(options.count.value_or(std::numeric_limits<Index>::max())),
+        least_(options.below ? 1.0 / std::max(*options.below + shift, std::numeric_limits<double>::min()) : 0.0),
+        tolerance_(options.tolerance) {}
+
+  [[nodiscard]] Index among(const RitzPairs& pairs) const {
+    return std::min(count_, (pairs.values.array() >= least_).count());
+  }
+
+  /// The wanted pairs have converged, and so has, roughly, the first that is not wanted.
+  [[nodiscard]] bool found(const RitzPairs& pairs) const {
+    const Index k = among(pairs);
+    if (pairs.values.size() <= k) return false;
+    const bool beyond_limit = k == count_ || pairs.values[k] + pairs.residuals[k] < least_;
+    return beyond_limit && pairs.residuals[k] <= guard_tolerance * pairs.values[k] &&
+           (pairs.residuals.head(k).array() <= tolerance_ * pairs.values.head(k).array()).all();
+  }
+
+  /// Every pair with a theta above this must be among the `count` that were found.
+  [[nodiscard]] double floor(const RitzPairs& pairs, Index count) const {
+    return count == count_ ? (1.0 + same_value) * pairs.values[count - 1] : least_;
+  }
+
+private:
+  Index count_;
+  double least_;  ///< theta of the limit
+  double tolerance_;
+};
+
+/// Space for a basis in which so many pairs converge; where they are more than was thought, it grows.
+Index capacity_for(Index wanted) { return 2 * wanted + 12 * block_width; }
+
+void make_room(BlockLanczos& lanczos, const RitzPairs& pairs, Index wanted) {
+  if (capacity_for(wanted) > lanczos.size() + 2 * block_width)
+    lanczos.set_capacity(capacity_for(2 * wanted));
+  else
+    lanczos.compress(pairs, wanted + (lanczos.size() - wanted) / 3);
+}
+
+/// Extends the space until the wanted pairs have converged in it, or nothing is left outside.
+RitzPairs iterate(BlockLanczos& lanczos, const Wanted& wanted) {
+  for (int rooms = 0; rooms < most_rooms;) {
+    if (!lanczos.step() && !(lanczos.restart_at_random() && lanczos.step())) return lanczos.pairs();
+    RitzPairs pairs = lanczos.pairs();
+    if (wanted.found(pairs)) return pairs;
+    if (!lanczos.full()) continue;
+    make_room(lanczos, pairs, wanted.among(pairs));
+    ++rooms;
+  }
+  throw InvalidInput("the eigenvalue iteration does not converge",
+                     "after " + std::to_string(most_rooms) + " restarts the residuals are above the tolerance",
+                     "ask for fewer modes or a larger tolerance, and check the stiffness matrix");
+}
+
+/// Whether a random block, iterated in the complement of the `count` leading pairs, brings nothing above `floor`.
+bool fresh_block_agrees(BlockLanczos& lanczos, const RitzPairs& pairs, Index count, double floor) {
+  const Index known = (pairs.values.head(count).array() > floor).count();
+  lanczos.compress(pairs, count);
+  if (!lanczos.restart_at_random()) return true;
+  while (lanczos.step()) {
+    const RitzPairs now = lanczos.pairs();
+    if ((now.values.array() > floor).count() > known) return false;
+    if (now.residuals[count] <= check_tolerance * now.values[count] || lanczos.full()) return true;
+  }
+  return true;
+}
+
+/// Number of eigenvalues below lambda: the negative pivots of K - lambda M (Sylvester's law of inertia).
+Index count_below(const Matrix& stiffness, const Matrix& mass, double lambda) {
+  if (lambda <= 0.0) return 0;
+  const Eigen::SimplicialLDLT<Matrix> factor(Matrix(stiffness - lambda * mass));
+  return factor.info() == Eigen::Success ? (factor.vectorD().array() < 0.0).count() : 0;
+}
+
+struct Problem {
+  const Matrix& stiffness;
+  const Matrix& mass;
+  const ShiftedStiffness& shifted;
+  const LowestModesOptions& options;
+
+  [[nodiscard]] VectorXd lambda(const RitzPairs& pairs, Index count) const {
+    return pairs.values.head(count).cwiseInverse().array() - shifted.shift;
+  }
+
+  [[nodiscard]] bool complete(BlockLanczos& lanczos, const RitzPairs& pairs, Index count, double floor) const {
+    if (options.check == ModeCheck::none) return true;
+    const bool sturm = options.check == ModeCheck::sturm ||
+                       (options.check == ModeCheck::automatic && mass.rows() <= sturm_limit);
+    const Index known = (pairs.values.head(count).array() > floor).count();
+    if (sturm && count_below(stiffness, mass, 1.0 / floor - shifted.shift) <= known) return true;
+    return fresh_block_agrees(lanczos, pairs, count, floor) && !sturm;
+  }
+};
+
+/// One more application of (K + s M)^-1 M takes out what M does not see.
+MatrixXd purified(const Matrix& mass, const SparseFactor& factor, MatrixXd vectors) {
+  vectors = mass * vectors;
+  factor.solve(vectors, vectors);
+  const VectorXd lengths = vectors.cwiseProduct(mass * vectors).colwise().sum().cwiseSqrt();
+  return vectors * lengths.cwiseInverse().asDiagonal();
+}
+
+LowestModes by_lanczos(const Problem& problem) {
+  const auto& [stiffness, mass, shifted, options] = problem;
+  const Wanted wanted(options, shifted.shift);
+  BlockLanczos lanczos(shifted.factor, mass, block_width, capacity_for(options.count.value_or(first_guess)));
+  lanczos.restart_at_random();
+  for (int attempt = 0; attempt < most_checks; ++attempt) {
+    const RitzPairs pairs = iterate(lanczos, wanted);
+    const Index count = wanted.among(pairs);
+    MatrixXd vectors = lanczos.vectors(pairs, count);
+    if (count > 0 && !problem.complete(lanczos, pairs, count, wanted.floor(pairs, count))) continue;
+    LowestModes modes{problem.lambda(pairs, count), std::move(vectors), {}, lanczos.solves()};
+    if (pairs.values.size() > count) modes.next = 1.0 / pairs.values[count] - shifted.shift;
+    if ((mass.diagonal().array() <= 0.0).any()) modes.vectors = purified(mass, shifted.factor, modes.vectors);
+    return modes;
+  }
+  throw InvalidInput("eigenvalues below the highest that was found are missing",
+                     "K - lambda M has more negative pivots than eigenvalues were found, also after " +
+                         std::to_string(most_checks) + " attempts",
+                     "check that the stiffness and mass matrices are symmetric and well scaled");
+}
+
+LowestModes by_dense(const Problem& problem) {
+  const DensePairs pairs = dense_modes(problem.stiffness, problem.mass, problem.shifted.factor, problem.shifted.shift);
+  const double limit = problem.options.below.value_or(std::numeric_limits<double>::infinity());
+  const Index all = pairs.values.size();
+  const Index count = std::min({(pairs.values.array() <= limit).count(), all, problem.options.count.value_or(all)});
+  LowestModes modes{pairs.values.head(count), pairs.vectors.leftCols(count), {}, 0};
+  if (count < all) modes.next = pairs.values[count];
+  return modes;
+}
+
+void clean_rigid_modes(const Matrix& stiffness, LowestModes& modes) {
+  const VectorXd diagonal = stiffness.diagonal();
+  for (Index i = 0; i < modes.values.size(); ++i) {
+    const auto shape = modes.vectors.col(i);
+    const double energy = shape.dot(stiffness * shape), cancelling = diagonal.dot(shape.cwiseAbs2());
+    if (energy > rigid_energy * cancelling) return;
+    modes.values[i] = 0.0;
+  }
+}
+
+void fix_signs(MatrixXd& vectors) {
+  for (auto shape : vectors.colwise()) {
+    Index largest = 0;
+    // The first of entries that are equal but for rounding, so that a symmetric shape does not depend on it.
+    const double most = shape.cwiseAbs().maxCoeff();
+    while (std::abs(shape[largest]) < (1.0 - same_value) * most) ++largest;
+    if (shape[largest] < 0.0) shape = -shape;
+  }
+}
+
+}  // namespace
+
+ShiftedStiffness factor_stiffness(const Matrix& stiffness, const Matrix& mass, std::span<const std::string> names) {
+  try {
+    return {SparseFactor(stiffness), 0.0};
+  } catch (const NotPositiveDefinite&) {
+    const double shift = natural_shift(stiffness, mass);
+    try {
+      return {SparseFactor(stiffness + shift * mass), shift};
+    } catch (const NotPositiveDefinite& error) {
+      const auto column = static_cast<std::size_t>(error.column());
+      throw InvalidInput("degree of freedom " + (names.empty() ? std::to_string(column) : "'" + names[column] + "'") +
+                             " takes part in a motion without stiffness and mass, or with negative stiffness",
+                         "modes need K positive semi-definite and mass wherever there is no stiffness",
+                         "hold that degree of freedom, or give it a mass");
+    }
+  }
+}
+
+LowestModes lowest_modes(const Matrix& stiffness, const Matrix& mass, const LowestModesOptions& options) {
+  check(stiffness, mass, options);
+  if (stiffness.rows() == 0) return lowest_modes(stiffness, mass, {SparseFactor(stiffness), 0.0}, options);
+  return lowest_modes(stiffness, mass, factor_stiffness(stiffness, mass), options);
+}
+
+LowestModes lowest_modes(const Matrix& stiffness, const Matrix& mass, const ShiftedStiffness& shifted,
+                         const LowestModesOptions& options) {
+  check(stiffness, mass, options);
+  const Index massive = (mass.diagonal().array() > 0.0).count();
+  if (options.count.value_or(0) > massive)
+    throw InvalidInput(std::to_string(*options.count) + " modes are asked for of a model with mass at " +
+                           std::to_string(massive) + " degrees of freedom",
+                       "there are no more modes than that", "ask for fewer modes");
+  if (massive == 0) return {VectorXd(0), MatrixXd(mass.rows(), 0), {}, 0};
+  const Problem problem{stiffness, mass, shifted, options};
+  const bool most_of_all = 3 * options.count.value_or(0) >= massive && mass.rows() <= sturm_limit;
+  LowestModes modes = massive <= dense_limit || most_of_all ? by_dense(problem) : by_lanczos(problem);
+  if (shifted.shift > 0.0) clean_rigid_modes(stiffness, modes);
+  fix_signs(modes.vectors);
+  return modes;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,46 @@
+#include "kalfem/linalg/paired_product.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+PairedProduct::PairedProduct(const Eigen::SparseMatrix<double>& a, const Eigen::SparseMatrix<double>& b)
+    : rows_(a.rows()) {
+  const RowMatrix rows_a(a), rows_b(b);
+  const bool both = b.nonZeros() > 0;
+  start_.reserve(static_cast<std::size_t>(rows_) + 1);
+  start_.push_back(0);
+  for (Index row = 0; row < rows_; ++row) {
+    RowMatrix::InnerIterator in_a(rows_a, row), in_b(rows_b, row);
+    while (in_a || in_b) {
+      const Index column = !in_b ? in_a.col() : !in_a ? in_b.col() : std::min(in_a.col(), in_b.col());
+      const bool has_a = in_a && in_a.col() == column, has_b = in_b && in_b.col() == column;
+      column_.push_back(static_cast<int>(column));
+      a_.push_back(has_a ? in_a.value() : 0.0);
+      if (both) b_.push_back(has_b ? in_b.value() : 0.0);
+      if (has_a) ++in_a;
+      if (has_b) ++in_b;
+    }
+    start_.push_back(static_cast<int>(column_.size()));
+  }
+}
+
+void PairedProduct::multiply(const VectorXd& u, const VectorXd& v, VectorXd& y) const {
+  y.resize(rows_);
+  const double* x = u.data();
+  const double* z = v.data();
+  for (Index row = 0; row < rows_; ++row) {
+    double sum = 0.0;
+    const auto first = static_cast<std::size_t>(start_[static_cast<std::size_t>(row)]);
+    const auto last = static_cast<std::size_t>(start_[static_cast<std::size_t>(row) + 1]);
+    if (single())
+      for (std::size_t k = first; k < last; ++k) sum += a_[k] * x[column_[k]];
+    else
+      for (std::size_t k = first; k < last; ++k) sum += a_[k] * x[column_[k]] + b_[k] * z[column_[k]];
+    y[row] = sum;
+  }
+}
+
+}  // namespace kalfem

@@ -1,0 +1,319 @@
+#include "kalfem/model/assembly.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "kalfem/model/constraints.hpp"
+#include "kalfem/model/elements/beam.hpp"
+#include "kalfem/model/elements/point_mass.hpp"
+#include "kalfem/model/elements/shell3.hpp"
+#include "kalfem/model/elements/shell4.hpp"
+#include "kalfem/model/sparse_sum.hpp"
+
+namespace kalfem {
+namespace {
+
+using Powers = std::map<std::string, int>;
+using Terms = std::map<Powers, SparseMatrix>;
+
+/// Of more problems of one kind than this, only the number is told.
+constexpr std::size_t most_told = 20;
+
+template <int columns>
+Eigen::Matrix<double, 3, columns> corners(const Mesh& mesh, const Cell& cell) {
+  Eigen::Matrix<double, 3, columns> places;
+  for (int i = 0; i < columns; ++i) places.col(i) = mesh.nodes.col(mesh.nodes_of(cell)[static_cast<std::size_t>(i)]);
+  return places;
+}
+
+/// Element matrices of the cells of one kind of property.
+struct ElementMaker {
+  const FiniteElementModel& model;
+  const Cell& cell;
+
+  ElementMatrices operator()(const ShellProperty& shell) const {
+    const double nu = model.materials.at(shell.material).poissons_ratio;
+    return cell.shape == CellShape::triangle3
+               ? shell3(corners<3>(model.mesh, cell), nu, shell.thickness, model.mass_kind)
+               : shell4(corners<4>(model.mesh, cell), nu, shell.thickness, model.mass_kind);
+  }
+  ElementMatrices operator()(const BeamProperty& property) const {
+    const double nu = model.materials.at(property.material).poissons_ratio;
+    return beam(corners<2>(model.mesh, cell), property, nu, model.mass_kind);
+  }
+};
+
+std::string material_of(const RegionProperty& property) {
+  return std::visit([](const auto& kind) { return kind.material; }, property);
+}
+
+Powers named_powers(const PropertyPowers& powers, const std::string& region, const std::string& material) {
+  Powers named;
+  if (powers.youngs_modulus != 0) named[material + ".youngs_modulus"] = powers.youngs_modulus;
+  if (powers.density != 0) named[material + ".density"] = powers.density;
+  if (powers.thickness != 0) named[region + ".thickness"] = powers.thickness;
+  return named;
+}
+
+void add_to(Terms& terms, const Powers& powers, SparseMatrix matrix) {
+  auto [place, is_new] = terms.try_emplace(powers, std::move(matrix));
+  if (!is_new) place->second = SparseMatrix(place->second + matrix);
+}
+
+/// At least one term, so that the sum has its size.
+std::vector<AffineTerm> to_list(Terms terms, Eigen::Index size) {
+  std::vector<AffineTerm> list;
+  if (terms.empty()) list.push_back({{}, SparseMatrix(size, size)});
+  while (!terms.empty()) {
+    auto first = terms.extract(terms.begin());
+    list.push_back({first.key(), std::move(first.mapped())});
+  }
+  return list;
+}
+
+/// Degrees of freedom at which an element, spring or mass acts, by position among all.
+std::vector<bool> touched_dofs(const FiniteElementModel& model) {
+  std::vector<bool> touched(static_cast<std::size_t>(6 * model.mesh.node_count()), false);
+  const auto touch = [&](const NodalDof& dof) { touched[static_cast<std::size_t>(all_index(dof))] = true; };
+  for (const auto& [region, property] : model.properties)
+    for (const auto cell : model.mesh.regions.at(region))
+      for (const auto node : model.mesh.nodes_of(model.mesh.cells[static_cast<std::size_t>(cell)]))
+        for (int direction = 0; direction < 6; ++direction) touch({node, direction});
+  for (const auto& mass : model.masses) {
+    const auto matrix = point_mass(mass);
+    for (int direction = 0; direction < 6; ++direction)
+      if (matrix(direction, direction) != 0.0) touch({mass.node, direction});
+  }
+  for (const auto& spring : model.springs) {
+    touch(spring.from);
+    if (spring.to) touch(*spring.to);
+  }
+  return touched;
+}
+
+/// Sums up the parts of a model over the free degrees of freedom that the elimination leaves.
+class Assembler {
+public:
+  Assembler(const FiniteElementModel& model, const Elimination& elimination)
+      : model_(model), transform_(elimination.transform) {}
+
+  void add_region(const std::string& region, const RegionProperty& property, IssueList& issues);
+  void add_masses();
+  void add_springs();
+
+  Terms stiffness, mass;
+  SparseMatrix damping;
+  std::vector<GroundCoupling> grounds;
+
+private:
+  using Triplets = std::vector<Eigen::Triplet<double>>;
+  using TripletTerms = std::map<Powers, Triplets>;
+  using Sums = std::map<PropertyPowers, std::vector<double>>;
+
+  [[nodiscard]] const Cell& cell(Eigen::Index index) const {
+    return model_.mesh.cells[static_cast<std::size_t>(index)];
+  }
+
+  /// Targets of the row `row` of a small matrix that stands at the position `all` among all degrees of freedom.
+  void append_targets(int row, Eigen::Index all, Scatter& scatter) const {
+    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(transform_, all); it; ++it)
+      scatter.push_back({row, static_cast<int>(it.col()), it.value()});
+  }
+
+  template <typename Nodes>
+  void scatter_of(const Nodes& nodes, Scatter& scatter) const {
+    scatter.clear();
+    int row = 0;
+    for (const auto node : nodes)
+      for (int direction = 0; direction < 6; ++direction) append_targets(row++, 6 * node + direction, scatter);
+  }
+
+  static void append(const Scatter& scatter, const Eigen::MatrixXd& matrix, Triplets& triplets) {
+    for (const auto& [i, row, row_coefficient] : scatter)
+      for (const auto& [j, column, column_coefficient] : scatter)
+        triplets.emplace_back(row, column, row_coefficient * column_coefficient * matrix(i, j));
+  }
+
+  [[nodiscard]] SparseMatrix from_triplets(const Triplets& triplets) const {
+    SparseMatrix matrix(transform_.cols(), transform_.cols());
+    matrix.setFromTriplets(triplets.begin(), triplets.end());
+    return matrix.pruned();
+  }
+
+  GroundCoupling& ground(const std::string& name) {
+    for (auto& coupling : grounds)
+      if (coupling.ground == name) return coupling;
+    const auto zero = Eigen::VectorXd::Zero(transform_.cols());
+    return grounds.emplace_back(GroundCoupling{name, zero, zero});
+  }
+
+  /// A ground that moves by r pulls with k r at `from`.
+  void add_ground_force(const NodalSpring& spring, const Scatter& from) {
+    auto& coupling = ground(spring.ground);
+    for (const auto& target : from) {
+      coupling.stiffness[target.column] += spring.stiffness * target.coefficient;
+      coupling.damping[target.column] += spring.damping * target.coefficient;
+    }
+  }
+
+  const FiniteElementModel& model_;
+  const Eigen::SparseMatrix<double, Eigen::RowMajor>& transform_;
+};
+
+void Assembler::add_region(const std::string& region, const RegionProperty& property, IssueList& issues) {
+  const auto& cells = model_.mesh.regions.at(region);
+  Scatter scatter;
+  const SparseSumPattern pattern(transform_.cols(), [&](const SparseSumPattern::Visitor& visit) {
+    for (const auto index : cells) {
+      scatter_of(model_.mesh.nodes_of(cell(index)), scatter);
+      visit(scatter);
+    }
+  });
+  Sums stiffness_sums, mass_sums;
+  const auto add = [&](const std::vector<ElementTerm>& terms, Sums& sums) {
+    for (const auto& term : terms) {
+      const auto [place, is_new] = sums.try_emplace(term.powers);
+      if (is_new) place->second = pattern.zero();
+      pattern.add(scatter, term.matrix, place->second);
+    }
+  };
+  std::size_t bad = 0;
+  for (const auto index : cells) try {
+      const auto matrices = std::visit(ElementMaker{model_, cell(index)}, property);
+      scatter_of(model_.mesh.nodes_of(cell(index)), scatter);
+      add(matrices.stiffness, stiffness_sums);
+      add(matrices.mass, mass_sums);
+    } catch (const ElementShapeError& error) {
+      if (++bad <= most_told)
+        issues.add({model_.mesh.source, 0},
+                   to_string(cell(index).shape) + " " + std::to_string(cell(index).id) + " of region '" + region +
+                       "' cannot be integrated",
+                   error.what(), "mend the mesh there");
+    }
+  if (bad > most_told)
+    issues.add({model_.mesh.source, 0},
+               std::to_string(bad - most_told) + " more cells of region '" + region + "' cannot be integrated");
+  const std::string material = material_of(property);
+  const auto move_sums = [&](Sums& sums, Terms& terms) {
+    for (auto& [powers, sum] : sums) {
+      const auto values = std::move(sum);  // as large as the matrix: not kept beside it for longer
+      add_to(terms, named_powers(powers, region, material), pattern.matrix(values));
+    }
+  };
+  move_sums(mass_sums, mass);
+  move_sums(stiffness_sums, stiffness);
+}
+
+void Assembler::add_masses() {
+  TripletTerms triplets;
+  Scatter scatter;
+  for (const auto& item : model_.masses) {
+    scatter_of(std::array{item.node}, scatter);
+    PointMass unit = item, inertia = item;
+    unit.mass = 1.0;
+    unit.inertia.setZero();
+    inertia.mass = 0.0;
+    append(scatter, point_mass(unit), triplets[{{item.name + ".mass", 1}}]);
+    if (!item.inertia.isZero(0.0)) append(scatter, point_mass(inertia), triplets[{}]);
+  }
+  for (const auto& [powers, entries] : triplets) add_to(mass, powers, from_triplets(entries));
+}
+
+void Assembler::add_springs() {
+  TripletTerms triplets;
+  Triplets dashpots;
+  Scatter scatter;
+  for (const auto& spring : model_.springs) {
+    scatter.clear();
+    append_targets(0, all_index(spring.from), scatter);
+    if (spring.to)
+      append_targets(1, all_index(*spring.to), scatter);
+    else
+      add_ground_force(spring, scatter);
+    const Eigen::MatrixXd unit = Eigen::Matrix2d{{1.0, -1.0}, {-1.0, 1.0}};
+    append(scatter, unit, triplets[{{spring.name + ".stiffness", 1}}]);
+    if (spring.damping != 0.0) append(scatter, spring.damping * unit, dashpots);
+  }
+  for (const auto& [powers, entries] : triplets) add_to(stiffness, powers, from_triplets(entries));
+  damping = from_triplets(dashpots);
+}
+
+std::map<std::string, double> present_values(const FiniteElementModel& model) {
+  std::map<std::string, double> values;
+  for (const auto& [region, property] : model.properties) {
+    const auto name = material_of(property);
+    const auto& material = model.materials.at(name);
+    values[name + ".youngs_modulus"] = material.youngs_modulus;
+    values[name + ".density"] = material.density;
+    if (const auto* shell = std::get_if<ShellProperty>(&property)) values[region + ".thickness"] = shell->thickness;
+  }
+  for (const auto& mass : model.masses) values[mass.name + ".mass"] = mass.mass;
+  for (const auto& spring : model.springs) values[spring.name + ".stiffness"] = spring.stiffness;
+  return values;
+}
+
+double factor(const AffineTerm& term, const std::map<std::string, double>& parameters) {
+  double product = 1.0;
+  for (const auto& [name, power] : term.powers) {
+    const auto value = parameters.find(name);
+    if (value == parameters.end())
+      throw InvalidInput("the parameter '" + name + "' has no value", "a matrix depends on it",
+                         "start from the values of the assembled model");
+    product *= std::pow(value->second, power);
+  }
+  return product;
+}
+
+void require_mass(const FiniteElementModel& model, const AssembledModel& assembled) {
+  Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(assembled.size());
+  for (const auto& term : assembled.mass) diagonal += factor(term, assembled.parameters) * term.matrix.diagonal();
+  std::string names;
+  std::size_t count = 0;
+  for (Eigen::Index i = 0; i < diagonal.size(); ++i)
+    if (!(diagonal[i] > 0.0) && ++count <= most_told)
+      names += (names.empty() ? "" : ", ") + dof_name(model.mesh, assembled.dofs[static_cast<std::size_t>(i)]);
+  if (count > most_told) names += " and " + std::to_string(count - most_told) + " more";
+  if (count > 0)
+    throw InvalidInput("no mass moves with " + names, "every free degree of freedom needs mass",
+                       "add a point mass with inertia there, tie it to others, or fix it");
+}
+
+}  // namespace
+
+Eigen::Index AssembledModel::find(const NodalDof& dof) const {
+  const auto place = std::ranges::lower_bound(dofs, dof);
+  return place != dofs.end() && *place == dof ? place - dofs.begin() : -1;
+}
+
+SparseMatrix evaluate(const std::vector<AffineTerm>& terms, const std::map<std::string, double>& parameters) {
+  SparseMatrix sum;
+  for (const auto& term : terms) {
+    const double scale = factor(term, parameters);
+    sum = sum.size() == 0 ? SparseMatrix(scale * term.matrix) : SparseMatrix(sum + scale * term.matrix);
+  }
+  return sum;
+}
+
+AssembledModel assemble(const FiniteElementModel& model) {
+  if (auto issues = validate(model); !issues.empty()) throw InvalidInput(std::move(issues));
+  auto elimination = eliminate(model, touched_dofs(model));
+  Assembler assembler(model, elimination);
+  IssueList issues;
+  for (const auto& [region, property] : model.properties) assembler.add_region(region, property, issues);
+  issues.raise();
+  assembler.add_masses();
+  assembler.add_springs();
+  const auto size = static_cast<Eigen::Index>(elimination.dofs.size());
+  AssembledModel assembled{.parameters = present_values(model),
+                           .stiffness = to_list(std::move(assembler.stiffness), size),
+                           .mass = to_list(std::move(assembler.mass), size),
+                           .damping = std::move(assembler.damping),
+                           .grounds = std::move(assembler.grounds),
+                           .dofs = std::move(elimination.dofs),
+                           .expansion = elimination.transform};
+  require_mass(model, assembled);
+  return assembled;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "kalfem/model/finite_element_model.hpp"
+#include "kalfem/model/linear_model.hpp"
+
+namespace kalfem {
+
+/// One term of a matrix that is affine in products of named parameters: (prod_p value_p^power_p) * matrix.
+struct AffineTerm {
+  std::map<std::string, int> powers;  ///< of parameters such as "steel.youngs_modulus", "tubes.thickness"
+  SparseMatrix matrix;                ///< n x n over the free degrees of freedom, symmetric (both triangles)
+};
+
+/// A finite-element model as matrices: K = sum of stiffness terms and M = sum of mass terms over the free degrees of
+/// freedom, with the map back to the nodes. No two terms have the same powers. Immutable.
+struct AssembledModel {
+  std::map<std::string, double> parameters;  ///< present values, SI: "<material>.youngs_modulus", "<material>.density",
+                                             ///< "<region>.thickness", "<mass>.mass", "<spring>.stiffness"
+  std::vector<AffineTerm> stiffness;
+  std::vector<AffineTerm> mass;
+  SparseMatrix damping;                 ///< of dashpots [N s/m], n x n
+  std::vector<GroundCoupling> grounds;  ///< of springs to grounds, at the present values of the parameters
+  std::vector<NodalDof> dofs;           ///< free degrees of freedom, by node and then direction
+  SparseMatrix expansion;  ///< 6 nodes x n: displacement of every node's degree of freedom from the free ones
+
+  [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(dofs.size()); }
+  /// Position of a nodal degree of freedom among the free ones, -1 where it is fixed, tied or touched by nothing.
+  [[nodiscard]] Eigen::Index find(const NodalDof& dof) const;
+};
+
+/// Sum of terms at the given parameter values, n x n; 0 x 0 without terms.
+/// Throws InvalidInput for a parameter without a value.
+SparseMatrix evaluate(const std::vector<AffineTerm>& terms, const std::map<std::string, double>& parameters);
+
+/// Assembles a model: element matrices by region, point masses, springs, then fixed, tied and constrained degrees of
+/// freedom eliminated, z_all = T z, K = T^T K_all T, M alike. Only degrees of freedom that an element, spring or mass
+/// touches, itself or through a link or constraint, are numbered.
+/// Throws InvalidInput with everything that validate() finds, with the elements whose shape cannot be integrated, and
+/// with the free degrees of freedom that have no mass.
+AssembledModel assemble(const FiniteElementModel& model);
+
+}  // namespace kalfem

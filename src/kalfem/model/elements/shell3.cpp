@@ -1,0 +1,240 @@
+#include "kalfem/model/elements/shell3.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "kalfem/model/elements/shell_common.hpp"
+
+namespace kalfem {
+namespace {
+
+using Plane = Eigen::Matrix<double, 2, 3>;       ///< corners in the plane of the triangle
+using Matrix9 = Eigen::Matrix<double, 9, 9>;
+using Matrix11 = Eigen::Matrix<double, 11, 11>;
+using Matrix18 = Eigen::Matrix<double, 18, 18>;
+using FlexureRow = Eigen::Matrix<double, 1, 11>;  ///< per [w b_x b_y] of each corner, then b_x b_y of the bubble
+
+/// A flat triangle in its own axes.
+struct Triangle {
+  Eigen::Matrix3d axes;  ///< rows: along the first side, across, normal
+  Plane corners;
+  double area = 0.0;
+
+  /// Side a - b as a vector.
+  [[nodiscard]] Eigen::Vector2d side(int a, int b) const { return corners.col(a) - corners.col(b); }
+};
+
+Triangle triangle_through(const Eigen::Matrix3d& corners) {
+  require_distinct(corners);
+  const Eigen::Vector3d first = corners.col(1) - corners.col(0), second = corners.col(2) - corners.col(0);
+  const Eigen::Vector3d twice_area = first.cross(second);
+  const double longest = std::max({first.norm(), second.norm(), (second - first).norm()});
+  if (!(twice_area.norm() > 1e-10 * longest * longest))
+    throw ElementShapeError("its area is zero: its corners lie on a line");
+  Triangle triangle;
+  triangle.area = 0.5 * twice_area.norm();
+  triangle.axes.row(0) = first.normalized();
+  triangle.axes.row(2) = twice_area.normalized();
+  triangle.axes.row(1) = Eigen::Vector3d(triangle.axes.row(2)).cross(Eigen::Vector3d(triangle.axes.row(0)));
+  triangle.corners = triangle.axes.topRows<2>() * (corners.colwise() - corners.col(0));
+  return triangle;
+}
+
+/// Rows: the strain along the sides 1-2, 2-3, 3-1 from [xx, yy, 2 xy].
+Eigen::Matrix3d strains_along_sides(const Triangle& triangle) {
+  Eigen::Matrix3d along;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector2d side = triangle.side((i + 1) % 3, i).normalized();
+    along.row(i) << side.x() * side.x(), side.y() * side.y(), side.x() * side.y();
+  }
+  return along;
+}
+
+/// Basic stiffness L D L^T / A, the membrane in constant strain: a side bulges by 3/2 of the cubic that the drilling
+/// rotations of its ends give a beam [BF85].
+Matrix9 basic_membrane(const Triangle& triangle, const Eigen::Matrix3d& material) {
+  constexpr double bulge = 1.5;
+  Eigen::Matrix<double, 9, 3> lumping;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    const Eigen::Vector2d opposite = triangle.side(j, k), next = triangle.side(i, j), last = triangle.side(i, k);
+    lumping.row(3 * i) << 0.5 * opposite.y(), 0.0, -0.5 * opposite.x();
+    lumping.row(3 * i + 1) << 0.0, -0.5 * opposite.x(), 0.5 * opposite.y();
+    lumping.row(3 * i + 2) << last.y() * last.y() - next.y() * next.y(), last.x() * last.x() - next.x() * next.x(),
+        2.0 * (next.x() * next.y() - last.x() * last.y());
+    lumping.row(3 * i + 2) *= bulge / 12.0;
+  }
+  return lumping * material * lumping.transpose() / triangle.area;
+}
+
+/// Drilling rotations of the corners beyond the turn of the triangle, 3 x 9.
+Eigen::Matrix<double, 3, 9> hierarchical_rotations(const Triangle& triangle) {
+  Eigen::Matrix<double, 3, 9> rotations;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector2d opposite = triangle.side((i + 2) % 3, (i + 1) % 3) / (4.0 * triangle.area);
+    rotations.middleCols<3>(3 * i) << Eigen::Vector3d::Constant(opposite.x()),
+        Eigen::Vector3d::Constant(opposite.y()), Eigen::Vector3d::Unit(i);
+  }
+  return rotations;
+}
+
+/// Strains along the sides 1-2, 2-3, 3-1 in the middle of side i - j that the hierarchical rotations bring [Fel03].
+Eigen::Matrix3d bending_strains_along_sides(const Triangle& triangle, int i) {
+  const int j = (i + 1) % 3, k = (i + 2) % 3;
+  Eigen::Matrix3d strains = Eigen::Matrix3d::Zero();
+  strains(i, i) = -1.0, strains(i, j) = 1.0;
+  strains(j, i) = 1.0, strains(j, j) = 2.0, strains(j, k) = 1.0;
+  strains(k, i) = -2.0, strains(k, j) = -1.0, strains(k, k) = -1.0;
+  for (int side = 0; side < 3; ++side)
+    strains.row(side) *= triangle.area / (3.0 * triangle.side((side + 1) % 3, side).squaredNorm());
+  return strains;
+}
+
+/// Per unit E t, [u_x u_y theta_z] of each corner: the optimal membrane triangle [Fel03],
+///     K = L D L^T / A + 3/4 b_0 A T^T (sum over the sides of Q^T D_s Q) T,   b_0 = max((1 - 4 nu^2) / 2, 1/100),
+/// which is exact for bending in the plane of two triangles that make a rectangle.
+Matrix9 membrane_stiffness(const Triangle& triangle, double poissons_ratio) {
+  const Eigen::Matrix3d material = plane_stress(poissons_ratio);
+  const Eigen::Matrix3d from_sides = strains_along_sides(triangle).inverse();
+  const Eigen::Matrix<double, 3, 9> hierarchical = hierarchical_rotations(triangle);
+  Matrix9 stiffness = basic_membrane(triangle, material);
+  const double share = 0.75 * std::max(0.5 * (1.0 - 4.0 * poissons_ratio * poissons_ratio), 0.01) * triangle.area;
+  for (int side = 0; side < 3; ++side) {
+    const Eigen::Matrix<double, 3, 9> strains =
+        from_sides * bending_strains_along_sides(triangle, side) * hierarchical;
+    stiffness += share * strains.transpose() * material * strains;
+  }
+  return stiffness;
+}
+
+/// Deflection w and turn b = theta x n of the normals, in natural coordinates r and s [LLB14]: w is linear, b linear
+/// with the bubble 27 r s (1 - r - s) taken out of the corners' shares and given to the fourth node.
+class Flexure {
+public:
+  explicit Flexure(const Triangle& triangle) : triangle_(triangle) {
+    jacobian_ << triangle.side(1, 0), triangle.side(2, 0);
+    slopes_ = jacobian_.inverse().transpose();
+  }
+
+  /// Curvatures [b_x,x, b_y,y, b_x,y + b_y,x].
+  [[nodiscard]] Eigen::Matrix<double, 3, 11> curvatures(double r, double s) const {
+    const Eigen::Vector2d bubble = 27.0 * slopes_ * Eigen::Vector2d(s * (1.0 - 2.0 * r - s), r * (1.0 - r - 2.0 * s));
+    Eigen::Matrix<double, 3, 11> curvatures = Eigen::Matrix<double, 3, 11>::Zero();
+    for (int node = 0; node < 4; ++node) {
+      const Eigen::Vector2d slope = node < 3 ? Eigen::Vector2d(slopes_ * corner_slope(node) - bubble / 3.0) : bubble;
+      curvatures.middleCols<2>(first_turn(node)) << slope.x(), 0.0, 0.0, slope.y(), slope.y(), slope.x();
+    }
+    return curvatures;
+  }
+
+  /// [2 xz, 2 yz] of the assumed transverse shear, linear in r and s:
+  ///     e_r = 2/3 (e_r - e_s / 2)^B + 1/3 (e_r + e_s)^C + c (3 s - 1) / 3,   c = e_r^F - e_r^D - e_s^F + e_s^E,
+  ///     e_s = 2/3 (e_s - e_r / 2)^A + 1/3 (e_r + e_s)^C + c (1 - 3 r) / 3.
+  [[nodiscard]] Eigen::Matrix<double, 2, 11> assumed_shear(double r, double s) const {
+    // D, E and F stand off the centre by this little, so that the turn about the normal meets almost no shear.
+    constexpr double d = 1e-4, third = 1.0 / 3.0;
+    const Shear a = shear(1.0 / 6.0, 2.0 / 3.0), b = shear(2.0 / 3.0, 1.0 / 6.0), c = shear(1.0 / 6.0, 1.0 / 6.0);
+    const Shear at_d = shear(third + d, third - 2.0 * d), at_e = shear(third - 2.0 * d, third + d),
+                at_f = shear(third + d, third + d);
+    const FlexureRow both = third * (c.row(0) + c.row(1));
+    const FlexureRow twist = third * (at_f.row(0) - at_d.row(0) - at_f.row(1) + at_e.row(1));
+    Shear strains;
+    strains << 2.0 * third * (b.row(0) - 0.5 * b.row(1)) + both + (3.0 * s - 1.0) * twist,
+        2.0 * third * (a.row(1) - 0.5 * a.row(0)) + both + (1.0 - 3.0 * r) * twist;
+    return slopes_ * strains;
+  }
+
+private:
+  using Shear = Eigen::Matrix<double, 2, 11>;
+
+  static int first_turn(int node) { return node < 3 ? 3 * node + 1 : 9; }
+  static Eigen::Vector2d corner_slope(int corner) {
+    return corner == 0 ? Eigen::Vector2d(-1.0, -1.0) : Eigen::Vector2d(Eigen::Vector2d::Unit(corner - 1));
+  }
+  /// Interpolated [2 e_rt, 2 e_st] = w,a + b . x,a.
+  [[nodiscard]] Shear shear(double r, double s) const {
+    const double bubble = 27.0 * r * s * (1.0 - r - s);
+    const Eigen::Vector3d linear(1.0 - r - s, r, s);
+    Shear strains = Shear::Zero();
+    for (int corner = 0; corner < 3; ++corner) strains.col(3 * corner) = corner_slope(corner);
+    for (int node = 0; node < 4; ++node)
+      strains.middleCols<2>(first_turn(node)) = (node < 3 ? linear[node] - bubble / 3.0 : bubble) * jacobian_.transpose();
+    return strains;
+  }
+
+  Triangle triangle_;
+  Eigen::Matrix2d jacobian_;  ///< x,r and x,s
+  Eigen::Matrix2d slopes_;    ///< from slopes along r and s to those along x and y
+};
+
+struct GaussPoint {
+  double r, s, weight;
+};
+
+/// Radon's rule, exact to the fifth degree; weights sum to 1.
+std::array<GaussPoint, 7> gauss_points() {
+  const double root = std::sqrt(15.0);
+  const double a = (6.0 - root) / 21.0, b = (6.0 + root) / 21.0;
+  const double near_side = (155.0 - root) / 1200.0, near_corner = (155.0 + root) / 1200.0;
+  return {GaussPoint{1.0 / 3.0, 1.0 / 3.0, 9.0 / 40.0},
+          {a, a, near_side}, {1.0 - 2.0 * a, a, near_side}, {a, 1.0 - 2.0 * a, near_side},
+          {b, b, near_corner}, {1.0 - 2.0 * b, b, near_corner}, {b, 1.0 - 2.0 * b, near_corner}};
+}
+
+/// Per unit E, [w b_x b_y] of each corner, the bubble condensed.
+Matrix9 flexure_stiffness(const Triangle& triangle, double poissons_ratio, double thickness) {
+  const Flexure flexure(triangle);
+  const Eigen::Matrix3d bending = std::pow(thickness, 3) / 12.0 * plane_stress(poissons_ratio);
+  const double shear = shear_correction * thickness * relative_shear_modulus(poissons_ratio);
+  Matrix11 stiffness = Matrix11::Zero();
+  for (const auto& [r, s, weight] : gauss_points()) {
+    const auto curvatures = flexure.curvatures(r, s);
+    const auto sheared = flexure.assumed_shear(r, s);
+    stiffness += weight * triangle.area *
+                 (curvatures.transpose() * bending * curvatures + shear * sheared.transpose() * sheared);
+  }
+  return stiffness.topLeftCorner<9, 9>() - stiffness.topRightCorner<9, 2>() *
+                                               stiffness.bottomRightCorner<2, 2>().inverse() *
+                                               stiffness.bottomLeftCorner<2, 9>();
+}
+
+/// [u_x u_y theta_z] of the corners in the triangle's axes from global displacements and rotations.
+Eigen::Matrix<double, 9, 18> to_membrane(const Eigen::Matrix3d& axes) {
+  Eigen::Matrix<double, 9, 18> map = Eigen::Matrix<double, 9, 18>::Zero();
+  for (int i = 0; i < 3; ++i) {
+    map.block<2, 3>(3 * i, 6 * i) = axes.topRows<2>();
+    map.block<1, 3>(3 * i + 2, 6 * i + 3) = axes.row(2);
+  }
+  return map;
+}
+
+/// [w b_x b_y] of the corners, b = theta x n = [theta_y, -theta_x].
+Eigen::Matrix<double, 9, 18> to_flexure(const Eigen::Matrix3d& axes) {
+  Eigen::Matrix<double, 9, 18> map = Eigen::Matrix<double, 9, 18>::Zero();
+  for (int i = 0; i < 3; ++i) {
+    map.block<1, 3>(3 * i, 6 * i) = axes.row(2);
+    map.block<1, 3>(3 * i + 1, 6 * i + 3) = axes.row(1);
+    map.block<1, 3>(3 * i + 2, 6 * i + 3) = -axes.row(0);
+  }
+  return map;
+}
+
+Eigen::MatrixXd transformed(const Matrix9& stiffness, const Eigen::Matrix<double, 9, 18>& map) {
+  const Matrix18 global = map.transpose() * stiffness * map;
+  return 0.5 * (global + global.transpose());
+}
+
+}  // namespace
+
+ElementMatrices shell3(const Eigen::Matrix3d& corners, double poissons_ratio, double thickness, MassKind mass_kind) {
+  const Triangle triangle = triangle_through(corners);
+  const Eigen::Matrix3d shares = triangle.area / 12.0 * (Eigen::Matrix3d::Ones() + Eigen::Matrix3d::Identity());
+  return {.stiffness = {{{.youngs_modulus = 1, .thickness = 1},
+                         transformed(membrane_stiffness(triangle, poissons_ratio), to_membrane(triangle.axes))},
+                        {{.youngs_modulus = 1},
+                         transformed(flexure_stiffness(triangle, poissons_ratio, thickness), to_flexure(triangle.axes))}},
+          .mass = plate_mass(shares, mass_kind)};
+}
+
+}  // namespace kalfem

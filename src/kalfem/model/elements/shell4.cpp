@@ -1,0 +1,302 @@
+#include "kalfem/model/elements/shell4.hpp"
+
+#include <array>
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "kalfem/model/elements/shell_common.hpp"
+
+namespace kalfem {
+namespace {
+
+using Corners = Eigen::Matrix<double, 3, 4>;
+using Axes = Eigen::Matrix<double, 3, 2>;          ///< two vectors in a plane of the surface
+using Row = Eigen::Matrix<double, 1, 24>;          ///< one strain per nodal displacement and rotation
+using PlaneRows = Eigen::Matrix<double, 3, 24>;    ///< strains rr, ss, 2 rs, or 11, 22, 2 12
+using ShearRows = Eigen::Matrix<double, 2, 24>;    ///< strains 2 rt, 2 st, or 2 13, 2 23
+using Matrix24 = Eigen::Matrix<double, 24, 24>;
+
+// Natural coordinates of the corners.
+const Eigen::Vector4d corner_r(-1.0, 1.0, 1.0, -1.0);
+const Eigen::Vector4d corner_s(-1.0, -1.0, 1.0, 1.0);
+
+/// Parts of the gradient of G t that the drilling rotation carries: a tenth leaves the membrane as soft as without, and
+/// a thousandth of the bending stiffness keeps the patterns that the first does not see.
+constexpr double drilling_share = 0.1;
+constexpr double drilling_gradient_share = 1e-3;
+
+/// The bilinear mid-surface with its normals at the corners.
+struct Surface {
+  Corners corners;
+  Corners normals;
+};
+
+/// The mid-surface x = sum N_i x_i and the directors d = sum N_i n_i at one place.
+struct SurfacePoint {
+  Eigen::Vector4d shape;               ///< N_i
+  Eigen::Matrix<double, 4, 2> slopes;  ///< N_i,r and N_i,s
+  Axes tangents;                       ///< x,r and x,s
+  Eigen::Vector3d director;            ///< d
+  Axes director_slopes;                ///< d,r and d,s
+
+  [[nodiscard]] Eigen::Vector3d area_vector() const {
+    return Eigen::Vector3d(tangents.col(0)).cross(Eigen::Vector3d(tangents.col(1)));
+  }
+  /// g^r and g^s: in the tangent plane, g^a . x,b = 1 for a = b, else 0.
+  [[nodiscard]] Axes dual() const { return tangents * (tangents.transpose() * tangents).inverse(); }
+};
+
+SurfacePoint point_at(const Surface& surface, double r, double s) {
+  SurfacePoint point;
+  const Eigen::Array4d along_r = 1.0 + r * corner_r.array(), along_s = 1.0 + s * corner_s.array();
+  point.shape = 0.25 * along_r * along_s;
+  point.slopes.col(0) = 0.25 * corner_r.array() * along_s;
+  point.slopes.col(1) = 0.25 * corner_s.array() * along_r;
+  point.tangents = surface.corners * point.slopes;
+  point.director = surface.normals * point.shape;
+  point.director_slopes = surface.normals * point.slopes;
+  return point;
+}
+
+/// Throws ElementShapeError for a shape on which the surface has no normal or turns over.
+Surface surface_through(const Corners& corners) {
+  require_distinct(corners);
+  Surface surface{corners, Corners::Zero()};
+  const Eigen::Vector3d centre = point_at(surface, 0.0, 0.0).area_vector();
+  const double extent = (corners.rowwise().maxCoeff() - corners.rowwise().minCoeff()).norm();
+  if (!(centre.norm() > 1e-10 * extent * extent)) throw ElementShapeError("its area is zero");
+  for (int i = 0; i < 4; ++i) {
+    const Eigen::Vector3d area = point_at(surface, corner_r[i], corner_s[i]).area_vector();
+    if (!(area.dot(centre) > 1e-8 * centre.squaredNorm()))
+      throw ElementShapeError("it is concave, twisted like a bow tie or a triangle: at corner " + std::to_string(i + 1) +
+                              " the Jacobian is not positive");
+    surface.normals.col(i) = area.normalized();
+  }
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < i; ++j)
+      if (!(surface.normals.col(i).dot(surface.normals.col(j)) > 0.0))
+        throw ElementShapeError("it is warped by more than a right angle between its corners " + std::to_string(j + 1) +
+                                " and " + std::to_string(i + 1));
+  return surface;
+}
+
+auto displacement(auto& rows, int node) { return rows.template middleCols<3>(6 * node); }
+auto rotation(auto& rows, int node) { return rows.template middleCols<3>(6 * node + 3); }
+
+/// e_ab = (x,a . u,b + x,b . u,a) / 2 of the interpolated displacements.
+PlaneRows membrane_strains(const SurfacePoint& point) {
+  const Eigen::RowVector3d g_r = point.tangents.col(0), g_s = point.tangents.col(1);
+  PlaneRows strains = PlaneRows::Zero();
+  for (int i = 0; i < 4; ++i) {
+    const double n_r = point.slopes(i, 0), n_s = point.slopes(i, 1);
+    displacement(strains, i) << n_r * g_r, n_s * g_s, n_s * g_r + n_r * g_s;
+  }
+  return strains;
+}
+
+/// The part of the strain that grows with the distance from the mid-surface,
+///     k_ab = (x,a . v,b + x,b . v,a + d,a . u,b + d,b . u,a) / 2,   v = sum N_i theta_i x n_i.
+PlaneRows bending_strains(const Surface& surface, const SurfacePoint& point) {
+  const Eigen::Vector3d g_r = point.tangents.col(0), g_s = point.tangents.col(1);
+  const Eigen::RowVector3d d_r = point.director_slopes.col(0), d_s = point.director_slopes.col(1);
+  PlaneRows strains = PlaneRows::Zero();
+  for (int i = 0; i < 4; ++i) {
+    const double n_r = point.slopes(i, 0), n_s = point.slopes(i, 1);
+    const Eigen::Vector3d normal = surface.normals.col(i);
+    const Eigen::RowVector3d across_r = normal.cross(g_r), across_s = normal.cross(g_s);
+    displacement(strains, i) << n_r * d_r, n_s * d_s, n_s * d_r + n_r * d_s;
+    rotation(strains, i) << n_r * across_r, n_s * across_s, n_s * across_r + n_r * across_s;
+  }
+  return strains;
+}
+
+/// 2 e_at = x,a . v + d . u,a of the interpolated motion.
+ShearRows transverse_strains(const Surface& surface, const SurfacePoint& point) {
+  ShearRows strains = ShearRows::Zero();
+  for (int i = 0; i < 4; ++i)
+    for (int a = 0; a < 2; ++a) {
+      const Eigen::Vector3d normal = surface.normals.col(i), tangent = point.tangents.col(a);
+      displacement(strains, i).row(a) = point.slopes(i, a) * point.director.transpose();
+      rotation(strains, i).row(a) = point.shape[i] * normal.cross(tangent).transpose();
+    }
+  return strains;
+}
+
+/// Transverse shear linear between the middles of opposite sides [DB84].
+class AssumedTransverseShear {
+public:
+  explicit AssumedTransverseShear(const Surface& surface) {
+    const auto row = [&](double r, double s, int a) -> Row {
+      return transverse_strains(surface, point_at(surface, r, s)).row(a);
+    };
+    top_ = row(0.0, 1.0, 0), bottom_ = row(0.0, -1.0, 0), right_ = row(1.0, 0.0, 1), left_ = row(-1.0, 0.0, 1);
+  }
+  [[nodiscard]] ShearRows at(double r, double s) const {
+    ShearRows strains;
+    strains << 0.5 * ((1.0 + s) * top_ + (1.0 - s) * bottom_), 0.5 * ((1.0 + r) * right_ + (1.0 - r) * left_);
+    return strains;
+  }
+
+private:
+  Row top_, bottom_, right_, left_;
+};
+
+/// Membrane strains from those along the four sides and the shear at the centre [KLB17]. With x,r = x_r + s x_d and
+/// u,r = u_r + s u_d, the interpolated ones hold x_d . u_d, which on a warped surface answers bending with membrane
+/// strain. It is replaced by the sum of side strains that equals it on a flat one.
+class AssumedMembrane {
+public:
+  explicit AssumedMembrane(const Surface& surface) {
+    const auto row = [&](double r, double s, int a) -> Row {
+      return membrane_strains(point_at(surface, r, s)).row(a);
+    };
+    const Row a = row(0.0, 1.0, 0), b = row(0.0, -1.0, 0), c = row(1.0, 0.0, 1), d = row(-1.0, 0.0, 1);
+    mean_rr_ = 0.5 * (a + b), slope_rr_ = 0.5 * (a - b);
+    mean_ss_ = 0.5 * (c + d), slope_ss_ = 0.5 * (c - d);
+    centre_ = row(0.0, 0.0, 2);
+    const Eigen::Vector3d hourglass = 0.25 * surface.corners * corner_r.cwiseProduct(corner_s);
+    const Eigen::Vector2d skew = point_at(surface, 0.0, 0.0).dual().transpose() * hourglass;
+    const double c_r = skew[0], c_s = skew[1];
+    hourglass_ = (c_r * (c_r * mean_rr_ - slope_rr_) + c_s * (c_s * mean_ss_ - slope_ss_) + c_r * c_s * centre_) /
+                 (skew.squaredNorm() - 1.0);
+  }
+  [[nodiscard]] PlaneRows at(double r, double s) const {
+    PlaneRows strains;
+    strains << mean_rr_ + s * slope_rr_ + (s * s - 1.0) * hourglass_,
+        mean_ss_ + r * slope_ss_ + (r * r - 1.0) * hourglass_,
+        centre_ + r * slope_rr_ + s * slope_ss_ + 2.0 * r * s * hourglass_;
+    return strains;
+  }
+
+private:
+  Row mean_rr_, slope_rr_, mean_ss_, slope_ss_, centre_, hourglass_;
+};
+
+/// From strains [rr, ss, 2 rs] to [11, 22, 2 12] in axes e_1, e_2; `turn` has the entries e_a . g^b.
+Eigen::Matrix3d to_axes(const Eigen::Matrix2d& turn) {
+  const double a = turn(0, 0), b = turn(0, 1), c = turn(1, 0), d = turn(1, 1);
+  return Eigen::Matrix3d{{a * a, b * b, a * b}, {c * c, d * d, c * d}, {2.0 * a * c, 2.0 * b * d, a * d + b * c}};
+}
+
+/// Sums over the Gauss points, per unit of E and of the power of t.
+struct Sums {
+  Matrix24 membrane = Matrix24::Zero();
+  Matrix24 bending = Matrix24::Zero();
+  Matrix24 shear = Matrix24::Zero();
+  Matrix24 drilling_gradient = Matrix24::Zero();
+  Eigen::Matrix4d shares = Eigen::Matrix4d::Zero();  ///< int N_i N_j dA
+};
+
+/// Orthonormal axes in the tangent plane of the centre; those of another place are turned the shortest way from these.
+struct Frame {
+  Eigen::Vector3d normal;
+  Axes axes;
+
+  [[nodiscard]] Axes at(const Eigen::Vector3d& other_normal) const {
+    return Eigen::Quaterniond::FromTwoVectors(normal, other_normal).toRotationMatrix() * axes;
+  }
+};
+
+Frame frame_of(const SurfacePoint& centre) {
+  Frame frame;
+  frame.normal = centre.area_vector().normalized();
+  frame.axes.col(0) = centre.tangents.col(0).normalized();
+  frame.axes.col(1) = frame.normal.cross(Eigen::Vector3d(frame.axes.col(0)));
+  return frame;
+}
+
+/// int B^T D B dA of the membrane with four strain modes of its own, linear in r and s and without mean, condensed
+/// [SR90]: they let the sides curve, so that bending in the plane meets no shear and no strain across.
+class EnhancedMembrane {
+public:
+  explicit EnhancedMembrane(const Eigen::Matrix3d& material) : material_(material) {}
+
+  void add(const PlaneRows& strains, const Eigen::Matrix<double, 3, 4>& modes, double area) {
+    nodal_ += area * strains.transpose() * material_ * strains;
+    mixed_ += area * modes.transpose() * material_ * strains;
+    modal_ += area * modes.transpose() * material_ * modes;
+  }
+  [[nodiscard]] Matrix24 condensed() const { return nodal_ - mixed_.transpose() * modal_.ldlt().solve(mixed_); }
+
+private:
+  Eigen::Matrix3d material_;
+  Matrix24 nodal_ = Matrix24::Zero();
+  Eigen::Matrix<double, 4, 24> mixed_ = Eigen::Matrix<double, 4, 24>::Zero();
+  Eigen::Matrix4d modal_ = Eigen::Matrix4d::Zero();
+};
+
+/// Modes r of rr, s of ss, r and s of rs.
+Eigen::Matrix<double, 3, 4> enhanced_modes(double r, double s) {
+  return Eigen::Matrix<double, 3, 4>{{r, 0.0, 0.0, 0.0}, {0.0, s, 0.0, 0.0}, {0.0, 0.0, r, s}};
+}
+
+/// Gradient in the axes of the rotation about the centre's normal.
+ShearRows drilling_gradient(const SurfacePoint& point, const Eigen::Matrix2d& turn, const Eigen::Vector3d& normal) {
+  const Eigen::Matrix<double, 2, 4> gradient = turn * point.slopes.transpose();
+  ShearRows rows = ShearRows::Zero();
+  for (int i = 0; i < 4; ++i) rotation(rows, i) = gradient.col(i) * normal.transpose();
+  return rows;
+}
+
+/// theta . n - n . sum_a g^a x u,a / 2 at the centre: the drilling rotation beyond the turn of the surface [HB89].
+Row drilling_strain(const SurfacePoint& centre, const Eigen::Vector3d& normal) {
+  const Axes dual = centre.dual();
+  Row strain = Row::Zero();
+  for (int i = 0; i < 4; ++i) {
+    const Eigen::Vector3d slope = dual * centre.slopes.row(i).transpose();  // n . (slope x u) = u . (n x slope)
+    displacement(strain, i) = -0.5 * normal.cross(slope).transpose();
+    rotation(strain, i) = centre.shape[i] * normal.transpose();
+  }
+  return strain;
+}
+
+Sums integrate(const Surface& surface, const Frame& frame, double poissons_ratio) {
+  const AssumedMembrane membrane(surface);
+  const AssumedTransverseShear transverse(surface);
+  const SurfacePoint centre = point_at(surface, 0.0, 0.0);
+  const Eigen::Matrix3d material = plane_stress(poissons_ratio);
+  const Eigen::Matrix3d centre_to_axes = to_axes(frame.axes.transpose() * centre.dual());
+  EnhancedMembrane enhanced(material);
+  Sums sums;
+  const double gauss = 1.0 / std::sqrt(3.0);
+  for (int i = 0; i < 4; ++i) {
+    const double r = gauss * corner_r[i], s = gauss * corner_s[i];
+    const SurfacePoint point = point_at(surface, r, s);
+    const double area = point.area_vector().norm();
+    const Eigen::Vector3d normal = point.area_vector() / area;
+    const Eigen::Matrix2d turn = frame.at(normal).transpose() * point.dual();
+    const Eigen::Matrix3d tensor_turn = to_axes(turn);
+
+    const double density = centre.area_vector().norm() / area;
+    enhanced.add(tensor_turn * membrane.at(r, s), density * centre_to_axes * enhanced_modes(r, s), area);
+    const PlaneRows bent = tensor_turn * bending_strains(surface, point);
+    sums.bending += area * bent.transpose() * material * bent;
+    const ShearRows sheared = turn * transverse.at(r, s) / point.director.dot(normal);
+    sums.shear += area * sheared.transpose() * sheared;
+    const ShearRows drilled = drilling_gradient(point, turn, frame.normal);
+    sums.drilling_gradient += area * drilled.transpose() * drilled;
+    sums.shares += area * point.shape * point.shape.transpose();
+  }
+  sums.membrane = enhanced.condensed();
+  return sums;
+}
+
+}  // namespace
+
+ElementMatrices shell4(const Corners& corners, double poissons_ratio, double /*thickness*/, MassKind mass_kind) {
+  const Surface surface = surface_through(corners);
+  const SurfacePoint centre = point_at(surface, 0.0, 0.0);
+  const Frame frame = frame_of(centre);
+  const Sums sums = integrate(surface, frame, poissons_ratio);
+  const Row drilling = drilling_strain(centre, frame.normal);
+  const double shear_modulus = relative_shear_modulus(poissons_ratio);
+
+  const Matrix24 stretching = sums.membrane + shear_correction * shear_modulus * sums.shear +
+                              drilling_share * shear_modulus * sums.shares.sum() * drilling.transpose() * drilling;
+  const Matrix24 bending = (sums.bending + drilling_gradient_share * sums.drilling_gradient) / 12.0;
+  return {.stiffness = {{{.youngs_modulus = 1, .thickness = 1}, 0.5 * (stretching + stretching.transpose())},
+                        {{.youngs_modulus = 1, .thickness = 3}, 0.5 * (bending + bending.transpose())}},
+          .mass = plate_mass(sums.shares, mass_kind)};
+}
+
+}  // namespace kalfem

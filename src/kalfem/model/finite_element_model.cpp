@@ -1,0 +1,306 @@
+#include "kalfem/model/finite_element_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "kalfem/model/constraints.hpp"
+
+namespace kalfem {
+namespace {
+
+bool is_positive(double value) { return value > 0.0 && std::isfinite(value); }
+
+template <typename Map>
+std::vector<std::string> names_of(const Map& map) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : map) names.push_back(name);
+  return names;
+}
+
+/// Looks through a model part by part and collects what is wrong with it.
+class Validator {
+public:
+  explicit Validator(const FiniteElementModel& model) : model_(model), mesh_(model.mesh) {}
+
+  std::vector<Issue> run() {
+    check_mesh();
+    for (const auto& [name, material] : model_.materials) check_material(name, material);
+    for (const auto& [region, property] : model_.properties) check_property(region, property);
+    if (mesh_is_sound_) check_regions();
+    check_masses();
+    check_springs();
+    check_links();
+    check_constraints();
+    check_supports();
+    if (nodes_exist_ && mesh_is_sound_)
+      for (auto& issue : constraint_issues(model_))
+        add(std::move(issue.what), std::move(issue.why), std::move(issue.fix));
+    return issues_.issues();
+  }
+
+private:
+  void add(std::string what, std::string why, std::string fix = {}) {
+    issues_.add({mesh_.source, 0}, std::move(what), std::move(why), std::move(fix));
+  }
+
+  void check_mesh();
+  void check_material(const std::string& name, const IsotropicMaterial& material);
+  void check_property(const std::string& region, const RegionProperty& property);
+  void check_shape(const std::string& region, const RegionProperty& property);
+  void check_density(const std::string& region, const std::string& material);
+  void check_section(const std::string& region, const BeamProperty& beam);
+  void check_regions();
+  void check_overlaps();
+  void check_masses();
+  void check_springs();
+  void check_links();
+  void check_constraints();
+  void check_supports();
+
+  bool check_node(Eigen::Index node, const std::string& title);
+  bool check_dof(const NodalDof& dof, const std::string& title);
+  template <typename Item>
+  void check_names(const std::vector<Item>& items, const std::string& kind);
+
+  const FiniteElementModel& model_;
+  const Mesh& mesh_;
+  IssueList issues_;
+  bool mesh_is_sound_ = true;
+  bool nodes_exist_ = true;
+};
+
+void Validator::check_mesh() {
+  const auto in_range = [](Eigen::Index index, std::size_t size) {
+    return index >= 0 && static_cast<std::size_t>(index) < size;
+  };
+  const auto refuse = [&](std::string what, std::string why) {
+    add(std::move(what), std::move(why), "mend the mesh");
+    mesh_is_sound_ = false;
+  };
+  const auto nodes = static_cast<std::size_t>(mesh_.node_count());
+  if (mesh_.node_ids.size() != nodes) {
+    refuse("the mesh has " + std::to_string(nodes) + " nodes and " + std::to_string(mesh_.node_ids.size()) + " numbers",
+           "each node has its number");
+    nodes_exist_ = false;
+    return;
+  }
+  if (!mesh_.nodes.allFinite()) refuse("a coordinate of the mesh is not finite", "coordinates are numbers in m");
+  for (const auto& cell : mesh_.cells)
+    if (!std::ranges::all_of(mesh_.nodes_of(cell), [&](auto node) { return in_range(node, nodes); }))
+      refuse(to_string(cell.shape) + " " + std::to_string(cell.id) + " has a node that does not exist",
+             "cells join nodes of the mesh");
+  for (const auto& [region, cells] : mesh_.regions)
+    if (!std::ranges::all_of(cells, [&](auto cell) { return in_range(cell, mesh_.cells.size()); }))
+      refuse("region '" + region + "' has a cell that does not exist", "regions list cells of the mesh");
+}
+
+void Validator::check_material(const std::string& name, const IsotropicMaterial& material) {
+  const std::string title = "material '" + name + "' has ";
+  if (!is_positive(material.youngs_modulus))
+    add(title + "Young's modulus " + std::to_string(material.youngs_modulus), "it must be positive and finite",
+        "give it in Pa");
+  if (!(material.poissons_ratio > -1.0 && material.poissons_ratio < 0.5))
+    add(title + "Poisson's ratio " + std::to_string(material.poissons_ratio), "it must lie between -1 and 0.5");
+  if (!(material.density >= 0.0) || !std::isfinite(material.density))
+    add(title + "density " + std::to_string(material.density), "it must be positive and finite", "give it in kg/m^3");
+}
+
+void Validator::check_property(const std::string& region, const RegionProperty& property) {
+  if (!mesh_.regions.contains(region))
+    add("a property is given for the region '" + region + "', which the mesh does not have" +
+            did_you_mean(region, names_of(mesh_.regions)),
+        "a property belongs to a region of the mesh");
+  else if (mesh_is_sound_)
+    check_shape(region, property);
+  const auto& material = std::visit([](const auto& kind) -> const std::string& { return kind.material; }, property);
+  if (!model_.materials.contains(material))
+    add("region '" + region + "' is of the material '" + material + "', which is not defined" +
+            did_you_mean(material, names_of(model_.materials)),
+        "each property needs a material");
+  else
+    check_density(region, material);
+  if (const auto* shell = std::get_if<ShellProperty>(&property); shell && !is_positive(shell->thickness))
+    add("region '" + region + "' has the thickness " + std::to_string(shell->thickness),
+        "a thickness is positive and finite", "give it in m");
+  if (const auto* beam = std::get_if<BeamProperty>(&property)) check_section(region, *beam);
+}
+
+/// Shells are made of surfaces, beams of lines.
+void Validator::check_shape(const std::string& region, const RegionProperty& property) {
+  const bool is_shell = std::holds_alternative<ShellProperty>(property);
+  const auto& cells = mesh_.regions.at(region);
+  const auto wrong = std::ranges::find_if(cells, [&](auto cell) {
+    return dimension(mesh_.cells[static_cast<std::size_t>(cell)].shape) != (is_shell ? 2 : 1);
+  });
+  if (cells.empty()) add("region '" + region + "' has a property and no cells", "nothing would be made of it");
+  if (wrong == cells.end()) return;
+  const auto& cell = mesh_.cells[static_cast<std::size_t>(*wrong)];
+  add("region '" + region + "' has a " + (is_shell ? "shell" : "beam") + " property and holds the " +
+          to_string(cell.shape) + " " + std::to_string(cell.id),
+      is_shell ? "shells are made of triangles and quadrilaterals" : "beams are made of lines",
+      "give lines and surfaces regions of their own");
+}
+
+void Validator::check_density(const std::string& region, const std::string& material) {
+  if (model_.materials.at(material).density == 0.0)
+    add("region '" + region + "' is of the material '" + material + "', a material without density",
+        "dynamics need the mass of every region", "give the density in kg/m^3");
+}
+
+void Validator::check_section(const std::string& region, const BeamProperty& beam) {
+  const auto& section = beam.section;
+  for (const auto& [what, value] : {std::pair{"area", section.area},
+                                    {"inertia_y", section.inertia_y},
+                                    {"inertia_z", section.inertia_z},
+                                    {"torsion", section.torsion}})
+    if (!is_positive(value))
+      add("the section of region '" + region + "' has " + what + " " + std::to_string(value),
+          "it must be positive and finite");
+  for (const double value : {section.shear_factor_y, section.shear_factor_z})
+    if (!(value >= 0.0) || !std::isfinite(value))
+      add("the section of region '" + region + "' has the shear factor " + std::to_string(value),
+          "a shear factor is positive, or 0 for a beam that is rigid in shear");
+  if (!beam.up.allFinite() || !beam.offset.allFinite())
+    add("'up' or 'offset' of region '" + region + "' is not finite", "both are vectors of numbers");
+}
+
+/// A region whose cells no property covers would be left out of the structure silently.
+void Validator::check_regions() {
+  if (model_.properties.empty() && model_.masses.empty() && model_.springs.empty())
+    add("the model '" + model_.name + "' has no properties, masses or springs", "there is nothing to assemble",
+        "give a region of the mesh a property");
+  std::vector<bool> covered(mesh_.cells.size(), false);
+  for (const auto& [region, property] : model_.properties)
+    if (const auto cells = mesh_.regions.find(region); cells != mesh_.regions.end())
+      for (const auto cell : cells->second) covered[static_cast<std::size_t>(cell)] = true;
+  for (const auto& [region, cells] : mesh_.regions) {
+    const auto missing = std::ranges::count_if(cells, [&](auto cell) {
+      const auto index = static_cast<std::size_t>(cell);
+      return dimension(mesh_.cells[index].shape) > 0 && !covered[index];
+    });
+    if (missing > 0)
+      add("missing property for region '" + region + "': " + std::to_string(missing) + " of its cells have none",
+          "they would be left out of the structure", "give the region a property, or take it out of the mesh");
+  }
+  check_overlaps();
+}
+
+/// A cell in two regions with properties, or twice in one, would count twice.
+void Validator::check_overlaps() {
+  std::vector<const std::string*> owner(mesh_.cells.size(), nullptr);
+  std::set<std::pair<std::string, std::string>> told;
+  for (const auto& [region, property] : model_.properties) {
+    const auto cells = mesh_.regions.find(region);
+    if (cells == mesh_.regions.end()) continue;
+    for (const auto index : cells->second) {
+      auto& first = owner[static_cast<std::size_t>(index)];
+      if (first && told.insert({*first, region}).second) {
+        const auto& cell = mesh_.cells[static_cast<std::size_t>(index)];
+        add(to_string(cell.shape) + " " + std::to_string(cell.id) + " stands in region '" + *first +
+                "' and again in '" + region + "'",
+            "it would count twice", "leave it in one region with a property");
+      }
+      first = &region;
+    }
+  }
+}
+
+bool Validator::check_node(Eigen::Index node, const std::string& title) {
+  if (node >= 0 && node < mesh_.node_count()) return true;
+  nodes_exist_ = false;
+  add(title + " names the node at position " + std::to_string(node) + " of " + std::to_string(mesh_.node_count()),
+      "it does not exist", "name a node of the mesh");
+  return false;
+}
+
+bool Validator::check_dof(const NodalDof& dof, const std::string& title) {
+  if (dof.direction >= 0 && dof.direction < 6) return check_node(dof.node, title);
+  nodes_exist_ = false;
+  add(title + " acts in direction " + std::to_string(dof.direction), "directions are x, y, z, rx, ry, rz (0 to 5)");
+  return false;
+}
+
+/// Names lead to parameters and stand in messages.
+template <typename Item>
+void Validator::check_names(const std::vector<Item>& items, const std::string& kind) {
+  std::set<std::string> seen;
+  for (const auto& item : items)
+    if (!seen.insert(item.name).second)
+      add("the " + kind + " '" + item.name + "' is given twice", "names must be unique", "rename one of them");
+}
+
+void Validator::check_masses() {
+  check_names(model_.masses, "point mass");
+  for (const auto& mass : model_.masses) {
+    const std::string title = "point mass '" + mass.name + "'";
+    check_node(mass.node, title);
+    if (!(mass.mass >= 0.0) || !std::isfinite(mass.mass))
+      add(title + " has the mass " + std::to_string(mass.mass), "a mass is not negative, and finite",
+          "give the mass in kg");
+    const auto& inertia = mass.inertia;
+    if (!mass.offset.allFinite() || !inertia.allFinite()) {
+      add(title + " has an offset or an inertia that is not finite", "both are numbers in m and kg m^2");
+      continue;
+    }
+    const double scale = inertia.cwiseAbs().maxCoeff();
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(inertia, Eigen::EigenvaluesOnly);
+    // Entries typed with few digits may miss symmetry and definiteness by rounding.
+    if ((inertia - inertia.transpose()).cwiseAbs().maxCoeff() > 1e-9 * scale ||
+        principal.eigenvalues().minCoeff() < -1e-9 * scale)
+      add(title + " has an inertia that is not symmetric or has a negative principal moment",
+          "no body has such an inertia");
+  }
+}
+
+void Validator::check_springs() {
+  check_names(model_.springs, "spring");
+  for (const auto& spring : model_.springs) {
+    const std::string title = "spring '" + spring.name + "'";
+    check_dof(spring.from, title);
+    if (spring.to) check_dof(*spring.to, title);
+    if (spring.to && *spring.to == spring.from)
+      add(title + " joins a degree of freedom to itself", "it has no effect", "name two, or one and a ground");
+    for (const auto& [what, value] : {std::pair{"stiffness", spring.stiffness}, {"damping", spring.damping}})
+      if (!(value >= 0.0) || !std::isfinite(value))
+        add(title + " has the " + what + " " + std::to_string(value),
+            "stiffness and damping of a spring are not negative, and finite");
+  }
+}
+
+void Validator::check_links() {
+  check_names(model_.links, "rigid link");
+  for (const auto& link : model_.links) {
+    const std::string title = "rigid link '" + link.name + "'";
+    check_node(link.master, title);
+    for (const auto slave : link.slaves) check_node(slave, title);
+    if (link.slaves.empty()) add(title + " has no slaves", "it ties nothing", "name the nodes that follow");
+  }
+}
+
+void Validator::check_constraints() {
+  check_names(model_.constraints, "constraint");
+  for (const auto& constraint : model_.constraints)
+    for (const auto& [dof, coefficient] : constraint.terms) check_dof(dof, "constraint '" + constraint.name + "'");
+}
+
+void Validator::check_supports() {
+  for (const auto& support : model_.fixed)
+    for (const auto node : support.nodes) check_node(node, "support '" + support.name + "'");
+}
+
+}  // namespace
+
+int direction_index(const std::string& name) {
+  const auto place = std::ranges::find(direction_names, name);
+  return place == direction_names.end() ? -1 : static_cast<int>(place - direction_names.begin());
+}
+
+std::string dof_name(const Mesh& mesh, const NodalDof& dof) {
+  return "n" + std::to_string(mesh.node_ids[static_cast<std::size_t>(dof.node)]) + "." +
+         direction_names[static_cast<std::size_t>(dof.direction)];
+}
+
+std::vector<Issue> validate(const FiniteElementModel& model) { return Validator(model).run(); }
+
+}  // namespace kalfem

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/model/mesh.hpp"
+#include "kalfem/model/properties.hpp"
+
+namespace kalfem {
+
+/// Degrees of freedom of a node, in this order everywhere.
+inline constexpr std::array<const char*, 6> direction_names = {"x", "y", "z", "rx", "ry", "rz"};
+/// Index of a direction by its name, -1 where there is none.
+int direction_index(const std::string& name);
+
+/// One degree of freedom of one node.
+struct NodalDof {
+  Eigen::Index node = 0;
+  int direction = 0;  ///< 0 .. 5
+  friend auto operator<=>(const NodalDof&, const NodalDof&) = default;
+};
+
+/// Mass and inertia at a node, its centre moved from the node by `offset`.
+struct PointMass {
+  std::string name;
+  Eigen::Index node = 0;
+  double mass = 0.0;                                  ///< [kg]
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< about its own centre, global axes [kg m^2]
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();   ///< [m]
+};
+
+/// Linear spring and dashpot along one degree of freedom: between two nodes, or from a node to a ground.
+struct NodalSpring {
+  std::string name;
+  NodalDof from;
+  std::optional<NodalDof> to;  ///< empty: the ground of that name
+  std::string ground = "ground";
+  double stiffness = 0.0;  ///< [N/m] or [N m/rad]
+  double damping = 0.0;    ///< [N s/m] or [N m s/rad]
+};
+
+/// Nodes that move as one rigid body with their master (RBE2).
+struct RigidLink {
+  std::string name;
+  Eigen::Index master = 0;
+  std::vector<Eigen::Index> slaves;
+  std::array<bool, 6> tied = {true, true, true, true, true, true};  ///< directions of the slaves that follow
+};
+
+/// sum_i coefficient_i z_i = 0; the first degree of freedom follows from the others.
+struct MultiPointConstraint {
+  std::string name;
+  std::vector<std::pair<NodalDof, double>> terms;
+};
+
+/// Degrees of freedom that do not move.
+struct FixedNodes {
+  std::string name;
+  std::vector<Eigen::Index> nodes;
+  std::array<bool, 6> directions = {true, true, true, true, true, true};
+};
+
+/// A linear finite-element substructure as the user describes it. Cells belong to regions of the mesh; each region that
+/// has a property is part of the model, others are not. Point cells need none.
+struct FiniteElementModel {
+  std::string name;
+  Mesh mesh;
+  std::map<std::string, IsotropicMaterial> materials;
+  std::map<std::string, RegionProperty> properties;  ///< by region
+  std::vector<PointMass> masses;
+  std::vector<NodalSpring> springs;
+  std::vector<RigidLink> links;
+  std::vector<MultiPointConstraint> constraints;
+  std::vector<FixedNodes> fixed;
+  MassKind mass_kind = MassKind::consistent;
+};
+
+/// "n17.rx": the degree of freedom by its node's number and its direction.
+std::string dof_name(const Mesh& mesh, const NodalDof& dof);
+
+/// Every problem that can be found without assembling: regions of lines or surfaces whose cells have no property,
+/// materials that are missing or not physical, properties on cells of the wrong dimension, nodes that do not exist,
+/// names given twice, springs and masses that are not physical, links and constraints that contradict each other.
+std::vector<Issue> validate(const FiniteElementModel& model);
+
+}  // namespace kalfem

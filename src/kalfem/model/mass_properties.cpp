@@ -1,0 +1,37 @@
+#include "kalfem/model/mass_properties.hpp"
+
+namespace kalfem {
+
+Eigen::MatrixXd rigid_body_modes(const FiniteElementModel& model, const AssembledModel& assembled) {
+  Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(assembled.size(), 6);
+  for (Eigen::Index i = 0; i < assembled.size(); ++i) {
+    const auto& [node, direction] = assembled.dofs[static_cast<std::size_t>(i)];
+    modes(i, direction) = 1.0;
+    if (direction >= 3) continue;
+    // omega x place
+    const Eigen::Vector3d place = model.mesh.nodes.col(node);
+    const int next = (direction + 1) % 3, last = (direction + 2) % 3;
+    modes(i, 3 + next) = place[last];
+    modes(i, 3 + last) = -place[next];
+  }
+  return modes;
+}
+
+MassProperties mass_properties(const FiniteElementModel& model, const AssembledModel& assembled) {
+  const Eigen::MatrixXd rigid = rigid_body_modes(model, assembled);
+  const Eigen::Matrix<double, 6, 6> matrix =
+      rigid.transpose() * (evaluate(assembled.mass, assembled.parameters) * rigid);
+  MassProperties properties;
+  properties.mass = matrix.topLeftCorner<3, 3>().trace() / 3.0;
+  if (!(properties.mass > 0.0)) return properties;
+  // The coupling block is m [c]^T with the cross-product matrix of the centre.
+  const Eigen::Matrix3d coupling = matrix.bottomLeftCorner<3, 3>() / properties.mass;
+  properties.centre = 0.5 * Eigen::Vector3d(coupling(2, 1) - coupling(1, 2), coupling(0, 2) - coupling(2, 0),
+                                            coupling(1, 0) - coupling(0, 1));
+  const auto& c = properties.centre;
+  properties.inertia = matrix.bottomRightCorner<3, 3>() -
+                       properties.mass * (c.squaredNorm() * Eigen::Matrix3d::Identity() - c * c.transpose());
+  return properties;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+namespace kalfem {
+
+/// Shapes of cells; nodes are ordered as Gmsh orders them (corners counter-clockwise).
+enum class CellShape { point1, line2, triangle3, quadrilateral4 };
+
+int node_count(CellShape shape);
+int dimension(CellShape shape);
+std::string to_string(CellShape shape);
+
+/// One cell of a mesh. Its nodes stand in the mesh's connectivity from `first` on.
+struct Cell {
+  CellShape shape = CellShape::point1;
+  std::int64_t id = 0;     ///< the file's number
+  Eigen::Index first = 0;  ///< position in the connectivity
+};
+
+/// Nodes and cells with the numbers of the file they came from, and named groups of both.
+struct Mesh {
+  std::string source;                  ///< file, for messages
+  std::vector<std::int64_t> node_ids;  ///< the file's numbers
+  Eigen::Matrix3Xd nodes;              ///< coordinates [m]
+  std::vector<Cell> cells;
+  std::vector<Eigen::Index> connectivity;                      ///< indices of nodes, cell after cell
+  std::map<std::string, std::vector<Eigen::Index>> regions;    ///< indices of cells
+  std::map<std::string, std::vector<Eigen::Index>> node_sets;  ///< indices of nodes
+
+  [[nodiscard]] Eigen::Index node_count() const { return nodes.cols(); }
+  [[nodiscard]] std::span<const Eigen::Index> nodes_of(const Cell& cell) const {
+    return {connectivity.data() + cell.first, static_cast<std::size_t>(kalfem::node_count(cell.shape))};
+  }
+  /// Appends a cell and returns its index.
+  Eigen::Index add_cell(CellShape shape, std::int64_t id, std::span<const Eigen::Index> cell_nodes);
+};
+
+/// Finds nodes by the file's numbers.
+class NodeFinder {
+public:
+  explicit NodeFinder(const Mesh& mesh);
+  /// Index of the node, -1 where there is none.
+  [[nodiscard]] Eigen::Index find(std::int64_t id) const;
+
+private:
+  std::unordered_map<std::int64_t, Eigen::Index> index_;
+};
+
+/// The node nearest to a place.
+Eigen::Index nearest_node(const Mesh& mesh, const Eigen::Vector3d& place);
+
+}  // namespace kalfem

@@ -1,0 +1,1 @@
+#include "kalfem/reduction/superelement.hpp"

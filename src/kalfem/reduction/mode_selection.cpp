@@ -1,0 +1,157 @@
+#include "kalfem/reduction/mode_selection.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <numbers>
+
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/reduction/static_modes.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr Index first_guess = 24;
+
+double angular_squared(double frequency) { return std::pow(2.0 * std::numbers::pi * frequency, 2); }
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+void check(const ModeSelection& selection) {
+  IssueList issues;
+  if (!selection.count && !selection.cutoff && !selection.effective_mass)
+    issues.add({}, "the reduction does not say how many fixed-interface modes are kept",
+               "Craig-Bampton needs a number of modes, a frequency or a part of the mass", "give one of them");
+  if (selection.count && *selection.count < 0)
+    issues.add({}, "the reduction keeps " + std::to_string(*selection.count) + " modes", "the number is negative");
+  if (selection.cutoff && !(*selection.cutoff >= 0.0 && std::isfinite(*selection.cutoff)))
+    issues.add({}, "the reduction keeps modes up to " + number(*selection.cutoff) + " Hz",
+               "the frequency must be finite and not negative");
+  if (selection.effective_mass && !(*selection.effective_mass > 0.0 && *selection.effective_mass < 1.0))
+    issues.add({}, "the reduction keeps modes for " + number(*selection.effective_mass) + " of the mass",
+               "the part must be between 0 and 1");
+  issues.raise();
+}
+
+/// Unit displacements of the boundary in each direction, n_b x directions. The names' last part tells the direction.
+MatrixXd translations(const std::vector<std::string>& names) {
+  std::map<std::string, VectorXd> directions;
+  for (std::size_t j = 0; j < names.size(); ++j) {
+    const auto dot = names[j].rfind('.');
+    const std::string last = dot == std::string::npos ? "" : names[j].substr(dot + 1);
+    if (last == "rx" || last == "ry" || last == "rz") continue;
+    const bool known = last == "x" || last == "y" || last == "z";
+    VectorXd& direction = directions.try_emplace(known ? last : "", VectorXd::Zero(static_cast<Index>(names.size())))
+                              .first->second;
+    direction[static_cast<Index>(j)] = 1.0;
+  }
+  MatrixXd columns(static_cast<Index>(names.size()), static_cast<Index>(directions.size()));
+  Index column = 0;
+  for (const auto& [name, direction] : directions) columns.col(column++) = direction;
+  return columns;
+}
+
+/// The fewest leading modes that take this part of the mass in every direction; one more than there are when all of
+/// them do not reach it.
+Index modes_for_mass(const MatrixXd& momenta, const VectorXd& masses, const MatrixXd& shapes, double part) {
+  VectorXd missing = part * masses;
+  Index kept = 0;
+  while (kept <= shapes.cols() && (missing.array() > 0.0).any()) {
+    if (kept < shapes.cols()) missing -= (momenta.transpose() * shapes.col(kept)).cwiseAbs2();
+    ++kept;
+  }
+  return kept;
+}
+
+/// Computes modes in growing numbers, until the wanted part of the mass is reached or there are no more.
+class Search {
+public:
+  Search(const Partition& parts, const ShiftedStiffness& factored)
+      : parts_(parts), factored_(factored), available_((parts.mass_ii.diagonal().array() > 0.0).count()) {}
+
+  void up_to_count(Index count) { extend({.count = std::min(count, available_)}); }
+  void up_to_frequency(double frequency) { extend({.below = angular_squared(frequency)}); }
+
+  Index up_to_mass(const std::vector<std::string>& boundary_names, double part) {
+    if (rigid() == 0) up_to_count(1);
+    const MatrixXd follow = static_modes(parts_, factored_, modes.vectors.leftCols(rigid())) *
+                            translations(boundary_names);
+    const MatrixXd momenta = parts_.mass_ii * follow;
+    const VectorXd masses = follow.cwiseProduct(momenta).colwise().sum();
+    for (Index count = first_guess;; count *= 2) {
+      const Index needed = modes_for_mass(momenta, masses, modes.vectors, part);
+      if (needed <= modes.values.size()) return needed;
+      if (!modes.next) return modes.values.size();
+      up_to_count(count);
+    }
+  }
+
+  [[nodiscard]] Index rigid() const { return (modes.values.array() == 0.0).count(); }
+
+  LowestModes modes;
+
+private:
+  void extend(const LowestModesOptions& options) {
+    LowestModes more = lowest_modes(parts_.stiffness_ii, parts_.mass_ii, factored_, options);
+    more.solves += modes.solves;
+    if (more.values.size() >= modes.values.size()) modes = std::move(more);
+  }
+
+  const Partition& parts_;
+  const ShiftedStiffness& factored_;
+  Index available_;
+};
+
+void truncate(LowestModes& modes, Index kept) {
+  if (kept >= modes.values.size()) return;
+  modes.next = modes.values[kept];
+  modes.values.conservativeResize(kept);
+  modes.vectors.conservativeResize(Eigen::NoChange, kept);
+}
+
+}  // namespace
+
+SelectedModes select_modes(const Partition& parts, const std::vector<std::string>& boundary_names,
+                           const ShiftedStiffness& factored, const ModeSelection& selection) {
+  check(selection);
+  Search search(parts, factored);
+  Index kept = 0;
+  std::string reason;
+  const auto want = [&](Index count, const std::string& why) {
+    reason += (reason.empty() ? "" : "; ") + std::to_string(count) + " " + why;
+    kept = std::max(kept, count);
+  };
+  if (selection.cutoff) {
+    search.up_to_frequency(*selection.cutoff);
+    want(search.modes.values.size(), "up to " + number(*selection.cutoff) + " Hz");
+  }
+  if (selection.count) {
+    // one at least, so that it is known what the first left out is
+    if (*selection.count >= search.modes.values.size()) search.up_to_count(std::max<Index>(*selection.count, 1));
+    want(std::min(*selection.count, search.modes.values.size()), "by number");
+  }
+  if (selection.effective_mass)
+    want(search.up_to_mass(boundary_names, *selection.effective_mass),
+         "for " + number(100.0 * *selection.effective_mass) + " % of the interior's mass in each translation");
+  // A singular stiffness has rigid-body modes: however few modes are wanted, all of these must be seen.
+  for (Index count = 8; factored.shift > 0.0 && search.modes.next && search.rigid() == search.modes.values.size();
+       count *= 2)
+    search.up_to_count(count);
+  const Index rigid = search.rigid();
+  if (rigid > 0) want(rigid, "in which the interior moves rigidly");
+  truncate(search.modes, kept);
+  if (!search.modes.next) reason += " (all there are)";
+  return {std::move(search.modes), rigid, reason};
+}
+
+}  // namespace kalfem

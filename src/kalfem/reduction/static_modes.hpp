@@ -1,0 +1,16 @@
+#pragma once
+
+#include "kalfem/linalg/lowest_modes.hpp"
+#include "kalfem/reduction/partition.hpp"
+
+namespace kalfem {
+
+/// Psi with K_ii Psi = -K_ib, n_i x n_b: how the interior follows unit displacements of the boundary statically. Where
+/// K_ii is singular, with the given M_ii-normalised rigid-body modes (n_i x r), the solution orthogonal to them.
+Eigen::MatrixXd static_modes(const Partition& parts, const ShiftedStiffness& factored,
+                             const Eigen::MatrixXd& rigid_modes);
+
+/// Largest |K_ii psi + K_ib| / |K_ib| over the columns.
+double static_error(const Partition& parts, const Eigen::MatrixXd& modes);
+
+}  // namespace kalfem

@@ -1,0 +1,264 @@
+#include "kalfem/model/elements/beam.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "kalfem/base/invalid_input.hpp"
+#include "model/fe_models.hpp"
+
+namespace kalfem {
+namespace {
+
+using namespace test;
+constexpr double pi = std::numbers::pi;
+using Ends = Eigen::Matrix<double, 3, 2>;
+
+BeamSection slender() {
+  auto section = rectangular_section(0.02, 0.03);
+  section.shear_factor_y = section.shear_factor_z = 0.0;
+  return section;
+}
+
+/// Displacement of the last node of a beam clamped at its first under a load at the last.
+Eigen::VectorXd tip_motion(FiniteElementModel model, const Eigen::Matrix<double, 6, 1>& load) {
+  model.fixed = {{.name = "clamp", .nodes = {0}}};
+  const auto assembled = assemble(model);
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(assembled.size());
+  force.tail(6) = load;
+  return stiffness_of(assembled).ldlt().solve(force).tail(6);
+}
+
+/// Natural frequencies [rad/s] of motion in the x-z plane only.
+Eigen::VectorXd plane_frequencies(FiniteElementModel model, const std::vector<FixedNodes>& supports) {
+  std::vector<Eigen::Index> all(static_cast<std::size_t>(model.mesh.node_count()));
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<Eigen::Index>(i);
+  model.fixed = supports;
+  model.fixed.push_back({.name = "plane", .nodes = all, .directions = {true, true, false, true, false, true}});
+  const auto assembled = assemble(model);
+  const auto modes =
+      normal_modes(evaluate(assembled.mass, assembled.parameters), evaluate(assembled.stiffness, assembled.parameters));
+  return 2.0 * pi * modes.frequencies;
+}
+
+TEST(BeamSections, RectangleHasTheTabulatedTorsionConstants) {
+  // Timoshenko and Goodier, Theory of Elasticity, table of k1 = J / (a c^3) with four digits.
+  EXPECT_NEAR(rectangular_section(1.0, 1.0).torsion, 0.1406, 5e-5);
+  EXPECT_NEAR(rectangular_section(2.0, 1.0).torsion / 2.0, 0.229, 5e-4);
+  EXPECT_NEAR(rectangular_section(1.0, 5.0).torsion / 5.0, 0.291, 5e-4);
+  EXPECT_NEAR(rectangular_section(1.0, 1000.0).torsion / 1000.0, 1.0 / 3.0, 3e-4);
+  const auto section = rectangular_section(0.2, 0.3, 0.0);
+  EXPECT_DOUBLE_EQ(section.area, 0.06);
+  EXPECT_DOUBLE_EQ(section.inertia_y, 0.2 * 0.027 / 12.0);
+  EXPECT_DOUBLE_EQ(section.inertia_z, 0.3 * 0.008 / 12.0);
+  EXPECT_DOUBLE_EQ(section.shear_factor_y, 5.0 / 6.0);  // without lateral contraction
+}
+
+TEST(BeamSections, CirclesAndTubesAgreeAtTheirLimits) {
+  const auto solid = circular_section(0.1);
+  EXPECT_NEAR(solid.area, pi * 0.0025, 1e-15);
+  EXPECT_NEAR(solid.torsion, pi * 1e-4 / 32.0, 1e-18);
+  EXPECT_NEAR(solid.shear_factor_y, 6.0 * 1.3 / 8.8, 1e-15);
+  const auto tube = circular_tube_section(0.1, 0.02);
+  EXPECT_NEAR(tube.inertia_y, solid.inertia_y - circular_section(0.06).inertia_y, 1e-18);
+  EXPECT_NEAR(tube.area, solid.area - circular_section(0.06).area, 1e-15);
+  // Hole closing: the solid's factor; wall vanishing: 2 (1 + nu) / (4 + 3 nu) [Cow66].
+  EXPECT_NEAR(circular_tube_section(0.1, 0.04999).shear_factor_y, solid.shear_factor_y, 1e-6);
+  EXPECT_NEAR(circular_tube_section(0.1, 1e-6).shear_factor_z, 2.0 * 1.3 / 4.9, 1e-4);
+}
+
+TEST(BeamSections, RectangularTubeIsTheDifferenceOfTwoRectangles) {
+  const auto tube = rectangular_tube_section(0.06, 0.04, 0.003);
+  const auto outer = rectangular_section(0.06, 0.04), inner = rectangular_section(0.054, 0.034);
+  EXPECT_NEAR(tube.area, outer.area - inner.area, 1e-16);
+  EXPECT_NEAR(tube.inertia_y, outer.inertia_y - inner.inertia_y, 1e-20);
+  EXPECT_NEAR(tube.inertia_z, outer.inertia_z - inner.inertia_z, 1e-20);
+  // Bredt for a square of middle line a: J = a^3 t.
+  EXPECT_NEAR(rectangular_tube_section(0.11, 0.11, 0.01).torsion, 1e-3 * 0.01, 1e-15);
+  // A deep narrow box is two webs, whose factor is that of a rectangle [Cow66].
+  EXPECT_NEAR(rectangular_tube_section(1e-4, 1.0, 1e-6).shear_factor_z, 13.0 / 15.3, 1e-3);
+  // In the box of width twice its depth the walls along the force carry the shear: about their share of the area.
+  EXPECT_LT(tube.shear_factor_z, tube.shear_factor_y);
+  EXPECT_NEAR(tube.shear_factor_y, 0.6, 0.1);
+}
+
+TEST(BeamSections, ImpossibleLengthsAreRefused) {
+  EXPECT_NE(message_of([] { rectangular_section(0.0, 1.0); }).find("rectangular section is 0"), std::string::npos);
+  EXPECT_NE(message_of([] { circular_section(std::nan("")); }).find("circular"), std::string::npos);
+  EXPECT_NE(message_of([] { circular_tube_section(0.1, 0.05); }).find("leaves no hole"), std::string::npos);
+  EXPECT_NE(message_of([] { rectangular_tube_section(0.1, 0.02, 0.01); }).find("leaves no hole"), std::string::npos);
+}
+
+TEST(Beam, CantileverUnderEndLoadsIsExactWithAnyNumberOfElements) {
+  const double length = 0.5, load = 100.0;
+  const auto section = rectangular_section(0.1, 0.2);
+  const double e = steel.youngs_modulus, g = steel.shear_modulus();
+  for (const int count : {1, 2, 5}) {
+    const auto model = beam_model({length, 0.0, 0.0}, count, section);
+    const auto tip = [&](int direction) {
+      return tip_motion(model, load * Eigen::Matrix<double, 6, 1>::Unit(direction));
+    };
+    const double shear = load * length / (g * section.shear_factor_z * section.area);
+    const double bending_z = load * std::pow(length, 3) / (3.0 * e * section.inertia_y);
+    // Rounding of the solution grows with the number of elements: 1e-10.
+    EXPECT_NEAR(tip(2)[2] / (bending_z + shear), 1.0, 1e-10) << count;
+    EXPECT_NEAR(tip(2)[4] / (-load * length * length / (2.0 * e * section.inertia_y)), 1.0, 1e-10);
+    EXPECT_NEAR(tip(1)[1] / (load * std::pow(length, 3) / (3.0 * e * section.inertia_z) + shear), 1.0, 1e-10);
+    EXPECT_NEAR(tip(1)[5] / (load * length * length / (2.0 * e * section.inertia_z)), 1.0, 1e-10);
+    EXPECT_NEAR(tip(0)[0] / (load * length / (e * section.area)), 1.0, 1e-10);
+    EXPECT_NEAR(tip(3)[3] / (load * length / (g * section.torsion)), 1.0, 1e-10);
+    EXPECT_NEAR(tip(5)[1] / (load * length * length / (2.0 * e * section.inertia_z)), 1.0, 1e-10);
+  }
+}
+
+TEST(Beam, EulerBernoulliCantileverConvergesAtTheFourthOrder) {
+  // Roots of cos x cosh x = -1 with ten digits.
+  const std::array roots = {1.8751040687, 4.6940911330, 7.8547574382};
+  const auto section = slender();
+  const double length = 1.3;
+  const double unit =
+      std::sqrt(steel.youngs_modulus * section.inertia_y / (steel.density * section.area)) / (length * length);
+  const auto error = [&](int count, std::size_t mode) {
+    const auto found =
+        plane_frequencies(beam_model({length, 0.0, 0.0}, count, section), {{.name = "clamp", .nodes = {0}}});
+    return found[static_cast<Eigen::Index>(mode)] / (roots[mode] * roots[mode] * unit) - 1.0;
+  };
+  for (std::size_t mode = 0; mode < roots.size(); ++mode) {
+    const double coarse = error(8, mode), fine = error(16, mode);
+    EXPECT_GT(fine, 0.0) << "a consistent mass and compatible shapes approach from above";
+    EXPECT_NEAR(std::log2(coarse / fine), 4.0, 0.1) << mode;
+    EXPECT_LT(fine, 1e-4);
+  }
+}
+
+TEST(Beam, TimoshenkoSimplySupportedFrequenciesConvergeToTheClosedForm) {
+  // With deflection sin(b x), b = n pi / L: rho^2 I / (k G) w^4 - (rho A + (rho I + E I rho / (k G)) b^2) w^2 + E I b^4
+  // = 0 (Timoshenko 1921). The shear is constant in an element, so the order is 2.
+  const auto section = rectangular_section(0.1, 0.2);
+  const double length = 1.0, e = steel.youngs_modulus, rho = steel.density, i = section.inertia_y;
+  const double kg = section.shear_factor_z * steel.shear_modulus();
+  const auto exact = [&](int n) {
+    const double b2 = std::pow(n * pi / length, 2);
+    const double a = rho * rho * i / kg, p = rho * section.area + (rho * i + e * i * rho / kg) * b2,
+                 c = e * i * b2 * b2;
+    return std::sqrt(2.0 * c / (p + std::sqrt(p * p - 4.0 * a * c)));
+  };
+  const auto error = [&](int count, int n) {
+    const auto found =
+        plane_frequencies(beam_model({length, 0.0, 0.0}, count, section),
+                          {{.name = "ends", .nodes = {0, count}, .directions = {true, true, true, true, false, true}}});
+    return std::abs(found[n - 1] / exact(n) - 1.0);
+  };
+  for (const int n : {1, 2, 3}) {
+    EXPECT_LT(error(32, n), 5e-5 * std::pow(n, 4)) << n;
+    EXPECT_NEAR(std::log2(error(16, n) / error(32, n)), 2.0, 0.05) << n;
+  }
+}
+
+TEST(Beam, LumpedMassConvergesToTheSameFrequenciesAtTheSecondOrderOrBetter) {
+  auto section = slender();
+  const double length = 1.3;
+  const double exact = std::pow(4.6940911330, 2) / (length * length) *
+                       std::sqrt(steel.youngs_modulus * section.inertia_y / (steel.density * section.area));
+  const auto error = [&](int count) {
+    auto model = beam_model({length, 0.0, 0.0}, count, section);
+    model.mass_kind = MassKind::lumped;
+    return std::abs(plane_frequencies(model, {{.name = "clamp", .nodes = {0}}})[1] / exact - 1.0);
+  };
+  EXPECT_GT(std::log2(error(16) / error(32)), 1.9);
+  EXPECT_LT(error(32), 5e-3);
+}
+
+TEST(Beam, FreeElementHasSixMotionsWithoutStrain) {
+  const Ends ends{{0.1, 0.7}, {0.2, -0.3}, {-0.4, 0.5}};
+  for (const auto& section : {slender(), rectangular_section(0.1, 0.2)}) {
+    const auto matrices = beam(ends, beam_property(section, {0.01, 0.02, -0.03}), 0.3, MassKind::consistent);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrices.stiffness.at(0).matrix);
+    const double largest = solver.eigenvalues()[11];
+    EXPECT_LT(solver.eigenvalues().head(6).cwiseAbs().maxCoeff(), 1e-13 * largest);
+    EXPECT_GT(solver.eigenvalues()[6], 1e-7 * largest);  // slenderness squared
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> inertia(matrices.mass.at(0).matrix);
+    EXPECT_GT(inertia.eigenvalues()[0], 0.0);
+  }
+}
+
+TEST(Beam, MatricesTurnWithTheFrame) {
+  const Ends ends{{0.0, 0.4}, {0.1, -0.2}, {0.3, 0.35}};
+  const auto property = beam_property(rectangular_tube_section(0.06, 0.04, 0.003), {0.02, 0.0, 0.05}, {0.2, 0.1, 1.0});
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1.0, -2.0, 0.5).normalized()).toRotationMatrix();
+  BeamProperty turned = property;
+  turned.up = turn * property.up;
+  turned.offset = turn * property.offset;
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(12, 12);
+  for (int i = 0; i < 4; ++i) all.block<3, 3>(3 * i, 3 * i) = turn;
+  for (const auto kind : {MassKind::consistent, MassKind::lumped}) {
+    const auto here = beam(ends, property, 0.3, kind), there = beam(turn * ends, turned, 0.3, kind);
+    EXPECT_LT(difference(there.stiffness.at(0).matrix, all * here.stiffness.at(0).matrix * all.transpose()), 1e-13);
+    EXPECT_LT(difference(there.mass.at(0).matrix, all * here.mass.at(0).matrix * all.transpose()), 1e-13);
+  }
+}
+
+TEST(Beam, SectionAxesFollowUp) {
+  // Deep in `up`: bending towards `up` is the stiff one, whatever the direction of the beam.
+  const auto section = rectangular_section(0.02, 0.2);
+  auto model = beam_model({0.0, 0.0, 2.0}, 1, section);
+  std::get<BeamProperty>(model.properties["line"]).up = {0.0, 3.0, 1.0};
+  const auto tip = [&](int direction) {
+    return tip_motion(model, Eigen::Matrix<double, 6, 1>::Unit(direction))[direction];
+  };
+  EXPECT_NEAR(tip(1),
+              8.0 / (3.0 * steel.youngs_modulus * section.inertia_y) +
+                  2.0 / (steel.shear_modulus() * section.shear_factor_z * section.area),
+              1e-10 * tip(1));
+  EXPECT_GT(tip(0), 50.0 * tip(1));
+}
+
+TEST(Beam, RigidMotionHasTheMassAndInertiaOfTheBar) {
+  const double length = 0.8;
+  const auto section = rectangular_section(0.1, 0.2);
+  for (const auto kind : {MassKind::consistent, MassKind::lumped}) {
+    auto model = beam_model({length, 0.0, 0.0}, 1, section);
+    model.mass_kind = kind;
+    const auto properties = mass_properties(model, assemble(model));
+    const double mass = steel.density * section.area * length;
+    EXPECT_NEAR(properties.mass / mass, 1.0, 1e-13);
+    EXPECT_LT((properties.centre - Eigen::Vector3d(length / 2.0, 0.0, 0.0)).norm(), 1e-13);
+    EXPECT_NEAR(properties.inertia(0, 0) / (steel.density * (section.inertia_y + section.inertia_z) * length), 1.0,
+                1e-12);
+    if (kind == MassKind::lumped) continue;  // its rotations are scaled for frequencies
+    EXPECT_NEAR(properties.inertia(1, 1) / (mass * length * length / 12.0 + steel.density * section.inertia_y * length),
+                1.0, 1e-12);
+    EXPECT_NEAR(properties.inertia(2, 2) / (mass * length * length / 12.0 + steel.density * section.inertia_z * length),
+                1.0, 1e-12);
+  }
+}
+
+TEST(Beam, OffsetIsARigidLinkToABeamWithoutOffset) {
+  const Eigen::Vector3d offset(0.03, -0.05, 0.1);
+  const auto section = rectangular_section(0.04, 0.06);
+  auto moved = beam_model({1.0, 0.4, -0.2}, 1, section);
+  std::get<BeamProperty>(moved.properties["line"]).offset = offset;
+  FiniteElementModel linked = beam_model({1.0, 0.4, -0.2}, 1, section);
+  linked.mesh.nodes.colwise() += offset;
+  for (const Eigen::Index end : {0, 1}) {
+    const auto master = add_node(linked.mesh, linked.mesh.nodes.col(end) - offset);
+    linked.links.push_back({.name = "arm" + std::to_string(end), .master = master, .slaves = {end}});
+  }
+  const auto one = assemble(moved), other = assemble(linked);
+  ASSERT_EQ(other.size(), 12);
+  EXPECT_LT(difference(stiffness_of(one), stiffness_of(other)), 1e-13);
+  EXPECT_LT(difference(mass_of(one), mass_of(other)), 1e-13);
+}
+
+TEST(Beam, ImpossibleGeometryIsAShapeError) {
+  const auto property = beam_property(rectangular_section(0.1, 0.1));
+  EXPECT_THROW(beam(Ends{{1.0, 1.0}, {2.0, 2.0}, {3.0, 3.0}}, property, 0.3, MassKind::consistent), ElementShapeError);
+  EXPECT_THROW(beam(Ends{{1.0, 1.0}, {2.0, 2.0}, {3.0, 4.0}}, property, 0.3, MassKind::consistent), ElementShapeError);
+  BeamProperty without_up = property;
+  without_up.up.setZero();
+  EXPECT_THROW(beam(Ends{{0.0, 1.0}, {0.0, 0.0}, {0.0, 0.0}}, without_up, 0.3, MassKind::consistent),
+               ElementShapeError);
+}
+
+}  // namespace
+}  // namespace kalfem

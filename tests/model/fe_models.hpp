@@ -1,0 +1,103 @@
+#pragma once
+
+#include <cmath>
+
+#include "kalfem/model/assembly.hpp"
+#include "kalfem/model/mass_properties.hpp"
+
+namespace kalfem::test {
+
+inline const IsotropicMaterial steel{.youngs_modulus = 2.1e11, .poissons_ratio = 0.3, .density = 7850.0};
+
+/// All issues of a model as one text.
+inline std::string issues_of(const FiniteElementModel& model) {
+  std::string text;
+  for (const auto& issue : validate(model)) text += to_string(issue) + "\n";
+  return text;
+}
+
+/// The message of the InvalidInput that `action` throws, "" if it throws none.
+template <typename Action>
+std::string message_of(const Action& action) {
+  try {
+    action();
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "";
+}
+
+inline Eigen::Index add_node(Mesh& mesh, const Eigen::Vector3d& place) {
+  const Eigen::Index index = mesh.node_count();
+  mesh.nodes.conservativeResize(3, index + 1);
+  mesh.nodes.col(index) = place;
+  mesh.node_ids.push_back(index + 1);
+  return index;
+}
+
+inline void add_cell(Mesh& mesh, const std::string& region, CellShape shape, const std::vector<Eigen::Index>& nodes) {
+  mesh.regions[region].push_back(mesh.add_cell(shape, static_cast<std::int64_t>(mesh.cells.size()) + 1, nodes));
+}
+
+/// Nodes 0 .. count on the line from `start` to `end`, joined by `count` cells of `region`. Node numbers begin at 1.
+inline Mesh line_mesh(const Eigen::Vector3d& start, const Eigen::Vector3d& end, int count,
+                      const std::string& region = "line") {
+  Mesh mesh;
+  mesh.source = "line.msh";
+  for (int i = 0; i <= count; ++i) add_node(mesh, start + (end - start) * i / count);
+  for (Eigen::Index i = 0; i < count; ++i) add_cell(mesh, region, CellShape::line2, {i, i + 1});
+  return mesh;
+}
+
+/// `nx` x `ny` quadrilaterals on the rectangle a x b in the x-y plane, first corner at the origin.
+inline Mesh plate_mesh(double a, double b, int nx, int ny, const std::string& region = "plate") {
+  Mesh mesh;
+  mesh.source = "plate.msh";
+  for (int j = 0; j <= ny; ++j)
+    for (int i = 0; i <= nx; ++i) add_node(mesh, {a * i / nx, b * j / ny, 0.0});
+  for (Eigen::Index j = 0; j < ny; ++j)
+    for (Eigen::Index i = 0; i < nx; ++i) {
+      const Eigen::Index first = j * (nx + 1) + i;
+      add_cell(mesh, region, CellShape::quadrilateral4, {first, first + 1, first + nx + 2, first + nx + 1});
+    }
+  return mesh;
+}
+
+inline BeamProperty beam_property(const BeamSection& section, const Eigen::Vector3d& offset = Eigen::Vector3d::Zero(),
+                                  const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ()) {
+  BeamProperty property;
+  property.material = "steel";
+  property.section = section;
+  property.offset = offset;
+  property.up = up;
+  return property;
+}
+
+inline FiniteElementModel model_of(Mesh mesh) {
+  FiniteElementModel model;
+  model.name = "model";
+  model.mesh = std::move(mesh);
+  model.materials["steel"] = steel;
+  return model;
+}
+
+/// Beams of one section along a line from the origin.
+inline FiniteElementModel beam_model(const Eigen::Vector3d& end, int count, const BeamSection& section) {
+  auto model = model_of(line_mesh({0.0, 0.0, 0.0}, end, count));
+  model.properties["line"] = beam_property(section);
+  return model;
+}
+
+inline Eigen::MatrixXd stiffness_of(const AssembledModel& model) {
+  return Eigen::MatrixXd(evaluate(model.stiffness, model.parameters));
+}
+inline Eigen::MatrixXd mass_of(const AssembledModel& model) {
+  return Eigen::MatrixXd(evaluate(model.mass, model.parameters));
+}
+
+/// Relative difference in the Frobenius norm.
+inline double difference(const Eigen::MatrixXd& one, const Eigen::MatrixXd& other) {
+  return (one - other).norm() / other.norm();
+}
+
+}  // namespace kalfem::test
