@@ -297,6 +297,15 @@ TEST(FeLinearModel, RayleighDampingActsRelativeToTheSlowlyMovingGround) {
   EXPECT_GT((linear.grounds[0].damping - assembled.grounds[0].damping).norm(), 1.0);
 }
 
+TEST(FeLinearModel, GroundThatOnlyDashpotsHoldTakesNoRayleighDamping) {
+  auto model = beam_model({1.0, 0.0, 0.0}, 1, rectangular_section(0.04, 0.06));
+  model.springs = {spring("d", {0, 2}, {}, 0.0, 7.0)};
+  const auto assembled = assemble(model);
+  const auto linear = linear_model(model, assembled, {}, {.mass_factor = 3.0});
+  EXPECT_EQ(linear.grounds[0].damping, assembled.grounds[0].damping);
+  EXPECT_EQ(linear.grounds[0].damping[assembled.find({0, 2})], 7.0);
+}
+
 TEST(FeLinearModel, BadPointsAndFactorsAreNamed) {
   const auto model = workshop_piece();
   const auto assembled = assemble(model);

@@ -82,6 +82,17 @@ TEST(BeamSections, RectangularTubeIsTheDifferenceOfTwoRectangles) {
   EXPECT_NEAR(tube.shear_factor_y, 0.6, 0.1);
 }
 
+TEST(BeamSections, RectangularTubeHasTheShearFactorOfItsShearEnergy) {
+  // Without lateral contraction k = I^2 / (A int q^2 / t ds) with the shear flow q = t int z ds of a unit Q / I. For a
+  // thin wall t on the middle line b x h: q = t h/2 s along half a flange, t (h b / 4 + (h^2/4 - z^2) / 2) along a web.
+  const double t = 1e-6, b = 0.05, h = 0.08;
+  const auto section = rectangular_tube_section(b + t, h + t, t, 0.0);
+  const double flanges = t * h * h * b * b * b / 24.0;
+  const double webs = 2.0 * t * (h * h * h * b * b / 16.0 + std::pow(h, 4) * b / 24.0 + std::pow(h, 5) / 120.0);
+  // The exact inertia differs from that of the middle line by the square of t / h.
+  EXPECT_NEAR(section.shear_factor_z / (std::pow(section.inertia_y, 2) / (section.area * (flanges + webs))), 1.0, 1e-6);
+}
+
 TEST(BeamSections, ImpossibleLengthsAreRefused) {
   EXPECT_NE(message_of([] { rectangular_section(0.0, 1.0); }).find("rectangular section is 0"), std::string::npos);
   EXPECT_NE(message_of([] { circular_section(std::nan("")); }).find("circular"), std::string::npos);

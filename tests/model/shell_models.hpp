@@ -124,4 +124,8 @@ inline Eigen::VectorXd solve(const ShellProblem& problem) {
   return model.expansion * Eigen::VectorXd(factor.solve(Eigen::VectorXd(model.expansion.transpose() * forces)));
 }
 
+inline double displacement(const ShellProblem& problem, Eigen::Index node, int direction) {
+  return solve(problem)[6 * node + direction];
+}
+
 }  // namespace kalfem::test

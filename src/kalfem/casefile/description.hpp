@@ -241,7 +241,8 @@ struct Simulation {
   Integrator integrator = Integrator::newmark;
   double hht_alpha = -0.05, spectral_radius = 0.8, tolerance = 1e-3;
   int first_substeps = 4, max_substeps = 256;
-  std::optional<double> modes_up_to;  ///< superelements with modes up to here instead of full finite-element models
+  bool superelements = false;   ///< in the place of full finite-element models
+  double modes_up_to = 1200.0;  ///< of these superelements [Hz]
   std::uint64_t seed = 1;  ///< of the sensors' noise
   Named<Located<PointStart>> initial;
 };

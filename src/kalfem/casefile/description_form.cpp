@@ -179,9 +179,12 @@ Form<Simulation> simulation() {
                     "of generalized_alpha, at infinite frequency")
           .optional("tolerance", &Simulation::tolerance, number("-", positive()),
                     "the step is halved until no sensor's record changes by more than this part of its rms")
+          .optional("reference", &Simulation::superelements,
+                    choice<bool>({{"full", false, "every degree of freedom"},
+                                  {"superelement", true, "reduced, with many modes"}}),
+                    "model of finite-element substructures")
           .optional("modes_up_to", &Simulation::modes_up_to, number("Hz", positive()),
-                    "superelements with fixed-interface modes up to here stand for finite-element substructures; "
-                    "left out: their full models")
+                    "fixed-interface modes of reference: superelement")
           .optional("first_substeps", &Simulation::first_substeps, integer(1, 65536),
                     "steps per sample of the first solution")
           .optional("max_substeps", &Simulation::max_substeps, integer(1, 65536), "steps per sample at the most")

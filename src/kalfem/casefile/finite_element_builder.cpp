@@ -61,6 +61,7 @@ public:
     add_masses();
     add_springs();
     add_links_and_supports();
+    forget_groups_of_nodes();
     issues_.raise();
     return {std::move(model_), std::move(nodes_)};
   }
@@ -195,6 +196,15 @@ private:
     for (const auto& [name, fixed] : fe_.fixed)
       if (const auto nodes = node_group(fixed.nodes); !nodes.empty())
         model_.fixed.push_back({name, nodes, chosen(fixed.directions)});
+  }
+
+  /// A group of cells that only says which nodes are held or linked needs no property.
+  void forget_groups_of_nodes() {
+    const auto forget = [&](const std::string& group) {
+      if (!model_.properties.contains(group)) model_.mesh.regions.erase(group);
+    };
+    for (const auto& [name, link] : fe_.links) forget(link.nodes.value);
+    for (const auto& [name, fixed] : fe_.fixed) forget(fixed.nodes.value);
   }
 
   const d::Substructure& given_;

@@ -43,9 +43,9 @@ void add_finite_elements(Study& study, IssueList& issues) {
       if (!elements.part->boundary.empty()) {
         elements.reduced = std::make_shared<const Superelement>(
             reduce(*elements.part, given.reduction, sensor_bandwidth(study.given)));
-        if (study.given.simulate && study.given.simulate->modes_up_to)
+        if (study.given.simulate && study.given.simulate->superelements)
           elements.reference = std::make_shared<const Superelement>(
-              reduce_up_to(*elements.part, *study.given.simulate->modes_up_to));
+              reduce_up_to(*elements.part, study.given.simulate->modes_up_to));
       }
       study.finite_elements.push_back(std::move(elements));
     } catch (const InvalidInput& error) {

@@ -11,9 +11,10 @@ namespace {
 /// Reads the sections of one file in their order.
 class GmshReader {
 public:
-  explicit GmshReader(const std::filesystem::path& file) : in_(file), mesh_(in_) {}
+  GmshReader(std::string content, const std::string& source) : in_(std::move(content), source), mesh_(in_) {}
 
   Mesh read() {
+    skip_comments();
     read_format();
     while (!in_.at_end()) read_section();
     if (!mesh_.has_nodes() || seen_.count("Elements") == 0)
@@ -23,7 +24,9 @@ public:
   }
 
 private:
+  void skip_comments();
   void read_format();
+  std::string_view next_line();
   void check_byte_order();
   void read_section();
   void read_known_section(const std::string& name, std::size_t start);
@@ -34,14 +37,18 @@ private:
   std::set<std::string> seen_;
   gmsh4::EntityGroups groups_;
   bool version4_ = false;
+  std::size_t line_start_ = 0;
 };
+
+/// Comments may stand before the format.
+void GmshReader::skip_comments() {
+  while (in_.next_is("$Comments")) in_.skip_section("Comments", in_.start());
+}
 
 /// $MeshFormat: version, 0 for ASCII or 1 for binary, bytes of a real number.
 void GmshReader::read_format() {
-  in_.at_end();
-  const std::size_t start = in_.start();
-  if (in_.line() != "$MeshFormat")
-    in_.fail(start, "this is no Gmsh mesh that can be read", "it must begin with $MeshFormat",
+  if (next_line() != "$MeshFormat")
+    in_.fail(line_start_, "this is no Gmsh mesh that can be read", "it must begin with $MeshFormat",
              "write it by Gmsh as .msh, version 4.1 (gmsh -format msh41) or 2.2");
   const std::size_t at = in_.start();
   const auto words = split_cells(in_.line(), ' ');
@@ -57,20 +64,27 @@ void GmshReader::read_format() {
   in_.end_section("MeshFormat");
 }
 
+/// The next line that is not blank.
+std::string_view GmshReader::next_line() {
+  in_.at_end();
+  line_start_ = in_.start();
+  return in_.line();
+}
+
 void GmshReader::check_byte_order() {
   in_.set_binary();
   const std::size_t start = in_.start();
   if (in_.int32("the mark of the byte order") != 1)
-    in_.fail(start, "the mesh was written with another byte order", "the mark after the format line must be the number 1",
-             "write it on a machine like this one, or as ASCII");
+    in_.fail(start, "the mesh was written with another byte order",
+             "the mark after the format line must be the number 1", "write it on a machine like this one, or as ASCII");
 }
 
 void GmshReader::read_section() {
-  in_.at_end();
-  const std::size_t start = in_.start();
-  const std::string_view line = in_.line();
+  const std::string_view line = next_line();
+  const std::size_t start = line_start_;
   if (line.size() < 2 || line.front() != '$' || line.starts_with("$End"))
-    in_.fail(start, "a section should begin here", "it begins with $ and its name", "take out what stands between sections");
+    in_.fail(start, "a section should begin here", "it begins with $ and its name",
+             "take out what stands between sections");
   const std::string name(line.substr(1, 60));
   static const std::set<std::string> needed{"PhysicalNames", "Entities", "PartitionedEntities", "Nodes", "Elements"};
   if (!needed.contains(name)) return in_.skip_section(name, start);
@@ -88,7 +102,8 @@ void GmshReader::read_known_section(const std::string& name, std::size_t start) 
   if (name != "Elements")
     in_.fail(start, "there is a section $" + name, "version 2.2 of the format has none", "write the mesh again");
   if (!mesh_.has_nodes())
-    in_.fail(start, "the elements stand before the nodes", "the section $Nodes must come first", "write the mesh again");
+    in_.fail(start, "the elements stand before the nodes", "the section $Nodes must come first",
+             "write the mesh again");
   version4_ ? gmsh4::read_elements(in_, mesh_, groups_) : gmsh2::read_elements(in_, mesh_);
 }
 
@@ -113,9 +128,11 @@ void GmshReader::read_names() {
 
 }  // namespace
 
-Mesh read_gmsh(const std::filesystem::path& file) {
-  Mesh mesh = GmshReader(file).read();
-  mesh.source = file.string();
+Mesh read_gmsh(const std::filesystem::path& file) { return parse_gmsh(read_text(file), file.string()); }
+
+Mesh parse_gmsh(std::string content, const std::string& source) {
+  Mesh mesh = GmshReader(std::move(content), source).read();
+  mesh.source = source;
   return mesh;
 }
 

@@ -11,7 +11,7 @@ void GmshBuilder::name_group(std::int64_t dimension, std::int64_t number, std::s
 }
 
 std::size_t GmshBuilder::group(std::int64_t dimension, std::int64_t number) {
-  // A negative number says that the group turns the orientation of its cells.
+  // A negative number asks for cells of the other orientation; here they stay as the elements say.
   const std::pair key{dimension, number < 0 ? -number : number};
   const auto [entry, is_new] = group_indices_.try_emplace(key, groups_.size());
   if (is_new) {

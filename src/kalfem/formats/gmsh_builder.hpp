@@ -33,8 +33,8 @@ private:
   std::vector<std::pair<Eigen::Index, Eigen::Index>> repeated_;
 };
 
-/// Puts a mesh together from what the sections of a Gmsh file say, in their order: names, nodes, elements. Notes what is
-/// wrong with the scanner, by the position in the file.
+/// Puts a mesh together from what the sections of a Gmsh file say, in their order: names, nodes, elements. Notes what
+/// is wrong with the scanner, by the position in the file.
 class GmshBuilder {
 public:
   explicit GmshBuilder(GmshScanner& in) : in_(in) {}

@@ -16,13 +16,12 @@ bool is_space(char c) { return c == ' ' || c == '\n' || c == '\t' || c == '\r'; 
 /// What a message can show of a word that may be binary rubbish.
 std::string shown(std::string_view word) {
   std::string text(word.substr(0, 40));
-  std::ranges::replace_if(text, [](unsigned char c) { return c < 32 || c > 126; }, '?');
+  std::ranges::replace_if(
+      text, [](unsigned char c) { return c < 32 || c > 126; }, '?');
   return "'" + text + "'";
 }
 
 }  // namespace
-
-GmshScanner::GmshScanner(const std::filesystem::path& file) : text_(read_text(file)), problems_(file.string()) {}
 
 void GmshScanner::skip_blanks() {
   while (at_ < text_.size() && is_space(text_[at_])) ++at_;
@@ -31,6 +30,11 @@ void GmshScanner::skip_blanks() {
 bool GmshScanner::at_end() {
   skip_blanks();
   return at_ == text_.size();
+}
+
+bool GmshScanner::next_is(std::string_view word) {
+  skip_blanks();
+  return std::string_view(text_).substr(at_).starts_with(word);
 }
 
 std::string_view GmshScanner::line() {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -9,11 +8,15 @@
 
 namespace kalfem {
 
+/// What a message can show of a word that may be binary rubbish: at most 40 printable characters.
+std::string printable(std::string_view word);
+
 /// The content of a Gmsh file, read from front to back as lines of text or as numbers, which stand as words in an ASCII
 /// file and as bytes in a binary one. Whatever cannot be read throws InvalidInput with its line or byte.
 class GmshScanner {
 public:
-  explicit GmshScanner(const std::filesystem::path& file);
+  /// `source` names the file in messages.
+  GmshScanner(std::string content, const std::string& source) : text_(std::move(content)), problems_(source) {}
 
   /// From here on numbers are bytes, and places are told as bytes.
   void set_binary() { binary_ = true; }
@@ -21,6 +24,8 @@ public:
 
   /// Skips blanks and line ends; true when nothing is left.
   bool at_end();
+  /// Whether the text goes on with this word, behind blanks and line ends.
+  bool next_is(std::string_view word);
   /// The rest of the line without blanks around it; steps over its end.
   std::string_view line();
   /// Where the next number begins.

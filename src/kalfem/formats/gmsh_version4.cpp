@@ -19,7 +19,8 @@ void skip_ints(GmshScanner& in, const char* what) {
   for (std::int64_t i = 0; i < count; ++i) in.int32(what);
 }
 
-/// One entity: its number, where `partitioned` its parent and partitions, its extent, its physical groups, its boundary.
+/// One entity: its number, where `partitioned` its parent and partitions, its extent, its physical groups, its
+/// boundary.
 void read_entity(GmshScanner& in, GmshBuilder& mesh, EntityGroups& groups, int dimension, bool partitioned) {
   const std::int64_t number = in.int32("an entity's number");
   if (partitioned) {
@@ -77,7 +78,8 @@ struct NumberInFile {
 };
 
 /// Numbers of the nodes first, then their coordinates, with those in the entity's own parameters where it says so.
-std::int64_t read_node_block(GmshScanner& in, GmshBuilder& mesh, std::int64_t left, std::vector<NumberInFile>& numbers) {
+std::int64_t read_node_block(GmshScanner& in, GmshBuilder& mesh, std::int64_t left,
+                             std::vector<NumberInFile>& numbers) {
   const std::size_t start = in.start();
   const std::int64_t dimension = in.int32("an entity's dimension");
   if (dimension < 0 || dimension > 3)

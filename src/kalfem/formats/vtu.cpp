@@ -86,11 +86,12 @@ void check(const Mesh& mesh, const std::vector<NodalField>& fields) {
       issues.add({}, "the field '" + field.name + "' is given twice, or is named as the numbers of the nodes",
                  "names must differ", "rename it");
     if (field.values.cols() != mesh.node_count() || field.values.rows() < 1)
-      issues.add({},
-                 "the field '" + field.name + "' is of size " + std::to_string(field.values.rows()) + " x " +
-                     std::to_string(field.values.cols()),
-                 "it must have a column for each of the " + std::to_string(mesh.node_count()) + " nodes and a row at least",
-                 "give components x nodes");
+      issues.add(
+          {},
+          "the field '" + field.name + "' is of size " + std::to_string(field.values.rows()) + " x " +
+              std::to_string(field.values.cols()),
+          "it must have a column for each of the " + std::to_string(mesh.node_count()) + " nodes and a row at least",
+          "give components x nodes");
   }
   issues.raise();
 }

@@ -37,12 +37,16 @@ MatrixXd BlockLanczos::apply(const MatrixXd& vectors) {
   return image;
 }
 
-/// Splits the block as Q projections + Q' triangle and puts Q' behind the first `columns` of the basis. Once before
-/// and once after the normalisation: the second pass removes what cancellation left in the first.
-void BlockLanczos::attach(MatrixXd block, double scale, Index columns, MatrixXd& projections, MatrixXd& triangle) {
-  const auto basis = basis_.leftCols(columns);
-  projections = basis.transpose() * (mass_ * block);
-  block.noalias() -= basis * projections;
+/// Splits the block as Q projections + Q' triangle and puts Q' behind the first `columns` of the basis. The first pass
+/// takes the part in the columns from `near` on, where there is any but rounding; the second, after the normalisation,
+/// what rounding and cancellation have left in all of them.
+void BlockLanczos::attach(MatrixXd block, Index near, Index columns, MatrixXd& projections, MatrixXd& triangle) {
+  const MatrixXd momenta = mass_ * block;
+  const double scale = std::sqrt(block.cwiseProduct(momenta).colwise().sum().maxCoeff());
+  const auto close = basis_.middleCols(near, columns - near), basis = basis_.leftCols(columns);
+  projections.setZero(columns, block.cols());
+  projections.bottomRows(columns - near).noalias() = close.transpose() * momenta;
+  block.noalias() -= close * projections.bottomRows(columns - near);
   triangle = normalise(mass_, no_direction * scale, block);
   const MatrixXd remainder = basis.transpose() * (mass_ * block);
   block.noalias() -= basis * remainder;
@@ -56,16 +60,16 @@ bool BlockLanczos::step() {
   if (last_ == 0) return false;
   const Index columns = size_ + last_;
   const MatrixXd image = apply(basis_.middleCols(size_, last_));
-  const double scale = std::sqrt((image.transpose() * (mass_ * image)).diagonal().maxCoeff());
   const Index begin = size_, width = last_;
   MatrixXd projections, triangle;
-  attach(image, scale, columns, projections, triangle);
+  attach(image, coupled_, columns, projections, triangle);
 
   projected_.conservativeResize(columns, columns);
   projected_.middleCols(begin, width) = projections;
   projected_.middleRows(begin, width) = projections.transpose();
   coupling_.setZero(last_, columns);
   coupling_.middleCols(begin, width) = triangle;
+  coupled_ = begin;
   size_ = columns;
   return true;
 }
@@ -74,10 +78,10 @@ bool BlockLanczos::restart_at_random() {
   MatrixXd block(basis_.rows(), width_);
   for (double& value : block.reshaped()) value = std::ldexp(random_(), -31) - 1.0;
   block = apply(block);
-  const double scale = std::sqrt((block.transpose() * (mass_ * block)).diagonal().maxCoeff());
   MatrixXd projections, triangle;
-  attach(block, scale, size_, projections, triangle);
+  attach(block, 0, size_, projections, triangle);
   coupling_.setZero(last_, size_);
+  coupled_ = 0;  // not with them but with what of their images the block that is replaced held
   return last_ > 0;
 }
 
@@ -88,6 +92,7 @@ void BlockLanczos::compress(const RitzPairs& pairs, Index keep) {
   basis_.middleCols(keep, last_) = next;
   projected_ = pairs.values.head(keep).asDiagonal();
   coupling_ = (coupling_ * kept).eval();
+  coupled_ = 0;
   size_ = keep;
 }
 

@@ -40,7 +40,7 @@ public:
 
 private:
   Eigen::MatrixXd apply(const Eigen::MatrixXd& vectors);
-  void attach(Eigen::MatrixXd block, double scale, Eigen::Index basis_columns, Eigen::MatrixXd& projections,
+  void attach(Eigen::MatrixXd block, Eigen::Index near, Eigen::Index columns, Eigen::MatrixXd& projections,
               Eigen::MatrixXd& triangle);
 
   const SparseFactor& factor_;
@@ -51,6 +51,7 @@ private:
   Eigen::Index solves_ = 0;
   Eigen::MatrixXd basis_;     ///< n x capacity, M-orthonormal
   Eigen::MatrixXd projected_; ///< Q^T M A^-1 M Q, of the first `size_` columns
+  Eigen::Index coupled_ = 0;  ///< first column of the basis with which the last block is coupled
   Eigen::MatrixXd coupling_;  ///< last_ x size_: A^-1 M Q = Q projected + Q_last coupling
   std::mt19937 random_;
 };

@@ -20,6 +20,7 @@ using Matrix = Eigen::SparseMatrix<double>;
 namespace {
 
 constexpr double rigid_energy = 1e-12;
+constexpr double doubtful_pivot = 1e-10;
 constexpr double guard_tolerance = 1e-2;  ///< of the first pair that is not wanted: only its place matters
 constexpr double check_tolerance = 5e-2;
 constexpr double same_value = 1e-7;  ///< eigenvalues that differ less are one
@@ -75,6 +76,9 @@ public:
            (pairs.residuals.head(k).array() <= tolerance_ * pairs.values.head(k).array()).all();
   }
 
+  /// Size of a space that may hold them and the next.
+  [[nodiscard]] Index at_least() const { return least_ > 0.0 ? 1 : count_ + 1; }
+
   /// Every pair with a theta above this must be among the `count` that were found.
   [[nodiscard]] double floor(const RitzPairs& pairs, Index count) const {
     return count == count_ ? (1.0 + same_value) * pairs.values[count - 1] : least_;
@@ -98,12 +102,16 @@ void make_room(BlockLanczos& lanczos, const RitzPairs& pairs, Index wanted) {
 
 /// Extends the space until the wanted pairs have converged in it, or nothing is left outside.
 RitzPairs iterate(BlockLanczos& lanczos, const Wanted& wanted) {
+  Index next_look = wanted.at_least();
   for (int rooms = 0; rooms < most_rooms;) {
     if (!lanczos.step() && !(lanczos.restart_at_random() && lanczos.step())) return lanczos.pairs();
+    if (lanczos.size() < next_look && !lanczos.full()) continue;
+    next_look = lanczos.size() + lanczos.size() / 12;  // the pairs of the small problem cost more than a step
     RitzPairs pairs = lanczos.pairs();
     if (wanted.found(pairs)) return pairs;
     if (!lanczos.full()) continue;
     make_room(lanczos, pairs, wanted.among(pairs));
+    next_look = lanczos.size();
     ++rooms;
   }
   throw InvalidInput("the eigenvalue iteration does not converge",
@@ -190,14 +198,20 @@ LowestModes by_dense(const Problem& problem) {
   return modes;
 }
 
-void clean_rigid_modes(const Matrix& stiffness, LowestModes& modes) {
-  const VectorXd diagonal = stiffness.diagonal();
-  for (Index i = 0; i < modes.values.size(); ++i) {
-    const auto shape = modes.vectors.col(i);
-    const double energy = shape.dot(stiffness * shape), cancelling = diagonal.dot(shape.cwiseAbs2());
-    if (energy > rigid_energy * cancelling) return;
-    modes.values[i] = 0.0;
+/// Nothing where the matrix is singular, or a pivot is so small that it may be the rounding of a large model's zero.
+std::optional<SparseFactor> safely_definite(const Matrix& matrix) {
+  try {
+    SparseFactor factor(matrix);
+    if (factor.smallest_pivot() < doubtful_pivot) return {};
+    return factor;
+  } catch (const NotPositiveDefinite&) {
+    return {};
   }
+}
+
+void clean_rigid_modes(const Matrix& stiffness, LowestModes& modes) {
+  for (Index i = 0; i < modes.values.size() && moves_rigidly(stiffness, modes.vectors.col(i)); ++i)
+    modes.values[i] = 0.0;
 }
 
 void fix_signs(MatrixXd& vectors) {
@@ -213,20 +227,21 @@ void fix_signs(MatrixXd& vectors) {
 }  // namespace
 
 ShiftedStiffness factor_stiffness(const Matrix& stiffness, const Matrix& mass, std::span<const std::string> names) {
+  if (auto factor = safely_definite(stiffness)) return {std::move(*factor), 0.0};
+  const double shift = natural_shift(stiffness, mass);
   try {
-    return {SparseFactor(stiffness), 0.0};
-  } catch (const NotPositiveDefinite&) {
-    const double shift = natural_shift(stiffness, mass);
-    try {
-      return {SparseFactor(stiffness + shift * mass), shift};
-    } catch (const NotPositiveDefinite& error) {
-      const auto column = static_cast<std::size_t>(error.column());
-      throw InvalidInput("degree of freedom " + (names.empty() ? std::to_string(column) : "'" + names[column] + "'") +
-                             " takes part in a motion without stiffness and mass, or with negative stiffness",
-                         "modes need K positive semi-definite and mass wherever there is no stiffness",
-                         "hold that degree of freedom, or give it a mass");
-    }
+    return {SparseFactor(stiffness + shift * mass), shift};
+  } catch (const NotPositiveDefinite& error) {
+    const auto column = static_cast<std::size_t>(error.column());
+    throw InvalidInput("degree of freedom " + (names.empty() ? std::to_string(column) : "'" + names[column] + "'") +
+                           " takes part in a motion without stiffness and mass, or with negative stiffness",
+                       "modes need K positive semi-definite and mass wherever there is no stiffness",
+                       "hold that degree of freedom, or give it a mass");
   }
+}
+
+bool moves_rigidly(const Matrix& stiffness, const Eigen::Ref<const VectorXd>& shape) {
+  return shape.dot(stiffness * shape) <= rigid_energy * stiffness.diagonal().dot(shape.cwiseAbs2());
 }
 
 LowestModes lowest_modes(const Matrix& stiffness, const Matrix& mass, const LowestModesOptions& options) {

@@ -37,24 +37,27 @@ struct LowestModes {
   Eigen::Index solves = 0;     ///< back-solves that it took
 };
 
-/// The factor of K + shift M. The shift is 0 where K is positive definite, so that the factor serves for statics too.
+/// The factor of K + shift M. The shift is 0 where K is safely positive definite: the factor serves for statics then.
 struct ShiftedStiffness {
   SparseFactor factor;
   double shift = 0.0;  ///< [(rad/s)^2]
 };
 
-/// Factors K, or, where it is singular, K + s M with s a hundred-millionth of the median of K_jj / M_jj: near the
+/// Factors K, or, where it is singular or a pivot is so small that it may be (below 1e-10 K_jj), K + s M with s a hundred-millionth of the median of K_jj / M_jj: near the
 /// lowest elastic eigenvalues of a finite-element model, and far above the rounding of its highest ones.
 /// Throws InvalidInput where K is indefinite or a motion has neither stiffness nor mass; the message calls the degree
 /// of freedom by its name, where names are given.
 ShiftedStiffness factor_stiffness(const Eigen::SparseMatrix<double>& stiffness,
                                   const Eigen::SparseMatrix<double>& mass, std::span<const std::string> names = {});
 
+/// Whether phi^T K phi <= 1e-12 sum_j K_jj phi_j^2: the strain energy is rounding of the energies that cancel in it.
+bool moves_rigidly(const Eigen::SparseMatrix<double>& stiffness, const Eigen::Ref<const Eigen::VectorXd>& shape);
+
 /// Lowest eigenpairs of large sparse symmetric K (positive semi-definite) and M (positive definite or semi-definite) by
 /// block Lanczos on (K + s M)^-1 M [GLS94]; small problems, or nearly all pairs of a larger one, by the dense solver.
 ///
-/// A mode of a singular K counts as rigid where phi^T K phi <= 1e-12 sum_j K_jj phi_j^2: its energy is rounding of the
-/// energies that cancel in it. The start vectors are fixed, so the result is reproducible.
+/// Rigid-body modes, see moves_rigidly(), are cleaned to exactly 0. The start vectors are fixed, so the result is
+/// reproducible.
 /// Throws InvalidInput where more pairs are asked for than there are, or they cannot be reached.
 LowestModes lowest_modes(const Eigen::SparseMatrix<double>& stiffness, const Eigen::SparseMatrix<double>& mass,
                          const LowestModesOptions& options);

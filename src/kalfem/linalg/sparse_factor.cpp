@@ -2,6 +2,7 @@
 
 #include <cholmod.h>
 
+#include <algorithm>
 #include <cassert>
 #include <new>
 #include <string>
@@ -129,10 +130,13 @@ struct SparseFactor::Workspace {
     check_pivots();
   }
 
-  void check_pivots() const {
+  void check_pivots() {
+    smallest_pivot = 1.0;
     visit_diagonal(*factor, [&](std::size_t j, double entry) {
       const Index column = given_column(j);
-      if (!(entry * entry > zero_pivot * matrix.diagonal[column])) throw NotPositiveDefinite(column);
+      const double pivot = entry * entry / matrix.diagonal[column];
+      if (!(pivot > zero_pivot)) throw NotPositiveDefinite(column);
+      smallest_pivot = std::min(smallest_pivot, pivot);
     });
   }
 
@@ -167,6 +171,7 @@ struct SparseFactor::Workspace {
   cholmod_common common{};
   cholmod_factor* factor = nullptr;
   Temporaries single, block;
+  double smallest_pivot = 1.0;
 };
 
 SparseFactor::SparseFactor(const Eigen::SparseMatrix<double>& matrix) {
@@ -219,5 +224,7 @@ double SparseFactor::bytes() const {
   const auto indices = factor.is_super ? factor.ssize + 3 * factor.nsuper : factor.nzmax + 4 * factor.n;
   return 8.0 * (nonzeros() + static_cast<double>(indices + 2 * factor.n));
 }
+
+double SparseFactor::smallest_pivot() const { return workspace_->smallest_pivot; }
 
 }  // namespace kalfem

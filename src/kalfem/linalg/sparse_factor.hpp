@@ -43,6 +43,9 @@ public:
   [[nodiscard]] Eigen::Index size() const;
   [[nodiscard]] double nonzeros() const;  ///< entries of L, with the zeros that supernodes store
   [[nodiscard]] double bytes() const;     ///< memory of L [byte]
+  /// min_j L_jj^2 / A_jj, how near to singular A is whatever its units; of the order of the flexibility of the last
+  /// degree of freedom alone against that of the whole structure there.
+  [[nodiscard]] double smallest_pivot() const;
 
 private:
   struct Workspace;

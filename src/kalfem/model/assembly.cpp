@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "kalfem/model/constraints.hpp"
 #include "kalfem/model/elements/beam.hpp"
@@ -141,6 +140,12 @@ private:
     return matrix.pruned();
   }
 
+  [[nodiscard]] SparseSumPattern pattern_of(const std::vector<Eigen::Index>& cells) const;
+  static void add_terms(const SparseSumPattern& pattern, const Scatter& scatter, const std::vector<ElementTerm>& terms,
+                        Sums& sums);
+  void report(const std::vector<std::pair<Eigen::Index, std::string>>& bad, const std::string& region,
+              IssueList& issues) const;
+
   GroundCoupling& ground(const std::string& name) {
     for (auto& coupling : grounds)
       if (coupling.ground == name) return coupling;
@@ -161,48 +166,60 @@ private:
   const Eigen::SparseMatrix<double, Eigen::RowMajor>& transform_;
 };
 
+SparseSumPattern Assembler::pattern_of(const std::vector<Eigen::Index>& cells) const {
+  Scatter scatter;
+  return {transform_.cols(), [&](const SparseSumPattern::Visitor& visit) {
+            for (const auto index : cells) {
+              scatter_of(model_.mesh.nodes_of(cell(index)), scatter);
+              visit(scatter);
+            }
+          }};
+}
+
 void Assembler::add_region(const std::string& region, const RegionProperty& property, IssueList& issues) {
   const auto& cells = model_.mesh.regions.at(region);
-  Scatter scatter;
-  const SparseSumPattern pattern(transform_.cols(), [&](const SparseSumPattern::Visitor& visit) {
-    for (const auto index : cells) {
-      scatter_of(model_.mesh.nodes_of(cell(index)), scatter);
-      visit(scatter);
-    }
-  });
+  const auto pattern = pattern_of(cells);
   Sums stiffness_sums, mass_sums;
-  const auto add = [&](const std::vector<ElementTerm>& terms, Sums& sums) {
-    for (const auto& term : terms) {
-      const auto [place, is_new] = sums.try_emplace(term.powers);
-      if (is_new) place->second = pattern.zero();
-      pattern.add(scatter, term.matrix, place->second);
-    }
-  };
-  std::size_t bad = 0;
+  Scatter scatter;
+  std::vector<std::pair<Eigen::Index, std::string>> bad;
   for (const auto index : cells) try {
       const auto matrices = std::visit(ElementMaker{model_, cell(index)}, property);
       scatter_of(model_.mesh.nodes_of(cell(index)), scatter);
-      add(matrices.stiffness, stiffness_sums);
-      add(matrices.mass, mass_sums);
+      add_terms(pattern, scatter, matrices.stiffness, stiffness_sums);
+      add_terms(pattern, scatter, matrices.mass, mass_sums);
     } catch (const ElementShapeError& error) {
-      if (++bad <= most_told)
-        issues.add({model_.mesh.source, 0},
-                   to_string(cell(index).shape) + " " + std::to_string(cell(index).id) + " of region '" + region +
-                       "' cannot be integrated",
-                   error.what(), "mend the mesh there");
+      bad.emplace_back(index, error.what());
     }
-  if (bad > most_told)
-    issues.add({model_.mesh.source, 0},
-               std::to_string(bad - most_told) + " more cells of region '" + region + "' cannot be integrated");
-  const std::string material = material_of(property);
+  report(bad, region, issues);
   const auto move_sums = [&](Sums& sums, Terms& terms) {
     for (auto& [powers, sum] : sums) {
       const auto values = std::move(sum);  // as large as the matrix: not kept beside it for longer
-      add_to(terms, named_powers(powers, region, material), pattern.matrix(values));
+      add_to(terms, named_powers(powers, region, material_of(property)), pattern.matrix(values));
     }
   };
   move_sums(mass_sums, mass);
   move_sums(stiffness_sums, stiffness);
+}
+
+void Assembler::add_terms(const SparseSumPattern& pattern, const Scatter& scatter,
+                          const std::vector<ElementTerm>& terms, Sums& sums) {
+  for (const auto& term : terms) {
+    const auto [place, is_new] = sums.try_emplace(term.powers);
+    if (is_new) place->second = pattern.zero();
+    pattern.add(scatter, term.matrix, place->second);
+  }
+}
+
+void Assembler::report(const std::vector<std::pair<Eigen::Index, std::string>>& bad, const std::string& region,
+                       IssueList& issues) const {
+  const SourceLocation file{model_.mesh.source, 0};
+  const std::string title = " of region '" + region + "' cannot be integrated";
+  for (std::size_t i = 0; i < std::min(bad.size(), most_told); ++i) {
+    const auto& [index, why] = bad[i];
+    issues.add(file, to_string(cell(index).shape) + " " + std::to_string(cell(index).id) + title, why,
+               "mend the mesh there");
+  }
+  if (bad.size() > most_told) issues.add(file, std::to_string(bad.size() - most_told) + " more cells" + title);
 }
 
 void Assembler::add_masses() {
@@ -253,21 +270,10 @@ std::map<std::string, double> present_values(const FiniteElementModel& model) {
   return values;
 }
 
-double factor(const AffineTerm& term, const std::map<std::string, double>& parameters) {
-  double product = 1.0;
-  for (const auto& [name, power] : term.powers) {
-    const auto value = parameters.find(name);
-    if (value == parameters.end())
-      throw InvalidInput("the parameter '" + name + "' has no value", "a matrix depends on it",
-                         "start from the values of the assembled model");
-    product *= std::pow(value->second, power);
-  }
-  return product;
-}
-
 void require_mass(const FiniteElementModel& model, const AssembledModel& assembled) {
   Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(assembled.size());
-  for (const auto& term : assembled.mass) diagonal += factor(term, assembled.parameters) * term.matrix.diagonal();
+  for (const auto& term : assembled.mass)
+    diagonal += affine_factor(term, assembled.parameters) * term.matrix.diagonal();
   std::string names;
   std::size_t count = 0;
   for (Eigen::Index i = 0; i < diagonal.size(); ++i)
@@ -284,15 +290,6 @@ void require_mass(const FiniteElementModel& model, const AssembledModel& assembl
 Eigen::Index AssembledModel::find(const NodalDof& dof) const {
   const auto place = std::ranges::lower_bound(dofs, dof);
   return place != dofs.end() && *place == dof ? place - dofs.begin() : -1;
-}
-
-SparseMatrix evaluate(const std::vector<AffineTerm>& terms, const std::map<std::string, double>& parameters) {
-  SparseMatrix sum;
-  for (const auto& term : terms) {
-    const double scale = factor(term, parameters);
-    sum = sum.size() == 0 ? SparseMatrix(scale * term.matrix) : SparseMatrix(sum + scale * term.matrix);
-  }
-  return sum;
 }
 
 AssembledModel assemble(const FiniteElementModel& model) {

@@ -4,16 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "kalfem/model/affine_term.hpp"
 #include "kalfem/model/finite_element_model.hpp"
 #include "kalfem/model/linear_model.hpp"
 
 namespace kalfem {
-
-/// One term of a matrix that is affine in products of named parameters: (prod_p value_p^power_p) * matrix.
-struct AffineTerm {
-  std::map<std::string, int> powers;  ///< of parameters such as "steel.youngs_modulus", "tubes.thickness"
-  SparseMatrix matrix;                ///< n x n over the free degrees of freedom, symmetric (both triangles)
-};
 
 /// A finite-element model as matrices: K = sum of stiffness terms and M = sum of mass terms over the free degrees of
 /// freedom, with the map back to the nodes. No two terms have the same powers. Immutable.
@@ -31,10 +26,6 @@ struct AssembledModel {
   /// Position of a nodal degree of freedom among the free ones, -1 where it is fixed, tied or touched by nothing.
   [[nodiscard]] Eigen::Index find(const NodalDof& dof) const;
 };
-
-/// Sum of terms at the given parameter values, n x n; 0 x 0 without terms.
-/// Throws InvalidInput for a parameter without a value.
-SparseMatrix evaluate(const std::vector<AffineTerm>& terms, const std::map<std::string, double>& parameters);
 
 /// Assembles a model: element matrices by region, point masses, springs, then fixed, tied and constrained degrees of
 /// freedom eliminated, z_all = T z, K = T^T K_all T, M alike. Only degrees of freedom that an element, spring or mass

@@ -190,15 +190,15 @@ void report_rings(const FiniteElementModel& model, const Equations& equations,
              "turn one of them round, or leave it out");
 }
 
-/// Replaces dependent terms by what they follow from, and drops fixed ones.
-void substitute(Equations& equations, const std::vector<std::size_t>& order, const std::vector<bool>& fixed) {
+/// Replaces dependent terms by what they follow from.
+void substitute(Equations& equations, const std::vector<std::size_t>& order) {
   for (const auto i : order) {
     std::vector<Term> independent;
     for (const auto& term : equations.list[i].terms) {
       if (const auto other = equations.of.find(term.dof); other != equations.of.end()) {
         for (const auto& inner : equations.list[other->second].terms)
           independent.push_back({inner.dof, term.coefficient * inner.coefficient});
-      } else if (!fixed[static_cast<std::size_t>(term.dof)]) {
+      } else {
         independent.push_back(term);
       }
     }
@@ -207,14 +207,14 @@ void substitute(Equations& equations, const std::vector<std::size_t>& order, con
   }
 }
 
-/// Equations whose right sides are independent and free to move.
+/// Equations whose right sides are independent.
 Equations solve(const FiniteElementModel& model, const std::vector<bool>& fixed, IssueList& issues) {
   Equations equations = EquationCollector(model, issues).take();
   check_fixed(model, equations, fixed, issues);
   std::vector<std::size_t> left_over;
   const auto order = substitution_order(equations, left_over);
   report_rings(model, equations, left_over, issues);
-  if (issues.empty()) substitute(equations, order, fixed);
+  if (issues.empty()) substitute(equations, order);
   return equations;
 }
 

@@ -64,11 +64,12 @@ Eigen::MatrixXd pseudo_static_shapes(const SparseMatrix& stiffness, const Eigen:
   constexpr double relative_shift = 1e-12, tolerance = 1e-11;
   constexpr int most_refinements = 50;
   const Eigen::VectorXd diagonal = stiffness.diagonal();
+  const double elsewhere = diagonal.maxCoeff() > 0.0 ? diagonal.maxCoeff() : 1.0;
   SparseMatrix shifted = stiffness;
   SparseMatrix shift(diagonal.size(), diagonal.size());
   shift.reserve(Eigen::VectorXi::Ones(diagonal.size()));
   for (Eigen::Index i = 0; i < diagonal.size(); ++i)
-    shift.insert(i, i) = diagonal[i] > 0.0 ? relative_shift * diagonal[i] : diagonal.maxCoeff();
+    shift.insert(i, i) = diagonal[i] > 0.0 ? relative_shift * diagonal[i] : elsewhere;
   shifted += shift;
   const SparseFactor factor(shifted);
   Eigen::MatrixXd shapes = factor.solve(forces);

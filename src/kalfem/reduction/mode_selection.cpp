@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/reduction/static_modes.hpp"
 
 namespace kalfem {
 
@@ -43,24 +42,6 @@ void check(const ModeSelection& selection) {
   issues.raise();
 }
 
-/// Unit displacements of the boundary in each direction, n_b x directions. The names' last part tells the direction.
-MatrixXd translations(const std::vector<std::string>& names) {
-  std::map<std::string, VectorXd> directions;
-  for (std::size_t j = 0; j < names.size(); ++j) {
-    const auto dot = names[j].rfind('.');
-    const std::string last = dot == std::string::npos ? "" : names[j].substr(dot + 1);
-    if (last == "rx" || last == "ry" || last == "rz") continue;
-    const bool known = last == "x" || last == "y" || last == "z";
-    VectorXd& direction = directions.try_emplace(known ? last : "", VectorXd::Zero(static_cast<Index>(names.size())))
-                              .first->second;
-    direction[static_cast<Index>(j)] = 1.0;
-  }
-  MatrixXd columns(static_cast<Index>(names.size()), static_cast<Index>(directions.size()));
-  Index column = 0;
-  for (const auto& [name, direction] : directions) columns.col(column++) = direction;
-  return columns;
-}
-
 /// The fewest leading modes that take this part of the mass in every direction; one more than there are when all of
 /// them do not reach it.
 Index modes_for_mass(const MatrixXd& momenta, const VectorXd& masses, const MatrixXd& shapes, double part) {
@@ -73,7 +54,7 @@ Index modes_for_mass(const MatrixXd& momenta, const VectorXd& masses, const Matr
   return kept;
 }
 
-/// Computes modes in growing numbers, until the wanted part of the mass is reached or there are no more.
+/// Computes modes in growing numbers, until what is wanted is among them or there are no more.
 class Search {
 public:
   Search(const Partition& parts, const ShiftedStiffness& factored)
@@ -82,17 +63,18 @@ public:
   void up_to_count(Index count) { extend({.count = std::min(count, available_)}); }
   void up_to_frequency(double frequency) { extend({.below = angular_squared(frequency)}); }
 
-  Index up_to_mass(const std::vector<std::string>& boundary_names, double part) {
-    if (rigid() == 0) up_to_count(1);
-    const MatrixXd follow = static_modes(parts_, factored_, modes.vectors.leftCols(rigid())) *
-                            translations(boundary_names);
-    const MatrixXd momenta = parts_.mass_ii * follow;
-    const VectorXd masses = follow.cwiseProduct(momenta).colwise().sum();
+  void up_to_rigid_modes() {
+    if (factored_.shift == 0.0) return;
+    for (Index count = 8; modes.values.size() == rigid() && (modes.next || count == 8); count *= 2) up_to_count(count);
+  }
+
+  Index up_to_mass(const MatrixXd& following, double part) {
+    const MatrixXd momenta = parts_.mass_ii * following;
+    const VectorXd masses = following.cwiseProduct(momenta).colwise().sum();
     for (Index count = first_guess;; count *= 2) {
-      const Index needed = modes_for_mass(momenta, masses, modes.vectors, part);
-      if (needed <= modes.values.size()) return needed;
-      if (!modes.next) return modes.values.size();
       up_to_count(count);
+      const Index needed = modes_for_mass(momenta, masses, modes.vectors, part);
+      if (needed <= modes.values.size() || !modes.next) return std::min(needed, modes.values.size());
     }
   }
 
@@ -102,6 +84,7 @@ public:
 
 private:
   void extend(const LowestModesOptions& options) {
+    if (options.count && *options.count <= modes.values.size() && modes.values.size() > 0) return;
     LowestModes more = lowest_modes(parts_.stiffness_ii, parts_.mass_ii, factored_, options);
     more.solves += modes.solves;
     if (more.values.size() >= modes.values.size()) modes = std::move(more);
@@ -121,14 +104,20 @@ void truncate(LowestModes& modes, Index kept) {
 
 }  // namespace
 
-SelectedModes select_modes(const Partition& parts, const std::vector<std::string>& boundary_names,
-                           const ShiftedStiffness& factored, const ModeSelection& selection) {
+MatrixXd rigid_body_modes(const Partition& parts, const ShiftedStiffness& factored) {
+  Search search(parts, factored);
+  search.up_to_rigid_modes();
+  return search.modes.vectors.leftCols(search.rigid());
+}
+
+SelectedModes select_modes(const Partition& parts, const MatrixXd& following, const ShiftedStiffness& factored,
+                           const ModeSelection& selection) {
   check(selection);
   Search search(parts, factored);
   Index kept = 0;
   std::string reason;
   const auto want = [&](Index count, const std::string& why) {
-    reason += (reason.empty() ? "" : "; ") + std::to_string(count) + " " + why;
+    reason += (reason.empty() ? "" : ", ") + std::to_string(count) + " " + why;
     kept = std::max(kept, count);
   };
   if (selection.cutoff) {
@@ -136,22 +125,35 @@ SelectedModes select_modes(const Partition& parts, const std::vector<std::string
     want(search.modes.values.size(), "up to " + number(*selection.cutoff) + " Hz");
   }
   if (selection.count) {
-    // one at least, so that it is known what the first left out is
-    if (*selection.count >= search.modes.values.size()) search.up_to_count(std::max<Index>(*selection.count, 1));
+    search.up_to_count(std::max<Index>(*selection.count, 1));  // one at least, to know what is left out
     want(std::min(*selection.count, search.modes.values.size()), "by number");
   }
   if (selection.effective_mass)
-    want(search.up_to_mass(boundary_names, *selection.effective_mass),
+    want(search.up_to_mass(following, *selection.effective_mass),
          "for " + number(100.0 * *selection.effective_mass) + " % of the interior's mass in each translation");
-  // A singular stiffness has rigid-body modes: however few modes are wanted, all of these must be seen.
-  for (Index count = 8; factored.shift > 0.0 && search.modes.next && search.rigid() == search.modes.values.size();
-       count *= 2)
-    search.up_to_count(count);
+  search.up_to_rigid_modes();
   const Index rigid = search.rigid();
   if (rigid > 0) want(rigid, "in which the interior moves rigidly");
   truncate(search.modes, kept);
-  if (!search.modes.next) reason += " (all there are)";
+  if (!search.modes.next) reason += "; all there are";
   return {std::move(search.modes), rigid, reason};
+}
+
+MatrixXd translations(const std::vector<std::string>& names) {
+  std::map<std::string, VectorXd> directions;
+  for (std::size_t j = 0; j < names.size(); ++j) {
+    const auto dot = names[j].rfind('.');
+    const std::string last = dot == std::string::npos ? "" : names[j].substr(dot + 1);
+    if (last == "rx" || last == "ry" || last == "rz") continue;
+    const bool known = last == "x" || last == "y" || last == "z";
+    VectorXd& direction = directions.try_emplace(known ? last : "", VectorXd::Zero(static_cast<Index>(names.size())))
+                              .first->second;
+    direction[static_cast<Index>(j)] = 1.0;
+  }
+  MatrixXd columns(static_cast<Index>(names.size()), static_cast<Index>(directions.size()));
+  Index column = 0;
+  for (const auto& [name, direction] : directions) columns.col(column++) = direction;
+  return columns;
 }
 
 }  // namespace kalfem

@@ -13,9 +13,15 @@ struct SelectedModes {
   std::string reason;
 };
 
-/// Throws InvalidInput where no criterion is given, or a value is out of its range. `boundary_names` tell the
-/// directions. Rigid-body modes are kept in any case.
-SelectedModes select_modes(const Partition& parts, const std::vector<std::string>& boundary_names,
-                           const ShiftedStiffness& factored, const ModeSelection& selection);
+/// The interior's rigid-body modes while the boundary is held, n_i x r; none where K_ii is positive definite.
+Eigen::MatrixXd rigid_body_modes(const Partition& parts, const ShiftedStiffness& factored);
+
+/// `following`: motion of the interior with each translation of the boundary, n_i x directions. Rigid-body modes are
+/// kept in any case. Throws InvalidInput where no criterion is given, or a value is out of its range.
+SelectedModes select_modes(const Partition& parts, const Eigen::MatrixXd& following, const ShiftedStiffness& factored,
+                           const ModeSelection& selection);
+
+/// Unit displacements of the boundary in each translation, n_b x directions; the names' last part tells the direction.
+Eigen::MatrixXd translations(const std::vector<std::string>& boundary_names);
 
 }  // namespace kalfem

@@ -1,6 +1,7 @@
 #include "kalfem/reduction/partition.hpp"
 
 #include <unordered_map>
+#include <utility>
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/linalg/sparse_select.hpp"

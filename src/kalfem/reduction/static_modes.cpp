@@ -11,6 +11,7 @@ namespace {
 /// Degrees of freedom that hold the rigid-body modes best: those of the pivots of R^T, each row of R by the stiffness
 /// there, so that rotations and translations compare.
 std::vector<Index> supports(const SparseMatrix& stiffness, const MatrixXd& rigid_modes) {
+  if (rigid_modes.cols() == 0) return {};
   const VectorXd scale = stiffness.diagonal().cwiseMax(0.0).cwiseSqrt();
   const Eigen::ColPivHouseholderQR<MatrixXd> pivots(MatrixXd(rigid_modes.transpose() * scale.asDiagonal()));
   const auto order = pivots.colsPermutation().indices().head(rigid_modes.cols());
@@ -33,10 +34,11 @@ MatrixXd solve_supported(const Partition& parts, const MatrixXd& loads, const Ma
 
 MatrixXd static_modes(const Partition& parts, const ShiftedStiffness& factored, const MatrixXd& rigid_modes) {
   const MatrixXd loads = -MatrixXd(parts.stiffness_ib);
-  return rigid_modes.cols() == 0 ? factored.factor.solve(loads) : solve_supported(parts, loads, rigid_modes);
+  return factored.shift == 0.0 ? factored.factor.solve(loads) : solve_supported(parts, loads, rigid_modes);
 }
 
 double static_error(const Partition& parts, const MatrixXd& modes) {
+  if (modes.size() == 0) return 0.0;
   const MatrixXd unbalanced = parts.stiffness_ii * modes + parts.stiffness_ib;
   double largest = 0.0;
   for (Index j = 0; j < modes.cols(); ++j)

@@ -34,11 +34,11 @@ struct ModeComparison {
 struct ReductionEvidence {
   std::vector<ModeComparison> modes;
   double static_error = 0.0;  ///< largest |K_ii psi + K_ib| / |K_ib| of a boundary degree of freedom's static mode psi
-  Eigen::VectorXd interface_frequencies;  ///< fixed-interface modes kept [Hz]
+  Eigen::VectorXd interface_frequencies = {};  ///< fixed-interface modes kept [Hz]
   double highest_kept = 0.0;              ///< of the fixed-interface modes [Hz]; 0: none
   double next_left_out = 0.0;             ///< first that was left out [Hz], to 1 %; 0: there is none
   Eigen::Index rigid_modes = 0;           ///< of the interior while the boundary is held, all kept
-  std::string reason;                     ///< why so many modes, in words
+  std::string reason = {};                ///< why so many modes, in words
   double seconds = 0.0;                   ///< without the comparison with the full model
   double factor_bytes = 0.0;              ///< memory of the factor of K_ii [byte]
   Eigen::Index solves = 0;                ///< back-solves with it

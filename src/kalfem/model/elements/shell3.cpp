@@ -9,7 +9,7 @@
 namespace kalfem {
 namespace {
 
-using Plane = Eigen::Matrix<double, 2, 3>;       ///< corners in the plane of the triangle
+using Plane = Eigen::Matrix<double, 2, 3>;  ///< corners in the plane of the triangle
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
 using Matrix11 = Eigen::Matrix<double, 11, 11>;
 using Matrix18 = Eigen::Matrix<double, 18, 18>;
@@ -73,8 +73,8 @@ Eigen::Matrix<double, 3, 9> hierarchical_rotations(const Triangle& triangle) {
   Eigen::Matrix<double, 3, 9> rotations;
   for (int i = 0; i < 3; ++i) {
     const Eigen::Vector2d opposite = triangle.side((i + 2) % 3, (i + 1) % 3) / (4.0 * triangle.area);
-    rotations.middleCols<3>(3 * i) << Eigen::Vector3d::Constant(opposite.x()),
-        Eigen::Vector3d::Constant(opposite.y()), Eigen::Vector3d::Unit(i);
+    rotations.middleCols<3>(3 * i) << Eigen::Vector3d::Constant(opposite.x()), Eigen::Vector3d::Constant(opposite.y()),
+        Eigen::Vector3d::Unit(i);
   }
   return rotations;
 }
@@ -101,8 +101,7 @@ Matrix9 membrane_stiffness(const Triangle& triangle, double poissons_ratio) {
   Matrix9 stiffness = basic_membrane(triangle, material);
   const double share = 0.75 * std::max(0.5 * (1.0 - 4.0 * poissons_ratio * poissons_ratio), 0.01) * triangle.area;
   for (int side = 0; side < 3; ++side) {
-    const Eigen::Matrix<double, 3, 9> strains =
-        from_sides * bending_strains_along_sides(triangle, side) * hierarchical;
+    const Eigen::Matrix<double, 3, 9> strains = from_sides * bending_strains_along_sides(triangle, side) * hierarchical;
     stiffness += share * strains.transpose() * material * strains;
   }
   return stiffness;
@@ -159,7 +158,8 @@ private:
     Shear strains = Shear::Zero();
     for (int corner = 0; corner < 3; ++corner) strains.col(3 * corner) = corner_slope(corner);
     for (int node = 0; node < 4; ++node)
-      strains.middleCols<2>(first_turn(node)) = (node < 3 ? linear[node] - bubble / 3.0 : bubble) * jacobian_.transpose();
+      strains.middleCols<2>(first_turn(node)) =
+          (node < 3 ? linear[node] - bubble / 3.0 : bubble) * jacobian_.transpose();
     return strains;
   }
 
@@ -178,8 +178,12 @@ std::array<GaussPoint, 7> gauss_points() {
   const double a = (6.0 - root) / 21.0, b = (6.0 + root) / 21.0;
   const double near_side = (155.0 - root) / 1200.0, near_corner = (155.0 + root) / 1200.0;
   return {GaussPoint{1.0 / 3.0, 1.0 / 3.0, 9.0 / 40.0},
-          {a, a, near_side}, {1.0 - 2.0 * a, a, near_side}, {a, 1.0 - 2.0 * a, near_side},
-          {b, b, near_corner}, {1.0 - 2.0 * b, b, near_corner}, {b, 1.0 - 2.0 * b, near_corner}};
+          {a, a, near_side},
+          {1.0 - 2.0 * a, a, near_side},
+          {a, 1.0 - 2.0 * a, near_side},
+          {b, b, near_corner},
+          {1.0 - 2.0 * b, b, near_corner},
+          {b, 1.0 - 2.0 * b, near_corner}};
 }
 
 /// Per unit E, [w b_x b_y] of each corner, the bubble condensed.
@@ -230,11 +234,12 @@ Eigen::MatrixXd transformed(const Matrix9& stiffness, const Eigen::Matrix<double
 ElementMatrices shell3(const Eigen::Matrix3d& corners, double poissons_ratio, double thickness, MassKind mass_kind) {
   const Triangle triangle = triangle_through(corners);
   const Eigen::Matrix3d shares = triangle.area / 12.0 * (Eigen::Matrix3d::Ones() + Eigen::Matrix3d::Identity());
-  return {.stiffness = {{{.youngs_modulus = 1, .thickness = 1},
-                         transformed(membrane_stiffness(triangle, poissons_ratio), to_membrane(triangle.axes))},
-                        {{.youngs_modulus = 1},
-                         transformed(flexure_stiffness(triangle, poissons_ratio, thickness), to_flexure(triangle.axes))}},
-          .mass = plate_mass(shares, mass_kind)};
+  return {
+      .stiffness = {{{.youngs_modulus = 1, .thickness = 1},
+                     transformed(membrane_stiffness(triangle, poissons_ratio), to_membrane(triangle.axes))},
+                    {{.youngs_modulus = 1},
+                     transformed(flexure_stiffness(triangle, poissons_ratio, thickness), to_flexure(triangle.axes))}},
+      .mass = plate_mass(shares, mass_kind)};
 }
 
 }  // namespace kalfem

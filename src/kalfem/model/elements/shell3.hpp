@@ -4,7 +4,19 @@
 
 namespace kalfem {
 
-/// Three-node shell (MITC3+).
+/// Flat three-node shell between `corners` [m] (either way round), thin or moderately thick: MITC3+ in bending [LLB14],
+/// the optimal triangle with drilling rotations in its plane [Fel03].
+///
+/// Bending: w linear, the turn of the normals linear with a cubic bubble, which is condensed; curvatures interpolated,
+/// transverse shear assumed from six inner places, 5/6 of G.
+/// Membrane: constant strain with sides that bulge with the drilling rotations, and strains linear in them; exact for
+/// bending in the plane of two triangles that make a rectangle. Facets of a thin surface curved both ways bend against
+/// each other in their planes, so that coarse meshes of such are stiff; the error falls with h^2.
+///
+/// Stiffness: the membrane has the term E t. The condensation mixes t and t^3, so that the term of bending and
+/// transverse shear is formed at `thickness` and proportional to E only. Mass: plate_mass(), terms rho t and rho t^3.
+/// Exact in constant membrane strain and curvature. Throws ElementShapeError for corners that coincide or lie on a
+/// line.
 ElementMatrices shell3(const Eigen::Matrix<double, 3, 3>& corners, double poissons_ratio, double thickness,
                        MassKind mass_kind);
 

@@ -1,6 +1,6 @@
 #include "kalfem/model/elements/shell_common.hpp"
 
-#include <Eigen/Geometry>
+#include <algorithm>
 
 namespace kalfem {
 
@@ -25,15 +25,17 @@ void require_distinct(const Eigen::Matrix3Xd& corners) {
 
 std::vector<ElementTerm> plate_mass(const Eigen::MatrixXd& shares, MassKind mass_kind) {
   const Eigen::Index nodes = shares.rows();
-  const Eigen::MatrixXd masses =
-      mass_kind == MassKind::consistent ? shares : Eigen::MatrixXd(shares.rowwise().sum().asDiagonal());
+  const Eigen::MatrixXd masses = mass_kind == MassKind::consistent
+                                     ? Eigen::MatrixXd(0.5 * (shares + shares.transpose()))
+                                     : Eigen::MatrixXd(shares.rowwise().sum().asDiagonal());
   Eigen::MatrixXd translation = Eigen::MatrixXd::Zero(6 * nodes, 6 * nodes), rotation = translation;
   for (Eigen::Index i = 0; i < nodes; ++i)
     for (Eigen::Index j = 0; j < nodes; ++j) {
       translation.block<3, 3>(6 * i, 6 * j).diagonal().setConstant(masses(i, j));
       rotation.block<3, 3>(6 * i + 3, 6 * j + 3).diagonal().setConstant(masses(i, j) / 12.0);
     }
-  return {{{.density = 1, .thickness = 1}, std::move(translation)}, {{.density = 1, .thickness = 3}, std::move(rotation)}};
+  return {{{.density = 1, .thickness = 1}, std::move(translation)},
+          {{.density = 1, .thickness = 3}, std::move(rotation)}};
 }
 
 }  // namespace kalfem

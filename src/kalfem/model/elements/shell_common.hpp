@@ -19,9 +19,9 @@ void require_distinct(const Eigen::Matrix3Xd& corners);
 
 /// Mass of a plate that moves by u = sum_i N_i u_i and turns by theta = sum_i N_i theta_i,
 ///     rho t int N_i N_j dA  in translation,  rho t^3 / 12 int N_i N_j dA  in rotation,
-/// where `shares` is int N_i N_j dA [m^2], nodes x nodes. The inertia of a turn about the normal, which a plate does not
-/// have, is taken like that of the others, so that the mass is positive definite and the same in all axes. Lumped: sums
-/// of the rows in place of the rows.
+/// where `shares` is int N_i N_j dA [m^2], nodes x nodes. The inertia of a turn about the normal, which a plate does
+/// not have, is taken like that of the others, so that the mass is positive definite and the same in all axes. Lumped:
+/// sums of the rows in place of the rows.
 std::vector<ElementTerm> plate_mass(const Eigen::MatrixXd& shares, MassKind mass_kind);
 
 }  // namespace kalfem

@@ -1,0 +1,50 @@
+#include <algorithm>
+#include <cstdio>
+
+#include "kalfem/reduction/superelement.hpp"
+
+namespace kalfem {
+
+namespace {
+
+constexpr double static_tolerance = 1e-6;
+constexpr double frequency_tolerance = 1e-2;
+constexpr double least_mac = 0.9;
+
+std::string hertz(double frequency) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g Hz", frequency);
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::string> reduction_warnings(const ReductionEvidence& evidence, double excitation_band,
+                                            double sensor_bandwidth) {
+  std::vector<std::string> warnings;
+  const double left_out = evidence.next_left_out;
+  if (left_out > 0.0 && left_out < excitation_band)
+    warnings.push_back("the first fixed-interface mode left out, at " + hertz(left_out) +
+                       ", is inside the band of the excitation, " + hertz(excitation_band) +
+                       ": the excitation drives motion that the reduced model does not have");
+  if (left_out > 0.0 && left_out < 3.0 * sensor_bandwidth)
+    warnings.push_back("the fixed-interface modes end below " + hertz(left_out) + ", less than three times the sensors' " +
+                       "bandwidth of " + hertz(sensor_bandwidth) + ": keep modes up to " + hertz(3.0 * sensor_bandwidth) +
+                       ", better up to " + hertz(6.0 * sensor_bandwidth));
+  for (const auto& mode : evidence.modes) {
+    if (mode.full > sensor_bandwidth) break;
+    const bool frequency_off = mode.reduced - mode.full > frequency_tolerance * mode.full;
+    if (!frequency_off && mode.mac >= least_mac) continue;
+    char mac[16];
+    std::snprintf(mac, sizeof mac, "%.2f", mode.mac);
+    warnings.push_back("the mode of the full model at " + hertz(mode.full) + ", inside the sensors' bandwidth, is at " +
+                       hertz(mode.reduced) + " in the reduced one, with an assurance criterion of " + mac +
+                       ": keep more modes or more of the boundary");
+  }
+  if (evidence.static_error > static_tolerance)
+    warnings.push_back("the static modes leave " + std::to_string(evidence.static_error) +
+                       " of the boundary's forces unbalanced: the interior's stiffness is nearly singular");
+  return warnings;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,133 @@
+#include <gtest/gtest.h>
+
+#include "command.hpp"
+
+namespace kalfem::test {
+namespace {
+
+/// A plate of two by one quadrilaterals with a line of posts, MSH 2.2.
+const std::string sound_mesh = R"($MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+4
+2 1 "plate"
+0 2 "corner"
+0 3 "far"
+1 4 "edge"
+$EndPhysicalNames
+$Nodes
+6
+1 0 0 0
+2 0.5 0 0
+3 1 0 0
+4 0 0.4 0
+5 0.5 0.4 0
+6 1 0.4 0
+$EndNodes
+$Elements
+5
+1 3 2 1 1 1 2 5 4
+2 3 2 1 1 2 3 6 5
+3 15 2 2 1 1
+4 15 2 3 1 6
+5 1 2 4 1 1 4
+$EndElements
+)";
+
+const std::string sound_case = R"(kalfem: 1
+substructures:
+  wheel: {masses: {z: 3 kg}, springs: [{from: ground, to: z, stiffness: 1e5}]}
+  plate:
+    finite_elements:
+      mesh: plate.msh
+      materials: {steel: {youngs_modulus: 210 GPa, density: 7850 kg/m^3}}
+      regions: {plate: {material: steel, shell: {thickness: 5 mm}}}
+      nodes: {c: corner, f: far, m: [0.5, 0.4, 0]}
+      fixed: {clamp: {nodes: edge}}
+    reduction: {modes: 4}
+connectors:
+  mount: {from: wheel.z, to: plate.f.z, law: linear, parameters: {k: 1e4, c: 10}}
+excitation:
+  road: {base_displacement: wheel.ground, random: {rms: 1 mm, band: [0.5, 30 Hz]}}
+sensors:
+  a: {acceleration: plate.m.z, noise: 5 %}
+simulate: {duration: 0.2 s, sample_rate: 1 kHz}
+)";
+
+struct Mistake {
+  const char* name;
+  std::string from, to;               ///< what is changed, in the mesh where it is found there, else in the case
+  std::vector<std::string> messages;  ///< pieces that the errors must hold
+};
+
+Outcome run_with(const Mistake& mistake, const std::string& verb, const std::filesystem::path& folder) {
+  std::string mesh = sound_mesh, text = sound_case;
+  std::string& changed = mesh.find(mistake.from) != std::string::npos ? mesh : text;
+  const auto place = changed.find(mistake.from);
+  EXPECT_NE(place, std::string::npos);
+  changed.replace(place, mistake.from.size(), mistake.to);
+  std::ofstream(folder / "plate.msh") << mesh;
+  std::ofstream(folder / "case.yaml") << text;
+  return run_command(verb + " " + (folder / "case.yaml").string(), folder);
+}
+
+TEST(FiniteElements, SoundCaseRunsAtFullAndReducedOrder) {
+  const auto folder = fresh_folder("plate");
+  for (const std::string reference : {"full", "superelement"}) {
+    const auto outcome = run_with({"", "sample_rate: 1 kHz", "sample_rate: 1 kHz, reference: " + reference, {}},
+                                  "simulate", folder);
+    EXPECT_EQ(outcome.code, 0) << outcome.errors;
+    EXPECT_EQ(outcome.errors, "");
+    const auto plate = read_summary(folder / "case.kalfem-out")["model"]["substructures"]["plate"];
+    EXPECT_EQ(plate["dofs"], 24);
+    EXPECT_EQ(plate["reduction"]["dofs"], 7);
+    EXPECT_NEAR(plate["mass"].get<double>(), 0.4 * 0.005 * 7850.0, 0.4 * 0.005 * 7850.0);
+  }
+}
+
+TEST(FiniteElements, ModesVerbListsThemAndWritesTheirShapes) {
+  const auto folder = fresh_folder("modes");
+  const auto outcome = run_with({"", "kalfem: 1", "kalfem: 1", {}}, "modes", folder);
+  EXPECT_EQ(outcome.code, 0) << outcome.errors;
+  EXPECT_NE(outcome.output.find("MAC"), std::string::npos) << outcome.output;
+  const auto file = read(folder / "case.kalfem-out" / "plate_modes.vtu");
+  EXPECT_NE(file.find("UnstructuredGrid"), std::string::npos);
+  EXPECT_NE(file.find("mode 01"), std::string::npos);
+}
+
+class BadModel : public testing::TestWithParam<Mistake> {};
+
+TEST_P(BadModel, IsOneClearMessageAndNothingIsLeft) {
+  const auto& mistake = GetParam();
+  const auto folder = fresh_folder(std::string("bad-model-") + mistake.name);
+  for (const std::string verb : {"check", "simulate"}) {
+    const auto outcome = run_with(mistake, verb, folder);
+    EXPECT_EQ(outcome.code, 2) << outcome.errors;
+    for (const auto& piece : mistake.messages)
+      EXPECT_NE(outcome.errors.find(piece), std::string::npos) << outcome.errors;
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "case.kalfem-out"));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Mistakes, BadModel,
+    testing::Values(
+        Mistake{"NoMesh", "mesh: plate.msh", "mesh: plaet.msh", {"plaet.msh", "case.yaml:6"}},
+        Mistake{"TruncatedMesh", "$Elements\n5\n1 3 2 1 1 1 2 5 4", "$Elements\n5\n", {"plate.msh:"}},
+        Mistake{"NotAMesh", "$MeshFormat\n2.2 0 8", "hello", {"plate.msh:1"}},
+        Mistake{"InvertedElement", "1 3 2 1 1 1 2 5 4", "1 3 2 1 1 1 5 2 4", {"element 1", "plate"}},
+        Mistake{"MissingProperty", "regions: {plate: {", "regions: {plaet: {", {"plaet", "case.yaml:8"}},
+        Mistake{"RegionWithoutProperty", "1 3 2 1 1 1 2 5 4", "1 3 2 9 1 1 2 5 4", {"physical9", "property"}},
+        Mistake{"NoDensity", ", density: 7850 kg/m^3", "", {"density", "case.yaml:7"}},
+        Mistake{"UnknownMaterial", "{material: steel", "{material: steal", {"steal", "did you mean 'steel'"}},
+        Mistake{"UnknownNode", "c: corner", "c: korner", {"korner", "case.yaml:9"}},
+        Mistake{"UnknownPoint", "plate.f.z", "plate.g.z", {"plate.g.z"}},
+        Mistake{"UnknownBoundary", "modes: 4", "modes: 4, boundary: [c, q]", {"'q'", "case.yaml:11"}},
+        Mistake{"Mechanism", "fixed: {clamp: {nodes: edge}}", "fixed: {clamp: {nodes: edge, directions: [x, y]}}", {}},
+        Mistake{"ShellOnLines", "regions: {plate:", "regions: {edge: {material: steel, shell: {thickness: 1 mm}}, plate:",
+                {"edge", "line"}}),
+    [](const auto& info) { return std::string(info.param.name); });
+
+}  // namespace
+}  // namespace kalfem::test
