@@ -120,8 +120,8 @@ int main(int argc, char** argv) {
   const Frame frame(columns, rows);
   const LinearModel model = frame.model();
   std::vector<std::string> boundary;
-  for (const Index node : {frame.node(0, 0), frame.node(0, rows - 1), frame.node(columns - 1, 0),
-                           frame.node(columns - 1, rows - 1)})
+  for (const Index node :
+       {frame.node(0, 0), frame.node(0, rows - 1), frame.node(columns - 1, 0), frame.node(columns - 1, rows - 1)})
     for (Index i = 6 * node; i < 6 * node + 6; ++i) boundary.push_back(model.dofs[static_cast<std::size_t>(i)]);
   line("degrees of freedom", double(model.size()), "");
   line("entries of K", double(model.stiffness.nonZeros()), "");
@@ -143,14 +143,16 @@ int main(int argc, char** argv) {
   const double single = best_of(5, [&] { factor->solve(block.col(0), solution.col(0)); });
   line("solve, one right-hand side", 1e3 * single, "ms");
   for (const Index width : {8, 24})
-    std::printf("solve, %2d right-hand sides, per vector %31.4g ms\n", int(width),
-                1e3 / double(width) * best_of(3, [&] { factor->solve(block.leftCols(width), solution.leftCols(width)); }));
+    std::printf(
+        "solve, %2d right-hand sides, per vector %31.4g ms\n", int(width),
+        1e3 / double(width) * best_of(3, [&] { factor->solve(block.leftCols(width), solution.leftCols(width)); }));
   const double eight = best_of(3, [&] { factor->solve(block.leftCols(8), solution.leftCols(8)); }) / 8.0;
   factor.reset();
 
   LowestModes modes;
   line("40 lowest modes of the free model, with factor, no check",
-       seconds([&] { modes = lowest_modes(model.stiffness, model.mass, {.count = 40, .check = ModeCheck::none}); }), "s");
+       seconds([&] { modes = lowest_modes(model.stiffness, model.mass, {.count = 40, .check = ModeCheck::none}); }),
+       "s");
   line("  back-solves", double(modes.solves), "");
   line("40 lowest modes of the free model, with factor",
        seconds([&] { modes = lowest_modes(model.stiffness, model.mass, {.count = 40}); }), "s");
@@ -160,19 +162,18 @@ int main(int argc, char** argv) {
   line("  fortieth", std::sqrt(modes.values[39]) / (2.0 * std::numbers::pi), "Hz");
 
   Superelement element;
-  const double reduction = seconds(
-      [&] { element = craig_bampton(model, boundary, {.modes = {.count = 60}, .evidence = false}); });
+  const double reduction =
+      seconds([&] { element = craig_bampton(model, boundary, {.modes = {.count = 60}, .evidence = false}); });
   line("Craig-Bampton, 24 + 60, without evidence", reduction, "s");
   line("  back-solves", double(element.evidence.solves), "");
   line("  highest kept", element.evidence.highest_kept, "Hz");
   line("  static error", element.evidence.static_error, "");
-  line("  ratio to one factorisation and its back-solves", reduction / (first + double(element.evidence.solves) * eight),
-       "");
+  line("  ratio to one factorisation and its back-solves",
+       reduction / (first + double(element.evidence.solves) * eight), "");
   line("  ratio to one factorisation and single back-solves",
        reduction / (first + double(element.evidence.solves) * single), "");
   line("peak memory", peak_megabytes(), "MB");
-  const double compared =
-      seconds([&] { element = craig_bampton(model, boundary, {.modes = {.count = 60}}); });
+  const double compared = seconds([&] { element = craig_bampton(model, boundary, {.modes = {.count = 60}}); });
   line("Craig-Bampton with evidence", compared, "s");
   for (const auto& mode : element.evidence.modes)
     std::printf("  %9.3f Hz full %9.3f Hz reduced, MAC %.4f, residual %.1e\n", mode.full, mode.reduced, mode.mac,

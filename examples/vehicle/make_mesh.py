@@ -114,7 +114,7 @@ def bracket(mesh, x, y):
 
 def build(division):
     mesh = Mesh(lattice(division))
-    half = CROSS_WIDTH / 2
+    half, top = CROSS_WIDTH / 2, DECK + UPPER_HEIGHT
     sides = (0.0, WIDTH - RAIL_WIDTH)
     inner = (RAIL_WIDTH, WIDTH - RAIL_WIDTH)
     for y in sides:
@@ -126,14 +126,14 @@ def build(division):
     for x, y in itertools.product(POSTS, sides):
         mesh.tube("upper", (x - POST_DEPTH, y, RAIL_HEIGHT), (x, y + RAIL_WIDTH, DECK), axis=2)
     for y in sides:
-        mesh.tube("upper", (UPPER_CROSS_MEMBERS[0] - half, y, DECK), (LENGTH, y + RAIL_WIDTH, DECK + UPPER_HEIGHT), axis=0)
+        mesh.tube("upper", (UPPER_CROSS_MEMBERS[0] - half, y, DECK), (LENGTH, y + RAIL_WIDTH, top), axis=0)
     for x in UPPER_CROSS_MEMBERS:
-        mesh.tube("upper", (x - half, inner[0], DECK), (x + half, inner[1], DECK + UPPER_HEIGHT), axis=1)
+        mesh.tube("upper", (x - half, inner[0], DECK), (x + half, inner[1], top), axis=1)
     return mesh
 
 
 def name_points(mesh):
-    """p1 to p4 below the brackets, front left, front right, rear left, rear right; p5 to p8 where the motion is sought."""
+    """p1 to p4 below the brackets, front left and right, rear left and right; p5 to p8 where the motion is sought."""
     rear, front = BRACKETS
     right, left = RAIL_WIDTH / 2, WIDTH - RAIL_WIDTH / 2
     top, half = DECK + UPPER_HEIGHT, CROSS_WIDTH / 2

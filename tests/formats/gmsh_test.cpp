@@ -382,6 +382,19 @@ TEST(GmshText, DamagedFilesAreReadOrRefused) {
   EXPECT_GT(refused, 1000);
 }
 
+TEST(GmshExamples, TheVehicleFrameHasItsNodesGroupsAndPoints) {
+  const Mesh mesh = read_gmsh(fs::path(KALFEM_SOURCE_DIR) / "examples/vehicle/frame.msh");
+  EXPECT_EQ(mesh.node_count(), 7594);  // 45,564 degrees of freedom
+  EXPECT_TRUE(is_sound(mesh));
+  EXPECT_EQ(mesh.regions.size(), 12u);
+  for (const auto* name : {"rails", "cross_members", "brackets", "upper"})
+    EXPECT_GT(mesh.regions.at(name).size(), 300u);
+  const auto& front_left = mesh.node_sets.at("p1");
+  ASSERT_EQ(front_left.size(), 1u);
+  EXPECT_LT((mesh.nodes.col(front_left[0]) - Eigen::Vector3d(1.74, 0.78, -0.08)).norm(), 1e-12);
+  for (const auto* name : {"p2", "p3", "p4", "p5", "p6", "p7", "p8"}) EXPECT_EQ(mesh.node_sets.at(name).size(), 1u);
+}
+
 TEST_F(GmshFiles, AgreesWithTheProgramInAllFormats) {
   if (std::system("gmsh --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "the command gmsh is not on the path";
   const auto geometry = file(R"(SetFactory("Built-in");

@@ -107,8 +107,7 @@ TEST(LowestModes, FindsMoreCopiesThanABlockHolds) {
   for (const ModeCheck check : {ModeCheck::sturm, ModeCheck::block}) {
     const LowestModes modes = lowest_modes(K, M, {.count = 75, .check = check});
     for (Index i = 0; i < 75; ++i) EXPECT_NEAR(modes.values[i], fixed_chain_value(1 + i / copies, length), 1e-9) << i;
-    const LowestModes limited =
-        lowest_modes(K, M, {.below = 1.01 * fixed_chain_value(2, length), .check = check});
+    const LowestModes limited = lowest_modes(K, M, {.below = 1.01 * fixed_chain_value(2, length), .check = check});
     EXPECT_EQ(limited.values.size(), 60);
   }
 }

@@ -203,6 +203,7 @@ EstimationStage estimate_stage(const Study& study, const StudyResults& results, 
                            stage.result.monitored.mean.row(row).transpose(),
                            stage.result.monitored.deviation.row(row).transpose(),
                            {},
+                           {},
                            {}};
     if (results.simulation)
       if (const auto* truth = find_quantity(results.simulation->points, quantity.point, quantity.quantity))

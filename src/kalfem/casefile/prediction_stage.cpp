@@ -1,9 +1,11 @@
 #include "kalfem/casefile/prediction_stage.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "kalfem/casefile/reported_quantities.hpp"
 #include "kalfem/casefile/stopwatch.hpp"
+#include "kalfem/casefile/study_elements.hpp"
 
 namespace kalfem {
 
@@ -128,13 +130,23 @@ ReportedRows reported_rows(const Study& study, const Place& place) {
   return reported;
 }
 
+/// Sets the truth and the errors against it, whole and in the band.
+void compare(PointQuantity& point, const VectorXd& truth, const std::optional<FrequencyBand>& band, Index settled,
+             double sample_rate) {
+  set_truth(point, truth, settled);
+  const Index count = truth.size() - settled;
+  if (!band || count < 2 || truth.size() != point.mean.size()) return;
+  const double error = nrmse_in_band(point.mean.tail(count), truth.tail(count), sample_rate, *band);
+  if (std::isfinite(error)) point.nrmse_in_band = error;
+}
+
 }  // namespace
 
 PredictionStage predict_stage(const Study& study, const StudyResults& results, const Progress& progress) {
   using enum ObservedQuantity;
   const Stopwatch watch;
   const auto& estimation = *results.estimation;
-  PredictionStage stage{study.given.predict->substructure.value, {}, 0.0};
+  PredictionStage stage{study.given.predict->substructure.value, excitation_band(study.given), {}, 0.0};
   const Place place = place_of(study, stage.substructure);
   const BaseDrivenSubstructure driven(place.part.model, boundary_of(study, place));
   const auto [names, rows] = reported_rows(study, place);
@@ -146,10 +158,10 @@ PredictionStage predict_stage(const Study& study, const StudyResults& results, c
   for (std::size_t i = 0; i < names.size(); ++i)
     for (const auto& [quantity, predicted] :
          {std::pair{displacement, &motion.displacement}, std::pair{acceleration, &motion.acceleration}}) {
-      PointQuantity point{names[i], quantity, predicted->row(static_cast<Index>(i)).transpose(), {}, {}, {}};
+      PointQuantity point{names[i], quantity, predicted->row(static_cast<Index>(i)).transpose(), {}, {}, {}, {}};
       if (results.simulation)
         if (const auto* truth = find_quantity(results.simulation->points, names[i], quantity))
-          set_truth(point, truth->mean, estimation.settled);
+          compare(point, truth->mean, stage.band, estimation.settled, study.sample_rate());
       stage.points.push_back(std::move(point));
     }
   stage.seconds = watch.seconds();

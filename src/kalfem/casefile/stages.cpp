@@ -88,7 +88,7 @@ SimulationStage simulate_stage(const Study& study, const Progress& progress, std
   const auto& values = stage.reference.simulation.every_sample;
   for (std::size_t i = 0; i < reported.size(); ++i)
     stage.points.push_back(
-        {reported[i].name, reported[i].quantity, values.col(static_cast<Index>(i)), {}, {}, {}});
+        {reported[i].name, reported[i].quantity, values.col(static_cast<Index>(i)), {}, {}, {}, {}});
   stage.reference.simulation.every_sample.resize(0, 0);
   if (auto series = collector.take()) fields.push_back(std::move(*series));
   stage.seconds = watch.seconds();

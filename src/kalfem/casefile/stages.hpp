@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "kalfem/base/progress.hpp"
+#include "kalfem/base/spectrum.hpp"
 #include "kalfem/casefile/study.hpp"
 #include "kalfem/dynamics/reference.hpp"
 #include "kalfem/estimation/consistency.hpp"
@@ -18,7 +19,8 @@ struct PointQuantity {
   Eigen::VectorXd mean;
   Eigen::VectorXd deviation;    ///< empty where not known
   Eigen::VectorXd truth;        ///< empty where not known
-  std::optional<double> nrmse;  ///< against the truth, after settling
+  std::optional<double> nrmse;           ///< against the truth, after settling
+  std::optional<double> nrmse_in_band;  ///< the same of the part in the excitation's band
 };
 
 /// The reference solution and the record made from it.
@@ -66,6 +68,7 @@ struct EstimationStage {
 
 struct PredictionStage {
   std::string substructure;
+  std::optional<FrequencyBand> band;  ///< of the excitation, where it has one
   std::vector<PointQuantity> points;
   double seconds = 0.0;
 };

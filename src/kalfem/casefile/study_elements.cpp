@@ -18,19 +18,20 @@ double sensor_bandwidth(const d::Case& given) {
   return widest > 0.0 ? widest : std::numeric_limits<double>::infinity();
 }
 
-/// Highest frequency that an excitation is meant to hold, 0 where it is not known.
-double excitation_band(const d::Case& given) {
-  double highest = 0.0;
-  for (const auto& [name, excitation] : given.excitation) {
-    if (const auto* random = std::get_if<d::RandomSignal>(&excitation.signal)) highest = std::max(highest, random->band[1]);
-    if (const auto* sine = std::get_if<d::Sine>(&excitation.signal)) highest = std::max(highest, sine->frequency);
-    if (const auto* sweep = std::get_if<d::SweptSine>(&excitation.signal))
-      highest = std::max({highest, sweep->from, sweep->to});
-  }
-  return highest;
-}
-
 }  // namespace
+
+std::optional<FrequencyBand> excitation_band(const d::Case& given) {
+  FrequencyBand band{std::numeric_limits<double>::infinity(), 0.0};
+  const auto include = [&](double from, double to) {
+    band = {std::min({band.from, from, to}), std::max({band.to, from, to})};
+  };
+  for (const auto& [name, excitation] : given.excitation) {
+    if (const auto* random = std::get_if<d::RandomSignal>(&excitation.signal)) include(random->band[0], random->band[1]);
+    if (const auto* sine = std::get_if<d::Sine>(&excitation.signal)) include(sine->frequency, sine->frequency);
+    if (const auto* sweep = std::get_if<d::SweptSine>(&excitation.signal)) include(sweep->from, sweep->to);
+  }
+  return band.to > band.from ? std::optional(band) : std::nullopt;
+}
 
 void add_finite_elements(Study& study, IssueList& issues) {
   const auto begin = std::chrono::steady_clock::now();
@@ -71,10 +72,11 @@ Parts reference_parts(const Study& study) {
 }
 
 void warn_of_reductions(Study& study) {
+  const auto excited = excitation_band(study.given);
   for (const auto& [part, reduced, reference] : study.finite_elements)
     if (reduced && study.observer)
       for (const auto& warning :
-           reduction_warnings(reduced->evidence, excitation_band(study.given), sensor_bandwidth(study.given)))
+           reduction_warnings(reduced->evidence, excited ? excited->to : 0.0, sensor_bandwidth(study.given)))
         study.warnings.push_back("substructure '" + part->name + "': " + warning);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "kalfem/base/spectrum.hpp"
 #include "kalfem/casefile/study.hpp"
 
 namespace kalfem {
@@ -12,6 +13,9 @@ std::vector<Substructure> reduced_parts(const Study& study);
 
 /// The case's parts as its record is simulated from them.
 Parts reference_parts(const Study& study);
+
+/// Frequencies that the random, sine and swept excitations of a case hold; nothing where there is none.
+std::optional<FrequencyBand> excitation_band(const description::Case& given);
 
 /// Words on reductions that are too coarse for the excitation or for the sensors.
 void warn_of_reductions(Study& study);

@@ -52,7 +52,7 @@ void GmshReader::read_format() {
              "write it by Gmsh as .msh, version 4.1 (gmsh -format msh41) or 2.2");
   const std::size_t at = in_.start();
   const auto words = split_cells(in_.line(), ' ');
-  const std::string version = words.empty() ? "" : std::string(words[0].substr(0, 20));
+  const std::string version = words.empty() ? "" : printable(words[0]);
   version4_ = version == "4.1";
   if (!version4_ && version != "2.2")
     in_.fail(at, "the mesh is of version '" + version + "'", "versions 2.2 and 4.1 of the format can be read",
@@ -85,7 +85,7 @@ void GmshReader::read_section() {
   if (line.size() < 2 || line.front() != '$' || line.starts_with("$End"))
     in_.fail(start, "a section should begin here", "it begins with $ and its name",
              "take out what stands between sections");
-  const std::string name(line.substr(1, 60));
+  const std::string name(line.substr(1));
   static const std::set<std::string> needed{"PhysicalNames", "Entities", "PartitionedEntities", "Nodes", "Elements"};
   if (!needed.contains(name)) return in_.skip_section(name, start);
   if (!seen_.insert(name).second)

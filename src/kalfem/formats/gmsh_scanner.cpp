@@ -13,15 +13,16 @@ const char* const mend_truncated = "write the mesh again; the file may be cut of
 
 bool is_space(char c) { return c == ' ' || c == '\n' || c == '\t' || c == '\r'; }
 
-/// What a message can show of a word that may be binary rubbish.
-std::string shown(std::string_view word) {
+std::string shown(std::string_view word) { return "'" + printable(word) + "'"; }
+
+}  // namespace
+
+std::string printable(std::string_view word) {
   std::string text(word.substr(0, 40));
   std::ranges::replace_if(
       text, [](unsigned char c) { return c < 32 || c > 126; }, '?');
-  return "'" + text + "'";
+  return text;
 }
-
-}  // namespace
 
 void GmshScanner::skip_blanks() {
   while (at_ < text_.size() && is_space(text_[at_])) ++at_;
@@ -136,7 +137,7 @@ void GmshScanner::skip_section(std::string_view name, std::size_t start) {
   at_ = text_.find("\n" + end, start);
   if (at_ == std::string::npos) {
     at_ = text_.size();
-    fail(start, "the section $" + std::string(name) + " has no end", "", mend_truncated);
+    fail(start, "the section $" + printable(name) + " has no end", "", mend_truncated);
   }
   end_section(name);
 }

@@ -16,8 +16,8 @@ namespace {
 
 /// OpenBLAS's x86-64 kernels without AVX2, the newest of 2012.
 constexpr std::array<std::string_view, 15> old_kernels = {
-    "katmai", "coppermine", "northwood", "prescott", "banias",    "core2",     "penryn",     "dunnington",
-    "nehalem", "sandybridge", "athlon",  "opteron",  "barcelona", "bobcat", "generic"};
+    "katmai",  "coppermine",  "northwood", "prescott", "banias",    "core2",  "penryn", "dunnington",
+    "nehalem", "sandybridge", "athlon",    "opteron",  "barcelona", "bobcat", "generic"};
 
 bool processor_has_avx2() {
 #if defined(__x86_64__)
@@ -45,7 +45,7 @@ std::optional<std::string> blas_warning(const std::string& kernels, bool has_avx
   if (!has_avx2 || std::ranges::find(old_kernels, lower) == old_kernels.end()) return std::nullopt;
   return "OpenBLAS runs its " + kernels + " kernels, though this processor has " +
          (has_avx512 ? std::string("AVX-512") : std::string("AVX2")) +
-         ": large models are factored several times slower than need be; set the environment variable "
+         ": large models are solved slower than need be; set the environment variable "
          "OPENBLAS_CORETYPE=" +
          (has_avx512 ? "SkylakeX" : "Haswell") + " (Zen on AMD processors)";
 }

@@ -5,8 +5,8 @@
 
 namespace kalfem {
 
-/// A sentence where the BLAS library runs kernels for an old processor although this one has wider vector units, which
-/// costs a sparse factorisation a factor of two to five; nothing otherwise, and where the library is not OpenBLAS.
+/// A sentence where the BLAS library runs kernels for an old processor although this one has wider vector units;
+/// nothing otherwise, and where the library is not OpenBLAS.
 std::optional<std::string> blas_warning();
 
 /// The same decision from the name of the kernels ("Prescott") and what the processor can do.

@@ -46,13 +46,13 @@ private:
   const SparseFactor& factor_;
   const Eigen::SparseMatrix<double>& mass_;
   Eigen::Index width_;
-  Eigen::Index size_ = 0;     ///< columns to which the operator was applied; the last block follows them
-  Eigen::Index last_ = 0;     ///< width of the last block
+  Eigen::Index size_ = 0;  ///< columns to which the operator was applied; the last block follows them
+  Eigen::Index last_ = 0;  ///< width of the last block
   Eigen::Index solves_ = 0;
-  Eigen::MatrixXd basis_;     ///< n x capacity, M-orthonormal
-  Eigen::MatrixXd projected_; ///< Q^T M A^-1 M Q, of the first `size_` columns
-  Eigen::Index coupled_ = 0;  ///< first column of the basis with which the last block is coupled
-  Eigen::MatrixXd coupling_;  ///< last_ x size_: A^-1 M Q = Q projected + Q_last coupling
+  Eigen::MatrixXd basis_;      ///< n x capacity, M-orthonormal
+  Eigen::MatrixXd projected_;  ///< Q^T M A^-1 M Q, of the first `size_` columns
+  Eigen::Index coupled_ = 0;   ///< first column of the basis with which the last block is coupled
+  Eigen::MatrixXd coupling_;   ///< last_ x size_: A^-1 M Q = Q projected + Q_last coupling
   std::mt19937 random_;
 };
 

@@ -34,8 +34,10 @@ constexpr int most_checks = 20;
 void check(const Matrix& stiffness, const Matrix& mass, const LowestModesOptions& options) {
   IssueList issues;
   if (stiffness.rows() != stiffness.cols() || mass.rows() != stiffness.rows() || mass.cols() != stiffness.cols())
-    issues.add({}, "modes of a " + std::to_string(stiffness.rows()) + "-row stiffness and a " +
-                       std::to_string(mass.rows()) + "-row mass matrix", "both must be square and of one size");
+    issues.add({},
+               "modes of a " + std::to_string(stiffness.rows()) + "-row stiffness and a " +
+                   std::to_string(mass.rows()) + "-row mass matrix",
+               "both must be square and of one size");
   if (!options.count && !options.below)
     issues.add({}, "neither a number of modes nor a limit is given", "one of them must end the search");
   if (options.count && *options.count < 0)
@@ -151,8 +153,8 @@ struct Problem {
 
   [[nodiscard]] bool complete(BlockLanczos& lanczos, const RitzPairs& pairs, Index count, double floor) const {
     if (options.check == ModeCheck::none) return true;
-    const bool sturm = options.check == ModeCheck::sturm ||
-                       (options.check == ModeCheck::automatic && mass.rows() <= sturm_limit);
+    const bool sturm =
+        options.check == ModeCheck::sturm || (options.check == ModeCheck::automatic && mass.rows() <= sturm_limit);
     const Index known = (pairs.values.head(count).array() > floor).count();
     if (sturm && count_below(stiffness, mass, 1.0 / floor - shifted.shift) <= known) return true;
     return fresh_block_agrees(lanczos, pairs, count, floor) && !sturm;

@@ -13,8 +13,8 @@ namespace kalfem {
 /// How it is made sure that no eigenpair below the highest returned one is missing.
 enum class ModeCheck {
   automatic,  ///< Sturm up to 3000 unknowns, a fresh block above
-  sturm,  ///< negative pivots of K - lambda M = L D L^T are counted: certain; costs a simplicial factorisation, five to
-          ///< twenty times the supernodal one for a shell of 50,000 unknowns
+  sturm,  ///< negative pivots of K - lambda M = L D L^T are counted: certain; costs a simplicial factorisation, much
+          ///< slower than the supernodal one for large models
   block,  ///< a random block is iterated in the complement of what was found until its lowest value is known to 5 %;
           ///< costs about 40 back-solves, and finds also what exceeds the multiplicity that the first block could hold
   none
@@ -25,7 +25,7 @@ enum class ModeCheck {
 struct LowestModesOptions {
   std::optional<Eigen::Index> count = {};
   std::optional<double> below = {};  ///< lambda limit [(rad/s)^2]
-  double tolerance = 1e-10;     ///< |(K + s M)^-1 M phi - theta phi|_M <= tolerance theta, theta = 1 / (lambda + s)
+  double tolerance = 1e-10;  ///< |(K + s M)^-1 M phi - theta phi|_M <= tolerance theta, theta = 1 / (lambda + s)
   ModeCheck check = ModeCheck::automatic;
 };
 
@@ -43,12 +43,12 @@ struct ShiftedStiffness {
   double shift = 0.0;  ///< [(rad/s)^2]
 };
 
-/// Factors K, or, where it is singular or a pivot is so small that it may be (below 1e-10 K_jj), K + s M with s a hundred-millionth of the median of K_jj / M_jj: near the
-/// lowest elastic eigenvalues of a finite-element model, and far above the rounding of its highest ones.
-/// Throws InvalidInput where K is indefinite or a motion has neither stiffness nor mass; the message calls the degree
-/// of freedom by its name, where names are given.
-ShiftedStiffness factor_stiffness(const Eigen::SparseMatrix<double>& stiffness,
-                                  const Eigen::SparseMatrix<double>& mass, std::span<const std::string> names = {});
+/// Factors K, or, where it is singular or a pivot is so small that it may be (below 1e-10 K_jj), K + s M with s a
+/// hundred-millionth of the median of K_jj / M_jj: near the lowest elastic eigenvalues of a finite-element model, and
+/// far above the rounding of its highest ones. Throws InvalidInput where K is indefinite or a motion has neither
+/// stiffness nor mass; the message calls the degree of freedom by its name, where names are given.
+ShiftedStiffness factor_stiffness(const Eigen::SparseMatrix<double>& stiffness, const Eigen::SparseMatrix<double>& mass,
+                                  std::span<const std::string> names = {});
 
 /// Whether phi^T K phi <= 1e-12 sum_j K_jj phi_j^2: the strain energy is rounding of the energies that cancel in it.
 bool moves_rigidly(const Eigen::SparseMatrix<double>& stiffness, const Eigen::Ref<const Eigen::VectorXd>& shape);

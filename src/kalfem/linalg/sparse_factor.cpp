@@ -24,7 +24,7 @@ struct LowerTriangle {
   explicit LowerTriangle(const Eigen::SparseMatrix<double>& matrix) : size(matrix.rows()), diagonal(matrix.diagonal()) {
     starts.push_back(0);
     rows.reserve(static_cast<std::size_t>(matrix.nonZeros() / 2 + size) + 1);  // never without memory: CHOLMOD
-    values.reserve(rows.capacity());                                          // refuses null pointers
+    values.reserve(rows.capacity());                                           // refuses null pointers
     for (Index column = 0; column < size; ++column) {
       for (Eigen::SparseMatrix<double>::InnerIterator it(matrix, column); it; ++it)
         if (it.row() >= column) {

@@ -38,12 +38,10 @@ double residual(const LinearModel& full, const VectorXd& shape, double value) {
 std::vector<ModeComparison> compare_modes(const LinearModel& full, const LinearModel& reduced, const MatrixXd& basis,
                                           double up_to) {
   const double limit = std::pow(2.0 * std::numbers::pi * up_to, 2);
-  const LowestModes exact =
-      lowest_modes(full.stiffness, full.mass, {.count = reduced.size(), .below = limit});
+  const LowestModes exact = lowest_modes(full.stiffness, full.mass, {.count = reduced.size(), .below = limit});
   const Index finite = (reduced.mass.diagonal().array() > 0.0).count();
   // Beyond the band as well, so that each full mode finds its own and those of the same frequency.
-  LowestModes own =
-      lowest_modes(reduced.stiffness, reduced.mass, {.count = std::min(finite, exact.values.size() + 8)});
+  LowestModes own = lowest_modes(reduced.stiffness, reduced.mass, {.count = std::min(finite, exact.values.size() + 8)});
   const MatrixXd shapes = basis * own.vectors;
   // Small as it is, the reduced stiffness does not show how large the energies are that cancel in a rigid-body mode.
   for (Index i = 0; i < own.values.size() && moves_rigidly(full.stiffness, shapes.col(i)); ++i) own.values[i] = 0.0;

@@ -146,8 +146,8 @@ MatrixXd translations(const std::vector<std::string>& names) {
     const std::string last = dot == std::string::npos ? "" : names[j].substr(dot + 1);
     if (last == "rx" || last == "ry" || last == "rz") continue;
     const bool known = last == "x" || last == "y" || last == "z";
-    VectorXd& direction = directions.try_emplace(known ? last : "", VectorXd::Zero(static_cast<Index>(names.size())))
-                              .first->second;
+    VectorXd& direction =
+        directions.try_emplace(known ? last : "", VectorXd::Zero(static_cast<Index>(names.size()))).first->second;
     direction[static_cast<Index>(j)] = 1.0;
   }
   MatrixXd columns(static_cast<Index>(names.size()), static_cast<Index>(directions.size()));

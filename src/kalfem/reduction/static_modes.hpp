@@ -6,7 +6,8 @@
 namespace kalfem {
 
 /// Psi with K_ii Psi = -K_ib, n_i x n_b: how the interior follows unit displacements of the boundary statically. Where
-/// K_ii was shifted because it may be singular, with the given M_ii-normalised rigid-body modes (n_i x r), the solution orthogonal to them.
+/// K_ii was shifted because it may be singular, with its M_ii-normalised rigid-body modes (n_i x r, r may be 0), the
+/// solution orthogonal to them.
 Eigen::MatrixXd static_modes(const Partition& parts, const ShiftedStiffness& factored,
                              const Eigen::MatrixXd& rigid_modes);
 

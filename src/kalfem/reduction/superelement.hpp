@@ -15,18 +15,18 @@ namespace kalfem {
 /// the part (phi_j^T M_ii u_d)^2 of the interior's mass u_d^T M_ii u_d. The parts of all modes sum to the whole; modes
 /// are kept from the lowest until the given part of it is reached in every translation.
 struct ModeSelection {
-  std::optional<Eigen::Index> count = {};       ///< more than there are: all
-  std::optional<double> cutoff = {};            ///< all modes up to this frequency [Hz]
-  std::optional<double> effective_mass = {};    ///< in (0, 1)
+  std::optional<Eigen::Index> count = {};     ///< more than there are: all
+  std::optional<double> cutoff = {};          ///< all modes up to this frequency [Hz]
+  std::optional<double> effective_mass = {};  ///< in (0, 1)
 };
 
 /// Frequencies of the reduced against the full model in a band, in ascending order each (a reduced frequency is never
 /// below the full one of the same place), and how alike their shapes are.
 struct ModeComparison {
-  double full = 0.0;      ///< [Hz]
-  double reduced = 0.0;   ///< [Hz]
-  double mac = 0.0;       ///< part of the full shape, by mass, in the span of the recovered shapes that have the reduced
-                          ///< frequency to 0.1 %; the modal assurance criterion where that is one; in [0, 1]
+  double full = 0.0;     ///< [Hz]
+  double reduced = 0.0;  ///< [Hz]
+  double mac = 0.0;      ///< part of the full shape, by mass, in the span of the recovered shapes that have the reduced
+                         ///< frequency to 0.1 %; the modal assurance criterion where that is one; in [0, 1]
   double residual = 0.0;  ///< |K phi - lambda M phi| / |K phi| of the recovered shape; 0 where it is rigid
 };
 
@@ -35,20 +35,20 @@ struct ReductionEvidence {
   std::vector<ModeComparison> modes;
   double static_error = 0.0;  ///< largest |K_ii psi + K_ib| / |K_ib| of a boundary degree of freedom's static mode psi
   Eigen::VectorXd interface_frequencies = {};  ///< fixed-interface modes kept [Hz]
-  double highest_kept = 0.0;              ///< of the fixed-interface modes [Hz]; 0: none
-  double next_left_out = 0.0;             ///< first that was left out [Hz], to 1 %; 0: there is none
-  Eigen::Index rigid_modes = 0;           ///< of the interior while the boundary is held, all kept
-  std::string reason = {};                ///< why so many modes, in words
-  double seconds = 0.0;                   ///< without the comparison with the full model
-  double factor_bytes = 0.0;              ///< memory of the factor of K_ii [byte]
-  Eigen::Index solves = 0;                ///< back-solves with it
+  double highest_kept = 0.0;                   ///< of the fixed-interface modes [Hz]; 0: none
+  double next_left_out = 0.0;                  ///< first that was left out [Hz], to 1 %; 0: there is none
+  Eigen::Index rigid_modes = 0;                ///< of the interior while the boundary is held, all kept
+  std::string reason = {};                     ///< why so many modes, in words
+  double seconds = 0.0;                        ///< without the comparison with the full model
+  double factor_bytes = 0.0;                   ///< memory of the factor of K_ii [byte]
+  Eigen::Index solves = 0;                     ///< back-solves with it
 };
 
 /// A linear substructure in few coordinates, z = T q, with the map back to the full model.
 struct Superelement {
-  LinearModel model;        ///< reduced: boundary degrees of freedom by their own names, then "mode1", "mode2", ...;
-                            ///< the full model's points as combinations of these
-  Eigen::MatrixXd basis;    ///< T, n x r: displacement of all full degrees of freedom per reduced one
+  LinearModel model;      ///< reduced: boundary degrees of freedom by their own names, then "mode1", "mode2", ...;
+                          ///< the full model's points as combinations of these
+  Eigen::MatrixXd basis;  ///< T, n x r: displacement of all full degrees of freedom per reduced one
   std::vector<Eigen::Index> boundary;  ///< indices of the boundary in the full model
   ReductionEvidence evidence;
 
@@ -57,7 +57,7 @@ struct Superelement {
 };
 
 struct ReductionOptions {
-  ModeSelection modes = {};                ///< Craig-Bampton only, at least one criterion
+  ModeSelection modes = {};                 ///< Craig-Bampton only, at least one criterion
   std::vector<std::string> also_kept = {};  ///< degrees of freedom treated as boundary beside it, such as sensors'
   double compare_up_to = 0.0;  ///< band in which the evidence compares with the full model's modes [Hz]; 0: half the
                                ///< highest kept, or half the first left out where none is kept

@@ -28,9 +28,10 @@ std::vector<std::string> reduction_warnings(const ReductionEvidence& evidence, d
                        ", is inside the band of the excitation, " + hertz(excitation_band) +
                        ": the excitation drives motion that the reduced model does not have");
   if (left_out > 0.0 && left_out < 3.0 * sensor_bandwidth)
-    warnings.push_back("the fixed-interface modes end below " + hertz(left_out) + ", less than three times the sensors' " +
-                       "bandwidth of " + hertz(sensor_bandwidth) + ": keep modes up to " + hertz(3.0 * sensor_bandwidth) +
-                       ", better up to " + hertz(6.0 * sensor_bandwidth));
+    warnings.push_back("the fixed-interface modes end below " + hertz(left_out) +
+                       ", less than three times the sensors' " + "bandwidth of " + hertz(sensor_bandwidth) +
+                       ": keep modes up to " + hertz(3.0 * sensor_bandwidth) + ", better up to " +
+                       hertz(6.0 * sensor_bandwidth));
   for (const auto& mode : evidence.modes) {
     if (mode.full > sensor_bandwidth) break;
     const bool frequency_off = mode.reduced - mode.full > frequency_tolerance * mode.full;

@@ -102,7 +102,7 @@ Section motion_section(const Study& study, const EstimationStage& stage) {
       if (stage.settled + 1 < stage.measurements.samples())
         section.items.emplace_back(motion_chart(study, stage, *point, true));
     }
-  if (auto table = error_table("NRMSE against the reference", stage.points); !table.rows.empty())
+  if (auto table = error_table("NRMSE against the reference", study, stage.points); !table.rows.empty())
     section.items.emplace_back(std::move(table));
   return section;
 }
@@ -114,7 +114,7 @@ Section prediction_section(const Study& study, const EstimationStage& estimation
   const double from = estimation.measurements.time(estimation.settled);
   int drawn = 0;
   for (const auto& point : stage.points) {
-    if (point.quantity != ObservedQuantity::acceleration || drawn == 4) continue;
+    if (point.quantity != ObservedQuantity::acceleration || !shown(study, point.point) || drawn == 4) continue;
     ++drawn;
     Chart chart{.id = "prediction-" + point.point,
                 .title = "Acceleration of " + point.point,
@@ -130,7 +130,7 @@ Section prediction_section(const Study& study, const EstimationStage& estimation
       chart.x_window = AxisRange{from, std::min(from + study.given.report.zoom, chart.x.back())};
     section.items.emplace_back(std::move(chart));
   }
-  if (auto table = error_table("NRMSE against the whole simulation", stage.points); !table.rows.empty())
+  if (auto table = error_table("NRMSE against the whole simulation", study, stage.points); !table.rows.empty())
     section.items.emplace_back(std::move(table));
   return section;
 }

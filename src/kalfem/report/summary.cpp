@@ -133,8 +133,11 @@ Json estimation_summary(const Study& study, const EstimationStage& stage) {
 
 Json prediction_summary(const PredictionStage& stage) {
   Json points = Json::object();
-  for (const auto& point : stage.points)
-    points[point.point.substr(point.point.find('.') + 1)][quantity_key(point.quantity)] = number(point.nrmse);
+  for (const auto& point : stage.points) {
+    auto& errors = points[point.point.substr(point.point.find('.') + 1)];
+    errors[quantity_key(point.quantity)] = number(point.nrmse);
+    if (point.nrmse_in_band) errors[std::string(quantity_key(point.quantity)) + "_in_band"] = number(*point.nrmse_in_band);
+  }
   return {{stage.substructure, points}};
 }
 

@@ -37,7 +37,21 @@ std::string padded(const std::string& text, std::size_t columns, bool right) {
   return right ? blank + text : text + blank;
 }
 
+std::string band_words(const PredictionStage& stage) {
+  return stage.band ? fmt::format(" (band of the excitation: {} to {} Hz)", four_digits(stage.band->from),
+                                  four_digits(stage.band->to))
+                    : std::string();
+}
+
 }  // namespace
+
+bool shown(const Study& study, const std::string& point) {
+  const auto& wanted = study.given.report.displacements;
+  const bool of_elements = std::ranges::any_of(
+      study.finite_elements, [&](const auto& each) { return point.starts_with(each.part->name + "."); });
+  return !of_elements || wanted.empty() ||
+         std::ranges::any_of(wanted, [&](const auto& name) { return name.value == point; });
+}
 
 std::string four_digits(double value) { return std::isfinite(value) ? fmt::format("{:.4g}", value) : "-"; }
 
@@ -77,15 +91,20 @@ Table parameter_table(const Study& study, const EstimationStage& stage) {
   return table;
 }
 
-Table error_table(const std::string& title, const std::vector<PointQuantity>& points) {
+Table error_table(const std::string& title, const Study& study, const std::vector<PointQuantity>& points) {
   std::vector<std::string> order;
   std::map<std::string, std::map<std::string, std::string>> cells;
   for (const auto& point : points) {
-    if (point.truth.size() == 0) continue;
+    if (point.truth.size() == 0 || !shown(study, point.point)) continue;
     if (!cells.contains(point.point)) order.push_back(point.point);
-    cells[point.point][short_name(point.quantity)] = point.nrmse ? per_cent(*point.nrmse) : "-";
+    const std::string quantity = short_name(point.quantity);
+    cells[point.point][quantity] = point.nrmse ? per_cent(*point.nrmse) : "-";
+    if (point.nrmse_in_band) cells[point.point][quantity + " in band"] = per_cent(*point.nrmse_in_band);
   }
-  Table table{title, {"point", "displacement", "velocity", "acceleration", "force"}, {}, {}};
+  Table table{title,
+              {"point", "displacement", "displacement in band", "velocity", "acceleration", "acceleration in band", "force"},
+              {},
+              {}};
   const auto used = [&](const std::string& column) {
     return std::ranges::any_of(cells, [&](const auto& row) { return row.second.contains(column); });
   };
@@ -157,16 +176,16 @@ std::string console_report(const Study& study, const StudyResults& results) {
         "{} states, {} steps, {:.2f} us a step: {:.0f} x real time\n\n", stage.observer->layout().size(),
         stage.measurements.samples(), 1e6 * stage.result.seconds / static_cast<double>(stage.measurements.samples()),
         static_cast<double>(stage.measurements.samples()) / stage.measurements.sample_rate / stage.result.seconds);
-    if (const auto table = error_table("", stage.points); !table.rows.empty())
+    if (const auto table = error_table("", study, stage.points); !table.rows.empty())
       text += fmt::format("Estimated motion, NRMSE after {} s\n", four_digits(study.given.estimate->settle)) +
               to_text(table) + "\n";
     if (stage.open_loop)
       text += "Open loop from the estimated parameters and initial state\n" + to_text(open_loop_table(stage)) + "\n";
   }
   if (results.prediction)
-    if (const auto table = error_table("", results.prediction->points); !table.rows.empty())
-      text += "'" + results.prediction->substructure + "' driven by its estimated boundary motion, NRMSE\n" +
-              to_text(table) + "\n";
+    if (const auto table = error_table("", study, results.prediction->points); !table.rows.empty())
+      text += "'" + results.prediction->substructure + "' driven by its estimated boundary motion, NRMSE" +
+              band_words(*results.prediction) + "\n" + to_text(table) + "\n";
   return text;
 }
 

@@ -1,0 +1,127 @@
+// Time of one full-order step of the vehicle against one back-solve with its factor, medians of alternating blocks in
+// one run, and the reduction against its own factorisation and back-solves. Usage: vehicle_benchmark CASE.yaml
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include "kalfem/casefile/study.hpp"
+#include "kalfem/dynamics/damped_mode_split.hpp"
+#include "kalfem/dynamics/simulate.hpp"
+#include "kalfem/linalg/blas_kernels.hpp"
+#include "kalfem/linalg/sparse_factor.hpp"
+#include "kalfem/linalg/sparse_select.hpp"
+
+namespace {
+
+using namespace kalfem;
+using Eigen::Index;
+using Eigen::VectorXd;
+
+template <typename Work>
+double seconds(Work work) {
+  const auto begin = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+double median(std::vector<double> values) {
+  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
+  return values[values.size() / 2];
+}
+
+double peak_megabytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+void line(const char* what, double value, const char* unit) { std::printf("%-58s %10.4g %s\n", what, value, unit); }
+
+/// Seconds of a simulation of so many steps, sensors observed at each as a reference does.
+double simulated(const Study& study, const OutputMap& sensors, double step, Index steps) {
+  const auto& system = study.model->system();
+  SimulationOptions options;
+  options.integrator = Integrator::newmark;
+  options.step = step;
+  options.duration = step * static_cast<double>(steps);
+  options.keep_motion = false;
+  options.every_step = sensors;
+  return seconds([&] { simulate(system, study.signals, at_rest(system.size(), system.connector_states()), options); });
+}
+
+void time_steps(const Study& study) {
+  constexpr Index few = 50, many = 250;
+  const double step = 1.25e-4;
+  std::vector<OutputDescription> outputs;
+  for (const auto& sensor : study.sensors) outputs.push_back(sensor.output);
+  const OutputMap sensors = make_outputs(*study.model, outputs);
+  const auto split = split_damped_modes(study.model->system());
+  const auto& system = split ? split->system : study.model->system();
+  const SparseFactor factor(
+      SparseMatrix(system.mass + 0.5 * step * system.damping + 0.25 * step * step * system.stiffness));
+  VectorXd load = VectorXd::Random(factor.size()), solution = load;
+  std::vector<double> solves, steps;
+  for (int block = 0; block < 7; ++block) {
+    solves.push_back(seconds([&] {
+                       for (int i = 0; i < 100; ++i) factor.solve(load, solution);
+                     }) /
+                     100.0);
+    steps.push_back((simulated(study, sensors, step, many) - simulated(study, sensors, step, few)) / double(many - few));
+  }
+  line("degrees of freedom", double(study.model->system().size()), "");
+  line("damped modes carried apart", split ? double(split->shapes.cols()) : 0.0, "");
+  line("factor of the effective matrix", factor.bytes() / 1e6, "MB");
+  line("one back-solve", 1e3 * median(solves), "ms");
+  line("one full-order step", 1e3 * median(steps), "ms");
+  line("step / back-solve", median(steps) / median(solves), "");
+}
+
+void time_reduction(const FiniteElementPart& part) {
+  std::vector<bool> held(part.full.dofs.size(), false);
+  std::vector<std::string> boundary;
+  for (const auto& node : part.nodes)
+    if (node.name <= "p4")
+      for (int direction = 0; direction < 6; ++direction) {
+        const Index dof = part.assembled.find({node.node, direction});
+        held[static_cast<std::size_t>(dof)] = true;
+        boundary.push_back(part.full.dofs[static_cast<std::size_t>(dof)]);
+      }
+  std::vector<Index> interior;
+  for (Index i = 0; i < part.full.size(); ++i)
+    if (!held[static_cast<std::size_t>(i)]) interior.push_back(i);
+  const SparseMatrix stiffness = select(part.full.stiffness, interior, interior);
+  std::vector<double> ratios;
+  double memory = 0.0, own = 0.0, bare = 0.0;
+  for (int repetition = 0; repetition < 5; ++repetition) {
+    Superelement element;
+    own = seconds([&] { element = craig_bampton(part.full, boundary, {.modes = {.count = 60}, .evidence = false}); });
+    const double factorisation = seconds([&] { memory = SparseFactor(stiffness).bytes(); });
+    const SparseFactor factor(stiffness);
+    VectorXd load = VectorXd::Random(factor.size()), solution = load;
+    const auto count = static_cast<int>(element.evidence.solves);
+    bare = factorisation + seconds([&] {
+             for (int i = 0; i < count; ++i) factor.solve(load, solution);
+           });
+    ratios.push_back(own / bare);
+  }
+  line("Craig-Bampton, 24 + 60", own, "s");
+  line("one factorisation and as many back-solves, alone", bare, "s");
+  line("reduction / these", median(ratios), "");
+  line("factor of K_ii", memory / 1e6, "MB");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2) return std::fprintf(stderr, "usage: vehicle_benchmark CASE.yaml\n"), 2;
+  std::printf("%-58s %10s\n", "BLAS kernels", blas_kernels().c_str());
+  const Study study = load_study(argv[1]);
+  time_reduction(*study.finite_elements.front().part);
+  line("peak memory", peak_megabytes(), "MB");
+  time_steps(study);
+  return 0;
+}
