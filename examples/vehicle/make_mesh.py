@@ -31,7 +31,7 @@ NODES = 7594
 
 # Sizes between lattice planes along x, y and the posts; the fine ones were chosen so that NODES come out.
 Division = collections.namedtuple("Division", "x y rail_height post bracket halves")
-FINE = Division(x=0.0183, y=0.0195, rail_height=3, post=0.0175, bracket=5, halves=True)
+FINE = Division(x=0.0186, y=0.0185, rail_height=3, post=0.019, bracket=5, halves=True)
 COARSE = Division(x=0.3, y=0.4, rail_height=2, post=0.3, bracket=1, halves=False)
 
 
@@ -129,7 +129,22 @@ def build(division):
         mesh.tube("upper", (UPPER_CROSS_MEMBERS[0] - half, y, DECK), (LENGTH, y + RAIL_WIDTH, top), axis=0)
     for x in UPPER_CROSS_MEMBERS:
         mesh.tube("upper", (x - half, inner[0], DECK), (x + half, inner[1], top), axis=1)
+    stiffen(mesh)
     return mesh
+
+
+def stiffen(mesh):
+    """Plates across the lower rails where cross-members and posts meet them, and across the upper rails likewise."""
+    half, top = CROSS_WIDTH / 2, DECK + UPPER_HEIGHT
+
+    def ends(middles):
+        return {round(m + side * half, 9) for m in middles for side in (-1, 1)}
+
+    for y in (0.0, WIDTH - RAIL_WIDTH):
+        for x in ends(CROSS_MEMBERS) | {round(p - POST_DEPTH, 9) for p in POSTS} | set(POSTS):
+            mesh.wall("rails", (x, y, 0.0), (x, y + RAIL_WIDTH, RAIL_HEIGHT))
+        for x in ends(UPPER_CROSS_MEMBERS) | {round(p - POST_DEPTH, 9) for p in POSTS} | set(POSTS):
+            mesh.wall("upper", (x, y, DECK), (x, y + RAIL_WIDTH, top))
 
 
 def name_points(mesh):

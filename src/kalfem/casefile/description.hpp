@@ -109,6 +109,7 @@ struct Reduction {
   ReductionMethod method = ReductionMethod::craig_bampton;
   std::optional<int> modes;
   std::optional<double> up_to, effective_mass;
+  bool truncation_vectors = true;
   std::vector<Name> boundary;
 };
 
@@ -243,7 +244,7 @@ struct Simulation {
   int first_substeps = 4, max_substeps = 256;
   bool superelements = false;   ///< in the place of full finite-element models
   double modes_up_to = 1200.0;  ///< of these superelements [Hz]
-  std::uint64_t seed = 1;  ///< of the sensors' noise
+  std::uint64_t seed = 1;       ///< of the sensors' noise
   Named<Located<PointStart>> initial;
 };
 
@@ -263,7 +264,7 @@ struct ConnectorStatePrior {
   double value = 0.0, std = 0.0;
 };
 struct Noise {
-  double acceleration = 0.0;    ///< on every degree of freedom
+  double acceleration = 0.0;             ///< on every degree of freedom
   Named<Located<double>> accelerations;  ///< on single ones
 };
 struct InterfaceAcceleration {

@@ -12,11 +12,11 @@ Form<double> factor() { return number("-", Bounds::nonnegative()); }
 Form<std::vector<std::string>> directions() { return list(word({"x", "y", "z", "rx", "ry", "rz"})); }
 
 Form<Material> material() {
-  return mapping(Fields<Material>()
-                     .required("youngs_modulus", &Material::youngs_modulus, number("Pa", Bounds::positive()), "E")
-                     .optional("poissons_ratio", &Material::poissons_ratio, number("-", Bounds::between(-0.99, 0.499)),
-                               "nu")
-                     .required("density", &Material::density, number("kg/m^3", Bounds::positive()), "rho"));
+  return mapping(
+      Fields<Material>()
+          .required("youngs_modulus", &Material::youngs_modulus, number("Pa", Bounds::positive()), "E")
+          .optional("poissons_ratio", &Material::poissons_ratio, number("-", Bounds::between(-0.99, 0.499)), "nu")
+          .required("density", &Material::density, number("kg/m^3", Bounds::positive()), "rho"));
 }
 
 Form<SectionHolder> section() {
@@ -48,12 +48,12 @@ Form<SectionHolder> section() {
 
 Form<Region> region() {
   const auto shell = Fields<ShellRegion>().required("thickness", &ShellRegion::thickness, length(), "of the shell");
-  const auto beam = Fields<BeamRegion>()
-                        .required("section", &BeamRegion::section, section(), "cross-section")
-                        .optional("up", &BeamRegion::up, tuple<3>(number("-")),
-                                  "direction; local z lies in the plane of the axis and this")
-                        .optional("offset", &BeamRegion::offset, tuple<3>(number("m")),
-                                  "centroid minus node, global axes");
+  const auto beam =
+      Fields<BeamRegion>()
+          .required("section", &BeamRegion::section, section(), "cross-section")
+          .optional("up", &BeamRegion::up, tuple<3>(number("-")),
+                    "direction; local z lies in the plane of the axis and this")
+          .optional("offset", &BeamRegion::offset, tuple<3>(number("m")), "centroid minus node, global axes");
   return mapping(Fields<Region>()
                      .required("material", &Region::material, name(), "one of `materials`")
                      .one_of(&Region::property, when("shell", mapping(shell), "triangles and quadrilaterals"),
@@ -63,11 +63,17 @@ Form<Region> region() {
 /// A group or node number, or the coordinates of a place.
 Form<NodePlace> node_place() {
   auto group = convert<NodePlace, std::string>(
-      text(), [](const std::string& word) { return NodePlace{word, {}}; },
+      text(),
+      [](const std::string& word) {
+        return NodePlace{word, {}};
+      },
       [](const NodePlace& place) { return place.group; });
   group.schema["x-written"] = "group | number";
   const auto place = convert<NodePlace, std::array<double, 3>>(
-      tuple<3>(number("m")), [](const std::array<double, 3>& at) { return NodePlace{"", at}; },
+      tuple<3>(number("m")),
+      [](const std::array<double, 3>& at) {
+        return NodePlace{"", at};
+      },
       [](const NodePlace& given) { return given.at; });
   auto both = either(group, place);
   both.write = [=](const NodePlace& given) { return given.group.empty() ? place.write(given) : group.write(given); };
@@ -130,6 +136,9 @@ Form<Reduction> reduction() {
           .optional("up_to", &Reduction::up_to, number("Hz", Bounds::positive()), "fixed-interface modes up to here")
           .optional("effective_mass", &Reduction::effective_mass, number("-", Bounds::between(0, 1)),
                     "modes until they carry this part of the mass that boundary motion accelerates")
+          .optional("truncation_vectors", &Reduction::truncation_vectors, boolean(),
+                    "shapes under boundary acceleration that make up for the modes left out, one a boundary degree of "
+                    "freedom")
           .optional("boundary", &Reduction::boundary, list(name()),
                     "nodes (their translations) or node.direction; default: the nodes that connectors, forces and "
                     "springs touch"));

@@ -14,6 +14,9 @@ namespace {
 using Eigen::Index;
 namespace d = description;
 
+/// Sensors' bandwidth where there are none, or none with an upper limit [Hz].
+constexpr double default_bandwidth = 100.0;
+
 /// Names of the free degrees of freedom that a motion of the node in the directions means.
 void add_boundary(const FiniteElementPart& part, Index node, const std::vector<int>& directions,
                   std::vector<std::string>& boundary) {
@@ -125,19 +128,19 @@ FiniteElementPart make_finite_element_part(const std::string& name, const d::Sub
     issues.raise();
   }
   part.boundary = given.reduction && !given.reduction->boundary.empty() ? given_boundary(part, *given.reduction)
-                                                                         : default_boundary(part, given, attached);
+                                                                        : default_boundary(part, given, attached);
   return part;
 }
 
-Superelement reduce(const FiniteElementPart& part, const std::optional<d::Reduction>& given,
-                    double sensor_bandwidth) {
+Superelement reduce(const FiniteElementPart& part, const std::optional<d::Reduction>& given, double sensor_bandwidth) {
   const d::Reduction reduction = given.value_or(d::Reduction{});
   ReductionOptions options;
   options.modes.count = reduction.modes;
   options.modes.cutoff = reduction.up_to;
   options.modes.effective_mass = reduction.effective_mass;
-  if (!reduction.modes && !reduction.up_to && !reduction.effective_mass && std::isfinite(sensor_bandwidth))
-    options.modes.cutoff = 3.0 * sensor_bandwidth;
+  options.truncation_vectors = reduction.truncation_vectors;
+  if (!reduction.modes && !reduction.up_to && !reduction.effective_mass)
+    options.modes.cutoff = 3.0 * (std::isfinite(sensor_bandwidth) ? sensor_bandwidth : default_bandwidth);
   Superelement superelement = reduction.method == d::ReductionMethod::guyan
                                   ? guyan(part.full, part.boundary, options)
                                   : craig_bampton(part.full, part.boundary, options);
@@ -145,7 +148,9 @@ Superelement reduce(const FiniteElementPart& part, const std::optional<d::Reduct
 }
 
 Superelement reduce_up_to(const FiniteElementPart& part, double frequency) {
-  return completed(part, craig_bampton(part.full, part.boundary, {.modes = {.cutoff = frequency}, .evidence = false}));
+  return completed(part,
+                   craig_bampton(part.full, part.boundary,
+                                 {.modes = {.cutoff = frequency}, .truncation_vectors = true, .evidence = false}));
 }
 
 }  // namespace kalfem

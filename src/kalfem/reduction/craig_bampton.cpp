@@ -4,10 +4,12 @@
 #include <numbers>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/linalg/sparse_select.hpp"
 #include "kalfem/reduction/evidence.hpp"
 #include "kalfem/reduction/mode_selection.hpp"
 #include "kalfem/reduction/static_modes.hpp"
 #include "kalfem/reduction/superelement.hpp"
+#include "kalfem/reduction/truncation_vectors.hpp"
 
 namespace kalfem {
 
@@ -64,10 +66,25 @@ SparseMatrix projected_damping(const LinearModel& model, const MatrixXd& T) {
   return symmetric(MatrixXd(local) + momenta * rates.asDiagonal() * momenta.transpose()).sparseView();
 }
 
-std::vector<std::string> reduced_names(const std::vector<std::string>& boundary, Index modes) {
+std::vector<std::string> reduced_names(const std::vector<std::string>& boundary, Index modes, Index truncation) {
   std::vector<std::string> names = boundary;
   for (Index i = 1; i <= modes; ++i) names.push_back("mode" + std::to_string(i));
+  for (Index i = 1; i <= truncation; ++i) names.push_back("truncation" + std::to_string(i));
   return names;
+}
+
+/// The kept modes with the truncation vectors behind them, where they are wanted.
+LowestModes completed_modes(const LinearModel& model, const Partition& parts, const MatrixXd& static_part,
+                            const LowestModes& kept, const SparseFactor& stiffness, bool with_truncation) {
+  if (!with_truncation || parts.boundary.empty()) return kept;
+  const auto further = truncation_vectors(parts, select(model.mass, parts.interior, parts.boundary), static_part,
+                                          kept.vectors, stiffness);
+  LowestModes all = kept;
+  all.values.conservativeResize(kept.values.size() + further.values.size());
+  all.values.tail(further.values.size()) = further.values;
+  all.vectors.conservativeResize(Eigen::NoChange, all.values.size());
+  all.vectors.rightCols(further.values.size()) = further.vectors;
+  return all;
 }
 
 /// The points of the full model as combinations of the reduced degrees of freedom.
@@ -124,10 +141,14 @@ Superelement craig_bampton(const LinearModel& model, const std::vector<std::stri
   const SelectedModes selected = select_modes(parts, static_part * translations(names), factored, options.modes);
   const VectorXd kept = frequencies(selected.modes.values);
 
+  const LowestModes modes =
+      completed_modes(model, parts, static_part, selected.modes, factored.factor, options.truncation_vectors);
+
   Superelement element;
   element.boundary = parts.boundary;
-  element.basis = transformation(parts, static_part, selected.modes.vectors);
-  element.model = reduced_model(model, element.basis, selected.modes.values, reduced_names(names, kept.size()));
+  element.basis = transformation(parts, static_part, modes.vectors);
+  element.model = reduced_model(model, element.basis, modes.values,
+                                reduced_names(names, kept.size(), modes.values.size() - kept.size()));
   ReductionEvidence& evidence = element.evidence;
   evidence.static_error = static_error(parts, static_part);
   evidence.interface_frequencies = kept;
@@ -135,6 +156,8 @@ Superelement craig_bampton(const LinearModel& model, const std::vector<std::stri
   evidence.next_left_out = frequencies(VectorXd::Constant(1, selected.modes.next.value_or(0.0)))[0];
   evidence.rigid_modes = selected.rigid;
   evidence.reason = selected.reason;
+  if (const Index further = modes.values.size() - kept.size(); further > 0)
+    evidence.reason += ", " + std::to_string(further) + " truncation vectors";
   evidence.factor_bytes = factored.factor.bytes();
   evidence.solves = selected.modes.solves + static_part.cols();
   evidence.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -59,6 +59,8 @@ struct Superelement {
 struct ReductionOptions {
   ModeSelection modes = {};                 ///< Craig-Bampton only, at least one criterion
   std::vector<std::string> also_kept = {};  ///< degrees of freedom treated as boundary beside it, such as sensors'
+  bool truncation_vectors = false;          ///< add the shapes that make up for the modes left out, see
+                                            ///< truncation_vectors.hpp: at most one a boundary degree of freedom
   double compare_up_to = 0.0;  ///< band in which the evidence compares with the full model's modes [Hz]; 0: half the
                                ///< highest kept, or half the first left out where none is kept
   bool evidence = true;        ///< compare at all (costs the full model's modes)
@@ -67,7 +69,7 @@ struct ReductionOptions {
 /// Craig-Bampton: static boundary modes Psi = -K_ii^-1 K_ib and mass-normalised modes Phi of the interior held at the
 /// boundary [CB68],
 ///     z = T q,  T = [I 0; Psi Phi],  M_r = T^T M T,  C_r = T^T (C + C_m) T,  K_r = T^T K T.
-/// One factorisation of K_ii serves both.
+/// One factorisation of K_ii serves both. With truncation vectors, "truncation1", ..., follow the modes.
 ///
 /// Where the held boundary leaves the interior free to move, K_ii is singular: its rigid-body modes R are then kept
 /// before all others, and Psi is the solution of K_ii Psi = -K_ib with R^T M_ii Psi = 0. It exists because K is
