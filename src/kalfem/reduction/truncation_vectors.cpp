@@ -33,6 +33,7 @@ LowestModes truncation_vectors(const Partition& parts, const SparseMatrix& mass_
       shapes.col(j) /= size;
   remove_kept(shapes, kept, parts.mass_ii);
   shapes = orthonormal(shapes, parts.mass_ii);
+  if (shapes.cols() == 0) return {VectorXd(), shapes, {}, 0};
   remove_kept(shapes, kept, parts.mass_ii);
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> uncoupled(
       MatrixXd(shapes.transpose() * (parts.stiffness_ii * shapes)),
