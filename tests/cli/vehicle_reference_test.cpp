@@ -1,0 +1,28 @@
+#include <gtest/gtest.h>
+
+#include "kalfem/base/time_series.hpp"
+#include "kalfem/formats/hdf5_file.hpp"
+#include "vehicle_case.hpp"
+
+namespace kalfem::test {
+namespace {
+
+/// What the sensors see of the full model and of the superelement that stands for it.
+TEST(VehicleReference, SuperelementEqualsTheFullModelInTheSensorsBand) {
+  const auto record = [](const std::string& reference) {
+    const auto folder = fresh_folder("reference-" + reference);
+    const auto outcome =
+        run_vehicle("simulate", "vehicle/vehicle.yaml", "DURATION=0.6 TOLERANCE=0.01 REFERENCE=" + reference, folder);
+    EXPECT_EQ(outcome.code, 0) << outcome.errors;
+    return Hdf5File::open((folder / "out" / "results.h5").string());
+  };
+  const auto full = record("full"), reduced = record("superelement");
+  for (const char* sensor : {"a1", "a2", "a3", "a4", "a5", "a6", "a7"}) {
+    const std::string name = std::string("/measurements/") + sensor;
+    // Both records are converged in their time step to 1 %; their noise is the same but for its scale.
+    EXPECT_LT(nrmse(reduced.read(name), full.read(name)), 0.01) << sensor;
+  }
+}
+
+}  // namespace
+}  // namespace kalfem::test
