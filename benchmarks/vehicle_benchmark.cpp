@@ -70,7 +70,8 @@ void time_steps(const Study& study) {
                        for (int i = 0; i < 100; ++i) factor.solve(load, solution);
                      }) /
                      100.0);
-    steps.push_back((simulated(study, sensors, step, many) - simulated(study, sensors, step, few)) / double(many - few));
+    steps.push_back((simulated(study, sensors, step, many) - simulated(study, sensors, step, few)) /
+                    double(many - few));
   }
   line("degrees of freedom", double(study.model->system().size()), "");
   line("damped modes carried apart", split ? double(split->shapes.cols()) : 0.0, "");

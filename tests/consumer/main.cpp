@@ -14,7 +14,8 @@ int main() {
   const kalfem::CoupledModel model({{"oscillator", kalfem::assemble(part)}}, {}, {});
   auto start = kalfem::at_rest(1, 0);
   start.displacement[0] = 1.0;
-  const auto result = kalfem::simulate(model.system(), {}, start, {.integrator = kalfem::Integrator::exact, .step = 0.1, .duration = 1.0});
+  const auto result = kalfem::simulate(model.system(), {}, start,
+                                       {.integrator = kalfem::Integrator::exact, .step = 0.1, .duration = 1.0});
   const double error = std::abs(result.trajectory.displacement(0, 10) - std::cos(20.0));
   std::printf("error %.1e\n", error);
   return error < 1e-12 ? 0 : 1;

@@ -29,10 +29,10 @@ LocallyNonlinearSystem damped_chain(Damping kind, double dashpot, const std::vec
   LumpedSubstructure wheel;
   wheel.masses = {{"w", 1.5}};
   wheel.springs = {{"tyre", "ground", "w", 2e4, 5.0}};
-  auto system = CoupledModel({{"wheel", assemble(wheel)}, {"body", model}},
-                             {{"suspension", "wheel.w", "body.20", make_law("saturating"), saturating_parameters()}},
-                             inputs)
-                    .system();
+  auto system =
+      CoupledModel({{"wheel", assemble(wheel)}, {"body", model}},
+                   {{"suspension", "wheel.w", "body.20", make_law("saturating"), saturating_parameters()}}, inputs)
+          .system();
   if (kind == Damping::dense) {
     system.damping = SparseMatrix(system.full_damping().sparseView());
     system.modal_damping = {};
@@ -91,8 +91,15 @@ TEST(DampedModeSplit, CoordinatesGoThereAndBack) {
 
 TEST(DampedModeSplit, OutputsAreThoseOfTheWholeMotion) {
   const auto system = damped_chain(Damping::low_rank, 0.0, road);
-  OutputMap map{{"y"}, {"m"}, SparseRows(1, 21), SparseRows(1, 21), SparseRows(1, 21), MatrixXd::Zero(1, 2),
-                MatrixXd::Zero(1, 2), MatrixXd::Zero(1, 2), MatrixXd::Zero(1, 1)};
+  OutputMap map{{"y"},
+                {"m"},
+                SparseRows(1, 21),
+                SparseRows(1, 21),
+                SparseRows(1, 21),
+                MatrixXd::Zero(1, 2),
+                MatrixXd::Zero(1, 2),
+                MatrixXd::Zero(1, 2),
+                MatrixXd::Zero(1, 1)};
   map.displacement.insert(0, 5) = 2.0;
   map.displacement.insert(0, 9) = -1.0;
   const auto split = split_damped_modes(system);

@@ -6,14 +6,15 @@ namespace kalfem {
 namespace {
 
 TEST(PaperChainOverSeeds, TruthLiesInTheStatedIntervals) {
-  // The paper's 1 kHz; with one substep the bias of the straight forces, 0.16 % of mu_k1, is 1.7 standard deviations of its
-  // estimate and would be all that this test sees.
+  // The paper's 1 kHz; with one substep the bias of the straight forces, 0.16 % of mu_k1, is 1.7 standard deviations of
+  // its estimate and would be all that this test sees.
   const Chain chain;
   const auto reference = chain.reference(20.0, Chain::rate);
   auto options = chain.options(TransformKind::none, Chain::rate);
   options.substeps = 4;
   const Observer observer(chain.model.system(), chain.sensors, {}, options);
-  const auto fine_inputs = chain.inputs(options.substeps * Chain::rate, options.substeps * (reference.sensors.rows() - 1) + 1);
+  const auto fine_inputs =
+      chain.inputs(options.substeps * Chain::rate, options.substeps * (reference.sensors.rows() - 1) + 1);
   const double truth[] = {Chain::mu_k1, Chain::mu_c1};
   const int seeds = 100;
   int covered[2] = {0, 0};

@@ -96,8 +96,8 @@ TEST_F(DrivenBody, ModalDampingOfLowRankEqualsTheDenseMatrix) {
   low_rank.modal_damping.rates = VectorXd::LinSpaced(10, 1.0, 30.0);
   LinearModel dense = body;
   const MatrixXd momenta = body.mass * low_rank.modal_damping.modes.shapes;
-  dense.damping += SparseMatrix(
-      MatrixXd(momenta * low_rank.modal_damping.rates.asDiagonal() * momenta.transpose()).sparseView());
+  dense.damping +=
+      SparseMatrix(MatrixXd(momenta * low_rank.modal_damping.rates.asDiagonal() * momenta.transpose()).sparseView());
   const auto predict = [&](const LinearModel& model, Index exact_up_to) {
     return BaseDrivenSubstructure(model, {0})
         .predict(all_points(10), {truth.displacement.row(1), truth.velocity.row(1), truth.acceleration.row(1)}, force(),

@@ -157,7 +157,6 @@ Form<Record> record() {
                     "find a place where two recordings were put together and leave the samples missing there out")
           .optional("free_response", &Record::free_response, mapping(free_response),
                     "a structure is held, released and comes to rest: find both, take the record about the rest"));
-
 }
 
 Form<Simulation> simulation() {
@@ -196,10 +195,9 @@ Form<Simulation> simulation() {
 }  // namespace
 
 Form<Case> case_form() {
-  const auto fields =
-      Fields<Pictures>()
-          .required("substructure", &Pictures::substructure, name(), "finite-element substructure")
-          .optional("every", &Pictures::every, number("s", positive()), "time between two pictures");
+  const auto fields = Fields<Pictures>()
+                          .required("substructure", &Pictures::substructure, name(), "finite-element substructure")
+                          .optional("every", &Pictures::every, number("s", positive()), "time between two pictures");
   const auto report = Fields<Report>()
                           .optional("fields", &Report::fields, mapping(fields),
                                     "write the displacement of a whole substructure over time for ParaView")
@@ -208,11 +206,11 @@ Form<Case> case_form() {
                           .optional("displacements", &Report::displacements, one_or_list(name()),
                                     "points whose displacement is drawn; default: the first of the predicted part")
                           .optional("zoom", &Report::zoom, number("s", positive()), "length of the zoomed pictures");
-  const auto prediction =
-      Fields<Prediction>().required("substructure", &Prediction::substructure, name(),
-                                    "linear substructure to drive by its estimated boundary motion")
-          .optional("substeps", &Prediction::substeps, integer(1, 1000),
-                    "steps per sample of a large substructure's time integration");
+  const auto prediction = Fields<Prediction>()
+                              .required("substructure", &Prediction::substructure, name(),
+                                        "linear substructure to drive by its estimated boundary motion")
+                              .optional("substeps", &Prediction::substeps, integer(1, 1000),
+                                        "steps per sample of a large substructure's time integration");
   return mapping(
       Fields<Case>()
           .required("kalfem", &Case::version, integer(1, 1), "version of the case-file format")

@@ -17,7 +17,9 @@ Vector3d vector(const std::array<double, 3>& values) { return {values[0], values
 
 BeamSection section_of(const d::RectangleSection& given) { return rectangular_section(given.width, given.height); }
 BeamSection section_of(const d::CircleSection& given) { return circular_section(given.diameter); }
-BeamSection section_of(const d::CircularTubeSection& given) { return circular_tube_section(given.diameter, given.wall); }
+BeamSection section_of(const d::CircularTubeSection& given) {
+  return circular_tube_section(given.diameter, given.wall);
+}
 BeamSection section_of(const d::RectangularTubeSection& given) {
   return rectangular_tube_section(given.width, given.height, given.wall);
 }
@@ -102,8 +104,8 @@ private:
   void name_nodes() {
     const NodeFinder finder(model_.mesh);
     for (const auto& [name, place] : fe_.nodes) {
-      const Index node = place.value.group.empty() ? nearest_node(model_.mesh, vector(place.value.at))
-                                                   : node_of_group(place, finder);
+      const Index node =
+          place.value.group.empty() ? nearest_node(model_.mesh, vector(place.value.at)) : node_of_group(place, finder);
       if (node >= 0) nodes_.push_back({name, node});
     }
   }
@@ -133,8 +135,7 @@ private:
     const auto found = std::ranges::find(nodes_, name, &NamedNode::name);
     if (found != nodes_.end()) return found->node;
     if (std::ranges::find(fe_.nodes, name, &std::pair<std::string, Located<d::NodePlace>>::first) == fe_.nodes.end())
-      issues_.add(location,
-                  path + ": there is no node '" + name + "'" + did_you_mean(name, names_of(fe_.nodes)), "",
+      issues_.add(location, path + ": there is no node '" + name + "'" + did_you_mean(name, names_of(fe_.nodes)), "",
                   "name it under `nodes`");
     return -1;
   }
@@ -170,7 +171,8 @@ private:
         continue;
       }
       const auto first = spring_end(from_ground ? spring.to : spring.from);
-      NodalSpring nodal{spring_name(spring), first.value_or(NodalDof{}), {}, "ground", spring.stiffness, spring.damping};
+      NodalSpring nodal{spring_name(spring), first.value_or(NodalDof{}), {}, "ground", spring.stiffness,
+                        spring.damping};
       if (from_ground || to_ground)
         nodal.ground = (from_ground ? spring.from : spring.to).value;
       else
@@ -181,7 +183,8 @@ private:
 
   /// Nodes of a group of the mesh, or one named node.
   std::vector<Index> node_group(const Located<std::string>& place) {
-    if (const auto set = model_.mesh.node_sets.find(place.value); set != model_.mesh.node_sets.end()) return set->second;
+    if (const auto set = model_.mesh.node_sets.find(place.value); set != model_.mesh.node_sets.end())
+      return set->second;
     const Index node = find_node(place.value, place.location, place.path);
     return node < 0 ? std::vector<Index>{} : std::vector<Index>{node};
   }

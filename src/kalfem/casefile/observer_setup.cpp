@@ -232,7 +232,7 @@ void set_state_prior(const d::Estimation& given, const CoupledModel& model, Stat
       apply(index);
     } else {
       issues.add(start.location, start.path + ": '" + point + "' is no degree of freedom of the observer" +
-                         did_you_mean(point, model.system().dofs));
+                                     did_you_mean(point, model.system().dofs));
     }
   }
   for (const auto& [name, start] : given.initial_connector_states) {
@@ -253,7 +253,7 @@ void set_noise(const d::Noise& given, const CoupledModel& model, ProcessNoise& n
     const Index index = model.dof_index(point);
     if (index < 0)
       issues.add(density.location, density.path + ": '" + point + "' is no degree of freedom of the observer" +
-                         did_you_mean(point, model.system().dofs));
+                                       did_you_mean(point, model.system().dofs));
     else
       noise.acceleration[index] = density.value;
   }

@@ -36,8 +36,7 @@ std::vector<Index> boundary_of(const Study& study, const Place& place) {
   const auto& dofs = place.part.model.dofs;
   for (const auto& elements : study.finite_elements)
     if (elements.part->name == place.part.name)
-      for (const auto& name : elements.part->boundary)
-        boundary.push_back(std::ranges::find(dofs, name) - dofs.begin());
+      for (const auto& name : elements.part->boundary) boundary.push_back(std::ranges::find(dofs, name) - dofs.begin());
   if (!boundary.empty()) return boundary;
   for (Index i = 0; i < place.part.model.size(); ++i)
     if (std::ranges::any_of(study.model->system().connectors,
@@ -150,11 +149,10 @@ PredictionStage predict_stage(const Study& study, const StudyResults& results, c
   const Place place = place_of(study, stage.substructure);
   const BaseDrivenSubstructure driven(place.part.model, boundary_of(study, place));
   const auto [names, rows] = reported_rows(study, place);
-  const auto motion = driven.predict(rows, boundary_motion(study, estimation, place, driven.boundary()),
-                                     applied_inputs(study, place), start_of(estimation, place),
-                                     {.sample_rate = study.sample_rate(),
-                                      .newmark_substeps = study.given.predict->substeps,
-                                      .progress = progress});
+  const auto motion = driven.predict(
+      rows, boundary_motion(study, estimation, place, driven.boundary()), applied_inputs(study, place),
+      start_of(estimation, place),
+      {.sample_rate = study.sample_rate(), .newmark_substeps = study.given.predict->substeps, .progress = progress});
   for (std::size_t i = 0; i < names.size(); ++i)
     for (const auto& [quantity, predicted] :
          {std::pair{displacement, &motion.displacement}, std::pair{acceleration, &motion.acceleration}}) {

@@ -55,12 +55,16 @@ void take_free_response(MeasuredRecord& record, const description::FreeResponse&
   TimeSeries& series = record.series;
   const auto release = find_release(series);
   if (!release)
-    throw InvalidInput("the record shows no release: it does not begin with a hold that ends", "record.free_response asks for "
-                       "one", "take record.free_response out, or give a record that begins before the release");
+    throw InvalidInput("the record shows no release: it does not begin with a hold that ends",
+                       "record.free_response asks for "
+                       "one",
+                       "take record.free_response out, or give a record that begins before the release");
   const auto rest = find_rest(series, release->sample);
   if (!rest)
-    throw InvalidInput("the structure does not come to rest in the record", "record.free_response takes it about its rest "
-                       "position", "give a longer record, or take record.free_response out");
+    throw InvalidInput("the structure does not come to rest in the record",
+                       "record.free_response takes it about its rest "
+                       "position",
+                       "give a longer record, or take record.free_response out");
   series.values.rowwise() -= rest->position.transpose();
   const double end = series.time(rest->last);
   series = cut(series, release->time + asked.delay, end);

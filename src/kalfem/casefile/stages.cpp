@@ -69,13 +69,12 @@ SimulationStage simulate_stage(const Study& study, const Progress& progress, std
   FieldCollector collector(study);
   collector.attach(options);
   SimulationStage stage;
-  stage.reference = simulate_reference(
-      study.model->system(), study.signals, initial_state(study), make_outputs(*study.model, outputs),
-      chains_of(study.sensors), options,
-      {.sample_rate = given.sample_rate,
-       .first_substeps = given.first_substeps,
-       .max_substeps = given.max_substeps,
-       .tolerance = given.tolerance});
+  stage.reference = simulate_reference(study.model->system(), study.signals, initial_state(study),
+                                       make_outputs(*study.model, outputs), chains_of(study.sensors), options,
+                                       {.sample_rate = given.sample_rate,
+                                        .first_substeps = given.first_substeps,
+                                        .max_substeps = given.max_substeps,
+                                        .tolerance = given.tolerance});
   if (stage.reference.simulation.failure)
     failure = "the simulation stopped at " + shortest(stage.reference.simulation.failure->time) +
               " s: " + stage.reference.simulation.failure->reason;
@@ -87,8 +86,7 @@ SimulationStage simulate_stage(const Study& study, const Progress& progress, std
     add_noise(study, stage);
   const auto& values = stage.reference.simulation.every_sample;
   for (std::size_t i = 0; i < reported.size(); ++i)
-    stage.points.push_back(
-        {reported[i].name, reported[i].quantity, values.col(static_cast<Index>(i)), {}, {}, {}, {}});
+    stage.points.push_back({reported[i].name, reported[i].quantity, values.col(static_cast<Index>(i)), {}, {}, {}, {}});
   stage.reference.simulation.every_sample.resize(0, 0);
   if (auto series = collector.take()) fields.push_back(std::move(*series));
   stage.seconds = watch.seconds();

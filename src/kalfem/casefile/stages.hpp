@@ -17,17 +17,17 @@ struct PointQuantity {
   std::string point;
   ObservedQuantity quantity = ObservedQuantity::displacement;
   Eigen::VectorXd mean;
-  Eigen::VectorXd deviation;    ///< empty where not known
-  Eigen::VectorXd truth;        ///< empty where not known
-  std::optional<double> nrmse;           ///< against the truth, after settling
+  Eigen::VectorXd deviation;            ///< empty where not known
+  Eigen::VectorXd truth;                ///< empty where not known
+  std::optional<double> nrmse;          ///< against the truth, after settling
   std::optional<double> nrmse_in_band;  ///< the same of the part in the excitation's band
 };
 
 /// The reference solution and the record made from it.
 struct SimulationStage {
   Reference reference;
-  TimeSeries measurements;    ///< with noise, one channel a sensor
-  std::vector<double> noise;  ///< standard deviation per sensor
+  TimeSeries measurements;            ///< with noise, one channel a sensor
+  std::vector<double> noise;          ///< standard deviation per sensor
   std::vector<PointQuantity> points;  ///< the reported points and connectors, free of noise
   double seconds = 0.0;
 };
@@ -43,7 +43,7 @@ struct SubstructureModes {
 
 /// Displacement of every degree of freedom of a finite-element substructure at some times, for pictures.
 struct FieldSeries {
-  std::string name;              ///< "frame_simulated"
+  std::string name;  ///< "frame_simulated"
   std::string substructure;
   std::vector<double> times;     ///< [s]
   Eigen::MatrixXd displacement;  ///< dofs of the full model x times

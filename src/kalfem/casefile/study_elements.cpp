@@ -26,7 +26,8 @@ std::optional<FrequencyBand> excitation_band(const d::Case& given) {
     band = {std::min({band.from, from, to}), std::max({band.to, from, to})};
   };
   for (const auto& [name, excitation] : given.excitation) {
-    if (const auto* random = std::get_if<d::RandomSignal>(&excitation.signal)) include(random->band[0], random->band[1]);
+    if (const auto* random = std::get_if<d::RandomSignal>(&excitation.signal))
+      include(random->band[0], random->band[1]);
     if (const auto* sine = std::get_if<d::Sine>(&excitation.signal)) include(sine->frequency, sine->frequency);
     if (const auto* sweep = std::get_if<d::SweptSine>(&excitation.signal)) include(sweep->from, sweep->to);
   }
@@ -45,8 +46,8 @@ void add_finite_elements(Study& study, IssueList& issues) {
         elements.reduced = std::make_shared<const Superelement>(
             reduce(*elements.part, given.reduction, sensor_bandwidth(study.given)));
         if (study.given.simulate && study.given.simulate->superelements)
-          elements.reference = std::make_shared<const Superelement>(
-              reduce_up_to(*elements.part, study.given.simulate->modes_up_to));
+          elements.reference =
+              std::make_shared<const Superelement>(reduce_up_to(*elements.part, study.given.simulate->modes_up_to));
       }
       study.finite_elements.push_back(std::move(elements));
     } catch (const InvalidInput& error) {

@@ -14,9 +14,9 @@ SparseFactor factor(const SparseMatrix& matrix, const LocallyNonlinearSystem& sy
   try {
     return SparseFactor(matrix);
   } catch (const NotPositiveDefinite& error) {
-    throw InvalidInput("the " + what + " is not positive definite at '" +
-                           system.dofs[static_cast<std::size_t>(error.column())] + "'",
-                       "every degree of freedom needs mass", "give massless degrees of freedom a mass");
+    throw InvalidInput(
+        "the " + what + " is not positive definite at '" + system.dofs[static_cast<std::size_t>(error.column())] + "'",
+        "every degree of freedom needs mass", "give massless degrees of freedom a mass");
   }
 }
 
@@ -121,8 +121,7 @@ public:
     const VectorXd& a = motion.acceleration;
     displacement_.noalias() = motion.displacement + (1.0 - a_f) * (h_ * motion.velocity + (0.5 - beta) * h_ * h_ * a);
     inertia_.noalias() = s * (1.0 - a_m) * displacement_ - a_m * a;
-    rate_.noalias() =
-        gamma / (beta * h_) * displacement_ - motion.velocity - ((1.0 - a_f) * (1.0 - gamma) * h_) * a;
+    rate_.noalias() = gamma / (beta * h_) * displacement_ - motion.velocity - ((1.0 - a_f) * (1.0 - gamma) * h_) * a;
     product_.multiply(inertia_, rate_, load_);
     input_.noalias() = (1.0 - a_f) * end + a_f * begin;
     load_ += drive_ * input_;
@@ -144,7 +143,8 @@ public:
 private:
   static SparseMatrix effective_mass(const LocallyNonlinearSystem& system, double h, const AlphaParameters& p) {
     const double f = 1.0 - p.alpha_f;
-    return (1.0 - p.alpha_m) * system.mass + (f * p.gamma * h) * system.damping + (f * p.beta * h * h) * system.stiffness;
+    return (1.0 - p.alpha_m) * system.mass + (f * p.gamma * h) * system.damping +
+           (f * p.beta * h * h) * system.stiffness;
   }
 
   VectorXd connector_motion(const Motion& motion, const VectorXd& inputs) const {

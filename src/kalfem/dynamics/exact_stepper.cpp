@@ -9,10 +9,14 @@ using Eigen::VectorXd;
 OutputMap accelerations_of(const LocallyNonlinearSystem& system) {
   const auto n = system.size();
   const auto inputs = Eigen::MatrixXd::Zero(n, system.input_count());
-  OutputMap map{system.dofs,       std::vector<std::string>(system.dofs.size(), "m/s^2"),
-                SparseRows(n, n),  SparseRows(n, n),
-                SparseRows(n, n),  inputs,
-                inputs,            inputs,
+  OutputMap map{system.dofs,
+                std::vector<std::string>(system.dofs.size(), "m/s^2"),
+                SparseRows(n, n),
+                SparseRows(n, n),
+                SparseRows(n, n),
+                inputs,
+                inputs,
+                inputs,
                 Eigen::MatrixXd::Zero(n, system.connector_count())};
   map.acceleration.setIdentity();
   return map;

@@ -24,8 +24,8 @@ struct Reference {
   bool converged = false;
 };
 
-/// Simulates with the options' integrator, duration and outputs (their step and keep_every are set here), refining the step.
-/// Throws InvalidInput on unsuitable options.
+/// Simulates with the options' integrator, duration and outputs (their step and keep_every are set here), refining the
+/// step. Throws InvalidInput on unsuitable options.
 Reference simulate_reference(const LocallyNonlinearSystem& system, const std::vector<SignalPtr>& signals,
                              const InitialState& initial, const OutputMap& sensors,
                              const std::vector<MeasurementChain>& chains, SimulationOptions simulation,

@@ -13,7 +13,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr Index input_block = 4096;  ///< steps whose inputs are sampled together
+constexpr Index input_block = 4096;    ///< steps whose inputs are sampled together
 constexpr Index progress_block = 256;  ///< steps between two words of progress
 constexpr double most_steps = 1e10;
 constexpr double most_values = 2e9;  ///< stored, 16 GB
@@ -154,10 +154,11 @@ private:
 
 std::optional<SimulationFailure> failure_of(const ForceSolveOutcome& outcome, const Motion& motion, double time) {
   if (!outcome.finite || !motion.acceleration.allFinite())
-    return SimulationFailure{time,
-                             "a connector force or the motion is no longer finite: a law divides by zero, or the response "
-                             "grows without bound (exact stepping with connectors much stiffer than the rest does so "
-                             "where omega h is above about 3.5: take more steps, or newmark)"};
+    return SimulationFailure{
+        time,
+        "a connector force or the motion is no longer finite: a law divides by zero, or the response "
+        "grows without bound (exact stepping with connectors much stiffer than the rest does so "
+        "where omega h is above about 3.5: take more steps, or newmark)"};
   if (!outcome.converged)
     return SimulationFailure{time, "the connector forces did not converge: take a smaller step or a smoother law"};
   return std::nullopt;
@@ -187,10 +188,8 @@ SimulationResult simulate(const LocallyNonlinearSystem& system, const std::vecto
   const auto stepper = make_stepper(split ? split->system : system, options);
   SimulationResult result;
   Recorder recorder(system, options, split ? &*split : nullptr, steps, result);
-  Motion motion{in_coordinates(initial.displacement),
-                in_coordinates(initial.velocity),
-                in_coordinates(VectorXd::Zero(system.size())),
-                VectorXd::Zero(system.connector_count()),
+  Motion motion{in_coordinates(initial.displacement), in_coordinates(initial.velocity),
+                in_coordinates(VectorXd::Zero(system.size())), VectorXd::Zero(system.connector_count()),
                 initial.connector_states};
 
   MatrixXd inputs = sample_inputs(signals, options.step, 0, std::min(input_block, steps) + 1);

@@ -46,9 +46,9 @@ void require_held(const SparseMatrix& stiffness, const SparseMatrix& mass, const
   if (lowest.values[0] > 1e-14 * size) return;
   Index free = 0;
   lowest.vectors.col(0).cwiseAbs().maxCoeff(&free);
-  throw InvalidInput("with its boundary held, the substructure still moves freely at '" +
-                         dofs[static_cast<std::size_t>(free)] + "'",
-                     "its motion does not follow from the boundary's", "join every part to the boundary by springs");
+  throw InvalidInput(
+      "with its boundary held, the substructure still moves freely at '" + dofs[static_cast<std::size_t>(free)] + "'",
+      "its motion does not follow from the boundary's", "join every part to the boundary by springs");
 }
 
 /// The modal damping C_m of the whole on the interior alone, M_ii Phi' diag(rates) Phi'^T M_ii with M_ii Phi' = (M
@@ -119,7 +119,8 @@ OutputMap BaseDrivenSubstructure::outputs(const SparseRows& points, Index inputs
                 no_input,
                 MatrixXd(3 * k, 0)};
   std::vector<Index> position(static_cast<std::size_t>(points.cols()), -1);
-  for (std::size_t i = 0; i < interior_.size(); ++i) position[static_cast<std::size_t>(interior_[i])] = static_cast<Index>(i);
+  for (std::size_t i = 0; i < interior_.size(); ++i)
+    position[static_cast<std::size_t>(interior_[i])] = static_cast<Index>(i);
   const MatrixXd ridden = points * shapes_;
   Index first = 0;
   for (auto [rows, input] : {std::pair{&map.displacement, &map.input_value}, std::pair{&map.velocity, &map.input_rate},

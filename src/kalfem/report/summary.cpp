@@ -136,7 +136,8 @@ Json prediction_summary(const PredictionStage& stage) {
   for (const auto& point : stage.points) {
     auto& errors = points[point.point.substr(point.point.find('.') + 1)];
     errors[quantity_key(point.quantity)] = number(point.nrmse);
-    if (point.nrmse_in_band) errors[std::string(quantity_key(point.quantity)) + "_in_band"] = number(*point.nrmse_in_band);
+    if (point.nrmse_in_band)
+      errors[std::string(quantity_key(point.quantity)) + "_in_band"] = number(*point.nrmse_in_band);
   }
   return {{stage.substructure, points}};
 }

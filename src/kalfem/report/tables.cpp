@@ -58,8 +58,8 @@ std::string four_digits(double value) { return std::isfinite(value) ? fmt::forma
 Table modes_table(const Study& study, const StudyResults& results) {
   Table table{"Modes", {"substructure", "mode", "full [Hz]", "reduced [Hz]", "difference", "MAC"}, {}, {}};
   for (const auto& part : results.modes) {
-    const auto elements = std::ranges::find_if(study.finite_elements,
-                                               [&](const auto& each) { return each.part->name == part.name; });
+    const auto elements =
+        std::ranges::find_if(study.finite_elements, [&](const auto& each) { return each.part->name == part.name; });
     const auto* evidence =
         elements != study.finite_elements.end() && elements->reduced ? &elements->reduced->evidence : nullptr;
     for (Eigen::Index i = 0; i < part.frequencies.size(); ++i) {
@@ -101,10 +101,11 @@ Table error_table(const std::string& title, const Study& study, const std::vecto
     cells[point.point][quantity] = point.nrmse ? per_cent(*point.nrmse) : "-";
     if (point.nrmse_in_band) cells[point.point][quantity + " in band"] = per_cent(*point.nrmse_in_band);
   }
-  Table table{title,
-              {"point", "displacement", "displacement in band", "velocity", "acceleration", "acceleration in band", "force"},
-              {},
-              {}};
+  Table table{
+      title,
+      {"point", "displacement", "displacement in band", "velocity", "acceleration", "acceleration in band", "force"},
+      {},
+      {}};
   const auto used = [&](const std::string& column) {
     return std::ranges::any_of(cells, [&](const auto& row) { return row.second.contains(column); });
   };
@@ -158,7 +159,8 @@ std::string console_report(const Study& study, const StudyResults& results) {
                           elements.reduced->boundary.size(), elements.reduced->evidence.reason);
     text += "\n";
   }
-  if (!study.finite_elements.empty()) text += fmt::format("read, assembled and reduced in {:.1f} s\n\n", study.reduce_seconds);
+  if (!study.finite_elements.empty())
+    text += fmt::format("read, assembled and reduced in {:.1f} s\n\n", study.reduce_seconds);
   if (!results.simulation && !results.estimation) text += to_text(modes_table(study, results)) + "\n";
   if (results.simulation) {
     const auto& reference = results.simulation->reference;

@@ -11,7 +11,8 @@ namespace kalfem {
 Table modes_table(const Study& study, const StudyResults& results);
 /// Unknowns with initial value, estimate, standard deviation, truth and deviation from it.
 Table parameter_table(const Study& study, const EstimationStage& stage);
-/// Everything of lumped parts and connectors; of finite elements the points that the case wants shown, if it names some.
+/// Everything of lumped parts and connectors; of finite elements the points that the case wants shown, if it names
+/// some.
 bool shown(const Study& study, const std::string& point);
 /// NRMSE of a stage's points against the reference. Of finite-element substructures only the points that the case wants
 /// shown, where it names some.

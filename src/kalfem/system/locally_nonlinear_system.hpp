@@ -28,8 +28,8 @@ struct Input {
 };
 
 /// The one form that every system here has, full-order or reduced:
-///     M z'' + (C + C_m) z' + K z + sum_j b_j f_j(d_j, d_j', d_j'', s_j; theta_j) = sum_i (p_i r_i + q_i r_i' + t_i r_i''),
-///     d_j = b_j^T z - g_j^T r.
+///     M z'' + (C + C_m) z' + K z + sum_j b_j f_j(d_j, d_j', d_j'', s_j; theta_j) = sum_i (p_i r_i + q_i r_i' + t_i
+///     r_i''), d_j = b_j^T z - g_j^T r.
 /// n degrees of freedom but only m << n connectors: every solver exploits it. Immutable after assembly.
 struct LocallyNonlinearSystem {
   std::vector<std::string> dofs;  ///< "substructure.dof"

@@ -46,7 +46,8 @@ PointMotion combined_motion(const CoupledModel& model, const DofCombination& poi
   return sum;
 }
 
-void set_point_row(OutputMap& map, RowEntries& entries, Eigen::Index row, const CoupledModel& model, const OutputDescription& output) {
+void set_point_row(OutputMap& map, RowEntries& entries, Eigen::Index row, const CoupledModel& model,
+                   const OutputDescription& output) {
   const PointMotion motion = combined_motion(model, output.points);
   switch (output.quantity) {
     case ObservedQuantity::displacement:
@@ -102,7 +103,8 @@ OutputMap make_outputs(const CoupledModel& model, const std::vector<OutputDescri
     try {
       if (output.points.empty()) throw InvalidInput("it observes nothing", "", "name a point or a connector");
       if (is_of_connector(output.quantity))
-        set_connector_row(map, entries, row, system, output.quantity, connector_index(system, output.points.begin()->first));
+        set_connector_row(map, entries, row, system, output.quantity,
+                          connector_index(system, output.points.begin()->first));
       else
         set_point_row(map, entries, row, model, output);
     } catch (const InvalidInput& error) {

@@ -1,5 +1,5 @@
 // Time and memory of the sparse linear algebra and of a Craig-Bampton reduction, for a model of the size and pattern of
-// a shell frame. Usage: reduction_bench [columns rows]; defaults give 45,540 degrees of freedom.
+// a shell frame. Usage: reduction_benchmark [columns rows]; defaults give 45,540 degrees of freedom.
 #include <sys/resource.h>
 
 #include <chrono>
