@@ -19,8 +19,8 @@ TEST(VehicleReference, SuperelementEqualsTheFullModelInTheSensorsBand) {
   const auto full = record("full"), reduced = record("superelement");
   for (const char* sensor : {"a1", "a2", "a3", "a4", "a5", "a6", "a7"}) {
     const std::string name = std::string("/measurements/") + sensor;
-    // Both records are converged in their time step to 1 %; their noise is the same but for its scale.
-    EXPECT_LT(nrmse(reduced.read(name), full.read(name)), 0.01) << sensor;
+    // The same time steps and noise; what differs is the modes above 1,200 Hz behind a low-pass of 100 Hz.
+    EXPECT_LT(nrmse(reduced.read(name), full.read(name)), 1e-3) << sensor;
   }
 }
 

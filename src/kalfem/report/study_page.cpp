@@ -227,11 +227,32 @@ Section simulation_section(const SimulationStage& stage) {
   return section;
 }
 
+/// Modes of the finite-element substructures, how their reductions keep them, and what was warned of.
+Section model_section(const Study& study, const StudyResults& results) {
+  Section section{"Finite-element substructures", "", {modes_table(study, results)}};
+  for (const auto& elements : study.finite_elements) {
+    section.text += fmt::format("'{}' has {} degrees of freedom and weighs {} kg. ", elements.part->name,
+                                elements.part->full.size(), four_digits(elements.part->mass.mass));
+    if (elements.reduced)
+      section.text += fmt::format("The observer holds {} coordinates of it: {} of the boundary, {}. ",
+                                  elements.reduced->model.size(), elements.reduced->boundary.size(),
+                                  elements.reduced->evidence.reason);
+  }
+  for (const auto& warning : study.warnings) section.text += "Warning: " + warning + ". ";
+  return section;
+}
+
+Eigen::Index dofs_of_all(const StudyResults& results) {
+  Eigen::Index dofs = 0;
+  for (const auto& part : results.modes) dofs += part.dofs;
+  return dofs;
+}
+
 }  // namespace
 
 Page make_page(const Study& study, const StudyResults& results) {
   Page page{.title = study.given.title.empty() ? "kalfem" : study.given.title,
-            .subtitle = fmt::format("{} degrees of freedom, {} connectors", study.model->system().size(),
+            .subtitle = fmt::format("{} degrees of freedom, {} connectors", dofs_of_all(results),
                                     study.model->system().connector_count()),
             .status = results.usable() ? PageStatus::ok : PageStatus::unusable,
             .summary = answer(results),
@@ -248,6 +269,7 @@ Page make_page(const Study& study, const StudyResults& results) {
   } else if (results.simulation && results.usable()) {
     page.sections.push_back(simulation_section(*results.simulation));
   }
+  if (!study.finite_elements.empty()) page.sections.push_back(model_section(study, results));
   return page;
 }
 
