@@ -77,8 +77,11 @@ void check_prediction(const Study& study, IssueList& issues) {
                name.path + ": there is no substructure '" + name.value + "'" + did_you_mean(name.value, known));
 }
 
-/// In an absolute formulation, free body motion drifts under a displacement sensor's eyes only: worth a word.
+/// What is allowed but probably not meant.
 void warn(Study& study) {
+  if (study.given.estimate && study.given.simulate && study.given.estimate->settle >= study.given.simulate->duration)
+    study.warnings.push_back(
+        "estimate.settle is no shorter than the record: errors and NIS are of its last sample alone");
   for (const auto& [name, unknown] : study.given.estimate ? study.given.estimate->unknown : Named<d::Unknown>{})
     if (unknown.std && unknown.initial.value.value != 0.0 && !unknown.transform && !unknown.bounds &&
         std::abs(unknown.std->value.value) > 0.6 * std::abs(unknown.initial.value.value) && !unknown.std->value.bare)
