@@ -16,6 +16,18 @@ function(kalfem_stage name)
   set_property(GLOBAL APPEND PROPERTY KALFEM_STAGES ${target})
 endfunction()
 
+# kalfem_test_headers(): the one precompiled header of all tests, and the settings that they share with it.
+function(kalfem_test_headers)
+  add_library(kalfem_test_settings INTERFACE)
+  target_link_libraries(kalfem_test_settings INTERFACE kalfem_flags kalfem_private_flags GTest::gtest)
+  target_compile_definitions(kalfem_test_settings INTERFACE KALFEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+                                                            KALFEM_COMMAND="${CMAKE_BINARY_DIR}/bin/kalfem")
+  file(WRITE ${CMAKE_BINARY_DIR}/test_headers.cpp "")
+  add_library(kalfem_test_headers OBJECT ${CMAKE_BINARY_DIR}/test_headers.cpp)
+  target_link_libraries(kalfem_test_headers PRIVATE kalfem_test_settings)
+  target_precompile_headers(kalfem_test_headers PRIVATE <gtest/gtest.h> <Eigen/Dense>)
+endfunction()
+
 # kalfem_test(<name> USES <stage> ... [SOURCES ...] [LIBRARIES ...] [LABELS ...] [TIMEOUT s]): a GoogleTest program of
 # tests/<folder>, sources default to <name>_test.cpp. Every TEST in it becomes a ctest entry unless it is labelled.
 function(kalfem_test name)
@@ -29,9 +41,8 @@ function(kalfem_test name)
   add_executable(${name}_test ${ARG_SOURCES})
   list(TRANSFORM ARG_USES PREPEND kalfem_)
   target_include_directories(${name}_test PRIVATE ${PROJECT_SOURCE_DIR}/tests)
-  target_link_libraries(${name}_test PRIVATE ${ARG_USES} ${ARG_LIBRARIES} GTest::gtest_main kalfem_private_flags)
-  target_compile_definitions(${name}_test PRIVATE KALFEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}" KALFEM_COMMAND="${CMAKE_BINARY_DIR}/bin/kalfem")
-  target_precompile_headers(${name}_test PRIVATE <gtest/gtest.h> <Eigen/Dense>)
+  target_link_libraries(${name}_test PRIVATE ${ARG_USES} ${ARG_LIBRARIES} GTest::gtest_main kalfem_test_settings)
+  target_precompile_headers(${name}_test REUSE_FROM kalfem_test_headers)
   set_target_properties(${name}_test PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   gtest_discover_tests(${name}_test DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
 endfunction()
