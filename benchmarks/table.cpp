@@ -56,7 +56,7 @@ Row::Row(const MedianReporter& medians, int states_) : states(states_) {
     rank_update = fastest(medians, "rank_update", rank_update_kernels(), states, with_own, rank_update_name);
     return 2.0 * cholesky + rank_update;
   };
-  library_limit = limit_of(false);
+  public_limit = limit_of(false);
   limit = limit_of(true);
 }
 
@@ -72,8 +72,8 @@ void print_table(const std::vector<Row>& rows) {
               "ratio", "ukf_sqrt", "ekf", "cholesky", "rank_upd", "allocs", "fastest kernels");
   for (const auto& row : rows)
     std::printf("%4d %9.2f %9.2f %6.2f | %9.2f %6.2f | %9.2f %9.2f | %8.2f %8.2f | %6.2f | %s, %s\n", row.states,
-                row.unscented, row.limit, row.unscented / row.limit, row.library_limit,
-                row.unscented / row.library_limit, row.square_root, row.extended, row.cholesky, row.rank_update,
+                row.unscented, row.limit, row.unscented / row.limit, row.public_limit,
+                row.unscented / row.public_limit, row.square_root, row.extended, row.cholesky, row.rank_update,
                 row.allocations, row.cholesky_name.c_str(), row.rank_update_name.c_str());
 }
 
@@ -84,8 +84,8 @@ void write_json(const std::vector<Row>& rows, const std::string& path) {
     json["ukf" + size] = {{"us", row.unscented},
                           {"limit_us", row.limit},
                           {"ratio_to_limit", row.unscented / row.limit},
-                          {"library_limit_us", row.library_limit},
-                          {"ratio_to_library_limit", row.unscented / row.library_limit},
+                          {"public_limit_us", row.public_limit},
+                          {"ratio_to_public_limit", row.unscented / row.public_limit},
                           {"allocations_per_step", row.allocations}};
     json["ukf_square_root" + size] = {{"us", row.square_root}, {"ratio_to_limit", row.square_root / row.limit}};
     json["ekf" + size] = {{"us", row.extended}, {"ratio_to_limit", row.extended / row.limit}};

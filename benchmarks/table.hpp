@@ -18,12 +18,12 @@ public:
 };
 
 /// What was measured at one size, in microseconds; limit = 2 Cholesky + 1 rank update, each the fastest there is,
-/// kalfem's own among them; library_limit is the same of the public libraries alone.
+/// kalfem's own among them; public_limit is the same of the public libraries alone.
 struct Row {
   Row(const MedianReporter& medians, int states);
   int states;
   double unscented, square_root, extended;
-  double cholesky, rank_update, limit, library_limit;
+  double cholesky, rank_update, limit, public_limit;
   double allocations;
   std::string cholesky_name, rank_update_name;
 };
