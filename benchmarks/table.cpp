@@ -72,9 +72,9 @@ void print_table(const std::vector<Row>& rows) {
               "ratio", "ukf_sqrt", "ekf", "cholesky", "rank_upd", "allocs", "fastest kernels");
   for (const auto& row : rows)
     std::printf("%4d %9.2f %9.2f %6.2f | %9.2f %6.2f | %9.2f %9.2f | %8.2f %8.2f | %6.2f | %s, %s\n", row.states,
-                row.unscented, row.limit, row.unscented / row.limit, row.public_limit,
-                row.unscented / row.public_limit, row.square_root, row.extended, row.cholesky, row.rank_update,
-                row.allocations, row.cholesky_name.c_str(), row.rank_update_name.c_str());
+                row.unscented, row.limit, row.unscented / row.limit, row.public_limit, row.unscented / row.public_limit,
+                row.square_root, row.extended, row.cholesky, row.rank_update, row.allocations,
+                row.cholesky_name.c_str(), row.rank_update_name.c_str());
 }
 
 void write_json(const std::vector<Row>& rows, const std::string& path) {

@@ -3,8 +3,9 @@
 #include <cmath>
 #include <limits>
 
+#include "kalfem/base/stopwatch.hpp"
 #include "kalfem/casefile/reported_quantities.hpp"
-#include "kalfem/casefile/stopwatch.hpp"
+#include "kalfem/casefile/study_elements.hpp"
 #include "kalfem/formats/local_polynomial.hpp"
 
 namespace kalfem {
@@ -194,6 +195,7 @@ EstimationStage estimate_stage(const Study& study, const StudyResults& results, 
 
   stage.settled = std::min<Index>(static_cast<Index>(std::llround(given.settle * study.sample_rate())),
                                   stage.measurements.samples() - 1);
+  stage.band = excitation_band(study.given);
   stage.consistency =
       summarise_consistency(stage.result.nis, stage.result.measured, stage.result.innovation, noise, stage.settled);
   for (std::size_t i = 0; i < monitored.size(); ++i) {
@@ -207,7 +209,7 @@ EstimationStage estimate_stage(const Study& study, const StudyResults& results, 
                            {}};
     if (results.simulation)
       if (const auto* truth = find_quantity(results.simulation->points, quantity.point, quantity.quantity))
-        set_truth(quantity, truth->mean, stage.settled);
+        compare(quantity, truth->mean, {stage.settled, study.sample_rate(), stage.band});
     stage.points.push_back(std::move(quantity));
   }
   if (given.estimate_initial_state && !stage.result.failure && !given.local) simulate_open_loop(study, stage);

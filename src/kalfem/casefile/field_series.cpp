@@ -18,15 +18,6 @@ const StudyElements* pictured(const Study& study) {
   return nullptr;
 }
 
-Index offset_in(const CoupledModel& model, const std::string& substructure) {
-  Index offset = 0;
-  for (const auto& part : model.substructures()) {
-    if (part.name == substructure) break;
-    offset += part.model.size();
-  }
-  return offset;
-}
-
 Index samples_between(const Study& study) {
   return std::max<Index>(1, std::llround(study.given.report.fields->every * study.sample_rate()));
 }
@@ -36,7 +27,7 @@ Index samples_between(const Study& study) {
 FieldCollector::FieldCollector(const Study& study) : study_(study), elements_(pictured(study)) {
   if (!elements_) return;
   series_ = {elements_->part->name + "_simulated", elements_->part->name, {}, {}};
-  offset_ = offset_in(*study.model, elements_->part->name);
+  offset_ = study.model->find_substructure(elements_->part->name).offset;
 }
 
 void FieldCollector::attach(SimulationOptions& options) {
@@ -78,7 +69,7 @@ std::optional<FieldSeries> estimated_fields(const Study& study, const Estimation
     samples.push_back(k);
     series.times.push_back(stage.measurements.time(k));
   }
-  const auto rows = Eigen::seqN(offset_in(*study.observer->model, name), elements->reduced->model.size());
+  const auto rows = Eigen::seqN(study.observer->model->find_substructure(name).offset, elements->reduced->model.size());
   series.displacement = elements->reduced->recover(stage.result.state.mean(rows, samples));
   return series;
 }

@@ -97,8 +97,8 @@ Superelement completed(const FiniteElementPart& part, Superelement superelement)
   auto& model = superelement.model;
   const auto boundary = static_cast<Index>(superelement.boundary.size());
   model.points_only = true;
-  model.scale = Eigen::VectorXd::Ones(model.size());
-  model.scale.tail(model.size() - boundary).setConstant(std::sqrt(part.mass.mass));
+  model.coordinate_scale = Eigen::VectorXd::Ones(model.size());
+  model.coordinate_scale.tail(model.size() - boundary).setConstant(std::sqrt(part.mass.mass));
   return superelement;
 }
 

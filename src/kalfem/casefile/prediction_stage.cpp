@@ -1,11 +1,9 @@
 #include "kalfem/casefile/prediction_stage.hpp"
 
 #include <algorithm>
-#include <cmath>
 
+#include "kalfem/base/stopwatch.hpp"
 #include "kalfem/casefile/reported_quantities.hpp"
-#include "kalfem/casefile/stopwatch.hpp"
-#include "kalfem/casefile/study_elements.hpp"
 
 namespace kalfem {
 
@@ -15,20 +13,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// The predicted substructure and its place in the coupled system.
-struct Place {
-  const Substructure& part;
-  Index offset;
-};
-
-Place place_of(const Study& study, const std::string& name) {
-  Index offset = 0;
-  for (const auto& part : study.model->substructures()) {
-    if (part.name == name) return {part, offset};
-    offset += part.model.size();
-  }
-  throw std::logic_error("substructure was checked when the case was read");
-}
+using Place = CoupledModel::Placed;
 
 /// The boundary of a finite-element substructure, or the degrees of freedom that connectors touch.
 std::vector<Index> boundary_of(const Study& study, const Place& place) {
@@ -129,24 +114,14 @@ ReportedRows reported_rows(const Study& study, const Place& place) {
   return reported;
 }
 
-/// Sets the truth and the errors against it, whole and in the band.
-void compare(PointQuantity& point, const VectorXd& truth, const std::optional<FrequencyBand>& band, Index settled,
-             double sample_rate) {
-  set_truth(point, truth, settled);
-  const Index count = truth.size() - settled;
-  if (!band || count < 2 || truth.size() != point.mean.size()) return;
-  const double error = nrmse_in_band(point.mean.tail(count), truth.tail(count), sample_rate, *band);
-  if (std::isfinite(error)) point.nrmse_in_band = error;
-}
-
 }  // namespace
 
 PredictionStage predict_stage(const Study& study, const StudyResults& results, const Progress& progress) {
   using enum ObservedQuantity;
   const Stopwatch watch;
   const auto& estimation = *results.estimation;
-  PredictionStage stage{study.given.predict->substructure.value, excitation_band(study.given), {}, 0.0};
-  const Place place = place_of(study, stage.substructure);
+  PredictionStage stage{study.given.predict->substructure.value, {}, 0.0};
+  const Place place = study.model->find_substructure(stage.substructure);
   const BaseDrivenSubstructure driven(place.part.model, boundary_of(study, place));
   const auto [names, rows] = reported_rows(study, place);
   const auto motion = driven.predict(
@@ -159,7 +134,7 @@ PredictionStage predict_stage(const Study& study, const StudyResults& results, c
       PointQuantity point{names[i], quantity, predicted->row(static_cast<Index>(i)).transpose(), {}, {}, {}, {}};
       if (results.simulation)
         if (const auto* truth = find_quantity(results.simulation->points, names[i], quantity))
-          compare(point, truth->mean, stage.band, estimation.settled, study.sample_rate());
+          compare(point, truth->mean, {estimation.settled, study.sample_rate(), estimation.band});
       stage.points.push_back(std::move(point));
     }
   stage.seconds = watch.seconds();

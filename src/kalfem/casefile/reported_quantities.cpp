@@ -32,12 +32,15 @@ const PointQuantity* find_quantity(const std::vector<PointQuantity>& quantities,
   return nullptr;
 }
 
-void set_truth(PointQuantity& quantity, Eigen::VectorXd truth, Eigen::Index settled) {
-  quantity.truth = std::move(truth);
-  const Eigen::Index count = quantity.mean.size() - settled;
-  if (count < 1 || quantity.truth.size() != quantity.mean.size()) return;
-  const double error = nrmse(quantity.mean.tail(count), quantity.truth.tail(count));
-  if (std::isfinite(error)) quantity.nrmse = error;
+void compare(PointQuantity& quantity, const Eigen::VectorXd& truth, const Comparison& comparison) {
+  quantity.truth = truth;
+  const Eigen::Index count = truth.size() - comparison.settled;
+  if (count < 1 || truth.size() != quantity.mean.size()) return;
+  const Eigen::VectorXd mean = quantity.mean.tail(count), expected = truth.tail(count);
+  if (const double error = nrmse(mean, expected); std::isfinite(error)) quantity.nrmse = error;
+  if (!comparison.band || count < 2 || quantity.quantity != ObservedQuantity::acceleration) return;
+  const double error = nrmse_in_band(mean, expected, comparison.sample_rate, *comparison.band);
+  if (std::isfinite(error)) quantity.nrmse_in_band = error;
 }
 
 }  // namespace kalfem

@@ -14,7 +14,14 @@ std::vector<OutputDescription> reported_quantities(const CoupledModel& model);
 const PointQuantity* find_quantity(const std::vector<PointQuantity>& quantities, const std::string& point,
                                    ObservedQuantity quantity);
 
-/// Sets the truth and the error against it after settling.
-void set_truth(PointQuantity& quantity, Eigen::VectorXd truth, Eigen::Index settled);
+/// What counts when an estimate is compared with the truth.
+struct Comparison {
+  Eigen::Index settled = 0;  ///< first sample
+  double sample_rate = 0.0;  ///< [Hz]
+  std::optional<FrequencyBand> band;
+};
+
+/// Sets the truth and the error against it; of an acceleration also the error in the band.
+void compare(PointQuantity& quantity, const Eigen::VectorXd& truth, const Comparison& comparison);
 
 }  // namespace kalfem

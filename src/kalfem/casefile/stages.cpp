@@ -1,11 +1,11 @@
 #include "kalfem/casefile/stages.hpp"
 
 #include "kalfem/base/random.hpp"
+#include "kalfem/base/stopwatch.hpp"
 #include "kalfem/casefile/estimation_stage.hpp"
 #include "kalfem/casefile/field_series.hpp"
 #include "kalfem/casefile/prediction_stage.hpp"
 #include "kalfem/casefile/reported_quantities.hpp"
-#include "kalfem/casefile/stopwatch.hpp"
 #include "kalfem/casefile/substructure_modes.hpp"
 
 namespace kalfem {

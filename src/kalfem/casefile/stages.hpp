@@ -20,7 +20,7 @@ struct PointQuantity {
   Eigen::VectorXd deviation;            ///< empty where not known
   Eigen::VectorXd truth;                ///< empty where not known
   std::optional<double> nrmse;          ///< against the truth, after settling
-  std::optional<double> nrmse_in_band;  ///< the same of the part in the excitation's band
+  std::optional<double> nrmse_in_band;  ///< of an acceleration: the same of the part in the excitation's band
 };
 
 /// The reference solution and the record made from it.
@@ -58,6 +58,7 @@ struct EstimationStage {
   std::vector<PointQuantity>
       points;                ///< displacement, velocity, acceleration of points; deformation, rate, force of connectors
   Eigen::Index settled = 0;  ///< first sample that counts
+  std::optional<FrequencyBand> band;  ///< of the excitation, where it has one
   double seconds = 0.0;
   std::optional<SimulationResult>
       open_loop;                             ///< the record again from the estimated parameters and initial state alone
@@ -68,7 +69,6 @@ struct EstimationStage {
 
 struct PredictionStage {
   std::string substructure;
-  std::optional<FrequencyBand> band;  ///< of the excitation, where it has one
   std::vector<PointQuantity> points;
   double seconds = 0.0;
 };

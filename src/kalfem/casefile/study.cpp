@@ -77,6 +77,20 @@ void check_prediction(const Study& study, IssueList& issues) {
                name.path + ": there is no substructure '" + name.value + "'" + did_you_mean(name.value, known));
 }
 
+/// Pictures are of finite elements.
+void check_pictures(const d::Case& given, IssueList& issues) {
+  if (!given.report.fields) return;
+  const auto& name = given.report.fields->substructure;
+  std::vector<std::string> known;
+  for (const auto& [part, substructure] : given.substructures)
+    if (substructure.finite_elements) known.push_back(part);
+  if (std::ranges::find(known, name.value) == known.end())
+    issues.add(
+        name.location,
+        name.path + ": there is no finite-element substructure '" + name.value + "'" + did_you_mean(name.value, known),
+        "the motion of a mesh is drawn", "name one that has finite_elements");
+}
+
 /// What is allowed but probably not meant.
 void warn(Study& study) {
   if (study.given.estimate && study.given.simulate && study.given.estimate->settle >= study.given.simulate->duration)
@@ -108,6 +122,7 @@ Study load_study(const std::string& file) {
   const double duration = study.given.simulate ? study.given.simulate->duration : 10.0;
   study.signals = make_signals(study.given, study.parts.inputs, duration, issues);
   check_prediction(study, issues);
+  check_pictures(study.given, issues);
   raise_in_line_order(issues);
   try {
     study.model = std::make_shared<const CoupledModel>(couple(reference_parts(study)));

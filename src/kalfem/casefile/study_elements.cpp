@@ -1,8 +1,9 @@
 #include "kalfem/casefile/study_elements.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
+
+#include "kalfem/base/stopwatch.hpp"
 
 namespace kalfem {
 namespace {
@@ -35,7 +36,7 @@ std::optional<FrequencyBand> excitation_band(const d::Case& given) {
 }
 
 void add_finite_elements(Study& study, IssueList& issues) {
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   for (const auto& [name, given] : study.given.substructures) {
     if (!given.finite_elements) continue;
     try {
@@ -54,7 +55,7 @@ void add_finite_elements(Study& study, IssueList& issues) {
       issues.add(error, given.finite_elements->mesh.location);
     }
   }
-  study.reduce_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  study.reduce_seconds = watch.seconds();
 }
 
 std::vector<Substructure> reduced_parts(const Study& study) {

@@ -101,11 +101,7 @@ public:
   ForceSolveOutcome start(Motion& motion, const VectorXd& inputs) override {
     const SparseFactor mass = factor(system_.mass, system_, "mass matrix");
     VectorXd load = drive_ * inputs - system_.damping * motion.velocity - system_.stiffness * motion.displacement;
-    const auto& damped = system_.modal_damping;
-    if (damped.rates.size() > 0 && !motion.velocity.isZero()) {
-      const VectorXd modal = damped.modes.shapes.transpose() * (system_.mass * motion.velocity);
-      load -= system_.mass * (damped.modes.shapes * damped.rates.cwiseProduct(modal));
-    }
+    load -= damping_force(system_.modal_damping, system_.mass, motion.velocity);
     motion.acceleration = mass.solve(load);
     const MatrixXd response = -mass.solve(directions_);
     MatrixXd compliance = MatrixXd::Zero(3 * directions_.cols(), directions_.cols());

@@ -1,10 +1,10 @@
 #include "kalfem/estimation/estimate.hpp"
 
-#include <chrono>
 #include <cmath>
 #include <limits>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/stopwatch.hpp"
 #include "kalfem/estimation/consistency.hpp"
 #include "kalfem/estimation/observer_maps.hpp"
 
@@ -63,10 +63,10 @@ public:
     filter_->reset(prior);
     const Index samples = record_.measurements.cols();
     for (Index k = 0; k < samples; ++k) {
-      const auto begin = std::chrono::steady_clock::now();
+      const Stopwatch watch;
       FilterOutcome outcome = k == 0 ? FilterOutcome::usable : predict(k);
       if (outcome == FilterOutcome::usable) outcome = update(k);
-      result_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      result_.seconds += watch.seconds();
       if (outcome == FilterOutcome::usable) outcome = keep(k);
       if (outcome != FilterOutcome::usable) {
         result_.failure = {outcome, static_cast<double>(k) * observer_.options().step, to_string(outcome)};

@@ -20,13 +20,25 @@ NormalModes normal_modes(const SparseMatrix& mass, const SparseMatrix& stiffness
   return modes;
 }
 
-SparseMatrix modal_damping(const SparseMatrix& mass, const NormalModes& modes, const std::vector<double>& ratios) {
-  if (ratios.empty()) return SparseMatrix(mass.rows(), mass.cols());
-  Eigen::VectorXd rates = 4.0 * std::numbers::pi * modes.frequencies;
+Eigen::MatrixXd damping_force(const ModalDamping& damping, const SparseMatrix& mass,
+                              const Eigen::MatrixXd& velocities) {
+  const auto& [modes, rates] = damping;
+  if (rates.size() == 0) return Eigen::MatrixXd::Zero(velocities.rows(), velocities.cols());
+  const Eigen::MatrixXd amplitudes = modes.shapes.transpose() * (mass * velocities);
+  return mass * (modes.shapes * (rates.asDiagonal() * amplitudes));
+}
+
+Eigen::VectorXd damping_rates(const Eigen::VectorXd& frequencies, const std::vector<double>& ratios) {
+  Eigen::VectorXd rates = 4.0 * std::numbers::pi * frequencies;
   for (Eigen::Index i = 0; i < rates.size(); ++i)
     rates[i] *= ratios[std::min<std::size_t>(static_cast<std::size_t>(i), ratios.size() - 1)];
-  const Eigen::MatrixXd mass_shapes = mass * modes.shapes;
-  return Eigen::MatrixXd(mass_shapes * rates.asDiagonal() * mass_shapes.transpose()).sparseView();
+  return rates;
+}
+
+SparseMatrix modal_damping(const SparseMatrix& mass, const NormalModes& modes, const std::vector<double>& ratios) {
+  if (ratios.empty()) return SparseMatrix(mass.rows(), mass.cols());
+  const ModalDamping damping{modes, damping_rates(modes.frequencies, ratios)};
+  return damping_force(damping, mass, Eigen::MatrixXd::Identity(mass.rows(), mass.cols())).sparseView();
 }
 
 }  // namespace kalfem

@@ -32,6 +32,12 @@ struct ModalDamping {
   Eigen::VectorXd rates;  ///< 2 zeta omega per mode [1/s]
 };
 
+/// C_m V = M Phi diag(rates) Phi^T M V for velocities V, n x k.
+Eigen::MatrixXd damping_force(const ModalDamping& damping, const SparseMatrix& mass, const Eigen::MatrixXd& velocities);
+
+/// 2 zeta omega [1/s] per mode for the given ratios (the last one holds for all further modes).
+Eigen::VectorXd damping_rates(const Eigen::VectorXd& frequencies, const std::vector<double>& ratios);
+
 /// M z'' + (C + C_m) z' + K z = sum_g (k_g r_g + c_g r_g'), a linear substructure with named degrees of freedom.
 struct LinearModel {
   std::vector<std::string> dofs;
@@ -43,8 +49,8 @@ struct LinearModel {
   std::map<std::string, DofCombination> points;  ///< named combinations beside the degrees of freedom themselves
   bool points_only = false;  ///< the degrees of freedom are too many, or no places: only points are reported
 
-  Eigen::VectorXd scale;  ///< coordinate per displacement of a typical point: 1, or sqrt(mass) of a mass-normalised
-                          ///< mode; empty: all 1
+  Eigen::VectorXd coordinate_scale;  ///< coordinate per displacement of a typical point: 1, or sqrt(mass) of a
+                                     ///< mass-normalised mode; empty: all 1
 
   [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(dofs.size()); }
 };

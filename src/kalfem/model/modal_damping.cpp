@@ -48,15 +48,14 @@ void add_modal_damping(LinearModel& model, const std::vector<double>& ratios, co
   LowestModes modes = damped_modes(model, options);
   const Index count = modes.values.size();
   if (count == 0) return;
-  const VectorXd omega = modes.values.cwiseSqrt();
-  VectorXd rates = 2.0 * omega;
-  for (Index i = 0; i < count; ++i) rates[i] *= ratios[std::min(static_cast<std::size_t>(i), ratios.size() - 1)];
+  const VectorXd frequencies = modes.values.cwiseSqrt() / (2.0 * std::numbers::pi);
+  VectorXd rates = damping_rates(frequencies, ratios);
   if (options.damp_the_rest && modes.next) {
     const double alpha = rates[count - 1];
     model.damping = SparseMatrix(model.damping + alpha * model.mass);
     rates.array() -= alpha;
   }
-  model.modal_damping = {{omega / (2.0 * std::numbers::pi), std::move(modes.vectors)}, rates};
+  model.modal_damping = {{frequencies, std::move(modes.vectors)}, rates};
 }
 
 }  // namespace kalfem

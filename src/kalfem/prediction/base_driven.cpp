@@ -5,9 +5,10 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/dynamics/simulate.hpp"
-#include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/linalg/sparse_factor.hpp"
 #include "kalfem/linalg/sparse_select.hpp"
+#include "kalfem/reduction/mode_selection.hpp"
+#include "kalfem/reduction/static_modes.hpp"
 
 namespace kalfem {
 
@@ -39,16 +40,20 @@ private:
   SignalSamples samples_;
 };
 
-/// Throws unless holding the boundary holds the interior.
-void require_held(const SparseMatrix& stiffness, const SparseMatrix& mass, const std::vector<std::string>& dofs) {
-  const auto lowest = lowest_modes(stiffness, mass, {.count = 1});
-  const double size = stiffness.diagonal().cwiseQuotient(mass.diagonal()).maxCoeff();
-  if (lowest.values[0] > 1e-14 * size) return;
+/// Throws where the interior has rigid-body modes while the boundary is held.
+void require_held(const MatrixXd& rigid_modes, const std::vector<std::string>& dofs) {
+  if (rigid_modes.cols() == 0) return;
   Index free = 0;
-  lowest.vectors.col(0).cwiseAbs().maxCoeff(&free);
+  rigid_modes.col(0).cwiseAbs().maxCoeff(&free);
   throw InvalidInput(
       "with its boundary held, the substructure still moves freely at '" + dofs[static_cast<std::size_t>(free)] + "'",
       "its motion does not follow from the boundary's", "join every part to the boundary by springs");
+}
+
+std::vector<std::string> names_of(const LinearModel& model, const std::vector<Index>& dofs) {
+  std::vector<std::string> names;
+  for (const Index i : dofs) names.push_back(model.dofs[static_cast<std::size_t>(i)]);
+  return names;
 }
 
 /// The modal damping C_m of the whole on the interior alone, M_ii Phi' diag(rates) Phi'^T M_ii with M_ii Phi' = (M
@@ -61,14 +66,6 @@ ModalDamping interior_damping(const LinearModel& model, const SparseMatrix& inte
           model.modal_damping.rates};
 }
 
-MatrixXd damping_times(const LinearModel& model, const MatrixXd& motion) {
-  MatrixXd force = model.damping * motion;
-  const auto& [modes, rates] = model.modal_damping;
-  if (rates.size() > 0)
-    force += model.mass * (modes.shapes * (rates.asDiagonal() * (modes.shapes.transpose() * (model.mass * motion))));
-  return force;
-}
-
 VectorXd interior_part(const VectorXd& vector, const std::vector<Index>& interior) {
   return vector.size() == 0 ? VectorXd::Zero(static_cast<Index>(interior.size())) : VectorXd(vector(interior));
 }
@@ -77,28 +74,28 @@ VectorXd interior_part(const VectorXd& vector, const std::vector<Index>& interio
 
 BaseDrivenSubstructure::BaseDrivenSubstructure(const LinearModel& model, std::vector<Index> boundary)
     : boundary_(std::move(boundary)) {
-  std::vector<bool> held(static_cast<std::size_t>(model.size()), false);
-  for (const Index i : boundary_) held[static_cast<std::size_t>(i)] = true;
-  for (Index i = 0; i < model.size(); ++i)
-    if (!held[static_cast<std::size_t>(i)]) interior_.push_back(i);
+  const Partition parts = partition(model, names_of(model, boundary_));
+  interior_ = parts.interior;
   if (boundary_.empty() || interior_.empty())
     throw InvalidInput(boundary_.empty() ? "no connector touches the substructure that is to be predicted"
                                          : "the substructure that is to be predicted has no degree of freedom beside "
                                            "those of its connectors",
                        "the prediction drives the interior by the boundary", "predict another substructure");
-  for (const Index i : interior_) driven_.dofs.push_back(model.dofs[static_cast<std::size_t>(i)]);
-  driven_.mass = select(model.mass, interior_, interior_);
+  const ShiftedStiffness factored = factor_stiffness(parts.stiffness_ii, parts.mass_ii, parts.interior_names);
+  const MatrixXd rigid_modes = rigid_body_modes(parts, factored);
+  require_held(rigid_modes, parts.interior_names);
+  driven_.dofs = parts.interior_names;
+  driven_.mass = parts.mass_ii;
   driven_.damping = select(model.damping, interior_, interior_);
-  driven_.stiffness = select(model.stiffness, interior_, interior_);
+  driven_.stiffness = parts.stiffness_ii;
   driven_.modal_damping = interior_damping(model, driven_.mass, interior_);
-  require_held(driven_.stiffness, driven_.mass, driven_.dofs);
 
   const auto n_b = static_cast<Index>(boundary_.size());
   shapes_ = MatrixXd::Zero(model.size(), n_b);
-  shapes_(interior_, Eigen::all) =
-      -SparseFactor(driven_.stiffness).solve(MatrixXd(select(model.stiffness, interior_, boundary_)));
+  shapes_(interior_, Eigen::all) = static_modes(parts, factored, rigid_modes);
   shapes_(boundary_, Eigen::all).setIdentity();
-  const MatrixXd inertia = model.mass * shapes_, damping = damping_times(model, shapes_);
+  const MatrixXd inertia = model.mass * shapes_,
+                 damping = model.damping * shapes_ + damping_force(model.modal_damping, model.mass, shapes_);
   for (Index b = 0; b < n_b; ++b)
     driven_.inputs.push_back({model.dofs[static_cast<std::size_t>(boundary_[static_cast<std::size_t>(b)])], "m",
                               VectorXd::Zero(driven_.size()), -damping.col(b)(interior_), -inertia.col(b)(interior_)});

@@ -1,9 +1,9 @@
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numbers>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/stopwatch.hpp"
 #include "kalfem/linalg/sparse_select.hpp"
 #include "kalfem/reduction/evidence.hpp"
 #include "kalfem/reduction/mode_selection.hpp"
@@ -133,7 +133,7 @@ std::vector<std::string> all_kept(const std::vector<std::string>& boundary, cons
 
 Superelement craig_bampton(const LinearModel& model, const std::vector<std::string>& boundary,
                            const ReductionOptions& options) {
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const std::vector<std::string> names = all_kept(boundary, options);
   const Partition parts = partition(model, names);
   const ShiftedStiffness factored = factor_stiffness(parts.stiffness_ii, parts.mass_ii, parts.interior_names);
@@ -160,7 +160,7 @@ Superelement craig_bampton(const LinearModel& model, const std::vector<std::stri
     evidence.reason += ", " + std::to_string(further) + " truncation vectors";
   evidence.factor_bytes = factored.factor.bytes();
   evidence.solves = selected.modes.solves + static_part.cols();
-  evidence.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  evidence.seconds = watch.seconds();
   if (options.evidence)
     evidence.modes = compare_modes(model, element.model, element.basis, comparison_band(evidence, options));
   return element;

@@ -97,10 +97,16 @@ const char* quantity_key(ObservedQuantity quantity) {
   return "";
 }
 
+void add_errors(Json& errors, const PointQuantity& point) {
+  const std::string key = quantity_key(point.quantity);
+  errors[key] = number(point.nrmse);
+  if (point.nrmse_in_band) errors[key + "_in_band"] = number(*point.nrmse_in_band);
+}
+
 Json errors_by_point(const std::vector<PointQuantity>& points) {
   Json errors = Json::object();
   for (const auto& point : points)
-    if (point.truth.size() > 0) errors[point.point][quantity_key(point.quantity)] = number(point.nrmse);
+    if (point.truth.size() > 0) add_errors(errors[point.point], point);
   return errors;
 }
 
@@ -133,12 +139,7 @@ Json estimation_summary(const Study& study, const EstimationStage& stage) {
 
 Json prediction_summary(const PredictionStage& stage) {
   Json points = Json::object();
-  for (const auto& point : stage.points) {
-    auto& errors = points[point.point.substr(point.point.find('.') + 1)];
-    errors[quantity_key(point.quantity)] = number(point.nrmse);
-    if (point.nrmse_in_band)
-      errors[std::string(quantity_key(point.quantity)) + "_in_band"] = number(*point.nrmse_in_band);
-  }
+  for (const auto& point : stage.points) add_errors(points[point.point.substr(point.point.find('.') + 1)], point);
   return {{stage.substructure, points}};
 }
 

@@ -37,7 +37,7 @@ std::string padded(const std::string& text, std::size_t columns, bool right) {
   return right ? blank + text : text + blank;
 }
 
-std::string band_words(const PredictionStage& stage) {
+std::string band_words(const EstimationStage& stage) {
   return stage.band ? fmt::format(" (band of the excitation: {} to {} Hz)", four_digits(stage.band->from),
                                   four_digits(stage.band->to))
                     : std::string();
@@ -101,11 +101,7 @@ Table error_table(const std::string& title, const Study& study, const std::vecto
     cells[point.point][quantity] = point.nrmse ? per_cent(*point.nrmse) : "-";
     if (point.nrmse_in_band) cells[point.point][quantity + " in band"] = per_cent(*point.nrmse_in_band);
   }
-  Table table{
-      title,
-      {"point", "displacement", "displacement in band", "velocity", "acceleration", "acceleration in band", "force"},
-      {},
-      {}};
+  Table table{title, {"point", "displacement", "velocity", "acceleration", "acceleration in band", "force"}, {}, {}};
   const auto used = [&](const std::string& column) {
     return std::ranges::any_of(cells, [&](const auto& row) { return row.second.contains(column); });
   };
@@ -164,10 +160,13 @@ std::string console_report(const Study& study, const StudyResults& results) {
   if (!results.simulation && !results.estimation) text += to_text(modes_table(study, results)) + "\n";
   if (results.simulation) {
     const auto& reference = results.simulation->reference;
+    const bool of_superelements =
+        std::ranges::any_of(study.finite_elements, [](const auto& each) { return each.reference != nullptr; });
     text += fmt::format(
-        "Reference: {} degrees of freedom, {} s at {} Hz, {} steps a sample (last change {}), {:.1f} s\n\n",
-        study.model->system().size(), four_digits(study.given.simulate->duration), four_digits(study.sample_rate()),
-        reference.substeps, per_cent(reference.last_change), results.simulation->seconds);
+        "Reference: {} degrees of freedom{}, {} s at {} Hz, {} steps a sample (last change {}), {:.1f} s\n\n",
+        study.model->system().size(), of_superelements ? " (superelements)" : "",
+        four_digits(study.given.simulate->duration), four_digits(study.sample_rate()), reference.substeps,
+        per_cent(reference.last_change), results.simulation->seconds);
   }
   if (results.estimation) {
     const auto& stage = *results.estimation;
@@ -175,11 +174,12 @@ std::string console_report(const Study& study, const StudyResults& results) {
     text += fmt::format("NIS {:.2f} where {:.2f} is right, {} inside the 95 % band\n", stage.consistency.mean_nis,
                         stage.consistency.expected_nis, per_cent(stage.consistency.fraction_in_95));
     text += fmt::format(
-        "{} states, {} steps, {:.2f} us a step: {:.0f} x real time\n\n", stage.observer->layout().size(),
+        "{} states, {} steps, {:.2f} us a step: {:.3g} x real time\n\n", stage.observer->layout().size(),
         stage.measurements.samples(), 1e6 * stage.result.seconds / static_cast<double>(stage.measurements.samples()),
         static_cast<double>(stage.measurements.samples()) / stage.measurements.sample_rate / stage.result.seconds);
     if (const auto table = error_table("", study, stage.points); !table.rows.empty())
-      text += fmt::format("Estimated motion, NRMSE after {} s\n", four_digits(study.given.estimate->settle)) +
+      text += fmt::format("Estimated motion, NRMSE after {} s{}\n", four_digits(study.given.estimate->settle),
+                          band_words(stage)) +
               to_text(table) + "\n";
     if (stage.open_loop)
       text += "Open loop from the estimated parameters and initial state\n" + to_text(open_loop_table(stage)) + "\n";
@@ -187,7 +187,7 @@ std::string console_report(const Study& study, const StudyResults& results) {
   if (results.prediction)
     if (const auto table = error_table("", study, results.prediction->points); !table.rows.empty())
       text += "'" + results.prediction->substructure + "' driven by its estimated boundary motion, NRMSE" +
-              band_words(*results.prediction) + "\n" + to_text(table) + "\n";
+              band_words(*results.estimation) + "\n" + to_text(table) + "\n";
   return text;
 }
 

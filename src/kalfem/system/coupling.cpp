@@ -99,7 +99,8 @@ void CoupledModel::assemble_linear_part() {
   system_.stiffness = block_diagonal(substructures_, &LinearModel::stiffness);
   coordinate_scale_ = Eigen::VectorXd::Ones(system_.size());
   for (Eigen::Index offset = 0; const auto& part : substructures_) {
-    if (part.model.scale.size() > 0) coordinate_scale_.segment(offset, part.model.size()) = part.model.scale;
+    if (part.model.coordinate_scale.size() > 0)
+      coordinate_scale_.segment(offset, part.model.size()) = part.model.coordinate_scale;
     offset += part.model.size();
   }
   system_.modal_damping = joined_modal_damping(substructures_, system_.size());
@@ -208,6 +209,17 @@ std::vector<std::string> CoupledModel::point_names() const {
     for (const auto& ground : part.model.grounds) names.push_back(part.name + "." + ground.ground);
   }
   return names;
+}
+
+CoupledModel::Placed CoupledModel::find_substructure(const std::string& name) const {
+  std::vector<std::string> known;
+  for (Eigen::Index offset = 0; const auto& part : substructures_) {
+    if (part.name == name) return {part, offset};
+    offset += part.model.size();
+    known.push_back(part.name);
+  }
+  throw InvalidInput("there is no substructure '" + name + "'" + did_you_mean(name, known), "",
+                     "name one that there is");
 }
 
 Eigen::Index CoupledModel::dof_index(const std::string& dof) const {

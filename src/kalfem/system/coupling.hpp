@@ -63,6 +63,12 @@ public:
   [[nodiscard]] std::vector<std::string> reported_points() const;
   /// All names that motion() knows.
   [[nodiscard]] std::vector<std::string> point_names() const;
+  /// A substructure and where its degrees of freedom begin in the system; throws InvalidInput when there is none.
+  struct Placed {
+    const Substructure& part;
+    Eigen::Index offset;
+  };
+  [[nodiscard]] Placed find_substructure(const std::string& name) const;
   /// Index of a degree of freedom, -1 when there is none.
   [[nodiscard]] Eigen::Index dof_index(const std::string& dof) const;
   /// Coordinate per displacement of a typical point, n (LinearModel::scale).

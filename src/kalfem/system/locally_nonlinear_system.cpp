@@ -3,12 +3,7 @@
 namespace kalfem {
 
 Eigen::MatrixXd LocallyNonlinearSystem::full_damping() const {
-  Eigen::MatrixXd full(damping);
-  if (modal_damping.rates.size() > 0) {
-    const Eigen::MatrixXd momenta = mass * modal_damping.modes.shapes;
-    full += momenta * modal_damping.rates.asDiagonal() * momenta.transpose();
-  }
-  return full;
+  return Eigen::MatrixXd(damping) + damping_force(modal_damping, mass, Eigen::MatrixXd::Identity(size(), size()));
 }
 
 Eigen::Index LocallyNonlinearSystem::connector_states() const {
