@@ -1,9 +1,34 @@
-# kalfem_stage(<folder> SOURCES ... [USES <stage> ...] [LIBRARIES <target> ...])
+# kalfem_precompiled(<target> SETTINGS <target> HEADERS ...): headers precompiled once, for all targets that are compiled with
+# these settings and reuse them.
+function(kalfem_precompiled target)
+  cmake_parse_arguments(ARG "" "SETTINGS" "HEADERS" ${ARGN})
+  file(WRITE ${CMAKE_BINARY_DIR}/${target}.cpp "")
+  add_library(${target} OBJECT ${CMAKE_BINARY_DIR}/${target}.cpp)
+  target_link_libraries(${target} PRIVATE ${ARG_SETTINGS})
+  target_precompile_headers(${target} PRIVATE ${ARG_HEADERS})
+endfunction()
+
+# Settings of the stages that compute, and of the rim, which reads and writes and is compiled for a short build.
+add_library(kalfem_stage_settings INTERFACE)
+target_link_libraries(kalfem_stage_settings INTERFACE kalfem_flags kalfem_private_flags)
+add_library(kalfem_rim_settings INTERFACE)
+target_link_libraries(kalfem_rim_settings INTERFACE kalfem_flags kalfem_private_flags)
+target_compile_options(kalfem_rim_settings INTERFACE $<$<CONFIG:Release>:-O1>)
+foreach(kind stage rim)
+  kalfem_precompiled(kalfem_${kind}_headers SETTINGS kalfem_${kind}_settings
+                     HEADERS <Eigen/Dense> <Eigen/Sparse> <string> <vector> <map> <memory> <optional> <functional> <algorithm>)
+endforeach()
+
+# kalfem_stage(<folder> SOURCES ... [USES <stage> ...] [LIBRARIES <target> ...] [RIM])
 #
 # One static library for one folder of src/kalfem. A stage is linked only to the stages it names, so a call against the
 # direction of the data flow does not link. LIBRARIES are third-party targets.
 function(kalfem_stage name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;USES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ARG "RIM" "" "SOURCES;USES;LIBRARIES" ${ARGN})
+  set(kind stage)
+  if(ARG_RIM)
+    set(kind rim)
+  endif()
   set(target kalfem_${name})
   add_library(${target} STATIC ${ARG_SOURCES})
   add_library(kalfem::${name} ALIAS ${target})
@@ -11,8 +36,8 @@ function(kalfem_stage name)
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src> $<INSTALL_INTERFACE:include>)
   list(TRANSFORM ARG_USES PREPEND kalfem_)
   target_link_libraries(${target} PUBLIC kalfem_flags ${ARG_USES} ${ARG_LIBRARIES}
-                        PRIVATE $<BUILD_INTERFACE:kalfem_private_flags>)
-  target_precompile_headers(${target} PRIVATE <Eigen/Dense> <string> <vector> <memory> <optional> <functional>)
+                        PRIVATE $<BUILD_INTERFACE:kalfem_${kind}_settings>)
+  target_precompile_headers(${target} REUSE_FROM kalfem_${kind}_headers)
   set_property(GLOBAL APPEND PROPERTY KALFEM_STAGES ${target})
 endfunction()
 
@@ -20,12 +45,11 @@ endfunction()
 function(kalfem_test_headers)
   add_library(kalfem_test_settings INTERFACE)
   target_link_libraries(kalfem_test_settings INTERFACE kalfem_flags kalfem_private_flags GTest::gtest)
+  target_compile_options(kalfem_test_settings INTERFACE $<$<CONFIG:Release>:-O1>)
   target_compile_definitions(kalfem_test_settings INTERFACE KALFEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                                             KALFEM_COMMAND="${CMAKE_BINARY_DIR}/bin/kalfem")
-  file(WRITE ${CMAKE_BINARY_DIR}/test_headers.cpp "")
-  add_library(kalfem_test_headers OBJECT ${CMAKE_BINARY_DIR}/test_headers.cpp)
-  target_link_libraries(kalfem_test_headers PRIVATE kalfem_test_settings)
-  target_precompile_headers(kalfem_test_headers PRIVATE <gtest/gtest.h> <Eigen/Dense>)
+  kalfem_precompiled(kalfem_test_headers SETTINGS kalfem_test_settings
+                     HEADERS <gtest/gtest.h> <Eigen/Dense> <Eigen/Sparse> <string> <vector> <map> <optional> <algorithm>)
 endfunction()
 
 # kalfem_test(<name> USES <stage> ... [SOURCES ...] [LIBRARIES ...] [LABELS ...] [TIMEOUT s]): a GoogleTest program of

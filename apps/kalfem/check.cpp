@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include "kalfem/base/atomic_file.hpp"
 #include "kalfem/casefile/substructure_modes.hpp"
+#include "kalfem/report/health_section.hpp"
 #include "kalfem/report/tables.hpp"
 #include "verbs.hpp"
 
@@ -55,9 +57,24 @@ void print_table(const Table& table) {
   if (!table.rows.empty()) fmt::print("{}\n", to_text(table));
 }
 
+void check_health_of_parts(const Study& study, const std::string& page_file) {
+  Page page{.title = study.given.title.empty() ? "kalfem" : study.given.title,
+            .subtitle = "Health of the finite-element substructures",
+            .status = PageStatus::ok,
+            .summary = "The case can be run.",
+            .sections = {}};
+  for (const auto& elements : study.finite_elements) {
+    const auto& part = *elements.part;
+    const HealthReport health = check_health(part.elements, part.assembled);
+    fmt::print("Substructure '{}'\n\n{}", part.name, health_text(health, part.notes));
+    page.sections.push_back(health_section(part.name, part.elements, health, part.notes));
+  }
+  if (!page_file.empty()) write_file_atomically(page_file, render_html(page));
+}
+
 }  // namespace
 
-ExitCode check(const std::string& case_file) {
+ExitCode check(const std::string& case_file, const std::string& page_file) {
   const Study study = load_study(case_file);
   fmt::print("{}\n\n", study.given.title.empty() ? case_file : study.given.title);
   print_table(substructure_table(study));
@@ -67,6 +84,7 @@ ExitCode check(const std::string& case_file) {
     fmt::print("record: {} samples at {} Hz from {} s\n\n", study.record->series.samples(),
                four_digits(study.sample_rate()), four_digits(study.record->series.start));
   if (study.observer) print_table(unknown_table(*study.observer));
+  check_health_of_parts(study, page_file);
   for (const auto& warning : study.warnings) fmt::print(stderr, "warning: {}\n", warning);
   fmt::print("No problem found; nothing was run.\n");
   return done;

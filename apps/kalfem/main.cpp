@@ -10,7 +10,8 @@ using namespace kalfem;
 namespace {
 
 struct Arguments {
-  std::string case_file, folder;
+  std::string case_file, folder, page;
+  std::vector<std::string> units;
   bool json = false, laws = false;
 };
 
@@ -22,7 +23,10 @@ CLI::App* add_stage(CLI::App& app, const char* verb, const char* meaning, Argume
 }
 
 command::ExitCode execute(const CLI::App& app, const Arguments& arguments) {
-  if (app.got_subcommand("check")) return command::check(arguments.case_file);
+  if (app.got_subcommand("check"))
+    return command::is_deck(arguments.case_file)
+               ? command::check_deck(arguments.case_file, arguments.units, arguments.page)
+               : command::check(arguments.case_file, arguments.page);
   if (app.got_subcommand("schema")) return command::schema(arguments.json, arguments.laws);
   if (app.got_subcommand("modes")) return command::run(arguments.case_file, Stage::modes, arguments.folder);
   if (app.got_subcommand("simulate")) return command::run(arguments.case_file, Stage::simulate, arguments.folder);
@@ -43,9 +47,11 @@ int main(int argc, char** argv) {
   add_stage(app, "simulate", "the reference solution and the record made from it", arguments);
   add_stage(app, "estimate", "states and unknown parameters, with what it needs before", arguments);
   add_stage(app, "predict", "response of a linear substructure, with what it needs before", arguments);
-  app.add_subcommand("check", "validate and explain a case, run nothing")
-      ->add_option("case", arguments.case_file, "case file (YAML)")
-      ->required();
+  auto* check = app.add_subcommand("check", "validate and explain a case or a deck, run nothing");
+  check->add_option("case", arguments.case_file, "case file (YAML), or deck (.inp, .bdf, .dat, .nas)")->required();
+  check->add_option("--page", arguments.page, "write the health report to this HTML file, with a picture of the mesh");
+  check->add_option("--units", arguments.units, "of a deck: length, mass and time, such as mm t s; default: SI")
+      ->expected(3);
   auto* schema = app.add_subcommand("schema", "the case-file reference");
   schema->add_flag("--json", arguments.json, "as JSON Schema, for editors");
   schema->add_flag("--laws", arguments.laws, "the connector laws and their parameters");

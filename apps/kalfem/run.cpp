@@ -8,6 +8,7 @@
 #include "kalfem/report/results_file.hpp"
 #include "kalfem/report/study_page.hpp"
 #include "kalfem/report/summary.hpp"
+#include "kalfem/report/superelement_files.hpp"
 #include "kalfem/report/tables.hpp"
 #include "verbs.hpp"
 
@@ -51,6 +52,7 @@ void write_all(const fs::path& folder, const Study& study, const StudyResults& r
   write_results(series.path(), study, results);
   series.move_to_place();
   write_fields(folder.string(), study, results);
+  write_superelements(folder, study);
   write_file_atomically(folder / "case.resolved.yaml", to_yaml(*description::case_form().write(study.given)));
   write_file_atomically(folder / "report.html", render_html(make_page(study, results)));
   write_file_atomically(folder / "summary.json", summarise(study, results).dump(2) + "\n");

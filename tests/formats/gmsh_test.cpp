@@ -301,12 +301,13 @@ TEST(GmshText, EveryTruncationIsRefused) {
 }
 
 TEST(GmshText, ListsTypesThatCannotBeRead) {
-  const std::string message =
-      refusal(replaced(ascii2, "5\n1 15 2 7 3 40",
-                       "8\n7 9 2 1 1 40 7 3 12 40 7\n8 9 2 1 1 40 7 3 12 40 7\n9 4 2 1 1 40 7 3 12\n1 15 2 7 3 40"));
-  EXPECT_NE(message.find("mesh.msh:19: the mesh has 2 cells of Gmsh type 9 (6-node triangle)"), std::string::npos);
+  const std::string message = refusal(replaced(
+      ascii2, "5\n1 15 2 7 3 40",
+      "8\n7 20 2 1 1 40 7 3 12 40 7 3 12 40\n8 20 2 1 1 40 7 3 12 40 7 3 12 40\n9 7 2 1 1 40 7 3 12 40\n1 15 2 7 3 "
+      "40"));
+  EXPECT_NE(message.find("mesh.msh:19: the mesh has 2 cells of Gmsh type 20 (9-node triangle)"), std::string::npos);
   EXPECT_NE(message.find("mesh with order 1"), std::string::npos);
-  EXPECT_NE(message.find("mesh.msh:21: the mesh has 1 cells of Gmsh type 4 (tetrahedron)"), std::string::npos);
+  EXPECT_NE(message.find("mesh.msh:21: the mesh has 1 cells of Gmsh type 7 (pyramid)"), std::string::npos);
 }
 
 TEST(GmshText, ProblemsAreReportedTogether) {

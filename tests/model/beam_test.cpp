@@ -14,6 +14,10 @@ using namespace test;
 constexpr double pi = std::numbers::pi;
 using Ends = Eigen::Matrix<double, 3, 2>;
 
+ElementMatrices beam(const Ends& ends, const BeamProperty& property, double poissons_ratio, MassKind mass_kind) {
+  return kalfem::beam(ends, property, property.placements[0], poissons_ratio, mass_kind);
+}
+
 BeamSection slender() {
   auto section = rectangular_section(0.02, 0.03);
   section.shear_factor_y = section.shear_factor_z = 0.0;
@@ -198,8 +202,8 @@ TEST(Beam, MatricesTurnWithTheFrame) {
   const auto property = beam_property(rectangular_tube_section(0.06, 0.04, 0.003), {0.02, 0.0, 0.05}, {0.2, 0.1, 1.0});
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1.0, -2.0, 0.5).normalized()).toRotationMatrix();
   BeamProperty turned = property;
-  turned.up = turn * property.up;
-  turned.offset = turn * property.offset;
+  turned.placements[0].up = turn * property.placements[0].up;
+  turned.placements[0].offsets = turn * property.placements[0].offsets;
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(12, 12);
   for (int i = 0; i < 4; ++i) all.block<3, 3>(3 * i, 3 * i) = turn;
   for (const auto kind : {MassKind::consistent, MassKind::lumped}) {
@@ -213,7 +217,7 @@ TEST(Beam, SectionAxesFollowUp) {
   // Deep in `up`: bending towards `up` is the stiff one, whatever the direction of the beam.
   const auto section = rectangular_section(0.02, 0.2);
   auto model = beam_model({0.0, 0.0, 2.0}, 1, section);
-  std::get<BeamProperty>(model.properties["line"]).up = {0.0, 3.0, 1.0};
+  std::get<BeamProperty>(model.properties["line"]).placements[0].up = {0.0, 3.0, 1.0};
   const auto tip = [&](int direction) {
     return tip_motion(model, Eigen::Matrix<double, 6, 1>::Unit(direction))[direction];
   };
@@ -248,7 +252,7 @@ TEST(Beam, OffsetIsARigidLinkToABeamWithoutOffset) {
   const Eigen::Vector3d offset(0.03, -0.05, 0.1);
   const auto section = rectangular_section(0.04, 0.06);
   auto moved = beam_model({1.0, 0.4, -0.2}, 1, section);
-  std::get<BeamProperty>(moved.properties["line"]).offset = offset;
+  std::get<BeamProperty>(moved.properties["line"]).placements[0].offsets = offset.replicate<1, 2>();
   FiniteElementModel linked = beam_model({1.0, 0.4, -0.2}, 1, section);
   linked.mesh.nodes.colwise() += offset;
   for (const Eigen::Index end : {0, 1}) {
@@ -266,7 +270,7 @@ TEST(Beam, ImpossibleGeometryIsAShapeError) {
   EXPECT_THROW(beam(Ends{{1.0, 1.0}, {2.0, 2.0}, {3.0, 3.0}}, property, 0.3, MassKind::consistent), ElementShapeError);
   EXPECT_THROW(beam(Ends{{1.0, 1.0}, {2.0, 2.0}, {3.0, 4.0}}, property, 0.3, MassKind::consistent), ElementShapeError);
   BeamProperty without_up = property;
-  without_up.up.setZero();
+  without_up.placements[0].up.setZero();
   EXPECT_THROW(beam(Ends{{0.0, 1.0}, {0.0, 0.0}, {0.0, 0.0}}, without_up, 0.3, MassKind::consistent),
                ElementShapeError);
 }

@@ -68,8 +68,7 @@ inline BeamProperty beam_property(const BeamSection& section, const Eigen::Vecto
   BeamProperty property;
   property.material = "steel";
   property.section = section;
-  property.offset = offset;
-  property.up = up;
+  property.placements = {{up, offset.replicate<1, 2>(), {}}};
   return property;
 }
 

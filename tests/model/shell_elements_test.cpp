@@ -16,8 +16,9 @@ constexpr double nu = 0.3;
 /// An element by its corners: a quadrilateral of four, a triangle of three.
 ElementMatrices shell(const Eigen::Matrix3Xd& corners, double thickness, MassKind kind = MassKind::consistent,
                       double poissons_ratio = nu) {
-  if (corners.cols() == 4) return shell4(corners, poissons_ratio, thickness, kind);
-  return shell3(corners, poissons_ratio, thickness, kind);
+  const ShellProperty property{.material = "", .thickness = thickness};
+  if (corners.cols() == 4) return shell4(corners, poissons_ratio, property, kind);
+  return shell3(corners, poissons_ratio, property, kind);
 }
 
 /// Sum of the terms for E = 1, rho = 1.

@@ -154,7 +154,7 @@ Parts make_parts(const Case& given, std::vector<Substructure> finite_elements, c
   for (const auto& [name, part] : given.substructures) {
     if (part.finite_elements) {
       if (!part.masses.empty() || part.chain)
-        issues.add(part.finite_elements->mesh.location,
+        issues.add(part.finite_elements->location(),
                    "substructures." + name + " has finite elements and also masses or a chain",
                    "it is one or the other", "put bodies at nodes under finite_elements.masses");
       continue;

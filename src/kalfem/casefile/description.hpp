@@ -7,11 +7,12 @@
 #include <variant>
 #include <vector>
 
+#include "kalfem/casefile/finite_element_description.hpp"
 #include "kalfem/casefile/form.hpp"
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/estimation/filter.hpp"
 #include "kalfem/estimation/parameter_transform.hpp"
-#include "kalfem/model/elements/element.hpp"
+#include "kalfem/formats/matrices.hpp"
 #include "kalfem/system/measurement_chain.hpp"
 #include "kalfem/system/output_map.hpp"
 #include "kalfem/system/signals/harmonic.hpp"
@@ -20,10 +21,6 @@
 /// A case as its file says it: what the user wrote, with the place of every name that is looked up later. study.hpp
 /// makes the model, the signals and the observer from it. Meanings and units of the keys stand in description_form.cpp.
 namespace kalfem::description {
-
-using Name = Located<std::string>;
-using Value = Located<Quantity>;        ///< a number whose unit depends on what it is for
-using Points = Located<Named<double>>;  ///< a point, or a weighted sum of points
 
 struct Spring {
   std::string name;
@@ -38,79 +35,6 @@ struct Damping {
   std::vector<double> modal;
   double mass_factor = 0.0, stiffness_factor = 0.0;
   double modal_up_to = 500.0;  ///< of finite elements: modes up to this frequency have ratios of their own
-};
-
-struct Material {
-  double youngs_modulus = 0.0, poissons_ratio = 0.3, density = 0.0;
-};
-struct RectangleSection {
-  double width = 0.0, height = 0.0;
-};
-struct CircleSection {
-  double diameter = 0.0;
-};
-struct CircularTubeSection {
-  double diameter = 0.0, wall = 0.0;
-};
-struct RectangularTubeSection {
-  double width = 0.0, height = 0.0, wall = 0.0;
-};
-struct GeneralSection {
-  double area = 0.0, inertia_y = 0.0, inertia_z = 0.0, torsion = 0.0, shear_factor_y = 0.0, shear_factor_z = 0.0;
-};
-using Section =
-    std::variant<RectangleSection, CircleSection, CircularTubeSection, RectangularTubeSection, GeneralSection>;
-struct SectionHolder {
-  Section section;
-};
-struct ShellRegion {
-  double thickness = 0.0;
-};
-struct BeamRegion {
-  SectionHolder section;
-  std::array<double, 3> up{0.0, 0.0, 1.0}, offset{};
-};
-struct Region {
-  Name material;
-  std::variant<ShellRegion, BeamRegion> property;
-};
-/// A node by a group of the mesh, by its number, or the nearest one to a place.
-struct NodePlace {
-  std::string group;
-  std::array<double, 3> at{};  ///< where there is no group [m]
-};
-struct NodeMass {
-  Name at;
-  double mass = 0.0;
-  std::array<double, 3> inertia{}, offset{};
-};
-struct Link {
-  Name master;
-  Located<std::string> nodes;
-  std::vector<std::string> directions;
-};
-struct Fixed {
-  Located<std::string> nodes;
-  std::vector<std::string> directions;
-};
-struct FiniteElements {
-  Located<std::filesystem::path> mesh;
-  double scale = 1.0;  ///< of the mesh's coordinates to metres
-  Named<Material> materials;
-  Named<Region> regions;
-  Named<Located<NodePlace>> nodes;
-  Named<NodeMass> masses;
-  Named<Link> links;
-  Named<Fixed> fixed;
-  MassKind mass_matrix = MassKind::consistent;
-};
-enum class ReductionMethod { craig_bampton, guyan };
-struct Reduction {
-  ReductionMethod method = ReductionMethod::craig_bampton;
-  std::optional<int> modes;
-  std::optional<double> up_to, effective_mass;
-  bool truncation_vectors = true;
-  std::vector<Name> boundary;
 };
 
 struct Substructure {
@@ -309,6 +233,7 @@ struct Report {
   int modes = 20;
   std::vector<Name> displacements;
   double zoom = 1.0;
+  std::vector<MatrixFormat> superelements;
 };
 
 struct Case {

@@ -198,14 +198,22 @@ Form<Case> case_form() {
   const auto fields = Fields<Pictures>()
                           .required("substructure", &Pictures::substructure, name(), "finite-element substructure")
                           .optional("every", &Pictures::every, number("s", positive()), "time between two pictures");
-  const auto report = Fields<Report>()
-                          .optional("fields", &Report::fields, mapping(fields),
-                                    "write the displacement of a whole substructure over time for ParaView")
-                          .optional("modes", &Report::modes, integer(1, 10000),
-                                    "lowest modes of a finite-element substructure that are computed and listed")
-                          .optional("displacements", &Report::displacements, one_or_list(name()),
-                                    "points whose displacement is drawn; default: the first of the predicted part")
-                          .optional("zoom", &Report::zoom, number("s", positive()), "length of the zoomed pictures");
+  const auto report =
+      Fields<Report>()
+          .optional("fields", &Report::fields, mapping(fields),
+                    "write the displacement of a whole substructure over time for ParaView")
+          .optional("modes", &Report::modes, integer(1, 10000),
+                    "lowest modes of a finite-element substructure that are computed and listed")
+          .optional("displacements", &Report::displacements, one_or_list(name()),
+                    "points whose displacement is drawn; default: the first of the predicted part")
+          .optional("superelements", &Report::superelements,
+                    one_or_list(choice<MatrixFormat>(
+                        {{"matrix_market", MatrixFormat::matrix_market, "K, M and C, and the rows' names beside them"},
+                         {"dmig", MatrixFormat::dmig, "Nastran"},
+                         {"op4", MatrixFormat::op4, "Nastran OUTPUT4, binary"},
+                         {"hdf5", MatrixFormat::hdf5, "with the basis"}})),
+                    "write the reduced substructures for other codes")
+          .optional("zoom", &Report::zoom, number("s", positive()), "length of the zoomed pictures");
   const auto prediction = Fields<Prediction>()
                               .required("substructure", &Prediction::substructure, name(),
                                         "linear substructure to drive by its estimated boundary motion")

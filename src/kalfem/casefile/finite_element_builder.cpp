@@ -4,7 +4,10 @@
 #include <charconv>
 
 #include "kalfem/casefile/assembly.hpp"
+#include "kalfem/casefile/matrix_source.hpp"
 #include "kalfem/formats/gmsh.hpp"
+#include "kalfem/model/linear_cells.hpp"
+#include "kalfem/model/unit_system.hpp"
 
 namespace kalfem {
 namespace {
@@ -29,10 +32,13 @@ BeamSection section_of(const d::GeneralSection& given) {
 
 RegionProperty property_of(const d::Region& given) {
   if (const auto* shell = std::get_if<d::ShellRegion>(&given.property))
-    return ShellProperty{given.material.value, shell->thickness};
+    return ShellProperty{given.material.value, shell->thickness, shell->offset, 0.0};
+  if (const auto* solid = std::get_if<d::SolidRegion>(&given.property))
+    return SolidProperty{given.material.value, solid->kind, {}};
   const auto& beam = std::get<d::BeamRegion>(given.property);
   const BeamSection section = std::visit([](const auto& each) { return section_of(each); }, beam.section.section);
-  return BeamProperty{given.material.value, section, vector(beam.up), vector(beam.offset)};
+  const Vector3d offset = vector(beam.offset);
+  return BeamProperty{given.material.value, section, {{vector(beam.up), offset.replicate<1, 2>(), {}}}};
 }
 
 std::array<bool, 6> chosen(const std::vector<std::string>& directions) {
@@ -52,33 +58,63 @@ std::vector<std::string> names_of(const Map& map) {
 /// Builds one model step by step; a name that is not found is an issue with its place, and the rest goes on.
 class Builder {
 public:
-  Builder(const std::string& name, const d::Substructure& given) : given_(given), fe_(*given.finite_elements) {
-    model_.name = name;
-  }
+  Builder(const std::string& name, const d::Substructure& given)
+      : name_(name), given_(given), fe_(*given.finite_elements) {}
 
   NamedElements build() {
-    read_mesh();
+    read_source();
     add_properties();
+    replace_quadratic(model_);
     name_nodes();
     add_masses();
     add_springs();
     add_links_and_supports();
     forget_groups_of_nodes();
     issues_.raise();
-    return {std::move(model_), std::move(nodes_)};
+    return {std::move(model_), std::move(nodes_), std::move(notes_)};
   }
 
 private:
-  void read_mesh() {
+  void read_source() {
     try {
-      model_.mesh = read_gmsh(fe_.mesh.value.string());
+      std::visit([&](const auto& source) { read(source); }, fe_.source);
     } catch (const InvalidInput& error) {
       IssueList issues;
-      issues.add(error, fe_.mesh.location);
+      issues.add(error, fe_.location());
       issues.raise();
     }
-    model_.mesh.nodes *= fe_.scale;
-    model_.mass_kind = fe_.mass_matrix;
+    model_.name = name_;
+    if (fe_.mass_matrix) model_.mass_kind = *fe_.mass_matrix;
+  }
+
+  void read(const d::MeshFile& mesh) {
+    model_.mesh = read_gmsh(mesh.file.value);
+    model_.mesh.nodes *= mesh.scale;
+    if (fe_.regions.empty())
+      issues_.add(mesh.file.location, "substructures." + name_ + ".finite_elements has no `regions`",
+                  "a mesh does not say what its cells are made of", "give each physical group its property");
+  }
+
+  void read(const d::DeckFile& file) {
+    Deck deck = read_deck(file.file.value, file.format);
+    model_ = std::move(deck.model);
+    notes_ = std::move(deck.notes);
+    to_si(model_, file.units);
+  }
+
+  void read(const d::MatrixFiles& files) {
+    Deck deck = matrices_as_deck(files);
+    model_ = std::move(deck.model);
+    notes_ = std::move(deck.notes);
+    if (files.coordinates) return;
+    for (const auto& [name, place] : fe_.nodes)
+      if (place.value.group.empty()) refuse_without_coordinates(place.location, place.path);
+    for (const auto& [name, link] : fe_.links) refuse_without_coordinates(link.nodes.location, link.nodes.path);
+  }
+
+  void refuse_without_coordinates(const SourceLocation& location, const std::string& path) {
+    issues_.add(location, path + ": matrices do not say where their nodes are", "it needs places",
+                "give `coordinates`, or name nodes by their numbers");
   }
 
   void add_properties() {
@@ -88,9 +124,9 @@ private:
       const auto& place = region.material;
       if (!model_.mesh.regions.contains(name))
         issues_.add(place.location,
-                    "region '" + name + "' is no physical group of " + model_.mesh.source +
+                    "region '" + name + "' is no group of " + model_.mesh.source +
                         did_you_mean(name, names_of(model_.mesh.regions)),
-                    "a property needs cells", "name one of the mesh's physical groups");
+                    "a property needs cells", "name one of its groups");
       else if (!model_.materials.contains(place.value))
         issues_.add(place.location,
                     place.path + ": there is no material '" + place.value + "'" +
@@ -124,9 +160,9 @@ private:
     const bool is_number = error == std::errc{} && end == word.data() + word.size();
     if (const Index node = is_number ? finder.find(number) : -1; node >= 0) return node;
     issues_.add(place.location,
-                place.path + ": the mesh has no " + (is_number ? "node " : "physical group ") + "'" + word + "'" +
-                    did_you_mean(word, names_of(model_.mesh.node_sets)),
-                "", "name a physical group of one node, a node number, or coordinates [x, y, z]");
+                place.path + ": " + model_.mesh.source + " has no " + (is_number ? "node " : "group ") + "'" + word +
+                    "'" + did_you_mean(word, names_of(model_.mesh.node_sets)),
+                "", "name a group of one node, a node number, or coordinates [x, y, z]");
     return -1;
   }
 
@@ -210,9 +246,11 @@ private:
     for (const auto& [name, fixed] : fe_.fixed) forget(fixed.nodes.value);
   }
 
+  const std::string& name_;
   const d::Substructure& given_;
   const d::FiniteElements& fe_;
   FiniteElementModel model_;
+  std::vector<DeckNote> notes_;
   std::vector<NamedNode> nodes_;
   IssueList issues_;
 };

@@ -47,7 +47,16 @@ Form<SectionHolder> section() {
 }
 
 Form<Region> region() {
-  const auto shell = Fields<ShellRegion>().required("thickness", &ShellRegion::thickness, length(), "of the shell");
+  const auto shell = Fields<ShellRegion>()
+                         .required("thickness", &ShellRegion::thickness, length(), "of the shell")
+                         .optional("offset", &ShellRegion::offset, number("m"), "mid-surface above the nodes");
+  const auto solid = Fields<SolidRegion>().optional(
+      "integration", &SolidRegion::kind,
+      choice<SolidKind>({{"standard", SolidKind::standard, "free of locking"},
+                         {"full", SolidKind::full, "the plain displacement element"},
+                         {"mean_dilatation", SolidKind::mean_dilatation, "B-bar, 8-node hexahedra"},
+                         {"reduced", SolidKind::reduced, "fewer points"}}),
+      "of the strains");
   const auto beam =
       Fields<BeamRegion>()
           .required("section", &BeamRegion::section, section(), "cross-section")
@@ -57,7 +66,8 @@ Form<Region> region() {
   return mapping(Fields<Region>()
                      .required("material", &Region::material, name(), "one of `materials`")
                      .one_of(&Region::property, when("shell", mapping(shell), "triangles and quadrilaterals"),
-                             when("beam", mapping(beam), "lines")));
+                             when("beam", mapping(beam), "lines"),
+                             when("solid", mapping(solid), "tetrahedra, wedges and hexahedra")));
 }
 
 /// A group or node number, or the coordinates of a place.
@@ -104,16 +114,72 @@ Form<Fixed> fixed() {
 
 }  // namespace
 
+namespace {
+
+Form<UnitSystem> units() {
+  return mapping(Fields<UnitSystem>()
+                     .optional("length", &UnitSystem::length, number("m", Bounds::positive()), "such as 1 mm")
+                     .optional("mass", &UnitSystem::mass, number("kg", Bounds::positive()), "such as 1 t")
+                     .optional("time", &UnitSystem::time, number("s", Bounds::positive()), "such as 1 s"));
+}
+
+Form<MatrixSet> matrix_set() {
+  return mapping(
+      Fields<MatrixSet>()
+          .required(
+              "files", &MatrixSet::files, one_or_list(located(path())),
+              "Matrix Market (.mtx, .mtx.gz), CalculiX .sti and .mas, node-direction lists, DMIG, OP4, OP2, HDF5, "
+              "netCDF or MATLAB")
+          .optional("stiffness", &MatrixSet::stiffness, text(), "its name in the files; default: K, KAA, Kr, ...")
+          .optional("mass", &MatrixSet::mass, text(), "likewise; default: M, MAA, Mr, ...")
+          .optional("damping", &MatrixSet::damping, text(), "likewise")
+          .optional("dofs", &MatrixSet::dofs, located(path()),
+                    "what the rows are, where the files do not say: node.direction or \"node direction\" a line")
+          .optional("directions", &MatrixSet::directions, integer(0, 6),
+                    "of each node, where `dofs` lists nodes alone: 3 for x, y, z; 6 with rotations")
+          .check([](const MatrixSet& set) {
+            std::vector<Issue> issues;
+            if (set.files.empty()) issues.push_back({{}, "no file is given", "stiffness and mass are needed", ""});
+            return issues;
+          }));
+}
+
+}  // namespace
+
 Form<FiniteElements> finite_elements() {
+  const auto mesh = Fields<MeshFile>()
+                        .required("mesh", &MeshFile::file, located(path()), "Gmsh mesh (.msh 2.2 or 4.1)")
+                        .optional("scale", &MeshFile::scale, number("-", Bounds::positive()),
+                                  "of the mesh's coordinates to metres: 0.001 for millimetres");
+  const auto deck = Fields<DeckFile>()
+                        .required("deck", &DeckFile::file, located(path()),
+                                  "input file of Abaqus or CalculiX (.inp) or Nastran (.bdf, .dat, .nas)")
+                        .optional("format", &DeckFile::format,
+                                  choice<DeckFormat>({{"automatic", DeckFormat::automatic, "by the file's name"},
+                                                      {"abaqus", DeckFormat::abaqus, "Abaqus or CalculiX"},
+                                                      {"nastran", DeckFormat::nastran, "Nastran bulk data"}}),
+                                  "of the deck")
+                        .optional("units", &DeckFile::units, units(), "that its numbers are in; default: SI");
+  const auto matrices = Fields<MatrixFiles>()
+                            .required("matrices", &MatrixFiles::sets, one_or_list(matrix_set()),
+                                      "of another code; of several sets equal degrees of freedom are joined")
+                            .check([](const MatrixFiles& files) {
+                              std::vector<Issue> issues;
+                              if (files.sets.empty())
+                                issues.push_back({{}, "no matrices are given", "stiffness and mass are needed", ""});
+                              return issues;
+                            })
+                            .optional("coordinates", &MatrixFiles::coordinates, located(path()),
+                                      "table (CSV) of node, x, y, z: for places, rigid links and the centre of gravity")
+                            .optional("units", &MatrixFiles::units, units(), "that their numbers are in; default: SI");
   return mapping(
       Fields<FiniteElements>()
-          .required("mesh", &FiniteElements::mesh, located(path()), "Gmsh mesh (.msh 2.2 or 4.1)")
-          .optional("scale", &FiniteElements::scale, number("-", Bounds::positive()),
-                    "of the mesh's coordinates to metres: 0.001 for millimetres")
-          .required("materials", &FiniteElements::materials, named(material()), "by name")
-          .required("regions", &FiniteElements::regions, named(region()), "properties by physical group of the mesh")
+          .one_of(&FiniteElements::source, when(mesh), when(deck), when(matrices))
+          .optional("materials", &FiniteElements::materials, named(material()), "by name; of a deck: those that differ")
+          .optional("regions", &FiniteElements::regions, named(region()),
+                    "properties by physical group of the mesh; of a deck: those that differ")
           .optional("nodes", &FiniteElements::nodes, named(located(node_place())),
-                    "places with a name, whose motion is known as substructure.name.x ... rz: a physical group of one "
+                    "places with a name, whose motion is known as substructure.name.x ... rz: a group or set of one "
                     "node, a node number, or coordinates [x, y, z] (the nearest node)")
           .optional("masses", &FiniteElements::masses, named(node_mass()), "bodies at nodes")
           .optional("links", &FiniteElements::links, named(link()), "rigid links (RBE2)")
@@ -121,7 +187,13 @@ Form<FiniteElements> finite_elements() {
           .optional("mass_matrix", &FiniteElements::mass_matrix,
                     choice<MassKind>({{"consistent", MassKind::consistent, "as the stiffness is integrated"},
                                       {"lumped", MassKind::lumped, "diagonal by element"}}),
-                    "kind of the elements' mass"));
+                    "kind of the elements' mass; default: consistent, or as the deck says"));
+}
+
+const SourceLocation& FiniteElements::location() const {
+  if (const auto* mesh = std::get_if<MeshFile>(&source)) return mesh->file.location;
+  if (const auto* deck = std::get_if<DeckFile>(&source)) return deck->file.location;
+  return std::get<MatrixFiles>(source).sets.front().files.front().location;
 }
 
 Form<Reduction> reduction() {
@@ -130,10 +202,12 @@ Form<Reduction> reduction() {
           .optional("method", &Reduction::method,
                     choice<ReductionMethod>(
                         {{"craig_bampton", ReductionMethod::craig_bampton, "boundary and fixed-interface modes"},
+                         {"rubin", ReductionMethod::rubin, "free modes and residual flexibility, with residual mass"},
+                         {"macneal", ReductionMethod::macneal, "free modes and residual flexibility"},
                          {"guyan", ReductionMethod::guyan, "boundary alone, static"}}),
                     "")
-          .optional("modes", &Reduction::modes, integer(0, 100000), "fixed-interface modes, at least so many")
-          .optional("up_to", &Reduction::up_to, number("Hz", Bounds::positive()), "fixed-interface modes up to here")
+          .optional("modes", &Reduction::modes, integer(0, 100000), "modes, at least so many")
+          .optional("up_to", &Reduction::up_to, number("Hz", Bounds::positive()), "modes up to here")
           .optional("effective_mass", &Reduction::effective_mass, number("-", Bounds::between(0, 1)),
                     "modes until they carry this part of the mass that boundary motion accelerates")
           .optional("truncation_vectors", &Reduction::truncation_vectors, boolean(),

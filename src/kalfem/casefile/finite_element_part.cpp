@@ -7,6 +7,7 @@
 #include "kalfem/model/connectivity.hpp"
 #include "kalfem/model/mechanisms.hpp"
 #include "kalfem/model/modal_damping.hpp"
+#include "kalfem/reduction/free_interface.hpp"
 
 namespace kalfem {
 namespace {
@@ -102,19 +103,34 @@ Superelement completed(const FiniteElementPart& part, Superelement superelement)
   return superelement;
 }
 
+Superelement reduce_by(d::ReductionMethod method, const FiniteElementPart& part, const ReductionOptions& options) {
+  switch (method) {
+    case d::ReductionMethod::guyan:
+      return guyan(part.full, part.boundary, options);
+    case d::ReductionMethod::rubin:
+      return free_interface(part.full, part.boundary, {.kind = FreeInterfaceKind::rubin, .modes = options.modes});
+    case d::ReductionMethod::macneal:
+      return free_interface(part.full, part.boundary, {.kind = FreeInterfaceKind::macneal, .modes = options.modes});
+    case d::ReductionMethod::craig_bampton:
+      break;
+  }
+  return craig_bampton(part.full, part.boundary, options);
+}
+
 }  // namespace
 
 FiniteElementPart make_finite_element_part(const std::string& name, const d::Substructure& given,
                                            const std::vector<std::string>& attached) {
   FiniteElementPart part;
   part.name = name;
-  auto [elements, nodes] = build_finite_elements(name, given);
+  auto [elements, nodes, notes] = build_finite_elements(name, given);
   part.elements = std::move(elements);
   part.nodes = std::move(nodes);
+  part.notes = std::move(notes);
   try {
     require_connected(part.elements);
     part.assembled = assemble(part.elements);
-    require_no_mechanism(part.elements, part.assembled);
+    if (!part.elements.mesh.cells.empty()) require_no_mechanism(part.elements, part.assembled);
     part.mass = mass_properties(part.elements, part.assembled);
     part.full = linear_model(part.elements, part.assembled, part.nodes,
                              {given.damping.mass_factor, given.damping.stiffness_factor});
@@ -124,7 +140,7 @@ FiniteElementPart make_finite_element_part(const std::string& name, const d::Sub
       add_modal_damping(part.full, given.damping.modal, {.up_to = given.damping.modal_up_to});
   } catch (const InvalidInput& error) {
     IssueList issues;
-    issues.add(error, given.finite_elements->mesh.location);
+    issues.add(error, given.finite_elements->location());
     issues.raise();
   }
   part.boundary = given.reduction && !given.reduction->boundary.empty() ? given_boundary(part, *given.reduction)
@@ -141,10 +157,7 @@ Superelement reduce(const FiniteElementPart& part, const std::optional<d::Reduct
   options.truncation_vectors = reduction.truncation_vectors;
   if (!reduction.modes && !reduction.up_to && !reduction.effective_mass)
     options.modes.cutoff = 3.0 * (std::isfinite(sensor_bandwidth) ? sensor_bandwidth : default_bandwidth);
-  Superelement superelement = reduction.method == d::ReductionMethod::guyan
-                                  ? guyan(part.full, part.boundary, options)
-                                  : craig_bampton(part.full, part.boundary, options);
-  return completed(part, std::move(superelement));
+  return completed(part, reduce_by(reduction.method, part, options));
 }
 
 Superelement reduce_up_to(const FiniteElementPart& part, double frequency) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "kalfem/casefile/description.hpp"
+#include "kalfem/formats/deck.hpp"
 #include "kalfem/model/assembly.hpp"
 #include "kalfem/model/fe_linear_model.hpp"
 #include "kalfem/model/mass_properties.hpp"
@@ -12,7 +13,7 @@
 
 namespace kalfem {
 
-/// A finite-element substructure of a case: what was meshed, its matrices, and its reduction where one was made.
+/// A finite-element substructure of a case: what it is made of, and its matrices.
 struct FiniteElementPart {
   std::string name;
   FiniteElementModel elements;
@@ -21,10 +22,11 @@ struct FiniteElementPart {
   std::vector<NamedNode> nodes;
   LinearModel full;
   std::vector<std::string> boundary;  ///< names of the degrees of freedom that the rest of the structure touches
+  std::vector<DeckNote> notes;        ///< what its deck holds that was not used
 };
 using FiniteElementPartPtr = std::shared_ptr<const FiniteElementPart>;
 
-/// Reads the mesh, gives it properties, assembles and damps it. `attached`: the points of it that connectors and forces
+/// Reads the mesh, deck or matrices, assembles and damps them. `attached`: the points of it that connectors and forces
 /// touch ("p1.z"). Throws InvalidInput with every problem and its place.
 FiniteElementPart make_finite_element_part(const std::string& name, const description::Substructure& given,
                                            const std::vector<std::string>& attached);

@@ -43,6 +43,9 @@ void add_finite_elements(Study& study, IssueList& issues) {
       StudyElements elements;
       elements.part = std::make_shared<const FiniteElementPart>(
           make_finite_element_part(name, given, attached_points(study.given, name)));
+      if (const auto notes = elements.part->notes.size(); notes > 0)
+        study.warnings.push_back("substructure '" + name + "': its deck holds " + std::to_string(notes) +
+                                 " kinds of things that are not used; `kalfem check` lists them");
       if (!elements.part->boundary.empty()) {
         elements.reduced = std::make_shared<const Superelement>(
             reduce(*elements.part, given.reduction, sensor_bandwidth(study.given)));
@@ -52,7 +55,7 @@ void add_finite_elements(Study& study, IssueList& issues) {
       }
       study.finite_elements.push_back(std::move(elements));
     } catch (const InvalidInput& error) {
-      issues.add(error, given.finite_elements->mesh.location);
+      issues.add(error, given.finite_elements->location());
     }
   }
   study.reduce_seconds = watch.seconds();

@@ -62,6 +62,10 @@ void GmshBuilder::add_element(const GmshType& type, std::int64_t id, std::span<c
       in_.note(start, "element " + std::to_string(id) + " names the node " + std::to_string(node),
                "the mesh has no such node", "write the mesh again with all its nodes");
   }
+  if (type.order != decltype(type.order){}) {
+    const auto in_file = found_;
+    for (std::size_t i = 0; i < found_.size(); ++i) found_[i] = in_file[static_cast<std::size_t>(type.order[i])];
+  }
   const Eigen::Index cell = mesh_.add_cell(*type.shape, id, found_);
   for (const auto group : groups) groups_[group].cells.push_back(cell);
 }
@@ -75,9 +79,9 @@ void GmshBuilder::note_refused() {
     in_.note(refused.first,
              "the mesh has " + std::to_string(refused.count) + " cells of Gmsh type " + std::to_string(type->number) +
                  " (" + type->name + "), the first of them here",
-             "points, 2-node lines, 3-node triangles and 4-node quadrilaterals can be read",
-             type->dimension == 3 ? "mesh lines and surfaces only (gmsh -2), or take the volumes out of the mesh"
-                                  : "mesh with order 1 (gmsh -order 1, Mesh.ElementOrder = 1)");
+             "lines, triangles, quadrilaterals, tetrahedra, prisms and hexahedra of first order or of second order "
+             "without nodes inside faces can be read",
+             "mesh with order 1 (gmsh -order 1) or with Mesh.SecondOrderIncomplete = 1");
 }
 
 void GmshBuilder::add_cells_without_group() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 
@@ -14,6 +15,7 @@ struct GmshType {
   int nodes = 0;
   std::string name;
   std::optional<CellShape> shape = {};  ///< nothing where the program has no such cell
+  std::array<int, 20> order = {};  ///< where each of the shape's nodes stands in the file; all 0: in the same order
 };
 
 /// The type of this number, nullptr where the format has none.

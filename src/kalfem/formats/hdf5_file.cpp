@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <filesystem>
 
 #include "kalfem/base/invalid_input.hpp"
@@ -13,6 +14,19 @@ namespace {
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 void silence_hdf5() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+
+/// Files that live in memory alone and grow by steps of 1 MB.
+Hdf5Id memory_access() {
+  Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_fapl_core(access, std::size_t{1} << 20, 0);
+  return access;
+}
+
+/// HDF5 knows a file in memory by a name, which must not be that of a file on the disk.
+std::string memory_name() {
+  static std::atomic<unsigned> count{0};
+  return "/in memory/" + std::to_string(count++);
+}
 
 }  // namespace
 
@@ -39,6 +53,34 @@ Hdf5File Hdf5File::open(const std::string& path) {
       std::make_unique<Handle>(Handle{path, Hdf5Id(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose)});
   handle->require(handle->file.valid(), "open this file as HDF5");
   return Hdf5File(std::move(handle));
+}
+
+Hdf5File Hdf5File::open_bytes(std::string_view bytes, const std::string& source) {
+  silence_hdf5();
+  const Hdf5Id access = memory_access();
+  // HDF5 copies the image; it is not written to.
+  H5Pset_file_image(access, const_cast<char*>(bytes.data()), bytes.size());
+  auto handle = std::make_unique<Handle>(
+      Handle{source, Hdf5Id(H5Fopen(memory_name().c_str(), H5F_ACC_RDONLY, access), H5Fclose)});
+  handle->require(handle->file.valid(), "open this file as HDF5");
+  return Hdf5File(std::move(handle));
+}
+
+Hdf5File Hdf5File::create_in_memory(const std::string& name) {
+  silence_hdf5();
+  auto handle = std::make_unique<Handle>(
+      Handle{name, Hdf5Id(H5Fcreate(memory_name().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, memory_access()), H5Fclose)});
+  handle->require(handle->file.valid(), "create a file in memory");
+  return Hdf5File(std::move(handle));
+}
+
+std::string Hdf5File::bytes() const {
+  H5Fflush(handle().file, H5F_SCOPE_GLOBAL);
+  const ssize_t size = H5Fget_file_image(handle().file, nullptr, 0);
+  handle().require(size >= 0, "take the bytes of this file");
+  std::string image(static_cast<std::size_t>(size), '\0');
+  handle().require(H5Fget_file_image(handle().file, image.data(), image.size()) >= 0, "take the bytes of this file");
+  return image;
 }
 
 const Hdf5File::Handle& Hdf5File::handle() const {
@@ -103,6 +145,16 @@ std::vector<std::string> Hdf5File::datasets(const std::string& group) const {
   for (auto& name : names) name.insert(0, group.ends_with('/') ? group : group + "/");
   std::sort(names.begin(), names.end());
   return names;
+}
+
+bool Hdf5File::holds_numbers(const std::string& dataset) const {
+  const Hdf5Id id = handle().dataset(dataset);
+  const H5T_class_t kind = H5Tget_class(Hdf5Id(H5Dget_type(id), H5Tclose));
+  return kind == H5T_FLOAT || kind == H5T_INTEGER;
+}
+
+std::size_t Hdf5File::stored_bytes(const std::string& dataset) const {
+  return H5Dget_storage_size(handle().dataset(dataset));
 }
 
 std::vector<Eigen::Index> Hdf5File::shape(const std::string& dataset) const {
@@ -181,6 +233,17 @@ double Hdf5File::number_attribute(const std::string& object, const std::string& 
   double value = 0.0;
   handle().require(H5Aread(id, H5T_NATIVE_DOUBLE, &value) >= 0, "read attribute '" + name + "'");
   return value;
+}
+
+Eigen::VectorXd Hdf5File::numbers_attribute(const std::string& object, const std::string& name) const {
+  const Hdf5Id owner = handle().object(object);
+  const Hdf5Id id(H5Aopen(owner, name.c_str(), H5P_DEFAULT), H5Aclose);
+  handle().require(id.valid(), "open attribute '" + name + "' of '" + object + "'");
+  handle().require_numbers(Hdf5Id(H5Aget_type(id), H5Tclose), name);
+  Eigen::VectorXd values(hdf5_count(handle().lengths(Hdf5Id(H5Aget_space(id), H5Sclose), name)));
+  handle().require(values.size() == 0 || H5Aread(id, H5T_NATIVE_DOUBLE, values.data()) >= 0,
+                   "read attribute '" + name + "'");
+  return values;
 }
 
 }  // namespace kalfem

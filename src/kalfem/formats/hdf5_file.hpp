@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace kalfem {
@@ -23,11 +24,18 @@ public:
   static Hdf5File create(const std::string& path);
   /// An existing file, read only.
   static Hdf5File open(const std::string& path);
+  /// The bytes of an existing file, read only; `source` names it in messages.
+  static Hdf5File open_bytes(std::string_view bytes, const std::string& source);
+  /// A new, empty file in memory; `bytes` gives what would stand on the disk.
+  static Hdf5File create_in_memory(const std::string& name);
 
   Hdf5File(Hdf5File&&) noexcept;
   Hdf5File& operator=(Hdf5File&&) noexcept;
   /// Closes without a word; call `close` to learn whether everything reached the disk.
   ~Hdf5File();
+
+  /// Flushes, and the bytes of the file as they are then.
+  [[nodiscard]] std::string bytes() const;
 
   /// Flushes and closes; using the file afterwards throws. Closing twice does nothing.
   void close();
@@ -50,6 +58,10 @@ public:
   [[nodiscard]] bool has_attribute(const std::string& object, const std::string& name) const;
   /// Paths of all datasets below a group, sorted.
   [[nodiscard]] std::vector<std::string> datasets(const std::string& group = "/") const;
+  /// Whether a dataset holds integers or floats.
+  [[nodiscard]] bool holds_numbers(const std::string& dataset) const;
+  /// Bytes that the values of a dataset take in the file, compressed as they are; 0 where none were written.
+  [[nodiscard]] std::size_t stored_bytes(const std::string& dataset) const;
   /// Lengths along each dimension; empty for a scalar.
   [[nodiscard]] std::vector<Eigen::Index> shape(const std::string& dataset) const;
   /// A scalar, a 1-D dataset, or a 2-D one with a single row or column.
@@ -61,6 +73,8 @@ public:
   [[nodiscard]] std::vector<std::string> read_strings(const std::string& dataset) const;
   [[nodiscard]] std::string text_attribute(const std::string& object, const std::string& name) const;
   [[nodiscard]] double number_attribute(const std::string& object, const std::string& name) const;
+  /// An attribute of any number of values.
+  [[nodiscard]] Eigen::VectorXd numbers_attribute(const std::string& object, const std::string& name) const;
   ///@}
 
 private:

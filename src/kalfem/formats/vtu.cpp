@@ -32,18 +32,19 @@ std::string escaped(const std::string& text) {
   return result;
 }
 
+/// Numbers of the VTK file formats, in the order of CellShape.
 std::uint8_t vtk_type(CellShape shape) {
-  switch (shape) {
-    case CellShape::point1:
-      return 1;
-    case CellShape::line2:
-      return 3;
-    case CellShape::triangle3:
-      return 5;
-    case CellShape::quadrilateral4:
-      return 9;
-  }
-  return 0;
+  static constexpr std::array<std::uint8_t, 13> types = {1, 3, 21, 5, 22, 9, 23, 10, 24, 13, 26, 12, 25};
+  return types[static_cast<std::size_t>(shape)];
+}
+
+/// VTK looks at wedges from the other side: the first face from outside. Empty: in the same order.
+std::span<const std::size_t> vtk_order(CellShape shape) {
+  static constexpr std::array<std::size_t, 6> linear = {0, 2, 1, 3, 5, 4};
+  static constexpr std::array<std::size_t, 15> quadratic = {0, 2, 1, 3, 5, 4, 8, 7, 6, 11, 10, 9, 12, 14, 13};
+  if (shape == CellShape::wedge6) return linear;
+  if (shape == CellShape::wedge15) return quadratic;
+  return {};
 }
 
 const char* type_name(double) { return "Float64"; }
@@ -124,7 +125,9 @@ void add_cells(VtkDocument& document, const Mesh& mesh) {
   std::vector<std::int64_t> nodes, ends, numbers;
   std::vector<std::uint8_t> types;
   for (const auto& cell : mesh.cells) {
-    for (const auto node : mesh.nodes_of(cell)) nodes.push_back(node);
+    const auto own = mesh.nodes_of(cell);
+    const auto order = vtk_order(cell.shape);
+    for (std::size_t i = 0; i < own.size(); ++i) nodes.push_back(own[order.empty() ? i : order[i]]);
     ends.push_back(static_cast<std::int64_t>(nodes.size()));
     types.push_back(vtk_type(cell.shape));
     numbers.push_back(cell.id);

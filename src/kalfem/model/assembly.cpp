@@ -5,9 +5,11 @@
 
 #include "kalfem/model/constraints.hpp"
 #include "kalfem/model/elements/beam.hpp"
+#include "kalfem/model/elements/laminate.hpp"
 #include "kalfem/model/elements/point_mass.hpp"
 #include "kalfem/model/elements/shell3.hpp"
 #include "kalfem/model/elements/shell4.hpp"
+#include "kalfem/model/elements/solid.hpp"
 #include "kalfem/model/sparse_sum.hpp"
 
 namespace kalfem {
@@ -30,22 +32,27 @@ Eigen::Matrix<double, 3, columns> corners(const Mesh& mesh, const Cell& cell) {
 struct ElementMaker {
   const FiniteElementModel& model;
   const Cell& cell;
+  std::size_t place;  ///< of the cell in its region
 
   ElementMatrices operator()(const ShellProperty& shell) const {
     const double nu = model.materials.at(shell.material).poissons_ratio;
-    return cell.shape == CellShape::triangle3
-               ? shell3(corners<3>(model.mesh, cell), nu, shell.thickness, model.mass_kind)
-               : shell4(corners<4>(model.mesh, cell), nu, shell.thickness, model.mass_kind);
+    return cell.shape == CellShape::triangle3 ? shell3(corners<3>(model.mesh, cell), nu, shell, model.mass_kind)
+                                              : shell4(corners<4>(model.mesh, cell), nu, shell, model.mass_kind);
   }
   ElementMatrices operator()(const BeamProperty& property) const {
     const double nu = model.materials.at(property.material).poissons_ratio;
-    return beam(corners<2>(model.mesh, cell), property, nu, model.mass_kind);
+    return beam(corners<2>(model.mesh, cell), property, property.placement(place), nu, model.mass_kind);
   }
-};
+  ElementMatrices operator()(const LaminateProperty& property) const {
+    return laminate(all_nodes(), property, property.direction(place), model.mass_kind);
+  }
+  ElementMatrices operator()(const SolidProperty& property) const {
+    const double nu = model.materials.at(property.material).poissons_ratio;
+    return solid(cell.shape, all_nodes(), property, nu, model.mass_kind);
+  }
 
-std::string material_of(const RegionProperty& property) {
-  return std::visit([](const auto& kind) { return kind.material; }, property);
-}
+  [[nodiscard]] Eigen::Matrix3Xd all_nodes() const { return model.mesh.nodes(Eigen::all, model.mesh.nodes_of(cell)); }
+};
 
 Powers named_powers(const PropertyPowers& powers, const std::string& region, const std::string& material) {
   Powers named;
@@ -78,7 +85,7 @@ std::vector<bool> touched_dofs(const FiniteElementModel& model) {
   for (const auto& [region, property] : model.properties)
     for (const auto cell : model.mesh.regions.at(region))
       for (const auto node : model.mesh.nodes_of(model.mesh.cells[static_cast<std::size_t>(cell)]))
-        for (int direction = 0; direction < 6; ++direction) touch({node, direction});
+        for (int direction = 0; direction < motions_per_node(property); ++direction) touch({node, direction});
   for (const auto& mass : model.masses) {
     const auto matrix = point_mass(mass);
     for (int direction = 0; direction < 6; ++direction)
@@ -88,6 +95,10 @@ std::vector<bool> touched_dofs(const FiniteElementModel& model) {
     touch(spring.from);
     if (spring.to) touch(*spring.to);
   }
+  for (const auto& joint : model.joints)
+    for (const auto& [dof, coefficient] : joint.deformation) touch(dof);
+  for (const auto& item : model.matrices)
+    for (const auto& dof : item.dofs) touch(dof);
   return touched;
 }
 
@@ -100,6 +111,7 @@ public:
   void add_region(const std::string& region, const RegionProperty& property, IssueList& issues);
   void add_masses();
   void add_springs();
+  void add_matrices();
 
   Terms stiffness, mass;
   SparseMatrix damping;
@@ -121,11 +133,11 @@ private:
   }
 
   template <typename Nodes>
-  void scatter_of(const Nodes& nodes, Scatter& scatter) const {
+  void scatter_of(const Nodes& nodes, int motions, Scatter& scatter) const {
     scatter.clear();
     int row = 0;
     for (const auto node : nodes)
-      for (int direction = 0; direction < 6; ++direction) append_targets(row++, 6 * node + direction, scatter);
+      for (int direction = 0; direction < motions; ++direction) append_targets(row++, 6 * node + direction, scatter);
   }
 
   static void append(const Scatter& scatter, const Eigen::MatrixXd& matrix, Triplets& triplets) {
@@ -140,7 +152,7 @@ private:
     return matrix.pruned();
   }
 
-  [[nodiscard]] SparseSumPattern pattern_of(const std::vector<Eigen::Index>& cells) const;
+  [[nodiscard]] SparseSumPattern pattern_of(const std::vector<Eigen::Index>& cells, int motions) const;
   static void add_terms(const SparseSumPattern& pattern, const Scatter& scatter, const std::vector<ElementTerm>& terms,
                         Sums& sums);
   void report(const std::vector<std::pair<Eigen::Index, std::string>>& bad, const std::string& region,
@@ -166,11 +178,11 @@ private:
   const Eigen::SparseMatrix<double, Eigen::RowMajor>& transform_;
 };
 
-SparseSumPattern Assembler::pattern_of(const std::vector<Eigen::Index>& cells) const {
+SparseSumPattern Assembler::pattern_of(const std::vector<Eigen::Index>& cells, int motions) const {
   Scatter scatter;
   return {transform_.cols(), [&](const SparseSumPattern::Visitor& visit) {
             for (const auto index : cells) {
-              scatter_of(model_.mesh.nodes_of(cell(index)), scatter);
+              scatter_of(model_.mesh.nodes_of(cell(index)), motions, scatter);
               visit(scatter);
             }
           }};
@@ -178,17 +190,19 @@ SparseSumPattern Assembler::pattern_of(const std::vector<Eigen::Index>& cells) c
 
 void Assembler::add_region(const std::string& region, const RegionProperty& property, IssueList& issues) {
   const auto& cells = model_.mesh.regions.at(region);
-  const auto pattern = pattern_of(cells);
+  const int motions = motions_per_node(property);
+  const auto pattern = pattern_of(cells, motions);
   Sums stiffness_sums, mass_sums;
   Scatter scatter;
   std::vector<std::pair<Eigen::Index, std::string>> bad;
-  for (const auto index : cells) try {
-      const auto matrices = std::visit(ElementMaker{model_, cell(index)}, property);
-      scatter_of(model_.mesh.nodes_of(cell(index)), scatter);
+  for (std::size_t i = 0; i < cells.size(); ++i) try {
+      const auto& each = cell(cells[i]);
+      const auto matrices = std::visit(ElementMaker{model_, each, i}, property);
+      scatter_of(model_.mesh.nodes_of(each), motions, scatter);
       add_terms(pattern, scatter, matrices.stiffness, stiffness_sums);
       add_terms(pattern, scatter, matrices.mass, mass_sums);
     } catch (const ElementShapeError& error) {
-      bad.emplace_back(index, error.what());
+      bad.emplace_back(cells[i], error.what());
     }
   report(bad, region, issues);
   const auto move_sums = [&](Sums& sums, Terms& terms) {
@@ -226,7 +240,7 @@ void Assembler::add_masses() {
   TripletTerms triplets;
   Scatter scatter;
   for (const auto& item : model_.masses) {
-    scatter_of(std::array{item.node}, scatter);
+    scatter_of(std::array{item.node}, 6, scatter);
     PointMass unit = item, inertia = item;
     unit.mass = 1.0;
     unit.inertia.setZero();
@@ -252,14 +266,44 @@ void Assembler::add_springs() {
     append(scatter, unit, triplets[{{spring.name + ".stiffness", 1}}]);
     if (spring.damping != 0.0) append(scatter, spring.damping * unit, dashpots);
   }
+  for (const auto& joint : model_.joints) {
+    scatter.clear();
+    Eigen::VectorXd coefficients(static_cast<Eigen::Index>(joint.deformation.size()));
+    for (int row = 0; row < coefficients.size(); ++row) {
+      const auto& [dof, coefficient] = joint.deformation[static_cast<std::size_t>(row)];
+      append_targets(row, all_index(dof), scatter);
+      coefficients[row] = coefficient;
+    }
+    const Eigen::MatrixXd unit = coefficients * coefficients.transpose();
+    append(scatter, unit, triplets[{{joint.name + ".stiffness", 1}}]);
+    if (joint.damping != 0.0) append(scatter, joint.damping * unit, dashpots);
+  }
   for (const auto& [powers, entries] : triplets) add_to(stiffness, powers, from_triplets(entries));
   damping = from_triplets(dashpots);
+}
+
+/// S^T A S with the rows S of the transform at the matrices' degrees of freedom.
+void Assembler::add_matrices() {
+  for (const auto& item : model_.matrices) {
+    SparseMatrix rows(static_cast<Eigen::Index>(item.dofs.size()), transform_.cols());
+    std::vector<Eigen::Triplet<double>> entries;
+    Scatter scatter;
+    for (std::size_t i = 0; i < item.dofs.size(); ++i)
+      append_targets(static_cast<int>(i), all_index(item.dofs[i]), scatter);
+    for (const auto& [row, column, coefficient] : scatter) entries.emplace_back(row, column, coefficient);
+    rows.setFromTriplets(entries.begin(), entries.end());
+    const auto projected = [&](const SparseMatrix& matrix) { return SparseMatrix(rows.transpose() * matrix * rows); };
+    if (item.stiffness.size() > 0) add_to(stiffness, {}, projected(item.stiffness));
+    if (item.mass.size() > 0) add_to(mass, {}, projected(item.mass));
+    if (item.damping.size() > 0) damping = SparseMatrix(damping + projected(item.damping));
+  }
 }
 
 std::map<std::string, double> present_values(const FiniteElementModel& model) {
   std::map<std::string, double> values;
   for (const auto& [region, property] : model.properties) {
     const auto name = material_of(property);
+    if (name.empty()) continue;
     const auto& material = model.materials.at(name);
     values[name + ".youngs_modulus"] = material.youngs_modulus;
     values[name + ".density"] = material.density;
@@ -267,22 +311,8 @@ std::map<std::string, double> present_values(const FiniteElementModel& model) {
   }
   for (const auto& mass : model.masses) values[mass.name + ".mass"] = mass.mass;
   for (const auto& spring : model.springs) values[spring.name + ".stiffness"] = spring.stiffness;
+  for (const auto& joint : model.joints) values[joint.name + ".stiffness"] = joint.stiffness;
   return values;
-}
-
-void require_mass(const FiniteElementModel& model, const AssembledModel& assembled) {
-  Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(assembled.size());
-  for (const auto& term : assembled.mass)
-    diagonal += affine_factor(term, assembled.parameters) * term.matrix.diagonal();
-  std::string names;
-  std::size_t count = 0;
-  for (Eigen::Index i = 0; i < diagonal.size(); ++i)
-    if (!(diagonal[i] > 0.0) && ++count <= most_told)
-      names += (names.empty() ? "" : ", ") + dof_name(model.mesh, assembled.dofs[static_cast<std::size_t>(i)]);
-  if (count > most_told) names += " and " + std::to_string(count - most_told) + " more";
-  if (count > 0)
-    throw InvalidInput("no mass moves with " + names, "every free degree of freedom needs mass",
-                       "add a point mass with inertia there, tie it to others, or fix it");
 }
 
 }  // namespace
@@ -301,16 +331,15 @@ AssembledModel assemble(const FiniteElementModel& model) {
   issues.raise();
   assembler.add_masses();
   assembler.add_springs();
+  assembler.add_matrices();
   const auto size = static_cast<Eigen::Index>(elimination.dofs.size());
-  AssembledModel assembled{.parameters = present_values(model),
-                           .stiffness = to_list(std::move(assembler.stiffness), size),
-                           .mass = to_list(std::move(assembler.mass), size),
-                           .damping = std::move(assembler.damping),
-                           .grounds = std::move(assembler.grounds),
-                           .dofs = std::move(elimination.dofs),
-                           .expansion = elimination.transform};
-  require_mass(model, assembled);
-  return assembled;
+  return {.parameters = present_values(model),
+          .stiffness = to_list(std::move(assembler.stiffness), size),
+          .mass = to_list(std::move(assembler.mass), size),
+          .damping = std::move(assembler.damping),
+          .grounds = std::move(assembler.grounds),
+          .dofs = std::move(elimination.dofs),
+          .expansion = elimination.transform};
 }
 
 }  // namespace kalfem

@@ -30,8 +30,8 @@ struct AssembledModel {
 /// Assembles a model: element matrices by region, point masses, springs, then fixed, tied and constrained degrees of
 /// freedom eliminated, z_all = T z, K = T^T K_all T, M alike. Only degrees of freedom that an element, spring or mass
 /// touches, itself or through a link or constraint, are numbered.
-/// Throws InvalidInput with everything that validate() finds, with the elements whose shape cannot be integrated, and
-/// with the free degrees of freedom that have no mass.
+/// Degrees of freedom without mass stay: M may be singular where K is not.
+/// Throws InvalidInput with everything that validate() finds and with the elements whose shape cannot be integrated.
 AssembledModel assemble(const FiniteElementModel& model);
 
 }  // namespace kalfem

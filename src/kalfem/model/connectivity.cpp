@@ -49,6 +49,18 @@ void visit_joints(const FiniteElementModel& model, const Touch& touch, const Joi
     touch(spring.to->node);
     join(spring.from.node, spring.to->node);
   }
+  for (const auto& joint : model.joints)
+    for (const auto& [dof, coefficient] : joint.deformation) {
+      touch(dof.node);
+      join(joint.deformation.front().first.node, dof.node);
+    }
+  for (const auto& item : model.matrices)
+    for (const auto& dof : item.dofs) {
+      touch(dof.node);
+      join(item.dofs.front().node, dof.node);
+    }
+  for (const auto& link : model.weighted_links)
+    for (const auto& share : link.shares) join(link.follower, share.node);
   for (const auto& link : model.links)
     for (const auto slave : link.slaves) join(link.master, slave);
   for (const auto& constraint : model.constraints)

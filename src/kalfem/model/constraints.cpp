@@ -8,6 +8,8 @@
 namespace kalfem {
 namespace {
 
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
 struct Term {
   Eigen::Index dof;
   double coefficient;
@@ -56,6 +58,7 @@ class EquationCollector {
 public:
   EquationCollector(const FiniteElementModel& model, IssueList& issues) : model_(model), issues_(issues) {
     for (const auto& link : model.links) add_link(link);
+    for (const auto& link : model.weighted_links) add_weighted_link(link);
     for (const auto& constraint : model.constraints) add_constraint(constraint);
   }
 
@@ -86,6 +89,56 @@ private:
     }
     combine(terms);
     return terms;
+  }
+
+  /// q = (sum S_i^T W_i S_i)^+ sum S_i^T W_i z_i; a direction in which the shares leave the motion open is an issue.
+  void add_weighted_link(const WeightedLink& link) {
+    const auto& nodes = model_.mesh.nodes;
+    double distance = 0.0;
+    for (const auto& share : link.shares) distance += (nodes.col(share.node) - nodes.col(link.follower)).norm();
+    distance = distance > 0.0 ? distance / static_cast<double>(link.shares.size()) : 1.0;
+    // Rotations times the distance make all entries of one unit.
+    const Vector6 scale = (Vector6() << 1, 1, 1, 1 / distance, 1 / distance, 1 / distance).finished();
+    Matrix6 normal = Matrix6::Zero();
+    Eigen::MatrixXd fit(6, 6 * static_cast<Eigen::Index>(link.shares.size()));
+    for (std::size_t i = 0; i < link.shares.size(); ++i) {
+      const auto& share = link.shares[i];
+      const Eigen::Vector3d arm = nodes.col(share.node) - nodes.col(link.follower);
+      Matrix6 rigid = Matrix6::Identity();
+      rigid.topRightCorner<3, 3>() << 0, arm.z(), -arm.y(), -arm.z(), 0, arm.x(), arm.y(), -arm.x(), 0;
+      Vector6 weights = Vector6::Zero();
+      for (int d = 0; d < 6; ++d)
+        if (share.directions[static_cast<std::size_t>(d)])
+          weights[d] = share.weight * (d < 3 ? 1.0 : distance * distance);
+      const Matrix6 weighted = scale.asDiagonal() * rigid.transpose() * weights.asDiagonal();
+      normal += weighted * rigid * scale.asDiagonal();
+      fit.middleCols<6>(6 * static_cast<Eigen::Index>(i)) = weighted;
+    }
+    Eigen::CompleteOrthogonalDecomposition<Matrix6> solver;
+    solver.setThreshold(1e-9);
+    solver.compute(normal);
+    const Matrix6 determined = solver.solve(normal);
+    const Eigen::MatrixXd motion = scale.asDiagonal() * solver.solve(fit);
+    for (int direction = 0; direction < 6; ++direction) {
+      if (!link.tied[static_cast<std::size_t>(direction)]) continue;
+      if (std::abs(determined(direction, direction) - 1.0) > 1e-6) {
+        issues_.add({},
+                    "weighted link '" + link.name + "' leaves " +
+                        name_of(model_, all_index({link.follower, direction})) + " open",
+                    "the nodes that it follows do not determine that motion",
+                    "add nodes off their line, or their rotations, or leave that direction out");
+        continue;
+      }
+      std::vector<Term> terms;
+      for (Eigen::Index column = 0; column < motion.cols(); ++column)
+        if (const double coefficient = motion(direction, column);
+            std::abs(coefficient) > 1e-14 * std::max(1.0, 1.0 / distance))
+          terms.push_back(
+              {all_index({link.shares[static_cast<std::size_t>(column / 6)].node, static_cast<int>(column % 6)}),
+               coefficient});
+      combine(terms);
+      add({all_index({link.follower, direction}), &link.name, std::move(terms)});
+    }
   }
 
   void add_constraint(const MultiPointConstraint& constraint) {

@@ -30,6 +30,8 @@ public:
     if (mesh_is_sound_) check_regions();
     check_masses();
     check_springs();
+    check_joints();
+    check_matrices();
     check_links();
     check_constraints();
     check_supports();
@@ -48,12 +50,15 @@ private:
   void check_material(const std::string& name, const IsotropicMaterial& material);
   void check_property(const std::string& region, const RegionProperty& property);
   void check_shape(const std::string& region, const RegionProperty& property);
-  void check_density(const std::string& region, const std::string& material);
+  void check_directions(const std::string& region, const RegionProperty& property, std::size_t cells);
+  void check_laminate(const std::string& region, const LaminateProperty& laminate);
   void check_section(const std::string& region, const BeamProperty& beam);
   void check_regions();
   void check_overlaps();
   void check_masses();
   void check_springs();
+  void check_joints();
+  void check_matrices();
   void check_links();
   void check_constraints();
   void check_supports();
@@ -113,39 +118,71 @@ void Validator::check_property(const std::string& region, const RegionProperty& 
         "a property belongs to a region of the mesh");
   else if (mesh_is_sound_)
     check_shape(region, property);
-  const auto& material = std::visit([](const auto& kind) -> const std::string& { return kind.material; }, property);
-  if (!model_.materials.contains(material))
+  const auto material = material_of(property);
+  const auto* laminate = std::get_if<LaminateProperty>(&property);
+  if (laminate)
+    check_laminate(region, *laminate);
+  else if (!model_.materials.contains(material))
     add("region '" + region + "' is of the material '" + material + "', which is not defined" +
             did_you_mean(material, names_of(model_.materials)),
         "each property needs a material");
-  else
-    check_density(region, material);
   if (const auto* shell = std::get_if<ShellProperty>(&property); shell && !is_positive(shell->thickness))
     add("region '" + region + "' has the thickness " + std::to_string(shell->thickness),
         "a thickness is positive and finite", "give it in m");
   if (const auto* beam = std::get_if<BeamProperty>(&property)) check_section(region, *beam);
 }
 
-/// Shells are made of surfaces, beams of lines.
-void Validator::check_shape(const std::string& region, const RegionProperty& property) {
-  const bool is_shell = std::holds_alternative<ShellProperty>(property);
-  const auto& cells = mesh_.regions.at(region);
-  const auto wrong = std::ranges::find_if(cells, [&](auto cell) {
-    return dimension(mesh_.cells[static_cast<std::size_t>(cell)].shape) != (is_shell ? 2 : 1);
-  });
-  if (cells.empty()) add("region '" + region + "' has a property and no cells", "nothing would be made of it");
-  if (wrong == cells.end()) return;
-  const auto& cell = mesh_.cells[static_cast<std::size_t>(*wrong)];
-  add("region '" + region + "' has a " + (is_shell ? "shell" : "beam") + " property and holds the " +
-          to_string(cell.shape) + " " + std::to_string(cell.id),
-      is_shell ? "shells are made of triangles and quadrilaterals" : "beams are made of lines",
-      "give lines and surfaces regions of their own");
+void Validator::check_laminate(const std::string& region, const LaminateProperty& laminate) {
+  if (!is_positive(laminate.mass))
+    add("the cross-section of region '" + region + "' has the mass " + std::to_string(laminate.mass),
+        "dynamics need the mass of every region", "give it in kg/m^2");
+  Matrix6 joined;
+  joined << laminate.stiffness.membrane, laminate.stiffness.coupling, laminate.stiffness.coupling,
+      laminate.stiffness.bending;
+  const auto lowest = [](const Eigen::MatrixXd& matrix) {
+    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly).eigenvalues().minCoeff();
+  };
+  if (!joined.allFinite() || !laminate.stiffness.shear.allFinite() || !(lowest(joined) > 0.0) ||
+      !(lowest(laminate.stiffness.shear) > 0.0))
+    add("the cross-section of region '" + region + "' has a stiffness that is not positive definite",
+        "every strain, curvature and transverse shear takes work",
+        "complete its layers and their transverse shear moduli");
 }
 
-void Validator::check_density(const std::string& region, const std::string& material) {
-  if (model_.materials.at(material).density == 0.0)
-    add("region '" + region + "' is of the material '" + material + "', a material without density",
-        "dynamics need the mass of every region", "give the density in kg/m^3");
+/// Shells are made of surfaces, beams of lines, solids of bodies.
+void Validator::check_shape(const std::string& region, const RegionProperty& property) {
+  struct Kind {
+    const char *title, *shapes;
+    int dimension;
+  };
+  const Kind kind = std::holds_alternative<BeamProperty>(property) ? Kind{"beam", "beams are made of 2-node lines", 1}
+                    : std::holds_alternative<SolidProperty>(property)
+                        ? Kind{"solid", "solids are made of bodies", 3}
+                        : Kind{"shell", "shells are made of triangles and quadrilaterals of 3 and 4 nodes", 2};
+  const auto fits = [&](CellShape shape) {
+    return dimension(shape) == kind.dimension && (kind.dimension == 3 || node_count(shape) == corner_count(shape));
+  };
+  const auto& cells = mesh_.regions.at(region);
+  const auto wrong =
+      std::ranges::find_if(cells, [&](auto cell) { return !fits(mesh_.cells[static_cast<std::size_t>(cell)].shape); });
+  if (cells.empty()) add("region '" + region + "' has a property and no cells", "nothing would be made of it");
+  check_directions(region, property, cells.size());
+  if (wrong == cells.end()) return;
+  const auto& cell = mesh_.cells[static_cast<std::size_t>(*wrong)];
+  add("region '" + region + "' has a " + kind.title + " property and holds the " + to_string(cell.shape) + " " +
+          std::to_string(cell.id),
+      kind.shapes, "give lines, surfaces and bodies regions of their own");
+}
+
+/// What is given for each cell is given for all of them.
+void Validator::check_directions(const std::string& region, const RegionProperty& property, std::size_t cells) {
+  const auto* beam = std::get_if<BeamProperty>(&property);
+  const auto* laminate = std::get_if<LaminateProperty>(&property);
+  const std::size_t given = beam ? beam->placements.size() : laminate ? laminate->directions.size() : cells;
+  if (given != cells && given != 1 && !(laminate && given == 0))
+    add("region '" + region + "' has " + std::to_string(cells) + " cells and " + std::to_string(given) +
+            (beam ? " placements" : " directions"),
+        "one holds for all cells, or each has its own");
 }
 
 void Validator::check_section(const std::string& region, const BeamProperty& beam) {
@@ -161,13 +198,17 @@ void Validator::check_section(const std::string& region, const BeamProperty& bea
     if (!(value >= 0.0) || !std::isfinite(value))
       add("the section of region '" + region + "' has the shear factor " + std::to_string(value),
           "a shear factor is positive, or 0 for a beam that is rigid in shear");
-  if (!beam.up.allFinite() || !beam.offset.allFinite())
-    add("'up' or 'offset' of region '" + region + "' is not finite", "both are vectors of numbers");
+  for (const auto& placement : beam.placements)
+    if (!placement.up.allFinite() || !placement.offsets.allFinite()) {
+      add("'up' or 'offset' of region '" + region + "' is not finite", "both are vectors of numbers");
+      break;
+    }
 }
 
 /// A region whose cells no property covers would be left out of the structure silently.
 void Validator::check_regions() {
-  if (model_.properties.empty() && model_.masses.empty() && model_.springs.empty())
+  if (model_.properties.empty() && model_.masses.empty() && model_.springs.empty() && model_.joints.empty() &&
+      model_.matrices.empty())
     add("the model '" + model_.name + "' has no properties, masses or springs", "there is nothing to assemble",
         "give a region of the mesh a property");
   std::vector<bool> covered(mesh_.cells.size(), false);
@@ -268,8 +309,55 @@ void Validator::check_springs() {
   }
 }
 
+void Validator::check_joints() {
+  check_names(model_.joints, "joint");
+  for (const auto& joint : model_.joints) {
+    const std::string title = "joint '" + joint.name + "'";
+    bool finite = std::isfinite(joint.stiffness) && std::isfinite(joint.damping);
+    for (const auto& [dof, coefficient] : joint.deformation) {
+      check_dof(dof, title);
+      finite = finite && std::isfinite(coefficient);
+    }
+    if (!finite || joint.stiffness < 0.0 || joint.damping < 0.0 || joint.deformation.empty())
+      add(title + " has no deformation, or a stiffness or damping that is negative or not finite",
+          "it is a spring between degrees of freedom");
+  }
+}
+
+void Validator::check_matrices() {
+  check_names(model_.matrices, "matrix");
+  for (const auto& item : model_.matrices) {
+    const std::string title = "matrix '" + item.name + "'";
+    for (const auto& dof : item.dofs) check_dof(dof, title);
+    const auto size = static_cast<Eigen::Index>(item.dofs.size());
+    for (const auto* matrix : {&item.stiffness, &item.mass, &item.damping}) {
+      if (matrix->size() == 0) continue;
+      if (matrix->rows() != size || matrix->cols() != size) {
+        add(title + " is " + std::to_string(matrix->rows()) + " x " + std::to_string(matrix->cols()) + " for " +
+                std::to_string(size) + " degrees of freedom",
+            "each row has its degree of freedom");
+        continue;
+      }
+      const Eigen::SparseMatrix<double> difference = *matrix - Eigen::SparseMatrix<double>(matrix->transpose());
+      if (!(difference.norm() <= 1e-9 * matrix->norm()))
+        add(title + " is not symmetric, or not finite", "stiffness, mass and damping are symmetric here");
+    }
+  }
+}
+
 void Validator::check_links() {
   check_names(model_.links, "rigid link");
+  check_names(model_.weighted_links, "weighted link");
+  for (const auto& link : model_.weighted_links) {
+    const std::string title = "weighted link '" + link.name + "'";
+    check_node(link.follower, title);
+    for (const auto& share : link.shares) {
+      check_node(share.node, title);
+      if (!is_positive(share.weight))
+        add(title + " has the weight " + std::to_string(share.weight), "a weight is positive and finite");
+    }
+    if (link.shares.empty()) add(title + " follows nothing", "it has the mean motion of other nodes", "name them");
+  }
   for (const auto& link : model_.links) {
     const std::string title = "rigid link '" + link.name + "'";
     check_node(link.master, title);
@@ -296,9 +384,12 @@ int direction_index(const std::string& name) {
   return place == direction_names.end() ? -1 : static_cast<int>(place - direction_names.begin());
 }
 
+std::string dof_name(std::int64_t node_id, int direction) {
+  return "n" + std::to_string(node_id) + "." + direction_names[static_cast<std::size_t>(direction)];
+}
+
 std::string dof_name(const Mesh& mesh, const NodalDof& dof) {
-  return "n" + std::to_string(mesh.node_ids[static_cast<std::size_t>(dof.node)]) + "." +
-         direction_names[static_cast<std::size_t>(dof.direction)];
+  return dof_name(mesh.node_ids[static_cast<std::size_t>(dof.node)], dof.direction);
 }
 
 std::vector<Issue> validate(const FiniteElementModel& model) { return Validator(model).run(); }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Sparse>
 #include <array>
 #include <map>
 #include <optional>
@@ -43,12 +44,45 @@ struct NodalSpring {
   double damping = 0.0;    ///< [N s/m] or [N m s/rad]
 };
 
+/// Linear spring and dashpot on any deformation d = sum_i coefficient_i z_i: along an oblique axis, with lever arms.
+struct JointSpring {
+  std::string name;
+  std::vector<std::pair<NodalDof, double>> deformation;
+  double stiffness = 0.0;  ///< [N/m] or [N m/rad]
+  double damping = 0.0;    ///< [N s/m] or [N m s/rad]
+};
+
+/// Matrices between degrees of freedom as they are: from another code, or a body of six masses and products. Empty ones
+/// count as 0.
+struct NodalMatrices {
+  std::string name;
+  std::vector<NodalDof> dofs;
+  Eigen::SparseMatrix<double> stiffness, mass,
+      damping;  ///< dofs x dofs, symmetric, both triangles
+};
+
 /// Nodes that move as one rigid body with their master (RBE2).
 struct RigidLink {
   std::string name;
   Eigen::Index master = 0;
   std::vector<Eigen::Index> slaves;
   std::array<bool, 6> tied = {true, true, true, true, true, true};  ///< directions of the slaves that follow
+};
+
+/// A node that follows others by their weighted mean motion (RBE3): the rigid-body motion q about it that fits theirs
+/// best, q = (sum S_i^T W_i S_i)^-1 sum S_i^T W_i z_i, with the rigid motion S_i q of node i and the weights W_i of its
+/// directions, those of rotations times the square of the mean distance. A load on it reaches the others without
+/// stiffening them.
+struct WeightedLink {
+  std::string name;
+  Eigen::Index follower = 0;
+  std::array<bool, 6> tied = {true, true, true, true, true, true};  ///< directions of the follower
+  struct Share {
+    Eigen::Index node = 0;
+    double weight = 1.0;
+    std::array<bool, 6> directions = {true, true, true, false, false, false};
+  };
+  std::vector<Share> shares;
 };
 
 /// sum_i coefficient_i z_i = 0; the first degree of freedom follows from the others.
@@ -73,13 +107,17 @@ struct FiniteElementModel {
   std::map<std::string, RegionProperty> properties;  ///< by region
   std::vector<PointMass> masses;
   std::vector<NodalSpring> springs;
+  std::vector<JointSpring> joints;
+  std::vector<NodalMatrices> matrices;
   std::vector<RigidLink> links;
+  std::vector<WeightedLink> weighted_links;
   std::vector<MultiPointConstraint> constraints;
   std::vector<FixedNodes> fixed;
   MassKind mass_kind = MassKind::consistent;
 };
 
 /// "n17.rx": the degree of freedom by its node's number and its direction.
+std::string dof_name(std::int64_t node_id, int direction);
 std::string dof_name(const Mesh& mesh, const NodalDof& dof);
 
 /// Every problem that can be found without assembling: regions of lines or surfaces whose cells have no property,

@@ -12,7 +12,7 @@ namespace kalfem {
 /// phi^T K phi / phi^T D phi is below 3e-14, a hundred times the rounding of K; the softest mode of a cantilever of N
 /// elements lies at 0.5 / N^4. The rigid-body motions that strain nothing are taken out of it; columns of
 /// what is left are chosen by a pivoted QR factorisation. Degrees of freedom without any stiffness are named at once.
-/// At most about 250 are found beside those.
+/// At most about 250 are found beside those. Throws InvalidInput where the stiffness is indefinite.
 std::vector<std::string> find_mechanisms(const FiniteElementModel& model, const AssembledModel& assembled);
 
 }  // namespace kalfem

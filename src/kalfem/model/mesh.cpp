@@ -1,47 +1,39 @@
 #include "kalfem/model/mesh.hpp"
 
+#include <array>
+
 namespace kalfem {
 
-int node_count(CellShape shape) {
-  switch (shape) {
-    case CellShape::point1:
-      return 1;
-    case CellShape::line2:
-      return 2;
-    case CellShape::triangle3:
-      return 3;
-    case CellShape::quadrilateral4:
-      return 4;
-  }
-  return 0;
+namespace {
+
+struct ShapeTraits {
+  int nodes, corners, dimension;
+  const char* name;
+};
+
+const ShapeTraits& traits(CellShape shape) {
+  static constexpr std::array<ShapeTraits, 13> all = {{{1, 1, 0, "point"},
+                                                       {2, 2, 1, "line"},
+                                                       {3, 2, 1, "3-node line"},
+                                                       {3, 3, 2, "triangle"},
+                                                       {6, 3, 2, "6-node triangle"},
+                                                       {4, 4, 2, "quadrilateral"},
+                                                       {8, 4, 2, "8-node quadrilateral"},
+                                                       {4, 4, 3, "tetrahedron"},
+                                                       {10, 4, 3, "10-node tetrahedron"},
+                                                       {6, 6, 3, "wedge"},
+                                                       {15, 6, 3, "15-node wedge"},
+                                                       {8, 8, 3, "hexahedron"},
+                                                       {20, 8, 3, "20-node hexahedron"}}};
+  return all[static_cast<std::size_t>(shape)];
 }
 
-int dimension(CellShape shape) {
-  switch (shape) {
-    case CellShape::point1:
-      return 0;
-    case CellShape::line2:
-      return 1;
-    case CellShape::triangle3:
-    case CellShape::quadrilateral4:
-      return 2;
-  }
-  return 0;
-}
+}  // namespace
 
-std::string to_string(CellShape shape) {
-  switch (shape) {
-    case CellShape::point1:
-      return "point";
-    case CellShape::line2:
-      return "line";
-    case CellShape::triangle3:
-      return "triangle";
-    case CellShape::quadrilateral4:
-      return "quadrilateral";
-  }
-  return "";
-}
+int node_count(CellShape shape) { return traits(shape).nodes; }
+int corner_count(CellShape shape) { return traits(shape).corners; }
+int dimension(CellShape shape) { return traits(shape).dimension; }
+std::string to_string(CellShape shape) { return traits(shape).name; }
 
 Eigen::Index Mesh::add_cell(CellShape shape, std::int64_t id, std::span<const Eigen::Index> cell_nodes) {
   cells.push_back({shape, id, static_cast<Eigen::Index>(connectivity.size())});

@@ -10,10 +10,28 @@
 
 namespace kalfem {
 
-/// Shapes of cells; nodes are ordered as Gmsh orders them (corners counter-clockwise).
-enum class CellShape { point1, line2, triangle3, quadrilateral4 };
+/// Shapes of cells. Nodes are ordered as Abaqus and, but for wedges, VTK order them: the corners (counter-clockwise; of
+/// a solid the first face seen from inside, then the opposite one; of a tetrahedron the apex last), then the middles of
+/// the sides: of the first face from its first corner on, of the opposite face, and last of the sides between them.
+enum class CellShape {
+  point1,
+  line2,
+  line3,
+  triangle3,
+  triangle6,
+  quadrilateral4,
+  quadrilateral8,
+  tetrahedron4,
+  tetrahedron10,
+  wedge6,
+  wedge15,
+  hexahedron8,
+  hexahedron20
+};
 
 int node_count(CellShape shape);
+/// Nodes at corners, which come first.
+int corner_count(CellShape shape);
 int dimension(CellShape shape);
 std::string to_string(CellShape shape);
 

@@ -101,4 +101,17 @@ BeamSection rectangular_tube_section(double width_y, double height_z, double wal
           .shear_factor_z = box_shear_factor(middle_z, middle_y, poissons_ratio)};
 }
 
+std::string material_of(const RegionProperty& property) {
+  return std::visit(
+      [](const auto& kind) -> std::string {
+        if constexpr (requires { kind.material; })
+          return kind.material;
+        else
+          return {};
+      },
+      property);
+}
+
+int motions_per_node(const RegionProperty& property) { return std::holds_alternative<SolidProperty>(property) ? 3 : 6; }
+
 }  // namespace kalfem

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <array>
+#include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "kalfem/model/elements/element.hpp"
 
@@ -17,14 +20,17 @@ struct IsotropicMaterial {
   [[nodiscard]] double shear_modulus() const { return youngs_modulus / (2.0 * (1.0 + poissons_ratio)); }
 };
 
-/// Cross-section of a beam in its local y and z axes, through the centroid.
+/// Cross-section of a beam in its local y and z axes. Axial force acts at the centroid, shear and torsion at the shear
+/// centre, which is the beam's line.
 struct BeamSection {
   double area = 0.0;            ///< A [m^2]
-  double inertia_y = 0.0;       ///< second moment about local y, of bending in the x-z plane [m^4]
+  double inertia_y = 0.0;       ///< second moment about local y through the centroid, of bending in the x-z plane [m^4]
   double inertia_z = 0.0;       ///< second moment about local z, of bending in the x-y plane [m^4]
   double torsion = 0.0;         ///< St Venant torsion constant J [m^4]
   double shear_factor_y = 0.0;  ///< shear area / A for forces along y; 0: shear rigid (Euler-Bernoulli)
   double shear_factor_z = 0.0;  ///< the same along z
+  double product_yz = 0.0;      ///< product of inertia, integral of y z dA about the centroid [m^4]
+  Eigen::Vector2d centroid = Eigen::Vector2d::Zero();  ///< of the section, from the shear centre: local y and z [m]
 };
 
 // Sections of usual shape. Shear factors are Cowper's [Cow66] and depend a little on Poisson's ratio. All throw
@@ -42,18 +48,82 @@ BeamSection rectangular_tube_section(double width_y, double height_z, double wal
 /// Thickness of a region of triangles and quadrilaterals.
 struct ShellProperty {
   std::string material;
-  double thickness = 0.0;  ///< t [m]
+  double thickness = 0.0;           ///< t [m]
+  double offset = 0.0;              ///< mid-surface above the nodes, along the normal by the right-hand rule [m]
+  double nonstructural_mass = 0.0;  ///< beside rho t [kg/m^2]
 };
 
-/// Section of a region of lines. Local x runs from the first node to the second, local z is `up` made normal to x, and
-/// y completes the right-handed axes.
+/// Resultants of a shell's cross-section: n = A e + B k, m = B e + D k, q = S g with the strains e of the mid-surface,
+/// its curvatures k and transverse shear g, [xx yy xy] each.
+struct ShellStiffness {
+  Eigen::Matrix3d membrane = Eigen::Matrix3d::Zero();  ///< A [N/m]
+  Eigen::Matrix3d coupling = Eigen::Matrix3d::Zero();  ///< B [N]
+  Eigen::Matrix3d bending = Eigen::Matrix3d::Zero();   ///< D [N m]
+  Eigen::Matrix2d shear = Eigen::Matrix2d::Zero();     ///< S of [xz yz] [N/m]
+};
+
+/// A region of triangles and quadrilaterals of any cross-section: layers, sandwiches, plates with bending stiffness of
+/// their own. Not affine in a material: its matrices are at their present values.
+struct LaminateProperty {
+  ShellStiffness stiffness;
+  double mass = 0.0;            ///< [kg/m^2]
+  double rotary_inertia = 0.0;  ///< about the mid-surface [kg]
+  double offset = 0.0;          ///< as of ShellProperty [m]
+  std::vector<Eigen::Vector3d> directions =
+      {};  ///< x axis of the stiffness, laid into the surface: one for all cells, or one each; none: the first side
+
+  [[nodiscard]] Eigen::Vector3d direction(std::size_t cell) const {
+    if (directions.empty()) return Eigen::Vector3d::Zero();
+    return directions.size() == 1 ? directions.front() : directions[cell];
+  }
+};
+
+/// How a beam lies between its nodes. Local x runs from the first end of the beam's line to the second, local z is `up`
+/// made normal to x, and y completes the right-handed axes.
+struct BeamPlacement {
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< local z lies in the plane of x and up, on the side of up
+  Eigen::Matrix<double, 3, 2> offsets =
+      Eigen::Matrix<double, 3, 2>::Zero();  ///< beam's line minus node at each end, global axes [m]
+  std::array<bool, 12> released = {};       ///< hinges: local motions of the ends that carry no force
+};
+
+/// Section of a region of lines.
 struct BeamProperty {
   std::string material;
   BeamSection section;
-  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();     ///< local z lies in the plane of x and up, on the side of up
-  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< centroid minus node, both ends, global axes [m]
+  std::vector<BeamPlacement> placements = {BeamPlacement{}};       ///< one for all cells of the region, or one each
+  double nonstructural_mass = 0.0;                                 ///< beside rho A [kg/m]
+  Eigen::Vector2d nonstructural_centre = Eigen::Vector2d::Zero();  ///< of it, from the shear centre: local y, z [m]
+
+  [[nodiscard]] const BeamPlacement& placement(std::size_t cell) const {
+    return placements.size() == 1 ? placements.front() : placements[cell];
+  }
 };
 
-using RegionProperty = std::variant<ShellProperty, BeamProperty>;
+/// How the strains of a solid are integrated.
+enum class SolidKind {
+  standard,  ///< free of locking: enhanced strains in the 8-node hexahedron and the wedge, reduced in the 20-node one
+  full,      ///< the plain displacement element
+  mean_dilatation,  ///< full, with the volume change of the whole element (B-bar): 8-node hexahedron
+  reduced  ///< fewer points: 20-node hexahedron, 15-node wedge; 8-node hexahedron with its hourglass stabilised
+};
+
+/// Stress per strain, [xx yy zz xy yz xz] with engineering shear strains.
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+/// A region of tetrahedra, wedges and hexahedra.
+struct SolidProperty {
+  std::string material;
+  SolidKind kind = SolidKind::standard;
+  std::optional<Matrix6> elasticity =
+      {};  ///< in global axes [Pa]; instead of the material's E and nu, not affine in them
+};
+
+using RegionProperty = std::variant<ShellProperty, LaminateProperty, BeamProperty, SolidProperty>;
+
+/// Name of the material, "" of a laminate, which has none of its own.
+std::string material_of(const RegionProperty& property);
+/// Motions of a node that elements of the property join: 3 of a solid, else 6.
+int motions_per_node(const RegionProperty& property);
 
 }  // namespace kalfem

@@ -133,7 +133,8 @@ SelectedModes select_modes(const Partition& parts, const MatrixXd& following, co
          "for " + number(100.0 * *selection.effective_mass) + " % of the interior's mass in each translation");
   search.up_to_rigid_modes();
   const Index rigid = search.rigid();
-  if (rigid > 0) want(rigid, "in which the interior moves rigidly");
+  if (rigid > 0)
+    want(rigid, parts.boundary.empty() ? "in which the whole moves rigidly" : "in which the interior moves rigidly");
   truncate(search.modes, kept);
   if (!search.modes.next) reason += "; all there are";
   return {std::move(search.modes), rigid, reason};

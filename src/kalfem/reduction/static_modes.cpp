@@ -32,9 +32,13 @@ MatrixXd solve_supported(const Partition& parts, const MatrixXd& loads, const Ma
 
 }  // namespace
 
-MatrixXd static_modes(const Partition& parts, const ShiftedStiffness& factored, const MatrixXd& rigid_modes) {
-  const MatrixXd loads = -MatrixXd(parts.stiffness_ib);
+MatrixXd interior_response(const Partition& parts, const ShiftedStiffness& factored, const MatrixXd& loads,
+                           const MatrixXd& rigid_modes) {
   return factored.shift == 0.0 ? factored.factor.solve(loads) : solve_supported(parts, loads, rigid_modes);
+}
+
+MatrixXd static_modes(const Partition& parts, const ShiftedStiffness& factored, const MatrixXd& rigid_modes) {
+  return interior_response(parts, factored, -MatrixXd(parts.stiffness_ib), rigid_modes);
 }
 
 double static_error(const Partition& parts, const MatrixXd& modes) {

@@ -1,5 +1,7 @@
 #include "kalfem/reduction/truncation_vectors.hpp"
 
+#include "kalfem/reduction/ritz.hpp"
+
 namespace kalfem {
 
 using Eigen::Index;
@@ -8,19 +10,8 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Part of a column's size that the kept modes must leave for it to count.
-constexpr double least_remainder = 1e-5;
-
 void remove_kept(MatrixXd& shapes, const MatrixXd& kept, const SparseMatrix& mass) {
   for (int pass = 0; pass < 2; ++pass) shapes -= kept * (kept.transpose() * (mass * shapes));
-}
-
-/// Columns of unit size that are not nearly combinations of the others, M-orthonormal.
-MatrixXd orthonormal(const MatrixXd& shapes, const SparseMatrix& mass) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> gram(shapes.transpose() * (mass * shapes));
-  const Index independent = (gram.eigenvalues().array() > least_remainder * least_remainder).count();
-  const VectorXd sizes = gram.eigenvalues().tail(independent).cwiseSqrt();
-  return shapes * (gram.eigenvectors().rightCols(independent) * sizes.cwiseInverse().asDiagonal());
 }
 
 }  // namespace
@@ -35,10 +26,7 @@ LowestModes truncation_vectors(const Partition& parts, const SparseMatrix& mass_
   shapes = orthonormal(shapes, parts.mass_ii);
   if (shapes.cols() == 0) return {VectorXd(), shapes, {}, 0};
   remove_kept(shapes, kept, parts.mass_ii);
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> uncoupled(
-      MatrixXd(shapes.transpose() * (parts.stiffness_ii * shapes)),
-      MatrixXd(shapes.transpose() * (parts.mass_ii * shapes)));
-  return {uncoupled.eigenvalues(), shapes * uncoupled.eigenvectors(), {}, shapes.cols()};
+  return uncoupled(shapes, parts.stiffness_ii, parts.mass_ii);
 }
 
 }  // namespace kalfem

@@ -24,11 +24,11 @@ std::vector<std::string> reduction_warnings(const ReductionEvidence& evidence, d
   std::vector<std::string> warnings;
   const double left_out = evidence.next_left_out;
   if (left_out > 0.0 && left_out < excitation_band)
-    warnings.push_back("the first fixed-interface mode left out, at " + hertz(left_out) +
+    warnings.push_back("the first mode left out, at " + hertz(left_out) +
                        ", is inside the band of the excitation, " + hertz(excitation_band) +
                        ": the excitation drives motion that the reduced model does not have");
   if (left_out > 0.0 && left_out < 3.0 * sensor_bandwidth)
-    warnings.push_back("the fixed-interface modes end below " + hertz(left_out) +
+    warnings.push_back("the modes end below " + hertz(left_out) +
                        ", less than three times the sensors' " + "bandwidth of " + hertz(sensor_bandwidth) +
                        ": keep modes up to " + hertz(3.0 * sensor_bandwidth) + ", better up to " +
                        hertz(6.0 * sensor_bandwidth));

@@ -133,6 +133,12 @@ private:
                        text_element("figcaption", "", chart.caption));
   }
 
+  static std::string html(const Picture& picture) {
+    return element("figure", "class=\"chart full picture\"",
+                   text_element("h3", "", picture.title) + picture.svg +
+                       text_element("figcaption", "", picture.caption));
+  }
+
   static std::string html(const Table& table) {
     std::string head;
     for (std::size_t c = 0; c < table.columns.size(); ++c) {

@@ -57,10 +57,17 @@ struct Table {
   std::vector<Align> alignment = {};  ///< per column; empty: columns of numbers to the right, text to the left
 };
 
+/// A drawing of our own; it goes into the page as it is.
+struct Picture {
+  std::string title = {};
+  std::string caption = {};
+  std::string svg = {};  ///< one svg element
+};
+
 struct Section {
   std::string heading = {};
   std::string text = {};  ///< plain text; an empty line starts a paragraph
-  std::vector<std::variant<Chart, Table>> items = {};
+  std::vector<std::variant<Chart, Table, Picture>> items = {};
 };
 
 enum class PageStatus { ok, unusable };

@@ -78,6 +78,12 @@ private:
     }
   }
 
+  void check(const Picture& picture) {
+    where_ = "picture '" + picture.title + "'";
+    require(picture.svg.starts_with("<svg") && picture.svg.find("</svg>") != std::string::npos, "it is no svg element",
+            "it goes into the page as it is");
+  }
+
   void require(bool fulfilled, const std::string& what, const std::string& why) {
     if (!fulfilled) issues_.add({}, where_ + ": " + what, why);
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "kalfem/report/connector_charts.hpp"
+#include "kalfem/report/health_section.hpp"
 #include "kalfem/report/tables.hpp"
 
 namespace kalfem {
@@ -270,6 +271,10 @@ Page make_page(const Study& study, const StudyResults& results) {
     page.sections.push_back(simulation_section(*results.simulation));
   }
   if (!study.finite_elements.empty()) page.sections.push_back(model_section(study, results));
+  for (const auto& [part, reduced, reference] : study.finite_elements)
+    page.sections.push_back(health_section(
+        part->name, part->elements,
+        check_health(part->elements, part->assembled, {.mechanisms = false, .definiteness = false}), part->notes));
   return page;
 }
 

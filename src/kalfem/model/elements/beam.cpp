@@ -2,44 +2,14 @@
 
 #include <array>
 #include <cmath>
+#include <vector>
 
 namespace kalfem {
 namespace {
 
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
-using PlaneRow = Eigen::RowVector4d;
-
-/// Bending in one plane: its place among the twelve local degrees of freedom and its section.
-struct Plane {
-  std::array<int, 4> dofs;  ///< deflection and rotation of both ends
-  double rotation_sign;     ///< -1 where the local rotation is minus the slope of the deflection
-  double inertia;           ///< second moment [m^4]
-  double phi;               ///< 12 E I / (G k A L^2)
-  bool shear;               ///< Timoshenko
-};
-
-std::array<Plane, 2> planes_of(const BeamSection& section, double length, double poissons_ratio) {
-  const auto phi = [&](double inertia, double factor) {
-    return factor == 0.0 ? 0.0 : 24.0 * (1.0 + poissons_ratio) * inertia / (factor * section.area * length * length);
-  };
-  return {Plane{{1, 5, 7, 11},
-                1.0,
-                section.inertia_z,
-                phi(section.inertia_z, section.shear_factor_y),
-                section.shear_factor_y != 0.0},
-          Plane{{2, 4, 8, 10},
-                -1.0,
-                section.inertia_y,
-                phi(section.inertia_y, section.shear_factor_z),
-                section.shear_factor_z != 0.0}};
-}
-
-void add_plane(Matrix12& matrix, const Plane& plane, Eigen::Matrix4d bending) {
-  const Eigen::Vector4d signs(1.0, plane.rotation_sign, 1.0, plane.rotation_sign);
-  bending = signs.asDiagonal() * bending * signs.asDiagonal();
-  for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 4; ++j) matrix(plane.dofs[i], plane.dofs[j]) += bending(i, j);
-}
+using Row = Eigen::Matrix<double, 1, 12>;
+using Pair = Eigen::Matrix<double, 2, 12>;  ///< [v, w], or the slopes [theta_z, -theta_y], from the motions of the ends
 
 /// Adds value [a b; b a] to the degrees of freedom of one direction at both ends.
 void add_pair(Matrix12& matrix, int direction, double own, double other) {
@@ -49,77 +19,160 @@ void add_pair(Matrix12& matrix, int direction, double own, double other) {
   matrix(direction + 6, direction) += other;
 }
 
-Eigen::Matrix4d bending_stiffness(const Plane& plane, double l) {
-  const double phi = plane.phi;
-  const Eigen::Matrix4d shape{{12.0, 6.0 * l, -12.0, 6.0 * l},
-                              {6.0 * l, (4.0 + phi) * l * l, -6.0 * l, (2.0 - phi) * l * l},
-                              {-12.0, -6.0 * l, 12.0, -6.0 * l},
-                              {6.0 * l, (2.0 - phi) * l * l, -6.0 * l, (4.0 + phi) * l * l}};
-  return plane.inertia / ((1.0 + phi) * l * l * l) * shape;
+Pair deflections_of_end(int first) {
+  Pair rows = Pair::Zero();
+  rows(0, first + 1) = rows(1, first + 2) = 1.0;
+  return rows;
 }
 
-/// Deflection at s = x / L under end displacements without load between the ends [FK93].
-PlaneRow deflection_shape(double s, double phi, double l) {
-  const double s2 = s * s, s3 = s2 * s;
-  return PlaneRow(2.0 * s3 - 3.0 * s2 - phi * s + 1.0 + phi, l * (s3 - (2.0 + phi / 2.0) * s2 + (1.0 + phi / 2.0) * s),
-                  -2.0 * s3 + 3.0 * s2 + phi * s, l * (s3 - (1.0 - phi / 2.0) * s2 - phi / 2.0 * s)) /
-         (1.0 + phi);
+Pair slopes_of_end(int first) {
+  Pair rows = Pair::Zero();
+  rows(0, first + 5) = 1.0;
+  rows(1, first + 4) = -1.0;
+  return rows;
 }
 
-/// Rotation of the section that goes with it.
-PlaneRow rotation_shape(double s, double phi, double l) {
-  const double s2 = s * s;
-  return PlaneRow(6.0 / l * (s2 - s), 3.0 * s2 - (4.0 + phi) * s + 1.0 + phi, -6.0 / l * (s2 - s),
-                  3.0 * s2 - (2.0 - phi) * s) /
-         (1.0 + phi);
-}
-
-/// Per unit density, by the Gauss rule of four points: exact for the products of cubics.
-Eigen::Matrix4d bending_mass(const Plane& plane, double area, double l) {
-  constexpr std::array<double, 4> places = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563,
-                                            0.8611363115940526};
-  constexpr std::array<double, 4> weights = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
-                                             0.3478548451374538};
-  Eigen::Matrix4d mass = Eigen::Matrix4d::Zero();
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const double s = 0.5 * (1.0 + places[i]), weight = 0.5 * l * weights[i];
-    const PlaneRow deflection = deflection_shape(s, plane.phi, l), rotation = rotation_shape(s, plane.phi, l);
-    mass += weight * area * deflection.transpose() * deflection;
-    if (plane.shear) mass += weight * plane.inertia * rotation.transpose() * rotation;
+/// Bending of both planes without load between the ends, per unit E. With P = (1 + 12 S D / L^2)^-1 the curvature's
+/// change along the element is -12/L^3 P times the lateral offset of the ends.
+class Bending {
+public:
+  Bending(const BeamSection& section, double length, double poissons_ratio) : length_(length) {
+    rigidity_ << section.inertia_z, section.product_yz, section.product_yz, section.inertia_y;
+    const auto flexibility = [&](double factor) {
+      return factor == 0.0 ? 0.0 : 2.0 * (1.0 + poissons_ratio) / (factor * section.area);
+    };
+    const Eigen::Vector2d shear(flexibility(section.shear_factor_y), flexibility(section.shear_factor_z));
+    share_ = (Eigen::Matrix2d::Identity() + 12.0 / (length * length) * shear.asDiagonal() * rigidity_).inverse();
   }
-  return mass;
+
+  [[nodiscard]] Matrix12 stiffness() const {
+    const double l = length_;
+    const Eigen::Matrix2d bent = rigidity_ / l, sheared = 12.0 / (l * l * l) * rigidity_ * share_;
+    const Pair change = slopes_of_end(6) - slopes_of_end(0);
+    const Pair bow = sway();
+    return change.transpose() * bent * change + bow.transpose() * sheared * bow;
+  }
+  /// At s = x / L [FK93].
+  [[nodiscard]] Pair deflections(double s) const {
+    const double cubic = s * (s - 1.0) * (s - 0.5), bow = 0.5 * s * (1.0 - s);
+    return (1.0 - s) * deflections_of_end(0) + s * deflections_of_end(6) +
+           length_ * bow * (slopes_of_end(0) - slopes_of_end(6)) + 2.0 * cubic * share_ * sway();
+  }
+  [[nodiscard]] Pair slopes(double s) const {
+    return (1.0 - s) * slopes_of_end(0) + s * slopes_of_end(6) + 6.0 / length_ * s * (s - 1.0) * share_ * sway();
+  }
+
+private:
+  /// Ends out of line with their mean slope.
+  [[nodiscard]] Pair sway() const {
+    return deflections_of_end(0) - deflections_of_end(6) + 0.5 * length_ * (slopes_of_end(0) + slopes_of_end(6));
+  }
+
+  double length_;
+  Eigen::Matrix2d rigidity_;
+  Eigen::Matrix2d share_;  ///< P
+};
+
+/// From the motions of the line's ends to those with u at the centroid.
+Matrix12 axial_at_centroid(const Eigen::Vector2d& centroid) {
+  Matrix12 transform = Matrix12::Identity();
+  for (const int end : {0, 6}) {
+    transform(end, end + 4) = centroid.y();
+    transform(end, end + 5) = -centroid.x();
+  }
+  return transform;
 }
 
-Matrix12 local_stiffness(const BeamSection& section, double length, double poissons_ratio) {
-  Matrix12 stiffness = Matrix12::Zero();
+Matrix12 local_stiffness(const BeamSection& section, const Bending& bending, double length, double poissons_ratio) {
+  Matrix12 stiffness = bending.stiffness();
   const double axial = section.area / length;
   const double torsion = section.torsion / (2.0 * (1.0 + poissons_ratio) * length);
   add_pair(stiffness, 0, axial, -axial);
   add_pair(stiffness, 3, torsion, -torsion);
-  for (const auto& plane : planes_of(section, length, poissons_ratio))
-    add_plane(stiffness, plane, bending_stiffness(plane, length));
-  return stiffness;
+  const Matrix12 transform = axial_at_centroid(section.centroid);
+  return transform.transpose() * stiffness * transform;
 }
 
-Matrix12 consistent_mass(const BeamSection& section, double length, double poissons_ratio) {
+/// Second moments of the section that turn with the slopes: of the planes that are soft in shear.
+Eigen::Matrix2d rotary_section(const BeamSection& section) {
+  const bool y = section.shear_factor_y != 0.0, z = section.shear_factor_z != 0.0;
+  const double product = y && z ? section.product_yz : 0.0;
+  return Eigen::Matrix2d{{y ? section.inertia_z : 0.0, product}, {product, z ? section.inertia_y : 0.0}};
+}
+
+/// A line of mass in the section: its amount per length at a place off the shear centre, and how it turns.
+struct LineMass {
+  double amount = 0.0;
+  Eigen::Vector2d place = Eigen::Vector2d::Zero();  ///< local y, z
+  double polar = 0.0;
+  Eigen::Matrix2d rotary = Eigen::Matrix2d::Zero();
+};
+
+/// By the Gauss rule of four points: exact for the products of cubics.
+Matrix12 consistent_mass(const LineMass& line, const BeamSection& section, const Bending& bending, double l) {
+  constexpr std::array<double, 4> places = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563,
+                                            0.8611363115940526};
+  constexpr std::array<double, 4> weights = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
+                                             0.3478548451374538};
+  const Eigen::Vector2d from_centroid = line.place - section.centroid;
   Matrix12 mass = Matrix12::Zero();
-  const double total = section.area * length, polar = (section.inertia_y + section.inertia_z) * length;
-  add_pair(mass, 0, total / 3.0, total / 6.0);
-  add_pair(mass, 3, polar / 3.0, polar / 6.0);
-  for (const auto& plane : planes_of(section, length, poissons_ratio))
-    add_plane(mass, plane, bending_mass(plane, section.area, length));
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const double s = 0.5 * (1.0 + places[i]), weight = 0.5 * l * weights[i];
+    const Pair slopes = bending.slopes(s);
+    Row along = Row::Zero(), twist = Row::Zero();
+    along[0] = twist[3] = 1.0 - s, along[6] = twist[9] = s;
+    along -= from_centroid.transpose() * slopes;
+    Pair across = bending.deflections(s);
+    across.row(0) -= line.place.y() * twist;
+    across.row(1) += line.place.x() * twist;
+    mass += weight * line.amount * (along.transpose() * along + across.transpose() * across);
+    mass += weight * (line.polar * twist.transpose() * twist + slopes.transpose() * line.rotary * slopes);
+  }
+  const Matrix12 transform = axial_at_centroid(section.centroid);
+  return transform.transpose() * mass * transform;
+}
+
+Matrix12 lumped_mass(const LineMass& line, double length) {
+  Matrix12 mass = Matrix12::Zero();
+  for (const int end : {0, 6}) {
+    Eigen::Matrix<double, 3, 12> motion = Eigen::Matrix<double, 3, 12>::Zero();
+    motion.middleCols<3>(end).setIdentity();
+    motion.middleCols<3>(end + 3) << 0.0, line.place.y(), -line.place.x(), -line.place.y(), 0.0, 0.0, line.place.x(),
+        0.0, 0.0;
+    mass += 0.5 * length * line.amount * motion.transpose() * motion;
+    mass(end + 3, end + 3) += 0.5 * length * line.polar;
+    const Eigen::Matrix2d turning =
+        line.amount * std::pow(length, 3) / 78.0 * Eigen::Matrix2d::Identity() + 0.5 * length * line.rotary;
+    mass += slopes_of_end(end).transpose() * turning * slopes_of_end(end);
+  }
   return mass;
 }
 
-Matrix12 lumped_mass(const BeamSection& section, double length, double poissons_ratio) {
-  Matrix12 mass = Matrix12::Zero();
-  const double total = section.area * length;
-  for (const int direction : {0, 1, 2}) add_pair(mass, direction, total / 2.0, 0.0);
-  add_pair(mass, 3, (section.inertia_y + section.inertia_z) * length / 2.0, 0.0);
-  for (const auto& plane : planes_of(section, length, poissons_ratio))
-    add_pair(mass, plane.dofs[1], total * length * length / 78.0 + (plane.shear ? plane.inertia * length / 2.0 : 0.0),
-             0.0);
-  return mass;
+/// To 1e-9 of its diagonal.
+bool is_positive_definite(const Eigen::MatrixXd& matrix) {
+  const Eigen::VectorXd scale = matrix.diagonal().cwiseMax(0.0).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * matrix * scale.asDiagonal();
+  return scaled.allFinite() &&
+         Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues()[0] > 1e-9;
+}
+
+/// Motions of the ends that leave the released ones without force, from all twelve.
+Matrix12 without_released(const Matrix12& stiffness, const std::array<bool, 12>& released, double length) {
+  std::vector<int> free, kept;
+  for (int i = 0; i < 12; ++i) (released[static_cast<std::size_t>(i)] ? free : kept).push_back(i);
+  Matrix12 transform = Matrix12::Identity();
+  if (free.empty()) return transform;
+  Eigen::VectorXd scale(static_cast<Eigen::Index>(free.size()));  // rotations times the length: entries of one unit
+  for (std::size_t i = 0; i < free.size(); ++i)
+    scale[static_cast<Eigen::Index>(i)] = free[i] % 6 < 3 ? 1.0 : 1.0 / length;
+  const Eigen::MatrixXd own = scale.asDiagonal() * stiffness(free, free) * scale.asDiagonal();
+  const Eigen::MatrixXd pull = scale.asDiagonal() * stiffness(free, kept);
+  if (!is_positive_definite(own))
+    throw ElementShapeError(
+        "its released motions let a part of it move without force: hinges too many, or of no stiffness");
+  transform(free, Eigen::all).setZero();
+  transform(free, kept) = -(scale.asDiagonal() * own.ldlt().solve(pull));
+  return transform;
 }
 
 /// Rows: local x, y, z.
@@ -135,35 +188,51 @@ Eigen::Matrix3d local_axes(const Eigen::Vector3d& along, const Eigen::Vector3d& 
   return axes;
 }
 
-/// Motion of the centroid's ends in local axes from that of the nodes in global ones.
-Matrix12 node_to_centroid(const Eigen::Matrix3d& axes, const Eigen::Vector3d& offset) {
-  Eigen::Matrix3d arm;  // omega x offset = arm omega
-  arm << 0.0, offset.z(), -offset.y(), -offset.z(), 0.0, offset.x(), offset.y(), -offset.x(), 0.0;
+/// Motion of the line's ends in local axes from that of the nodes in global ones.
+Matrix12 node_to_line(const Eigen::Matrix3d& axes, const Eigen::Matrix<double, 3, 2>& offsets) {
   Matrix12 transform = Matrix12::Zero();
-  for (const int node : {0, 6}) {
-    transform.block<3, 3>(node, node) = axes;
-    transform.block<3, 3>(node, node + 3) = axes * arm;
-    transform.block<3, 3>(node + 3, node + 3) = axes;
+  for (const int end : {0, 1}) {
+    const Eigen::Vector3d offset = offsets.col(end);
+    Eigen::Matrix3d arm;  // omega x offset = arm omega
+    arm << 0.0, offset.z(), -offset.y(), -offset.z(), 0.0, offset.x(), offset.y(), -offset.x(), 0.0;
+    const int first = 6 * end;
+    transform.block<3, 3>(first, first) = axes;
+    transform.block<3, 3>(first, first + 3) = axes * arm;
+    transform.block<3, 3>(first + 3, first + 3) = axes;
   }
   return transform;
 }
 
 }  // namespace
 
-ElementMatrices beam(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty& property, double poissons_ratio,
-                     MassKind mass_kind) {
-  const Eigen::Vector3d along = ends.col(1) - ends.col(0);
+ElementMatrices beam(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty& property,
+                     const BeamPlacement& placement, double poissons_ratio, MassKind mass_kind) {
+  const BeamSection& section = property.section;
+  const Eigen::Matrix<double, 3, 2> line = ends + placement.offsets;
+  const Eigen::Vector3d along = line.col(1) - line.col(0);
   const double length = along.norm();
-  if (!(length > 1e-12 * ends.cwiseAbs().maxCoeff())) throw ElementShapeError("its ends coincide: the length is zero");
-  const Matrix12 transform = node_to_centroid(local_axes(along, property.up), property.offset);
+  if (!(length > 1e-12 * line.cwiseAbs().maxCoeff())) throw ElementShapeError("its ends coincide: the length is zero");
+  const Bending bending(section, length, poissons_ratio);
+  const Matrix12 stiffness = local_stiffness(section, bending, length, poissons_ratio);
+  const Matrix12 transform = without_released(stiffness, placement.released, length) *
+                             node_to_line(local_axes(along, placement.up), placement.offsets);
   const auto to_nodes = [&](const Matrix12& local) -> Eigen::MatrixXd {
     const Matrix12 global = transform.transpose() * local * transform;
     return 0.5 * (global + global.transpose());
   };
-  const Matrix12 mass = mass_kind == MassKind::consistent ? consistent_mass(property.section, length, poissons_ratio)
-                                                          : lumped_mass(property.section, length, poissons_ratio);
-  return {.stiffness = {{{.youngs_modulus = 1}, to_nodes(local_stiffness(property.section, length, poissons_ratio))}},
-          .mass = {{{.density = 1}, to_nodes(mass)}}};
+  const auto mass_of = [&](const LineMass& mass) {
+    return to_nodes(mass_kind == MassKind::consistent ? consistent_mass(mass, section, bending, length)
+                                                      : lumped_mass(mass, length));
+  };
+  ElementMatrices matrices;
+  matrices.stiffness = {{{.youngs_modulus = 1}, to_nodes(stiffness)}};
+  matrices.mass = {
+      {{.density = 1},
+       mass_of({section.area, section.centroid, section.inertia_y + section.inertia_z, rotary_section(section)})}};
+  if (property.nonstructural_mass != 0.0)
+    matrices.mass.push_back(
+        {{}, mass_of({.amount = property.nonstructural_mass, .place = property.nonstructural_centre})});
+  return matrices;
 }
 
 }  // namespace kalfem

@@ -4,23 +4,31 @@
 
 namespace kalfem {
 
-/// Straight two-node beam between the columns of `ends` [m], in global axes, degrees of freedom [x y z rx ry rz] a
-/// node.
+/// Straight two-node beam in global axes, degrees of freedom [x y z rx ry rz] a node. Its line, the line of shear
+/// centres, runs from the first column of `ends` [m] plus the first offset to the second plus the second; rigid arms
+/// carry the motion of the nodes to it.
 ///
-/// Stiffness: exact for end loads. In each plane of bending, with Phi = 12 E I / (G k A L^2),
-///     K = E I / ((1 + Phi) L^3) [12, 6L, -12, 6L; ., (4 + Phi) L^2, -6L, (2 - Phi) L^2; ., ., 12, -6L; ., ., ., (4 +
-///     Phi) L^2]
-/// [Prz68]; a shear factor k = 0 stands for an infinite one (Phi = 0, Euler-Bernoulli). All terms are proportional to
-/// E, since G = E / (2 (1 + nu)).
+/// Stiffness: exact for end loads. With the deflections d = [v, w] and slopes b = [theta_z, -theta_y] of the line, both
+/// planes of bending together,
+///     D = E [I_z, I_yz; I_yz, I_y],   S = diag(1 / (k_y G A), 1 / (k_z G A)),   G_b = (D^-1 + 12 S / L^2)^-1,
+///     K = [12 G_b/L^3, 6 G_b/L^2, -12 G_b/L^3, 6 G_b/L^2; ., (D + 3 G_b)/L, -6 G_b/L^2, (3 G_b - D)/L; ...],
+/// which is that of [Prz68] in either plane where I_yz = 0. Shear factors hold along local y and z, whether these are
+/// principal axes or not; a factor of 0 stands for a section that is rigid in shear. Axial force passes through the
+/// centroid, u_c = u + z_c theta_y - y_c theta_z linear along the element; torsion (St Venant) turns the section about
+/// the shear centre. All terms are proportional to E, since G = E / (2 (1 + nu)).
 ///
-/// Mass, proportional to rho. Consistent: int rho A N_v^T N_v + rho I N_theta^T N_theta dx with the exact static shapes
-/// [FK93]; the second, rotary part only where the shear factor is not 0. Lumped: diagonal in the beam's axes, half the
-/// mass and half the polar inertia rho (I_y + I_z) L at each end, rotations by diagonal scaling, m L^2 / 78 each
-/// [HRZ76], with the rotary inertia rho I L / 2 where the shear factor is not 0.
+/// Mass, proportional to rho and without powers for the nonstructural part. Consistent: int rho A |u|^2 of the centroid
+/// (of the nonstructural centre) with the exact static shapes [FK93], rho (I_y + I_z) of the twist, and the rotary
+/// inertia rho I of a plane of bending only where its shear factor is not 0. Lumped: half the mass of either kind at
+/// its centre at each end and half of rho (I_y + I_z) L, rotations by diagonal scaling, m L^2 / 78 each [HRZ76], with
+/// half the rotary inertia rho I L where the shear factor is not 0.
 ///
-/// The centroid line stands off both nodes by `property.offset`; a rigid arm carries the motion.
-/// Throws ElementShapeError where the ends coincide or `property.up` is parallel to the axis.
-ElementMatrices beam(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty& property, double poissons_ratio,
-                     MassKind mass_kind);
+/// Released motions of the ends, in local axes, take the value at which they carry no force,
+///     z_r = -K_rr^-1 K_ra z_a;   stiffness and mass by the same transformation [Guy65].
+///
+/// Throws ElementShapeError where the ends of the line coincide, `up` is parallel to it, or the released motions let a
+/// part of the element move without force.
+ElementMatrices beam(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty& property,
+                     const BeamPlacement& placement, double poissons_ratio, MassKind mass_kind);
 
 }  // namespace kalfem

@@ -18,13 +18,13 @@ struct PropertyPowers {
 /// One part of an element's matrix, per unit of the powers of its properties.
 struct ElementTerm {
   PropertyPowers powers;
-  Eigen::MatrixXd matrix;  ///< 6 nodes x 6 nodes, symmetric
+  Eigen::MatrixXd matrix;  ///< symmetric; 6 motions a node, 3 of a solid
 };
 
 /// Stiffness and mass of one element as sums over property groups,
 ///     K_e = sum_i E^a_i rho^b_i t^c_i K_i,   M_e likewise,
-/// in global axes with the degrees of freedom [x y z rx ry rz] of each node in turn. A term that depends on a property
-/// otherwise than by these powers is formed at the property's present value.
+/// in global axes with the degrees of freedom [x y z rx ry rz] of each node in turn ([x y z] of a solid). A term that
+/// depends on a property otherwise than by these powers is formed at the property's present value.
 struct ElementMatrices {
   std::vector<ElementTerm> stiffness;
   std::vector<ElementTerm> mass;

@@ -17,7 +17,7 @@ using FlexureRow = Eigen::Matrix<double, 1, 11>;  ///< per [w b_x b_y] of each c
 
 /// A flat triangle in its own axes.
 struct Triangle {
-  Eigen::Matrix3d axes;  ///< rows: along the first side, across, normal
+  Eigen::Matrix3d axes;  ///< rows: x and y of the section, normal
   Plane corners;
   double area = 0.0;
 
@@ -25,7 +25,8 @@ struct Triangle {
   [[nodiscard]] Eigen::Vector2d side(int a, int b) const { return corners.col(a) - corners.col(b); }
 };
 
-Triangle triangle_through(const Eigen::Matrix3d& corners) {
+/// Its first axis along `direction`, or along the first side where that is zero.
+Triangle triangle_through(const Eigen::Matrix3d& corners, const Eigen::Vector3d& direction) {
   require_distinct(corners);
   const Eigen::Vector3d first = corners.col(1) - corners.col(0), second = corners.col(2) - corners.col(0);
   const Eigen::Vector3d twice_area = first.cross(second);
@@ -34,8 +35,9 @@ Triangle triangle_through(const Eigen::Matrix3d& corners) {
     throw ElementShapeError("its area is zero: its corners lie on a line");
   Triangle triangle;
   triangle.area = 0.5 * twice_area.norm();
-  triangle.axes.row(0) = first.normalized();
-  triangle.axes.row(2) = twice_area.normalized();
+  const Eigen::Vector3d normal = twice_area.normalized();
+  triangle.axes.row(0) = axis_in_surface(direction, first, normal);
+  triangle.axes.row(2) = normal;
   triangle.axes.row(1) = Eigen::Vector3d(triangle.axes.row(2)).cross(Eigen::Vector3d(triangle.axes.row(0)));
   triangle.corners = triangle.axes.topRows<2>() * (corners.colwise() - corners.col(0));
   return triangle;
@@ -51,21 +53,21 @@ Eigen::Matrix3d strains_along_sides(const Triangle& triangle) {
   return along;
 }
 
-/// Basic stiffness L D L^T / A, the membrane in constant strain: a side bulges by 3/2 of the cubic that the drilling
-/// rotations of its ends give a beam [BF85].
-Matrix9 basic_membrane(const Triangle& triangle, const Eigen::Matrix3d& material) {
+/// Nodal forces of a unit constant membrane stress times the thickness; L^T u / A is the mean strain of the motion u. A
+/// side bulges by 3/2 of the cubic that the drilling rotations of its ends give a beam [BF85].
+Eigen::Matrix<double, 9, 3> lumping(const Triangle& triangle) {
   constexpr double bulge = 1.5;
-  Eigen::Matrix<double, 9, 3> lumping;
+  Eigen::Matrix<double, 9, 3> forces;
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
     const Eigen::Vector2d opposite = triangle.side(j, k), next = triangle.side(i, j), last = triangle.side(i, k);
-    lumping.row(3 * i) << 0.5 * opposite.y(), 0.0, -0.5 * opposite.x();
-    lumping.row(3 * i + 1) << 0.0, -0.5 * opposite.x(), 0.5 * opposite.y();
-    lumping.row(3 * i + 2) << last.y() * last.y() - next.y() * next.y(), last.x() * last.x() - next.x() * next.x(),
+    forces.row(3 * i) << 0.5 * opposite.y(), 0.0, -0.5 * opposite.x();
+    forces.row(3 * i + 1) << 0.0, -0.5 * opposite.x(), 0.5 * opposite.y();
+    forces.row(3 * i + 2) << last.y() * last.y() - next.y() * next.y(), last.x() * last.x() - next.x() * next.x(),
         2.0 * (next.x() * next.y() - last.x() * last.y());
-    lumping.row(3 * i + 2) *= bulge / 12.0;
+    forces.row(3 * i + 2) *= bulge / 12.0;
   }
-  return lumping * material * lumping.transpose() / triangle.area;
+  return forces;
 }
 
 /// Drilling rotations of the corners beyond the turn of the triangle, 3 x 9.
@@ -91,18 +93,35 @@ Eigen::Matrix3d bending_strains_along_sides(const Triangle& triangle, int i) {
   return strains;
 }
 
-/// Per unit E t, [u_x u_y theta_z] of each corner: the optimal membrane triangle [Fel03],
-///     K = L D L^T / A + 3/4 b_0 A T^T (sum over the sides of Q^T D_s Q) T,   b_0 = max((1 - 4 nu^2) / 2, 1/100),
-/// which is exact for bending in the plane of two triangles that make a rectangle.
-Matrix9 membrane_stiffness(const Triangle& triangle, double poissons_ratio) {
-  const Eigen::Matrix3d material = plane_stress(poissons_ratio);
+/// b_0, by which the linear membrane strains weigh, optimal for bending in the plane in the mean over all directions:
+///     b_0 = max(256 det(A) / W - 3/2, 1/100)
+/// with the invariant W of [Fel03]; (1 - 4 nu^2) / 2 of an isotropic membrane.
+double linear_share(const Eigen::Matrix3d& a) {
+  const double e11 = a(0, 0), e22 = a(1, 1), e33 = a(2, 2), e12 = a(0, 1), e13 = a(0, 2), e23 = a(1, 2);
+  const double w = -6.0 * std::pow(e12, 3) + 5.0 * e11 * e11 * e22 - 5.0 * e12 * e12 * e22 -
+                   e22 * (75.0 * e13 * e13 + 14.0 * e13 * e23 + 3.0 * e23 * e23) +
+                   2.0 * e12 * (7.0 * e13 * e13 + 46.0 * e13 * e23 + 7.0 * e23 * e23) -
+                   e11 * (5.0 * e12 * e12 + 3.0 * e13 * e13 - 6.0 * e12 * e22 - 5.0 * e22 * e22 + 14.0 * e13 * e23 +
+                          75.0 * e23 * e23) +
+                   (3.0 * e11 * e11 + 82.0 * e11 * e22 + 3.0 * e22 * e22 -
+                    4.0 * (6.0 * e12 * e12 + 5.0 * e13 * e13 - 6.0 * e13 * e23 + 5.0 * e23 * e23)) *
+                       e33 +
+                   4.0 * (5.0 * e11 - 6.0 * e12 + 5.0 * e22) * e33 * e33;
+  return std::max(256.0 * a.determinant() / w - 1.5, 0.01);
+}
+
+/// [u_x u_y theta_z] of each corner: the optimal membrane triangle [Fel03],
+///     K = L A L^T / area + 3/4 b_0 area T^T (sum over the sides of Q^T A_s Q) T,
+/// which is exact for bending in the plane of two isotropic triangles that make a rectangle.
+Matrix9 membrane_stiffness(const Triangle& triangle, const Eigen::Matrix3d& membrane) {
   const Eigen::Matrix3d from_sides = strains_along_sides(triangle).inverse();
   const Eigen::Matrix<double, 3, 9> hierarchical = hierarchical_rotations(triangle);
-  Matrix9 stiffness = basic_membrane(triangle, material);
-  const double share = 0.75 * std::max(0.5 * (1.0 - 4.0 * poissons_ratio * poissons_ratio), 0.01) * triangle.area;
+  const Eigen::Matrix<double, 9, 3> forces = lumping(triangle);
+  Matrix9 stiffness = forces * membrane * forces.transpose() / triangle.area;
+  const double share = 0.75 * linear_share(membrane) * triangle.area;
   for (int side = 0; side < 3; ++side) {
     const Eigen::Matrix<double, 3, 9> strains = from_sides * bending_strains_along_sides(triangle, side) * hierarchical;
-    stiffness += share * strains.transpose() * material * strains;
+    stiffness += share * strains.transpose() * membrane * strains;
   }
   return stiffness;
 }
@@ -186,21 +205,28 @@ std::array<GaussPoint, 7> gauss_points() {
           {b, 1.0 - 2.0 * b, near_corner}};
 }
 
-/// Per unit E, [w b_x b_y] of each corner, the bubble condensed.
-Matrix9 flexure_stiffness(const Triangle& triangle, double poissons_ratio, double thickness) {
+/// [w b_x b_y] of each corner, the bubble condensed.
+Matrix9 flexure_stiffness(const Triangle& triangle, const ShellStiffness& section) {
   const Flexure flexure(triangle);
-  const Eigen::Matrix3d bending = std::pow(thickness, 3) / 12.0 * plane_stress(poissons_ratio);
-  const double shear = shear_correction * thickness * relative_shear_modulus(poissons_ratio);
   Matrix11 stiffness = Matrix11::Zero();
   for (const auto& [r, s, weight] : gauss_points()) {
     const auto curvatures = flexure.curvatures(r, s);
     const auto sheared = flexure.assumed_shear(r, s);
-    stiffness += weight * triangle.area *
-                 (curvatures.transpose() * bending * curvatures + shear * sheared.transpose() * sheared);
+    stiffness +=
+        weight * triangle.area *
+        (curvatures.transpose() * section.bending * curvatures + sheared.transpose() * section.shear * sheared);
   }
   return stiffness.topLeftCorner<9, 9>() - stiffness.topRightCorner<9, 2>() *
                                                stiffness.bottomRightCorner<2, 2>().inverse() *
                                                stiffness.bottomLeftCorner<2, 9>();
+}
+
+/// Membrane motions x flexural ones: area (mean strain)^T B (mean curvature), to which the bubble adds nothing.
+Matrix9 coupling_stiffness(const Triangle& triangle, const Eigen::Matrix3d& coupling) {
+  Eigen::Matrix<double, 3, 11> curvatures = Eigen::Matrix<double, 3, 11>::Zero();
+  const Flexure flexure(triangle);
+  for (const auto& [r, s, weight] : gauss_points()) curvatures += weight * flexure.curvatures(r, s);
+  return lumping(triangle) * coupling * curvatures.leftCols<9>();
 }
 
 /// [u_x u_y theta_z] of the corners in the triangle's axes from global displacements and rotations.
@@ -229,17 +255,44 @@ Eigen::MatrixXd transformed(const Matrix9& stiffness, const Eigen::Matrix<double
   return 0.5 * (global + global.transpose());
 }
 
+PlateMass mass_of(const Triangle& triangle, MassKind mass_kind) {
+  return plate_mass(triangle.area / 12.0 * (Eigen::Matrix3d::Ones() + Eigen::Matrix3d::Identity()), mass_kind);
+}
+
+void carry_to_nodes(ElementMatrices& matrices, const Triangle& triangle, double offset) {
+  if (offset == 0.0) return;
+  const Eigen::Vector3d normal = triangle.axes.row(2);
+  kalfem::carry_to_nodes(matrices, offset * normal.replicate<1, 3>());
+}
+
 }  // namespace
 
-ElementMatrices shell3(const Eigen::Matrix3d& corners, double poissons_ratio, double thickness, MassKind mass_kind) {
-  const Triangle triangle = triangle_through(corners);
-  const Eigen::Matrix3d shares = triangle.area / 12.0 * (Eigen::Matrix3d::Ones() + Eigen::Matrix3d::Identity());
-  return {
-      .stiffness = {{{.youngs_modulus = 1, .thickness = 1},
-                     transformed(membrane_stiffness(triangle, poissons_ratio), to_membrane(triangle.axes))},
-                    {{.youngs_modulus = 1},
-                     transformed(flexure_stiffness(triangle, poissons_ratio, thickness), to_flexure(triangle.axes))}},
-      .mass = plate_mass(shares, mass_kind)};
+ElementMatrices shell3(const Eigen::Matrix3d& corners, double poissons_ratio, const ShellProperty& property,
+                       MassKind mass_kind) {
+  const Triangle triangle = triangle_through(corners, Eigen::Vector3d::Zero());
+  const Matrix9 membrane = membrane_stiffness(triangle, plane_stress(poissons_ratio));
+  const Matrix9 flexure = flexure_stiffness(triangle, isotropic_section(poissons_ratio, property.thickness));
+  ElementMatrices matrices{
+      .stiffness = {{{.youngs_modulus = 1, .thickness = 1}, transformed(membrane, to_membrane(triangle.axes))},
+                    {{.youngs_modulus = 1}, transformed(flexure, to_flexure(triangle.axes))}},
+      .mass = isotropic_mass(mass_of(triangle, mass_kind), property.nonstructural_mass)};
+  carry_to_nodes(matrices, triangle, property.offset);
+  return matrices;
+}
+
+ElementMatrices shell3(const Eigen::Matrix3d& corners, const LaminateProperty& property,
+                       const Eigen::Vector3d& direction, MassKind mass_kind) {
+  const Triangle triangle = triangle_through(corners, direction);
+  const auto to_plane = to_membrane(triangle.axes), to_bend = to_flexure(triangle.axes);
+  const Matrix18 coupled = to_plane.transpose() * coupling_stiffness(triangle, property.stiffness.coupling) * to_bend;
+  ElementMatrices matrices{
+      .stiffness = {{{},
+                     transformed(membrane_stiffness(triangle, property.stiffness.membrane), to_plane) +
+                         transformed(flexure_stiffness(triangle, property.stiffness), to_bend) +
+                         (coupled + coupled.transpose())}},
+      .mass = section_mass(mass_of(triangle, mass_kind), property.mass, property.rotary_inertia)};
+  carry_to_nodes(matrices, triangle, property.offset);
+  return matrices;
 }
 
 }  // namespace kalfem

@@ -178,11 +178,10 @@ Eigen::Matrix3d to_axes(const Eigen::Matrix2d& turn) {
   return Eigen::Matrix3d{{a * a, b * b, a * b}, {c * c, d * d, c * d}, {2.0 * a * c, 2.0 * b * d, a * d + b * c}};
 }
 
-/// Sums over the Gauss points, per unit of E and of the power of t.
+/// Sums over the Gauss points.
 struct Sums {
-  Matrix24 membrane = Matrix24::Zero();
-  Matrix24 bending = Matrix24::Zero();
-  Matrix24 shear = Matrix24::Zero();
+  Matrix24 stretching = Matrix24::Zero();  ///< of A, B and S
+  Matrix24 bending = Matrix24::Zero();     ///< of D
   Matrix24 drilling_gradient = Matrix24::Zero();
   Eigen::Matrix4d shares = Eigen::Matrix4d::Zero();  ///< int N_i N_j dA
 };
@@ -197,29 +196,32 @@ struct Frame {
   }
 };
 
-Frame frame_of(const SurfacePoint& centre) {
+/// With the first axis along `direction`, or along the first side where that is zero.
+Frame frame_of(const Surface& surface, const Eigen::Vector3d& direction) {
   Frame frame;
-  frame.normal = centre.area_vector().normalized();
-  frame.axes.col(0) = centre.tangents.col(0).normalized();
+  frame.normal = point_at(surface, 0.0, 0.0).area_vector().normalized();
+  frame.axes.col(0) = axis_in_surface(direction, surface.corners.col(1) - surface.corners.col(0), frame.normal);
   frame.axes.col(1) = frame.normal.cross(Eigen::Vector3d(frame.axes.col(0)));
   return frame;
 }
 
-/// int B^T D B dA of the membrane with four strain modes of its own, linear in r and s and without mean, condensed
-/// [SR90]: they let the sides curve, so that bending in the plane meets no shear and no strain across.
+/// int e^T A e + 2 e^T B k dA with four membrane strain modes of the element's own, linear in r and s and without mean,
+/// condensed [SR90]: they let the sides curve, so that bending in the plane meets no shear and no strain across.
 class EnhancedMembrane {
 public:
-  explicit EnhancedMembrane(const Eigen::Matrix3d& material) : material_(material) {}
+  explicit EnhancedMembrane(const ShellStiffness& section) : section_(section) {}
 
-  void add(const PlaneRows& strains, const Eigen::Matrix<double, 3, 4>& modes, double area) {
-    nodal_ += area * strains.transpose() * material_ * strains;
-    mixed_ += area * modes.transpose() * material_ * strains;
-    modal_ += area * modes.transpose() * material_ * modes;
+  void add(const PlaneRows& stretched, const PlaneRows& bent, const Eigen::Matrix<double, 3, 4>& modes, double area) {
+    const PlaneRows coupled = section_.coupling * bent;
+    const PlaneRows stresses = section_.membrane * stretched + coupled;
+    nodal_ += area * (stretched.transpose() * stresses + coupled.transpose() * stretched);
+    mixed_ += area * modes.transpose() * stresses;
+    modal_ += area * modes.transpose() * section_.membrane * modes;
   }
   [[nodiscard]] Matrix24 condensed() const { return nodal_ - mixed_.transpose() * modal_.ldlt().solve(mixed_); }
 
 private:
-  Eigen::Matrix3d material_;
+  const ShellStiffness& section_;
   Matrix24 nodal_ = Matrix24::Zero();
   Eigen::Matrix<double, 4, 24> mixed_ = Eigen::Matrix<double, 4, 24>::Zero();
   Eigen::Matrix4d modal_ = Eigen::Matrix4d::Zero();
@@ -250,13 +252,12 @@ Row drilling_strain(const SurfacePoint& centre, const Eigen::Vector3d& normal) {
   return strain;
 }
 
-Sums integrate(const Surface& surface, const Frame& frame, double poissons_ratio) {
+Sums integrate(const Surface& surface, const Frame& frame, const ShellStiffness& section) {
   const AssumedMembrane membrane(surface);
   const AssumedTransverseShear transverse(surface);
   const SurfacePoint centre = point_at(surface, 0.0, 0.0);
-  const Eigen::Matrix3d material = plane_stress(poissons_ratio);
   const Eigen::Matrix3d centre_to_axes = to_axes(frame.axes.transpose() * centre.dual());
-  EnhancedMembrane enhanced(material);
+  EnhancedMembrane enhanced(section);
   Sums sums;
   const double gauss = 1.0 / std::sqrt(3.0);
   for (int i = 0; i < 4; ++i) {
@@ -268,35 +269,83 @@ Sums integrate(const Surface& surface, const Frame& frame, double poissons_ratio
     const Eigen::Matrix3d tensor_turn = to_axes(turn);
 
     const double density = centre.area_vector().norm() / area;
-    enhanced.add(tensor_turn * membrane.at(r, s), density * centre_to_axes * enhanced_modes(r, s), area);
     const PlaneRows bent = tensor_turn * bending_strains(surface, point);
-    sums.bending += area * bent.transpose() * material * bent;
+    enhanced.add(tensor_turn * membrane.at(r, s), bent, density * centre_to_axes * enhanced_modes(r, s), area);
+    sums.bending += area * bent.transpose() * section.bending * bent;
     const ShearRows sheared = turn * transverse.at(r, s) / point.director.dot(normal);
-    sums.shear += area * sheared.transpose() * sheared;
+    sums.stretching += area * sheared.transpose() * section.shear * sheared;
     const ShearRows drilled = drilling_gradient(point, turn, frame.normal);
     sums.drilling_gradient += area * drilled.transpose() * drilled;
     sums.shares += area * point.shape * point.shape.transpose();
   }
-  sums.membrane = enhanced.condensed();
+  sums.stretching += enhanced.condensed();
   return sums;
 }
 
+/// G of an isotropic stiffness, in the mean over all directions of any: 2 / (a_11 + a_22 - 2 a_12 + a_66), a = A^-1.
+double mean_shear(const Eigen::Matrix3d& membrane) {
+  const Eigen::Matrix3d a = membrane.inverse();
+  return 2.0 / (a(0, 0) + a(1, 1) - 2.0 * a(0, 1) + a(2, 2));
+}
+
+/// E of an isotropic stiffness, likewise: 8 / (3 d_11 + 3 d_22 + 2 d_12 + d_66), d = D^-1.
+double mean_rigidity(const Eigen::Matrix3d& bending) {
+  const Eigen::Matrix3d d = bending.inverse();
+  return 8.0 / (3.0 * d(0, 0) + 3.0 * d(1, 1) + 2.0 * d(0, 1) + d(2, 2));
+}
+
+/// Stiffness in two parts, of which the second is that of D.
+struct Stiffness {
+  Eigen::MatrixXd stretching, bending;
+  Eigen::Matrix4d shares;
+};
+
+Stiffness stiffness_of(const Surface& surface, const Eigen::Vector3d& direction, const ShellStiffness& section) {
+  const Frame frame = frame_of(surface, direction);
+  const Sums sums = integrate(surface, frame, section);
+  const Row drilling = drilling_strain(point_at(surface, 0.0, 0.0), frame.normal);
+  const Matrix24 stretching = sums.stretching + drilling_share * mean_shear(section.membrane) * sums.shares.sum() *
+                                                    drilling.transpose() * drilling;
+  const Matrix24 bending =
+      sums.bending + drilling_gradient_share * mean_rigidity(section.bending) * sums.drilling_gradient;
+  return {0.5 * (stretching + stretching.transpose()), 0.5 * (bending + bending.transpose()), sums.shares};
+}
+
+/// The mid-surface off the nodes, with the arms from these to its corners.
+struct OffsetSurface {
+  Eigen::Matrix3Xd arms;
+  Surface surface;
+
+  OffsetSurface(const Corners& corners, double offset) {
+    surface = surface_through(corners);
+    arms = offset * surface.normals;
+    if (offset != 0.0) surface = surface_through(corners + arms);
+  }
+};
+
 }  // namespace
 
-ElementMatrices shell4(const Corners& corners, double poissons_ratio, double /*thickness*/, MassKind mass_kind) {
-  const Surface surface = surface_through(corners);
-  const SurfacePoint centre = point_at(surface, 0.0, 0.0);
-  const Frame frame = frame_of(centre);
-  const Sums sums = integrate(surface, frame, poissons_ratio);
-  const Row drilling = drilling_strain(centre, frame.normal);
-  const double shear_modulus = relative_shear_modulus(poissons_ratio);
+ElementMatrices shell4(const Corners& corners, double poissons_ratio, const ShellProperty& property,
+                       MassKind mass_kind) {
+  const OffsetSurface offset(corners, property.offset);
+  auto stiffness = stiffness_of(offset.surface, Eigen::Vector3d::Zero(), isotropic_section(poissons_ratio, 1.0));
+  ElementMatrices matrices{
+      .stiffness = {{{.youngs_modulus = 1, .thickness = 1}, std::move(stiffness.stretching)},
+                    {{.youngs_modulus = 1, .thickness = 3}, std::move(stiffness.bending)}},
+      .mass = isotropic_mass(plate_mass(stiffness.shares, mass_kind), property.nonstructural_mass)};
+  if (property.offset != 0.0) carry_to_nodes(matrices, offset.arms);
+  return matrices;
+}
 
-  const Matrix24 stretching = sums.membrane + shear_correction * shear_modulus * sums.shear +
-                              drilling_share * shear_modulus * sums.shares.sum() * drilling.transpose() * drilling;
-  const Matrix24 bending = (sums.bending + drilling_gradient_share * sums.drilling_gradient) / 12.0;
-  return {.stiffness = {{{.youngs_modulus = 1, .thickness = 1}, 0.5 * (stretching + stretching.transpose())},
-                        {{.youngs_modulus = 1, .thickness = 3}, 0.5 * (bending + bending.transpose())}},
-          .mass = plate_mass(sums.shares, mass_kind)};
+ElementMatrices shell4(const Corners& corners, const LaminateProperty& property, const Eigen::Vector3d& direction,
+                       MassKind mass_kind) {
+  const OffsetSurface offset(corners, property.offset);
+  const auto stiffness = stiffness_of(offset.surface, direction, property.stiffness);
+  ElementMatrices matrices{
+      .stiffness = {{{}, stiffness.stretching + stiffness.bending}},
+      .mass = section_mass(plate_mass(stiffness.shares, mass_kind), property.mass, property.rotary_inertia)};
+  if (property.offset != 0.0) carry_to_nodes(matrices, offset.arms);
+  return matrices;
 }
 
 }  // namespace kalfem

@@ -1,6 +1,7 @@
 #include "kalfem/model/elements/shell_common.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace kalfem {
 
@@ -10,6 +11,13 @@ Eigen::Matrix3d plane_stress(double poissons_ratio) {
   const double nu = poissons_ratio;
   const Eigen::Matrix3d stiffness{{1.0, nu, 0.0}, {nu, 1.0, 0.0}, {0.0, 0.0, (1.0 - nu) / 2.0}};
   return stiffness / (1.0 - nu * nu);
+}
+
+ShellStiffness isotropic_section(double poissons_ratio, double thickness) {
+  const Eigen::Matrix3d material = plane_stress(poissons_ratio);
+  return {.membrane = thickness * material,
+          .bending = std::pow(thickness, 3) / 12.0 * material,
+          .shear = shear_correction * thickness * relative_shear_modulus(poissons_ratio) * Eigen::Matrix2d::Identity()};
 }
 
 void require_distinct(const Eigen::Matrix3Xd& corners) {
@@ -23,19 +31,53 @@ void require_distinct(const Eigen::Matrix3Xd& corners) {
         throw ElementShapeError("its corners " + std::to_string(j + 1) + " and " + std::to_string(i + 1) + " coincide");
 }
 
-std::vector<ElementTerm> plate_mass(const Eigen::MatrixXd& shares, MassKind mass_kind) {
+Eigen::Vector3d axis_in_surface(const Eigen::Vector3d& direction, const Eigen::Vector3d& first_side,
+                                const Eigen::Vector3d& normal) {
+  const Eigen::Vector3d& axis = direction.isZero(0.0) ? first_side : direction;
+  const Eigen::Vector3d across = axis - axis.dot(normal) * normal;
+  if (!(across.norm() > 1e-6 * axis.norm()))
+    throw ElementShapeError("the x axis of its section stands along its normal, so that it has no direction in it");
+  return across.normalized();
+}
+
+PlateMass plate_mass(const Eigen::MatrixXd& shares, MassKind mass_kind) {
   const Eigen::Index nodes = shares.rows();
   const Eigen::MatrixXd masses = mass_kind == MassKind::consistent
                                      ? Eigen::MatrixXd(0.5 * (shares + shares.transpose()))
                                      : Eigen::MatrixXd(shares.rowwise().sum().asDiagonal());
-  Eigen::MatrixXd translation = Eigen::MatrixXd::Zero(6 * nodes, 6 * nodes), rotation = translation;
+  PlateMass mass;
+  mass.translation = mass.rotation = Eigen::MatrixXd::Zero(6 * nodes, 6 * nodes);
   for (Eigen::Index i = 0; i < nodes; ++i)
     for (Eigen::Index j = 0; j < nodes; ++j) {
-      translation.block<3, 3>(6 * i, 6 * j).diagonal().setConstant(masses(i, j));
-      rotation.block<3, 3>(6 * i + 3, 6 * j + 3).diagonal().setConstant(masses(i, j) / 12.0);
+      mass.translation.block<3, 3>(6 * i, 6 * j).diagonal().setConstant(masses(i, j));
+      mass.rotation.block<3, 3>(6 * i + 3, 6 * j + 3).diagonal().setConstant(masses(i, j));
     }
-  return {{{.density = 1, .thickness = 1}, std::move(translation)},
-          {{.density = 1, .thickness = 3}, std::move(rotation)}};
+  return mass;
+}
+
+std::vector<ElementTerm> isotropic_mass(const PlateMass& mass, double nonstructural_mass) {
+  std::vector<ElementTerm> terms = {{{.density = 1, .thickness = 1}, mass.translation},
+                                    {{.density = 1, .thickness = 3}, mass.rotation / 12.0}};
+  if (nonstructural_mass != 0.0) terms.push_back({{}, nonstructural_mass * mass.translation});
+  return terms;
+}
+
+std::vector<ElementTerm> section_mass(const PlateMass& mass, double amount, double rotary_inertia) {
+  return {{{}, amount * mass.translation + rotary_inertia * mass.rotation}};
+}
+
+void carry_to_nodes(ElementMatrices& matrices, const Eigen::Matrix3Xd& arms) {
+  const Eigen::Index size = 6 * arms.cols();
+  Eigen::MatrixXd transform = Eigen::MatrixXd::Identity(size, size);
+  for (Eigen::Index i = 0; i < arms.cols(); ++i) {
+    const Eigen::Vector3d arm = arms.col(i);
+    transform.block<3, 3>(6 * i, 6 * i + 3) << 0.0, arm.z(), -arm.y(), -arm.z(), 0.0, arm.x(), arm.y(), -arm.x(), 0.0;
+  }
+  for (auto* terms : {&matrices.stiffness, &matrices.mass})
+    for (auto& term : *terms) {
+      const Eigen::MatrixXd carried = transform.transpose() * term.matrix * transform;
+      term.matrix = 0.5 * (carried + carried.transpose());
+    }
 }
 
 }  // namespace kalfem

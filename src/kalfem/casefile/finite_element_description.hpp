@@ -1,0 +1,123 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "kalfem/casefile/form.hpp"
+#include "kalfem/formats/read_deck.hpp"
+#include "kalfem/model/properties.hpp"
+#include "kalfem/model/unit_system.hpp"
+
+/// Finite-element substructures as the case file says them, see description.hpp.
+namespace kalfem::description {
+
+using Name = Located<std::string>;
+using Value = Located<Quantity>;        ///< a number whose unit depends on what it is for
+using Points = Located<Named<double>>;  ///< a point, or a weighted sum of points
+
+struct Material {
+  double youngs_modulus = 0.0, poissons_ratio = 0.3, density = 0.0;
+};
+struct RectangleSection {
+  double width = 0.0, height = 0.0;
+};
+struct CircleSection {
+  double diameter = 0.0;
+};
+struct CircularTubeSection {
+  double diameter = 0.0, wall = 0.0;
+};
+struct RectangularTubeSection {
+  double width = 0.0, height = 0.0, wall = 0.0;
+};
+struct GeneralSection {
+  double area = 0.0, inertia_y = 0.0, inertia_z = 0.0, torsion = 0.0, shear_factor_y = 0.0, shear_factor_z = 0.0;
+};
+using Section =
+    std::variant<RectangleSection, CircleSection, CircularTubeSection, RectangularTubeSection, GeneralSection>;
+struct SectionHolder {
+  Section section;
+};
+struct ShellRegion {
+  double thickness = 0.0, offset = 0.0;
+};
+struct SolidRegion {
+  SolidKind kind = SolidKind::standard;
+};
+struct BeamRegion {
+  SectionHolder section;
+  std::array<double, 3> up{0.0, 0.0, 1.0}, offset{};
+};
+struct Region {
+  Name material;
+  std::variant<ShellRegion, BeamRegion, SolidRegion> property;
+};
+/// A node by a group of the mesh, by its number, or the nearest one to a place.
+struct NodePlace {
+  std::string group;
+  std::array<double, 3> at{};  ///< where there is no group [m]
+};
+struct NodeMass {
+  Name at;
+  double mass = 0.0;
+  std::array<double, 3> inertia{}, offset{};
+};
+struct Link {
+  Name master;
+  Located<std::string> nodes;
+  std::vector<std::string> directions;
+};
+struct Fixed {
+  Located<std::string> nodes;
+  std::vector<std::string> directions;
+};
+/// Where the elements come from: a mesh, whose regions get their properties here; another code's input file, which has
+/// them; or another code's matrices.
+struct MeshFile {
+  Located<std::filesystem::path> file;
+  double scale = 1.0;  ///< of the mesh's coordinates to metres
+};
+struct DeckFile {
+  Located<std::filesystem::path> file;
+  DeckFormat format = DeckFormat::automatic;
+  UnitSystem units;
+};
+/// Stiffness, mass and damping in one file or several, by their names or, where a file holds one, by its own.
+struct MatrixSet {
+  std::vector<Located<std::filesystem::path>> files;
+  std::string stiffness, mass, damping;
+  std::optional<Located<std::filesystem::path>> dofs;
+  int directions = 0;
+};
+struct MatrixFiles {
+  std::vector<MatrixSet> sets;
+  std::optional<Located<std::filesystem::path>> coordinates;
+  UnitSystem units;
+};
+struct FiniteElements {
+  std::variant<MeshFile, DeckFile, MatrixFiles> source;
+  Named<Material> materials;
+  Named<Region> regions;
+  Named<Located<NodePlace>> nodes;
+  Named<NodeMass> masses;
+  Named<Link> links;
+  Named<Fixed> fixed;
+  std::optional<MassKind> mass_matrix;
+
+  /// Place of the file (the first one) in the case.
+  [[nodiscard]] const SourceLocation& location() const;
+};
+enum class ReductionMethod { craig_bampton, rubin, macneal, guyan };
+struct Reduction {
+  ReductionMethod method = ReductionMethod::craig_bampton;
+  std::optional<int> modes;
+  std::optional<double> up_to, effective_mass;
+  bool truncation_vectors = true;
+  std::vector<Name> boundary;
+};
+
+}  // namespace kalfem::description

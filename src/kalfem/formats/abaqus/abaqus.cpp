@@ -1,0 +1,109 @@
+#include "kalfem/formats/abaqus.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "kalfem/formats/abaqus/deck_reader.hpp"
+#include "kalfem/formats/abaqus/point_elements.hpp"
+#include "kalfem/formats/abaqus/regions.hpp"
+#include "kalfem/formats/abaqus/supports.hpp"
+#include "kalfem/formats/text_table.hpp"
+#include "kalfem/model/linear_cells.hpp"
+
+namespace kalfem {
+
+namespace {
+
+using namespace abaqus;
+
+/// NAME, NAME.2, NAME.3 ... for items of one name.
+template <typename Item>
+void make_names_unique(std::vector<Item>& items) {
+  std::set<std::string> taken;
+  std::map<std::string, int> count;
+  for (auto& item : items) {
+    const std::string base = item.name;
+    while (!taken.insert(item.name).second)
+      item.name = base + "." + std::to_string(++count.try_emplace(base, 1).first->second);
+  }
+}
+
+/// Quadratic shells and beams become linear ones.
+void replace_quadratic_cells(PlacedDeck& deck, FiniteElementModel& model) {
+  bool any = false;
+  for (const auto& element : deck.elements) {
+    const auto& type = deck.type_of(element);
+    if (element.cell < 0 || type.family == Family::solid || node_count(type.shape) == corner_count(type.shape))
+      continue;
+    any = true;
+    deck.notes.add(
+        deck.problems.location(element.raw->where), "element type " + deck.type_name(element),
+        type.family == Family::beam ? "two linear beams stand for each" : "four linear shells stand for each");
+  }
+  if (any) replace_quadratic(model);
+}
+
+FiniteElementModel build_model(const RawDeck& raw, DeckNotes& notes, Problems& problems) {
+  FiniteElementModel model;
+  PlacedDeck deck(raw, model.mesh, notes, problems);
+  if (deck.mesh.node_count() == 0)
+    problems.fail({0, 1}, "the deck has no nodes", "a model needs nodes and elements", "is this the right file?");
+  Materials materials(raw, deck);
+  build_regions(raw, deck, materials, model);
+  add_springs(deck, model);
+  add_masses(deck, model);
+  add_nonstructural_masses(deck, model);
+  add_matrices(raw, deck, model);
+  for (auto& [name, material] : materials.used()) model.materials[name] = material;
+
+  const NodeAxes axes = read_transforms(deck);
+  Kinematics motions(model, notes, problems);
+  read_rigid_bodies(deck, motions);
+  read_couplings(deck, motions);
+  read_multi_point_constraints(deck, motions);
+  read_ties(deck, model, motions);
+  read_equations(deck, axes, motions);
+  read_boundaries(deck, axes, motions);
+  problems.raise();
+  motions.store();
+  deck.store_node_sets();
+  problems.raise();
+  replace_quadratic_cells(deck, model);
+  apply_nodal_thickness(deck, model);
+  problems.raise();
+  make_names_unique(model.masses);
+  make_names_unique(model.springs);
+  make_names_unique(model.joints);
+  make_names_unique(model.matrices);
+  make_names_unique(model.links);
+  make_names_unique(model.weighted_links);
+  make_names_unique(model.constraints);
+  return model;
+}
+
+RawDeck read_raw(std::string content, const std::string& source, const DeckLoader& loader, DeckNotes& notes,
+                 Problems& problems) {
+  DeckLines lines(std::move(content), source, loader, problems);
+  return read_deck(lines, notes, problems);
+}
+
+}  // namespace
+
+Deck parse_abaqus(std::string content, const std::string& source, const DeckLoader& loader) {
+  DeckNotes notes;
+  Problems problems;
+  const RawDeck raw = read_raw(std::move(content), source, loader, notes, problems);
+  Deck deck;
+  deck.model = build_model(raw, notes, problems);
+  deck.model.mesh.source = source;
+  deck.model.name = std::filesystem::path(source).stem().string();
+  deck.notes = notes.take();
+  return deck;
+}
+
+Deck read_abaqus(const std::filesystem::path& file) {
+  return parse_abaqus(read_text(file), file.string(),
+                      [](const std::filesystem::path& path) { return read_text(path); });
+}
+
+}  // namespace kalfem

@@ -1,0 +1,151 @@
+#include "kalfem/formats/abaqus/deck_lines.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+#include "kalfem/formats/abaqus/fields.hpp"
+
+namespace kalfem::abaqus {
+
+namespace {
+
+constexpr std::size_t deepest_inclusion = 50;
+constexpr int most_files = 10000;
+
+bool is_comment(std::string_view line) { return line.starts_with("**"); }
+
+/// "MATERIAL=al, OFFSET=SPOS" or "NLGEOM", but no data.
+bool looks_like_parameter(std::string_view line) {
+  if (line.empty() || line.front() == '*') return false;
+  if (line.find('=') != std::string_view::npos) return true;
+  return std::isalpha(static_cast<unsigned char>(line.front())) != 0 && line.find(',') == std::string_view::npos;
+}
+
+std::string normal_path(const std::string& beside, std::string name) {
+  std::ranges::replace(name, '\\', '/');
+  const std::filesystem::path path(name);
+  return (path.is_absolute() ? path : std::filesystem::path(beside).parent_path() / path).lexically_normal().string();
+}
+
+}  // namespace
+
+DeckLines::DeckLines(std::string content, const std::string& source, const DeckLoader& loader, Problems& problems)
+    : loader_(loader), problems_(problems) {
+  files_.push_back(std::make_unique<File>(File{source, std::move(content), 0, problems_.add_file(source), 0}));
+}
+
+/// The next physical line without blanks around it, at the end of a file that of the including one.
+bool DeckLines::read_line() {
+  while (!files_.empty()) {
+    File& file = *files_.back();
+    if (file.at < file.content.size()) {
+      const std::size_t end = std::min(file.content.find('\n', file.at), file.content.size());
+      line_ = trimmed_field(std::string_view(file.content).substr(file.at, end - file.at));
+      file.at = end + 1;
+      line_where_ = {file.index, ++file.line};
+      return true;
+    }
+    closed_ = std::move(files_.back());
+    files_.pop_back();
+  }
+  return false;
+}
+
+DeckLines::Kind DeckLines::peek() {
+  while (!pending_) {
+    do
+      if (!read_line()) return Kind::end;
+    while (is_comment(line_));
+    pending_ = !follow_include();
+  }
+  if (line_.empty()) return Kind::blank;
+  return line_.front() == '*' ? Kind::keyword : Kind::data;
+}
+
+/// Enters a file where the line is an *INCLUDE.
+bool DeckLines::follow_include() {
+  if (line_.size() < 8 || line_.front() != '*' || upper(line_.substr(0, 8)) != "*INCLUDE") return false;
+  const Where where = line_where_;
+  const Keyword keyword = parse_keyword(joined_keyword(), where);
+  if (keyword.name != "INCLUDE")
+    problems_.fail(where, "the keyword " + keyword.title + " cannot be read", "", "mend it");
+  if (keyword.get("INPUT").empty())
+    problems_.fail(where, "*INCLUDE has no INPUT", "it must name a file", "write *INCLUDE, INPUT=<file>");
+  insert(keyword.get("INPUT"), where);
+  return true;
+}
+
+/// A keyword line with its continuation lines; a comma at the end announces one. Some decks end a complete keyword
+/// with a comma: what follows belongs to it only if it looks like a parameter.
+std::string DeckLines::joined_keyword() {
+  std::string text(line_);
+  if (files_.empty()) return text;
+  File& file = *files_.back();
+  std::size_t at = file.at;
+  int number = file.line;
+  while (text.ends_with(',') && at < file.content.size()) {
+    const std::size_t end = std::min(file.content.find('\n', at), file.content.size());
+    const auto line = trimmed_field(std::string_view(file.content).substr(at, end - at));
+    at = end + 1;
+    ++number;
+    if (is_comment(line)) continue;
+    if (!looks_like_parameter(line)) break;
+    text.append(" ").append(line);
+    file.at = at;
+    file.line = number;
+  }
+  return text;
+}
+
+bool DeckLines::next_keyword(Keyword& keyword) {
+  for (;;) {
+    const Kind kind = peek();
+    if (kind == Kind::end) return false;
+    pending_ = false;
+    if (kind != Kind::keyword) continue;
+    where_ = line_where_;
+    keyword = parse_keyword(joined_keyword(), where_);
+    return true;
+  }
+}
+
+bool DeckLines::next_data(std::string_view& line) {
+  while (next_data_or_blank(line))
+    if (!line.empty()) return true;
+  return false;
+}
+
+bool DeckLines::next_data_or_blank(std::string_view& line) {
+  const Kind kind = peek();
+  if (kind != Kind::data && kind != Kind::blank) return false;
+  pending_ = false;
+  where_ = line_where_;
+  line = line_;
+  return true;
+}
+
+std::string DeckLines::load(const std::string& name, const Where& where) {
+  const std::string path = normal_path(problems_.file(where.file), name);
+  try {
+    return loader_(path);
+  } catch (const InvalidInput& error) {
+    problems_.fail(where, "the file '" + shown(name) + "' cannot be read", error.issues().front().why,
+                   "put it beside the deck, as '" + path + "', or mend the name");
+  }
+}
+
+void DeckLines::insert(const std::string& name, const Where& where) {
+  const std::string path = normal_path(problems_.file(where.file), name);
+  if (std::ranges::any_of(files_, [&](const auto& file) { return file->path == path; }))
+    problems_.fail(where, "'" + shown(name) + "' includes itself", "files must not include one another in a ring",
+                   "take out one of the *INCLUDE lines");
+  if (files_.size() >= deepest_inclusion)
+    problems_.fail(where, "files are included more than " + std::to_string(deepest_inclusion) + " deep", "",
+                   "include them from one file");
+  std::string content = load(name, where);
+  const int index = problems_.add_file(path);
+  if (index > most_files) problems_.fail(where, "more than " + std::to_string(most_files) + " files are included");
+  files_.push_back(std::make_unique<File>(File{path, std::move(content), 0, index, 0}));
+}
+
+}  // namespace kalfem::abaqus

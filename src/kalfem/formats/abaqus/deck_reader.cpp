@@ -1,0 +1,282 @@
+#include "kalfem/formats/abaqus/deck_reader.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "kalfem/formats/abaqus/fields.hpp"
+#include "kalfem/formats/abaqus/keyword_classes.hpp"
+
+namespace kalfem::abaqus {
+
+namespace {
+
+/// Keywords that CalculiX does not have, in most decks that were written for Abaqus.
+bool is_of_abaqus(const Keyword& keyword) {
+  static const std::set<std::string, std::less<>> names = {"PREPRINT", "PART", "ASSEMBLY", "INSTANCE"};
+  return names.contains(keyword.name) || (keyword.name == "OUTPUT" && (keyword.has("FIELD") || keyword.has("HISTORY")));
+}
+
+/// Follows the structure of a deck: parts, instances, materials and steps, and hands out the data.
+class DeckReader {
+public:
+  DeckReader(DeckLines& lines, DeckNotes& notes, Problems& problems)
+      : lines_(lines), notes_(notes), problems_(problems), mesh_(deck_, lines, notes, problems) {}
+
+  RawDeck read() {
+    Keyword keyword;
+    warn_of_leading_data();
+    while (lines_.next_keyword(keyword)) {
+      deck_.from_abaqus = deck_.from_abaqus || is_of_abaqus(keyword);
+      if (step_open_)
+        read_in_step(keyword);
+      else if (!read_structure(keyword) && !read_mesh(keyword))
+        read_other(keyword);
+    }
+    check_ends();
+    return std::move(deck_);
+  }
+
+private:
+  void warn_of_leading_data();
+  bool read_structure(const Keyword& keyword);
+  bool read_mesh(const Keyword& keyword);
+  void read_other(const Keyword& keyword);
+  void read_in_step(const Keyword& keyword);
+  void begin_step(const Keyword& keyword);
+  void begin_part(const Keyword& keyword);
+  void begin_instance(const Keyword& keyword);
+  void begin_material(const Keyword& keyword);
+  void read_material_option(const Keyword& keyword);
+  void read_matrix(const Keyword& keyword);
+  Block read_block(const Keyword& keyword);
+  void end(bool open, const Keyword& keyword);
+  void check_ends();
+  void note(const Keyword& keyword, const std::string& consequence) {
+    notes_.add(problems_.location(keyword.where), keyword.title, consequence);
+  }
+
+  DeckLines& lines_;
+  DeckNotes& notes_;
+  Problems& problems_;
+  RawDeck deck_;
+  MeshReader mesh_;
+  Scope* scope_ = &deck_.root;
+  Where scope_start_;
+  RawDeck::Material* material_ = nullptr;
+  bool in_part_ = false, in_instance_ = false, in_assembly_ = false, step_open_ = false;
+  int steps_ = 0;
+};
+
+void DeckReader::warn_of_leading_data() {
+  std::string_view line;
+  if (lines_.next_data(line))
+    problems_.fail(lines_.where(), "the deck begins with '" + shown(line) + "'",
+                   "it must begin with a keyword (*NODE, ...)", "this may be no Abaqus or CalculiX deck");
+}
+
+bool DeckReader::read_structure(const Keyword& keyword) {
+  const std::string& name = keyword.name;
+  if (name == "PART") return begin_part(keyword), true;
+  if (name == "INSTANCE") return begin_instance(keyword), true;
+  if (name == "ASSEMBLY") return in_assembly_ = true, scope_start_ = keyword.where, true;
+  if (name == "STEP") return begin_step(keyword), true;
+  if (name == "MATERIAL") return begin_material(keyword), true;
+  if (name == "ENDPART") {
+    end(in_part_, keyword);
+    in_part_ = false;
+  } else if (name == "ENDINSTANCE") {
+    end(in_instance_, keyword);
+    in_instance_ = false;
+  } else if (name == "ENDASSEMBLY") {
+    end(in_assembly_, keyword);
+    in_assembly_ = false;
+  } else {
+    return false;
+  }
+  scope_ = &deck_.root;
+  mesh_.forget_system();
+  return true;
+}
+
+void DeckReader::end(bool open, const Keyword& keyword) {
+  if (!open)
+    problems_.add(keyword.where, keyword.title + " ends what was not begun", "", "take it out, or begin the block");
+}
+
+void DeckReader::begin_part(const Keyword& keyword) {
+  const std::string name = keyword.get("NAME");
+  if (in_part_ || in_instance_)
+    problems_.fail(keyword.where, "*PART stands in a part or instance", "the one before has no end",
+                   "end it by *END PART");
+  if (name.empty()) problems_.fail(keyword.where, "*PART has no NAME", "instances refer to it", "give it a name");
+  const auto [place, is_new] = deck_.parts.try_emplace(upper(name));
+  if (!is_new) problems_.fail(keyword.where, "there is a second part '" + shown(name) + "'", "", "rename one");
+  place->second.name = name;
+  scope_ = &place->second;
+  scope_start_ = keyword.where;
+  in_part_ = true;
+  material_ = nullptr;
+  mesh_.forget_system();
+}
+
+void DeckReader::begin_instance(const Keyword& keyword) {
+  if (in_part_ || in_instance_)
+    problems_.fail(keyword.where, "*INSTANCE stands in a part or instance", "the one before has no end",
+                   "end it by *END INSTANCE");
+  const std::string name = keyword.get("NAME");
+  if (name.empty()) problems_.fail(keyword.where, "*INSTANCE has no NAME", "sets refer to it", "give it a name");
+  for (const auto& other : deck_.instances)
+    if (upper(other.name) == upper(name))
+      problems_.fail(keyword.where, "there is a second instance '" + shown(name) + "'", "", "rename one");
+  if (keyword.has("LIBRARY"))
+    problems_.fail(keyword.where, "the instance '" + shown(name) + "' is imported from another analysis",
+                   "its nodes and elements are not in the deck", "write the model into one deck");
+  deck_.instances.push_back({name, keyword.get("PART"), keyword.where, {}, {}});
+  auto& instance = deck_.instances.back();
+  instance.own.name = name;
+  for (std::string_view line; lines_.next_data(line);)
+    instance.placement.push_back({lines_.where(), split_fields(line)});
+  scope_ = nullptr;  // found anew below, since the list of instances grows
+  in_instance_ = true;
+  scope_start_ = keyword.where;
+  material_ = nullptr;
+  mesh_.forget_system();
+}
+
+void DeckReader::begin_material(const Keyword& keyword) {
+  const std::string name = keyword.get("NAME");
+  if (name.empty()) {
+    problems_.add(keyword.where, "*MATERIAL has no NAME", "sections refer to it", "give it a name");
+    return;
+  }
+  auto& material = deck_.materials[upper(name)];
+  if (!material.name.empty())
+    problems_.add(keyword.where, "there is a second material '" + shown(name) + "'", "", "rename one");
+  material.name = name;
+  material.where = keyword.where;
+  material_ = &material;
+}
+
+void DeckReader::begin_step(const Keyword& keyword) {
+  ++steps_;
+  step_open_ = true;
+  scope_start_ = keyword.where;
+  if (keyword.has("NLGEOM") && keyword.word("NLGEOM") != "NO")
+    notes_.add(problems_.location(keyword.where), "*STEP, NLGEOM",
+               "large displacements and the stiffness due to preload are not considered");
+}
+
+bool DeckReader::read_mesh(const Keyword& keyword) {
+  Scope& scope = in_instance_ ? deck_.instances.back().own : *scope_;
+  if (keyword.name == "NODE")
+    mesh_.read_nodes(scope, keyword);
+  else if (keyword.name == "ELEMENT")
+    mesh_.read_elements(scope, keyword);
+  else if (keyword.name == "NSET" || keyword.name == "ELSET")
+    mesh_.read_set(scope, keyword, keyword.name == "NSET");
+  else if (keyword.name == "SYSTEM")
+    mesh_.read_system();
+  else
+    return false;
+  return true;
+}
+
+Block DeckReader::read_block(const Keyword& keyword) {
+  if (!keyword.get("INPUT").empty()) lines_.insert(keyword.get("INPUT"), keyword.where);
+  static const std::set<std::string, std::less<>> with_blanks = {"SPRING", "DASHPOT", "BEAMSECTION",
+                                                                 "BEAMGENERALSECTION"};
+  const bool keep_blank = with_blanks.contains(keyword.name);
+  Block block{keyword, {}};
+  for (std::string_view line; keep_blank ? lines_.next_data_or_blank(line) : lines_.next_data(line);)
+    block.lines.push_back({lines_.where(), split_fields(line)});
+  return block;
+}
+
+void DeckReader::read_other(const Keyword& keyword) {
+  const auto [use, consequence] = classify(keyword.name);
+  Scope& scope = in_instance_ ? deck_.instances.back().own : *scope_;
+  if (keyword.name == "MATRIXASSEMBLE") return read_matrix(keyword);
+  switch (use) {
+    case KeywordUse::stored: {
+      material_ = nullptr;
+      scope.blocks.push_back(read_block(keyword));
+      break;
+    }
+    case KeywordUse::option: {
+      if (scope.blocks.empty())
+        problems_.add(keyword.where, keyword.title + " stands alone", "it belongs to the keyword before it");
+      else
+        scope.blocks.back().options.push_back(read_block(keyword));
+      break;
+    }
+    case KeywordUse::material_option:
+      read_material_option(keyword);
+      break;
+    case KeywordUse::silent:
+      break;
+    case KeywordUse::noted:
+      note(keyword, consequence);
+      break;
+    case KeywordUse::missing:
+      problems_.add(keyword.where, keyword.title + " is not read", consequence,
+                    "write the model without it, or take the keyword out");
+      break;
+  }
+}
+
+void DeckReader::read_material_option(const Keyword& keyword) {
+  if (!material_)
+    problems_.add(keyword.where, keyword.title + " stands outside of a material", "", "begin with *MATERIAL, NAME=...");
+  else
+    material_->blocks.push_back(read_block(keyword));
+}
+
+void DeckReader::read_matrix(const Keyword& keyword) {
+  RawDeck::Matrix matrix{keyword.get("NAME"), keyword.where, {}, {}};
+  if (keyword.get("STIFFNESSFILE").empty() && keyword.get("MASSFILE").empty())
+    problems_.fail(keyword.where, "*MATRIX ASSEMBLE names no file", "", "give STIFFNESSFILE= and MASSFILE=");
+  if (!keyword.get("STIFFNESSFILE").empty())
+    matrix.stiffness = lines_.load(keyword.get("STIFFNESSFILE"), keyword.where);
+  if (!keyword.get("MASSFILE").empty()) matrix.mass = lines_.load(keyword.get("MASSFILE"), keyword.where);
+  deck_.matrices.push_back(std::move(matrix));
+}
+
+/// Of the steps the boundary conditions of the first one, and sets, are read.
+void DeckReader::read_in_step(const Keyword& keyword) {
+  if (keyword.name == "ENDSTEP") {
+    step_open_ = false;
+  } else if (keyword.name == "STEP") {
+    problems_.add(keyword.where, "*STEP stands in a step", "the one before has no end", "end it by *END STEP");
+  } else if (keyword.name == "BOUNDARY") {
+    if (steps_ > 1) return note(keyword, "boundary conditions of the second and later steps are not used");
+    Block block = read_block(keyword);
+    block.keyword.parameters.emplace_back("INSTEP", "");
+    deck_.root.blocks.push_back(std::move(block));
+  } else if (keyword.name == "NSET" || keyword.name == "ELSET") {
+    mesh_.read_set(deck_.root, keyword, keyword.name == "NSET");
+  } else {
+    const auto [use, consequence] = classify(keyword.name);
+    const bool known = !consequence.starts_with("this keyword");
+    if (use == KeywordUse::noted && known) note(keyword, consequence);
+  }
+}
+
+void DeckReader::check_ends() {
+  const auto open = [&](bool is_open, const char* begin, const char* finish) {
+    if (is_open)
+      problems_.add(scope_start_, std::string(begin) + " is not ended", "the deck may be cut off",
+                    std::string("end it by ") + finish);
+  };
+  open(in_part_, "*PART", "*END PART");
+  open(in_instance_, "*INSTANCE", "*END INSTANCE");
+  open(in_assembly_, "*ASSEMBLY", "*END ASSEMBLY");
+  open(step_open_, "*STEP", "*END STEP");
+}
+
+}  // namespace
+
+RawDeck read_deck(DeckLines& lines, DeckNotes& notes, Problems& problems) {
+  return DeckReader(lines, notes, problems).read();
+}
+
+}  // namespace kalfem::abaqus

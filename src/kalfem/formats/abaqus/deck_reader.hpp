@@ -1,0 +1,41 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "kalfem/formats/abaqus/deck_lines.hpp"
+#include "kalfem/formats/abaqus/raw_deck.hpp"
+
+namespace kalfem::abaqus {
+
+/// Reads the keywords of a deck in their order. Names are not looked up yet.
+/// Problems are noted; those that leave no sense in what follows throw.
+RawDeck read_deck(DeckLines& lines, DeckNotes& notes, Problems& problems);
+
+/// Adds the data of *NODE, *ELEMENT, *NSET and *ELSET to a scope.
+class MeshReader {
+public:
+  MeshReader(RawDeck& deck, DeckLines& lines, DeckNotes& notes, Problems& problems)
+      : deck_(deck), lines_(lines), notes_(notes), problems_(problems) {}
+
+  void read_system();  ///< *SYSTEM: the axes of the nodes that follow
+  void forget_system() { system_ = Eigen::Isometry3d::Identity(); }
+  void read_nodes(Scope& scope, const Keyword& keyword);
+  void read_elements(Scope& scope, const Keyword& keyword);
+  void read_set(Scope& scope, const Keyword& keyword, bool of_nodes);
+
+private:
+  bool read_node(RawNodes& nodes, std::string_view line, const std::string& axes);
+  int type_of(const Keyword& keyword);
+  void read_element(Scope& scope, std::string_view line, int type);
+  std::int64_t node_reference(Scope& scope, std::string_view field);
+  void read_generated_piece(RawSet::Piece& piece, std::string_view line);
+  void read_listed_piece(RawSet::Piece& piece, std::string_view line);
+
+  RawDeck& deck_;
+  DeckLines& lines_;
+  DeckNotes& notes_;
+  Problems& problems_;
+  Eigen::Isometry3d system_ = Eigen::Isometry3d::Identity();
+};
+
+}  // namespace kalfem::abaqus

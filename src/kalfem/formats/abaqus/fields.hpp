@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace kalfem::abaqus {
+
+/// Capital letters, as names are compared.
+std::string upper(std::string_view text);
+/// Without blanks around it.
+std::string_view trimmed_field(std::string_view text);
+/// What a message can show of a field: at most 40 printable characters.
+std::string shown(std::string_view field);
+
+/// The number that fills the whole field, exponents by E or D; nothing where it is none or not finite.
+std::optional<double> to_number(std::string_view field);
+std::optional<std::int64_t> to_integer(std::string_view field);
+/// The number of a node or element: an integer from 1 to 10^12; nothing else.
+std::optional<std::int64_t> to_label(std::string_view field);
+
+/// Gives the fields of a data line one after the other: between commas, without blanks and quotation marks around them.
+class FieldCursor {
+public:
+  explicit FieldCursor(std::string_view line) : rest_(line) {}
+  /// False behind the last field. A comma at the end of the line has no field behind it.
+  bool next(std::string_view& field);
+
+private:
+  std::string_view rest_;
+};
+
+/// All fields of a line.
+std::vector<std::string> split_fields(std::string_view line);
+
+}  // namespace kalfem::abaqus

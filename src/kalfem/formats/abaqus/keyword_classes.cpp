@@ -1,0 +1,243 @@
+#include "kalfem/formats/abaqus/keyword_classes.hpp"
+
+#include <algorithm>
+#include <initializer_list>
+#include <map>
+#include <vector>
+
+namespace kalfem::abaqus {
+
+namespace {
+
+using Names = std::initializer_list<const char*>;
+using Table = std::map<std::string, KeywordClass, std::less<>>;
+
+void enter(Table& table, KeywordUse use, const std::string& consequence, Names names) {
+  for (const char* name : names) table.emplace(name, KeywordClass{use, consequence});
+}
+
+void enter_used(Table& table) {
+  enter(table, KeywordUse::stored, "",
+        {"SHELLSECTION",
+         "SHELLGENERALSECTION",
+         "SOLIDSECTION",
+         "MEMBRANESECTION",
+         "BEAMSECTION",
+         "BEAMGENERALSECTION",
+         "ORIENTATION",
+         "TRANSFORM",
+         "SURFACE",
+         "BOUNDARY",
+         "EQUATION",
+         "MPC",
+         "RIGIDBODY",
+         "COUPLING",
+         "KINEMATICCOUPLING",
+         "DISTRIBUTINGCOUPLING",
+         "TIE",
+         "MASS",
+         "ROTARYINERTIA",
+         "SPRING",
+         "DASHPOT",
+         "NONSTRUCTURALMASS",
+         "NODALTHICKNESS",
+         "MATRIXASSEMBLE",
+         "RELEASE"});
+  enter(table, KeywordUse::option, "",
+        {"KINEMATIC", "DISTRIBUTING", "TRANSVERSESHEARSTIFFNESS", "CENTROID", "SHEARCENTER", "BEAMSECTIONOFFSET"});
+  enter(table, KeywordUse::material_option, "", {"ELASTIC", "DENSITY"});
+}
+
+void enter_silent(Table& table) {
+  enter(table, KeywordUse::silent, "",
+        {"HEADING",
+         "PREPRINT",
+         "OUTPUT",
+         "NODEOUTPUT",
+         "ELEMENTOUTPUT",
+         "CONTACTOUTPUT",
+         "ENERGYOUTPUT",
+         "MODALOUTPUT",
+         "SURFACEOUTPUT",
+         "RADIATIONOUTPUT",
+         "INTEGRATEDOUTPUT",
+         "INCREMENTATIONOUTPUT",
+         "NODEPRINT",
+         "NODEFILE",
+         "ELPRINT",
+         "ELFILE",
+         "ENERGYPRINT",
+         "ENERGYFILE",
+         "CONTACTPRINT",
+         "CONTACTFILE",
+         "SECTIONPRINT",
+         "SECTIONFILE",
+         "MODALPRINT",
+         "MODALFILE",
+         "FACEPRINT",
+         "FILEFORMAT",
+         "FILEOUTPUT",
+         "RESTART",
+         "MONITOR",
+         "PRINT",
+         "DIAGNOSTICS",
+         "TIMEPOINTS",
+         "AMPLITUDE",
+         "PHYSICALCONSTANTS",
+         "VALUESATINFINITY",
+         "ENDASSEMBLY",
+         "ENDPART",
+         "ENDINSTANCE",
+         "ENDSTEP",
+         "ELEMENTMATRIXOUTPUT",
+         "SURFACEINTERACTION",
+         "CONTROLS",
+         "SOLVERCONTROLS",
+         "SECTIONCONTROLS",
+         "HOURGLASSSTIFFNESS",
+         "INTEGRATEDOUTPUTSECTION",
+         "CLEARANCE",
+         "CONTACTINCLUSIONS",
+         "CONTACTEXCLUSIONS",
+         "CONTACTPROPERTYASSIGNMENT",
+         "SURFACEBEHAVIOR",
+         "SURFACEPROPERTYASSIGNMENT",
+         "CONTACTFORMULATION",
+         "CONTACTCONTROLS",
+         "CONTACTINITIALIZATIONDATA",
+         "CONTACTINITIALIZATIONASSIGNMENT",
+         "ENDLOADCASE",
+         "SECTIONPOINTS",
+         "RIGIDSURFACE",
+         "DEPVAR",
+         "USERDEFINEDFIELD",
+         "BASELINECORRECTION"});
+}
+
+void enter_notes(Table& table) {
+  enter(table, KeywordUse::noted, "loads have no effect on the linear model",
+        {"CLOAD",         "DLOAD",           "DSLOAD",      "DSFLUX",
+         "DFLUX",         "CFLUX",           "TEMPERATURE", "FIELD",
+         "INERTIARELIEF", "BASEMOTION",      "FILM",        "SFILM",
+         "CFILM",         "RADIATE",         "SRADIATE",    "PRETENSIONSECTION",
+         "CONNECTORLOAD", "CONNECTORMOTION", "FOLLOWER",    "PSDDEFINITION",
+         "SPECTRUM",      "CORRELATION",     "LOADCASE",    "DEFORMATIONPLASTICITYLOAD"});
+  enter(table, KeywordUse::noted, "initial stresses, temperatures and velocities do not change the linear model",
+        {"INITIALCONDITIONS"});
+  enter(table, KeywordUse::noted, "the parts are not joined by contact",
+        {"CONTACTPAIR", "CONTACT", "CONTACTINTERFERENCE", "FRICTION", "GAP", "CONTACTDAMPING", "CONTACTSTABILIZATION",
+         "COHESIVEBEHAVIOR", "SURFACESMOOTHING", "CHANGEFRICTION", "GAPCONDUCTANCE", "GAPHEATGENERATION", "INTERACTION",
+         "PAIR"});
+  enter(table, KeywordUse::noted, "linear elastic behaviour is used",
+        {"PLASTIC",
+         "HYPERELASTIC",
+         "HYPERFOAM",
+         "CREEP",
+         "VISCOELASTIC",
+         "DEFORMATIONPLASTICITY",
+         "CYCLICHARDENING",
+         "DRUCKERPRAGER",
+         "DRUCKERPRAGERHARDENING",
+         "CAPPLASTICITY",
+         "CAPHARDENING",
+         "MOHRCOULOMB",
+         "MOHRCOULOMBHARDENING",
+         "CONCRETE",
+         "CONCRETEDAMAGEDPLASTICITY",
+         "CONCRETECOMPRESSIONHARDENING",
+         "CONCRETETENSIONSTIFFENING",
+         "CONCRETECOMPRESSIONDAMAGE",
+         "CONCRETETENSIONDAMAGE",
+         "BRITTLECRACKING",
+         "CRUSHABLEFOAM",
+         "CRUSHABLEFOAMHARDENING",
+         "DAMAGEINITIATION",
+         "DAMAGEEVOLUTION",
+         "DAMAGESTABILIZATION",
+         "HYPOELASTIC",
+         "MULLINSEFFECT",
+         "HYSTERESIS",
+         "RATEDEPENDENT",
+         "POTENTIAL",
+         "ANNEALTEMPERATURE",
+         "NOTENSION",
+         "NOCOMPRESSION",
+         "FAILSTRAIN",
+         "FAILSTRESS",
+         "SHEARFAILURE",
+         "TENSILEFAILURE",
+         "EOS",
+         "USERMATERIAL",
+         "VISCOUS",
+         "CASTIRONPLASTICITY",
+         "POROUSMETALPLASTICITY",
+         "SUPERELASTIC",
+         "CYCLICPLASTIC",
+         "TRS"});
+  enter(table, KeywordUse::noted, "damping of materials and steps is not used; give it where the model is used",
+        {"DAMPING", "MODALDAMPING", "GLOBALDAMPING", "COMPOSITEMODALDAMPING", "DAMPINGCONTROLS", "STRUCTURALDAMPING"});
+  enter(table, KeywordUse::noted, "heat, flow and electricity are no part of the model",
+        {"EXPANSION",
+         "CONDUCTIVITY",
+         "SPECIFICHEAT",
+         "LATENTHEAT",
+         "HEATGENERATION",
+         "INELASTICHEATFRACTION",
+         "PERMEABILITY",
+         "SORPTION",
+         "ELECTRICALCONDUCTIVITY",
+         "DIELECTRIC",
+         "PIEZOELECTRIC",
+         "JOULEHEATFRACTION",
+         "FLUIDCONSTANTS",
+         "SPECIFICGASCONSTANT",
+         "DIFFUSIVITY",
+         "SOLUBILITY",
+         "MAGNETICPERMEABILITY",
+         "ACOUSTICMEDIUM",
+         "SURFACEFLUX",
+         "CAVITYDEFINITION"});
+  enter(table, KeywordUse::noted, "directions of shells and beams follow from their nodes and sections", {"NORMAL"});
+  enter(table, KeywordUse::noted, "the whole model is used in its first state", {"MODELCHANGE"});
+  enter(table, KeywordUse::noted, "parts of the model that are retained or selected are up to the user of the model",
+        {"RETAINEDNODALDOFS", "SUBSTRUCTUREGENERATE", "SUBSTRUCTUREMATRIXOUTPUT", "SELECTEIGENMODES",
+         "SELECTCYCLICSYMMETRYMODES", "MATRIXGENERATE", "MATRIXOUTPUT"});
+}
+
+void enter_missing(Table& table) {
+  enter(table, KeywordUse::missing, "nodes and elements made by rules are not read",
+        {"NGEN", "NFILL", "ELGEN", "NCOPY", "ELCOPY", "NMAP", "ELEMENTCOPY", "IMPORT", "IMPORTNSET", "IMPORTELSET",
+         "SYMMETRICMODELGENERATION", "BEAMSECTIONGENERATE"});
+  enter(table, KeywordUse::missing, "elements of the user's own, substructures and matrices by reference are not read",
+        {"USERELEMENT", "UELPROPERTY", "SUBSTRUCTUREPATH", "SUBSTRUCTUREPROPERTY", "MATRIXINPUT", "MATRIX",
+         "USERSECTION", "FLUIDSECTION", "CONNECTORSECTION", "JOINT", "FRAMESECTION", "GASKETSECTION", "COHESIVESECTION",
+         "EULERIANSECTION", "ACOUSTICINFINITE"});
+  enter(table, KeywordUse::missing, "this way of joining parts is not read",
+        {"SHELLTOSOLIDCOUPLING", "EMBEDDEDELEMENT", "CYCLICSYMMETRYMODEL", "TIEDCYCLIC", "FASTENER", "FASTENERPROPERTY",
+         "MULTIPOINTCONSTRAINT", "SUBMODEL", "RIGIDBODYLINK"});
+  enter(table, KeywordUse::missing, "stiffness and mass of reinforcement would be left out",
+        {"REBAR", "REBARLAYER", "PRESTRESSHOLD"});
+  enter(table, KeywordUse::missing, "values between < and > in the data lines are not replaced",
+        {"PARAMETER", "PARAMETERDEPENDENCE"});
+}
+
+const Table& table() {
+  static const Table entries = [] {
+    Table made;
+    enter_used(made);
+    enter_silent(made);
+    enter_notes(made);
+    enter_missing(made);
+    return made;
+  }();
+  return entries;
+}
+
+}  // namespace
+
+KeywordClass classify(std::string_view name) {
+  if (const auto entry = table().find(name); entry != table().end()) return entry->second;
+  return {KeywordUse::noted, "this keyword is not known; the model is read without it"};
+}
+
+}  // namespace kalfem::abaqus

@@ -1,0 +1,248 @@
+#include "kalfem/formats/abaqus/kinematics.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kalfem::abaqus {
+
+namespace {
+
+/// The follower's motion by that of the shares, q = (sum S^T W S)^+ sum S^T W z; `open` are directions that they do not
+/// determine.
+Eigen::MatrixXd mean_motion(const Mesh& mesh, const WeightedLink& link, Kinematics::Directions& open) {
+  double distance = 0.0;
+  for (const auto& share : link.shares) distance += (mesh.nodes.col(share.node) - mesh.nodes.col(link.follower)).norm();
+  distance = distance > 0.0 ? distance / static_cast<double>(link.shares.size()) : 1.0;
+  Eigen::Matrix<double, 6, 1> scale;  // rotations times the distance make all entries of one unit
+  scale << 1.0, 1.0, 1.0, 1.0 / distance, 1.0 / distance, 1.0 / distance;
+  Matrix6 normal = Matrix6::Zero();
+  Eigen::MatrixXd fit(6, 6 * static_cast<Index>(link.shares.size()));
+  for (std::size_t i = 0; i < link.shares.size(); ++i) {
+    const auto& share = link.shares[i];
+    const Eigen::Vector3d arm = mesh.nodes.col(share.node) - mesh.nodes.col(link.follower);
+    Matrix6 rigid = Matrix6::Identity();
+    rigid.topRightCorner<3, 3>() << 0, arm.z(), -arm.y(), -arm.z(), 0, arm.x(), arm.y(), -arm.x(), 0;
+    Eigen::Matrix<double, 6, 1> weights = Eigen::Matrix<double, 6, 1>::Zero();
+    for (Index d = 0; d < 6; ++d)
+      if (share.directions[static_cast<std::size_t>(d)])
+        weights[d] = share.weight * (d < 3 ? 1.0 : distance * distance);
+    const Matrix6 weighted = scale.asDiagonal() * rigid.transpose() * weights.asDiagonal();
+    normal += weighted * rigid * scale.asDiagonal();
+    fit.middleCols<6>(6 * static_cast<Index>(i)) = weighted;
+  }
+  Eigen::CompleteOrthogonalDecomposition<Matrix6> solver;
+  solver.setThreshold(1e-9);
+  solver.compute(normal);
+  const Matrix6 determined = solver.solve(normal);
+  for (Index d = 0; d < 6; ++d) open[static_cast<std::size_t>(d)] = std::abs(determined(d, d) - 1.0) > 1e-6;
+  return scale.asDiagonal() * solver.solve(fit);
+}
+
+}  // namespace
+
+Kinematics::Terms Kinematics::rigid_motion(Index master, int direction, const Eigen::Vector3d& arm) {
+  Terms terms = {{{master, direction}, 1.0}};
+  if (direction < 3) {
+    const int next = (direction + 1) % 3, last = (direction + 2) % 3;
+    if (arm[last] != 0.0) terms.push_back({{master, 3 + next}, arm[last]});
+    if (arm[next] != 0.0) terms.push_back({{master, 3 + last}, -arm[next]});
+  }
+  return terms;
+}
+
+/// Whether a node follows the target, through any number of links.
+bool Kinematics::leads_to(Index node, Index target) const {
+  if (node == target) return true;
+  std::vector<Index> waiting = {node};
+  std::set<Index> seen;
+  while (!waiting.empty()) {
+    const Index next = waiting.back();
+    waiting.pop_back();
+    const auto masters = above_.find(next);
+    if (masters == above_.end()) continue;
+    for (const Index master : masters->second) {
+      if (master == target) return true;
+      if (seen.insert(master).second) waiting.push_back(master);
+    }
+  }
+  return false;
+}
+
+void Kinematics::add_link(const std::string& name, Index master, const std::vector<Index>& slaves,
+                          const Directions& tied) {
+  Link link{name, master, {}};
+  for (const Index slave : slaves) {
+    if (slave == master) continue;
+    const bool ring = leads_to(master, slave);
+    Directions follows{};
+    for (int d = 0; d < 6; ++d) {
+      if (!tied[static_cast<std::size_t>(d)]) continue;
+      const NodalDof dof{slave, d};
+      if (!ring && leader_.try_emplace(dof, master).second) {
+        follows[static_cast<std::size_t>(d)] = true;
+        continue;
+      }
+      // What follows already is tied by an equation.
+      Terms terms = {{dof, -1.0}};
+      const auto motion = rigid_motion(master, d, model_.mesh.nodes.col(slave) - model_.mesh.nodes.col(master));
+      terms.insert(terms.end(), motion.begin(), motion.end());
+      add_equation(name, std::move(terms));
+    }
+    if (follows != Directions{}) {
+      link.slaves.emplace_back(slave, follows);
+      above_[slave].insert(master);
+    }
+  }
+  if (!link.slaves.empty()) links_.push_back(std::move(link));
+}
+
+void Kinematics::add_weighted_link(WeightedLink link, const Where& where) {
+  std::erase_if(link.shares, [&](const auto& share) { return share.node == link.follower; });
+  if (link.shares.empty()) {
+    problems_.add(where, "the coupling '" + link.name + "' has no nodes that its reference node could follow", "",
+                  "give its surface nodes");
+    return;
+  }
+  Directions open{};
+  Eigen::MatrixXd motion = mean_motion(model_.mesh, link, open);
+  for (std::size_t d = 0; d < 6; ++d) {
+    if (link.tied[d] && open[d])
+      notes_.add(problems_.location(where), "coupling '" + link.name + "', direction " + std::to_string(d + 1),
+                 "its nodes do not determine that motion of the reference node, which is left free");
+    link.tied[d] = link.tied[d] && !open[d];
+  }
+  weighted_.push_back({std::move(link), std::move(motion)});
+}
+
+void Kinematics::hold(const std::string& name, Index node, int direction) {
+  held_.try_emplace(NodalDof{node, direction}, name);
+}
+
+void Kinematics::hold(const std::string& name, Index node, const Eigen::Matrix3d& axes, const Directions& directions) {
+  for (int block = 0; block < 6; block += 3) {
+    const auto held = [&](int i) { return directions[static_cast<std::size_t>(block + i)]; };
+    const bool all = held(0) && held(1) && held(2);
+    for (int i = 0; i < 3; ++i) {
+      if (!held(i)) continue;
+      Index along = 0;
+      const double largest = axes.col(i).cwiseAbs().maxCoeff(&along);
+      if (all || 1.0 - largest < 1e-12) {
+        hold(name, node, block + (all ? i : static_cast<int>(along)));
+        continue;
+      }
+      Terms terms;
+      for (int a = 0; a < 3; ++a) terms.push_back({{node, block + a}, axes(a, i)});
+      add_equation(name, std::move(terms));
+    }
+  }
+}
+
+void Kinematics::add_equation(const std::string& name, Terms terms, std::optional<NodalDof> dependent) {
+  equations_.push_back({name, std::move(terms), dependent});
+}
+
+/// Follows links up to motions that lead.
+void Kinematics::expand(const NodalDof& dof, double factor, std::map<NodalDof, double>& terms, int depth) const {
+  const auto leader = leader_.find(dof);
+  if (leader == leader_.end() || depth > 1000) {
+    terms[dof] += factor;
+    return;
+  }
+  const Eigen::Vector3d arm = model_.mesh.nodes.col(dof.node) - model_.mesh.nodes.col(leader->second);
+  for (const auto& [next, share] : rigid_motion(leader->second, dof.direction, arm))
+    expand(next, factor * share, terms, depth + 1);
+}
+
+std::map<NodalDof, double> Kinematics::expanded(const Terms& given) const {
+  std::map<NodalDof, double> terms;
+  double largest = 0.0;
+  for (const auto& [dof, coefficient] : given) expand(dof, coefficient, terms);
+  for (const auto& [dof, coefficient] : terms) largest = std::max(largest, std::abs(coefficient));
+  std::erase_if(terms, [&](const auto& term) { return std::abs(term.second) <= 1e-13 * largest; });
+  return terms;
+}
+
+void Kinematics::store() {
+  for (const auto& [dof, name] : held_)
+    if (is_slave(dof))
+      add_equation(name, {{dof, 1.0}});
+    else
+      fixed_.insert(dof);
+  ReducedEquations rows;
+  write_weighted_links(rows);
+  for (const auto& equation : equations_) {
+    Terms terms;
+    for (const auto& [dof, coefficient] : expanded(equation.terms))
+      if (!fixed_.contains(dof)) terms.emplace_back(dof, coefficient);
+    if (!terms.empty()) rows.add(equation.name, terms, equation.dependent);
+  }
+  store_links();
+  store_fixed();
+  rows.store(model_);
+}
+
+/// A follower that nothing else acts on stays a weighted link; otherwise its mean motion is written as equations.
+void Kinematics::write_weighted_links(ReducedEquations& rows) {
+  std::set<NodalDof> used = fixed_;
+  for (const auto& equation : equations_)
+    for (const auto& [dof, coefficient] : expanded(equation.terms)) used.insert(dof);
+  const auto terms_of = [&](const Weighted& weighted, int direction) {
+    Terms terms = {{{weighted.link.follower, direction}, -1.0}};
+    for (Index column = 0; column < weighted.motion.cols(); ++column)
+      if (const double share = weighted.motion(direction, column); share != 0.0)
+        terms.push_back(
+            {{weighted.link.shares[static_cast<std::size_t>(column / 6)].node, static_cast<int>(column % 6)}, share});
+    return terms;
+  };
+  for (bool changed = true; changed;) {
+    changed = false;
+    std::set<NodalDof> followers;
+    for (auto& weighted : weighted_) {
+      if (weighted.as_equations) continue;
+      bool taken = false;
+      for (int d = 0; d < 6; ++d) {
+        const NodalDof dof{weighted.link.follower, d};
+        if (weighted.link.tied[static_cast<std::size_t>(d)] && !followers.insert(dof).second) taken = true;
+        taken = taken || used.contains(dof) || is_slave(dof);
+      }
+      if (!taken) continue;
+      weighted.as_equations = changed = true;
+      for (int d = 0; d < 6; ++d)
+        if (weighted.link.tied[static_cast<std::size_t>(d)])
+          for (const auto& [dof, coefficient] : expanded(terms_of(weighted, d))) used.insert(dof);
+    }
+  }
+  for (const auto& weighted : weighted_) {
+    if (!weighted.as_equations) {
+      model_.weighted_links.push_back(weighted.link);
+      continue;
+    }
+    for (int d = 0; d < 6; ++d) {
+      if (!weighted.link.tied[static_cast<std::size_t>(d)]) continue;
+      Terms terms;
+      for (const auto& [dof, coefficient] : expanded(terms_of(weighted, d)))
+        if (!fixed_.contains(dof)) terms.emplace_back(dof, coefficient);
+      if (!terms.empty()) rows.add(weighted.link.name, terms, NodalDof{weighted.link.follower, d});
+    }
+  }
+}
+
+void Kinematics::store_links() {
+  for (const auto& link : links_) {
+    std::map<Directions, std::vector<Index>> groups;
+    for (const auto& [slave, follows] : link.slaves) groups[follows].push_back(slave);
+    for (auto& [follows, slaves] : groups) model_.links.push_back({link.name, link.master, std::move(slaves), follows});
+  }
+}
+
+void Kinematics::store_fixed() {
+  std::map<std::string, std::map<Index, Directions>> by_name;
+  for (const auto& dof : fixed_) by_name[held_.at(dof)][dof.node][static_cast<std::size_t>(dof.direction)] = true;
+  for (const auto& [name, nodes] : by_name) {
+    std::map<Directions, std::vector<Index>> groups;
+    for (const auto& [node, directions] : nodes) groups[directions].push_back(node);
+    for (auto& [directions, members] : groups) model_.fixed.push_back({name, std::move(members), directions});
+  }
+}
+
+}  // namespace kalfem::abaqus

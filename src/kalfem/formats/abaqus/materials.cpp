@@ -1,0 +1,156 @@
+#include "kalfem/formats/abaqus/materials.hpp"
+
+#include <cmath>
+
+#include "kalfem/formats/abaqus/fields.hpp"
+#include "kalfem/formats/abaqus/numbers.hpp"
+
+namespace kalfem::abaqus {
+
+namespace {
+
+/// Position in [xx yy zz xy yz xz] of the components in the deck's order 11 22 33 12 13 23.
+constexpr std::array<Index, 6> component = {0, 1, 2, 3, 5, 4};
+
+/// Stiffness from E1 E2 E3 nu12 nu13 nu23 G12 G13 G23; nothing where it is not positive definite.
+std::optional<Matrix6> from_engineering_constants(const std::vector<double>& c) {
+  for (const std::size_t i : {0, 1, 2, 6, 7, 8})
+    if (!(c[i] > 0.0)) return {};
+  Matrix6 compliance = Matrix6::Zero();
+  for (Index i = 0; i < 3; ++i) compliance(i, i) = 1.0 / c[static_cast<std::size_t>(i)];
+  compliance(0, 1) = compliance(1, 0) = -c[3] / c[0];
+  compliance(0, 2) = compliance(2, 0) = -c[4] / c[0];
+  compliance(1, 2) = compliance(2, 1) = -c[5] / c[1];
+  for (std::size_t i = 0; i < 3; ++i) compliance(component[3 + i], component[3 + i]) = 1.0 / c[6 + i];
+  const Eigen::LLT<Matrix6> factor(compliance);
+  if (factor.info() != Eigen::Success) return {};
+  return Matrix6(factor.solve(Matrix6::Identity()));
+}
+
+/// Stiffness from the deck's list of its upper triangle by columns; of an orthotropic one only the normal block and the
+/// diagonal are given.
+Matrix6 from_stiffnesses(const std::vector<double>& values, bool orthotropic) {
+  Matrix6 stiffness = Matrix6::Zero();
+  std::size_t next = 0;
+  for (std::size_t column = 0; column < 6; ++column)
+    for (std::size_t row = orthotropic && column >= 3 ? column : 0; row <= column; ++row)
+      stiffness(component[row], component[column]) = stiffness(component[column], component[row]) = values[next++];
+  return stiffness;
+}
+
+std::optional<OrthotropicSheet> sheet_from(const Matrix6& stiffness, double density) {
+  const Eigen::LLT<Matrix6> factor(stiffness);
+  if (factor.info() != Eigen::Success) return {};
+  const Matrix6 c = factor.solve(Matrix6::Identity());
+  return OrthotropicSheet{1.0 / c(0, 0), 1.0 / c(1, 1), -c(0, 1) / c(0, 0), 1.0 / c(3, 3), 1.0 / c(5, 5),
+                          1.0 / c(4, 4), density};
+}
+
+}  // namespace
+
+const Elastic* Materials::find(const std::string& name, const Where& where) {
+  const std::string key = upper(name);
+  if (const auto known = known_.find(key); known != known_.end()) return &known->second;
+  if (broken_.contains(key)) return nullptr;
+  const auto raw = raw_.materials.find(key);
+  if (raw == raw_.materials.end()) {
+    std::vector<std::string> names;
+    for (const auto& [other, material] : raw_.materials) names.push_back(material.name);
+    deck_.problems.add(where,
+                       name.empty() ? "the section has no MATERIAL"
+                                    : "there is no material '" + shown(name) + "'" + did_you_mean(name, names),
+                       "", "define it by *MATERIAL, NAME=...");
+    broken_.insert(key);
+    return nullptr;
+  }
+  const Block* elastic = nullptr;
+  for (const auto& block : raw->second.blocks)
+    if (block.keyword.name == "ELASTIC") elastic = &block;
+  if (!elastic) {
+    deck_.problems.add(raw->second.where, "the material '" + shown(raw->second.name) + "' has no *ELASTIC",
+                       "a section uses it", "give Young's modulus and Poisson's ratio");
+    broken_.insert(key);
+    return nullptr;
+  }
+  Elastic& material = known_[key];
+  material.name = raw->second.name;
+  read(raw->second, material);
+  return &material;
+}
+
+void Materials::read(const RawDeck::Material& raw, Elastic& material) {
+  for (const auto& block : raw.blocks) {
+    if (block.keyword.name != "DENSITY") continue;
+    material.scalar.density = number_at(line_of(block, 0), 0, "density", deck_.problems).value_or(0.0);
+    if (block.lines.size() > 1)
+      deck_.notes.add(deck_.problems.location(block.keyword.where), "*DENSITY at several temperatures",
+                      "the first line is used");
+  }
+  for (const auto& block : raw.blocks)
+    if (block.keyword.name == "ELASTIC") read_elastic(block, material);
+}
+
+void Materials::read_elastic(const Block& block, Elastic& material) {
+  const std::string type = block.keyword.word("TYPE");
+  const auto values_of = [&](std::size_t count) {
+    auto values = all_numbers(block, 0, "an elastic constant", deck_.problems);
+    if (values.size() < count)
+      deck_.problems.add(block.keyword.where, "*ELASTIC has " + std::to_string(values.size()) + " constants",
+                         "its type has " + std::to_string(count), "mend the data");
+    // Behind a full row stands the temperature, and further rows for others; 8 stand in a line.
+    const std::size_t lines = (count + 7) / 8;
+    if (block.lines.size() > lines)
+      deck_.notes.add(deck_.problems.location(block.keyword.where), "*ELASTIC at several temperatures",
+                      "the first row is used");
+    values.resize(std::max(values.size(), count), 0.0);
+    return values;
+  };
+  if (block.keyword.has("MODULI") && block.keyword.word("MODULI") == "INSTANTANEOUS")
+    deck_.notes.add(deck_.problems.location(block.keyword.where), "*ELASTIC, MODULI=INSTANTANEOUS",
+                    "the instantaneous moduli are used");
+  material.isotropic = false;
+  if (type.empty() || type.starts_with("ISO")) {
+    material.isotropic = true;
+    const auto values = values_of(1);
+    material.scalar.youngs_modulus = values[0];
+    material.scalar.poissons_ratio = values.size() > 1 ? values[1] : 0.0;
+    material.sheet = sheet_of(material.scalar);
+    return;
+  }
+  if (type.starts_with("LAMINA")) {
+    const auto c = values_of(4);
+    const auto at = [&](std::size_t i) { return i < c.size() ? c[i] : 0.0; };
+    material.sheet = OrthotropicSheet{at(0), at(1), at(2), at(3), at(4), at(5), material.scalar.density};
+  } else if (type.starts_with("ENG")) {
+    material.solid = from_engineering_constants(values_of(9));
+  } else if (type.starts_with("ORTHO")) {
+    material.solid = from_stiffnesses(values_of(9), true);
+  } else if (type.starts_with("ANISO")) {
+    material.solid = from_stiffnesses(values_of(21), false);
+  } else {
+    deck_.problems.add(block.keyword.where, "*ELASTIC has TYPE=" + shown(type),
+                       "isotropic, engineering constants, lamina, orthotropic and anisotropic are read", "mend it");
+    return;
+  }
+  if (material.solid) {
+    if (Eigen::LLT<Matrix6>(*material.solid).info() != Eigen::Success)
+      material.solid.reset();
+    else if (!type.starts_with("ANISO"))
+      material.sheet = sheet_from(*material.solid, material.scalar.density);
+  }
+  if (!material.solid && !material.sheet)
+    deck_.problems.add(block.keyword.where, "the elastic constants of '" + shown(material.name) + "' are not positive",
+                       "a strained material holds energy", "check their order and values");
+  material.scalar.youngs_modulus = material.sheet   ? material.sheet->youngs_modulus_1
+                                   : material.solid ? material.solid->trace() / 6.0
+                                                    : 1.0;
+  material.scalar.poissons_ratio = 0.3;
+}
+
+std::map<std::string, IsotropicMaterial> Materials::used() const {
+  std::map<std::string, IsotropicMaterial> result;
+  for (const auto& [key, material] : known_) result[material.name] = material.scalar;
+  return result;
+}
+
+}  // namespace kalfem::abaqus

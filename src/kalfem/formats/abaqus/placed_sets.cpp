@@ -1,0 +1,186 @@
+#include <algorithm>
+
+#include "kalfem/formats/abaqus/fields.hpp"
+#include "kalfem/formats/abaqus/placed_deck.hpp"
+
+namespace kalfem::abaqus {
+
+namespace {
+constexpr std::size_t deepest_nesting = 200;
+}
+
+/// In the place itself, in the deck outside of instances, by the name of an instance, or in the only place that has
+/// one.
+PlacedDeck::Found PlacedDeck::find_set(Sets sets, const std::string& name, int start) const {
+  const std::string wanted = upper(name);
+  const auto in_place = [&](int index, const std::string& own) -> Found {
+    for (const Scope* scope : place(index).scopes)
+      if (const auto set = (scope->*sets).find(own); set != (scope->*sets).end()) return {&set->second, index};
+    return {};
+  };
+  if (const auto found = in_place(start, wanted); found.set) return found;
+  if (start != 0)
+    if (const auto found = in_place(0, wanted); found.set) return found;
+  for (auto dot = wanted.find('.'); dot != std::string::npos; dot = wanted.find('.', dot + 1))
+    if (const int index = place_named(std::string_view(wanted).substr(0, dot)); index >= 0)
+      if (const auto found = in_place(index, wanted.substr(dot + 1)); found.set) return found;
+  if (start != 0) return {};
+  Found only;
+  for (int index = 1; index < place_count(); ++index)
+    if (const auto found = in_place(index, wanted); found.set) {
+      if (only.set) return {};
+      only = found;
+    }
+  return only;
+}
+
+bool PlacedDeck::is_node_set(const std::string& name, int start) const {
+  return find_set(&Scope::node_sets, name, start).set != nullptr;
+}
+
+bool PlacedDeck::is_element_set(const std::string& name, int start) const {
+  return find_set(&Scope::element_sets, name, start).set != nullptr;
+}
+
+std::string PlacedDeck::spelled_set(const std::string& name, int start, bool of_nodes) const {
+  const auto found = find_set(of_nodes ? &Scope::node_sets : &Scope::element_sets, name, start);
+  return found.set ? place(found.place).full_name(found.set->name) : name;
+}
+
+std::vector<Index> PlacedDeck::node_list(const Reference& reference, int start) {
+  return list(&Scope::node_sets, reference, start);
+}
+
+std::vector<Index> PlacedDeck::element_list(const Reference& reference, int start) {
+  return list(&Scope::element_sets, reference, start);
+}
+
+std::vector<Index> PlacedDeck::list(Sets sets, const Reference& reference, int start) {
+  const bool of_nodes = sets == &Scope::node_sets;
+  if (const auto found = find_set(sets, reference.text, start); found.set) return flattened(sets, found, reference);
+  int index = start;
+  std::string own = reference.text;
+  for (auto dot = own.find('.'); dot != std::string::npos; dot = own.find('.', dot + 1))
+    if (const int named = place_named(std::string_view(own).substr(0, dot)); named >= 0) {
+      index = named;
+      own = own.substr(dot + 1);
+      break;
+    }
+  if (const auto label = to_integer(own)) {
+    if (const auto position = index_of(sets, index).find(*label); position >= 0) return {position};
+    problems.add(reference.where,
+                 std::string(of_nodes ? "node " : "element ") + shown(reference.text) + " does not exist", "",
+                 "mend the number");
+    return {};
+  }
+  problems.add(reference.where,
+               std::string("there is no set of ") + (of_nodes ? "nodes '" : "elements '") + shown(reference.text) +
+                   "'" + did_you_mean(reference.text, known_names(sets)),
+               "", "define it, or mend the name");
+  return {};
+}
+
+/// Members in their order, each once.
+const std::vector<Index>& PlacedDeck::flattened(Sets sets, const Found& found, const Reference& reference) {
+  static const std::vector<Index> none;
+  const std::pair key{found.set, found.place};
+  if (const auto known = flat_.find(key); known != flat_.end()) return known->second;
+  if (std::ranges::find(open_, key) != open_.end() || open_.size() >= deepest_nesting) {
+    problems.add(reference.where, "the set '" + shown(found.set->name) + "' contains itself",
+                 "sets must not hold one another in a ring", "take one out");
+    return none;
+  }
+  open_.push_back(key);
+  std::vector<Index> members;
+  for (const auto& piece : found.set->pieces) {
+    int index = found.place;
+    if (!piece.instance.empty()) {
+      index = place_named(piece.instance);
+      if (index < 0) {
+        problems.add(reference.where, "the set '" + shown(found.set->name) + "' is of the unknown instance '" +
+                                          shown(piece.instance) + "'");
+        continue;
+      }
+    }
+    append(sets, piece, index, members);
+  }
+  open_.pop_back();
+  std::vector<bool> seen(sets == &Scope::node_sets ? mesh.node_ids.size() : elements.size(), false);
+  std::erase_if(members, [&](Index member) {
+    const bool again = seen[static_cast<std::size_t>(member)];
+    seen[static_cast<std::size_t>(member)] = true;
+    return again;
+  });
+  return flat_.emplace(key, std::move(members)).first->second;
+}
+
+void PlacedDeck::append(Sets sets, const RawSet::Piece& piece, int index, std::vector<Index>& members) {
+  const bool of_nodes = sets == &Scope::node_sets;
+  const auto& positions = index_of(sets, index);
+  for (const auto label : piece.labels) {
+    if (const auto position = positions.find(label); position >= 0)
+      members.push_back(position);
+    else
+      notes.add(problems.location(piece.where),
+                std::string(of_nodes ? "nodes" : "elements") + " of sets that do not exist",
+                "they are left out of the sets");
+  }
+  for (const auto& range : piece.ranges) append_range(sets, range, index, members);
+  for (const auto& name : piece.names) {
+    const auto inner = list(sets, name, index);
+    members.insert(members.end(), inner.begin(), inner.end());
+  }
+  if (piece.of_elements) append_nodes_of(*piece.of_elements, index, members);
+}
+
+/// Numbers of a range that exist, by stepping through the range or through what exists, whichever is less.
+void PlacedDeck::append_range(Sets sets, const RawSet::Range& range, int index, std::vector<Index>& members) {
+  const bool of_nodes = sets == &Scope::node_sets;
+  const auto& positions = index_of(sets, index);
+  const std::size_t existing = of_nodes ? mesh.node_ids.size() : elements.size();
+  if (static_cast<std::uint64_t>((range.last - range.first) / range.step) <= 4 * existing + 1000) {
+    for (std::int64_t label = range.first; label <= range.last; label += range.step)
+      if (const auto position = positions.find(label); position >= 0) members.push_back(position);
+    return;
+  }
+  for (const Scope* scope : place(index).scopes) {
+    const auto take = [&](std::int64_t label) {
+      if (label >= range.first && label <= range.last && (label - range.first) % range.step == 0)
+        if (const auto position = positions.find(label); position >= 0) members.push_back(position);
+    };
+    if (of_nodes)
+      for (const auto label : scope->nodes.labels) take(label);
+    else
+      for (const auto& element : scope->elements) take(element.label);
+  }
+}
+
+void PlacedDeck::append_nodes_of(const Reference& element_set, int index, std::vector<Index>& members) {
+  std::vector<Index> nodes;
+  for (const Index element : element_list(element_set, index)) {
+    const auto& placed = elements[static_cast<std::size_t>(element)];
+    if (!nodes_of(placed, nodes)) continue;
+    if (placed.raw->extra_node >= 0) nodes.pop_back();
+    members.insert(members.end(), nodes.begin(), nodes.end());
+  }
+}
+
+std::vector<std::string> PlacedDeck::known_names(Sets sets) const {
+  std::vector<std::string> names;
+  for (const auto& place : places_)
+    for (const Scope* scope : place.scopes)
+      for (const auto& [key, set] : scope->*sets)
+        if (names.size() < 1000) names.push_back(place.full_name(set.name));
+  return names;
+}
+
+void PlacedDeck::store_node_sets() {
+  for (int index = 0; index < place_count(); ++index)
+    for (const Scope* scope : place(index).scopes)
+      for (const auto& [key, set] : scope->node_sets)
+        if (!set.internal)
+          mesh.node_sets[place(index).full_name(set.name)] =
+              flattened(&Scope::node_sets, {&set, index}, {set.name, {}});
+}
+
+}  // namespace kalfem::abaqus

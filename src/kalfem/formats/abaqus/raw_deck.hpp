@@ -1,0 +1,125 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kalfem/formats/abaqus/element_types.hpp"
+#include "kalfem/formats/abaqus/keyword.hpp"
+
+namespace kalfem::abaqus {
+
+/// The name of a set or the number of a node or element, as it stands in the deck.
+struct Reference {
+  std::string text;
+  Where where;
+};
+
+/// One data line, in fields.
+struct DataLine {
+  Where where;
+  std::vector<std::string> fields;
+
+  /// The field, "" behind the last one.
+  [[nodiscard]] const std::string& field(std::size_t index) const {
+    static const std::string none;
+    return index < fields.size() ? fields[index] : none;
+  }
+};
+
+/// A keyword with its data lines and the keywords that belong to it.
+struct Block {
+  Keyword keyword;
+  std::vector<DataLine> lines;
+  std::vector<Block> options = {};
+
+  [[nodiscard]] const Block* option(std::string_view name) const {
+    for (const auto& block : options)
+      if (block.keyword.name == name) return &block;
+    return nullptr;
+  }
+};
+
+/// A set as its pieces were given; what they name is looked up at the end.
+struct RawSet {
+  struct Range {
+    std::int64_t first, last, step;
+  };
+  struct Piece {
+    std::string instance;  ///< whose numbers they are; empty: those of the set's own scope
+    std::vector<std::int64_t> labels;
+    std::vector<Range> ranges;
+    std::vector<Reference> names;          ///< sets, or numbers with an instance
+    std::optional<Reference> of_elements;  ///< all nodes of this element set
+    Where where = {};
+  };
+  std::string name;  ///< as first spelled
+  bool internal = false;
+  std::vector<Piece> pieces;
+};
+
+/// Nodes as they stand in the deck, already in the axes of their scope.
+struct RawNodes {
+  std::vector<std::int64_t> labels;
+  std::vector<double> coordinates;  ///< 3 a node
+  std::vector<Where> places;
+};
+
+struct RawElement {
+  std::int64_t label = 0;
+  std::int64_t first = 0;  ///< position of its nodes
+  Where where;
+  int type = 0;         ///< position in RawDeck::types
+  int extra_node = -1;  ///< of a beam: position of the node that shows the direction 1, behind the others
+};
+
+/// A part, an instance's own data, or the whole deck beside its parts.
+struct Scope {
+  std::string name;
+  RawNodes nodes;
+  std::vector<RawElement> elements;
+  std::vector<std::int64_t> connectivity;   ///< numbers of nodes; -1 - i: named_nodes[i]
+  std::vector<Reference> named_nodes;       ///< "instance.number"
+  std::map<std::string, RawSet> node_sets;  ///< by name in capitals
+  std::map<std::string, RawSet> element_sets;
+  std::vector<Block> blocks;  ///< everything else, in its order
+};
+
+/// A part placed in the assembly.
+struct RawInstance {
+  std::string name;
+  std::string part;
+  Where where;
+  std::vector<DataLine> placement;  ///< at most a translation and a rotation
+  Scope own;
+};
+
+/// A deck as it was read, before names are looked up.
+struct RawDeck {
+  struct Type {
+    std::string name;
+    ElementType type;
+  };
+  struct Material {
+    std::string name;
+    Where where;
+    std::vector<Block> blocks;
+  };
+  struct Matrix {
+    std::string name;
+    Where where;
+    std::string stiffness, mass;  ///< texts of its files
+  };
+  Scope root;
+  std::map<std::string, Scope> parts;
+  std::vector<RawInstance> instances;
+  std::map<std::string, Material> materials;
+  std::vector<Matrix> matrices;
+  std::vector<Type> types;
+  bool from_abaqus = false;  ///< it has keywords that CalculiX does not know
+};
+
+}  // namespace kalfem::abaqus

@@ -1,0 +1,200 @@
+#include "kalfem/formats/abaqus/regions.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "kalfem/formats/abaqus/fields.hpp"
+
+namespace kalfem::abaqus {
+
+namespace {
+
+/// Whether a section keyword gives properties to elements of a family.
+bool fits(const std::string& keyword, Family family) {
+  if (keyword == "SHELLSECTION" || keyword == "SHELLGENERALSECTION") return family == Family::shell;
+  if (keyword == "MEMBRANESECTION") return family == Family::membrane;
+  if (keyword == "SOLIDSECTION")
+    return family == Family::solid || family == Family::truss || family == Family::membrane;
+  return family == Family::beam || family == Family::truss;  // CalculiX gives trusses beam sections
+}
+
+const char* section_for(Family family) {
+  switch (family) {
+    case Family::shell:
+      return "*SHELL SECTION";
+    case Family::membrane:
+      return "*MEMBRANE SECTION";
+    case Family::beam:
+      return "*BEAM SECTION";
+    default:
+      return "*SOLID SECTION";
+  }
+}
+
+/// Sections in their order; of those over the same element the last one holds.
+std::vector<PlacedBlock> assign_sections(PlacedDeck& deck) {
+  static const std::set<std::string, std::less<>> keywords = {
+      "SHELLSECTION", "SHELLGENERALSECTION", "MEMBRANESECTION", "SOLIDSECTION", "BEAMSECTION", "BEAMGENERALSECTION"};
+  std::vector<PlacedBlock> sections;
+  for (int place = 0; place < deck.place_count(); ++place)
+    for (const Scope* scope : deck.place(place).scopes)
+      for (const auto& block : scope->blocks)
+        if (keywords.contains(block.keyword.name)) sections.push_back({&block, place});
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    const Keyword& keyword = sections[i].block->keyword;
+    if (keyword.get("ELSET").empty()) {
+      deck.problems.add(keyword.where, keyword.title + " has no ELSET", "it must name the elements",
+                        "give ELSET=<name>");
+      continue;
+    }
+    for (const Index index : deck.element_list({keyword.get("ELSET"), keyword.where}, sections[i].place)) {
+      auto& element = deck.elements[static_cast<std::size_t>(index)];
+      if (!fits(keyword.name, deck.type_of(element).family)) continue;
+      if (element.section >= 0)
+        deck.notes.add(deck.problems.location(keyword.where), "elements with two sections",
+                       "the later section is used");
+      element.section = static_cast<int>(i);
+    }
+  }
+  return sections;
+}
+
+/// Shape and nodes of the cell: quadrilaterals and hexahedra with a side of no length become triangles and wedges.
+CellShape cell_shape(const ElementType& type, std::vector<Index>& nodes) {
+  if (type.shape == CellShape::line3) std::swap(nodes[1], nodes[2]);  // the deck has the middle between the ends
+  if (type.shape == CellShape::quadrilateral4)
+    for (std::size_t i = 0; i < 4; ++i)
+      if (nodes[i] == nodes[(i + 1) % 4]) {
+        nodes.erase(nodes.begin() + static_cast<std::ptrdiff_t>(i));
+        return CellShape::triangle3;
+      }
+  if (type.shape == CellShape::hexahedron8 && nodes[2] == nodes[3] && nodes[6] == nodes[7]) {
+    nodes = {nodes[0], nodes[1], nodes[2], nodes[4], nodes[5], nodes[6]};
+    return CellShape::wedge6;
+  }
+  return type.shape;
+}
+
+void report_without_section(PlacedDeck& deck, const PlacedElement& element, std::set<std::string>& told) {
+  if (!told.insert(deck.type_name(element)).second) return;
+  std::size_t count = 0;
+  for (const auto& other : deck.elements)
+    if (other.section < 0 && deck.type_name(other) == deck.type_name(element)) ++count;
+  deck.problems.add(element.raw->where,
+                    std::to_string(count) + " element(s) of type " + deck.type_name(element) +
+                        " have no section, the first is " + deck.element_name(element),
+                    "every element needs its properties",
+                    std::string("put them into the ELSET of a ") + section_for(deck.type_of(element).family));
+}
+
+/// How elements of one section are told apart.
+struct Variant {
+  Family family;
+  SolidKind kind;
+  bool shear_rigid;
+  friend auto operator<=>(const Variant&, const Variant&) = default;
+};
+
+/// Abaqus integrates the volume change of C3D8 once for the element, CalculiX does not.
+SolidKind kind_in_dialect(const RawDeck& raw, PlacedDeck& deck, const PlacedElement& element) {
+  const auto& type = deck.type_of(element);
+  if (type.kind != SolidKind::mean_dilatation) return type.kind;
+  const auto where = deck.problems.location(element.raw->where);
+  if (raw.from_abaqus) {
+    deck.notes.add(where, "element type C3D8",
+                   "as Abaqus has it (one volume change an element), since the deck has keywords of Abaqus");
+    return SolidKind::mean_dilatation;
+  }
+  deck.notes.add(where, "element type C3D8", "as CalculiX has it (plain); C3D8I bends without locking");
+  return SolidKind::full;
+}
+
+}  // namespace
+
+std::string free_region_name(const FiniteElementModel& model, const std::string& name) {
+  std::string candidate = name;
+  for (int i = 2; model.mesh.regions.contains(candidate); ++i) candidate = name + "." + std::to_string(i);
+  return candidate;
+}
+
+Eigen::Vector3d centre_of(const Mesh& mesh, Index cell) {
+  const auto& item = mesh.cells[static_cast<std::size_t>(cell)];
+  const auto nodes = mesh.nodes_of(item).first(static_cast<std::size_t>(corner_count(item.shape)));
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Index node : nodes) sum += mesh.nodes.col(node);
+  return sum / static_cast<double>(nodes.size());
+}
+
+Eigen::Vector3d normal_of(const Mesh& mesh, Index cell) {
+  const auto& item = mesh.cells[static_cast<std::size_t>(cell)];
+  const auto nodes = mesh.nodes_of(item);
+  const bool four = corner_count(item.shape) == 4;
+  const Eigen::Vector3d first = mesh.nodes.col(nodes[four ? 2 : 1]) - mesh.nodes.col(nodes[0]);
+  const Eigen::Vector3d second = mesh.nodes.col(nodes[four ? 3 : 2]) - mesh.nodes.col(nodes[four ? 1 : 0]);
+  return first.cross(second).normalized();
+}
+
+void build_regions(const RawDeck& raw, PlacedDeck& deck, Materials& materials, FiniteElementModel& model) {
+  const auto sections = assign_sections(deck);
+  Mesh& mesh = model.mesh;
+  std::vector<RegionDraft> drafts;
+  std::map<std::pair<int, Variant>, std::size_t> draft_of;
+  std::set<std::string> told;
+  std::vector<Index> nodes;
+  mesh.cells.reserve(deck.elements.size());
+  int last_section = -1, last_type = -1;
+  std::size_t last_draft = 0;
+  for (std::size_t i = 0; i < deck.elements.size(); ++i) {
+    auto& element = deck.elements[i];
+    const auto& type = deck.type_of(element);
+    if (!is_cell(type.family) && type.family != Family::truss) continue;
+    if (element.section < 0) {
+      report_without_section(deck, element, told);
+      continue;
+    }
+    if (element.section != last_section || element.raw->type != last_type) {
+      const Variant variant{type.family, type.family == Family::solid ? kind_in_dialect(raw, deck, element) : type.kind,
+                            type.shear_rigid};
+      const auto [place, is_new] = draft_of.try_emplace({element.section, variant}, drafts.size());
+      if (is_new) {
+        const auto& section = sections[static_cast<std::size_t>(element.section)];
+        drafts.push_back({deck.spelled_set(section.block->keyword.get("ELSET"), section.place, false),
+                          section,
+                          {},
+                          {},
+                          variant.family,
+                          variant.kind,
+                          variant.shear_rigid});
+      }
+      last_draft = place->second;
+      last_section = element.section;
+      last_type = element.raw->type;
+    }
+    auto& draft = drafts[last_draft];
+    if (is_cell(type.family)) {
+      if (!deck.nodes_of(element, nodes)) continue;
+      if (element.raw->extra_node >= 0) nodes.pop_back();
+      const CellShape shape = cell_shape(type, nodes);
+      element.cell = mesh.add_cell(shape, element.raw->label + deck.place(element.place).raised_by, nodes);
+      draft.cells.push_back(element.cell);
+    }
+    draft.elements.push_back(static_cast<Index>(i));
+  }
+  for (const auto& draft : drafts) switch (draft.family) {
+      case Family::shell:
+      case Family::membrane:
+        add_shell_region(deck, materials, draft, model);
+        break;
+      case Family::beam:
+        add_beam_region(deck, materials, draft, model);
+        break;
+      case Family::solid:
+        add_solid_region(deck, materials, draft, model);
+        break;
+      default:
+        add_trusses(deck, materials, draft, model);
+        break;
+    }
+}
+
+}  // namespace kalfem::abaqus

@@ -1,0 +1,182 @@
+#include "kalfem/formats/abaqus/supports.hpp"
+
+#include <algorithm>
+
+#include "kalfem/formats/abaqus/fields.hpp"
+#include "kalfem/formats/abaqus/numbers.hpp"
+#include "kalfem/formats/abaqus/orientations.hpp"
+
+namespace kalfem::abaqus {
+
+namespace {
+
+using Directions = Kinematics::Directions;
+
+const std::map<std::string, Directions, std::less<>>& named_supports() {
+  static const std::map<std::string, Directions, std::less<>> supports = {
+      {"ENCASTRE", {true, true, true, true, true, true}},  {"PINNED", {true, true, true, false, false, false}},
+      {"XSYMM", {true, false, false, false, true, true}},  {"YSYMM", {false, true, false, true, false, true}},
+      {"ZSYMM", {false, false, true, true, true, false}},  {"XASYMM", {false, true, true, true, false, false}},
+      {"YASYMM", {true, false, true, false, true, false}}, {"ZASYMM", {true, true, false, false, false, true}}};
+  return supports;
+}
+
+/// One line of *BOUNDARY.
+struct Support {
+  std::string name;
+  std::vector<Index> nodes;
+  Directions directions{};
+};
+
+std::optional<Directions> read_directions(PlacedDeck& deck, const DataLine& line) {
+  if (const auto named = named_supports().find(upper(line.field(1))); named != named_supports().end())
+    return named->second;
+  const auto first = to_integer(line.field(1));
+  const auto last = line.field(2).empty() ? first : to_integer(line.field(2));
+  if (!first || !last || *first < 1 || *last < *first) {
+    deck.problems.add(
+        line.where, "the directions '" + shown(line.field(1)) + "', '" + shown(line.field(2)) + "' cannot be read",
+        "*BOUNDARY takes a node or set, the first and the last direction (1 to 6), or ENCASTRE, PINNED, XSYMM ...",
+        "mend the line");
+    return {};
+  }
+  if (*last > 6)
+    deck.notes.add(deck.problems.location(line.where), "*BOUNDARY of directions above 6",
+                   "pressures, temperatures and warping are no part of the model");
+  Directions directions{};
+  for (std::int64_t d = *first; d <= std::min<std::int64_t>(6, *last); ++d)
+    directions[static_cast<std::size_t>(d - 1)] = true;
+  return directions;
+}
+
+/// Terms of a direction of a node, in its own axes where it has some.
+void append_direction(const NodeAxes& axes, Index node, int direction, double factor, Kinematics::Terms& terms) {
+  const auto own = axes.find(node);
+  if (own == axes.end()) {
+    terms.push_back({{node, direction}, factor});
+    return;
+  }
+  const int block = direction < 3 ? 0 : 3;
+  for (int a = 0; a < 3; ++a)
+    if (const double share = own->second(a, direction - block); share != 0.0)
+      terms.push_back({{node, block + a}, factor * share});
+}
+
+}  // namespace
+
+NodeAxes read_transforms(PlacedDeck& deck) {
+  NodeAxes result;
+  for (const auto& at : deck.blocks("TRANSFORM")) {
+    const LocalAxes axes = transform_axes(deck, at);
+    for (const Index node : deck.node_list({at.block->keyword.get("NSET"), at.block->keyword.where}, at.place)) {
+      const Eigen::Matrix3d local = axes.at(deck.mesh.nodes.col(node));
+      if (!local.isIdentity(1e-14)) result[node] = local;
+    }
+  }
+  return result;
+}
+
+void read_boundaries(PlacedDeck& deck, const NodeAxes& axes, Kinematics& motions) {
+  std::vector<Support> supports;
+  bool lifted = false;
+  for (const auto& at : deck.blocks("BOUNDARY")) {
+    const Keyword& keyword = at.block->keyword;
+    if (keyword.has("INSTEP") && keyword.word("OP") == "NEW" && !lifted) {
+      supports.clear();
+      lifted = true;
+    }
+    if (keyword.has("SUBMODEL"))
+      deck.notes.add(deck.problems.location(keyword.where), "*BOUNDARY, SUBMODEL", "the driven nodes count as held");
+    for (const auto& line : at.block->lines) {
+      const auto directions = keyword.has("SUBMODEL") && line.fields.size() < 2
+                                  ? std::optional<Directions>(Directions{true, true, true, false, false, false})
+                                  : read_directions(deck, line);
+      if (!directions) continue;
+      if (const auto value = to_number(line.field(3)); value && *value != 0.0)
+        deck.notes.add(deck.problems.location(line.where), "*BOUNDARY with a value",
+                       "a prescribed motion counts as held");
+      const bool by_name = deck.is_node_set(line.field(0), at.place);
+      supports.push_back({by_name ? deck.spelled_set(line.field(0), at.place, true) : "boundary",
+                          deck.node_list({line.field(0), line.where}, at.place), *directions});
+    }
+  }
+  std::unordered_map<Index, std::pair<std::string, Directions>> turned;  // held at once, in their own axes
+  for (const auto& support : supports)
+    for (const Index node : support.nodes) {
+      const auto own = axes.find(node);
+      if (own != axes.end()) {
+        auto& [name, held] = turned.try_emplace(node, support.name, Directions{}).first->second;
+        for (std::size_t d = 0; d < 6; ++d) held[d] = held[d] || support.directions[d];
+        continue;
+      }
+      for (int d = 0; d < 6; ++d)
+        if (support.directions[static_cast<std::size_t>(d)]) motions.hold(support.name, node, d);
+    }
+  for (const auto& [node, held] : turned) motions.hold(held.first, node, axes.at(node), held.second);
+}
+
+/// The number of terms, then node or set, direction and coefficient of each; sets of the same size go side by side.
+void read_equations(PlacedDeck& deck, const NodeAxes& axes, Kinematics& motions) {
+  struct Term {
+    std::vector<Index> nodes;
+    int direction;
+    double coefficient;
+  };
+  for (const auto& at : deck.blocks("EQUATION")) {
+    const auto& lines = at.block->lines;
+    for (std::size_t i = 0; i < lines.size();) {
+      const DataLine& start = lines[i];
+      const auto count = to_integer(start.field(0));
+      if (!count || *count < 1 || *count > 1000000 || start.fields.size() > 1) {
+        deck.problems.add(start.where, "'" + shown(start.field(0)) + "' is no number of terms",
+                          "an equation begins with a line that has the number of its terms alone", "mend the line");
+        break;
+      }
+      std::vector<Term> terms;
+      bool good = true;
+      for (++i; i < lines.size() && terms.size() < static_cast<std::size_t>(*count); ++i)
+        for (std::size_t field = 0; field < lines[i].fields.size() && terms.size() < static_cast<std::size_t>(*count);
+             field += 3) {
+          const auto direction = to_integer(lines[i].field(field + 1));
+          const auto coefficient = number_at(lines[i], field + 2, "a coefficient", deck.problems);
+          if (!direction || *direction < 1 || *direction > 6) {
+            deck.problems.add(lines[i].where, "'" + shown(lines[i].field(field + 1)) + "' is no direction",
+                              "*EQUATION takes node or set, direction (1 to 6) and coefficient", "mend the line");
+            good = false;
+          }
+          good = good && coefficient.has_value();
+          terms.push_back({deck.node_list({lines[i].field(field), lines[i].where}, at.place),
+                           direction ? static_cast<int>(std::clamp<std::int64_t>(*direction, 1, 6)) - 1 : 0,
+                           coefficient.value_or(0.0)});
+          good = good && !terms.back().nodes.empty();
+        }
+      if (terms.size() < static_cast<std::size_t>(*count)) {
+        deck.problems.add(
+            start.where,
+            "the equation has " + std::to_string(terms.size()) + " of " + std::to_string(*count) + " terms",
+            "the deck ends before the others", "mend the number or add the terms");
+        break;
+      }
+      if (!good) continue;
+      const std::size_t size = terms.front().nodes.size();
+      for (const auto& term : terms)
+        if (term.nodes.size() != size && term.nodes.size() != 1) {
+          deck.problems.add(start.where, "the sets of the equation have different numbers of nodes",
+                            "they are taken side by side", "use sets of the same size, or single nodes");
+          good = false;
+        }
+      for (std::size_t k = 0; good && k < size; ++k) {
+        Kinematics::Terms equation;
+        for (const auto& term : terms)
+          append_direction(axes, term.nodes.size() == 1 ? term.nodes.front() : term.nodes[k], term.direction,
+                           term.coefficient, equation);
+        const Index first = terms.front().nodes[k];
+        const auto dependent =
+            axes.contains(first) ? std::nullopt : std::optional(NodalDof{first, terms.front().direction});
+        motions.add_equation("equation." + std::to_string(start.where.line), std::move(equation), dependent);
+      }
+    }
+  }
+}
+
+}  // namespace kalfem::abaqus

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace kalfem {
+
+/// Whether the bytes begin as a gzip file does.
+bool is_gzip(std::string_view bytes);
+
+/// Content of a gzip file (of one or several members) or of a zlib stream [RFC 1950, RFC 1952]. `source` names it in
+/// messages. Throws InvalidInput where it is damaged, cut off, or longer than `most` bytes.
+std::string uncompressed(std::string_view bytes, const std::string& source, std::size_t most = std::size_t{1} << 33);
+
+}  // namespace kalfem

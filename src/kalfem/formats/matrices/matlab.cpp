@@ -1,0 +1,171 @@
+// MATLAB files of the versions 5 to 7 [MAT5]: elements of a tag (type, bytes) and data, padded to 8 bytes; a small
+// element has its data in the tag. An array holds flags, dimensions, name and numbers, a sparse one row indices and
+// column starts before them. Compressed elements are zlib streams. Arrays of other kinds (cells, structures, text) are
+// passed over.
+
+#include "kalfem/formats/gzip.hpp"
+#include "kalfem/formats/matrices/bytes.hpp"
+#include "kalfem/formats/matrices/readers.hpp"
+
+namespace kalfem {
+namespace {
+
+constexpr std::uint32_t array_element = 14, compressed_element = 15;
+constexpr int sparse_array = 5, double_array = 6, last_number_array = 15;
+constexpr std::uint32_t complex_flag = 0x0800;
+
+struct Element {
+  std::uint32_t type = 0;
+  std::string_view data;
+};
+
+Element next_element(ByteReader& reader) {
+  const auto first = reader.read<std::uint32_t>();
+  if (first >> 16) {
+    const std::size_t size = first >> 16;
+    const std::string_view four = reader.take(4);
+    if (size > 4) reader.refuse("a small element is larger than its tag");
+    return {first & 0xffff, four.substr(0, size)};
+  }
+  const auto size = reader.read<std::uint32_t>();
+  const Element element{first, reader.take(size)};
+  if (first != compressed_element) reader.take(std::min<std::size_t>((8 - size % 8) % 8, reader.remaining()));
+  return element;
+}
+
+double number(ByteReader& reader, std::uint32_t type) {
+  switch (type) {
+    case 1:
+      return reader.read<std::int8_t>();
+    case 2:
+      return reader.read<std::uint8_t>();
+    case 3:
+      return reader.read<std::int16_t>();
+    case 4:
+      return reader.read<std::uint16_t>();
+    case 5:
+      return reader.read<std::int32_t>();
+    case 6:
+      return reader.read<std::uint32_t>();
+    case 7:
+      return static_cast<double>(reader.read<float>());
+    case 9:
+      return reader.read<double>();
+    case 12:
+      return static_cast<double>(reader.read<std::int64_t>());
+    case 13:
+      return static_cast<double>(reader.read<std::uint64_t>());
+    default:
+      reader.refuse("numbers of type " + std::to_string(type) + " are not known");
+  }
+}
+
+class MatlabReader {
+public:
+  MatlabReader(std::string_view bytes, const std::string& source)
+      : file_(bytes, source, bytes.size() > 127 && bytes[126] == 'M') {
+    file_.go_to(128);
+  }
+
+  std::vector<ForeignMatrix> read() {
+    while (!file_.at_end()) take(next_element(file_));
+    if (matrices_.empty())
+      file_.refuse("the file holds no matrix of real numbers" + passed_over(), "full or sparse matrices are needed",
+                   "save stiffness and mass as variables of their own");
+    return std::move(matrices_);
+  }
+
+private:
+  void take(const Element& element) {
+    if (element.type == compressed_element) {
+      const std::string content = uncompressed(element.data, file_.file());
+      ByteReader inside(content, file_.file(), file_.big_endian());
+      const Element array = next_element(inside);
+      if (array.type == array_element) read_array(array.data);
+    } else if (element.type == array_element) {
+      read_array(element.data);
+    }
+  }
+
+  void read_array(std::string_view data) {
+    ByteReader reader(data, file_.file(), file_.big_endian());
+    ByteReader flag_data = inside(next_element(reader));
+    const auto flags = flag_data.read<std::uint32_t>();
+    const int kind = static_cast<int>(flags & 0xff);
+    const auto lengths = whole_numbers(next_element(reader));
+    const std::string name(next_element(reader).data);
+    if (kind < sparse_array || kind > last_number_array || lengths.size() != 2) {
+      if (!name.empty()) others_.push_back(name);
+      return;
+    }
+    if (flags & complex_flag)
+      file_.refuse("matrix '" + name + "' is complex", "the structures here are real",
+                   "save stiffness and damping as real matrices");
+    if (lengths[0] == 0 || lengths[1] == 0) return;
+    MatrixEntries entries(file_.file(), name, lengths[0], lengths[1], file_.size() + data.size());
+    if (kind == sparse_array)
+      read_sparse(reader, entries, lengths);
+    else
+      read_full(reader, entries, lengths);
+    matrices_.push_back(entries.finish(Storage::full));
+  }
+
+  void read_full(ByteReader& reader, MatrixEntries& entries, const std::vector<std::int64_t>& lengths) {
+    const Element values = next_element(reader);
+    ByteReader numbers = inside(values);
+    for (std::int64_t column = 0; column < lengths[1]; ++column)
+      for (std::int64_t row = 0; row < lengths[0]; ++row)
+        if (const double value = number(numbers, values.type); value != 0.0) entries.add(row, column, value);
+  }
+
+  void read_sparse(ByteReader& reader, MatrixEntries& entries, const std::vector<std::int64_t>& lengths) {
+    const auto rows = whole_numbers(next_element(reader)), starts = whole_numbers(next_element(reader));
+    const Element values = next_element(reader);
+    ByteReader numbers = inside(values);
+    if (static_cast<std::int64_t>(starts.size()) != lengths[1] + 1 || starts.front() != 0)
+      file_.refuse("a sparse matrix of " + std::to_string(lengths[1]) + " columns has " +
+                   std::to_string(starts.size()) + " starts of columns");
+    for (std::int64_t column = 0; column < lengths[1]; ++column) {
+      const std::int64_t begin = starts[static_cast<std::size_t>(column)],
+                         end = starts[static_cast<std::size_t>(column) + 1];
+      if (begin > end || end > static_cast<std::int64_t>(rows.size()))
+        file_.refuse("the starts of the columns of a sparse matrix do not rise");
+      for (std::int64_t i = begin; i < end; ++i)
+        entries.add(rows[static_cast<std::size_t>(i)], column, number(numbers, values.type));
+    }
+  }
+
+  [[nodiscard]] ByteReader inside(const Element& element) const {
+    return {element.data, file_.file(), file_.big_endian()};
+  }
+
+  [[nodiscard]] std::vector<std::int64_t> whole_numbers(const Element& element) const {
+    ByteReader reader = inside(element);
+    std::vector<std::int64_t> numbers;
+    while (!reader.at_end()) {
+      const double value = number(reader, element.type);
+      if (!(value >= 0.0 && value < 9e15)) file_.refuse("a size or an index is no whole number");
+      numbers.push_back(static_cast<std::int64_t>(value));
+    }
+    return numbers;
+  }
+
+  [[nodiscard]] std::string passed_over() const {
+    if (others_.empty()) return {};
+    std::string text = ", only";
+    for (const auto& name : others_) text += " '" + name + "'";
+    return text;
+  }
+
+  ByteReader file_;
+  std::vector<ForeignMatrix> matrices_;
+  std::vector<std::string> others_;
+};
+
+}  // namespace
+
+std::vector<ForeignMatrix> parse_matlab(std::string_view bytes, const std::string& source) {
+  return MatlabReader(bytes, source).read();
+}
+
+}  // namespace kalfem

@@ -1,0 +1,166 @@
+// OUTPUT4 as text: a header line (columns, rows, form, type, name, format of the numbers), then for each column that is
+// not empty a line (column, first row, words) and its numbers in fields of the given width; first row 0: strings of
+// non-zeros follow, each with a header line (row + 65536 (words + 1), or words + 1 and row). A column beyond the last
+// ends the matrix.
+
+#include <algorithm>
+#include <array>
+
+#include "kalfem/formats/matrices/op4.hpp"
+#include "kalfem/formats/matrices/readers.hpp"
+
+namespace kalfem {
+namespace {
+
+std::string_view blankless(std::string_view text) {
+  const std::size_t begin = text.find_first_not_of(" \t");
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
+}
+
+std::string_view cut(std::string_view text, std::size_t begin, std::size_t width) {
+  return begin < text.size() ? blankless(text.substr(begin, width)) : std::string_view{};
+}
+
+struct NumberFields {
+  std::size_t per_line = 5, width = 16;
+};
+
+struct TextHeader {
+  Op4Header matrix;
+  NumberFields fields;
+};
+
+/// "1P,3E23.16" or "5E16.9": numbers a line and their width; nothing where it is neither.
+std::optional<NumberFields> number_fields(std::string_view format) {
+  std::string text = lower_case(format);
+  if (const std::size_t comma = text.find(','); comma != std::string::npos) text.erase(0, comma + 1);
+  const std::size_t letter = text.find_first_of("edfg");
+  if (letter == std::string::npos) return {};
+  const auto count = whole_number(std::string_view(text).substr(0, letter));
+  const std::size_t dot = std::min(text.find('.', letter), text.size());
+  const auto width = whole_number(std::string_view(text).substr(letter + 1, dot - letter - 1));
+  if (!count || !width || *count < 1 || *width < 1 || *count > 1000 || *width > 60) return {};
+  return NumberFields{static_cast<std::size_t>(*count), static_cast<std::size_t>(*width)};
+}
+
+std::optional<TextHeader> header_of(std::string_view line) {
+  const bool wide = blankless(line).ends_with("|I16");
+  const std::size_t size_width = wide ? 16 : 8, form_at = 2 * size_width;
+  const auto columns = whole_number(cut(line, 0, size_width)), rows = whole_number(cut(line, size_width, size_width));
+  const auto form = whole_number(cut(line, form_at, 8)), type = whole_number(cut(line, form_at + 8, 8));
+  if (!columns || !rows || !form || !type) return {};
+  TextHeader header{{*columns, *rows, *form, *type, std::string(cut(line, form_at + 16, 8))}, {}};
+  std::string_view format = cut(line, form_at + 24, 40);
+  if (wide) format.remove_suffix(4);
+  if (format.empty()) return header;
+  const auto fields = number_fields(format);
+  if (!fields) return {};
+  header.fields = *fields;
+  return header;
+}
+
+class TextReader {
+public:
+  TextReader(std::string_view text, const std::string& source) : lines_(text), bytes_(text.size()), source_(source) {}
+
+  std::vector<ForeignMatrix> read() {
+    std::vector<ForeignMatrix> matrices;
+    while (const auto line = lines_.next()) {
+      if (blankless(*line).empty()) continue;
+      const auto header = header_of(*line);
+      if (!header)
+        refuse("the line is no header of an OUTPUT4 matrix", "columns, rows, form, type, name and a format are needed");
+      matrices.push_back(read_matrix(*header, matrices.size()));
+    }
+    if (matrices.empty()) refuse("the file holds no matrix", "an OUTPUT4 file is expected");
+    return matrices;
+  }
+
+private:
+  ForeignMatrix read_matrix(TextHeader header, std::size_t before) {
+    if (header.matrix.name.empty()) header.matrix.name = "matrix" + std::to_string(before + 1);
+    MatrixEntries entries = op4_entries(header.matrix, source_, bytes_, lines_.number());
+    for (auto column = column_header(); column[0] <= header.matrix.columns; column = column_header()) {
+      if (column[1] > 0)
+        read_numbers(entries, header, column[1] - 1, column[0] - 1, column[2]);
+      else
+        read_strings(entries, header, column[0] - 1, column[2]);
+    }
+    next_line();  // the last column holds one number without meaning
+    return op4_matrix(header.matrix, entries);
+  }
+
+  std::array<std::int64_t, 3> column_header() {
+    const std::string_view line = next_line();
+    std::array<std::int64_t, 3> numbers{};
+    const auto words = number_words(line);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto value = whole_number(words.size() == 3 ? words[i] : cut(line, 8 * i, 8));
+      if (!value) refuse("the line is no header of a column", "column, first row and number of words are needed");
+      numbers[i] = *value;
+    }
+    if (numbers[0] < 1 || numbers[1] < 0 || numbers[2] < 0)
+      refuse("the header of a column holds a number that is too small", "columns and rows count from 1");
+    return numbers;
+  }
+
+  void read_strings(MatrixEntries& entries, const TextHeader& header, std::int64_t column, std::int64_t words) {
+    const std::int64_t words_per_value = header.matrix.type == 1 ? 1 : 2;
+    while (words > 0) {
+      const auto numbers = number_words(next_line());
+      const auto first = numbers.empty() ? std::nullopt : whole_number(numbers[0]);
+      const auto second = numbers.size() < 2 ? std::nullopt : whole_number(numbers[1]);
+      if (!first || numbers.size() > 2 || (numbers.size() == 2 && !second))
+        refuse("the line is no header of a string of non-zeros", "one or two whole numbers are needed");
+      const Op4String string = second ? Op4String{*second - 1, *first - 1} : op4_short_string(*first);
+      if (string.words < 1 || string.row < 0) refuse("a string of non-zeros is empty", "it needs a row and a length");
+      words -= string.words + (second ? 2 : 1);
+      read_numbers(entries, header, string.row, column, string.words / words_per_value);
+    }
+  }
+
+  void read_numbers(MatrixEntries& entries, const TextHeader& header, std::int64_t row, std::int64_t column,
+                    std::int64_t count) {
+    std::string_view line;
+    for (std::int64_t i = 0; i < count; ++i) {
+      const std::size_t place = static_cast<std::size_t>(i) % header.fields.per_line;
+      if (place == 0) line = next_line();
+      const std::string_view field = cut(line, place * header.fields.width, header.fields.width);
+      const auto value = fortran_number(field);
+      if (!value)
+        refuse("'" + std::string(field) + "' is no number",
+               "an entry of matrix '" + header.matrix.name + "' is needed");
+      entries.add(row + i, column, *value, lines_.number());
+    }
+  }
+
+  std::string_view next_line() {
+    const auto line = lines_.next();
+    if (!line) refuse("the file ends within a matrix", "it is cut off or damaged", "write the file again");
+    return *line;
+  }
+
+  [[noreturn]] void refuse(std::string what, std::string why, std::string fix = {}) const {
+    refuse_matrix(source_, lines_.number(), std::move(what), std::move(why), std::move(fix));
+  }
+
+  LineReader lines_;
+  std::size_t bytes_;
+  const std::string& source_;
+};
+
+}  // namespace
+
+bool looks_like_op4_text(std::string_view text) {
+  LineReader lines(text);
+  const auto line = lines.next();
+  const auto header = line ? header_of(*line) : std::nullopt;
+  return header && !header->matrix.name.empty() && header->matrix.columns > 0;
+}
+
+std::vector<ForeignMatrix> parse_op4_text(std::string_view text, const std::string& source) {
+  return TextReader(text, source).read();
+}
+
+}  // namespace kalfem

@@ -1,0 +1,184 @@
+// *USER ELEMENT, LINEAR with *MATRIX, TYPE=STIFFNESS or MASS: the substructures of Abaqus and CalculiX as they write
+// them with *SUBSTRUCTURE MATRIX OUTPUT. The nodes stand in comments below "** ELEMENT NODES"; data lines of *USER
+// ELEMENT give the directions of the first node, and then "position, directions" where they change; a symmetric matrix
+// is given column by column down to its diagonal.
+
+#include <algorithm>
+
+#include "kalfem/formats/matrices/entries.hpp"
+#include "kalfem/formats/matrices/readers.hpp"
+
+namespace kalfem {
+namespace {
+
+class UserElementReader {
+public:
+  UserElementReader(std::string_view text, const std::string& source)
+      : lines_(text), bytes_(text.size()), source_(source) {}
+
+  std::vector<ForeignMatrix> read() {
+    while (const auto line = lines_.next()) {
+      if (line->starts_with("**")) {
+        comment(line->substr(2));
+      } else if (line->starts_with('*')) {
+        keyword(*line);
+      } else if (const auto words = number_words(*line); !words.empty()) {
+        data(words);
+      }
+    }
+    finish_matrix();
+    if (matrices_.empty()) refuse("the file holds no matrix", "*MATRIX, TYPE=STIFFNESS or TYPE=MASS is needed");
+    return std::move(matrices_);
+  }
+
+private:
+  enum class Block { none, element, matrix };
+
+  void comment(std::string_view text) {
+    if (lower_case(text).find("element nodes") != std::string::npos) {
+      in_nodes_ = true;
+      nodes_.clear();
+      return;
+    }
+    if (!in_nodes_) return;
+    std::vector<std::int64_t> numbers;
+    for (const auto word : number_words(text)) {
+      const auto number = whole_number(word);
+      if (!number) {
+        in_nodes_ = false;
+        return;
+      }
+      numbers.push_back(*number);
+    }
+    nodes_.insert(nodes_.end(), numbers.begin(), numbers.end());
+  }
+
+  void keyword(std::string_view line) {
+    finish_matrix();
+    in_nodes_ = false;
+    std::string text = lower_case(line);
+    std::erase_if(text, [](char c) { return c == ' ' || c == '\t'; });
+    block_ = Block::none;
+    if (text.starts_with("*userelement")) {
+      block_ = Block::element;
+      changes_.clear();
+      nodes_.clear();
+      const std::size_t at = text.find(",nodes=");
+      const auto count = at == std::string::npos
+                             ? std::nullopt
+                             : whole_number(std::string_view(text).substr(at + 7, text.find(',', at + 7) - at - 7));
+      if (!count || *count < 1 || *count > static_cast<std::int64_t>(bytes_))
+        refuse("*USER ELEMENT does not say how many nodes it has", "NODES= is needed");
+      count_ = static_cast<std::size_t>(*count);
+      unsymmetric_ = text.find(",unsymm") != std::string::npos;
+    } else if (text.starts_with("*matrix,")) {
+      block_ = Block::matrix;
+      const std::size_t at = text.find("type=");
+      name_ = at == std::string::npos ? "matrix" : text.substr(at + 5, text.find(',', at) - at - 5);
+      dofs_ = element_dofs();
+    }
+  }
+
+  void data(const std::vector<std::string_view>& words) {
+    in_nodes_ = false;
+    if (block_ == Block::matrix) {
+      for (const auto word : words) {
+        const auto value = fortran_number(word);
+        if (!value)
+          refuse("'" + std::string(word.substr(0, 40)) + "' is no number", "an entry of the matrix is needed");
+        values_.emplace_back(*value, lines_.number());
+      }
+    } else if (block_ == Block::element) {
+      std::vector<std::int64_t> numbers;
+      for (const auto word : words) {
+        const auto number = whole_number(word);
+        if (!number) refuse("'" + std::string(word.substr(0, 40)) + "' is no whole number", "directions are numbers");
+        numbers.push_back(*number);
+      }
+      if (!changes_.empty() && numbers.size() < 2)
+        refuse("a line of *USER ELEMENT holds one number", "a node's position and its directions are needed");
+      const std::int64_t position = changes_.empty() ? 1 : numbers.front();
+      const std::size_t skip = changes_.empty() ? 0 : 1;
+      changes_.push_back({position, {numbers.begin() + static_cast<std::ptrdiff_t>(skip), numbers.end()}});
+    }
+  }
+
+  /// Rows of the matrix: the directions that hold at each node, in the order of the nodes.
+  [[nodiscard]] std::vector<MatrixDof> element_dofs() const {
+    if (nodes_.size() != count_)
+      refuse("*USER ELEMENT has " + std::to_string(count_) + " nodes, of which " + std::to_string(nodes_.size()) +
+                 " are named",
+             "the comment '** ELEMENT NODES' gives their numbers", "keep the comments of the file");
+    std::vector<MatrixDof> dofs;
+    std::vector<std::int64_t> directions;
+    std::size_t change = 0;
+    for (std::size_t i = 0; i < count_; ++i) {
+      while (change < changes_.size() && changes_[change].position == static_cast<std::int64_t>(i) + 1)
+        directions = changes_[change++].directions;
+      for (const std::int64_t direction : directions) {
+        if (direction < 0 || direction > 6)
+          refuse(
+              "direction " + std::to_string(direction) + " at node " + std::to_string(nodes_[i]) + " is not mechanical",
+              "directions 1 ... 6 are displacements and rotations, 0 is a generalised coordinate");
+        dofs.push_back({nodes_[i], static_cast<int>(direction) - 1});
+      }
+    }
+    auto sorted = dofs;
+    std::ranges::sort(sorted);
+    if (const auto twice = std::ranges::adjacent_find(sorted); twice != sorted.end())
+      refuse("degree of freedom " + to_string(*twice) + " of the element stands twice", "each has one row");
+    if (change != changes_.size())
+      refuse("the directions of *USER ELEMENT change at a node that it does not have",
+             "positions rise from 1 to NODES");
+    return dofs;
+  }
+
+  void finish_matrix() {
+    if (block_ != Block::matrix) return;
+    const std::size_t n = dofs_.size();
+    const std::size_t expected = unsymmetric_ ? n * n : n * (n + 1) / 2;
+    if (values_.size() != expected)
+      refuse("matrix '" + name_ + "' has " + std::to_string(values_.size()) + " entries",
+             std::to_string(n) + " degrees of freedom need " + std::to_string(expected));
+    const auto size = static_cast<std::int64_t>(n);
+    MatrixEntries entries(source_, name_, size, size, bytes_, lines_.number());
+    std::size_t next = 0;
+    for (std::int64_t column = 0; column < size; ++column)
+      for (std::int64_t row = 0; row < (unsymmetric_ ? size : column + 1); ++row, ++next)
+        entries.add(row, column, values_[next].first, values_[next].second);
+    matrices_.push_back(entries.finish(unsymmetric_ ? Storage::full : Storage::one_triangle));
+    matrices_.back().dofs = dofs_;
+    values_.clear();
+    block_ = Block::none;
+  }
+
+  [[noreturn]] void refuse(std::string what, std::string why, std::string fix = {}) const {
+    refuse_matrix(source_, lines_.number(), std::move(what), std::move(why), std::move(fix));
+  }
+
+  struct Change {
+    std::int64_t position;
+    std::vector<std::int64_t> directions;
+  };
+
+  LineReader lines_;
+  std::size_t bytes_;
+  const std::string& source_;
+  Block block_ = Block::none;
+  bool in_nodes_ = false, unsymmetric_ = false;
+  std::size_t count_ = 0;
+  std::vector<std::int64_t> nodes_;
+  std::vector<Change> changes_;
+  std::vector<MatrixDof> dofs_;
+  std::string name_;
+  std::vector<std::pair<double, int>> values_;
+  std::vector<ForeignMatrix> matrices_;
+};
+
+}  // namespace
+
+std::vector<ForeignMatrix> parse_user_element(std::string_view text, const std::string& source) {
+  return UserElementReader(text, source).read();
+}
+
+}  // namespace kalfem

@@ -1,0 +1,217 @@
+#include "kalfem/formats/nastran/model_building.hpp"
+
+namespace kalfem::nastran {
+namespace {
+
+/// Nastran's element axes are kalfem's: x from end A to end B, y in the plane of x and the orientation vector, z = x y.
+/// Bending in plane 1 is that in x-y, so I1 is inertia_z and I2 inertia_y.
+BeamSection section_of(const SectionCard& card, double shear_ratio) {
+  BeamSection section;
+  section.area = card.area;
+  section.inertia_z = card.i1;
+  section.inertia_y = card.i2;
+  section.product_yz = card.i12;
+  section.torsion = card.torsion * shear_ratio;
+  section.shear_factor_y = card.k1 * shear_ratio;
+  section.shear_factor_z = card.k2 * shear_ratio;
+  section.centroid = card.neutral_axis;
+  return section;
+}
+
+class BeamBuilder {
+public:
+  BeamBuilder(Building& building, Materials& materials) : building_(building), materials_(materials) {}
+  void add(BeamCard card);
+  void add(const RodCard& card);
+
+private:
+  bool make_region(const std::string& region, const SectionCard& section, const std::string& title, const Place& where);
+  bool make_region(const std::string& region, const RodSection& section, const std::string& title, const Place& where);
+  std::optional<std::array<Eigen::Index, 2>> ends(const std::array<Id, 2>& nodes, const std::string& title,
+                                                  const Place& where);
+  void fill_defaults(BeamCard& card) const;
+  std::optional<Eigen::Vector3d> orientation(const BeamCard& card, Eigen::Index first, const std::string& title);
+  std::optional<BeamPlacement> placement(const BeamCard& card, const std::array<Eigen::Index, 2>& nodes,
+                                         const std::string& title);
+  void add_cell(Id id, const std::array<Eigen::Index, 2>& nodes, const BeamPlacement& placement,
+                const std::string& region);
+  void no_stiffness(double& value, double instead, const char* what, const Place& where);
+
+  Building& building_;
+  Materials& materials_;
+  RegionNames names_;
+  std::map<std::string, bool> sound_;
+};
+
+/// A section of no stiffness in one of its motions is given a millionth of a plump one's.
+void BeamBuilder::no_stiffness(double& value, double instead, const char* what, const Place& where) {
+  if (value > 0.0 || !(instead > 0.0)) return;
+  value = 1e-6 * instead;
+  building_.note(where, std::string("beam sections with ") + what + " of 0",
+                 "it is given a millionth of that of a solid circle of this area");
+}
+
+bool BeamBuilder::make_region(const std::string& region, const SectionCard& card, const std::string& title,
+                              const Place& where) {
+  BeamProperty property;
+  property.material = materials_.isotropic(card.material, title, where);
+  if (property.material.empty()) return false;
+  property.section = section_of(card, materials_.shear_ratio(card.material));
+  auto& section = property.section;
+  if (!(section.area > 0.0)) {
+    building_.files.problem(where, title + ": its section has no positive area", "stiffness and mass depend on it",
+                            "give A");
+    return false;
+  }
+  const double round = section.area * section.area / (4.0 * 3.14159265358979);
+  no_stiffness(section.inertia_z, round, "I1", where);
+  no_stiffness(section.inertia_y, round, "I2", where);
+  no_stiffness(section.torsion, 2.0 * round, "J", where);
+  property.nonstructural_mass = card.nonstructural_mass * building_.bulk.mass_factor;
+  property.nonstructural_centre = card.nonstructural_centre;
+  property.placements.clear();
+  building_.model.properties[region] = std::move(property);
+  return true;
+}
+
+/// A rod is a beam with hinges at both ends; the moments of inertia count for nothing then.
+bool BeamBuilder::make_region(const std::string& region, const RodSection& rod, const std::string& title,
+                              const Place& where) {
+  SectionCard card;
+  card.material = rod.material;
+  card.area = rod.area;
+  card.i1 = card.i2 = rod.area * rod.area / (4.0 * 3.14159265358979);
+  card.torsion = rod.torsion > 0.0 ? rod.torsion : card.i1;
+  card.nonstructural_mass = rod.nonstructural_mass;
+  return make_region(region, card, title, where);
+}
+
+std::optional<std::array<Eigen::Index, 2>> BeamBuilder::ends(const std::array<Id, 2>& nodes, const std::string& title,
+                                                             const Place& where) {
+  const std::array indices = {building_.node(nodes[0], title, where), building_.node(nodes[1], title, where)};
+  if (indices[0] < 0 || indices[1] < 0) return std::nullopt;
+  return indices;
+}
+
+/// The orientation vector in basic axes.
+std::optional<Eigen::Vector3d> BeamBuilder::orientation(const BeamCard& card, Eigen::Index first,
+                                                        const std::string& title) {
+  if (card.orientation_node > 0) {
+    const auto node = building_.node(card.orientation_node, title, card.where);
+    if (node < 0) return std::nullopt;
+    return building_.place(node) - building_.place(first);
+  }
+  if (card.axes[0] == 'B') return card.orientation;
+  return building_.motion_axes(first) * card.orientation;
+}
+
+void BeamBuilder::fill_defaults(BeamCard& card) const {
+  const auto& defaults = card.is_bar ? building_.bulk.bar_defaults : building_.bulk.beam_defaults;
+  if (card.property == 0) card.property = defaults.property > 0 ? defaults.property : card.id;
+  if (card.orientation_node == 0 && card.orientation.isZero(0.0)) {
+    card.orientation_node = defaults.orientation_node;
+    card.orientation = defaults.orientation.value_or(Eigen::Vector3d::Zero());
+  }
+  if (card.axes[0] == '?')
+    for (std::size_t i = 0; i < 3; ++i) card.axes[i] = defaults.axes[i];
+}
+
+/// Offsets are in the displacement axes of their node, in basic axes, or in element axes: x along the nodes, z of it
+/// and the orientation vector.
+std::optional<BeamPlacement> BeamBuilder::placement(const BeamCard& card, const std::array<Eigen::Index, 2>& nodes,
+                                                    const std::string& title) {
+  const auto v = orientation(card, nodes[0], title);
+  if (!v) return std::nullopt;
+  const auto axes_along = [&](const Eigen::Vector3d& along) {
+    const Eigen::Vector3d x = along.normalized(), z = x.cross(*v).normalized();
+    Eigen::Matrix3d axes;
+    axes << x, z.cross(x), z;
+    return axes;
+  };
+  const Eigen::Vector3d between = building_.place(nodes[1]) - building_.place(nodes[0]);
+  BeamPlacement placement;
+  for (int end = 0; end < 2; ++end) {
+    const Eigen::Vector3d offset = card.offsets.col(end);
+    if (offset.isZero(0.0)) continue;
+    const char kind = card.axes[static_cast<std::size_t>(end + 1)];
+    placement.offsets.col(end) =
+        kind == 'B'   ? offset
+        : kind == 'G' ? Eigen::Vector3d(building_.motion_axes(nodes[static_cast<std::size_t>(end)]) * offset)
+                      : Eigen::Vector3d(axes_along(between) * offset);
+  }
+  const Eigen::Vector3d along = between + placement.offsets.col(1) - placement.offsets.col(0);
+  if (!(along.norm() > 0.0)) {
+    building_.files.problem(card.where, title + " has no length", "its ends, with offsets, coincide", "mend the nodes");
+    return std::nullopt;
+  }
+  placement.up = along.normalized().cross(*v);
+  if (!(placement.up.norm() > 1e-6 * v->norm())) {
+    building_.files.problem(card.where, title + ": its orientation vector is zero or parallel to its axis",
+                            "it spans the plane of bending 1", "give X1, X2, X3 or G0 across the axis");
+    return std::nullopt;
+  }
+  placement.up.normalize();
+  for (std::size_t end = 0; end < 2; ++end)
+    for (std::size_t i = 0; i < 6; ++i) placement.released[6 * end + i] = ((card.pins[end] >> i) & 1u) != 0;
+  return placement;
+}
+
+void BeamBuilder::add(BeamCard card) {
+  fill_defaults(card);
+  const auto title = std::string(card.is_bar ? "CBAR " : "CBEAM ") + std::to_string(card.id);
+  const auto* section = find_law<SectionCard>(building_, card.property, title, card.where);
+  const auto nodes = ends(card.nodes, title, card.where);
+  if (section == nullptr || !nodes) return;
+  const auto& property = building_.bulk.properties.at(card.property);
+  std::string region = property.kind;
+  for (char& c : region) c = static_cast<char>(c - 'A' + 'a');
+  region += std::to_string(card.property);
+  const auto [sound, is_new] = sound_.try_emplace(region, false);
+  if (is_new) sound->second = make_region(region, *section, title, property.where);
+  if (!sound->second) return;
+  if (const auto place = placement(card, *nodes, title)) add_cell(card.id, *nodes, *place, region);
+}
+
+void BeamBuilder::add(const RodCard& card) {
+  const auto title = std::string(card.kind) + " " + std::to_string(card.id);
+  const auto own = building_.bulk.conrods.find(card.id);
+  const bool has_own = card.property == 0 && own != building_.bulk.conrods.end();
+  const auto* rod = has_own ? std::get_if<RodSection>(&own->second.law)
+                            : find_law<RodSection>(building_, card.property, title, card.where);
+  const auto nodes = ends(card.nodes, title, card.where);
+  if (rod == nullptr || !nodes) return;
+  const auto base = has_own ? std::string("conrod") : "prod" + std::to_string(card.property);
+  const auto [region, is_new] =
+      names_.name(base, {static_cast<double>(rod->material), rod->area, rod->torsion, rod->nonstructural_mass});
+  if (is_new) sound_[region] = make_region(region, *rod, title, card.where);
+  if (!sound_[region]) return;
+  BeamPlacement placement;
+  const Eigen::Vector3d along = building_.place((*nodes)[1]) - building_.place((*nodes)[0]);
+  int across = 0;
+  along.cwiseAbs().minCoeff(&across);
+  placement.up = Eigen::Vector3d::Unit(across);
+  for (const std::size_t i : {4, 5, 10, 11}) placement.released[i] = true;
+  placement.released[9] = !(rod->torsion > 0.0);
+  add_cell(card.id, *nodes, placement, region);
+}
+
+void BeamBuilder::add_cell(Id id, const std::array<Eigen::Index, 2>& nodes, const BeamPlacement& placement,
+                           const std::string& region) {
+  auto& mesh = building_.model.mesh;
+  mesh.regions[region].push_back(mesh.add_cell(CellShape::line2, id, nodes));
+  std::get<BeamProperty>(building_.model.properties[region]).placements.push_back(placement);
+}
+
+}  // namespace
+
+void build_beams(Building& building, Materials& materials) {
+  BeamBuilder builder(building, materials);
+  for (const auto& card : building.bulk.beams) builder.add(card);
+}
+
+void build_rods(Building& building, Materials& materials) {
+  BeamBuilder builder(building, materials);
+  for (const auto& card : building.bulk.rods) builder.add(card);
+}
+
+}  // namespace kalfem::nastran

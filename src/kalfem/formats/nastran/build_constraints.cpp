@@ -1,0 +1,288 @@
+#include <algorithm>
+#include <set>
+
+#include "kalfem/formats/nastran/model_building.hpp"
+#include "kalfem/formats/nastran/rigid_equations.hpp"
+#include "kalfem/model/local_support.hpp"
+
+namespace kalfem::nastran {
+namespace {
+
+constexpr unsigned all_six = 63;
+
+/// Sets that a chosen one stands for, sums followed.
+void follow_sums(const std::map<Id, std::vector<Id>>& sums, Id set, std::set<Id>& sets) {
+  if (!sets.insert(set).second) return;
+  if (const auto sum = sums.find(set); sum != sums.end())
+    for (const Id part : sum->second) follow_sums(sums, part, sets);
+}
+
+/// Which sets of SPC (MPC) hold: those that the case control chooses; without any case control the only one there is,
+/// or the only sum, or else all of them.
+std::set<Id> chosen_sets(Building& building, const char* kind, std::optional<Id> choice, bool has_control,
+                         const std::set<Id>& present, const std::map<Id, std::vector<Id>>& sums, const Place& first) {
+  std::set<Id> sets;
+  if (choice) {
+    follow_sums(sums, *choice, sets);
+    if (std::ranges::none_of(sets, [&](Id set) { return present.contains(set); }))
+      building.files.problem({},
+                             std::string(kind) + " = " + std::to_string(*choice) + " of the case control has no cards",
+                             "the structure would not be held as it says", "add the set, or mend the number");
+    return sets;
+  }
+  if (present.empty()) return sets;
+  if (has_control) {
+    building.note(first, std::string(kind) + " sets of the bulk data", "the case control chooses none, so none holds");
+    return sets;
+  }
+  if (sums.size() == 1) {
+    follow_sums(sums, sums.begin()->first, sets);
+    return sets;
+  }
+  if (present.size() > 1)
+    building.note(first, std::string(kind) + " sets of the bulk data",
+                  "no case control chooses one of them, so all hold");
+  return present;
+}
+
+class ConstraintBuilder {
+public:
+  explicit ConstraintBuilder(Building& building) : building_(building) {}
+  void hold_nodes();
+  void add_mpcs();
+  void add_rigid();
+  void add_weighted();
+  void finish() { equations_.store(building_.model); }
+
+private:
+  void hold(const std::string& name, Eigen::Index node, unsigned components);
+  void hold_ranges(const SpcCard& card);
+  void add_equation(const std::string& name, const MatrixGather::Terms& terms, Eigen::Index node, int component);
+  bool is_simple(Eigen::Index node, unsigned components) const;
+  std::optional<std::vector<std::pair<Eigen::Index, unsigned>>> indices(
+      const std::vector<std::pair<Id, unsigned>>& nodes, const std::string& title, const Place& where);
+  void add_links(const RigidBodyCard& card, Eigen::Index master,
+                 const std::vector<std::pair<Eigen::Index, unsigned>>& dependent);
+  void add_rigid_body(const RigidBodyCard& card);
+
+  Building& building_;
+  ReducedEquations equations_;
+  std::map<std::pair<std::string, unsigned>, std::size_t> fixed_;  ///< place in model.fixed by set and components
+  std::map<Eigen::Index, unsigned> held_;                          ///< so that nothing is held twice in turned axes
+};
+
+/// Whether components of a node mean the same in its own axes and in global ones.
+bool ConstraintBuilder::is_simple(Eigen::Index node, unsigned components) const {
+  const auto whole = [](unsigned triple) { return triple == 0 || triple == 7; };
+  return !building_.is_turned(node) || (whole(components & 7u) && whole(components >> 3));
+}
+
+void ConstraintBuilder::add_equation(const std::string& name, const MatrixGather::Terms& terms, Eigen::Index node,
+                                     int component) {
+  NodalDof preferred{node, component};
+  if (building_.is_turned(node)) {
+    int strongest = 0;
+    building_.motion_axes(node).col(component % 3).cwiseAbs().maxCoeff(&strongest);
+    preferred.direction = component / 3 * 3 + strongest;
+  }
+  // Names of constraints are unique.
+  const auto id = building_.model.mesh.node_ids[static_cast<std::size_t>(node)];
+  equations_.add(name + ".n" + std::to_string(id) + "." + std::to_string(component + 1), terms, preferred);
+}
+
+void ConstraintBuilder::hold(const std::string& name, Eigen::Index node, unsigned components) {
+  if (building_.is_scalar(node)) components = components == 0 ? 1u : components & 1u;
+  if (components == 0) return;
+  building_.model.mesh.node_sets[name].push_back(node);
+  if (!is_simple(node, components)) {
+    const unsigned fresh = components & ~held_[node];
+    held_[node] |= components;
+    for (int i = 0; i < 6; ++i)
+      if (((fresh >> i) & 1u) != 0) {
+        MatrixGather::Terms terms;
+        building_.append(terms, node, i, 1.0);
+        add_equation(name, terms, node, i);
+      }
+    return;
+  }
+  const auto [place, is_new] = fixed_.try_emplace({name, components}, building_.model.fixed.size());
+  if (is_new) {
+    FixedNodes fixed{name, {}, {}};
+    for (std::size_t i = 0; i < 6; ++i) fixed.directions[i] = ((components >> i) & 1u) != 0;
+    building_.model.fixed.push_back(std::move(fixed));
+  }
+  building_.model.fixed[place->second].nodes.push_back(node);
+}
+
+void ConstraintBuilder::hold_ranges(const SpcCard& card) {
+  const auto name = "spc" + std::to_string(card.set);
+  for (const auto& range : card.nodes) {
+    if (range.single) {
+      const auto node = building_.node(range.first, "SPC " + std::to_string(card.set), card.where);
+      if (node >= 0) hold(name, node, card.components);
+      continue;
+    }
+    for (std::size_t i = 0; i < building_.bulk.grids.size(); ++i) {
+      const Id id = building_.bulk.grids[i].id;
+      if (id >= range.first && id <= range.last && (id - range.first) % range.step == 0)
+        hold(name, static_cast<Eigen::Index>(i), card.components);
+    }
+  }
+}
+
+void ConstraintBuilder::hold_nodes() {
+  std::set<Id> present;
+  for (const auto& card : building_.bulk.spcs) present.insert(card.set);
+  const auto sets =
+      chosen_sets(building_, "SPC", building_.control.spc, building_.control.is_present, present,
+                  building_.bulk.spc_sums, building_.bulk.spcs.empty() ? Place{} : building_.bulk.spcs.front().where);
+  for (const auto& card : building_.bulk.spcs)
+    if (sets.contains(card.set)) hold_ranges(card);
+  for (std::size_t i = 0; i < building_.bulk.grids.size(); ++i)
+    if (const auto held = building_.bulk.grids[i].held; held != 0) hold("grid_ps", static_cast<Eigen::Index>(i), held);
+  for (auto& [name, nodes] : building_.model.mesh.node_sets) {
+    std::ranges::sort(nodes);
+    nodes.erase(std::ranges::unique(nodes).begin(), nodes.end());
+  }
+}
+
+void ConstraintBuilder::add_mpcs() {
+  std::set<Id> present;
+  for (const auto& card : building_.bulk.mpcs) present.insert(card.set);
+  const auto sets =
+      chosen_sets(building_, "MPC", building_.control.mpc, building_.control.is_present, present,
+                  building_.bulk.mpc_sums, building_.bulk.mpcs.empty() ? Place{} : building_.bulk.mpcs.front().where);
+  std::size_t number = 0;
+  for (const auto& card : building_.bulk.mpcs) {
+    ++number;
+    if (!sets.contains(card.set)) continue;
+    const auto name = "mpc" + std::to_string(card.set) + "." + std::to_string(number);
+    MatrixGather::Terms terms;
+    Eigen::Index first = -1;
+    bool sound = true;
+    for (const auto& term : card.terms) {
+      const auto node = building_.node(term.node, "MPC " + std::to_string(card.set), card.where);
+      sound = sound && node >= 0;
+      if (!sound) break;
+      if (first < 0) first = node;
+      building_.append(terms, node, term.direction, term.coefficient);
+    }
+    if (sound) add_equation(name, terms, first, card.terms.front().direction);
+  }
+}
+
+std::optional<std::vector<std::pair<Eigen::Index, unsigned>>> ConstraintBuilder::indices(
+    const std::vector<std::pair<Id, unsigned>>& nodes, const std::string& title, const Place& where) {
+  std::vector<std::pair<Eigen::Index, unsigned>> found;
+  bool sound = true;
+  for (const auto& [id, components] : nodes) {
+    const auto node = building_.node(id, title, where);
+    sound = sound && node >= 0;
+    found.emplace_back(node, components);
+  }
+  return sound ? std::optional(found) : std::nullopt;
+}
+
+std::array<bool, 6> flags(unsigned components) {
+  std::array<bool, 6> directions{};
+  for (std::size_t i = 0; i < 6; ++i) directions[i] = ((components >> i) & 1u) != 0;
+  return directions;
+}
+
+/// One node leads with all its motions: rigid links, and equations where components are those of turned axes.
+void ConstraintBuilder::add_links(const RigidBodyCard& card, Eigen::Index master,
+                                  const std::vector<std::pair<Eigen::Index, unsigned>>& dependent) {
+  std::map<unsigned, RigidLink> links;
+  std::string name = upper(card.kind) == "RBE2" ? "rbe2_" : "rigid_";
+  name += std::to_string(card.id);
+  for (const auto& [node, components] : dependent) {
+    if (node == master || components == 0) continue;
+    if (is_simple(node, components)) {
+      auto& link = links[components];
+      link.master = master;
+      link.tied = flags(components);
+      link.slaves.push_back(node);
+    } else {
+      for (const auto& [component, terms] : rigid_rows(building_, {{master, all_six}}, {{node, components}}))
+        add_equation(name, terms, component.node, component.direction);
+    }
+  }
+  int part = 0;
+  for (auto& [components, link] : links) {
+    std::ranges::sort(link.slaves);
+    link.slaves.erase(std::ranges::unique(link.slaves).begin(), link.slaves.end());
+    link.name = ++part == 1 ? name : name + "." + std::to_string(part);
+    building_.model.links.push_back(std::move(link));
+  }
+}
+
+void ConstraintBuilder::add_rigid_body(const RigidBodyCard& card) {
+  const auto title = std::string(card.kind) + " " + std::to_string(card.id);
+  const auto independent = indices(card.independent, title, card.where);
+  const auto dependent = indices(card.dependent, title, card.where);
+  if (!independent || !dependent) return;
+  if (title.starts_with("RROD")) {
+    const auto row = rod_row(building_, *dependent);
+    if (row)
+      add_equation("rigid_" + std::to_string(card.id), row->terms, row->dependent.node, row->dependent.direction);
+    else
+      building_.files.problem(card.where, title + " needs two nodes apart and one dependent component",
+                              "it keeps their distance", "mend GA, GB, CMA and CMB");
+    return;
+  }
+  for (const auto& [node, components] : *independent)
+    if (components == all_six) return add_links(card, node, *dependent);
+  const auto rows = rigid_rows(building_, *independent, *dependent);
+  if (rows.empty())
+    return building_.files.problem(card.where, title + ": its independent components do not fix a rigid body",
+                                   "six of them must determine its motion", "choose others");
+  for (const auto& [component, terms] : rows)
+    add_equation("rigid_" + std::to_string(card.id), terms, component.node, component.direction);
+}
+
+void ConstraintBuilder::add_rigid() {
+  for (const auto& card : building_.bulk.rigid) add_rigid_body(card);
+}
+
+void ConstraintBuilder::add_weighted() {
+  for (const auto& card : building_.bulk.weighted) {
+    const auto title = "RBE3 " + std::to_string(card.id);
+    WeightedLink link;
+    link.name = "rbe3_" + std::to_string(card.id);
+    link.follower = building_.node(card.reference, title, card.where);
+    link.tied = flags(card.components);
+    bool sound = link.follower >= 0, simple = sound && card.moved.empty() && is_simple(link.follower, card.components);
+    for (const auto& group : card.groups)
+      for (const Id id : group.nodes) {
+        const auto node = building_.node(id, title, card.where);
+        sound = sound && node >= 0;
+        if (!sound || group.weight == 0.0) continue;
+        simple = simple && is_simple(node, group.components);
+        link.shares.push_back({node, group.weight, flags(group.components)});
+      }
+    const auto moved = indices(card.moved, title, card.where);
+    if (!sound || !moved) continue;
+    if (simple) {
+      building_.model.weighted_links.push_back(std::move(link));
+      continue;
+    }
+    const auto rows = weighted_rows(building_, link, *moved);
+    if (rows.empty())
+      building_.files.problem(card.where, title + ": its nodes and components do not determine the reference's motion",
+                              "or those of UM do not depend", "add nodes or components");
+    for (const auto& [component, terms] : rows) add_equation(link.name, terms, component.node, component.direction);
+  }
+}
+
+}  // namespace
+
+void build_constraints(Building& building) {
+  ConstraintBuilder builder(building);
+  builder.hold_nodes();
+  builder.add_rigid();
+  builder.add_weighted();
+  builder.add_mpcs();
+  builder.finish();
+}
+
+}  // namespace kalfem::nastran

@@ -1,0 +1,187 @@
+#include <algorithm>
+
+#include "kalfem/formats/nastran/model_building.hpp"
+
+namespace kalfem::nastran {
+namespace {
+
+using Terms = MatrixGather::Terms;
+
+/// Springs of their own name are parameters of the model; more than these are one matrix, which costs less.
+constexpr std::size_t most_named_springs = 500;
+
+const char* card_name(ScalarCard::Kind kind) {
+  return kind == ScalarCard::Kind::spring ? "celas" : kind == ScalarCard::Kind::dashpot ? "cdamp" : "cmass";
+}
+
+std::optional<double> value_of(Building& building, const ScalarCard& card, const std::string& title) {
+  if (card.property == 0) return card.value;
+  const auto& values = card.kind == ScalarCard::Kind::spring    ? building.bulk.spring_stiffness
+                       : card.kind == ScalarCard::Kind::dashpot ? building.bulk.dashpot_damping
+                                                                : building.bulk.scalar_mass;
+  if (const auto value = values.find(card.property); value != values.end()) return value->second;
+  find_property(building, card.property, title, card.where);
+  return std::nullopt;
+}
+
+/// d = u1 - u2 of the two components, the ground standing still.
+std::optional<Terms> deformation(Building& building, const ScalarCard& card, const std::string& title) {
+  Terms terms;
+  for (std::size_t end = 0; end < 2; ++end) {
+    if (card.nodes[end] == 0) continue;
+    const auto node = building.node(card.nodes[end], title, card.where);
+    if (node < 0) return std::nullopt;
+    building.append(terms, node, card.components[end], end == 0 ? 1.0 : -1.0);
+  }
+  return terms;
+}
+
+/// Springs and dashpots of a bushing in its axes (columns), its point off either node by `arms`.
+struct Bushing {
+  std::array<Eigen::Index, 2> nodes = {-1, -1};  ///< -1: the ground
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  std::array<Eigen::Vector3d, 2> arms = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+
+  /// Relative motion of the two ends at the point along or about an axis: a . (u + theta x arm).
+  [[nodiscard]] Terms deformation(int component) const {
+    Terms terms;
+    const Eigen::Vector3d a = axes.col(component % 3);
+    for (std::size_t end = 0; end < 2; ++end) {
+      if (nodes[end] < 0) continue;
+      const double sign = end == 0 ? -1.0 : 1.0;
+      const Eigen::Vector3d turning = component < 3 ? Eigen::Vector3d(arms[end].cross(a)) : a;
+      for (int k = 0; k < 3; ++k) {
+        if (component < 3 && std::abs(a[k]) > 1e-14) terms.push_back({{nodes[end], k}, sign * a[k]});
+        if (std::abs(turning[k]) > 1e-14 * (1.0 + arms[end].norm()))
+          terms.push_back({{nodes[end], 3 + k}, sign * turning[k]});
+      }
+    }
+    return terms;
+  }
+};
+
+/// Axes from CID, from the orientation, or along the nodes where only axial values are given.
+std::optional<Eigen::Matrix3d> bushing_axes(Building& building, const BushCard& card,
+                                            const std::array<Eigen::Index, 2>& nodes, bool only_axial,
+                                            const std::string& title) {
+  if (card.axes >= 0) {
+    const Frame* frame = building.frames.find(card.axes, card.where);
+    if (frame == nullptr) return std::nullopt;
+    return frame->directions(building.place(nodes[0]));
+  }
+  const Eigen::Vector3d between =
+      nodes[1] < 0 ? Eigen::Vector3d::Zero() : Eigen::Vector3d(building.place(nodes[1]) - building.place(nodes[0]));
+  if (!(between.norm() > 0.0)) {
+    building.files.problem(card.where, title + " joins nodes at one place, or one node, and has no CID",
+                           "its axes cannot be told", "give CID");
+    return std::nullopt;
+  }
+  const Eigen::Vector3d x = between.normalized();
+  Eigen::Vector3d v = x.cwiseAbs().x() < 0.9 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
+  if (card.orientation_node > 0) {
+    const auto node = building.node(card.orientation_node, title, card.where);
+    if (node < 0) return std::nullopt;
+    v = building.place(node) - building.place(nodes[0]);
+  } else if (card.orientation) {
+    v = building.motion_axes(nodes[0]) * *card.orientation;
+  } else if (!only_axial) {
+    building.files.problem(card.where, title + " has neither an orientation nor CID",
+                           "its values across its axis need one", "give X1, X2, X3, G0 or CID");
+    return std::nullopt;
+  }
+  const Eigen::Vector3d z = x.cross(v);
+  if (!(z.norm() > 1e-6 * v.norm())) {
+    building.files.problem(card.where, title + ": its orientation is zero or parallel to its axis", "", "mend it");
+    return std::nullopt;
+  }
+  Eigen::Matrix3d axes;
+  axes << x, z.normalized().cross(x), z.normalized();
+  return axes;
+}
+
+/// The point of a bushing: S between the nodes, or an offset from GA in OCID.
+std::optional<Eigen::Vector3d> bushing_point(Building& building, const BushCard& card,
+                                             const std::array<Eigen::Index, 2>& nodes) {
+  const Eigen::Vector3d first = building.place(nodes[0]);
+  if (card.offset_system >= 0) {
+    const Frame* frame = building.frames.find(card.offset_system, card.where);
+    if (frame == nullptr) return std::nullopt;
+    return first + frame->directions(first) * card.offset;
+  }
+  return nodes[1] < 0 ? first : Eigen::Vector3d(first + card.location * (building.place(nodes[1]) - first));
+}
+
+void add_bush(Building& building, const BushCard& card) {
+  const auto title = std::string(card.kind) + " " + std::to_string(card.id);
+  const auto* property = find_law<BushProperty>(building, card.property, title, card.where);
+  Bushing bushing;
+  bushing.nodes[0] = building.node(card.nodes[0], title, card.where);
+  if (card.nodes[1] > 0) bushing.nodes[1] = building.node(card.nodes[1], title, card.where);
+  if (property == nullptr || bushing.nodes[0] < 0 || (card.nodes[1] > 0 && bushing.nodes[1] < 0)) return;
+  bool only_axial = true;
+  for (const std::size_t i : {1, 2, 4, 5})
+    only_axial = only_axial && property->stiffness[i] == 0.0 && property->damping[i] == 0.0;
+  const auto axes = bushing_axes(building, card, bushing.nodes, only_axial, title);
+  const auto point = bushing_point(building, card, bushing.nodes);
+  if (!axes || !point) return;
+  bushing.axes = *axes;
+  for (std::size_t end = 0; end < 2; ++end)
+    if (bushing.nodes[end] >= 0) bushing.arms[end] = *point - building.place(bushing.nodes[end]);
+  std::string name = card.kind;
+  std::ranges::transform(name, name.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  for (int i = 0; i < 6; ++i) {
+    const double stiffness = property->stiffness[static_cast<std::size_t>(i)],
+                 damping = property->damping[static_cast<std::size_t>(i)];
+    if (stiffness != 0.0 || damping != 0.0)
+      building.model.joints.push_back(
+          {name + std::to_string(card.id) + ".k" + std::to_string(i + 1), bushing.deformation(i), stiffness, damping});
+  }
+  if (property->mass != 0.0)
+    for (const auto node : bushing.nodes)
+      for (int k = 0; k < 3 && node >= 0; ++k) {
+        const double share = property->mass * building.bulk.mass_factor / (bushing.nodes[1] < 0 ? 1.0 : 2.0);
+        building.matrices.add(MatrixGather::mass, {{{node, k}, 1.0}}, {{{node, k}, 1.0}}, share);
+      }
+}
+
+/// Springs with a negative value, and springs in large numbers, become matrices.
+void gather_joints(Building& building) {
+  auto& joints = building.model.joints;
+  const bool all = joints.size() > most_named_springs;
+  if (all)
+    building.note({}, std::to_string(joints.size()) + " springs and dashpots",
+                  "so many are kept as one matrix; their values are not parameters of the model");
+  std::erase_if(joints, [&](const JointSpring& joint) {
+    if (!all && joint.stiffness >= 0.0 && joint.damping >= 0.0) return false;
+    if (joint.stiffness != 0.0)
+      building.matrices.add(MatrixGather::stiffness, joint.deformation, joint.deformation, joint.stiffness);
+    if (joint.damping != 0.0)
+      building.matrices.add(MatrixGather::damping, joint.deformation, joint.deformation, joint.damping);
+    return true;
+  });
+}
+
+}  // namespace
+
+void build_scalars(Building& building) {
+  for (const auto& card : building.bulk.scalars) {
+    const auto name = card_name(card.kind) + std::to_string(card.id);
+    const auto value = value_of(building, card, name);
+    const auto terms = deformation(building, card, name);
+    if (!value || !terms || *value == 0.0) continue;
+    if (card.kind == ScalarCard::Kind::mass)
+      building.matrices.add(MatrixGather::mass, *terms, *terms, *value * building.bulk.mass_factor);
+    else if (card.kind == ScalarCard::Kind::spring)
+      building.model.joints.push_back({name, *terms, *value, 0.0});
+    else
+      building.model.joints.push_back({name, *terms, 0.0, *value});
+  }
+}
+
+void build_bushes(Building& building) {
+  for (const auto& card : building.bulk.bushes) add_bush(building, card);
+  gather_joints(building);
+}
+
+}  // namespace kalfem::nastran

@@ -1,0 +1,138 @@
+#include "kalfem/formats/nastran/card.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "kalfem/formats/gmsh_scanner.hpp"
+#include "kalfem/formats/nastran/number.hpp"
+
+namespace kalfem::nastran {
+namespace {
+
+constexpr Id largest_id = std::numeric_limits<Id>::max();
+
+std::string field_title(const char* what, std::size_t i) {
+  // As the manual counts: the name is field 1 of each line of ten.
+  return std::string(what) + " (line " + std::to_string((i - 1) / 8 + 1) + " of the card, field " +
+         std::to_string((i - 1) % 8 + 2) + ")";
+}
+
+[[noreturn]] void fail(const Card& card, std::size_t i, const char* what, const std::string& needed) {
+  const auto found = card.blank(i) ? std::string("blank") : "'" + printable(card.raw(i)) + "'";
+  throw CardError(title(card) + ": " + field_title(what, i) + " is " + found, "it must be " + needed, "mend the field");
+}
+
+/// Takes a number out of the last range by parting it.
+void take_out(std::vector<IdRange>& list, Id number) {
+  const IdRange range = list.back();
+  if (number < range.first || (number - range.first) % range.step != 0) return;
+  list.pop_back();
+  if (number > range.first) list.push_back({range.first, number - range.step, range.step, false});
+  if (number <= range.last - range.step) list.push_back({number + range.step, range.last, range.step, false});
+  // Further numbers ascend; where nothing is left of the range an empty one stands for it.
+  else
+    list.push_back({number, number - 1, 1, false});
+}
+
+}  // namespace
+
+std::string upper(std::string_view text) {
+  std::string capitals(text);
+  for (char& c : capitals)
+    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  return capitals;
+}
+
+std::string title(const Card& card) {
+  return card.is_integer(1) ? card.name + " " + std::string(card.raw(1)) : card.name;
+}
+
+bool Card::is_integer(std::size_t i) const { return parse_integer(raw(i)).has_value(); }
+
+bool Card::is_number(std::size_t i) const { return parse_real(raw(i)).has_value(); }
+
+std::string Card::text(std::size_t i) const { return upper(raw(i)); }
+
+std::int64_t Card::integer(std::size_t i, const char* what) const {
+  const auto value = parse_integer(raw(i));
+  if (!value) fail(*this, i, what, "a whole number");
+  return *value;
+}
+
+std::int64_t Card::integer_or(std::size_t i, std::int64_t otherwise, const char* what) const {
+  return blank(i) ? otherwise : integer(i, what);
+}
+
+Id Card::id(std::size_t i, const char* what) const {
+  const auto value = integer(i, what);
+  if (value < 1 || value > largest_id)
+    fail(*this, i, what, "a positive number of at most " + std::to_string(largest_id));
+  return static_cast<Id>(value);
+}
+
+Id Card::id_or(std::size_t i, Id otherwise, const char* what) const {
+  if (blank(i)) return otherwise;
+  const auto value = integer(i, what);
+  if (value < -1 || value > largest_id) fail(*this, i, what, "a number from 0 to " + std::to_string(largest_id));
+  return static_cast<Id>(value);
+}
+
+double Card::real(std::size_t i, const char* what) const {
+  const auto value = parse_real(raw(i));
+  if (!value) fail(*this, i, what, "a finite number");
+  return *value;
+}
+
+double Card::real_or(std::size_t i, double otherwise, const char* what) const {
+  return blank(i) ? otherwise : real(i, what);
+}
+
+unsigned Card::components(std::size_t i, const char* what) const {
+  unsigned set = 0;
+  if (raw(i) == "0") return set;
+  for (const char c : raw(i)) {
+    if (c < '1' || c > '6') fail(*this, i, what, "directions from 1 to 6, such as 123");
+    set |= 1u << (c - '1');
+  }
+  return set;
+}
+
+int Card::component(std::size_t i, const char* what) const {
+  const auto value = integer_or(i, 0, what);
+  if (value < 0 || value > 6) fail(*this, i, what, "one direction from 1 to 6, or 0 of a scalar point");
+  return value == 0 ? 0 : static_cast<int>(value) - 1;
+}
+
+std::vector<IdRange> Card::id_list(std::size_t first, const char* what) const {
+  std::vector<IdRange> list;
+  bool except = false;  // numbers are taken out of the last range
+  const auto next_filled = [&](std::size_t i) {
+    while (i < size() && blank(i)) ++i;
+    return i;
+  };
+  for (std::size_t i = first; i <= size(); ++i) {
+    if (blank(i)) continue;
+    const auto word = text(i);
+    if (word == "EXCEPT" && !list.empty() && !list.back().single) {
+      except = true;
+    } else if ((word == "THRU" || word == "TO") && !list.empty() && list.back().single) {
+      i = next_filled(i + 1);
+      auto& range = list.back();
+      range.single = false;
+      range.last = id(i, what);
+      if (range.last < range.first) fail(*this, i, what, "the end of a range that ascends");
+      if (text(i + 1) == "BY") range.step = id(i + 2, "BY"), i += 2;
+      except = false;
+    } else {
+      const Id number = id(i, what);
+      except = except && number <= list.back().last;
+      if (!except)
+        list.push_back({number, number, 1, true});
+      else
+        take_out(list, number);
+    }
+  }
+  return list;
+}
+
+}  // namespace kalfem::nastran

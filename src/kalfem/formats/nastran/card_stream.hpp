@@ -1,0 +1,118 @@
+#pragma once
+
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/formats/nastran/card.hpp"
+
+namespace kalfem::nastran {
+
+/// The files of a deck by position, and the problems found in them, of which the first 20 are kept.
+class DeckFiles {
+public:
+  std::int32_t add(const std::string& name);
+  [[nodiscard]] SourceLocation location(const Place& place) const;
+  void problem(const Place& place, const std::string& what, const std::string& why = {}, const std::string& fix = {});
+  void problem(const Place& place, const CardError& error) { problem(place, error.what(), error.why(), error.fix()); }
+  [[nodiscard]] bool sound() const { return count_ == 0; }
+  /// Throws InvalidInput when there was any problem.
+  void raise() const;
+
+private:
+  std::vector<std::string> names_;
+  IssueList listed_;
+  std::size_t count_ = 0;
+};
+
+/// Content of an included file; throws InvalidInput where it cannot be read.
+using IncludeLoader = std::function<std::string(const std::filesystem::path&)>;
+
+/// One line without comment and blanks at its end.
+struct DeckLine {
+  std::string_view text;
+  Place place;
+};
+
+/// The lines of a deck with INCLUDEs put in their places. Names of included files are relative to the file that
+/// includes; a name in quotes may run over several lines. Texts live as long as the object.
+class DeckLines {
+public:
+  DeckLines(std::string content, const std::string& source, IncludeLoader loader, DeckFiles& files);
+  /// The next line that is not empty, nothing at the end.
+  std::optional<DeckLine> next();
+  /// Content of the file that the deck begins with.
+  [[nodiscard]] std::string_view main_text() const { return texts_.front(); }
+
+private:
+  struct Open {
+    std::filesystem::path path;
+    std::string_view rest;
+    Place place;
+  };
+  void open(std::string content, const std::filesystem::path& path);
+  std::optional<std::string_view> raw_line();
+  void include(std::string_view statement, const Place& place);
+
+  IncludeLoader loader_;
+  DeckFiles& files_;
+  std::deque<std::string> texts_;
+  std::vector<Open> stack_;
+  std::size_t opened_ = 0;
+};
+
+/// Puts cards together from lines of the bulk data: small field (8 columns), large field (16 columns, '*' behind the
+/// name or in the first column) and free field (commas), mixed at will, tabs as to the next multiple of 8 columns.
+///
+/// A line goes on with the card before it where its first field is blank or begins with '+' or '*'. A named marker
+/// (+ABC) whose card stands elsewhere is found by its name; other markers, and none, mean the next line.
+class CardStream {
+public:
+  using Sink = std::function<void(const Card&)>;
+  CardStream(DeckFiles& files, Sink sink) : files_(files), sink_(std::move(sink)) {}
+
+  void line(const DeckLine& line);
+  /// Hands over what is left: the last card, and those whose continuations stand elsewhere.
+  void finish();
+
+private:
+  struct Continuation {
+    std::vector<std::string_view> fields;
+    std::string_view marker;  ///< that the next line bears
+    Place place;
+  };
+  struct Line : Continuation {
+    std::string_view first;  ///< name, or marker of a continuation
+    bool large = false;
+    bool continues = false;
+  };
+  Line split(const DeckLine& line);
+  void split_free(std::string_view text, Line& line);
+  static void split_fixed(std::string_view text, Line& line);
+  void start(const Line& line);
+  void set_aside(Line& line);
+  void append(std::vector<std::string_view>& fields, const Line& line);
+  void end_card();
+  void hand_over(Card& card);
+
+  DeckFiles& files_;
+  Sink sink_;
+  std::deque<std::string> expanded_;  ///< lines with tabs
+  Card card_;
+  bool has_card_ = false;
+  std::string_view marker_;         ///< of the line before
+  Continuation* orphan_ = nullptr;  ///< the continuation set aside that following lines belong to
+  std::vector<std::pair<Card, std::string_view>> deferred_;  ///< with the marker that they ask for
+  std::set<std::string_view> asked_;                         ///< names of those markers
+  std::map<std::string_view, Continuation> orphans_;         ///< by name
+};
+
+}  // namespace kalfem::nastran

@@ -1,0 +1,114 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "kalfem/formats/deck.hpp"
+#include "kalfem/formats/nastran/case_control.hpp"
+#include "kalfem/formats/nastran/frames.hpp"
+
+namespace kalfem::nastran {
+
+/// Matrices between degrees of freedom as they come in, entry by entry.
+class MatrixGather {
+public:
+  using Terms = std::vector<std::pair<NodalDof, double>>;
+  enum Kind { stiffness, mass, damping };
+  /// Adds value (row^T z) (column^T z): both triangles where row and column differ are the caller's.
+  void add(Kind kind, const Terms& row, const Terms& column, double value);
+  [[nodiscard]] bool empty() const { return index_.empty(); }
+  [[nodiscard]] NodalMatrices finish(const std::string& name) const;
+
+private:
+  int index_of(const NodalDof& dof);
+  std::map<NodalDof, int> index_;
+  std::array<std::vector<Eigen::Triplet<double>>, 3> entries_;
+};
+
+/// What the steps from cards to model share.
+struct Building {
+  BulkData& bulk;
+  const CaseControl& control;
+  const NumberLookup& nodes;
+  const Frames& frames;
+  DeckFiles& files;
+  DeckNotes& notes;
+  FiniteElementModel& model;
+  MatrixGather matrices = {};  ///< of scalar masses, mass matrices and springs without a name of their own
+
+  void note(const Place& place, const std::string& what, const std::string& consequence) {
+    notes.add(files.location(place), what, consequence);
+  }
+  /// Index of a node; -1, with the problem noted, where there is none.
+  Eigen::Index node(Id id, const std::string& title, const Place& where);
+  [[nodiscard]] Eigen::Vector3d place(Eigen::Index node) const { return model.mesh.nodes.col(node); }
+  /// Axes of the motions of a node: its CD system there, as columns.
+  [[nodiscard]] Eigen::Matrix3d motion_axes(Eigen::Index node) const;
+  [[nodiscard]] bool is_turned(Eigen::Index node) const;
+  [[nodiscard]] bool is_scalar(Eigen::Index node) const;
+  /// A component of a node by global degrees of freedom, times a factor, appended to the terms.
+  void append(MatrixGather::Terms& terms, Eigen::Index node, int component, double factor) const;
+};
+
+/// Materials as regions need them, of the cards and with PARAM WTMASS applied.
+class Materials {
+public:
+  explicit Materials(Building& building) : building_(building) {}
+  /// Name in the model of an isotropic material, which is put into it; empty, with the problem noted, where the number
+  /// is none or not isotropic.
+  std::string isotropic(Id id, const std::string& title, const Place& where);
+  /// The card; null, with the problem noted, where there is none.
+  const MaterialCard* find(Id id, const std::string& title, const Place& where);
+  /// E, nu and rho of a MAT1 card, two of E, G and nu given.
+  IsotropicMaterial complete(Id id, const Material1& law, const Place& where);
+  /// Given G over E / (2 (1 + nu)).
+  [[nodiscard]] double shear_ratio(Id id) const;
+
+private:
+  Building& building_;
+};
+
+void build_shells(Building& building, Materials& materials);
+void build_solids(Building& building, Materials& materials);
+void build_beams(Building& building, Materials& materials);
+void build_rods(Building& building, Materials& materials);
+void build_scalars(Building& building);
+void build_bushes(Building& building);
+void build_masses(Building& building);
+void build_direct_matrices(Building& building);
+void build_constraints(Building& building);
+/// PARAM AUTOSPC: holds the motions of nodes that nothing stiffens, see hold_singular.cpp.
+void hold_singular_motions(Building& building);
+/// PARAM K6ROT, see release_drilling.cpp.
+void release_drilling(Building& building);
+
+/// Cells of a property that share what a region holds. `key` tells variants apart; names are "pshell3", "pshell3.2",
+/// ...
+class RegionNames {
+public:
+  /// Name of the region of this property and variant, and whether it is new.
+  std::pair<std::string, bool> name(const std::string& base, const std::vector<double>& key);
+
+private:
+  std::map<std::pair<std::string, std::vector<double>>, std::string> names_;
+  std::map<std::string, int> variants_;
+};
+
+/// Property of an element; null, with the problem noted, where it is missing or of another kind of element.
+template <typename Law>
+const Law* find_law(Building& building, Id property, const std::string& title, const Place& where);
+const PropertyCard* find_property(Building& building, Id property, const std::string& title, const Place& where);
+void wrong_property(Building& building, const PropertyCard& card, const std::string& title, const Place& where);
+
+template <typename Law>
+const Law* find_law(Building& building, Id property, const std::string& title, const Place& where) {
+  const PropertyCard* card = find_property(building, property, title, where);
+  if (card == nullptr) return nullptr;
+  const Law* law = std::get_if<Law>(&card->law);
+  if (law == nullptr) wrong_property(building, *card, title, where);
+  return law;
+}
+
+}  // namespace kalfem::nastran

@@ -1,0 +1,175 @@
+#include <array>
+#include <numbers>
+
+#include "kalfem/formats/nastran/card_readers.hpp"
+
+namespace kalfem::nastran {
+namespace {
+
+void add_property(const Card& card, const Reading& in, PropertyLaw law) {
+  const Id id = card.id(1, "PID");
+  if (!in.bulk.properties.try_emplace(id, PropertyCard{card.name, std::move(law), card.place}).second)
+    throw CardError("property " + std::to_string(id) + " is given twice", "", "take one of the cards out");
+}
+
+void read_pshell(const Card& card, const Reading& in) {
+  PshellCard shell;
+  shell.membrane = card.id_or(2, 0, "MID1");
+  shell.thickness = card.real_or(3, not_given, "T");
+  const Id bending = card.id_or(4, 0, "MID2");
+  shell.bending = bending == -1 ? shell.membrane : bending;
+  if (bending == -1) in.note(card, "plane strain (MID2 = -1 of PSHELL)", "the shell is read as one in plane stress");
+  shell.bending_ratio = card.real_or(5, 1.0, "12I/T**3");
+  shell.shear = card.id_or(6, 0, "MID3");
+  shell.shear_ratio = card.real_or(7, 5.0 / 6.0, "TS/T");
+  shell.nonstructural_mass = card.real_or(8, 0.0, "NSM");
+  shell.coupling = card.id_or(11, 0, "MID4");
+  if (shell.coupling > 0)
+    in.note(card, "coupling of stretching and bending (MID4 of PSHELL)",
+            "left out; an eccentric layup is better given as PCOMP");
+  add_property(card, in, shell);
+}
+
+/// The stack as it lies: a symmetric layout is given by its lower half.
+void finish_laminate(const Card& card, const Reading& in, PcompCard laminate) {
+  if (laminate.plies.empty()) throw CardError(title(card) + " has no plies", "", "give material and thickness of each");
+  if (laminate.layout == "SYM" || laminate.layout == "SYMEM") {
+    const auto half = laminate.plies;
+    laminate.plies.insert(laminate.plies.end(), half.rbegin(), half.rend());
+  }
+  if (!laminate.layout.empty() && laminate.layout != "SYM")
+    in.note(card, "LAM " + laminate.layout + " of " + card.name,
+            "the stack is read with all its stiffness, as without this word");
+  add_property(card, in, std::move(laminate));
+}
+
+PcompCard laminate_head(const Card& card) {
+  PcompCard laminate;
+  laminate.bottom = card.real_or(2, not_given, "Z0");
+  laminate.nonstructural_mass = card.real_or(3, 0.0, "NSM");
+  laminate.layout = card.text(8);
+  return laminate;
+}
+
+/// Blank materials and thicknesses are those of the ply below.
+void add_ply(const Card& card, std::size_t material, PcompCard& laminate) {
+  const bool is_first = laminate.plies.empty();
+  PlyCard ply = is_first ? PlyCard{} : laminate.plies.back();
+  if (is_first || !card.blank(material)) ply.material = card.id(material, "MID");
+  if (is_first || !card.blank(material + 1)) ply.thickness = card.real(material + 1, "T");
+  ply.angle = card.real_or(material + 2, 0.0, "THETA");
+  laminate.plies.push_back(ply);
+}
+
+void read_pcomp(const Card& card, const Reading& in) {
+  PcompCard laminate = laminate_head(card);
+  for (std::size_t i = 9; i <= card.size(); i += 4)
+    if (!card.blank(i) || !card.blank(i + 1) || !card.blank(i + 2) || !card.blank(i + 3)) add_ply(card, i, laminate);
+  finish_laminate(card, in, std::move(laminate));
+}
+
+void read_pcompg(const Card& card, const Reading& in) {
+  PcompCard laminate = laminate_head(card);
+  for (std::size_t i = 9; i <= card.size(); i += 8)
+    if (!card.blank(i)) add_ply(card, i + 1, laminate);
+  finish_laminate(card, in, std::move(laminate));
+}
+
+void read_psolid(const Card& card, const Reading& in) {
+  if (card.text(7) == "PFLUID")
+    throw CardError(title(card) + " is a fluid", "fluids are not read", "take the fluid out of the deck");
+  add_property(card, in, PsolidCard{card.id(2, "MID"), card.id_or(3, 0, "CORDM")});
+}
+
+void read_prod(const Card& card, const Reading& in) {
+  add_property(
+      card, in,
+      RodSection{card.id(2, "MID"), card.real_or(3, 0.0, "A"), card.real_or(4, 0.0, "J"), card.real_or(6, 0.0, "NSM")});
+}
+
+void read_ptube(const Card& card, const Reading& in) {
+  const double first = card.real(3, "OD"), last = card.real_or(6, first, "OD2"), wall = card.real_or(4, 0.0, "T");
+  if (first != last) in.note(card, "taper of PTUBE", "the rod is read with the mean of both diameters");
+  const double outer = (first + last) / 2.0, inner = wall == 0.0 ? 0.0 : outer - 2.0 * wall;
+  if (!(outer > 0.0) || inner < 0.0)
+    throw CardError(title(card) + ": its diameter and wall are not those of a tube", "", "mend OD and T");
+  const auto power = [](double base, int exponent) { return std::pow(base, exponent); };
+  add_property(card, in,
+               RodSection{card.id(2, "MID"), std::numbers::pi / 4.0 * (power(outer, 2) - power(inner, 2)),
+                          std::numbers::pi / 32.0 * (power(outer, 4) - power(inner, 4)), card.real_or(5, 0.0, "NSM")});
+}
+
+/// Groups of eight: "K" and six stiffnesses, "B" and six dampings, "M" and a mass; others have no effect here.
+void read_pbush(const Card& card, const Reading& in) {
+  BushProperty bush;
+  for (std::size_t flag = 2; flag <= card.size(); flag += 8) {
+    const auto word = card.text(flag);
+    for (std::size_t i = 0; i < 6; ++i) {
+      if (word == "K") bush.stiffness[i] = card.real_or(flag + 1 + i, 0.0, "K");
+      if (word == "B") bush.damping[i] = card.real_or(flag + 1 + i, 0.0, "B");
+    }
+    if (word == "M") bush.mass = card.real_or(flag + 1, 0.0, "M");
+    if (word == "GE")
+      in.note(card, "structural damping (GE)", "springs and materials are without it; give modal damping instead");
+  }
+  add_property(card, in, bush);
+}
+
+void read_pbush1d(const Card& card, const Reading& in) {
+  BushProperty bush;
+  bush.stiffness[0] = card.real_or(2, 0.0, "K");
+  bush.damping[0] = card.real_or(3, 0.0, "C");
+  bush.mass = card.real_or(4, 0.0, "M");
+  add_property(card, in, bush);
+}
+
+void read_pvisc(const Card& card, const Reading& in) {
+  for (const std::size_t first : {1, 5}) {
+    if (card.blank(first)) continue;
+    BushProperty bush;
+    bush.damping[0] = card.real_or(first + 1, 0.0, "CE");
+    bush.damping[3] = card.real_or(first + 2, 0.0, "CR");
+    in.bulk.properties.try_emplace(card.id(first, "PID"), PropertyCard{card.name, bush, card.place});
+  }
+}
+
+void add_value(std::map<Id, double>& values, const Card& card, std::size_t id, const char* what) {
+  if (!values.try_emplace(card.id(id, "PID"), card.real_or(id + 1, 0.0, what)).second)
+    throw CardError(card.name + " " + std::string(card.raw(id)) + " is given twice", "", "take one of the cards out");
+}
+
+void read_pelas(const Card& card, const Reading& in) {
+  for (const std::size_t first : {1, 5})
+    if (!card.blank(first)) {
+      add_value(in.bulk.spring_stiffness, card, first, "K");
+      if (card.real_or(first + 2, 0.0, "GE") != 0.0)
+        in.note(card, "structural damping (GE)", "springs and materials are without it; give modal damping instead");
+    }
+}
+void read_pdamp(const Card& card, const Reading& in) {
+  for (const std::size_t first : {1, 3, 5, 7})
+    if (!card.blank(first)) add_value(in.bulk.dashpot_damping, card, first, "B");
+}
+void read_pmass(const Card& card, const Reading& in) {
+  for (const std::size_t first : {1, 3, 5, 7})
+    if (!card.blank(first)) add_value(in.bulk.scalar_mass, card, first, "M");
+}
+
+constexpr auto readers = std::to_array<CardReader>({{"PSHELL", read_pshell},
+                                                    {"PCOMP", read_pcomp},
+                                                    {"PCOMPG", read_pcompg},
+                                                    {"PSOLID", read_psolid},
+                                                    {"PROD", read_prod},
+                                                    {"PTUBE", read_ptube},
+                                                    {"PBUSH", read_pbush},
+                                                    {"PBUSH1D", read_pbush1d},
+                                                    {"PVISC", read_pvisc},
+                                                    {"PELAS", read_pelas},
+                                                    {"PDAMP", read_pdamp},
+                                                    {"PMASS", read_pmass}});
+
+}  // namespace
+
+std::span<const CardReader> property_cards() { return readers; }
+
+}  // namespace kalfem::nastran

@@ -1,0 +1,146 @@
+#include <array>
+
+#include "kalfem/formats/nastran/card_readers.hpp"
+
+namespace kalfem::nastran {
+namespace {
+
+using Kind = ScalarCard::Kind;
+
+void add_scalar(const Card& card, const Reading& in, ScalarCard scalar) {
+  if (scalar.nodes[0] == 0 && scalar.nodes[1] == 0)
+    throw CardError(title(card) + " joins no nodes", "one of its ends may be the ground, not both", "name a node");
+  scalar.where = card.place;
+  in.bulk.element_ids.emplace_back(scalar.id, card.place);
+  in.bulk.scalars.push_back(scalar);
+}
+
+/// CELAS1 and kin: EID PID G1 C1 G2 C2.
+template <Kind kind>
+void read_with_property(const Card& card, const Reading& in) {
+  ScalarCard scalar{.kind = kind, .id = card.id(1, "EID")};
+  scalar.property = card.id_or(2, scalar.id, "PID");
+  scalar.nodes = {card.id_or(3, 0, "G1"), card.id_or(5, 0, "G2")};
+  scalar.components = {card.component(4, "C1"), card.component(6, "C2")};
+  add_scalar(card, in, scalar);
+}
+
+/// CELAS2 and kin: EID value G1 C1 G2 C2.
+template <Kind kind>
+void read_with_value(const Card& card, const Reading& in) {
+  ScalarCard scalar{.kind = kind, .id = card.id(1, "EID")};
+  scalar.value = card.real_or(2, 0.0, "the value");
+  scalar.nodes = {card.id_or(3, 0, "G1"), card.id_or(5, 0, "G2")};
+  scalar.components = {card.component(4, "C1"), card.component(6, "C2")};
+  if (card.real_or(7, 0.0, "GE") != 0.0)
+    in.note(card, "structural damping (GE)", "springs and materials are without it; give modal damping instead");
+  add_scalar(card, in, scalar);
+}
+
+/// CELAS3 and kin: EID PID S1 S2.
+template <Kind kind>
+void read_points_with_property(const Card& card, const Reading& in) {
+  ScalarCard scalar{.kind = kind, .id = card.id(1, "EID")};
+  scalar.property = card.id_or(2, scalar.id, "PID");
+  scalar.nodes = {card.id_or(3, 0, "S1"), card.id_or(4, 0, "S2")};
+  add_scalar(card, in, scalar);
+}
+
+/// CELAS4 and kin: EID value S1 S2.
+template <Kind kind>
+void read_points_with_value(const Card& card, const Reading& in) {
+  ScalarCard scalar{.kind = kind, .id = card.id(1, "EID")};
+  scalar.value = card.real_or(2, 0.0, "the value");
+  scalar.nodes = {card.id_or(3, 0, "S1"), card.id_or(4, 0, "S2")};
+  add_scalar(card, in, scalar);
+}
+
+void add_bush(const Card& card, const Reading& in, BushCard bush) {
+  bush.where = card.place;
+  in.bulk.element_ids.emplace_back(bush.id, card.place);
+  in.bulk.bushes.push_back(bush);
+}
+
+void read_bush(const Card& card, const Reading& in) {
+  BushCard bush;
+  bush.id = card.id(1, "EID");
+  bush.property = card.id_or(2, bush.id, "PID");
+  bush.nodes = {card.id(3, "GA"), card.id_or(4, 0, "GB")};
+  if (card.is_integer(5) && card.blank(6) && card.blank(7))
+    bush.orientation_node = card.id(5, "G0");
+  else if (!card.blank(5) || !card.blank(6) || !card.blank(7))
+    bush.orientation =
+        Eigen::Vector3d(card.real_or(5, 0.0, "X1"), card.real_or(6, 0.0, "X2"), card.real_or(7, 0.0, "X3"));
+  bush.axes = card.id_or(8, -1, "CID");
+  bush.location = card.real_or(9, 0.5, "S");
+  bush.offset_system = card.id_or(10, -1, "OCID");
+  for (std::size_t i = 0; i < 3; ++i) bush.offset[static_cast<Eigen::Index>(i)] = card.real_or(11 + i, 0.0, "S1 to S3");
+  add_bush(card, in, bush);
+}
+
+/// Elements that act along the line of their nodes, or along x of a system.
+void read_axial(const Card& card, const Reading& in, const char* kind, std::size_t axes) {
+  BushCard bush;
+  bush.id = card.id(1, "EID");
+  bush.kind = kind;
+  bush.property = card.id_or(2, bush.id, "PID");
+  bush.nodes = {card.id(3, "GA"), card.id_or(4, 0, "GB")};
+  if (axes > 0) bush.axes = card.id_or(axes, -1, "CID");
+  add_bush(card, in, bush);
+}
+void read_bush1d(const Card& card, const Reading& in) { read_axial(card, in, "CBUSH1D", 5); }
+void read_visc(const Card& card, const Reading& in) { read_axial(card, in, "CVISC", 0); }
+
+void read_conm1(const Card& card, const Reading& in) {
+  Conm1Card mass;
+  mass.id = card.id(1, "EID");
+  mass.node = card.id(2, "G");
+  mass.system = card.id_or(3, 0, "CID");
+  std::size_t field = 4;
+  for (int row = 0; row < 6; ++row)
+    for (int column = 0; column <= row; ++column, ++field)
+      mass.matrix(row, column) = mass.matrix(column, row) = card.real_or(field, 0.0, "M");
+  mass.where = card.place;
+  in.bulk.element_ids.emplace_back(mass.id, card.place);
+  in.bulk.mass_matrices.push_back(mass);
+}
+
+/// The card's I21, I31 and I32 are integrals of products; they enter the inertia tensor with a minus.
+void read_conm2(const Card& card, const Reading& in) {
+  Conm2Card mass;
+  mass.id = card.id(1, "EID");
+  mass.node = card.id(2, "G");
+  mass.system = card.id_or(3, 0, "CID");
+  mass.mass = card.real_or(4, 0.0, "M");
+  for (std::size_t i = 0; i < 3; ++i) mass.offset[static_cast<Eigen::Index>(i)] = card.real_or(5 + i, 0.0, "X");
+  const auto inertia = [&](std::size_t i) { return card.real_or(i, 0.0, "I"); };
+  mass.inertia << inertia(9), -inertia(10), -inertia(12), -inertia(10), inertia(11), -inertia(13), -inertia(12),
+      -inertia(13), inertia(14);
+  mass.where = card.place;
+  in.bulk.element_ids.emplace_back(mass.id, card.place);
+  in.bulk.masses.push_back(mass);
+}
+
+constexpr auto readers = std::to_array<CardReader>({{"CELAS1", read_with_property<Kind::spring>},
+                                                    {"CELAS2", read_with_value<Kind::spring>},
+                                                    {"CELAS3", read_points_with_property<Kind::spring>},
+                                                    {"CELAS4", read_points_with_value<Kind::spring>},
+                                                    {"CDAMP1", read_with_property<Kind::dashpot>},
+                                                    {"CDAMP2", read_with_value<Kind::dashpot>},
+                                                    {"CDAMP3", read_points_with_property<Kind::dashpot>},
+                                                    {"CDAMP4", read_points_with_value<Kind::dashpot>},
+                                                    {"CMASS1", read_with_property<Kind::mass>},
+                                                    {"CMASS2", read_with_value<Kind::mass>},
+                                                    {"CMASS3", read_points_with_property<Kind::mass>},
+                                                    {"CMASS4", read_points_with_value<Kind::mass>},
+                                                    {"CBUSH", read_bush},
+                                                    {"CBUSH1D", read_bush1d},
+                                                    {"CVISC", read_visc},
+                                                    {"CONM1", read_conm1},
+                                                    {"CONM2", read_conm2}});
+
+}  // namespace
+
+std::span<const CardReader> scalar_cards() { return readers; }
+
+}  // namespace kalfem::nastran

@@ -1,0 +1,151 @@
+#include "kalfem/model/elements/solid_rules.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace kalfem {
+namespace {
+
+struct WeightedPlace {
+  Eigen::Vector3d place;
+  double weight = 0.0;
+};
+using Places = std::vector<WeightedPlace>;
+
+/// Gauss points on -1 <= t <= 1.
+std::vector<std::pair<double, double>> gauss(int count) {
+  switch (count) {
+    case 1:
+      return {{0.0, 2.0}};
+    case 2:
+      return {{-std::sqrt(1.0 / 3.0), 1.0}, {std::sqrt(1.0 / 3.0), 1.0}};
+    case 3:
+      return {{-std::sqrt(0.6), 5.0 / 9.0}, {0.0, 8.0 / 9.0}, {std::sqrt(0.6), 5.0 / 9.0}};
+    default: {
+      const double root = std::sqrt(4.8), near = std::sqrt((3.0 - root) / 7.0), far = std::sqrt((3.0 + root) / 7.0);
+      const double more = 0.5 + std::sqrt(30.0) / 36.0, less = 0.5 - std::sqrt(30.0) / 36.0;
+      return {{-far, less}, {-near, more}, {near, more}, {far, less}};
+    }
+  }
+}
+
+/// Three points at (b, b), (a, b) and (b, a) with a = 1 - 2 b.
+void add_triple(Places& places, double b, double weight) {
+  const double a = 1.0 - 2.0 * b;
+  for (const auto& [r, s] : {std::pair{b, b}, std::pair{a, b}, std::pair{b, a}})
+    places.push_back({{r, s, 0.0}, weight});
+}
+
+/// Points of degree 1, 2 or 5 on the triangle.
+Places triangle(int count) {
+  Places places;
+  if (count == 3) {
+    add_triple(places, 1.0 / 6.0, 1.0 / 6.0);
+    return places;
+  }
+  places.push_back({{1.0 / 3.0, 1.0 / 3.0, 0.0}, count == 1 ? 0.5 : 9.0 / 80.0});
+  if (count == 1) return places;
+  const double root = std::sqrt(15.0);
+  add_triple(places, (6.0 - root) / 21.0, (155.0 - root) / 2400.0);
+  add_triple(places, (6.0 + root) / 21.0, (155.0 + root) / 2400.0);
+  return places;
+}
+
+/// Four points near the corners (or, for b above a quarter, near the faces), each with three of its volume coordinates
+/// equal to b.
+void add_quadruple(Places& places, double b, double weight) {
+  const double a = 1.0 - 3.0 * b;
+  for (const auto& place : {Eigen::Vector3d(b, b, b), {a, b, b}, {b, a, b}, {b, b, a}})
+    places.push_back({place, weight});
+}
+
+/// Points of degree 1, 2 or 5 on the tetrahedron.
+Places tetrahedron(int count) {
+  Places places;
+  if (count == 4) {
+    add_quadruple(places, (5.0 - std::sqrt(5.0)) / 20.0, 1.0 / 24.0);
+    return places;
+  }
+  places.push_back({{0.25, 0.25, 0.25}, count == 1 ? 1.0 / 6.0 : 8.0 / 405.0});
+  if (count == 1) return places;
+  const double root = std::sqrt(15.0);
+  add_quadruple(places, (7.0 - root) / 34.0, (2665.0 + 14.0 * root) / 226800.0);
+  add_quadruple(places, (7.0 + root) / 34.0, (2665.0 - 14.0 * root) / 226800.0);
+  const double a = (5.0 - root) / 20.0, b = (5.0 + root) / 20.0;
+  for (const auto& place : {Eigen::Vector3d(a, b, b), {b, a, b}, {b, b, a}, {b, a, a}, {a, b, a}, {a, a, b}})
+    places.push_back({place, 5.0 / 567.0});
+  return places;
+}
+
+Places wedge(int in_triangle, int along) {
+  Places places;
+  for (const auto& [t, weight] : gauss(along))
+    for (const auto& point : triangle(in_triangle))
+      places.push_back({{point.place.x(), point.place.y(), t}, weight * point.weight});
+  return places;
+}
+
+Places hexahedron(int along) {
+  Places places;
+  for (const auto& [t, weight_t] : gauss(along))
+    for (const auto& [s, weight_s] : gauss(along))
+      for (const auto& [r, weight_r] : gauss(along)) places.push_back({{r, s, t}, weight_r * weight_s * weight_t});
+  return places;
+}
+
+Places corners_of(CellShape shape) {
+  Places places;
+  const auto nodes = natural_nodes(shape);
+  for (int i = 0; i < corner_count(shape); ++i) places.push_back({nodes.col(i), 0.0});
+  return places;
+}
+
+Places places_of(CellShape shape, RulePurpose purpose) {
+  if (purpose == RulePurpose::corners) return corners_of(shape);
+  const auto pick = [&](int strain, int reduced, int mass) {
+    return purpose == RulePurpose::strain ? strain : purpose == RulePurpose::reduced_strain ? reduced : mass;
+  };
+  switch (shape) {
+    case CellShape::tetrahedron4:
+      return tetrahedron(pick(1, 1, 4));
+    case CellShape::tetrahedron10:
+      return tetrahedron(pick(4, 4, 15));
+    case CellShape::wedge6:
+      return wedge(pick(3, 1, 7), pick(2, 2, 3));
+    case CellShape::wedge15:
+      return wedge(pick(3, 3, 7), pick(3, 2, 4));
+    case CellShape::hexahedron8:
+      return hexahedron(pick(2, 1, 3));
+    default:
+      return hexahedron(pick(3, 2, 4));
+  }
+}
+
+IntegrationRule make_rule(CellShape shape, RulePurpose purpose) {
+  IntegrationRule rule;
+  for (const auto& [place, weight] : places_of(shape, purpose))
+    rule.push_back({place, weight, solid_shape_functions(shape, place)});
+  return rule;
+}
+
+constexpr std::array solids = {CellShape::tetrahedron4, CellShape::tetrahedron10, CellShape::wedge6,
+                               CellShape::wedge15,      CellShape::hexahedron8,   CellShape::hexahedron20};
+constexpr std::array purposes = {RulePurpose::strain, RulePurpose::reduced_strain, RulePurpose::mass,
+                                 RulePurpose::corners};
+
+}  // namespace
+
+const IntegrationRule& integration_rule(CellShape shape, RulePurpose purpose) {
+  using Rules = std::array<IntegrationRule, purposes.size()>;
+  static const auto all = [] {
+    std::array<Rules, solids.size()> table;
+    for (std::size_t i = 0; i < solids.size(); ++i)
+      for (const auto use : purposes) table[i][static_cast<std::size_t>(use)] = make_rule(solids[i], use);
+    return table;
+  }();
+  const auto place = std::ranges::find(solids, shape) - solids.begin();
+  return all[static_cast<std::size_t>(place)][static_cast<std::size_t>(purpose)];
+}
+
+}  // namespace kalfem

@@ -1,0 +1,57 @@
+#pragma once
+
+#include "kalfem/model/health.hpp"
+
+namespace kalfem::health {
+
+/// Number in the form in which findings tell it: "2.1e+11".
+std::string told(double value);
+/// "a, b, c and 17 more" of the first few of `count` names.
+std::string listed(const std::vector<std::string>& names, Eigen::Index count);
+
+/// The degree of freedom at which a Cholesky factorisation of A + 1e-10 diag(A) fails; -1: A is semi-definite.
+Eigen::Index indefinite_dof(const SparseMatrix& matrix);
+
+/// Degrees of freedom without mass and stiffness.
+void check_massless(const std::vector<std::string>& dofs, const SparseMatrix& mass, const SparseMatrix& stiffness,
+                    std::vector<HealthFinding>& findings);
+
+/// Degrees of freedom on which a ground acts.
+Eigen::Index count_grounded(const std::vector<GroundCoupling>& grounds, Eigen::Index size);
+
+/// About the middle of the box, scaled by half its diagonal.
+RigidFrame frame_of(const HealthReport& report);
+
+/// Symmetry and signs of a matrix; with `definite`, an attempt to factor it. Findings name it ("stiffness matrix").
+MatrixHealth check_matrix(const SparseMatrix& matrix, const std::string& name, HealthTopic topic, bool definite,
+                          const std::vector<std::string>& dofs, std::vector<HealthFinding>& findings);
+
+/// Findings on how the structure is held, and the names of the stray degrees of freedom.
+/// `supported`: supports or grounds are known to hold it.
+std::vector<std::string> tell_grounding(const Grounding& grounding, bool supported,
+                                        const std::vector<std::string>& dofs, std::vector<HealthFinding>& findings);
+
+/// Findings on mass; where the `whole` of it moves in all directions, on its centre and inertia too.
+void tell_mass(const MassProperties& mass, bool whole, const Eigen::Vector3d& lowest, const Eigen::Vector3d& highest,
+               std::vector<HealthFinding>& findings);
+
+/// Materials and dimensions, and findings on units.
+void check_materials(const FiniteElementModel& model, HealthReport& report);
+
+/// Nodes that nothing touches or that stand at one place, parts that hang on nothing.
+void check_connections(const FiniteElementModel& model, const HealthOptions& options, HealthReport& report);
+
+/// Shapes of cells by region.
+void check_elements(const FiniteElementModel& model, const HealthOptions& options, HealthReport& report);
+
+/// Springs that are out of proportion to what they hang on.
+void check_springs(const FiniteElementModel& model, const AssembledModel& assembled, const SparseMatrix& stiffness,
+                   HealthReport& report);
+
+/// Box around nodes.
+void set_box(const Eigen::Matrix3Xd& places, HealthReport& report);
+
+/// Errors first, then by topic.
+void sort(std::vector<HealthFinding>& findings);
+
+}  // namespace kalfem::health

@@ -1,0 +1,102 @@
+#include "kalfem/model/local_support.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kalfem {
+
+namespace {
+
+/// A coefficient below this share of the equation's largest is rounding.
+constexpr double rounding = 1e-11;
+
+double largest(const std::map<NodalDof, double>& terms) {
+  double value = 0.0;
+  for (const auto& [dof, coefficient] : terms) value = std::max(value, std::abs(coefficient));
+  return value;
+}
+
+void drop_below(std::map<NodalDof, double>& terms, double limit) {
+  std::erase_if(terms, [&](const auto& term) { return std::abs(term.second) <= limit; });
+}
+
+}  // namespace
+
+bool ReducedEquations::add(const std::string& name, const Terms& given, std::optional<NodalDof> preferred) {
+  std::map<NodalDof, double> terms;
+  double scale = 0.0;
+  for (const auto& [dof, coefficient] : given) {
+    terms[dof] += coefficient;
+    scale = std::max(scale, std::abs(coefficient));
+  }
+  // Pivots of earlier equations are replaced; what comes in with them is no pivot.
+  for (const auto& [dof, coefficient] : std::map(terms)) {
+    const auto earlier = row_of_pivot_.find(dof);
+    if (earlier == row_of_pivot_.end()) continue;
+    for (const auto& [other, share] : rows_[earlier->second].terms) terms[other] -= coefficient * share;
+    terms.erase(dof);
+  }
+  drop_below(terms, rounding * scale);
+  if (terms.empty()) return false;
+
+  const double top = largest(terms);
+  NodalDof pivot;
+  if (preferred && terms.contains(*preferred) && std::abs(terms.at(*preferred)) > 1e-6 * top)
+    pivot = *preferred;
+  else
+    pivot = std::max_element(terms.begin(), terms.end(), [](const auto& a, const auto& b) {
+              return std::abs(a.second) < std::abs(b.second) * (1.0 - 1e-9);
+            })->first;
+  const double divisor = terms.at(pivot);
+  for (auto& [dof, coefficient] : terms) coefficient /= divisor;
+  drop_below(terms, rounding * largest(terms));
+
+  const std::size_t index = rows_.size();
+  for (const std::size_t row : rows_with_[pivot]) {
+    auto& others = rows_[row].terms;
+    const auto held = others.find(pivot);
+    if (held == others.end()) continue;
+    const double factor = held->second;
+    for (const auto& [dof, coefficient] : terms) {
+      others[dof] -= factor * coefficient;
+      rows_with_[dof].push_back(row);
+    }
+    others.erase(pivot);
+    drop_below(others, rounding * largest(others));
+  }
+  for (const auto& [dof, coefficient] : terms) rows_with_[dof].push_back(index);
+  row_of_pivot_[pivot] = index;
+  rows_.push_back({name, std::move(terms), pivot});
+  return true;
+}
+
+void ReducedEquations::store(FiniteElementModel& model) const {
+  std::map<std::pair<std::string, Eigen::Index>, std::size_t> fixed_at;
+  for (const auto& row : rows_) {
+    if (row.terms.size() == 1) {
+      const auto [place, is_new] = fixed_at.try_emplace({row.name, row.pivot.node}, model.fixed.size());
+      if (is_new) model.fixed.push_back({row.name, {row.pivot.node}, {}});
+      model.fixed[place->second].directions[static_cast<std::size_t>(row.pivot.direction)] = true;
+      continue;
+    }
+    MultiPointConstraint constraint{row.name, {{row.pivot, 1.0}}};
+    for (const auto& [dof, coefficient] : row.terms)
+      if (dof != row.pivot) constraint.terms.emplace_back(dof, coefficient);
+    model.constraints.push_back(std::move(constraint));
+  }
+}
+
+void hold_in_axes(FiniteElementModel& model, const std::string& name, Eigen::Index node, const Eigen::Matrix3d& axes,
+                  const std::array<bool, 6>& directions) {
+  ReducedEquations equations;
+  for (int block = 0; block < 2; ++block)
+    for (int i = 0; i < 3; ++i) {
+      if (!directions[static_cast<std::size_t>(3 * block + i)]) continue;
+      ReducedEquations::Terms terms;
+      for (int a = 0; a < 3; ++a) terms.push_back({NodalDof{node, 3 * block + a}, axes(a, i)});
+      equations.add(name, terms);
+    }
+  equations.store(model);
+}
+
+}  // namespace kalfem

@@ -1,0 +1,184 @@
+#include "kalfem/reduction/free_interface.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/stopwatch.hpp"
+#include "kalfem/reduction/evidence.hpp"
+#include "kalfem/reduction/mode_selection.hpp"
+#include "kalfem/reduction/projection.hpp"
+#include "kalfem/reduction/ritz.hpp"
+#include "kalfem/reduction/static_modes.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double same_motion = 1e-9;     ///< a rigid-body motion that moves the boundary less than this moves it not
+constexpr double no_flexibility = 1e-9;  ///< of the residual flexibility scaled to a unit diagonal
+
+void check(const ModeSelection& selection) {
+  IssueList issues;
+  if (selection.effective_mass)
+    issues.add({}, "a free-interface reduction is to keep modes for a part of the mass",
+               "elastic modes of a free component carry none of the mass in a translation",
+               "give a number or a cut-off");
+  else if (!selection.count && !selection.cutoff)
+    issues.add({}, "the reduction does not say how many free modes are kept",
+               "a free-interface reduction needs a number of modes or a frequency", "give one of them");
+  issues.raise();
+}
+
+struct FreeModes {
+  SelectedModes selected;
+  double factor_bytes = 0.0;
+};
+
+/// Modes of the component with nothing held: those of the interior of an empty boundary.
+FreeModes free_modes(const LinearModel& model, const ModeSelection& selection) {
+  const Partition whole = partition(model, {});
+  const ShiftedStiffness factored = factor_stiffness(whole.stiffness_ii, whole.mass_ii, whole.interior_names);
+  return {select_modes(whole, MatrixXd(model.size(), 0), factored, selection), factored.factor.bytes()};
+}
+
+/// Orthonormal basis of the rigid-body motions, as combinations of all of them, that boundary forces can cause.
+MatrixXd caused_by_boundary(const MatrixXd& at_boundary) {
+  if (at_boundary.size() == 0) return MatrixXd(at_boundary.cols(), 0);
+  const Eigen::JacobiSVD<MatrixXd> parts(at_boundary, Eigen::ComputeThinV);
+  const VectorXd& sizes = parts.singularValues();
+  return parts.matrixV().leftCols((sizes.array() > same_motion * sizes[0]).count());
+}
+
+MatrixXd unit_columns(MatrixXd columns, const SparseMatrix& mass) {
+  for (auto column : columns.colwise())
+    if (const double size = std::sqrt(column.dot(mass * column)); size > 0.0) column /= size;
+  return columns;
+}
+
+/// What the superelement is made of, in Rubin's kind.
+struct Space {
+  MatrixXd static_part;    ///< n_i x n_b
+  LowestModes modes = {};  ///< with the boundary held, uncoupled
+  Index solves = 0;
+  double factor_bytes = 0.0;
+};
+
+Space rubin_space(const LinearModel& model, const Partition& parts, const SelectedModes& kept) {
+  const ShiftedStiffness factored = factor_stiffness(parts.stiffness_ii, parts.mass_ii, parts.interior_names);
+  const auto n_b = static_cast<Index>(parts.boundary.size());
+  const MatrixXd at_boundary = kept.modes.vectors(parts.boundary, Eigen::all);
+  const MatrixXd rigid = kept.modes.vectors.leftCols(kept.rigid) * caused_by_boundary(at_boundary.leftCols(kept.rigid));
+  const MatrixXd inertia = model.mass * rigid;
+
+  MatrixXd loads(static_cast<Index>(parts.interior.size()), n_b + rigid.cols());
+  loads << -MatrixXd(parts.stiffness_ib), inertia(parts.interior, Eigen::all);
+  const MatrixXd response = interior_response(parts, factored, loads, rigid_body_modes(parts, factored));
+
+  Space space{.static_part = response.leftCols(n_b), .solves = loads.cols(), .factor_bytes = factored.factor.bytes()};
+  MatrixXd shapes(loads.rows(), kept.modes.vectors.cols() + rigid.cols());
+  shapes << kept.modes.vectors(parts.interior, Eigen::all) - space.static_part * at_boundary,
+      unit_columns(response.rightCols(rigid.cols()), parts.mass_ii);
+  // Twice, as the first pass leaves the smallest of them orthogonal to few digits only.
+  const MatrixXd independent = orthonormal(orthonormal(shapes, parts.mass_ii), parts.mass_ii);
+  space.modes = uncoupled(independent, parts.stiffness_ii, parts.mass_ii);
+  for (Index i = 0; i < space.modes.values.size() && moves_rigidly(parts.stiffness_ii, space.modes.vectors.col(i)); ++i)
+    space.modes.values[i] = 0.0;
+  return space;
+}
+
+std::vector<std::string> with_modes(std::vector<std::string> names, Index modes) {
+  for (Index i = 1; i <= modes; ++i) names.push_back("mode" + std::to_string(i));
+  return names;
+}
+
+/// MacNeal's stiffness in [boundary; free modes], and these coordinates' motion in Rubin's.
+struct MasslessResidual {
+  MatrixXd stiffness, transformation;
+};
+
+/// In Rubin's coordinates the kept modes are exact, and the further ones hold exactly the residual flexibility.
+std::optional<MasslessResidual> massless_residual(const LinearModel& rubin, Index n_b, const VectorXd& kept) {
+  const Index k = kept.size(), further = rubin.size() - k;
+  if (further < n_b) return {};
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> all(MatrixXd(rubin.stiffness), MatrixXd(rubin.mass));
+  const MatrixXd modes = all.eigenvectors().leftCols(k), rest = all.eigenvectors().rightCols(further);
+  const MatrixXd residual =  // Psi_r
+      rest * all.eigenvalues().tail(further).cwiseInverse().asDiagonal() * rest.topRows(n_b).transpose();
+  const MatrixXd flexibility = symmetric(residual.topRows(n_b));
+  const VectorXd scale = flexibility.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> principal(scale.asDiagonal() * flexibility * scale.asDiagonal());
+  if (!scale.allFinite() || (n_b > 0 && !(principal.eigenvalues()[0] > no_flexibility))) return {};
+  const MatrixXd root = principal.eigenvalues().cwiseSqrt().cwiseInverse().asDiagonal() *
+                        principal.eigenvectors().transpose() * scale.asDiagonal();
+  MatrixXd boundary(n_b, n_b + k);  // its residual displacement, u_b - Phi_b p
+  boundary << MatrixXd::Identity(n_b, n_b), -modes.topRows(n_b);
+  const MatrixXd force = root.transpose() * (root * boundary);
+  MasslessResidual result{boundary.transpose() * force, residual * force};
+  result.stiffness = symmetric(result.stiffness);
+  result.stiffness.diagonal().tail(k) += kept;
+  result.transformation.rightCols(k) += modes;
+  return result;
+}
+
+/// Exchanges Rubin's coordinates for MacNeal's; false where no flexibility is left for them.
+bool to_macneal(const LinearModel& full, const std::vector<std::string>& names, const VectorXd& kept,
+                Superelement& element) {
+  const auto n_b = static_cast<Index>(names.size());
+  const auto residual = massless_residual(element.model, n_b, kept);
+  if (!residual) return false;
+  element.basis = element.basis * residual->transformation;
+  element.model = projected_surroundings(full, element.basis, with_modes(names, kept.size()));
+  element.model.stiffness = residual->stiffness.sparseView();
+  MatrixXd mass = MatrixXd::Zero(n_b + kept.size(), n_b + kept.size());
+  mass.diagonal().tail(kept.size()).setOnes();
+  element.model.mass = mass.sparseView();
+  return true;
+}
+
+double comparison_band(const ReductionEvidence& evidence, const FreeInterfaceOptions& options) {
+  if (options.compare_up_to > 0.0) return options.compare_up_to;
+  return 0.5 * (evidence.highest_kept > 0.0 ? evidence.highest_kept : evidence.next_left_out);
+}
+
+}  // namespace
+
+Superelement free_interface(const LinearModel& model, const std::vector<std::string>& boundary,
+                            const FreeInterfaceOptions& options) {
+  const Stopwatch watch;
+  check(options.modes);
+  const std::vector<std::string> names = joined(boundary, options.also_kept);
+  const Partition parts = partition(model, names);
+  const FreeModes free = free_modes(model, options.modes);
+  const SelectedModes& kept = free.selected;
+  const Space space = rubin_space(model, parts, kept);
+
+  Superelement element;
+  element.boundary = parts.boundary;
+  element.basis = transformation(parts, space.static_part, space.modes.vectors);
+  element.model =
+      projected_model(model, element.basis, space.modes.values, with_modes(names, space.modes.values.size()));
+  ReductionEvidence& evidence = element.evidence;
+  evidence.reason = kept.reason + ", and the residual flexibility and mass of the boundary";
+  if (options.kind == FreeInterfaceKind::macneal)
+    evidence.reason = to_macneal(model, names, kept.modes.values, element)
+                          ? kept.reason + ", and the residual flexibility of the boundary without its mass"
+                          : evidence.reason + " (so few modes are left out that MacNeal's form does not exist)";
+  evidence.static_error = static_error(parts, space.static_part);
+  evidence.interface_frequencies = natural_frequencies(kept.modes.values);
+  evidence.highest_kept = kept.modes.values.size() > 0 ? evidence.interface_frequencies.tail(1)[0] : 0.0;
+  evidence.next_left_out = natural_frequencies(VectorXd::Constant(1, kept.modes.next.value_or(0.0)))[0];
+  evidence.rigid_modes = kept.rigid;
+  evidence.factor_bytes = std::max(free.factor_bytes, space.factor_bytes);
+  evidence.solves = kept.modes.solves + space.solves;
+  evidence.seconds = watch.seconds();
+  if (options.evidence)
+    evidence.modes = compare_modes(model, element.model, element.basis, comparison_band(evidence, options));
+  return element;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,104 @@
+#include "kalfem/reduction/projection.hpp"
+
+#include <algorithm>
+#include <map>
+#include <numbers>
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+SparseMatrix projected(const SparseMatrix& matrix, const MatrixXd& T) {
+  return symmetric(T.transpose() * (matrix * T)).sparseView();
+}
+
+SparseMatrix projected_mass(const SparseMatrix& mass, const MatrixXd& T, Index modes) {
+  MatrixXd reduced(projected(mass, T));
+  reduced.bottomRightCorner(modes, modes).setIdentity();
+  return reduced.sparseView();
+}
+
+SparseMatrix projected_stiffness(const SparseMatrix& stiffness, const MatrixXd& T, const VectorXd& values) {
+  const Index n_b = T.cols() - values.size();
+  const auto static_part = T.leftCols(n_b);
+  MatrixXd reduced = MatrixXd::Zero(T.cols(), T.cols());
+  reduced.topLeftCorner(n_b, n_b) = symmetric(static_part.transpose() * (stiffness * static_part));
+  reduced.diagonal().tail(values.size()) = values;
+  return reduced.sparseView();
+}
+
+/// The points of the full model as combinations of the reduced degrees of freedom.
+std::map<std::string, DofCombination> projected_points(const LinearModel& model, const MatrixXd& T,
+                                                       const std::vector<std::string>& names) {
+  std::map<std::string, Index> places;
+  for (Index i = 0; i < model.size(); ++i) places.emplace(model.dofs[static_cast<std::size_t>(i)], i);
+  std::map<std::string, DofCombination> points;
+  for (const auto& [point, combination] : model.points) {
+    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(T.cols());
+    for (const auto& [dof, coefficient] : combination) row += coefficient * T.row(places.at(dof));
+    DofCombination& reduced = points[point];
+    for (Index j = 0; j < row.size(); ++j)
+      if (row[j] != 0.0) reduced[names[static_cast<std::size_t>(j)]] = row[j];
+  }
+  return points;
+}
+
+}  // namespace
+
+VectorXd natural_frequencies(const VectorXd& values) {
+  return values.cwiseMax(0.0).cwiseSqrt() / (2.0 * std::numbers::pi);
+}
+
+MatrixXd symmetric(const MatrixXd& matrix) { return 0.5 * (matrix + matrix.transpose()); }
+
+MatrixXd transformation(const Partition& parts, const MatrixXd& static_part, const MatrixXd& modes) {
+  const Index n_b = static_part.cols();
+  const auto n = static_cast<Index>(parts.boundary.size() + parts.interior.size());
+  MatrixXd T = MatrixXd::Zero(n, n_b + modes.cols());
+  for (Index j = 0; j < n_b; ++j) T(parts.boundary[static_cast<std::size_t>(j)], j) = 1.0;
+  for (std::size_t i = 0; i < parts.interior.size(); ++i) {
+    const auto row = static_cast<Index>(i);
+    T.row(parts.interior[i]) << static_part.row(row), modes.row(row);
+  }
+  return T;
+}
+
+SparseMatrix projected_damping(const LinearModel& model, const MatrixXd& T) {
+  const SparseMatrix local = projected(model.damping, T);
+  const auto& [modes, rates] = model.modal_damping;
+  if (rates.size() == 0) return local;
+  const MatrixXd momenta = T.transpose() * (model.mass * modes.shapes);
+  return symmetric(MatrixXd(local) + momenta * rates.asDiagonal() * momenta.transpose()).sparseView();
+}
+
+LinearModel projected_surroundings(const LinearModel& model, const MatrixXd& T, std::vector<std::string> names) {
+  LinearModel reduced;
+  reduced.damping = projected_damping(model, T);
+  for (const auto& ground : model.grounds)
+    reduced.grounds.push_back({ground.ground, T.transpose() * ground.stiffness, T.transpose() * ground.damping});
+  reduced.points = projected_points(model, T, names);
+  reduced.points_only = model.points_only;
+  reduced.dofs = std::move(names);
+  return reduced;
+}
+
+LinearModel projected_model(const LinearModel& model, const MatrixXd& T, const VectorXd& values,
+                            std::vector<std::string> names) {
+  LinearModel reduced = projected_surroundings(model, T, std::move(names));
+  reduced.mass = projected_mass(model.mass, T, values.size());
+  reduced.stiffness = projected_stiffness(model.stiffness, T, values);
+  return reduced;
+}
+
+std::vector<std::string> joined(const std::vector<std::string>& boundary, const std::vector<std::string>& also_kept) {
+  std::vector<std::string> names = boundary;
+  for (const auto& name : also_kept)
+    if (std::ranges::find(boundary, name) == boundary.end()) names.push_back(name);
+  return names;
+}
+
+}  // namespace kalfem

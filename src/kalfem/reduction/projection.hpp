@@ -1,0 +1,33 @@
+#pragma once
+
+#include "kalfem/reduction/partition.hpp"
+
+namespace kalfem {
+
+/// sqrt(lambda) / 2 pi [Hz]; negative values count as 0.
+Eigen::VectorXd natural_frequencies(const Eigen::VectorXd& values);
+
+/// (A + A^T) / 2.
+Eigen::MatrixXd symmetric(const Eigen::MatrixXd& matrix);
+
+/// T = [I 0; Psi Phi], n x r, its rows in the order of the full model.
+Eigen::MatrixXd transformation(const Partition& parts, const Eigen::MatrixXd& static_part,
+                               const Eigen::MatrixXd& modes);
+
+/// T^T (C + C_m) T, r x r, without ever forming the modal damping C_m.
+SparseMatrix projected_damping(const LinearModel& model, const Eigen::MatrixXd& T);
+
+/// The model in the coordinates q of z = T q with T = [I 0; Psi Phi]: static modes Psi, in equilibrium in the interior,
+/// and mass-normalised modes Phi of the interior with these values [(rad/s)^2]. So the last block of the mass is the
+/// identity, that of the stiffness diagonal, and the stiffness has no coupling between the two. Grounds and points are
+/// carried over; the damping holds C_m.
+LinearModel projected_model(const LinearModel& model, const Eigen::MatrixXd& T, const Eigen::VectorXd& values,
+                            std::vector<std::string> names);
+
+/// Damping, grounds and points of the model in the coordinates q of z = T q; mass and stiffness stay empty.
+LinearModel projected_surroundings(const LinearModel& model, const Eigen::MatrixXd& T, std::vector<std::string> names);
+
+/// The boundary and what is kept beside it, each name once.
+std::vector<std::string> joined(const std::vector<std::string>& boundary, const std::vector<std::string>& also_kept);
+
+}  // namespace kalfem

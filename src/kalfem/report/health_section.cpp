@@ -1,0 +1,157 @@
+#include "kalfem/report/health_section.hpp"
+
+#include <fmt/format.h>
+
+#include "kalfem/report/mesh_picture.hpp"
+#include "kalfem/report/tables.hpp"
+
+namespace kalfem {
+namespace {
+
+using Eigen::Index;
+
+std::string vector_text(const Eigen::Vector3d& vector) {
+  return fmt::format("{}, {}, {}", four_digits(vector[0]), four_digits(vector[1]), four_digits(vector[2]));
+}
+
+std::string motions_text(const Grounding& grounding, bool strained) {
+  static constexpr std::array names = {"x", "y", "z", "about x", "about y", "about z"};
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (grounding.motions[i].exists && grounding.motions[i].strained == strained)
+      text += std::string(text.empty() ? "" : ", ") + names[i];
+  return text.empty() ? "none" : text;
+}
+
+std::string matrix_text(const MatrixHealth& matrix) {
+  std::string text = matrix.asymmetry < 1e-12 ? "symmetric" : fmt::format("not symmetric by {:.2g}", matrix.asymmetry);
+  if (matrix.semi_definite) text += *matrix.semi_definite ? ", positive semi-definite" : ", indefinite";
+  if (matrix.negative_diagonal > 0) text += fmt::format(", {} negative diagonal entries", matrix.negative_diagonal);
+  if (matrix.empty_diagonal > 0) text += fmt::format(", {} empty rows", matrix.empty_diagonal);
+  return text;
+}
+
+/// A cross where something is wrong.
+std::vector<PictureMark> marks_of(const HealthReport& health) {
+  std::vector<PictureMark> marks;
+  for (const auto& finding : health.findings)
+    if (finding.severity != HealthSeverity::note)
+      for (const auto node : finding.nodes) marks.push_back({MarkKind::finding, node, ""});
+  return marks;
+}
+
+}  // namespace
+
+Table findings_table(const HealthReport& health) {
+  Table table{"Findings", {"", "about", "found", "it follows", "to do"}, {}, {}};
+  for (const auto& finding : health.findings)
+    table.rows.push_back(
+        {to_string(finding.severity), to_string(finding.topic), finding.what, finding.why, finding.fix});
+  return table;
+}
+
+Table properties_table(const HealthReport& health) {
+  Table table{"The whole", {"", "value"}, {}, {Align::left, Align::left}};
+  const auto add = [&](const std::string& what, const std::string& value) { table.rows.push_back({what, value}); };
+  add("nodes, cells, degrees of freedom",
+      fmt::format("{}, {}, {}", health.nodes, health.cells, health.degrees_of_freedom));
+  if (health.cells > 0)
+    add("box [m]", fmt::format("{} to {}", vector_text(health.lowest), vector_text(health.highest)));
+  if (health.mass) {
+    const auto& [mass, centre, inertia] = *health.mass;
+    add("mass [kg]", four_digits(mass));
+    add("centre of gravity [m]", vector_text(centre));
+    add("inertia about it xx, yy, zz [kg m^2]", vector_text(inertia.diagonal()));
+    add("inertia about it xy, yz, xz [kg m^2]", vector_text({inertia(0, 1), inertia(1, 2), inertia(0, 2)}));
+  }
+  if (health.grounding) {
+    add("rigid-body motions that are free", motions_text(*health.grounding, false));
+    add("rigid-body motions that are held", motions_text(*health.grounding, true));
+  }
+  add("directions held by supports", std::to_string(health.fixed_dofs));
+  if (health.grounded_dofs > 0) add("degrees of freedom on springs to ground", std::to_string(health.grounded_dofs));
+  add("stiffness matrix", matrix_text(health.stiffness_matrix));
+  add("mass matrix", matrix_text(health.mass_matrix));
+  if (health.parts.size() > 1) add("parts that nothing joins", std::to_string(health.parts.size()));
+  if (health.coincident_pairs > 0)
+    add("pairs of nodes at one place",
+        fmt::format("{}, {} of them not joined", health.coincident_pairs, health.unjoined_pairs));
+  if (health.free_nodes > 0) add("nodes that nothing touches", std::to_string(health.free_nodes));
+  return table;
+}
+
+Table regions_table(const HealthReport& health) {
+  Table table{"Regions", {"region", "kind", "material", "cells", "length, area, volume", "mass [kg]"}, {}, {}};
+  for (const auto& region : health.regions)
+    table.rows.push_back({region.name, region.kind.empty() ? "none" : region.kind,
+                          region.material.empty() ? "-" : region.material, std::to_string(region.cells),
+                          four_digits(region.measure), four_digits(region.mass)});
+  return table;
+}
+
+Table materials_table(const HealthReport& health) {
+  Table table{
+      "Materials", {"material", "E [Pa]", "nu", "rho [kg/m^3]", "sqrt(E/rho) [m/s]", "resembles", "used by"}, {}, {}};
+  for (const auto& material : health.materials) {
+    std::string users;
+    for (const auto& region : material.used_by) users += (users.empty() ? "" : ", ") + region;
+    table.rows.push_back({material.name, four_digits(material.values.youngs_modulus),
+                          four_digits(material.values.poissons_ratio), four_digits(material.values.density),
+                          four_digits(material.wave_speed), material.resembles.empty() ? "-" : material.resembles,
+                          users.empty() ? "nothing" : users});
+  }
+  return table;
+}
+
+Table quality_table(const HealthReport& health) {
+  Table table{"Shapes of cells: worst value (number beyond the usual limit)", {"region"}, {}, {}};
+  for (int m = 0; m < quality_measures; ++m) table.columns.push_back(to_string(static_cast<QualityMeasure>(m)));
+  for (const auto& region : health.quality) {
+    if (region.measured == 0) continue;
+    auto& row = table.rows.emplace_back(std::vector<std::string>{region.region});
+    for (const auto& measure : region.measures)
+      row.push_back(four_digits(measure.worst) + (measure.beyond > 0 ? fmt::format(" ({})", measure.beyond) : ""));
+  }
+  return table;
+}
+
+Table notes_table(const std::vector<DeckNote>& notes) {
+  Table table{"In the deck and not used", {"what", "first at", "times", "it follows"}, {}, {}};
+  for (const auto& note : notes)
+    table.rows.push_back(
+        {note.what, note.where.line > 0 ? fmt::format("{}:{}", note.where.file, note.where.line) : note.where.file,
+         std::to_string(note.count), note.consequence});
+  return table;
+}
+
+std::string health_text(const HealthReport& health, const std::vector<DeckNote>& notes) {
+  std::string text;
+  for (const auto& finding : health.findings)
+    text += to_string(finding.severity) + ": " + to_string(Issue{{}, finding.what, finding.why, finding.fix}) + "\n";
+  for (const auto& note : notes)
+    text += "not used: " +
+            to_string(Issue{note.where, note.what + (note.count > 1 ? fmt::format(" ({} times)", note.count) : ""),
+                            note.consequence, ""}) +
+            "\n";
+  if (!text.empty()) text += "\n";
+  for (const auto& table :
+       {properties_table(health), regions_table(health), materials_table(health), quality_table(health)})
+    if (!table.rows.empty()) text += to_text(table) + "\n";
+  return text;
+}
+
+Section health_section(const std::string& name, const FiniteElementModel& model, const HealthReport& health,
+                       const std::vector<DeckNote>& notes) {
+  Section section{"Health of '" + name + "'", "", {}};
+  section.text = fmt::format("{} errors, {} warnings, {} notes.", health.count(HealthSeverity::error),
+                             health.count(HealthSeverity::warning), health.count(HealthSeverity::note));
+  if (!model.mesh.cells.empty())
+    section.items.emplace_back(
+        Picture{.title = "Mesh", .caption = "", .svg = mesh_picture_svg(model, {.marks = marks_of(health)})});
+  for (auto table : {findings_table(health), properties_table(health), regions_table(health), materials_table(health),
+                     quality_table(health), notes_table(notes)})
+    if (!table.rows.empty()) section.items.emplace_back(std::move(table));
+  return section;
+}
+
+}  // namespace kalfem

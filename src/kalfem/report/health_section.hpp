@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+
+#include "kalfem/formats/deck.hpp"
+#include "kalfem/model/health.hpp"
+#include "kalfem/report/page.hpp"
+
+namespace kalfem {
+
+/// What was found, worst first: severity, fact, what follows, what to do.
+Table findings_table(const HealthReport& health);
+/// Mass, centre of gravity, inertia, box, grounding, matrices.
+Table properties_table(const HealthReport& health);
+/// Regions with what they are made of, how large and how heavy they are.
+Table regions_table(const HealthReport& health);
+/// Materials with their values and what they resemble.
+Table materials_table(const HealthReport& health);
+/// Shapes of the cells of each region: the worst value of each measure, and how many cells are beyond its limit.
+Table quality_table(const HealthReport& health);
+/// What a deck holds that was not used.
+Table notes_table(const std::vector<DeckNote>& notes);
+
+/// As a person reads it on a terminal: findings and notes as sentences, then the tables.
+std::string health_text(const HealthReport& health, const std::vector<DeckNote>& notes);
+/// All tables that have rows as a section of a page, below a picture of the mesh (where there is one).
+Section health_section(const std::string& name, const FiniteElementModel& model, const HealthReport& health,
+                       const std::vector<DeckNote>& notes);
+
+}  // namespace kalfem

@@ -1,0 +1,183 @@
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "formats/abaqus_decks.hpp"
+#include "kalfem/model/constraints.hpp"
+#include "kalfem/model/local_support.hpp"
+
+namespace kalfem {
+namespace {
+
+using Eigen::Index;
+
+/// Ten nodes along x without elements, for constraints alone.
+FiniteElementModel bare_model() {
+  FiniteElementModel model;
+  model.mesh.nodes = Eigen::Matrix3Xd::Zero(3, 10);
+  for (Index i = 0; i < 10; ++i) {
+    model.mesh.node_ids.push_back(i + 1);
+    model.mesh.nodes(0, i) = static_cast<double>(i);
+  }
+  return model;
+}
+
+TEST(LocalSupport, HeldDirectionsOfTurnedAxesDoNotMove) {
+  const Eigen::Matrix3d axes =
+      (Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()) * Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX()))
+          .toRotationMatrix();
+  for (int pattern = 1; pattern < 64; ++pattern) {
+    auto model = bare_model();
+    std::array<bool, 6> held{};
+    int count = 0;
+    for (std::size_t d = 0; d < 6; ++d) count += held[d] = (pattern >> d) & 1;
+    hold_in_axes(model, "support", 4, axes, held);
+    const auto free = eliminate(model, std::vector<bool>(60, true));  // throws where they contradict each other
+    EXPECT_EQ(static_cast<int>(free.dofs.size()), 60 - count);
+    const Eigen::MatrixXd motion = Eigen::MatrixXd(free.transform).middleRows(24, 6);
+    for (Index d = 0; d < 6; ++d)
+      if (held[static_cast<std::size_t>(d)])
+        EXPECT_LT((axes.col(d % 3).transpose() * motion.middleRows(d < 3 ? 0 : 3, 3)).norm(), 1e-12);
+  }
+}
+
+TEST(LocalSupport, AxesAlongTheGlobalOnesNeedNoConstraint) {
+  auto model = bare_model();
+  Eigen::Matrix3d axes;
+  axes << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  hold_in_axes(model, "support", 0, axes, {true, false, false, false, false, false});
+  EXPECT_TRUE(model.constraints.empty());
+  ASSERT_EQ(model.fixed.size(), 1u);
+  EXPECT_TRUE(model.fixed.front().directions[1]);
+}
+
+TEST(LocalSupport, EquationsThatFollowFromOthersAreLeftOut) {
+  ReducedEquations equations;
+  const NodalDof a{0, 0}, b{1, 0}, c{2, 0};
+  EXPECT_TRUE(equations.add("1", {{a, 1.0}, {b, -1.0}}));
+  EXPECT_TRUE(equations.add("2", {{b, 1.0}, {c, -1.0}}));
+  EXPECT_FALSE(equations.add("3", {{a, 2.0}, {c, -2.0}}));
+  auto model = bare_model();
+  equations.store(model);
+  EXPECT_EQ(model.constraints.size(), 2u);
+  EXPECT_TRUE(constraint_issues(model).empty());
+}
+
+/// A block of n x n x m C3D8I between two heights, numbers from `start` on; sets: NAMEbottom, NAMEtop.
+std::string block(const std::string& name, int start, int n, int m, double from, double to) {
+  std::string text = "*NODE\n", bottom = "*NSET, NSET=" + name + "bottom\n", top = "*NSET, NSET=" + name + "top\n";
+  const auto id = [&](int i, int j, int k) { return start + i + (n + 1) * (j + (n + 1) * k); };
+  for (int k = 0; k <= m; ++k)
+    for (int j = 0; j <= n; ++j)
+      for (int i = 0; i <= n; ++i) {
+        text += std::to_string(id(i, j, k)) + "," + std::to_string(double(i) / n) + "," +
+                std::to_string(double(j) / n) + "," + std::to_string(from + (to - from) * k / m) + "\n";
+        if (k == 0) bottom += std::to_string(id(i, j, k)) + ",\n";
+        if (k == m) top += std::to_string(id(i, j, k)) + ",\n";
+      }
+  std::string upper = "*ELSET, ELSET=" + name + "upper\n", lower = "*ELSET, ELSET=" + name + "lower\n";
+  text += "*ELEMENT, TYPE=C3D8I, ELSET=" + name + "\n";
+  int element = start;
+  for (int k = 0; k < m; ++k)
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        if (k == 0) lower += std::to_string(element) + ",\n";
+        if (k == m - 1) upper += std::to_string(element) + ",\n";
+        text += std::to_string(element++);
+        for (int level = 0; level < 2; ++level)
+          for (const auto& [a, b] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}})
+            text += "," + std::to_string(id(i + a, j + b, k + level));
+        text += "\n";
+      }
+  return text + bottom + top + lower + upper + "*SURFACE, NAME=" + name + "top\n" + name +
+         "upper, S2\n*SURFACE, NAME=" + name + "bottom\n" + name + "lower, S1\n*SOLID SECTION, ELSET=" + name +
+         ", MATERIAL=steel\n";
+}
+
+// Meshes that do not match, a gap between them: six motions without force, and elastic ones near those of one piece.
+TEST(AbaqusTie, UnlikeMeshesMoveAsOneBody) {
+  const std::string tie = "*TIE, NAME=t, POSITION TOLERANCE=0.02\nbbottom, atop\n";
+  const auto tied =
+      Matrices(parse_deck(deck_steel + block("a", 1, 3, 3, 0, 1) + block("b", 1000, 4, 3, 1.01, 2) + tie).model)
+          .frequencies(9);
+  const auto whole = Matrices(parse_deck(deck_steel + block("a", 1, 3, 6, 0, 2)).model).frequencies(9);
+  for (Index i = 0; i < 6; ++i) EXPECT_LT(tied[i], 1e-3 * whole[6]);
+  for (Index i = 6; i < 9; ++i) EXPECT_NEAR(tied[i], whole[i], 0.03 * whole[i]);
+}
+
+TEST(AbaqusTie, SurfacesBeyondTheToleranceAreTold) {
+  EXPECT_THROW(parse_deck(deck_steel + block("a", 1, 2, 1, 0, 1) + block("b", 1000, 2, 1, 1.5, 2) +
+                          "*TIE, NAME=t\nbbottom, atop\n"),
+               InvalidInput);
+}
+
+/// Frequencies of a block on its clamped bottom with something at its top.
+Eigen::VectorXd of_block(const std::string& more, Index count = 4) {
+  return Matrices(parse_deck(deck_steel + block("a", 1, 2, 3, 0, 2) +
+                             "*BOUNDARY\nabottom, 1, 3\n*NODE\n500, 0.5, 0.5, 2.5\n" +
+                             "*ELEMENT, TYPE=MASS, ELSET=m\n500, 500\n*MASS, ELSET=m\n4000.\n" + more)
+                      .model)
+      .frequencies(count);
+}
+
+const std::string inertia = "*ELEMENT, TYPE=ROTARYI, ELSET=r\n501, 500\n*ROTARY INERTIA, ELSET=r\n100., 100., 100.\n";
+
+TEST(AbaqusCoupling, ManyWaysToWriteOneRigidBody) {
+  const auto rigid = of_block(inertia + "*RIGID BODY, REF NODE=500, TIE NSET=atop\n");
+  for (const std::string& other :
+       {std::string("*COUPLING, CONSTRAINT NAME=c, REF NODE=500, SURFACE=atop\n*KINEMATIC\n"),
+        std::string("*COUPLING, CONSTRAINT NAME=c, REF NODE=500, SURFACE=atop\n*KINEMATIC\n1, 3\n"),
+        std::string("*KINEMATIC COUPLING, REF NODE=500\natop, 1, 6\n"), std::string("*MPC\nBEAM, atop, 500\n"),
+        std::string("*ORIENTATION, NAME=o\n1,2,0,-2,1,0\n*COUPLING, CONSTRAINT NAME=c, REF NODE=500, SURFACE=atop, "
+                    "ORIENTATION=o\n"
+                    "*KINEMATIC\n1\n2\n3\n")})
+    EXPECT_TRUE(of_block(inertia + other).isApprox(rigid, 1e-9)) << other;
+}
+
+// The block carries the mass without being stiffened: lower than with a rigid top, above the block with the mass at
+// half its own height would be. The surface by faces weighs its nodes by area: nearly the same.
+TEST(AbaqusCoupling, DistributingCouplingDoesNotStiffen) {
+  const auto rigid = of_block(inertia + "*RIGID BODY, REF NODE=500, TIE NSET=atop\n");
+  const auto soft = of_block(inertia + "*COUPLING, CONSTRAINT NAME=c, REF NODE=500, SURFACE=atop\n*DISTRIBUTING\n");
+  const auto old =
+      of_block(inertia + "*ELEMENT, TYPE=DCOUP3D, ELSET=d\n600, 500\n*DISTRIBUTING COUPLING, ELSET=d\natop, 1.\n");
+  for (Index i = 0; i < 4; ++i) {
+    EXPECT_LT(soft[i], (1.0 + 1e-9) * rigid[i]);  // torsion is the same
+    EXPECT_GT(soft[i], 0.8 * rigid[i]);
+    EXPECT_NEAR(old[i], soft[i], 0.02 * soft[i]);
+  }
+  EXPECT_LT(soft[0], 0.999 * rigid[0]);
+}
+
+// A held reference node of a distributing coupling holds the mean motion of its nodes: the same as by hand.
+TEST(AbaqusCoupling, HeldReferenceNodeHoldsTheMeanMotion) {
+  std::string equation = "*EQUATION\n9\n";
+  for (int node = 28; node <= 36; ++node) equation += std::to_string(node) + ", 3, 1.\n";
+  const std::string free_nodes = "*BOUNDARY\n500, 1, 6\n";
+  const std::string by_nodes =
+      "*SURFACE, NAME=s, TYPE=NODE\natop, 1.\n*COUPLING, CONSTRAINT NAME=c, REF NODE=510, SURFACE=s\n*DISTRIBUTING\n"
+      "*NODE\n510, 0.5, 0.5, 2.\n*BOUNDARY\n510, 3\n";
+  EXPECT_TRUE(of_block(free_nodes + by_nodes).isApprox(of_block(free_nodes + equation), 1e-9));
+}
+
+// Supports of nodes that follow act on the one that leads them: here 0.5 above, u_x = 0.5 theta_y and theta_z = 0.
+TEST(AbaqusCoupling, SupportsOfSlavesHoldTheirMaster) {
+  const std::string body = inertia + "*RIGID BODY, REF NODE=500, TIE NSET=atop\n";
+  const auto at_slaves = of_block(body + "*BOUNDARY\natop, 1\n");
+  const auto at_master = of_block(body + "*BOUNDARY\n500, 6\n*EQUATION\n2\n500, 1, 1., 500, 5, -0.5\n");
+  EXPECT_TRUE(at_slaves.isApprox(at_master, 1e-9));
+}
+
+TEST(AbaqusBoundary, NamedSupportsAndTheFirstStep) {
+  const std::string plate = "*NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n*ELEMENT, TYPE=S4, ELSET=e\n1,1,2,3,4\n" +
+                            deck_steel + "*SHELL SECTION, ELSET=e, MATERIAL=steel\n0.01\n";
+  const auto size = [&](const std::string& more) { return assemble(parse_deck(plate + more).model).size(); };
+  EXPECT_EQ(size("*BOUNDARY\n1, ENCASTRE\n2, PINNED\n3, XSYMM\n4, 3\n"), 24 - 6 - 3 - 3 - 1);
+  EXPECT_EQ(size("*BOUNDARY\n1, 1, 3\n*STEP\n*FREQUENCY\n3\n*BOUNDARY\n2, 1\n*END STEP\n"), 20);
+  EXPECT_EQ(size("*BOUNDARY\n1, 1, 3\n*STEP\n*FREQUENCY\n3\n*BOUNDARY, OP=NEW\n2, 1\n*END STEP\n"), 23);
+  EXPECT_EQ(size("*BOUNDARY\n1, 1, 3\n*STEP\n*END STEP\n*STEP\n*BOUNDARY\n2, 1\n*END STEP\n"), 21);
+  EXPECT_EQ(parse_deck(plate + "*BOUNDARY\n1, 1, 1, 0.5\n").notes.size(), 1u);
+}
+
+}  // namespace
+}  // namespace kalfem
