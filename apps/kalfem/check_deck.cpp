@@ -57,11 +57,12 @@ ExitCode check_deck(const std::string& file, const std::vector<std::string>& uni
   const Table frequencies = sound ? frequency_table(assembled, 16) : Table{};
   if (sound) fmt::print("{}\n", to_text(frequencies));
   if (!page_file.empty()) {
-    Page page{.title = std::filesystem::path(file).filename().string(),
+    const std::string name = std::filesystem::path(file).filename().string();
+    Page page{.title = name,
               .subtitle = fmt::format("{} degrees of freedom", assembled.size()),
               .status = sound ? PageStatus::ok : PageStatus::unusable,
               .summary = "Health report of the deck.",
-              .sections = {health_section(file, deck.model, health, deck.notes)}};
+              .sections = {health_section(name, deck.model, health, deck.notes)}};
     if (sound) page.sections.front().items.emplace_back(frequencies);
     write_file_atomically(page_file, render_html(page));
   }

@@ -75,6 +75,23 @@ TEST(NastranCards, GoOnOverLines) {
   }
 }
 
+/// Lines without values count as eight (four) blank ones, and a large line alone as eight.
+TEST(NastranCards, KeepTheirPlaceOverBlankLines) {
+  const std::string head = "MAT1,1,1.,,.3,1.\nGRID,1\nGRID,2,,1.\nCBEAM,1,1,1,2,0.,1.,0.\n";
+  for (const std::string pbeam :
+       {"PBEAM,1,1,1.,1.,1.,,1.\n,\n,.5,.6\n,,,,,.7,.8\n",
+        "PBEAM   1       1       1.      1.      1.              1.\n+\n        .5      .6\n*\n*       .7              "
+        ".8\n",
+        "PBEAM   1       1       1.      1.      1.              1.\n*\n        .5      .6\n+\t\t\t\t\t.7\t.8\n",
+        "PBEAM*,1,1,1.,1.\n*,1.,,1.\n*\n*\n*,.5,.6\n*\n*\n*,.7,.8\n"}) {
+    const auto deck = test::nastran(head + pbeam);
+    const auto& section = std::get<BeamProperty>(deck.model.properties.at("pbeam1")).section;
+    EXPECT_EQ(section.shear_factor_y, 0.5) << pbeam;
+    EXPECT_EQ(section.shear_factor_z, 0.6) << pbeam;
+    EXPECT_EQ(section.centroid, Eigen::Vector2d(0.7, 0.8)) << pbeam;
+  }
+}
+
 TEST(NastranCards, FindTheirContinuationsAnywhere) {
   const auto deck = test::nastran(
       "GRID,1\nGRID,2\nGRID,3\nGRID,4\n"

@@ -226,10 +226,16 @@ Form<U> convert(const Form<T>& form, std::function<U(const T&)> to, std::functio
 /// One value or a list of them.
 template <class T>
 Form<std::vector<T>> one_or_list(const Form<T>& item) {
-  const auto single = convert<std::vector<T>, T>(
-      item, [](const T& value) { return std::vector<T>{value}; },
-      [](const std::vector<T>& values) { return values.front(); });
-  return either(single, list(item));
+  const Form<std::vector<T>> several = list(item);
+  const auto read = [=](const Cursor& cursor) -> std::optional<std::vector<T>> {
+    if (cursor.node().kind == YamlNode::Kind::list) return several.read(cursor);
+    auto value = item.read(cursor);
+    if (!value) return std::nullopt;
+    return std::vector<T>{std::move(*value)};
+  };
+  return {read,
+          several.write,
+          {{"anyOf", {item.schema, several.schema}}, {"x-written", item.written() + " or " + several.written()}}};
 }
 
 /// A map from names that the user chooses, in file order.

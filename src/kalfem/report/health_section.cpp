@@ -143,7 +143,7 @@ std::string health_text(const HealthReport& health, const std::vector<DeckNote>&
 Section health_section(const std::string& name, const FiniteElementModel& model, const HealthReport& health,
                        const std::vector<DeckNote>& notes) {
   Section section{"Health of '" + name + "'", "", {}};
-  section.text = fmt::format("{} errors, {} warnings, {} notes.", health.count(HealthSeverity::error),
+  section.text = fmt::format("Errors: {}, warnings: {}, notes: {}.", health.count(HealthSeverity::error),
                              health.count(HealthSeverity::warning), health.count(HealthSeverity::note));
   if (!model.mesh.cells.empty())
     section.items.emplace_back(

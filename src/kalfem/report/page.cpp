@@ -73,6 +73,9 @@ bool reads_as_number(const std::string& cell) {
   return !text.empty() && std::isdigit(static_cast<unsigned char>(text.front()));
 }
 
+/// Longer texts in cells are sentences, which may fill several lines [characters].
+constexpr std::size_t longest_plain_cell = 48;
+
 Align alignment(const Table& table, std::size_t column) {
   if (!table.alignment.empty()) return table.alignment[column];
   const auto number = [column](const auto& row) { return reads_as_number(row[column]); };
@@ -156,7 +159,8 @@ private:
   static std::string cells(const Table& table, const std::vector<std::string>& row) {
     std::string html;
     for (std::size_t c = 0; c < row.size(); ++c) {
-      const std::string side = align_class(alignment(table, c));
+      const bool prose = row[c].size() > longest_plain_cell;
+      const std::string side = prose ? "class=\"prose\"" : align_class(alignment(table, c));
       html += c == 0 ? element("th", "scope=\"row\" " + side, escaped(row[c])) : element("td", side, escaped(row[c]));
     }
     return html;

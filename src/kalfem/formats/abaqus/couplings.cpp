@@ -79,14 +79,13 @@ void couple(PlacedDeck& deck, const std::string& name, Index master, const std::
                  orientation_axes(deck, orientation, at.place, at.block->keyword.where), motions);
 }
 
-void distribute(PlacedDeck& deck, const std::string& name, Index reference, const Surface& surface, const Where& where,
+void distribute(const std::string& name, Index reference, const Surface& surface, const Where& where,
                 Kinematics& motions) {
   WeightedLink link;
   link.name = name;
   link.follower = reference;
   for (std::size_t i = 0; i < surface.nodes.size(); ++i)
     if (surface.weights[i] > 0.0) link.shares.push_back({surface.nodes[i], surface.weights[i], displacements});
-  (void)deck;
   motions.add_weighted_link(std::move(link), where);
 }
 
@@ -111,7 +110,7 @@ void read_coupling(PlacedDeck& deck, const PlacedBlock& at, Kinematics& motions)
   if (const Block* kinematic = at.block->option("KINEMATIC"))
     couple(deck, name, *reference, used.nodes, read_tied(deck, *kinematic, 0), keyword.get("ORIENTATION"), at, motions);
   else if (at.block->option("DISTRIBUTING"))
-    distribute(deck, name, *reference, used, keyword.where, motions);
+    distribute(name, *reference, used, keyword.where, motions);
   else
     deck.problems.add(keyword.where, "*COUPLING '" + shown(name) + "' has neither *KINEMATIC nor *DISTRIBUTING",
                       "one of them must follow it", "add it");
@@ -147,8 +146,7 @@ void read_couplings(PlacedDeck& deck, Kinematics& motions) {
         surface.nodes.push_back(node);
         surface.weights.push_back(number_or(line, 1, 1.0, "a weight", deck.problems));
       }
-    distribute(deck, deck.spelled_set(keyword.get("ELSET"), at.place, false), nodes.front(), surface, keyword.where,
-               motions);
+    distribute(deck.spelled_set(keyword.get("ELSET"), at.place, false), nodes.front(), surface, keyword.where, motions);
   }
 }
 

@@ -13,6 +13,7 @@ namespace {
 /// Finds the faces near a place by a grid of boxes.
 class FaceGrid {
 public:
+  /// No box is smaller than a face, so that a face lies in a few of them.
   FaceGrid(const Mesh& mesh, const std::vector<Face>& faces, double box) : mesh_(mesh), faces_(faces), box_(box) {
     for (std::size_t i = 0; i < faces.size(); ++i) {
       Eigen::Vector3d low = mesh.nodes.col(faces[i].nodes.front()), high = low;
@@ -49,8 +50,8 @@ public:
 private:
   using Key = std::array<long, 3>;
   [[nodiscard]] Key cell(const Eigen::Vector3d& place) const {
-    return {std::lround(std::floor(place.x() / box_)), std::lround(std::floor(place.y() / box_)),
-            std::lround(std::floor(place.z() / box_))};
+    const auto along = [&](double x) { return std::lround(std::clamp(std::floor(x / box_), -1e15, 1e15)); };
+    return {along(place.x()), along(place.y()), along(place.z())};
   }
 
   const Mesh& mesh_;
@@ -108,11 +109,13 @@ void TieMaker::tie(const PlacedBlock& at, const DataLine& line) {
   const Surface masters = find_surface(deck_, line.field(1), at.place, line.where);
   if (slaves.nodes.empty() || masters.nodes.empty()) return;
   std::vector<Face> faces;
-  double size = 0.0;
+  double size = 0.0, largest = 0.0;
   for (const auto& face : masters.faces) {
     if (face.corners < 3) continue;
     faces.push_back(face);
     size += (deck_.mesh.nodes.col(face.nodes[0]) - deck_.mesh.nodes.col(face.nodes[1])).norm();
+    for (const Index node : face.nodes)
+      largest = std::max(largest, (deck_.mesh.nodes.col(node) - deck_.mesh.nodes.col(face.nodes[0])).norm());
   }
   if (faces.empty()) {
     deck_.problems.add(line.where, "the second surface of *TIE, '" + shown(line.field(1)) + "', has no faces",
@@ -129,7 +132,7 @@ void TieMaker::tie(const PlacedBlock& at, const DataLine& line) {
   double reach = 0.0;
   for (const Index node : slaves.nodes)
     reach = std::max(reach, given.value_or(0.05 * size + thickest + thickness_at_[static_cast<std::size_t>(node)]));
-  const FaceGrid grid(deck_.mesh, faces, std::max({size, std::min(reach, 100.0 * size), 1e-300}));
+  const FaceGrid grid(deck_.mesh, faces, std::max({largest, std::min(reach, 100.0 * size), 1e-300}));
   std::size_t tied = 0, far = 0;
   for (const Index node : slaves.nodes) {
     const auto nearest = grid.nearest(node);

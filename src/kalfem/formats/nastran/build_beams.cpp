@@ -1,3 +1,5 @@
+#include <numbers>
+
 #include "kalfem/formats/nastran/model_building.hpp"
 
 namespace kalfem::nastran {
@@ -63,7 +65,7 @@ bool BeamBuilder::make_region(const std::string& region, const SectionCard& card
                             "give A");
     return false;
   }
-  const double round = section.area * section.area / (4.0 * 3.14159265358979);
+  const double round = section.area * section.area / (4.0 * std::numbers::pi);
   no_stiffness(section.inertia_z, round, "I1", where);
   no_stiffness(section.inertia_y, round, "I2", where);
   no_stiffness(section.torsion, 2.0 * round, "J", where);
@@ -80,7 +82,7 @@ bool BeamBuilder::make_region(const std::string& region, const RodSection& rod, 
   SectionCard card;
   card.material = rod.material;
   card.area = rod.area;
-  card.i1 = card.i2 = rod.area * rod.area / (4.0 * 3.14159265358979);
+  card.i1 = card.i2 = rod.area * rod.area / (4.0 * std::numbers::pi);
   card.torsion = rod.torsion > 0.0 ? rod.torsion : card.i1;
   card.nonstructural_mass = rod.nonstructural_mass;
   return make_region(region, card, title, where);

@@ -67,6 +67,7 @@ private:
 
   Building& building_;
   ReducedEquations equations_;
+  std::vector<std::pair<Id, Eigen::Index>> by_id_;                 ///< all nodes, ascending
   std::map<std::pair<std::string, unsigned>, std::size_t> fixed_;  ///< place in model.fixed by set and components
   std::map<Eigen::Index, unsigned> held_;                          ///< so that nothing is held twice in turned axes
 };
@@ -122,15 +123,16 @@ void ConstraintBuilder::hold_ranges(const SpcCard& card) {
       if (node >= 0) hold(name, node, card.components);
       continue;
     }
-    for (std::size_t i = 0; i < building_.bulk.grids.size(); ++i) {
-      const Id id = building_.bulk.grids[i].id;
-      if (id >= range.first && id <= range.last && (id - range.first) % range.step == 0)
-        hold(name, static_cast<Eigen::Index>(i), card.components);
-    }
+    auto place = std::ranges::lower_bound(by_id_, range.first, {}, &std::pair<Id, Eigen::Index>::first);
+    for (; place != by_id_.end() && place->first <= range.last; ++place)
+      if ((place->first - range.first) % range.step == 0) hold(name, place->second, card.components);
   }
 }
 
 void ConstraintBuilder::hold_nodes() {
+  for (std::size_t i = 0; i < building_.bulk.grids.size(); ++i)
+    by_id_.emplace_back(building_.bulk.grids[i].id, static_cast<Eigen::Index>(i));
+  std::ranges::sort(by_id_);
   std::set<Id> present;
   for (const auto& card : building_.bulk.spcs) present.insert(card.set);
   const auto sets =

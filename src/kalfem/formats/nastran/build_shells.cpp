@@ -29,7 +29,7 @@ public:
 
 private:
   void add_cell(const ShellCard& card, const std::string& title, const std::string& region);
-  std::optional<CellShape> shape_of(const ShellCard& card, const std::string& title);
+  CellShape shape_of(const ShellCard& card);
   double thickness_of(const ShellCard& card, double property);
   std::optional<RegionProperty> plate(const PshellCard& shell, double thickness, double offset,
                                       const std::string& title, const Place& where);
@@ -86,11 +86,10 @@ void ShellBuilder::add(const ShellCard& card) {
   if (!refused_[region]) add_cell(card, title, region);
 }
 
-std::optional<CellShape> ShellBuilder::shape_of(const ShellCard& card, const std::string& title) {
+CellShape ShellBuilder::shape_of(const ShellCard& card) {
   const std::size_t corners = card.triangle ? 3 : 4;
   std::size_t middles = 0;
   for (std::size_t i = corners; i < 2 * corners; ++i) middles += card.nodes[i] != 0 ? 1 : 0;
-  static_cast<void>(title);
   if (middles == corners) return card.triangle ? CellShape::triangle6 : CellShape::quadrilateral8;
   if (middles > 0)
     building_.note(card.where, "shells with some of their midside nodes",
@@ -99,7 +98,7 @@ std::optional<CellShape> ShellBuilder::shape_of(const ShellCard& card, const std
 }
 
 void ShellBuilder::add_cell(const ShellCard& card, const std::string& title, const std::string& region) {
-  const auto shape = *shape_of(card, title);
+  const auto shape = shape_of(card);
   std::array<Eigen::Index, 8> nodes{};
   const auto count = static_cast<std::size_t>(node_count(shape));
   for (std::size_t i = 0; i < count; ++i)
@@ -137,7 +136,7 @@ std::optional<SheetStiffness> ShellBuilder::sheet(Id material, const std::string
   if (card == nullptr) return std::nullopt;
   SheetStiffness sheet;
   if (const auto* law = std::get_if<Material1>(&card->law)) {
-    const auto isotropic = materials_.complete(material, *law, card->where);
+    const auto isotropic = materials_.complete(*law, card->where);
     const double g =
         given(law->shear_modulus) && law->shear_modulus > 0.0 ? law->shear_modulus : isotropic.shear_modulus();
     sheet = {orthotropic_plane(isotropic.youngs_modulus, isotropic.youngs_modulus, isotropic.poissons_ratio,
@@ -216,8 +215,7 @@ std::optional<OrthotropicSheet> ShellBuilder::ply_material(Id material, const st
   const MaterialCard* card = materials_.find(material, title, where);
   if (card == nullptr) return std::nullopt;
   const double factor = building_.bulk.mass_factor;
-  if (const auto* law = std::get_if<Material1>(&card->law))
-    return sheet_of(materials_.complete(material, *law, card->where));
+  if (const auto* law = std::get_if<Material1>(&card->law)) return sheet_of(materials_.complete(*law, card->where));
   if (const auto* ply = std::get_if<Material8>(&card->law))
     return OrthotropicSheet{ply->e1, ply->e2, ply->nu12, ply->g12, ply->g13, ply->g23, ply->density * factor};
   if (const auto* sheet = std::get_if<Material2>(&card->law)) {

@@ -141,9 +141,11 @@ void CardStream::append(std::vector<std::string_view>& fields, const Line& line)
   if (fields.size() + line.fields.size() > most_fields)
     return files_.problem(line.place, "a card of more than " + std::to_string(most_fields) + " fields", "",
                           "mend the file");
-  fields.resize(whole(fields.size()));
+  const std::size_t begin = whole(fields.size());
+  fields.resize(begin);
   fields.insert(fields.end(), line.fields.begin(), line.fields.end());
-  fields.resize(whole(std::max<std::size_t>(fields.size(), 1)));
+  // A line counts in full, also where it is short or holds nothing but its marker.
+  fields.resize(begin + whole(std::max<std::size_t>(line.fields.size(), 1)));
 }
 
 void CardStream::end_card() {

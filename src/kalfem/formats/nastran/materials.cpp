@@ -15,7 +15,7 @@ const MaterialCard* Materials::find(Id id, const std::string& title, const Place
   return nullptr;
 }
 
-IsotropicMaterial Materials::complete(Id id, const Material1& law, const Place& where) {
+IsotropicMaterial Materials::complete(const Material1& law, const Place& where) {
   double e = law.youngs_modulus, nu = law.poissons_ratio;
   const double g = law.shear_modulus;
   if (!given(e) && given(g)) e = 2.0 * g * (1.0 + (given(nu) ? nu : 0.0));
@@ -30,7 +30,6 @@ IsotropicMaterial Materials::complete(Id id, const Material1& law, const Place& 
     building_.note(where, "MAT1 with E, G and NU that do not fit together",
                    "shells and solids are read with E and NU; beams and rods keep E and G");
   }
-  static_cast<void>(id);
   return {given(e) ? e : 0.0, nu, law.density * building_.bulk.mass_factor};
 }
 
@@ -45,7 +44,7 @@ std::string Materials::isotropic(Id id, const std::string& title, const Place& w
                             "this element takes a MAT1", "give the material as MAT1");
     return {};
   }
-  building_.model.materials[name] = complete(id, *law, card->where);
+  building_.model.materials[name] = complete(*law, card->where);
   return name;
 }
 

@@ -62,7 +62,7 @@ public:
   /// The card; null, with the problem noted, where there is none.
   const MaterialCard* find(Id id, const std::string& title, const Place& where);
   /// E, nu and rho of a MAT1 card, two of E, G and nu given.
-  IsotropicMaterial complete(Id id, const Material1& law, const Place& where);
+  IsotropicMaterial complete(const Material1& law, const Place& where);
   /// Given G over E / (2 (1 + nu)).
   [[nodiscard]] double shear_ratio(Id id) const;
 

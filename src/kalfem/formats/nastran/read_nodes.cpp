@@ -6,7 +6,7 @@ namespace kalfem::nastran {
 namespace {
 
 /// More scalar points than this are a mistake.
-constexpr std::size_t most_scalar_points = 20'000'000;
+constexpr std::size_t most_scalar_points = 2'000'000;
 
 void read_grid(const Card& card, const Reading& in) {
   Grid grid;
@@ -28,8 +28,8 @@ void read_grdset(const Card& card, const Reading& in) {
 
 void read_spoint(const Card& card, const Reading& in) {
   for (const auto& range : card.id_list(1, "ID")) {
-    if (in.bulk.grids.size() + static_cast<std::size_t>(range.last - range.first) > most_scalar_points)
-      throw CardError(title(card) + ": more than 20 million points", "", "mend the range");
+    if (static_cast<std::size_t>(range.last - range.first) > most_scalar_points)
+      throw CardError(title(card) + ": more than 2 million points", "", "mend the range");
     for (std::int64_t id = range.first; id <= range.last; id += range.step)
       in.bulk.grids.push_back({static_cast<Id>(id), 0, scalar_point, 0, Eigen::Vector3d::Zero(), card.place});
   }

@@ -113,9 +113,11 @@ void read_conm2(const Card& card, const Reading& in) {
   mass.system = card.id_or(3, 0, "CID");
   mass.mass = card.real_or(4, 0.0, "M");
   for (std::size_t i = 0; i < 3; ++i) mass.offset[static_cast<Eigen::Index>(i)] = card.real_or(5 + i, 0.0, "X");
-  const auto inertia = [&](std::size_t i) { return card.real_or(i, 0.0, "I"); };
-  mass.inertia << inertia(9), -inertia(10), -inertia(12), -inertia(10), inertia(11), -inertia(13), -inertia(12),
-      -inertia(13), inertia(14);
+  std::size_t field = 9;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column <= row; ++column, ++field)
+      mass.inertia(row, column) = mass.inertia(column, row) =
+          (row == column ? 1.0 : -1.0) * card.real_or(field, 0.0, "I");
   mass.where = card.place;
   in.bulk.element_ids.emplace_back(mass.id, card.place);
   in.bulk.masses.push_back(mass);
