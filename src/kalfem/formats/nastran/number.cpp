@@ -22,7 +22,7 @@ std::string_view normalised(std::string_view field, std::array<char, 64>& buffer
     if (c == 'e') {
       if (in_exponent || !has_digit) return {};
       in_exponent = true;
-    } else if (sign && i > 0 && buffer[size - 1] != 'e') {
+    } else if (sign && i > 0 && (size == 0 || buffer[size - 1] != 'e')) {
       if (in_exponent || !has_digit) return {};
       in_exponent = true;
       buffer[size++] = 'e';
