@@ -65,7 +65,7 @@ void check_health_of_parts(const Study& study, const std::string& page_file) {
             .sections = {}};
   for (const auto& elements : study.finite_elements) {
     const auto& part = *elements.part;
-    const HealthReport health = check_health(part.elements, part.assembled);
+    const HealthReport health = health_of(part);
     fmt::print("Substructure '{}'\n\n{}", part.name, health_text(health, part.notes));
     page.sections.push_back(health_section(part.name, part.elements, health, part.notes));
   }

@@ -88,6 +88,32 @@ TEST(Decks, NastranPlateIsAsTheSamePlateFromAMesh) {
   EXPECT_NEAR(first_frequency(folder / "out", "deck") / first_frequency(folder / "out", "mesh"), 1.0, 1e-9);
 }
 
+TEST(Decks, WhatWasReducedIsReadBackFromEachFormat) {
+  const auto folder = fresh_folder("export");
+  write(folder / "bar.inp", brick_deck());
+  write(folder / "case.yaml",
+        "kalfem: 1\nsubstructures:\n  bar:\n    finite_elements:\n      deck: bar.inp\n"
+        "      units: {length: 1 mm, mass: 1 t, time: 1 s}\n      nodes: {tip: TIP}\n"
+        "    reduction: {modes: 6, boundary: [tip]}\n"
+        "report: {superelements: [matrix_market, dmig, op4, hdf5]}\n");
+  auto outcome =
+      run_command("modes " + (folder / "case.yaml").string() + " --out " + (folder / "out").string(), folder);
+  ASSERT_EQ(outcome.code, 0) << outcome.errors;
+  const double expected = first_frequency(folder / "out", "bar");
+  write(folder / "again.yaml",
+        "kalfem: 1\nsubstructures:\n"
+        "  h5: {finite_elements: {matrices: {files: out/bar_reduced.h5}, nodes: {tip: 17}}}\n"
+        "  dmig: {finite_elements: {matrices: {files: out/bar_reduced.dmig}}}\n"
+        "  op4: {finite_elements: {matrices: {files: out/bar_reduced.op4, dofs: out/bar_reduced.dof}}}\n"
+        "  mtx: {finite_elements: {matrices: {files: [out/bar_reduced_K.mtx, out/bar_reduced_M.mtx], dofs: "
+        "out/bar_reduced.dof}}}\n");
+  outcome = run_command("modes " + (folder / "again.yaml").string() + " --out " + (folder / "again").string(), folder);
+  ASSERT_EQ(outcome.code, 0) << outcome.errors;
+  // Six modes and three truncation vectors keep the first frequency to 1e-6; DMIG keeps eleven digits.
+  for (const char* part : {"h5", "dmig", "op4", "mtx"})
+    EXPECT_NEAR(first_frequency(folder / "again", part) / expected, 1.0, 1e-6) << part;
+}
+
 /// A body of three masses of 2 kg in a row on springs of 3e4 N/m, as matrices, and as lumped masses; each on a mount.
 const std::string chain_case = R"(kalfem: 1
 substructures:

@@ -72,6 +72,13 @@ Outcome run_with(const Mistake& mistake, const std::string& verb, const std::fil
   return run_command(verb + " " + (folder / "case.yaml").string(), folder);
 }
 
+TEST(FiniteElements, FreeInterfaceReductionRunsAsTheOthersDo) {
+  const auto folder = fresh_folder("rubin");
+  const auto outcome =
+      run_with({"Rubin", "{modes: 4, truncation_vectors: false}", "{method: rubin, modes: 6}", {}}, "simulate", folder);
+  EXPECT_EQ(outcome.code, 0) << outcome.errors;
+}
+
 TEST(FiniteElements, SoundCaseRunsAtFullAndReducedOrder) {
   const auto folder = fresh_folder("plate");
   for (const std::string reference : {"full", "superelement"}) {

@@ -11,6 +11,7 @@
 #include "kalfem/formats/abaqus.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/model/assembly.hpp"
+#include "model/inp_writer.hpp"
 
 // Decks of CalculiX's own test suite with their reference output, and decks made here that CalculiX (ccx) solves beside
 // kalfem where it is installed.
@@ -27,21 +28,6 @@ std::vector<double> frequencies_of(const FiniteElementModel& model, Index count)
   std::vector<double> frequencies;
   for (Index i = 0; i < modes.values.size(); ++i)
     frequencies.push_back(std::sqrt(std::max(0.0, modes.values[i])) / (2.0 * std::numbers::pi));
-  return frequencies;
-}
-
-/// Frequencies of CalculiX's table of eigenvalues.
-std::vector<double> frequencies_in(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  std::vector<double> frequencies;
-  std::string line;
-  while (std::getline(stream, line) && line.find("P A R T I C I P A T I O N") == std::string::npos) {
-    std::istringstream words(line);
-    int mode = 0;
-    double value = 0.0, circular = 0.0, frequency = 0.0;
-    if (words >> mode >> value >> circular >> frequency && mode == static_cast<int>(frequencies.size()) + 1)
-      frequencies.push_back(frequency);
-  }
   return frequencies;
 }
 

@@ -4,6 +4,7 @@
 #include "kalfem/model/assembly.hpp"
 #include "kalfem/model/constraints.hpp"
 #include "kalfem/model/mass_properties.hpp"
+#include "kalfem/model/scalar_points.hpp"
 #include "model/fe_models.hpp"
 
 namespace kalfem {
@@ -65,6 +66,17 @@ TEST(Joints, MatricesBetweenNodesAddUp) {
   // What is tied passes its share on: the row goes to the master.
   given.links = {{.name = "rigid", .master = 0, .slaves = {1}}};
   EXPECT_EQ(assemble(given).size(), 6);
+}
+
+TEST(Joints, GeneralisedCoordinatesWeighNothing) {
+  auto model = two_bodies();
+  Eigen::SparseMatrix<double> modal(1, 1);
+  modal.insert(0, 0) = 1.0;
+  const auto mode = add_node(model.mesh, {0.0, 0.0, 0.0});
+  model.matrices = {{"mode", {{mode, 0}}, 1e6 * modal, modal, {}}};
+  EXPECT_NEAR(mass_properties(model, assemble(model)).mass, 5.0 + 1.0 / 3.0, 1e-12);
+  model.mesh.node_sets[scalar_points] = {mode};
+  EXPECT_NEAR(mass_properties(model, assemble(model)).mass, 5.0, 1e-12);
 }
 
 TEST(Joints, MatricesThatDoNotFitAreNamed) {

@@ -6,6 +6,7 @@
 
 #include "kalfem/formats/csv.hpp"
 #include "kalfem/formats/matrices/matrix_model.hpp"
+#include "kalfem/model/scalar_points.hpp"
 #include "kalfem/model/unit_system.hpp"
 
 namespace kalfem {
@@ -48,7 +49,10 @@ public:
         continue;
       }
       const auto [place, is_new] = own.try_emplace({dof.node, std::min(dof.direction, 0), dof.copy}, 0);
-      if (is_new) place->second = node(largest_ + 1);
+      if (is_new) {
+        place->second = node(largest_ + 1);
+        if (dof.direction < 0) mesh_.node_sets[scalar_points].push_back(place->second);
+      }
       result.push_back({place->second, std::max(dof.direction, 0)});
     }
     return result;

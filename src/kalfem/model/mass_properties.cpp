@@ -1,6 +1,16 @@
 #include "kalfem/model/mass_properties.hpp"
 
+#include "kalfem/model/scalar_points.hpp"
+
 namespace kalfem {
+namespace {
+
+std::vector<Eigen::Index> nodes_of_set(const Mesh& mesh, const std::string& name) {
+  const auto found = mesh.node_sets.find(name);
+  return found == mesh.node_sets.end() ? std::vector<Eigen::Index>{} : found->second;
+}
+
+}  // namespace
 
 Eigen::MatrixXd rigid_body_modes(const FiniteElementModel& model, const AssembledModel& assembled) {
   Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(assembled.size(), 6);
@@ -14,6 +24,8 @@ Eigen::MatrixXd rigid_body_modes(const FiniteElementModel& model, const Assemble
     modes(i, 3 + next) = place[last];
     modes(i, 3 + last) = -place[next];
   }
+  for (const auto node : nodes_of_set(model.mesh, scalar_points))
+    if (const auto place = assembled.find({node, 0}); place >= 0) modes.row(place).setZero();
   return modes;
 }
 

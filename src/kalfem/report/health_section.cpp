@@ -42,6 +42,11 @@ std::vector<PictureMark> marks_of(const HealthReport& health) {
 
 }  // namespace
 
+HealthReport health_of(const FiniteElementPart& part, const HealthOptions& options) {
+  if (part.elements.mesh.cells.empty() && !part.elements.matrices.empty()) return check_health(part.full, {}, options);
+  return check_health(part.elements, part.assembled, options);
+}
+
 Table findings_table(const HealthReport& health) {
   Table table{"Findings", {"", "about", "found", "it follows", "to do"}, {}, {}};
   for (const auto& finding : health.findings)

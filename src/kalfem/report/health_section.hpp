@@ -2,11 +2,15 @@
 
 #include <string>
 
+#include "kalfem/casefile/finite_element_part.hpp"
 #include "kalfem/formats/deck.hpp"
 #include "kalfem/model/health.hpp"
 #include "kalfem/report/page.hpp"
 
 namespace kalfem {
+
+/// Health of a substructure: of its elements, or of matrices of another code, whose nodes have no places.
+HealthReport health_of(const FiniteElementPart& part, const HealthOptions& options = {});
 
 /// What was found, worst first: severity, fact, what follows, what to do.
 Table findings_table(const HealthReport& health);

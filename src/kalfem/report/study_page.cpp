@@ -272,9 +272,9 @@ Page make_page(const Study& study, const StudyResults& results) {
   }
   if (!study.finite_elements.empty()) page.sections.push_back(model_section(study, results));
   for (const auto& [part, reduced, reference] : study.finite_elements)
-    page.sections.push_back(health_section(
-        part->name, part->elements,
-        check_health(part->elements, part->assembled, {.mechanisms = false, .definiteness = false}), part->notes));
+    page.sections.push_back(
+        health_section(part->name, part->elements,
+                       health_of(*part, {.mechanisms = false, .definiteness = false, .frequencies = 0}), part->notes));
   return page;
 }
 

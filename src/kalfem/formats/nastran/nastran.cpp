@@ -10,6 +10,7 @@
 #include "kalfem/formats/nastran/model_building.hpp"
 #include "kalfem/formats/text_table.hpp"
 #include "kalfem/model/linear_cells.hpp"
+#include "kalfem/model/scalar_points.hpp"
 
 namespace kalfem {
 namespace nastran {
@@ -124,8 +125,11 @@ void check_element_ids(BulkData& bulk, DeckFiles& files) {
 
 void build_nodes(const BulkData& bulk, FiniteElementModel& model) {
   model.mesh.nodes.resize(3, static_cast<Eigen::Index>(bulk.grids.size()));
-  for (std::size_t i = 0; i < bulk.grids.size(); ++i)
+  for (std::size_t i = 0; i < bulk.grids.size(); ++i) {
     model.mesh.nodes.col(static_cast<Eigen::Index>(i)) = bulk.grids[i].place;
+    if (bulk.grids[i].motion_system == scalar_point)
+      model.mesh.node_sets[scalar_points].push_back(static_cast<Eigen::Index>(i));
+  }
 }
 
 void check_extent(const FiniteElementModel& model, DeckFiles& files) {
