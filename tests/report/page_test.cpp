@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Page page_of(std::variant<Chart, Table> item) {
+Page page_of(std::variant<Chart, Table, Picture> item) {
   return {.title = "t", .sections = {{.heading = "h", .items = {item}}}};
 }
 
