@@ -55,7 +55,7 @@ ExitCode check_deck(const std::string& file, const std::vector<std::string>& uni
   fmt::print("{}\n\n{}", file, health_text(health, deck.notes));
   const bool sound = health.count(HealthSeverity::error) == 0;
   const Table frequencies = sound ? frequency_table(assembled, 16) : Table{};
-  if (sound) fmt::print("{}\n", to_text(frequencies));
+  if (sound) fmt::print("{}\n{}\n", frequencies.title, to_text(frequencies));
   if (!page_file.empty()) {
     const std::string name = std::filesystem::path(file).filename().string();
     Page page{.title = name,

@@ -227,7 +227,8 @@ std::optional<ForeignMatrix> chosen(const std::vector<Found>& all, Role role, co
     if (name.empty() ? found.role == role && square : lower_case(found.matrix.name) == lower_case(name))
       fitting.push_back(&found);
     known.push_back(found.matrix.name);
-    list += (list.empty() ? "" : ", ") + found.matrix.name;
+    list += (list.empty() ? "" : ", ") + found.matrix.name + " (" + std::to_string(found.matrix.matrix.rows()) + " x " +
+            std::to_string(found.matrix.matrix.cols()) + ")";
   }
   if (fitting.size() == 1) return fitting.front()->matrix;
   const std::string file = all.empty() ? "" : all.front().file.string();
