@@ -2,8 +2,9 @@
 #include "kalfem/casefile/description_form.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const auto form = kalfem::description::case_form();
   try {
-    kalfem::read_case_text({reinterpret_cast<const char*>(data), size}, "fuzz.yaml", kalfem::description::case_form(),
+    kalfem::read_case_text({reinterpret_cast<const char*>(data), size}, "fuzz.yaml", form,
                            [](const std::string&) { return std::optional<std::string>(); });
   } catch (const kalfem::InvalidInput&) {  // what a reader may do with damaged input
   }
