@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "kalfem/model/scalar_points.hpp"
 #include "kalfem/report/mesh_picture.hpp"
 #include "kalfem/report/tables.hpp"
 
@@ -40,10 +43,24 @@ std::vector<PictureMark> marks_of(const HealthReport& health) {
   return marks;
 }
 
+/// Where the degrees of freedom of matrices stand; nothing where the case gives no coordinates.
+std::vector<PlacedDof> places_of(const FiniteElementPart& part) {
+  const auto& mesh = part.elements.mesh;
+  if (mesh.nodes.isZero(0.0)) return {};
+  const auto scalars = mesh.node_sets.find(scalar_points);
+  std::vector<PlacedDof> places;
+  for (const auto& [node, direction] : part.assembled.dofs) {
+    const bool is_scalar = scalars != mesh.node_sets.end() && std::ranges::count(scalars->second, node) > 0;
+    places.push_back({mesh.nodes.col(node), is_scalar ? -1 : direction});
+  }
+  return places;
+}
+
 }  // namespace
 
 HealthReport health_of(const FiniteElementPart& part, const HealthOptions& options) {
-  if (part.elements.mesh.cells.empty() && !part.elements.matrices.empty()) return check_health(part.full, {}, options);
+  if (part.elements.mesh.cells.empty() && !part.elements.matrices.empty())
+    return check_health(part.full, places_of(part), options);
   return check_health(part.elements, part.assembled, options);
 }
 
