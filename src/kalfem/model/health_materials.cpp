@@ -82,7 +82,8 @@ std::string quoted(const std::vector<std::string>& names) {
   return listed(marked, static_cast<Index>(marked.size()));
 }
 
-void tell_material(const MaterialHealth& material, std::vector<HealthFinding>& findings) {
+/// `in_si`: another material is a usual one in SI, beside which an odd one is a stand-in: a dummy, a smeared core.
+void tell_material(const MaterialHealth& material, bool in_si, std::vector<HealthFinding>& findings) {
   if (material.used_by.empty()) {
     findings.push_back({Severity::note, Topic::materials, "the material '" + material.name + "' is not used", "", ""});
     return;
@@ -97,7 +98,7 @@ void tell_material(const MaterialHealth& material, std::vector<HealthFinding>& f
     return;
   }
   const auto fitting = units_that_fit(values);
-  if (fitting.empty()) {
+  if (fitting.empty() || in_si) {
     findings.push_back(
         {Severity::note, Topic::materials, title + " is no usual structural material",
          "waves run at about 5000 m/s in metals, 2000 to 10000 in composites, 4000 in wood, 30 to 400 in rubber",
@@ -140,8 +141,11 @@ void check_materials(const FiniteElementModel& model, HealthReport& report) {
                                 .wave_speed = wave_speed(values),
                                 .resembles = usual ? usual->name : "",
                                 .used_by = users[name]});
-    tell_material(report.materials.back(), report.findings);
   }
+  const bool in_si = std::ranges::any_of(report.materials, [](const MaterialHealth& material) {
+    return !material.resembles.empty() && !material.used_by.empty();
+  });
+  for (const auto& material : report.materials) tell_material(material, in_si, report.findings);
   tell_regions(report, report.findings);
   tell_size(report, report.findings);
 }
