@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <filesystem>
 #include <numbers>
 
@@ -39,13 +37,6 @@ Table frequency_table(const AssembledModel& assembled, Eigen::Index count) {
 }
 
 }  // namespace
-
-bool is_deck(const std::string& file) {
-  std::string ending = std::filesystem::path(file).extension().string();
-  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  static constexpr std::array endings = {".inp", ".bdf", ".dat", ".nas", ".blk"};
-  return std::ranges::find(endings, ending) != endings.end();
-}
 
 ExitCode check_deck(const std::string& file, const std::vector<std::string>& units, const std::string& page_file) {
   Deck deck = read_deck(file);

@@ -3,6 +3,7 @@
 #include <exception>
 
 #include "kalfem/base/version.hpp"
+#include "kalfem/formats/read_deck.hpp"
 #include "verbs.hpp"
 
 using namespace kalfem;
@@ -24,9 +25,8 @@ CLI::App* add_stage(CLI::App& app, const char* verb, const char* meaning, Argume
 
 command::ExitCode execute(const CLI::App& app, const Arguments& arguments) {
   if (app.got_subcommand("check"))
-    return command::is_deck(arguments.case_file)
-               ? command::check_deck(arguments.case_file, arguments.units, arguments.page)
-               : command::check(arguments.case_file, arguments.page);
+    return is_deck(arguments.case_file) ? command::check_deck(arguments.case_file, arguments.units, arguments.page)
+                                        : command::check(arguments.case_file, arguments.page);
   if (app.got_subcommand("schema")) return command::schema(arguments.json, arguments.laws);
   if (app.got_subcommand("modes")) return command::run(arguments.case_file, Stage::modes, arguments.folder);
   if (app.got_subcommand("simulate")) return command::run(arguments.case_file, Stage::simulate, arguments.folder);

@@ -14,8 +14,6 @@ enum ExitCode { done = 0, a_bug = 1, mend_the_input = 2, not_usable = 3 };
 ExitCode run(const std::string& case_file, Stage last, const std::string& folder);
 /// check: validate and explain, run nothing. With a page file, the health of the substructures goes there too.
 ExitCode check(const std::string& case_file, const std::string& page_file);
-/// Whether a file's name is one of another code's input files.
-bool is_deck(const std::string& file);
 /// check of a deck alone: what was read, what was not, and its health. `units`: none (SI) or length, mass and time.
 ExitCode check_deck(const std::string& file, const std::vector<std::string>& units, const std::string& page_file);
 /// schema: the case-file reference as text, or as JSON Schema, or the connector laws.

@@ -4,7 +4,7 @@
 
 #include "formats/abaqus_decks.hpp"
 #include "kalfem/model/constraints.hpp"
-#include "kalfem/model/local_support.hpp"
+#include "kalfem/model/reduced_equations.hpp"
 
 namespace kalfem {
 namespace {
@@ -22,7 +22,19 @@ FiniteElementModel bare_model() {
   return model;
 }
 
-TEST(LocalSupport, HeldDirectionsOfTurnedAxesDoNotMove) {
+/// Holds displacements along and rotations about the columns of `axes`, as supports in turned axes do.
+void hold_in_axes(FiniteElementModel& model, Index node, const Eigen::Matrix3d& axes, const std::array<bool, 6>& held) {
+  ReducedEquations equations;
+  for (int d = 0; d < 6; ++d) {
+    if (!held[static_cast<std::size_t>(d)]) continue;
+    ReducedEquations::Terms terms;
+    for (int a = 0; a < 3; ++a) terms.push_back({NodalDof{node, d / 3 * 3 + a}, axes(a, d % 3)});
+    equations.add("support", terms);
+  }
+  equations.store(model);
+}
+
+TEST(ReducedEquations, HeldDirectionsOfTurnedAxesDoNotMove) {
   const Eigen::Matrix3d axes =
       (Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()) * Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX()))
           .toRotationMatrix();
@@ -31,7 +43,7 @@ TEST(LocalSupport, HeldDirectionsOfTurnedAxesDoNotMove) {
     std::array<bool, 6> held{};
     int count = 0;
     for (std::size_t d = 0; d < 6; ++d) count += held[d] = (pattern >> d) & 1;
-    hold_in_axes(model, "support", 4, axes, held);
+    hold_in_axes(model, 4, axes, held);
     const auto free = eliminate(model, std::vector<bool>(60, true));  // throws where they contradict each other
     EXPECT_EQ(static_cast<int>(free.dofs.size()), 60 - count);
     const Eigen::MatrixXd motion = Eigen::MatrixXd(free.transform).middleRows(24, 6);
@@ -41,17 +53,17 @@ TEST(LocalSupport, HeldDirectionsOfTurnedAxesDoNotMove) {
   }
 }
 
-TEST(LocalSupport, AxesAlongTheGlobalOnesNeedNoConstraint) {
+TEST(ReducedEquations, AxesAlongTheGlobalOnesNeedNoConstraint) {
   auto model = bare_model();
   Eigen::Matrix3d axes;
   axes << 0, -1, 0, 1, 0, 0, 0, 0, 1;
-  hold_in_axes(model, "support", 0, axes, {true, false, false, false, false, false});
+  hold_in_axes(model, 0, axes, {true, false, false, false, false, false});
   EXPECT_TRUE(model.constraints.empty());
   ASSERT_EQ(model.fixed.size(), 1u);
   EXPECT_TRUE(model.fixed.front().directions[1]);
 }
 
-TEST(LocalSupport, EquationsThatFollowFromOthersAreLeftOut) {
+TEST(ReducedEquations, EquationsThatFollowFromOthersAreLeftOut) {
   ReducedEquations equations;
   const NodalDof a{0, 0}, b{1, 0}, c{2, 0};
   EXPECT_TRUE(equations.add("1", {{a, 1.0}, {b, -1.0}}));

@@ -5,6 +5,8 @@
 #include <cctype>
 #include <cstdio>
 
+#include "kalfem/base/text.hpp"
+
 namespace kalfem {
 namespace {
 
@@ -13,8 +15,8 @@ bool is_plain_character(char c) {
 }
 
 /// Words that YAML readers take for something else than text.
-bool is_reserved(std::string word) {
-  std::transform(word.begin(), word.end(), word.begin(), [](unsigned char c) { return std::tolower(c); });
+bool is_reserved(const std::string& text) {
+  const std::string word = lower_case(text);
   constexpr std::array words{"null", "true", "false", "yes", "no", "on", "off", "y", "n", "nan", "inf"};
   return std::find(words.begin(), words.end(), word) != words.end();
 }

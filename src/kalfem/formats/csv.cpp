@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/text.hpp"
 #include "kalfem/formats/text_table.hpp"
 #include "kalfem/formats/time_axis.hpp"
 
@@ -130,8 +131,7 @@ std::vector<std::size_t> positions_of(const std::vector<std::string>& wanted, co
 std::string find_time_column(const std::vector<std::string>& names, const std::string& asked, FileProblems& problems) {
   if (asked.empty()) {
     constexpr std::array known{"t", "time", "t_s", "time_s", "t(s)", "time(s)", "t (s)", "time (s)", "x_value", "zeit"};
-    std::string first = names.front();
-    std::ranges::transform(first, first.begin(), [](unsigned char c) { return std::tolower(c); });
+    const std::string first = lower_case(names.front());
     return std::ranges::find(known, first) != known.end() ? names.front() : "";
   }
   if (std::ranges::find(names, asked) != names.end()) return asked;

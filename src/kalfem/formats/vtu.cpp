@@ -10,27 +10,11 @@
 
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/text.hpp"
 
 namespace kalfem {
 
 namespace {
-
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '&')
-      result += "&amp;";
-    else if (c == '<')
-      result += "&lt;";
-    else if (c == '>')
-      result += "&gt;";
-    else if (c == '"')
-      result += "&quot;";
-    else
-      result += c;
-  }
-  return result;
-}
 
 /// Numbers of the VTK file formats, in the order of CellShape.
 std::uint8_t vtk_type(CellShape shape) {

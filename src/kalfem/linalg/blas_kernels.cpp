@@ -10,6 +10,8 @@ extern "C" {
 [[gnu::weak]] char* openblas_get_corename();
 }
 
+#include "kalfem/base/text.hpp"
+
 namespace kalfem {
 
 namespace {
@@ -40,9 +42,7 @@ bool processor_has_avx512() {
 std::string blas_kernels() { return openblas_get_corename != nullptr ? openblas_get_corename() : ""; }
 
 std::optional<std::string> blas_warning(const std::string& kernels, bool has_avx2, bool has_avx512) {
-  std::string lower = kernels;
-  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (!has_avx2 || std::ranges::find(old_kernels, lower) == old_kernels.end()) return std::nullopt;
+  if (!has_avx2 || std::ranges::find(old_kernels, lower_case(kernels)) == old_kernels.end()) return std::nullopt;
   return "OpenBLAS runs its " + kernels + " kernels, though this processor has " +
          (has_avx512 ? std::string("AVX-512") : std::string("AVX2")) +
          ": large models are solved slower than need be; set the environment variable "

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <set>
 
+#include "kalfem/base/text.hpp"
 #include "kalfem/report/outer_faces.hpp"
 #include "kalfem/report/painters_order.hpp"
 
@@ -46,27 +47,6 @@ std::string shaded(const Colour& colour, double factor) {
     return static_cast<int>(std::lround(std::clamp(shade, 0.0, 255.0)));
   };
   return fmt::format("#{:02x}{:02x}{:02x}", channel(colour.red), channel(colour.green), channel(colour.blue));
-}
-
-std::string escaped(const std::string& text) {
-  std::string safe;
-  for (const char c : text) switch (c) {
-      case '&':
-        safe += "&amp;";
-        break;
-      case '<':
-        safe += "&lt;";
-        break;
-      case '>':
-        safe += "&gt;";
-        break;
-      case '"':
-        safe += "&quot;";
-        break;
-      default:
-        safe += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-    }
-  return safe;
 }
 
 /// At most 28 bytes, without cutting a character of several bytes in two.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "kalfem/base/text.hpp"
 #include "kalfem/base/version.hpp"
 #include "kalfem/report/embedded_assets.hpp"
 #include "kalfem/report/page_check.hpp"
@@ -15,34 +16,6 @@ namespace {
 constexpr const char* content_policy =
     "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; base-uri 'none'; "
     "form-action 'none'";
-
-std::string escaped(const std::string& text) {
-  std::string html;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        html += "&amp;";
-        break;
-      case '<':
-        html += "&lt;";
-        break;
-      case '>':
-        html += "&gt;";
-        break;
-      case '"':
-        html += "&quot;";
-        break;
-      case '\'':
-        html += "&#39;";
-        break;
-      case '\0':
-        break;
-      default:
-        html += c;
-    }
-  }
-  return html;
-}
 
 std::string element(const std::string& tag, const std::string& attributes, const std::string& content) {
   return "<" + tag + (attributes.empty() ? "" : " " + attributes) + ">" + content + "</" + tag + ">\n";
@@ -137,9 +110,9 @@ private:
   }
 
   static std::string html(const Picture& picture) {
-    return element("figure", "class=\"chart full picture\"",
-                   text_element("h3", "", picture.title) + picture.svg +
-                       text_element("figcaption", "", picture.caption));
+    return element(
+        "figure", "class=\"chart full picture\"",
+        text_element("h3", "", picture.title) + picture.svg + text_element("figcaption", "", picture.caption));
   }
 
   static std::string html(const Table& table) {

@@ -17,7 +17,7 @@ Releases read_releases(PlacedDeck& deck) {
   Releases releases;
   for (const auto& at : deck.blocks("RELEASE"))
     for (const auto& line : at.block->lines) {
-      const std::string end = upper(line.field(1)), moments = upper(line.field(2));
+      const std::string end = upper_case(line.field(1)), moments = upper_case(line.field(2));
       const std::size_t first = end == "S2" ? 6 : 0;
       if ((end != "S1" && end != "S2") || moments.empty()) {
         deck.problems.add(line.where, "the line cannot be read",

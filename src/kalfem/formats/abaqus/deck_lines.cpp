@@ -64,7 +64,7 @@ DeckLines::Kind DeckLines::peek() {
 
 /// Enters a file where the line is an *INCLUDE.
 bool DeckLines::follow_include() {
-  if (line_.size() < 8 || line_.front() != '*' || upper(line_.substr(0, 8)) != "*INCLUDE") return false;
+  if (line_.size() < 8 || line_.front() != '*' || upper_case(line_.substr(0, 8)) != "*INCLUDE") return false;
   const Where where = line_where_;
   const Keyword keyword = parse_keyword(joined_keyword(), where);
   if (keyword.name != "INCLUDE")

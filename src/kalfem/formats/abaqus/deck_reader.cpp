@@ -109,7 +109,7 @@ void DeckReader::begin_part(const Keyword& keyword) {
     problems_.fail(keyword.where, "*PART stands in a part or instance", "the one before has no end",
                    "end it by *END PART");
   if (name.empty()) problems_.fail(keyword.where, "*PART has no NAME", "instances refer to it", "give it a name");
-  const auto [place, is_new] = deck_.parts.try_emplace(upper(name));
+  const auto [place, is_new] = deck_.parts.try_emplace(upper_case(name));
   if (!is_new) problems_.fail(keyword.where, "there is a second part '" + shown(name) + "'", "", "rename one");
   place->second.name = name;
   scope_ = &place->second;
@@ -126,7 +126,7 @@ void DeckReader::begin_instance(const Keyword& keyword) {
   const std::string name = keyword.get("NAME");
   if (name.empty()) problems_.fail(keyword.where, "*INSTANCE has no NAME", "sets refer to it", "give it a name");
   for (const auto& other : deck_.instances)
-    if (upper(other.name) == upper(name))
+    if (upper_case(other.name) == upper_case(name))
       problems_.fail(keyword.where, "there is a second instance '" + shown(name) + "'", "", "rename one");
   if (keyword.has("LIBRARY"))
     problems_.fail(keyword.where, "the instance '" + shown(name) + "' is imported from another analysis",
@@ -149,7 +149,7 @@ void DeckReader::begin_material(const Keyword& keyword) {
     problems_.add(keyword.where, "*MATERIAL has no NAME", "sections refer to it", "give it a name");
     return;
   }
-  auto& material = deck_.materials[upper(name)];
+  auto& material = deck_.materials[upper_case(name)];
   if (!material.name.empty())
     problems_.add(keyword.where, "there is a second material '" + shown(name) + "'", "", "rename one");
   material.name = name;

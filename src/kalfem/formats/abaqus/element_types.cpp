@@ -132,7 +132,7 @@ const std::map<std::string, ElementType, std::less<>>& other_types() {
 }  // namespace
 
 std::optional<ElementType> element_type(std::string_view given) {
-  const std::string name = upper(given);
+  const std::string name = upper_case(given);
   if (const auto other = other_types().find(name); other != other_types().end()) return other->second;
   const std::string_view view = name;
   if (view.starts_with("C3D")) return solid_type(view.substr(3));

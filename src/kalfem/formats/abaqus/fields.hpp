@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
+#include "kalfem/base/text.hpp"
+
 namespace kalfem::abaqus {
 
-/// Capital letters, as names are compared.
-std::string upper(std::string_view text);
 /// Without blanks around it.
 std::string_view trimmed_field(std::string_view text);
 /// What a message can show of a field: at most 40 printable characters.

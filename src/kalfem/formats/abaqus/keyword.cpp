@@ -9,7 +9,7 @@ namespace kalfem::abaqus {
 namespace {
 
 std::string joined_capitals(std::string_view text) {
-  std::string result = upper(text);
+  std::string result = upper_case(text);
   std::erase_if(result, [](char c) { return c == ' ' || c == '\t'; });
   return result;
 }
@@ -17,7 +17,7 @@ std::string joined_capitals(std::string_view text) {
 /// Capitals with single blanks.
 std::string title_of(std::string_view text) {
   std::string result;
-  for (const char c : upper(trimmed_field(text)))
+  for (const char c : upper_case(trimmed_field(text)))
     if (c != ' ' && c != '\t')
       result += c;
     else if (!result.empty() && result.back() != ' ')

@@ -4,7 +4,7 @@
 #include <unordered_map>
 
 #include "kalfem/formats/abaqus/placed_deck.hpp"
-#include "kalfem/model/local_support.hpp"
+#include "kalfem/model/reduced_equations.hpp"
 
 namespace kalfem::abaqus {
 

@@ -49,7 +49,7 @@ std::optional<OrthotropicSheet> sheet_from(const Matrix6& stiffness, double dens
 }  // namespace
 
 const Elastic* Materials::find(const std::string& name, const Where& where) {
-  const std::string key = upper(name);
+  const std::string key = upper_case(name);
   if (const auto known = known_.find(key); known != known_.end()) return &known->second;
   if (broken_.contains(key)) return nullptr;
   const auto raw = raw_.materials.find(key);

@@ -12,7 +12,7 @@ namespace {
 
 /// The set of that name, made where it is new.
 RawSet& set_named(std::map<std::string, RawSet>& sets, const std::string& name) {
-  RawSet& set = sets[upper(name)];
+  RawSet& set = sets[upper_case(name)];
   if (set.name.empty()) set.name = name;
   return set;
 }
@@ -107,7 +107,7 @@ bool MeshReader::read_node(RawNodes& nodes, std::string_view line, const std::st
 }
 
 int MeshReader::type_of(const Keyword& keyword) {
-  const std::string name = upper(keyword.get("TYPE"));
+  const std::string name = upper_case(keyword.get("TYPE"));
   for (std::size_t i = 0; i < deck_.types.size(); ++i)
     if (deck_.types[i].name == name) return static_cast<int>(i);
   const auto type = element_type(name);

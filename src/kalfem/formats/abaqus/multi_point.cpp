@@ -44,7 +44,7 @@ void MultiPointReader::read(const PlacedBlock& block) {
     const std::string& start = line.field(0);
     const bool goes_on = start.empty() || to_integer(start).has_value();
     if (!goes_on) {
-      entries.push_back({upper(start), line.where, {}});
+      entries.push_back({upper_case(start), line.where, {}});
       first = 1;
     } else if (entries.empty()) {
       deck_.problems.add(line.where, "the line cannot be read", "*MPC takes a type and its nodes",

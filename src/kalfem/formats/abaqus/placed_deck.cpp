@@ -36,7 +36,7 @@ void PlacedDeck::make_places() {
   places_.push_back({"", {&raw_.root}, Eigen::Isometry3d::Identity(), {}, {}, 0});
   for (const auto& instance : raw_.instances) {
     Place place{instance.name, {}, motion_of(instance), {}, {}, 0};
-    const auto part = raw_.parts.find(upper(instance.part));
+    const auto part = raw_.parts.find(upper_case(instance.part));
     if (part != raw_.parts.end())
       place.scopes.push_back(&part->second);
     else if (!instance.part.empty())
@@ -210,11 +210,11 @@ std::vector<PlacedBlock> PlacedDeck::blocks(std::string_view keyword) const {
 }
 
 PlacedBlock PlacedDeck::find_block(std::string_view keyword, const std::string& name, int start) const {
-  const std::string wanted = upper(name);
+  const std::string wanted = upper_case(name);
   const auto in_place = [&](int index, const std::string& own) -> PlacedBlock {
     for (const Scope* scope : place(index).scopes)
       for (const auto& block : scope->blocks)
-        if (block.keyword.name == keyword && upper(block.keyword.get("NAME")) == own) return {&block, index};
+        if (block.keyword.name == keyword && upper_case(block.keyword.get("NAME")) == own) return {&block, index};
     return {};
   };
   if (const auto found = in_place(start, wanted); found.block) return found;
@@ -227,9 +227,9 @@ PlacedBlock PlacedDeck::find_block(std::string_view keyword, const std::string& 
 }
 
 int PlacedDeck::place_named(std::string_view name) const {
-  const std::string wanted = upper(name);
+  const std::string wanted = upper_case(name);
   for (int i = 1; i < place_count(); ++i)
-    if (upper(place(i).name) == wanted) return i;
+    if (upper_case(place(i).name) == wanted) return i;
   return -1;
 }
 

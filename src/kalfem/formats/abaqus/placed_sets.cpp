@@ -12,7 +12,7 @@ constexpr std::size_t deepest_nesting = 200;
 /// In the place itself, in the deck outside of instances, by the name of an instance, or in the only place that has
 /// one.
 PlacedDeck::Found PlacedDeck::find_set(Sets sets, const std::string& name, int start) const {
-  const std::string wanted = upper(name);
+  const std::string wanted = upper_case(name);
   const auto in_place = [&](int index, const std::string& own) -> Found {
     for (const Scope* scope : place(index).scopes)
       if (const auto set = (scope->*sets).find(own); set != (scope->*sets).end()) return {&set->second, index};

@@ -29,7 +29,7 @@ struct Support {
 };
 
 std::optional<Directions> read_directions(PlacedDeck& deck, const DataLine& line) {
-  if (const auto named = named_supports().find(upper(line.field(1))); named != named_supports().end())
+  if (const auto named = named_supports().find(upper_case(line.field(1))); named != named_supports().end())
     return named->second;
   const auto first = to_integer(line.field(1));
   const auto last = line.field(2).empty() ? first : to_integer(line.field(2));

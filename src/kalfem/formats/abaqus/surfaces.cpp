@@ -103,7 +103,7 @@ void SurfaceBuilder::add_elements(const PlacedBlock& at) {
   std::vector<Index> nodes;
   for (const auto& line : at.block->lines) {
     const auto elements = deck_.element_list({line.field(0), line.where}, at.place);
-    const std::string label = upper(line.field(1));
+    const std::string label = upper_case(line.field(1));
     if (label.empty()) {
       add_free_faces(elements);
       continue;

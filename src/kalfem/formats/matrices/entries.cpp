@@ -95,12 +95,6 @@ std::vector<std::string_view> number_words(std::string_view line) {
   return words;
 }
 
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return lower;
-}
-
 std::optional<std::string_view> LineReader::next() {
   if (rest_.empty()) return {};
   const std::size_t end = std::min(rest_.find('\n'), rest_.size());

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "kalfem/base/text.hpp"
 #include "kalfem/formats/matrices.hpp"
 
 namespace kalfem {
@@ -25,8 +26,6 @@ std::optional<std::int64_t> whole_number(std::string_view text);
 /// Words of a line that are separated by blanks, tabs or commas. Nothing stands between two commas without an empty
 /// word.
 std::vector<std::string_view> number_words(std::string_view line);
-
-std::string lower_case(std::string_view text);
 
 /// Lines of a text one after the other, without their ends.
 class LineReader {

@@ -3,7 +3,7 @@
 
 #include "kalfem/formats/nastran/model_building.hpp"
 #include "kalfem/formats/nastran/rigid_equations.hpp"
-#include "kalfem/model/local_support.hpp"
+#include "kalfem/model/reduced_equations.hpp"
 
 namespace kalfem::nastran {
 namespace {
@@ -195,7 +195,7 @@ std::array<bool, 6> flags(unsigned components) {
 void ConstraintBuilder::add_links(const RigidBodyCard& card, Eigen::Index master,
                                   const std::vector<std::pair<Eigen::Index, unsigned>>& dependent) {
   std::map<unsigned, RigidLink> links;
-  std::string name = upper(card.kind) == "RBE2" ? "rbe2_" : "rigid_";
+  std::string name = upper_case(card.kind) == "RBE2" ? "rbe2_" : "rigid_";
   name += std::to_string(card.id);
   for (const auto& [node, components] : dependent) {
     if (node == master || components == 0) continue;

@@ -36,13 +36,6 @@ void take_out(std::vector<IdRange>& list, Id number) {
 
 }  // namespace
 
-std::string upper(std::string_view text) {
-  std::string capitals(text);
-  for (char& c : capitals)
-    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
-  return capitals;
-}
-
 std::string title(const Card& card) {
   return card.is_integer(1) ? card.name + " " + std::string(card.raw(1)) : card.name;
 }
@@ -51,7 +44,7 @@ bool Card::is_integer(std::size_t i) const { return parse_integer(raw(i)).has_va
 
 bool Card::is_number(std::size_t i) const { return parse_real(raw(i)).has_value(); }
 
-std::string Card::text(std::size_t i) const { return upper(raw(i)); }
+std::string Card::text(std::size_t i) const { return upper_case(raw(i)); }
 
 std::int64_t Card::integer(std::size_t i, const char* what) const {
   const auto value = parse_integer(raw(i));

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "kalfem/base/text.hpp"
+
 namespace kalfem::nastran {
 
 /// Numbers of nodes, elements, properties: whole, up to 2^31 - 1.
@@ -68,7 +70,6 @@ struct Card {
   [[nodiscard]] std::vector<IdRange> id_list(std::size_t first, const char* what) const;
 };
 
-std::string upper(std::string_view text);
 /// "GRID 12" or "GRID" where the first field is no number.
 std::string title(const Card& card);
 

@@ -113,7 +113,7 @@ void CardStream::split_free(std::string_view text, Line& line) {
 void CardStream::start(const Line& line) {
   auto name = line.first;
   while (!name.empty() && (name.back() == '*' || name.back() == ' ')) name.remove_suffix(1);
-  card_.name = upper(name);
+  card_.name = upper_case(name);
   card_.place = line.place;
   card_.fields.clear();
   has_card_ = true;

@@ -11,7 +11,7 @@ namespace {
 /// Words of a line in capitals, parted by blanks, commas and '='.
 std::vector<std::string> words_of(std::string_view line) {
   std::vector<std::string> words;
-  const std::string text = upper(line);
+  const std::string text = upper_case(line);
   for (std::size_t at = 0; at < text.size();) {
     at = text.find_first_not_of(" \t,=", at);
     if (at == std::string::npos) break;

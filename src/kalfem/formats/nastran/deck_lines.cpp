@@ -32,7 +32,7 @@ std::string_view without_comment(std::string_view text) {
 
 bool begins_include(std::string_view text) {
   text = trimmed(text);
-  return text.size() > 7 && upper(text.substr(0, 7)) == "INCLUDE" &&
+  return text.size() > 7 && upper_case(text.substr(0, 7)) == "INCLUDE" &&
          std::string_view(" \t'\"=").find(text[7]) != std::string_view::npos;
 }
 

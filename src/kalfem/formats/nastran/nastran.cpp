@@ -21,7 +21,7 @@ bool has_line_with(std::string_view text, std::string_view word) {
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size());
     const auto line = trimmed(text.substr(at, end - at));
-    if (line.size() >= word.size() && upper(line.substr(0, word.size())) == word) return true;
+    if (line.size() >= word.size() && upper_case(line.substr(0, word.size())) == word) return true;
     at = end + 1;
   }
   return false;
@@ -52,7 +52,7 @@ private:
 
   /// Whether the deck goes on.
   bool read(const DeckLine& line) {
-    if (const auto word = upper(trimmed(line.text).substr(0, 7)); word == "ENDDATA")
+    if (const auto word = upper_case(trimmed(line.text).substr(0, 7)); word == "ENDDATA")
       return false;
     else if (word.starts_with("BEGIN")) {
       begin(line);
@@ -60,7 +60,8 @@ private:
     }
     if (part_ == Part::control) {
       control_.read(line.text, line.place);
-      control_.is_present = control_.is_present || upper(trimmed(line.text)) == "CEND" || control_.spc || control_.mpc;
+      control_.is_present =
+          control_.is_present || upper_case(trimmed(line.text)) == "CEND" || control_.spc || control_.mpc;
     } else if (part_ == Part::bulk) {
       cards_.line(line);
     }

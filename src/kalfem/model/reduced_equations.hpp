@@ -1,7 +1,5 @@
 #pragma once
 
-#include <Eigen/Dense>
-#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -12,15 +10,6 @@
 #include "kalfem/model/finite_element_model.hpp"
 
 namespace kalfem {
-
-/// Holds motions of a node in axes of its own. `axes` are orthonormal columns: the local axes in global components;
-/// `directions` are the three displacements along them and the three rotations about them. What is held,
-///     q_i . u = 0 for the held displacements, q_i . theta = 0 for the held rotations,
-/// goes into the model as fixed degrees of freedom where an equation names only one, else as multi-point constraints
-/// in reduced row echelon form: none of them has the first degree of freedom of another on its right side. Call it once
-/// a node, with all that is held there.
-void hold_in_axes(FiniteElementModel& model, const std::string& name, Eigen::Index node, const Eigen::Matrix3d& axes,
-                  const std::array<bool, 6>& directions);
 
 /// Homogeneous linear equations between degrees of freedom, kept in reduced row echelon form: every equation has one
 /// degree of freedom, its pivot, that stands in no other equation.

@@ -1,4 +1,4 @@
-#include "kalfem/model/local_support.hpp"
+#include "kalfem/model/reduced_equations.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -84,19 +84,6 @@ void ReducedEquations::store(FiniteElementModel& model) const {
       if (dof != row.pivot) constraint.terms.emplace_back(dof, coefficient);
     model.constraints.push_back(std::move(constraint));
   }
-}
-
-void hold_in_axes(FiniteElementModel& model, const std::string& name, Eigen::Index node, const Eigen::Matrix3d& axes,
-                  const std::array<bool, 6>& directions) {
-  ReducedEquations equations;
-  for (int block = 0; block < 2; ++block)
-    for (int i = 0; i < 3; ++i) {
-      if (!directions[static_cast<std::size_t>(3 * block + i)]) continue;
-      ReducedEquations::Terms terms;
-      for (int a = 0; a < 3; ++a) terms.push_back({NodalDof{node, 3 * block + a}, axes(a, i)});
-      equations.add(name, terms);
-    }
-  equations.store(model);
 }
 
 }  // namespace kalfem
