@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "kalfem/formats/abaqus/fields.hpp"
 #include "kalfem/formats/abaqus/point_elements.hpp"
+#include "kalfem/formats/matrices.hpp"
 
 namespace kalfem::abaqus {
 
@@ -9,48 +9,54 @@ namespace {
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
-/// Entries of one file over the degrees of freedom that occur in any.
-class MatrixFile {
+/// Entries of files over the degrees of freedom that occur in any of them.
+class MatrixFiles {
 public:
-  MatrixFile(PlacedDeck& deck, std::map<NodalDof, int>& columns) : deck_(deck), columns_(columns) {}
+  explicit MatrixFiles(PlacedDeck& deck) : deck_(deck) {}
 
   Triplets read(const std::string& text, const Where& where, const std::string& what);
+  [[nodiscard]] std::vector<NodalDof> dofs() const {
+    std::vector<NodalDof> list(columns_.size());
+    for (const auto& [dof, column] : columns_) list[static_cast<std::size_t>(column)] = dof;
+    return list;
+  }
 
 private:
-  std::optional<int> column(std::string_view node, std::string_view direction);
+  /// Column of a degree of freedom, -1 where the deck has no such node.
+  int column(const MatrixDof& dof);
 
   PlacedDeck& deck_;
-  std::map<NodalDof, int>& columns_;
+  std::map<NodalDof, int> columns_;
 };
 
-std::optional<int> MatrixFile::column(std::string_view node, std::string_view direction) {
-  const auto label = to_label(node), d = to_integer(direction);
-  if (!label || !d || *d < 1 || *d > 6) return {};
-  const auto index = deck_.place(0).nodes.find(*label);
-  if (index < 0) return {};
-  return columns_.try_emplace(NodalDof{index, static_cast<int>(*d) - 1}, static_cast<int>(columns_.size()))
-      .first->second;
+int MatrixFiles::column(const MatrixDof& dof) {
+  const auto node = dof.direction < 0 ? -1 : deck_.place(0).nodes.find(dof.node);
+  if (node < 0) return -1;
+  return columns_.try_emplace(NodalDof{node, dof.direction}, static_cast<int>(columns_.size())).first->second;
 }
 
-Triplets MatrixFile::read(const std::string& text, const Where& where, const std::string& what) {
+Triplets MatrixFiles::read(const std::string& text, const Where& where, const std::string& what) {
   Triplets entries;
-  std::string_view rest = text;
-  for (int number = 1; !rest.empty(); ++number) {
-    const auto end = rest.find('\n');
-    const auto line = trimmed_field(rest.substr(0, end));
-    rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
-    if (line.empty() || line.front() == '*') continue;
-    const auto fields = split_fields(line);
-    const auto row = fields.size() >= 5 ? column(fields[0], fields[1]) : std::nullopt;
-    const auto col = fields.size() >= 5 ? column(fields[2], fields[3]) : std::nullopt;
-    const auto value = fields.size() >= 5 ? to_number(fields[4]) : std::nullopt;
-    if (!row || !col || !value) {
-      deck_.problems.add(where, "line " + std::to_string(number) + " of the " + what + " file cannot be read",
-                         "a line is: node, direction, node, direction, value", "mend the line");
-      return {};
-    }
-    entries.emplace_back(*row, *col, *value);
-    if (*row != *col) entries.emplace_back(*col, *row, *value);
+  if (text.empty()) return entries;
+  try {
+    for (const auto& matrix : parse_matrices(text, what, {.format = MatrixFormat::nodal}))
+      for (Eigen::Index j = 0; j < matrix.matrix.outerSize(); ++j)
+        for (SparseMatrix::InnerIterator it(matrix.matrix, j); it; ++it) {
+          const auto& row_dof = matrix.dofs[static_cast<std::size_t>(it.row())];
+          const int row = column(row_dof), col = column(matrix.dofs[static_cast<std::size_t>(it.col())]);
+          if (row >= 0 && col >= 0) {
+            entries.emplace_back(row, col, it.value());
+            continue;
+          }
+          deck_.problems.add(where, "the " + what + " file names a node that the deck does not have",
+                             "its rows are motions of the deck's nodes", "mend the file, or add the node");
+          return {};
+        }
+  } catch (const InvalidInput& error) {
+    for (const auto& issue : error.issues())
+      deck_.problems.add(where,
+                         "line " + std::to_string(issue.location.line) + " of the " + what + " file: " + issue.what,
+                         issue.why, issue.fix);
   }
   return entries;
 }
@@ -59,15 +65,13 @@ Triplets MatrixFile::read(const std::string& text, const Where& where, const std
 
 void add_matrices(const RawDeck& raw, PlacedDeck& deck, FiniteElementModel& model) {
   for (const auto& matrix : raw.matrices) {
-    std::map<NodalDof, int> columns;
-    MatrixFile file(deck, columns);
-    const Triplets stiffness = file.read(matrix.stiffness, matrix.where, "stiffness");
-    const Triplets mass = file.read(matrix.mass, matrix.where, "mass");
+    MatrixFiles files(deck);
+    const Triplets stiffness = files.read(matrix.stiffness, matrix.where, "stiffness");
+    const Triplets mass = files.read(matrix.mass, matrix.where, "mass");
     NodalMatrices result;
     result.name = matrix.name.empty() ? "matrix." + std::to_string(matrix.where.line) : matrix.name;
-    result.dofs.resize(columns.size());
-    for (const auto& [dof, column] : columns) result.dofs[static_cast<std::size_t>(column)] = dof;
-    const auto size = static_cast<Index>(columns.size());
+    result.dofs = files.dofs();
+    const auto size = static_cast<Index>(result.dofs.size());
     const auto fill = [&](const Triplets& entries, Eigen::SparseMatrix<double>& target) {
       if (entries.empty()) return;
       target.resize(size, size);

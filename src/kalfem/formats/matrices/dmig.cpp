@@ -8,53 +8,10 @@
 
 #include "kalfem/formats/matrices/entries.hpp"
 #include "kalfem/formats/matrices/readers.hpp"
+#include "kalfem/formats/nastran/card_stream.hpp"
 
 namespace kalfem {
 namespace {
-
-std::string_view without_blanks(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(" \t");
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
-}
-
-/// One entry with all its continuations, a field an element; the first is the name of the entry.
-struct BulkEntry {
-  std::vector<std::string> fields;
-  int line = 0;
-};
-
-/// Data fields of a line: eight small ones or four large ones, without the first and the last field of the line.
-std::vector<std::string> data_fields(const std::string& line, bool large) {
-  const std::size_t count = large ? 4 : 8;
-  std::vector<std::string> fields;
-  if (line.find(',') != std::string::npos) {
-    for (std::size_t begin = line.find(',') + 1; fields.size() < count;) {
-      const std::size_t end = std::min(line.find(',', begin), line.size());
-      fields.emplace_back(without_blanks(std::string_view(line).substr(begin, end - begin)));
-      if (end == line.size()) break;
-      begin = end + 1;
-    }
-  } else {
-    const std::size_t width = large ? 16 : 8;
-    for (std::size_t begin = 8; fields.size() < count && begin < line.size(); begin += width)
-      fields.emplace_back(without_blanks(std::string_view(line).substr(begin, width)));
-  }
-  fields.resize(count);
-  return fields;
-}
-
-/// Tabs stand for blanks up to the next column of eight.
-std::string expanded(std::string_view line) {
-  std::string text;
-  for (const char c : line.substr(0, line.find('$'))) {
-    if (c == '\t')
-      text.append(8 - text.size() % 8, ' ');
-    else
-      text += c;
-  }
-  return text;
-}
 
 struct Header {
   int form = 0;
@@ -63,11 +20,18 @@ struct Header {
 
 class DmigReader {
 public:
-  DmigReader(std::string_view text, const std::string& source) : lines_(text), bytes_(text.size()), source_(source) {}
+  DmigReader(std::string_view text, const std::string& source) : text_(text), bytes_(text.size()), source_(source) {}
 
   std::vector<ForeignMatrix> read() {
-    while (const auto line = lines_.next()) take(expanded(*line));
-    finish_entry();
+    nastran::DeckFiles files;
+    nastran::DeckLines lines(std::string(text_), source_, refuse_include, files);
+    nastran::CardStream cards(files, [this](const nastran::Card& card) {
+      card_ = &card;
+      if (card.name == "DMIG") interpret();
+    });
+    while (const auto line = lines.next()) cards.line(*line);
+    cards.finish();
+    files.raise();
     std::vector<ForeignMatrix> matrices;
     for (const auto& name : order_) matrices.push_back(finished(name));
     if (matrices.empty()) refuse(0, "the file holds no DMIG matrix", "a DMIG header and columns are needed");
@@ -75,41 +39,24 @@ public:
   }
 
 private:
-  void take(const std::string& line) {
-    if (without_blanks(line).empty()) return;
-    const std::string first =
-        lower_case(without_blanks(std::string_view(line).substr(0, std::min<std::size_t>(line.find(','), 8))));
-    const bool large = first.ends_with('*');
-    if (const bool continuation = first.empty() || first[0] == '+' || first[0] == '*'; !continuation) {
-      finish_entry();
-      in_dmig_ = first == "dmig" || first == "dmig*";
-      if (in_dmig_) entry_.line = lines_.number();
-    }
-    if (!in_dmig_) return;
-    const auto fields = data_fields(line, large || first.starts_with('*'));
-    entry_.fields.insert(entry_.fields.end(), fields.begin(), fields.end());
+  static std::string refuse_include(const std::filesystem::path& file) {
+    throw InvalidInput("the file includes '" + file.string() + "'", "matrices are read from one file",
+                       "name that file too");
   }
 
-  void finish_entry() {
-    if (!entry_.fields.empty()) interpret();
-    entry_ = {};
-  }
-
-  [[nodiscard]] const std::string& field(std::size_t i) const {
-    static const std::string blank;
-    return i < entry_.fields.size() ? entry_.fields[i] : blank;
-  }
+  /// Field of the present card: 0 is the name of the matrix.
+  [[nodiscard]] std::string field(std::size_t i) const { return std::string(card_->raw(i + 1)); }
 
   void interpret() {
-    const std::string& name = field(0);
-    if (name.empty()) refuse(entry_.line, "a DMIG entry has no name", "its second field names the matrix");
+    const std::string name = field(0);
+    if (name.empty()) refuse(card_->place.line, "a DMIG entry has no name", "its second field names the matrix");
     if (field(1) == "0") {
       add_header(name);
       return;
     }
     const auto header = headers_.find(name);
     if (header == headers_.end())
-      refuse(entry_.line, "a column of matrix '" + name + "' has no header before it",
+      refuse(card_->place.line, "a column of matrix '" + name + "' has no header before it",
              "the header says whether the matrix is symmetric", "put 'DMIG, " + name + ", 0, 6, 2, 0' before it");
     add_column(name, header->second.form);
   }
@@ -117,15 +64,15 @@ private:
   void add_header(const std::string& name) {
     const std::int64_t form = whole(2, "form"), type = whole(3, "type");
     if (form != 1 && form != 2 && form != 6 && form != 9)
-      refuse(entry_.line, "matrix '" + name + "' has form " + std::to_string(form),
+      refuse(card_->place.line, "matrix '" + name + "' has form " + std::to_string(form),
              "it is 1 (square), 2 or 9 (rectangular) or 6 (symmetric)");
     if (type == 3 || type == 4)
-      refuse(entry_.line, "matrix '" + name + "' is complex", "the structures here are real",
+      refuse(card_->place.line, "matrix '" + name + "' is complex", "the structures here are real",
              "write stiffness and damping as real matrices");
     if (type != 1 && type != 2)
-      refuse(entry_.line, "matrix '" + name + "' has type " + std::to_string(type), "it is 1 or 2 (real)");
-    if (!headers_.try_emplace(name, Header{static_cast<int>(form), entry_.line}).second)
-      refuse(entry_.line, "matrix '" + name + "' has a second header", "it is not clear which one counts");
+      refuse(card_->place.line, "matrix '" + name + "' has type " + std::to_string(type), "it is 1 or 2 (real)");
+    if (!headers_.try_emplace(name, Header{static_cast<int>(form), card_->place.line}).second)
+      refuse(card_->place.line, "matrix '" + name + "' has a second header", "it is not clear which one counts");
     order_.push_back(name);
     if (form == 1 || form == 6) square_.try_emplace(name, source_, name);
   }
@@ -134,18 +81,19 @@ private:
     const bool numbered = form == 9;
     MatrixDof column{whole(1, "column's point"), 0};
     if (!numbered) column = dof(1, 2);
-    for (std::size_t i = 4; i < entry_.fields.size(); i += 4) {
+    for (std::size_t i = 4; i < card_->size(); i += 4) {
       if (field(i).empty() && field(i + 2).empty()) continue;
       const MatrixDof row = dof(i, i + 1);
       const auto value = fortran_number(field(i + 2));
       if (!value)
-        refuse(entry_.line, "'" + field(i + 2) + "' in matrix '" + name + "' is no number", "an entry is needed");
+        refuse(card_->place.line, "'" + field(i + 2) + "' in matrix '" + name + "' is no number", "an entry is needed");
       if (!field(i + 3).empty() && fortran_number(field(i + 3)) != 0.0)
-        refuse(entry_.line, "an entry of matrix '" + name + "' has an imaginary part", "the structures here are real");
+        refuse(card_->place.line, "an entry of matrix '" + name + "' has an imaginary part",
+               "the structures here are real");
       if (form == 1 || form == 6)
-        square_.at(name).add(row, column, *value, entry_.line);
+        square_.at(name).add(row, column, *value, card_->place.line);
       else
-        rectangular_[name].push_back({row, column, *value, entry_.line});
+        rectangular_[name].push_back({row, column, *value, card_->place.line});
     }
   }
 
@@ -154,7 +102,7 @@ private:
     const std::int64_t direction = field(component).empty() ? 0 : whole(component, "component");
     if (number < 1 || direction < 0 || direction > 6)
       refuse(
-          entry_.line,
+          card_->place.line,
           "point " + std::to_string(number) + ", component " + std::to_string(direction) + " is no degree of freedom",
           "points are positive, components 1 ... 6, or 0 for scalar points");
     return {number, static_cast<int>(direction) - 1};
@@ -162,7 +110,7 @@ private:
 
   [[nodiscard]] std::int64_t whole(std::size_t i, const std::string& meaning) const {
     const auto value = whole_number(field(i));
-    if (!value) refuse(entry_.line, "'" + field(i) + "' is no " + meaning, "a whole number is needed");
+    if (!value) refuse(card_->place.line, "'" + field(i) + "' is no " + meaning, "a whole number is needed");
     return *value;
   }
 
@@ -209,11 +157,10 @@ private:
     int line;
   };
 
-  LineReader lines_;
+  std::string_view text_;
   std::size_t bytes_;
   const std::string& source_;
-  BulkEntry entry_;
-  bool in_dmig_ = false;
+  const nastran::Card* card_ = nullptr;
   std::map<std::string, Header> headers_;
   std::vector<std::string> order_;
   std::map<std::string, NodalEntries> square_;
