@@ -29,7 +29,7 @@ void check(const Observer& observer, const Record& record, const EstimationOptio
   if (!record.inputs.allFinite()) issues.add({}, "an input is not finite", "the observer is driven by it");
   if (!record.noise.allFinite() || (record.noise.diagonal().array() < 0.0).any())
     issues.add({}, "a sensor's noise is negative or not finite", "it is a covariance", "give every sensor its noise");
-  const auto& [alpha, beta, kappa] = options.unscented;
+  const double alpha = options.unscented.alpha, beta = options.unscented.beta, kappa = options.unscented.kappa;
   const double n = static_cast<double>(observer.layout().size());
   if (!(alpha > 0.0 && n + kappa > 0.0) || !std::isfinite(alpha * alpha * (n + kappa)) || !std::isfinite(beta))
     issues.add({},

@@ -22,11 +22,17 @@ std::string to_string(FilterOutcome outcome) {
 }
 
 std::unique_ptr<Filter> make_filter(FilterKind kind, const UnscentedOptions& options) {
+  UnscentedOptions of_channels = options;
+  of_channels.points = SigmaPoints::of_channels;
   switch (kind) {
     case FilterKind::unscented:
       return std::make_unique<CovarianceFilter>(UnscentedTransform(options));
     case FilterKind::unscented_square_root:
       return std::make_unique<SquareRootFilter>(UnscentedTransform(options));
+    case FilterKind::partially_linear:
+      return std::make_unique<CovarianceFilter>(UnscentedTransform(of_channels));
+    case FilterKind::partially_linear_square_root:
+      return std::make_unique<SquareRootFilter>(UnscentedTransform(of_channels));
     case FilterKind::extended:
       return std::make_unique<CovarianceFilter>(UnscentedTransform::linearised());
   }

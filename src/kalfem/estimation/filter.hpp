@@ -10,9 +10,11 @@
 namespace kalfem {
 
 enum class FilterKind {
-  unscented,              ///< Table 1 of the paper, covariance form
-  unscented_square_root,  ///< the same estimates, the covariance carried as a triangular factor
-  extended                ///< first-order linearisation about the mean
+  unscented,                     ///< Table 1 of the paper, covariance form
+  unscented_square_root,         ///< the same estimates, the covariance carried as a triangular factor
+  partially_linear,              ///< sigma points of the few nonlinear channels only, O(n^2) a step in modal coordinates
+  partially_linear_square_root,  ///< the same estimates, the covariance carried as a triangular factor
+  extended                       ///< first-order linearisation about the mean
 };
 
 /// Why a filter could not go on.

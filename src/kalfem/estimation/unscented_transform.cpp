@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "kalfem/estimation/channel_factor.hpp"
 #include "kalfem/estimation/small_kernels.hpp"
 
 namespace kalfem {
@@ -41,9 +42,16 @@ UnscentedTransform UnscentedTransform::linearised() {
 
 bool UnscentedTransform::apply(PartiallyLinearMap& map, const VectorXd& mean, const MatrixXd& factor,
                                FactorShape shape) {
-  UnscentedWeights weights(options_, factor.cols());
+  const bool of_channels = options_.points == SigmaPoints::of_channels && !linearised_;
+  multiply_factor(map.selection, factor, shape, selected_);
+  if (of_channels) {
+    multiply_transposed(selected_, selected_, channel_covariance_);
+    if (!channel_factor(channel_covariance_, channel_factor_)) return false;
+  }
+  const MatrixXd& directions = of_channels ? channel_factor_ : selected_;
+  UnscentedWeights weights(options_, directions.cols());
   if (linearised_) weights.spread = linearisation_spread, weights.mean_centre = 1.0, weights.other = 0.0;
-  place_points(map, mean, factor, shape, weights.spread);
+  place_points(map, mean, directions, weights.spread);
   out_.resize(in_.rows(), map.gain.cols());
   if (!map.evaluate(in_, out_)) return false;
   gather_channels(weights);
@@ -52,21 +60,26 @@ bool UnscentedTransform::apply(PartiallyLinearMap& map, const VectorXd& mean, co
   mean_.noalias() += map.linear * mean;
   mean_.noalias() += map.gain.lazyProduct(channel_mean_);
   multiply_factor(map.linear, factor, shape, deviations_);
-  add_product_transposed(map.gain, delta_, deviations_);
+  if (of_channels) {
+    solve_channels(channel_factor_, selected_);
+    channel_delta_.noalias() = selected_.transpose() * delta_;
+    add_product_transposed(map.gain, channel_delta_, deviations_);
+  } else {
+    add_product_transposed(map.gain, delta_, deviations_);
+  }
   return true;
 }
 
-/// w at the centre and at the 2 n points, one a row.
-void UnscentedTransform::place_points(const PartiallyLinearMap& map, const VectorXd& mean, const MatrixXd& factor,
-                                      FactorShape shape, double spread) {
-  const Index n = factor.cols(), q = map.selection.rows();
+/// w at the centre and on both sides of it along each direction, one point a row.
+void UnscentedTransform::place_points(const PartiallyLinearMap& map, const VectorXd& mean, const MatrixXd& directions,
+                                      double spread) {
+  const Index n = directions.cols(), q = directions.rows();
   in_.resize(2 * n + 1, q);
-  multiply_factor(map.selection, factor, shape, selected_);
   centre_ = map.input_offset;
   centre_.noalias() += map.selection * mean;
   for (Index j = 0; j < q; ++j) {
     const double centre = in_(0, j) = centre_[j];
-    const double* deviation = &selected_(j, 0);
+    const double* deviation = &directions(j, 0);
     double *plus = &in_(1, j), *minus = plus + n;
 #pragma GCC ivdep
     for (Index i = 0; i < n; ++i) {

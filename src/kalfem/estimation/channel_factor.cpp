@@ -1,0 +1,49 @@
+#include "kalfem/estimation/channel_factor.hpp"
+
+#include <cmath>
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+namespace {
+
+constexpr double pivot_floor = 1e-12;  ///< of a channel's variance; its root is far above rounding
+
+}  // namespace
+
+bool channel_factor(const MatrixXd& covariance, MatrixXd& factor) {
+  const Index q = covariance.rows();
+  factor.setZero(q, q);
+  for (Index j = 0; j < q; ++j) {
+    const double variance = covariance(j, j);
+    if (!(variance >= 0.0) || !std::isfinite(variance)) return false;
+    if (variance == 0.0) continue;
+    double pivot = variance;
+    for (Index k = 0; k < j; ++k) pivot -= factor(j, k) * factor(j, k);
+    factor(j, j) = std::sqrt(std::max(pivot, pivot_floor * variance));
+    for (Index i = j + 1; i < q; ++i) {
+      double value = covariance(i, j);
+      for (Index k = 0; k < j; ++k) value -= factor(i, k) * factor(j, k);
+      factor(i, j) = value / factor(j, j);
+    }
+  }
+  return factor.allFinite();
+}
+
+void solve_channels(const MatrixXd& factor, MatrixXd& b) {
+  const Index q = factor.rows();
+  for (Index column = 0; column < b.cols(); ++column)
+    for (Index i = 0; i < q; ++i) {
+      if (factor(i, i) == 0.0) {
+        b(i, column) = 0.0;
+        continue;
+      }
+      double value = b(i, column);
+      for (Index k = 0; k < i; ++k) value -= factor(i, k) * b(k, column);
+      b(i, column) = value / factor(i, i);
+    }
+}
+
+}  // namespace kalfem
