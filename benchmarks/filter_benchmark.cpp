@@ -1,14 +1,16 @@
-// Time of one filter step (predict + update) beside the bare dense kernels of its size, interleaved in one run.
+// Time of one filter step (predict + update) beside the bare dense kernels of its size and beside a pass through half
+// of a covariance, interleaved in one run.
 //     filter_benchmark [--json=FILE] [Google Benchmark's own flags]
 #include <benchmark/benchmark.h>
 
+#include <cstdio>
 #include <random>
 
 #include "allocations.hpp"
+#include "blas_copy.hpp"
 #include "chain_case.hpp"
 #include "dense_kernels.hpp"
-#include "kalfem/estimation/filter.hpp"
-#include "kalfem/estimation/observer_maps.hpp"
+#include "filter_walk.hpp"
 #include "table.hpp"
 
 namespace {
@@ -19,58 +21,64 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int sizes[] = {24, 64, 128, 256};
-constexpr Index samples = 1001;
+/// Warm-up, length of the record and repetitions for one size: a step costs 60,000 times more at 1024 states than
+/// at 24.
+struct Size {
+  int states;
+  Index samples;
+  int warm_up;
+  int repetitions;  ///< 0: as the command line says
+  bool all_filters = true;
+};
+constexpr Size sizes[] = {{24, 1001, 100, 0},  {64, 1001, 100, 0},       {128, 1001, 100, 0},
+                          {256, 1001, 100, 0}, {512, 101, 10, 9, false}, {1024, 101, 3, 7, false}};
 
-/// A filter that walks through the record again and again, from the prior each time.
-class Walk {
+constexpr std::pair<const char*, FilterKind> filters[] = {{"ukf", FilterKind::unscented},
+                                                          {"partially_linear_ukf", FilterKind::partially_linear},
+                                                          {"ukf_square_root", FilterKind::unscented_square_root},
+                                                          {"ekf", FilterKind::extended}};
+constexpr std::size_t filters_at_every_size = 2;
+
+/// A filter that is made and warmed up once, when it is first timed, and goes on from repetition to repetition.
+class TimedFilter {
 public:
-  Walk(const ChainCase& chain, FilterKind kind)
-      : chain_(&chain),
-        filter_(make_filter(kind)),
-        transition_(*chain.observer),
-        measurement_(*chain.observer, chain.observer->form().outputs()) {
-    filter_->reset(chain.observer->prior());
-  }
+  TimedFilter(std::shared_ptr<const ChainCase> chain, FilterKind kind, int warm_up)
+      : chain_(std::move(chain)), kind_(kind), warm_up_(warm_up) {}
 
-  bool step() {
-    const auto& record = chain_->record;
-    if (++sample_ == samples) {
-      filter_->reset(chain_->observer->prior());
-      sample_ = 1;
+  void run(benchmark::State& state) {
+    if (!walk_) {
+      walk_ = std::make_unique<FilterWalk>(*chain_->observer, chain_->record, kind_);
+      for (int i = 0; i < warm_up_; ++i)
+        if (!walk_->step()) return state.SkipWithError("the filter failed");
     }
-    transition_.set_inputs(record.inputs.col(sample_ - 1), record.inputs.col(sample_));
-    if (filter_->predict(transition_, chain_->observer->process_noise()) != FilterOutcome::usable) return false;
-    measurement_.set_inputs(record.inputs.col(sample_));
-    measured_ = record.measurements.col(sample_);
-    return filter_->update(measurement_, record.noise, measured_, innovation_) == FilterOutcome::usable;
+    const long before = allocations();
+    for (auto _ : state)
+      if (!walk_->step()) return state.SkipWithError("the filter failed");
+    state.counters["allocations"] =
+        static_cast<double>(allocations() - before) / static_cast<double>(state.iterations());
   }
 
 private:
-  const ChainCase* chain_;
-  std::unique_ptr<Filter> filter_;
-  TransitionMap transition_;
-  InstantMap measurement_;
-  Innovation innovation_;
-  VectorXd measured_;
-  Index sample_ = 0;
+  std::shared_ptr<const ChainCase> chain_;
+  FilterKind kind_;
+  int warm_up_;
+  std::unique_ptr<FilterWalk> walk_;
 };
 
-void run_filter(benchmark::State& state, const ChainCase& chain, FilterKind kind) {
-  Walk walk(chain, kind);
-  for (int i = 0; i < 100; ++i)
-    if (!walk.step()) return state.SkipWithError("the filter failed");
-  const long before = allocations();
-  for (auto _ : state)
-    if (!walk.step()) return state.SkipWithError("the filter failed");
-  state.counters["allocations"] = static_cast<double>(allocations() - before) / static_cast<double>(state.iterations());
-}
-
 void run_kernel(benchmark::State& state, const Kernel& kernel, const MatrixXd& in) {
-  MatrixXd out(in.rows(), in.rows());
+  MatrixXd out = MatrixXd::Zero(in.rows(), in.rows());
   for (auto _ : state) {
     kernel.run(in, out);
     benchmark::DoNotOptimize(out.data());
+    benchmark::ClobberMemory();
+  }
+}
+
+void run_stream(benchmark::State& state, const StreamLoop& loop) {
+  VectorXd buffer = VectorXd::Ones(stream_states * (stream_states + 1) / 2);
+  for (auto _ : state) {
+    loop.run(buffer);
+    benchmark::DoNotOptimize(buffer.data());
     benchmark::ClobberMemory();
   }
 }
@@ -81,21 +89,31 @@ MatrixXd random_columns(int states) {
   return MatrixXd::NullaryExpr(states, 2 * states + 1, [&] { return normal(random); });
 }
 
-void add_benchmarks(int states) {
-  const std::string size = "/" + std::to_string(states);
-  const auto chain = std::make_shared<ChainCase>(chain_case(states, samples));
-  for (const auto& [name, kind] :
-       {std::pair{"ukf", FilterKind::unscented}, std::pair{"ukf_square_root", FilterKind::unscented_square_root},
-        std::pair{"ekf", FilterKind::extended}})
-    benchmark::RegisterBenchmark((name + size).c_str(),
-                                 [chain, kind = kind](benchmark::State& state) { run_filter(state, *chain, kind); });
-  const MatrixXd columns = random_columns(states), covariance = columns * columns.transpose();
+template <class Work>
+void add(const std::string& name, const Size& size, Work work) {
+  auto* const added = benchmark::RegisterBenchmark((name + "/" + std::to_string(size.states)).c_str(), work);
+  if (size.repetitions > 0) added->Repetitions(size.repetitions);
+}
+
+void add_filters(const Size& size) {
+  const auto chain = std::make_shared<const ChainCase>(chain_case(size.states, size.samples));
+  for (std::size_t i = 0; i < (size.all_filters ? std::size(filters) : filters_at_every_size); ++i)
+    add(filters[i].first, size,
+        [filter = std::make_shared<TimedFilter>(chain, filters[i].second, size.warm_up)](auto& state) {
+          filter->run(state);
+        });
+}
+
+void add_kernels(const Size& size) {
+  const auto columns = std::make_shared<const MatrixXd>(random_columns(size.states));
+  const auto covariance = std::make_shared<const MatrixXd>(*columns * columns->transpose());
   for (const auto& kernel : cholesky_kernels())
-    benchmark::RegisterBenchmark(("cholesky/" + kernel.name + size).c_str(),
-                                 [kernel, covariance](auto& state) { run_kernel(state, kernel, covariance); });
+    if (size.states <= kernel.largest)
+      add("cholesky/" + kernel.name, size,
+          [kernel, covariance](auto& state) { run_kernel(state, kernel, *covariance); });
   for (const auto& kernel : rank_update_kernels())
-    benchmark::RegisterBenchmark(("rank_update/" + kernel.name + size).c_str(),
-                                 [kernel, columns](auto& state) { run_kernel(state, kernel, columns); });
+    if (size.states <= kernel.largest)
+      add("rank_update/" + kernel.name, size, [kernel, columns](auto& state) { run_kernel(state, kernel, *columns); });
 }
 
 }  // namespace
@@ -115,12 +133,20 @@ int main(int argc, char** argv) {
   if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
 
   use_one_blas_thread();
-  for (const int states : sizes) add_benchmarks(states);
+  for (const auto& size : sizes) {
+    add_filters(size);
+    add_kernels(size);
+    if (size.states != stream_states) continue;
+    for (const auto& loop : stream_loops())
+      add("stream/" + loop.name, size, [loop](auto& state) { run_stream(state, loop); });
+  }
   MedianReporter medians;
   benchmark::RunSpecifiedBenchmarks(&medians);
-  std::vector<Row> rows;
-  for (const int states : sizes) rows.emplace_back(medians, states);
-  print_table(rows);
-  if (!json.empty()) write_json(rows, json);
-  return 0;
+  FilterTable table(medians);
+  for (const auto& size : sizes) table.rows.emplace_back(medians, size.states);
+  table.compare();
+  print_table(table);
+  if (!json.empty()) write_json(table, json);
+  for (const auto& failure : medians.failures) std::fprintf(stderr, "%s\n", failure.c_str());
+  return medians.failures.empty() ? 0 : 1;
 }

@@ -52,7 +52,7 @@ TEST_F(PaperChain, BothParametersAreIdentifiedFromFourNoisySensors) {
     std::cout << "mu_k1 " << estimate[0] << " +- " << deviation[0] << " (" << early[0] << " at 2 s), mu_c1 "
               << estimate[1] << " +- " << deviation[1] << " (" << early[1] << " at 2 s), mean NIS "
               << consistency.mean_nis << ", in 95 % band " << consistency.fraction_in_95 << ", DOF 4 NRMSE "
-              << displacement << ", " << 1e6 * result.seconds / 20001 << " us/step, reference substeps "
+              << displacement << ", " << 1e6 * result.time.filter() / 20001 << " us/step, reference substeps "
               << reference_->substeps << "\n";
     EXPECT_NEAR(estimate[0], Chain::mu_k1, 0.01 * Chain::mu_k1);
     EXPECT_NEAR(estimate[1], Chain::mu_c1, 0.01 * Chain::mu_c1);

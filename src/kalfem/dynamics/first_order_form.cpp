@@ -69,7 +69,18 @@ FirstOrderForm::FirstOrderForm(const LocallyNonlinearSystem& system, const Outpu
   set_mechanics(system);
   add_input_models(treatments_);
   set_motion(system);
-  add_chains(raw_outputs(outputs), chains);
+  add_chains(outputs_of_state(outputs), chains);
+}
+
+FirstOrderForm FirstOrderForm::in_coordinates(const BlockDiagonalForm& coordinates) const {
+  FirstOrderForm form = *this;
+  form.dynamics_ = coordinates.blocks;
+  form.force_gain_ = coordinates.inverse * force_gain_;
+  form.input_gain_ = coordinates.inverse * input_gain_;
+  form.motion_.state = motion_.state * coordinates.basis;
+  form.outputs_.state = outputs_.state * coordinates.basis;
+  form.basis_ = coordinates.basis;
+  return form;
 }
 
 /// z'' = M^-1 (P u - C z' - K z - B f) and the rows of z and z' in A, G, B.
@@ -125,6 +136,12 @@ LinearOutput FirstOrderForm::route_inputs(LinearOutput output) const {
 }
 
 LinearOutput FirstOrderForm::raw_outputs(const OutputMap& outputs) const {
+  LinearOutput raw = outputs_of_state(outputs);
+  if (basis_.size() > 0) raw.state = raw.state * basis_;
+  return raw;
+}
+
+LinearOutput FirstOrderForm::outputs_of_state(const OutputMap& outputs) const {
   LinearOutput raw = zero_output(outputs.size(), dynamics_.cols(), 3 * n_u_, m_);
   raw.state.leftCols(n_) = MatrixXd(outputs.displacement);
   raw.state.middleCols(n_, n_) = MatrixXd(outputs.velocity);

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <vector>
 
+#include "kalfem/linalg/block_diagonal_form.hpp"
 #include "kalfem/linalg/first_order_hold.hpp"
 #include "kalfem/system/locally_nonlinear_system.hpp"
 #include "kalfem/system/measurement_chain.hpp"
@@ -40,6 +41,9 @@ public:
   FirstOrderForm(const LocallyNonlinearSystem& system, const OutputMap& outputs,
                  const std::vector<MeasurementChain>& chains = {}, const std::vector<InputTreatment>& treatments = {});
 
+  /// The same equations of xi, x = T xi, with the block diagonal T^-1 A T.
+  [[nodiscard]] FirstOrderForm in_coordinates(const BlockDiagonalForm& coordinates) const;
+
   [[nodiscard]] Eigen::Index size() const { return dynamics_.rows(); }
   [[nodiscard]] Eigen::Index dof_count() const { return n_; }
   [[nodiscard]] Eigen::Index input_state_offset() const { return 2 * n_; }
@@ -57,6 +61,7 @@ public:
   [[nodiscard]] LinearOutput raw_outputs(const OutputMap& outputs) const;
 
 private:
+  [[nodiscard]] LinearOutput outputs_of_state(const OutputMap& outputs) const;
   void set_mechanics(const LocallyNonlinearSystem& system);
   void add_input_models(const std::vector<InputTreatment>& treatments);
   void set_motion(const LocallyNonlinearSystem& system);
@@ -69,6 +74,7 @@ private:
   std::vector<Eigen::Index> input_state_;
   std::vector<InputTreatment> treatments_;
   LinearOutput motion_, outputs_;
+  Eigen::MatrixXd basis_;  ///< T; empty where the state is x itself
 };
 
 }  // namespace kalfem

@@ -46,4 +46,18 @@ void solve_channels(const MatrixXd& factor, MatrixXd& b) {
     }
 }
 
+void solve_channels_transposed(const MatrixXd& factor, MatrixXd& b) {
+  const Index q = factor.rows();
+  for (Index column = 0; column < b.cols(); ++column)
+    for (Index i = q - 1; i >= 0; --i) {
+      if (factor(i, i) == 0.0) {
+        b(i, column) = 0.0;
+        continue;
+      }
+      double value = b(i, column);
+      for (Index k = i + 1; k < q; ++k) value -= factor(k, i) * b(k, column);
+      b(i, column) = value / factor(i, i);
+    }
+}
+
 }  // namespace kalfem

@@ -1,8 +1,5 @@
 #include "kalfem/estimation/covariance_filter.hpp"
 
-#include <cmath>
-#include <numbers>
-
 #include "kalfem/estimation/covariance_factor.hpp"
 #include "kalfem/estimation/small_kernels.hpp"
 
@@ -12,14 +9,6 @@ namespace {
 /// The difference P - J J^T is wrong by rounding in proportion to P. Widening the variances by a little more than that
 /// keeps it positive semi-definite where a measurement leaves almost nothing of them.
 constexpr double rounding_allowance = 1e-13;
-
-/// v <- L^-1 v for a few channels.
-void whiten(const Eigen::MatrixXd& lower, Eigen::VectorXd& vector) {
-  for (Eigen::Index i = 0; i < vector.size(); ++i) {
-    for (Eigen::Index k = 0; k < i; ++k) vector[i] -= lower(i, k) * vector[k];
-    vector[i] /= lower(i, i);
-  }
-}
 
 }  // namespace
 
@@ -71,13 +60,6 @@ FilterOutcome CovarianceFilter::observe(PartiallyLinearMap& map, Eigen::VectorXd
 
 Eigen::VectorXd CovarianceFilter::standard_deviation() const {
   return estimate_.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-}
-
-void score(Innovation& innovation, const Eigen::MatrixXd& factor, const Eigen::VectorXd& whitened) {
-  innovation.nis = whitened.squaredNorm();
-  const double log_determinant = 2.0 * factor.diagonal().array().log().sum();
-  innovation.log_likelihood = -0.5 * (innovation.nis + log_determinant +
-                                      static_cast<double>(innovation.value.size()) * std::log(2.0 * std::numbers::pi));
 }
 
 }  // namespace kalfem

@@ -29,7 +29,4 @@ private:
   Eigen::VectorXd whitened_;
 };
 
-/// NIS and log-likelihood from the Cholesky factor L of the innovation's covariance and `whitened` = L^-1 value.
-void score(Innovation& innovation, const Eigen::MatrixXd& factor, const Eigen::VectorXd& whitened);
-
 }  // namespace kalfem

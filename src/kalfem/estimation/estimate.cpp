@@ -51,23 +51,25 @@ public:
       : observer_(observer),
         record_(record),
         options_(options),
-        filter_(make_filter(options.filter, options.unscented)),
         input_stride_(record.inputs.cols() > record.measurements.cols() ? observer.options().substeps : 1),
         transition_(observer),
+        filter_(make_filter(options.filter, options.unscented, &transition_)),
         measurement_(observer, observer.form().outputs()) {
-    if (options.monitored.size() > 0) monitored_.emplace(observer, observer.form().raw_outputs(options.monitored));
+    if (options.monitored.size() > 0) monitored_.emplace(observer, observer.observer_form().outputs(options.monitored));
     allocate();
   }
 
   EstimationResult run(const Gaussian& prior) {
     filter_->reset(prior);
     const Index samples = record_.measurements.cols();
+    Stopwatch watch;
     for (Index k = 0; k < samples; ++k) {
-      const Stopwatch watch;
       FilterOutcome outcome = k == 0 ? FilterOutcome::usable : predict(k);
+      result_.time.predict += watch.lap();
       if (outcome == FilterOutcome::usable) outcome = update(k);
-      result_.seconds += watch.seconds();
+      result_.time.update += watch.lap();
       if (outcome == FilterOutcome::usable) outcome = keep(k);
+      result_.time.output += watch.lap();
       if (outcome != FilterOutcome::usable) {
         result_.failure = {outcome, static_cast<double>(k) * observer_.options().step, to_string(outcome)};
         break;
@@ -75,7 +77,7 @@ public:
       if (options_.progress && k % 512 == 0)
         options_.progress("estimate", static_cast<double>(k) / static_cast<double>(samples));
     }
-    result_.final_covariance = filter_->covariance();
+    result_.final_covariance = observer_.physical_covariance(filter_->covariance());
     return std::move(result_);
   }
 
@@ -127,10 +129,24 @@ private:
     noise_ = record_.noise(rows_, rows_);
   }
 
+  /// Of all states, or only of those that have the same meaning in any coordinates.
+  void keep_deviations(Index k) {
+    const auto& layout = observer_.layout();
+    auto deviations = result_.state.deviation.col(k);
+    if (observer_.options().coordinates == StateCoordinates::modal && options_.state_deviations) {
+      deviations = observer_.physical_covariance(filter_->covariance()).diagonal().cwiseMax(0.0).cwiseSqrt();
+      return;
+    }
+    const VectorXd own = filter_->standard_deviation();
+    const auto rows = options_.state_deviations ? Eigen::seqN(Index{0}, layout.size())
+                                                : Eigen::seqN(layout.linear, layout.connector_states + layout.unknowns);
+    deviations(rows) = own(rows);
+  }
+
   FilterOutcome keep(Index k) {
     const auto& layout = observer_.layout();
-    result_.state.mean.col(k) = filter_->mean();
-    result_.state.deviation.col(k) = filter_->standard_deviation();
+    result_.state.mean.col(k) = observer_.physical(filter_->mean());
+    keep_deviations(k);
     for (Index i = 0; i < layout.unknowns; ++i) {
       const auto& transform = observer_.options().unknowns[static_cast<std::size_t>(i)].transform;
       const double state = result_.state.mean(layout.unknown() + i, k);
@@ -149,9 +165,9 @@ private:
   const Observer& observer_;
   const Record& record_;
   const EstimationOptions& options_;
-  std::unique_ptr<Filter> filter_;
   Index input_stride_;  ///< columns of the inputs per sample
   TransitionMap transition_;
+  std::unique_ptr<Filter> filter_;
   InstantMap measurement_;
   std::optional<InstantMap> monitored_;
   Innovation innovation_;

@@ -15,6 +15,9 @@ struct EstimationOptions {
   UnscentedOptions unscented = {};
   int passes = 1;  ///< runs over the record; each further one starts from the last one's parameters and initial
                    ///< state under the first prior's covariance (needs Observer keep_initial_state)
+  /// Standard deviations of every state at every sample, beside those of unknowns and internal states. In modal
+  /// coordinates they cost more than the filter does.
+  bool state_deviations = true;
   OutputMap monitored = {};  ///< further quantities to estimate at every sample, without measurement chains
   Progress progress = {};
 };
@@ -39,6 +42,14 @@ struct EstimationFailure {
   std::string reason;  ///< in words
 };
 
+/// Wall time of the last pass [s].
+struct EstimationTime {
+  double predict = 0.0, update = 0.0;
+  double output = 0.0;  ///< keeping results, monitored quantities among them
+
+  [[nodiscard]] double filter() const { return predict + update; }
+};
+
 /// Everything that a pass of the filter over a record gives. After a failure the samples from there on are not a
 /// number.
 struct EstimationResult {
@@ -52,7 +63,7 @@ struct EstimationResult {
   double log_likelihood = 0.0;
   Eigen::MatrixXd final_covariance;  ///< of the augmented state
   std::optional<EstimationFailure> failure;
-  double seconds = 0.0;  ///< wall time of predictions and updates of the last pass
+  EstimationTime time;
 };
 
 /// Runs the filter over the record. Throws InvalidInput where sizes do not fit or an input is not finite.

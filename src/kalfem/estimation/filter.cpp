@@ -1,6 +1,7 @@
 #include "kalfem/estimation/filter.hpp"
 
 #include "kalfem/estimation/covariance_filter.hpp"
+#include "kalfem/estimation/partially_linear_filter.hpp"
 #include "kalfem/estimation/square_root_filter.hpp"
 
 namespace kalfem {
@@ -21,7 +22,8 @@ std::string to_string(FilterOutcome outcome) {
   return {};
 }
 
-std::unique_ptr<Filter> make_filter(FilterKind kind, const UnscentedOptions& options) {
+std::unique_ptr<Filter> make_filter(FilterKind kind, const UnscentedOptions& options,
+                                    const PartiallyLinearMap* transition) {
   UnscentedOptions of_channels = options;
   of_channels.points = SigmaPoints::of_channels;
   switch (kind) {
@@ -30,6 +32,8 @@ std::unique_ptr<Filter> make_filter(FilterKind kind, const UnscentedOptions& opt
     case FilterKind::unscented_square_root:
       return std::make_unique<SquareRootFilter>(UnscentedTransform(options));
     case FilterKind::partially_linear:
+      if (auto layout = transition ? tile_layout(transition->linear) : std::nullopt)
+        return std::make_unique<PartiallyLinearFilter>(options, *transition, *std::move(layout));
       return std::make_unique<CovarianceFilter>(UnscentedTransform(of_channels));
     case FilterKind::partially_linear_square_root:
       return std::make_unique<SquareRootFilter>(UnscentedTransform(of_channels));

@@ -4,15 +4,16 @@
 #include <string>
 
 #include "kalfem/estimation/gaussian.hpp"
+#include "kalfem/estimation/innovation.hpp"
 #include "kalfem/estimation/partially_linear_map.hpp"
 #include "kalfem/estimation/unscented_transform.hpp"
 
 namespace kalfem {
 
 enum class FilterKind {
-  unscented,                     ///< Table 1 of the paper, covariance form
-  unscented_square_root,         ///< the same estimates, the covariance carried as a triangular factor
-  partially_linear,              ///< sigma points of the few nonlinear channels only, O(n^2) a step in modal coordinates
+  unscented,              ///< Table 1 of the paper, covariance form
+  unscented_square_root,  ///< the same estimates, the covariance carried as a triangular factor
+  partially_linear,       ///< sigma points of the few nonlinear channels only, O(n^2) a step in modal coordinates
   partially_linear_square_root,  ///< the same estimates, the covariance carried as a triangular factor
   extended                       ///< first-order linearisation about the mean
 };
@@ -27,14 +28,6 @@ enum class FilterOutcome {
 
 /// In words, with what to do.
 std::string to_string(FilterOutcome outcome);
-
-/// What one measurement told.
-struct Innovation {
-  Eigen::VectorXd value;        ///< y - predicted y, l
-  Eigen::MatrixXd covariance;   ///< P_yy + R, l x l, lower triangle
-  double nis = 0.0;             ///< normalised innovation squared, value^T covariance^-1 value
-  double log_likelihood = 0.0;  ///< of this measurement given those before
-};
 
 /// A Gaussian filter over partially linear maps. Predict and update follow Table 1 with additive noise; sigma points
 /// are drawn anew for each. An outcome other than usable leaves the estimate as it was. One thread.
@@ -57,6 +50,9 @@ public:
   [[nodiscard]] virtual Eigen::MatrixXd covariance() const = 0;
 };
 
-std::unique_ptr<Filter> make_filter(FilterKind kind, const UnscentedOptions& options = {});
+/// A partially linear filter is one of O(n^2) where `transition`, the map of all its predictions, is given and block
+/// diagonal (StateCoordinates::modal), else a covariance filter with the same estimates.
+std::unique_ptr<Filter> make_filter(FilterKind kind, const UnscentedOptions& options = {},
+                                    const PartiallyLinearMap* transition = nullptr);
 
 }  // namespace kalfem

@@ -50,6 +50,8 @@ void check_deviation(const VectorXd& values, const std::string& what, IssueList&
                "zero says that it is known exactly");
 }
 
+MatrixXd symmetric(const MatrixXd& matrix) { return 0.5 * (matrix + matrix.transpose()); }
+
 ObserverOptions checked(ObserverOptions options) {
   if (options.substeps < 1)
     throw InvalidInput("the observer has " + std::to_string(options.substeps) + " substeps", "it needs at least one",
@@ -63,10 +65,10 @@ Observer::Observer(const LocallyNonlinearSystem& system, const OutputMap& sensor
                    const std::vector<MeasurementChain>& chains, ObserverOptions options)
     : system_(system),
       options_(checked(std::move(options))),
-      form_(system_, sensors, chains, options_.inputs),
-      step_(form_, options_.step / options_.substeps),
-      layout_{system.size(), form_.size(), system.connector_states(), static_cast<Index>(options_.unknowns.size()),
-              options_.keep_initial_state} {
+      form_(system_, sensors, chains, options_.inputs, options_.coordinates),
+      step_(form_.first_order, options_.step / options_.substeps),
+      layout_{system.size(), form_.first_order.size(), system.connector_states(),
+              static_cast<Index>(options_.unknowns.size()), options_.keep_initial_state} {
   check();
   set_prior();
   set_process_noise();
@@ -107,7 +109,7 @@ void Observer::set_prior() {
   deviation.head(n) = prior.displacement_deviation;
   deviation.segment(n, n) = prior.velocity_deviation;
   for (Index i = 0; i < system_.input_count(); ++i) {
-    const Index state = form_.input_state(i);
+    const Index state = form().input_state(i);
     if (state < 0) continue;
     deviation[state] = prior.input_deviation[i];
     if (options_.inputs[static_cast<std::size_t>(i)].model == InputModel::integrated)
@@ -129,6 +131,7 @@ void Observer::set_prior() {
     prior_.covariance.block(begin, 0, count, count) = start;
     prior_.covariance.block(0, begin, count, count) = start;
   }
+  prior_.covariance = symmetric(in_own_coordinates(in_own_coordinates(prior_.covariance).transpose()));
   VectorXd linear = VectorXd::Zero(layout_.linear);
   linear.head(n) = prior.mean.displacement;
   linear.segment(n, n) = prior.mean.velocity;
@@ -143,7 +146,22 @@ Gaussian Observer::prior_about(const VectorXd& unknowns, const VectorXd& linear_
   prior.mean.segment(layout_.unknown(), layout_.unknowns) = unknowns;
   if (layout_.keeps_initial_state)
     prior.mean.tail(layout_.size() - layout_.initial_state()) << linear_state, connector_states;
+  prior.mean = in_own_coordinates(prior.mean);
   return prior;
+}
+
+MatrixXd Observer::moved(MatrixXd rows, Move move) const {
+  if (form_.coordinates == StateCoordinates::physical) return rows;
+  rows.topRows(layout_.linear) = (form_.*move)(rows.topRows(layout_.linear));
+  if (layout_.keeps_initial_state) {
+    const auto kept = Eigen::seqN(layout_.initial_state(), layout_.linear);
+    rows(kept, Eigen::all) = (form_.*move)(rows(kept, Eigen::all));
+  }
+  return rows;
+}
+
+MatrixXd Observer::physical_covariance(const MatrixXd& covariance) const {
+  return symmetric(physical(physical(covariance).transpose()));
 }
 
 void Observer::set_process_noise() {
@@ -152,15 +170,16 @@ void Observer::set_process_noise() {
   MatrixXd density = MatrixXd::Zero(layout_.linear, layout_.linear);
   density.diagonal().segment(n, n) = noise.acceleration.cwiseAbs2();
   for (Index i = 0; i < system_.input_count(); ++i) {
-    const Index state = form_.input_state(i);
+    const Index state = form().input_state(i);
     if (state < 0) continue;
     const bool integrated = options_.inputs[static_cast<std::size_t>(i)].model == InputModel::integrated;
     density(integrated ? state + 1 : state, integrated ? state + 1 : state) = noise.input[i] * noise.input[i];
   }
   process_noise_ = MatrixXd::Zero(layout_.size(), layout_.size());
+  density = symmetric(form_.from_physical(form_.from_physical(density).transpose()));
   if (!density.isZero(0.0))
     process_noise_.topLeftCorner(layout_.linear, layout_.linear) =
-        process_noise_covariance(form_.dynamics(), density, options_.step);
+        process_noise_covariance(form().dynamics(), density, options_.step);
   process_noise_.diagonal().segment(layout_.connector_state(), s) = options_.step * noise.connector_states.cwiseAbs2();
   for (Index i = 0; i < layout_.unknowns; ++i) {
     const auto& unknown = options_.unknowns[static_cast<std::size_t>(i)];

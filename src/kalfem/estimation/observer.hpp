@@ -7,6 +7,7 @@
 #include "kalfem/dynamics/trajectory.hpp"
 #include "kalfem/estimation/gaussian.hpp"
 #include "kalfem/estimation/parameter_transform.hpp"
+#include "kalfem/estimation/state_coordinates.hpp"
 #include "kalfem/system/connector_forces.hpp"
 
 namespace kalfem {
@@ -58,6 +59,7 @@ struct ObserverOptions {
   /// is of second order in the part; more parts cost a few connector forces more, whatever the number of states.
   int substeps = 1;
   ForceSolveOptions forces = {};
+  StateCoordinates coordinates = StateCoordinates::physical;
 };
 
 /// Where the parts of the augmented state stand: [x; s; theta; x(0); s(0)].
@@ -82,14 +84,23 @@ public:
            ObserverOptions options);
 
   [[nodiscard]] const StateLayout& layout() const { return layout_; }
-  [[nodiscard]] const FirstOrderForm& form() const { return form_; }
+  [[nodiscard]] const FirstOrderForm& form() const { return form_.first_order; }
+  [[nodiscard]] const ObserverForm& observer_form() const { return form_; }
   [[nodiscard]] const ExactStep& step() const { return step_; }  ///< one part of a sample interval
   [[nodiscard]] const LocallyNonlinearSystem& system() const { return system_; }
   [[nodiscard]] const ObserverOptions& options() const { return options_; }
+  /// Of the augmented state in the observer's coordinates, as everything that the filter sees.
   [[nodiscard]] const Gaussian& prior() const { return prior_; }
   [[nodiscard]] const Eigen::MatrixXd& process_noise() const { return process_noise_; }  ///< Q of one step
 
-  /// The prior with other means of the unknowns and of the initial state: another pass over the same record.
+  /// Rows of the augmented state, and its covariance, in physical coordinates.
+  [[nodiscard]] Eigen::MatrixXd physical(Eigen::MatrixXd rows) const {
+    return moved(std::move(rows), &ObserverForm::to_physical);
+  }
+  [[nodiscard]] Eigen::MatrixXd physical_covariance(const Eigen::MatrixXd& covariance) const;
+
+  /// The prior with other means of the unknowns and of the initial state (physical coordinates): another pass over the
+  /// same record.
   [[nodiscard]] Gaussian prior_about(const Eigen::VectorXd& unknowns, const Eigen::VectorXd& linear_state,
                                      const Eigen::VectorXd& connector_states) const;
 
@@ -97,10 +108,15 @@ private:
   void check() const;
   void set_prior();
   void set_process_noise();
+  using Move = Eigen::MatrixXd (ObserverForm::*)(const Eigen::Ref<const Eigen::MatrixXd>&) const;
+  [[nodiscard]] Eigen::MatrixXd moved(Eigen::MatrixXd rows, Move move) const;
+  [[nodiscard]] Eigen::MatrixXd in_own_coordinates(Eigen::MatrixXd rows) const {
+    return moved(std::move(rows), &ObserverForm::from_physical);
+  }
 
   LocallyNonlinearSystem system_;
   ObserverOptions options_;
-  FirstOrderForm form_;
+  ObserverForm form_;
   ExactStep step_;
   StateLayout layout_;
   Gaussian prior_;

@@ -1,5 +1,7 @@
 #include "kalfem/estimation/observer_maps.hpp"
 
+#include <algorithm>
+
 namespace kalfem {
 
 using Eigen::ArrayXXd;
@@ -29,44 +31,77 @@ void fit_points(ConnectorForces& forces, Index points) {
   if (forces.points() != points) forces.resize(points);
 }
 
-/// Forces at an instant from motion, states and unknowns in the columns of `in` from 0 on.
-bool solve_instant(const Observer& observer, const ArrayXXd& in, Index states_column, ConnectorForces& forces) {
-  const auto& layout = observer.layout();
-  const Index motion = forces.free_motion().cols();
-  forces.free_motion() = in.leftCols(motion);
-  forces.begin_motion() = forces.free_motion();
-  forces.begin_states() = in.middleCols(states_column, layout.connector_states);
+/// Channels of connector motion at one instant: d, d', and d'' where some law depends on it.
+Index motion_channels(const LocallyNonlinearSystem& system) {
+  const bool accelerations = std::ranges::any_of(
+      system.connectors, [](const Connector& connector) { return connector.law->uses_acceleration(); });
+  return (accelerations ? 3 : 2) * system.connector_count();
+}
+
+/// Forces at an instant from the motion in the first columns of `in`, states and unknowns.
+bool solve_instant(const Observer& observer, const ArrayXXd& in, Index motion, Index states_column,
+                   ConnectorForces& forces) {
+  forces.free_motion().leftCols(motion) = in.leftCols(motion);
+  forces.begin_motion().leftCols(motion) = in.leftCols(motion);
+  forces.begin_states() = in.middleCols(states_column, observer.layout().connector_states);
   const auto outcome = forces.solve(observer.step().instant_compliance, 0.0);
   return outcome.finite && outcome.converged;
+}
+
+/// Weights of a column of instants for values that are linear from the first to the last.
+MatrixXd between_ends(const MatrixXd& weights, Index instants) {
+  const Index width = weights.cols() / instants;
+  MatrixXd ends = MatrixXd::Zero(weights.rows(), 2 * width);
+  for (Index i = 0; i < instants; ++i) {
+    const double share = static_cast<double>(i) / static_cast<double>(instants - 1);
+    ends.leftCols(width) += (1.0 - share) * weights.middleCols(i * width, width);
+    ends.rightCols(width) += share * weights.middleCols(i * width, width);
+  }
+  return ends;
 }
 
 }  // namespace
 
 TransitionMap::TransitionMap(const Observer& observer)
-    : observer_(&observer), parts_(observer.options().substeps), forces_(observer.system(), observer.options().forces) {
+    : observer_(&observer),
+      parts_(observer.options().substeps),
+      motion_(motion_channels(observer.system())),
+      forces_(observer.system(), observer.options().forces) {
   const auto& layout = observer.layout();
   const auto& step = observer.step();
-  const MatrixXd& motion = observer.form().motion().state;
-  const Index n = layout.size(), x = layout.linear, s = layout.connector_states, m = step.begin_force.cols();
+  const auto& seen = observer.form().motion();
+  const MatrixXd motion = seen.state.topRows(motion_), motion_of_input = seen.input.topRows(motion_);
+  const Index n = layout.size(), x = layout.linear, s = layout.connector_states, m = step.begin_force.cols(),
+              u = step.begin_input.cols(), instants = parts_ + 1;
 
-  selection = MatrixXd::Zero(3 * m * (parts_ + 1) + s + layout.unknowns, n);
-  force_motion_ = MatrixXd::Zero(3 * m * parts_, m * parts_);
-  MatrixXd transition = MatrixXd::Identity(x, x), forces = MatrixXd::Zero(x, m * (parts_ + 1));
-  selection.topRows(3 * m).leftCols(x) = motion;
+  selection = MatrixXd::Zero(motion_ * instants + s + layout.unknowns, n);
+  force_motion_ = MatrixXd::Zero(motion_ * parts_, m * parts_);
+  input_motion_ = MatrixXd::Zero(motion_ * instants, u * instants);
+  MatrixXd transition = MatrixXd::Identity(x, x), forces = MatrixXd::Zero(x, m * instants);
+  input_state_ = MatrixXd::Zero(x, u * instants);
+  selection.topRows(motion_).leftCols(x) = motion;
+  input_motion_.topLeftCorner(motion_, u) = motion_of_input;
   for (Index part = 1; part <= parts_; ++part) {
     transition = step.transition * transition;
     forces = step.transition * forces;
+    input_state_ = step.transition * input_state_;
     forces.middleCols((part - 1) * m, m) += step.begin_force;
-    selection.middleRows(3 * m * part, 3 * m).leftCols(x) = motion * transition;
-    force_motion_.middleRows(3 * m * (part - 1), 3 * m) = motion * forces.leftCols(m * parts_);
+    input_state_.middleCols((part - 1) * u, u) += step.begin_input;
+    input_state_.middleCols(part * u, u) += step.end_input;
+    selection.middleRows(motion_ * part, motion_).leftCols(x) = motion * transition;
+    force_motion_.middleRows(motion_ * (part - 1), motion_) = motion * forces.leftCols(m * parts_);
+    input_motion_.middleRows(motion_ * part, motion_) = motion * input_state_;
+    input_motion_.block(motion_ * part, u * part, motion_, u) += motion_of_input;
     forces.middleCols(part * m, m) += step.end_force;
   }
-  select_states_and_unknowns(layout, 3 * m * (parts_ + 1), selection);
+  straight_state_ = between_ends(input_state_, instants);
+  straight_motion_ = between_ends(input_motion_, instants);
+  select_states_and_unknowns(layout, motion_ * instants, selection);
 
   linear = MatrixXd::Identity(n, n);
   linear.topLeftCorner(x, x) = transition;
   linear.block(x, x, s, s).setZero();
-  gain = MatrixXd::Zero(n, m * (parts_ + 1) + s);
+  gain = MatrixXd::Zero(n, m * instants + s);
   gain.topRows(x).leftCols(forces.cols()) = forces;
   gain.block(x, forces.cols(), s, s).setIdentity();
   offset = VectorXd::Zero(n);
@@ -74,34 +109,24 @@ TransitionMap::TransitionMap(const Observer& observer)
 }
 
 void TransitionMap::set_inputs(const Ref<const MatrixXd>& inputs) {
-  const auto& step = observer_->step();
-  const auto& motion = observer_->form().motion();
-  const Index m3 = motion.state.rows();
-  input_offset.head(m3).noalias() = motion.input.lazyProduct(inputs.col(0));
-  for (Index part = 1; part <= parts_; ++part) {
-    moved_.noalias() = step.begin_input.lazyProduct(inputs.col(part - 1));
-    if (part > 1) moved_.noalias() += step.transition * drive_;
-    moved_.noalias() += step.end_input.lazyProduct(inputs.col(part));
-    drive_.swap(moved_);
-    input_offset.segment(part * m3, m3).noalias() = motion.state.lazyProduct(drive_);
-    input_offset.segment(part * m3, m3).noalias() += motion.input.lazyProduct(inputs.col(part));
-  }
-  offset.head(drive_.size()) = drive_;
+  ends_ = inputs.reshaped();
+  offset.head(input_state_.rows()).noalias() = input_state_ * ends_;
+  input_offset.head(input_motion_.rows()).noalias() = input_motion_ * ends_;
 }
 
 void TransitionMap::set_inputs(const Ref<const VectorXd>& begin, const Ref<const VectorXd>& end) {
-  interpolated_.resize(begin.size(), parts_ + 1);
-  for (Index part = 0; part <= parts_; ++part)
-    interpolated_.col(part) = begin + (end - begin) * (static_cast<double>(part) / static_cast<double>(parts_));
-  set_inputs(interpolated_);
+  ends_.resize(2 * begin.size());
+  ends_ << begin, end;
+  offset.head(straight_state_.rows()).noalias() = straight_state_ * ends_;
+  input_offset.head(straight_motion_.rows()).noalias() = straight_motion_ * ends_;
 }
 
 bool TransitionMap::evaluate(const ArrayXXd& in, ArrayXXd& out) {
   const auto& layout = observer_->layout();
-  const Index m = forces_.force().cols(), states = 3 * m * (parts_ + 1);
+  const Index m = forces_.force().cols(), states = motion_ * (parts_ + 1);
   fit_points(forces_, in.rows());
   set_unknowns(*observer_, in, states + layout.connector_states, forces_);
-  if (!solve_instant(*observer_, in, states, forces_)) return false;
+  if (!solve_instant(*observer_, in, motion_, states, forces_)) return false;
   out.leftCols(m) = forces_.force();
   for (Index part = 1; part <= parts_; ++part) {
     forces_.begin_motion() = forces_.motion();
@@ -115,23 +140,24 @@ bool TransitionMap::evaluate(const ArrayXXd& in, ArrayXXd& out) {
 
 /// Forces at the end of one part from those at the ends of the earlier ones, in the columns of `out`.
 bool TransitionMap::solve_part(Index part, const ArrayXXd& in, const ArrayXXd& out) {
-  const Index m3 = forces_.free_motion().cols(), earlier = part * (m3 / 3);
-  forces_.free_motion() = in.middleCols(part * m3, m3);
-  for (Index row = 0; row < m3; ++row)
+  const Index earlier = part * forces_.force().cols();
+  forces_.free_motion().leftCols(motion_) = in.middleCols(part * motion_, motion_);
+  for (Index row = 0; row < motion_; ++row)
     for (Index j = 0; j < earlier; ++j)
-      add_scaled(force_motion_((part - 1) * m3 + row, j), out, j, forces_.free_motion(), row);
+      add_scaled(force_motion_((part - 1) * motion_ + row, j), out, j, forces_.free_motion(), row);
   const auto outcome = forces_.solve(observer_->step().compliance, observer_->step().step);
   return outcome.finite && outcome.converged;
 }
 
 InstantMap::InstantMap(const Observer& observer, LinearOutput output)
-    : observer_(&observer), all_(std::move(output)), forces_(observer.system(), observer.options().forces) {
+    : observer_(&observer),
+      motion_(motion_channels(observer.system())),
+      all_(std::move(output)),
+      forces_(observer.system(), observer.options().forces) {
   const auto& layout = observer.layout();
-  const auto& motion = observer.form().motion();
-  const Index m3 = motion.state.rows();
-  selection = MatrixXd::Zero(m3 + layout.connector_states + layout.unknowns, layout.size());
-  selection.topRows(m3).leftCols(layout.linear) = motion.state;
-  select_states_and_unknowns(layout, m3, selection);
+  selection = MatrixXd::Zero(motion_ + layout.connector_states + layout.unknowns, layout.size());
+  selection.topRows(motion_).leftCols(layout.linear) = observer.form().motion().state.topRows(motion_);
+  select_states_and_unknowns(layout, motion_, selection);
   input_offset = VectorXd::Zero(selection.rows());
   std::vector<Index> rows(static_cast<std::size_t>(all_.state.rows()));
   for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = static_cast<Index>(i);
@@ -144,19 +170,18 @@ void InstantMap::select_rows(const std::vector<Index>& rows) {
   gain = all_.force(rows, Eigen::all);
   input_ = all_.input(rows, Eigen::all);
   offset = VectorXd::Zero(linear.rows());
+  ++revision;
 }
 
 void InstantMap::set_inputs(const Ref<const VectorXd>& inputs) {
   offset.noalias() = input_.lazyProduct(inputs);
-  const auto& motion = observer_->form().motion();
-  input_offset.head(motion.state.rows()).noalias() = motion.input.lazyProduct(inputs);
+  input_offset.head(motion_).noalias() = observer_->form().motion().input.topRows(motion_).lazyProduct(inputs);
 }
 
 bool InstantMap::evaluate(const ArrayXXd& in, ArrayXXd& out) {
-  const Index m3 = observer_->form().motion().state.rows();
   fit_points(forces_, in.rows());
-  set_unknowns(*observer_, in, m3 + observer_->layout().connector_states, forces_);
-  if (!solve_instant(*observer_, in, m3, forces_)) return false;
+  set_unknowns(*observer_, in, motion_ + observer_->layout().connector_states, forces_);
+  if (!solve_instant(*observer_, in, motion_, motion_, forces_)) return false;
   out = forces_.force();
   return true;
 }

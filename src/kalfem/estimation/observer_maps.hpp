@@ -12,8 +12,8 @@ namespace kalfem {
 /// linear:
 ///     x_i = A_h x_(i-1) + G_0 f_(i-1) + G_1 f_i + drive_i,   i = 1 ... N.
 /// Channels in: connector motion at the begin and, as far as the linear part and the inputs give it, at the end of each
-/// part (3m each), internal states, unknowns. Channels out: the N + 1 forces, internal states at the end. The state
-/// itself is moved once over the whole interval.
+/// part (d and d', 2m each; d'' too where a law depends on it), internal states, unknowns. Channels out: the N + 1
+/// forces, internal states at the end. The state itself is moved once over the whole interval.
 class TransitionMap final : public PartiallyLinearMap {
 public:
   explicit TransitionMap(const Observer& observer);
@@ -28,16 +28,18 @@ private:
   bool solve_part(Eigen::Index part, const Eigen::ArrayXXd& in, const Eigen::ArrayXXd& out);
 
   const Observer* observer_;
-  Eigen::Index parts_;
+  Eigen::Index parts_, motion_;  ///< channels of motion at one instant
   ConnectorForces forces_;
-  Eigen::MatrixXd
-      force_motion_;  ///< connector motion at the end of part i per earlier force j, block (i - 1, j), 3m x m each
-  Eigen::MatrixXd interpolated_;
-  Eigen::VectorXd drive_, moved_;
+  /// Connector motion at the end of part i per earlier force j, block (i - 1, j), motion_ x m each.
+  Eigen::MatrixXd force_motion_;
+  /// State at the end, and motion at all instants, per input at each instant: n_x and motion_ (N + 1) rows. `straight`:
+  /// per input at the two ends, where it is linear between them.
+  Eigen::MatrixXd input_state_, input_motion_, straight_state_, straight_motion_;
+  Eigen::VectorXd ends_;
 };
 
 /// Outputs at an instant as a function of the augmented state, through the connector forces of that instant. Channels
-/// in: connector motion without the forces (3m), internal states, unknowns. Channels out: forces.
+/// in: connector motion without the forces (2m or 3m), internal states, unknowns. Channels out: forces.
 class InstantMap final : public PartiallyLinearMap {
 public:
   InstantMap(const Observer& observer, LinearOutput output);
@@ -49,6 +51,7 @@ public:
 
 private:
   const Observer* observer_;
+  Eigen::Index motion_;
   LinearOutput all_;
   Eigen::MatrixXd input_;
   ConnectorForces forces_;

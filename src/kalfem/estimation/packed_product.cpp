@@ -6,10 +6,9 @@ using Eigen::Index;
 
 namespace {
 
-constexpr int height = (lane_count == 32 ? 3 : 2) * lane_size;  ///< rows of a tile
-constexpr int width = lane_count == 32 ? 8 : 6;                 ///< its columns: height x width sums in registers
-constexpr Index block_depth = 32 * width;                       ///< a panel of B of this depth stays in the first cache
-constexpr Index block_rows = 8 * height;                        ///< a block of A of these rows in the second
+constexpr int height = tile_height, width = tile_width;
+constexpr Index block_depth = 32 * width;  ///< a panel of B of this depth stays in the first cache
+constexpr Index block_rows = 8 * height;   ///< a block of A of these rows in the second
 
 /// Storage of the calling thread, for at least `size` numbers.
 double* storage(Eigen::VectorXd& kept, Index size) {

@@ -20,6 +20,10 @@ constexpr int lane_size = 2;
 constexpr int lane_count = 16;
 #endif
 
+/// The largest tile whose sums stay in registers beside a column of the left factor.
+constexpr int tile_height = (lane_count == 32 ? 3 : 2) * lane_size;
+constexpr int tile_width = lane_count == 32 ? 8 : 6;
+
 template <int Size>
 struct Lane {
   typedef double type __attribute__((vector_size(Size * sizeof(double))));

@@ -8,7 +8,7 @@ namespace kalfem {
 // spends its time on packing and dispatch; here tiles of the result stay in registers. Larger ones go to Eigen.
 // Arrays are contiguous; nothing allocates below `small_dimension`.
 
-constexpr Eigen::Index small_dimension = 64;  ///< above it Eigen's blocked routines are as fast or faster
+constexpr Eigen::Index small_dimension = 160;  ///< above it Eigen's blocked routines are as fast or faster
 
 /// out = A B.
 void multiply(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, Eigen::MatrixXd& out);

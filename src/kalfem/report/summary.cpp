@@ -151,8 +151,11 @@ Json timing_summary(const Study& study, const StudyResults& results) {
     const auto& stage = *results.estimation;
     const auto steps = static_cast<double>(stage.measurements.samples());
     timing["estimate_s"] = number(stage.seconds);
-    timing["estimate_us_per_step"] = number(1e6 * stage.result.seconds / steps);
-    timing["real_time_factor"] = number(steps / stage.measurements.sample_rate / stage.result.seconds);
+    timing["estimate_us_per_step"] = number(1e6 * stage.result.time.filter() / steps);
+    timing["real_time_factor"] = number(steps / stage.measurements.sample_rate / stage.result.time.filter());
+    timing["estimate_split_s"] = {{"predict", number(stage.result.time.predict)},
+                                  {"update", number(stage.result.time.update)},
+                                  {"output", number(stage.result.time.output)}};
   }
   if (results.prediction) timing["predict_s"] = number(results.prediction->seconds);
   return timing;

@@ -175,8 +175,8 @@ std::string console_report(const Study& study, const StudyResults& results) {
                         stage.consistency.expected_nis, per_cent(stage.consistency.fraction_in_95));
     text += fmt::format(
         "{} states, {} steps, {:.2f} us a step: {:.3g} x real time\n\n", stage.observer->layout().size(),
-        stage.measurements.samples(), 1e6 * stage.result.seconds / static_cast<double>(stage.measurements.samples()),
-        static_cast<double>(stage.measurements.samples()) / stage.measurements.sample_rate / stage.result.seconds);
+        stage.measurements.samples(), 1e6 * stage.result.time.filter() / static_cast<double>(stage.measurements.samples()),
+        static_cast<double>(stage.measurements.samples()) / stage.measurements.sample_rate / stage.result.time.filter());
     if (const auto table = error_table("", study, stage.points); !table.rows.empty())
       text += fmt::format("Estimated motion, NRMSE after {} s{}\n", four_digits(study.given.estimate->settle),
                           band_words(stage)) +

@@ -1,5 +1,12 @@
 #include "kalfem/system/connector_forces.hpp"
 
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "kalfem/system/connector_response.hpp"
+#include "kalfem/system/force_correction.hpp"
+
 namespace kalfem {
 
 using Eigen::ArrayXXd;
@@ -18,6 +25,14 @@ bool exceeds(const A& a, const B& b) {
   return (a - b).max(0.0).sum() > 0.0;
 }
 
+/// Whether any of the first rows' entries is not zero.
+bool has_entries(const MatrixXd& matrix, Index rows) {
+  for (Index column = 0; column < matrix.cols(); ++column)
+    for (Index row = 0; row < rows; ++row)
+      if (matrix(row, column) != 0.0) return true;
+  return false;
+}
+
 }  // namespace
 
 void add_scaled(double factor, const ArrayXXd& from, Index from_column, ArrayXXd& to, Index to_column) {
@@ -28,121 +43,209 @@ void add_scaled(double factor, const ArrayXXd& from, Index from_column, ArrayXXd
   for (Index i = 0; i < to.rows(); ++i) out[i] += factor * in[i];
 }
 
-ConnectorForces::ConnectorForces(const LocallyNonlinearSystem& system, ForceSolveOptions options) : options_(options) {
-  for (const auto& connector : system.connectors) {
-    laws_.push_back(connector.law);
-    nominal_.push_back(connector.parameters);
-    state_offset_.push_back(state_count_);
-    state_count_ += static_cast<Index>(connector.law->states().size());
+/// The iteration on arrays in blocks of points.
+class ConnectorForces::Solver {
+public:
+  Solver(const std::vector<Connector>& connectors, const ForceSolveOptions& options, const PointBlocks& blocks)
+      : options_(options),
+        blocks_(blocks),
+        laws_(connectors, blocks),
+        newton_(static_cast<Index>(connectors.size()), blocks),
+        uses_acceleration_(std::ranges::any_of(
+            connectors, [](const Connector& connector) { return connector.law->uses_acceleration(); })),
+        free_motion_(laws_.motion) {
+    for (auto* forces : {&force_, &next_force_, &correction_, &next_correction_, &residual_, &next_residual_})
+      *forces = laws_.force;
   }
+
+  ForceSolveOutcome solve(ConnectorForces& outer, const MatrixXd& compliance, double duration);
+
+private:
+  void read_interval(ConnectorForces& outer);
+  void read_guess(const ConnectorForces& outer);
+  void write(ConnectorForces& outer) const;
+  void take_law_force(const MatrixXd& compliance, const ArrayXXd& free_motion);
+  [[nodiscard]] bool has_inertance() const;
+  ForceSolveOutcome iterate(const MatrixXd& compliance, double duration);
+  void forget_residual() { residual_.setConstant(std::numeric_limits<double>::infinity()); }
+  ForceIterate iterate_at(const MatrixXd& compliance);
+  void take_correction();
+  void evaluate(const MatrixXd& compliance, double duration);
+  void back_off(const MatrixXd& compliance, double duration);
+  void halve_where_worse();
+  /// Residuals above this grew by a correction, and not by rounding alone.
+  auto growth_limit() const {
+    return 2.0 * residual_ + options_.tolerance * (force_.abs() + options_.force_floor);
+  }
+  [[nodiscard]] bool residual_grew() const { return exceeds(next_residual_, growth_limit()); }
+  [[nodiscard]] bool bisect(const MatrixXd& compliance, double duration);
+  void bisect(Index connector, const MatrixXd& compliance, double duration);
+
+  ForceSolveOptions options_;
+  PointBlocks blocks_;
+  ConnectorResponse laws_;
+  ForceCorrection newton_;
+  bool uses_acceleration_;
+  ArrayXXd free_motion_;
+  ArrayXXd force_, next_force_;            ///< f, and f + c
+  ArrayXXd correction_, next_correction_;  ///< what led to f, and c
+  ArrayXXd residual_, next_residual_;      ///< |law - f| before and after the correction that led to f
+};
+
+ConnectorForces::ConnectorForces(const LocallyNonlinearSystem& system, ForceSolveOptions options)
+    : connectors_(system.connectors), options_(options) {
   resize(1);
 }
 
+ConnectorForces::ConnectorForces(ConnectorForces&&) noexcept = default;
+ConnectorForces& ConnectorForces::operator=(ConnectorForces&&) noexcept = default;
+ConnectorForces::~ConnectorForces() = default;
+
 void ConnectorForces::resize(Index points) {
-  const auto m = static_cast<Index>(laws_.size());
-  parameters_.clear();
-  for (const auto& values : nominal_) parameters_.emplace_back(values.transpose().array().replicate(points, 1));
-  for (auto* motion : {&free_motion_, &begin_motion_, &motion_, &tangents_}) *motion = ArrayXXd::Zero(points, 3 * m);
-  for (auto* states : {&begin_states_, &states_}) *states = ArrayXXd::Zero(points, state_count_);
-  for (auto* forces : {&force_, &law_force_, &correction_, &residual_, &previous_residual_})
-    *forces = ArrayXXd::Zero(points, m);
-  jacobian_ = MatrixXd::Identity(m, m);
-  factor_ = Eigen::PartialPivLU<MatrixXd>(m);
-  small_ = Eigen::VectorXd::Zero(m);
+  const auto m = static_cast<Index>(connectors_.size());
+  Index parameter_count = 0, state_count = 0;
+  first_parameter_.clear();
+  for (const auto& connector : connectors_) {
+    first_parameter_.push_back(parameter_count);
+    parameter_count += connector.parameters.size();
+    state_count += static_cast<Index>(connector.law->states().size());
+  }
+  parameters_.resize(points, parameter_count);
+  for (std::size_t j = 0; j < connectors_.size(); ++j) {
+    const auto& values = connectors_[j].parameters;
+    parameters_.middleCols(first_parameter_[j], values.size()) = values.transpose().array().replicate(points, 1);
+  }
+  parameter_changed_.assign(static_cast<std::size_t>(parameter_count), 1);
+  for (auto* motion : {&free_motion_, &begin_motion_, &motion_}) *motion = ArrayXXd::Zero(points, 3 * m);
+  for (auto* states : {&begin_states_, &states_}) *states = ArrayXXd::Zero(points, state_count);
+  force_ = ArrayXXd::Zero(points, m);
+  solver_ = std::make_unique<Solver>(connectors_, options_, PointBlocks(points));
 }
 
 ForceSolveOutcome ConnectorForces::solve(const MatrixXd& compliance, double duration) {
+  if (connectors_.empty()) return {};
+  return solver_->solve(*this, compliance, duration);
+}
+
+ForceSolveOutcome ConnectorForces::Solver::solve(ConnectorForces& outer, const MatrixXd& compliance, double duration) {
+  read_interval(outer);
   ForceSolveOutcome outcome;
-  if (laws_.empty()) return outcome;
-  set_motion(compliance);
-  respond(duration);
-  if (!feels_its_forces(compliance)) {
-    force_ = law_force_;
-    outcome.finite = all_finite(force_);
-    return outcome;
+  const bool forces_move = has_entries(compliance, 2 * force_.cols());  // not at an instant, where only d'' feels them
+  if (forces_move || uses_acceleration_) {
+    read_guess(outer);
+    evaluate(compliance, duration);
+    if (forces_move || has_inertance())
+      outcome = iterate(compliance, duration);
+    else
+      take_law_force(compliance, free_motion_);
+  } else {
+    blocks_.spread(outer.free_motion_.data(), laws_.motion.data(), laws_.motion.cols());
+    laws_.respond(duration);
+    take_law_force(compliance, laws_.motion);
   }
-  residual_ = law_force_ - force_;
-  for (;;) {
-    const bool done = correct(compliance);
-    set_motion(compliance);
-    if (done) break;
-    respond(duration);
-    previous_residual_.swap(residual_);
-    residual_ = law_force_ - force_;
-    if (++outcome.iterations >= options_.max_iterations) {
-      outcome.converged = bisect(compliance, duration);
-      break;
-    }
-    for (int halvings = 0; halvings < 8 && exceeds(residual_.abs(), growth_limit()); ++halvings) {
-      halve_where_worse();
-      set_motion(compliance);
-      respond(duration);
-      residual_ = law_force_ - force_;
-    }
-  }
-  outcome.finite = all_finite(force_) && all_finite(states_);
+  outcome.finite = all_finite(force_) && all_finite(laws_.states);
+  write(outer);
   return outcome;
 }
 
-/// Whether the laws see a motion that depends on the forces themselves: not at an instant, where only d'' does, unless
-/// some law uses it.
-bool ConnectorForces::feels_its_forces(const MatrixXd& compliance) const {
-  const Index m = force_.cols();
-  return !compliance.topRows(2 * m).isZero(0.0) || !(tangents_.rightCols(m).abs().sum() == 0.0);
+/// Parameters that changed and, where a law has states, the interval's begin: no force depends on it but through them.
+void ConnectorForces::Solver::read_interval(ConnectorForces& outer) {
+  for (std::size_t i = 0; i < outer.parameter_changed_.size(); ++i)
+    if (std::exchange(outer.parameter_changed_[i], 0) != 0) {
+      const auto column = static_cast<Index>(i);
+      blocks_.spread(&outer.parameters_(0, column), &laws_.parameters(0, column), 1);
+    }
+  if (laws_.states.cols() == 0) return;
+  blocks_.spread(outer.begin_motion_.data(), laws_.begin_motion.data(), laws_.begin_motion.cols());
+  blocks_.spread(outer.begin_states_.data(), laws_.begin_states.data(), laws_.begin_states.cols());
 }
 
-void ConnectorForces::set_motion(const MatrixXd& compliance) {
-  motion_ = free_motion_;
-  for (Index row = 0; row < motion_.cols(); ++row)
-    for (Index j = 0; j < force_.cols(); ++j) add_scaled(compliance(row, j), force_, j, motion_, row);
+void ConnectorForces::Solver::read_guess(const ConnectorForces& outer) {
+  blocks_.spread(outer.free_motion_.data(), free_motion_.data(), free_motion_.cols());
+  blocks_.spread(outer.force_.data(), force_.data(), force_.cols());
 }
 
-void ConnectorForces::respond(double duration) {
-  const Index m = force_.cols();
-  for (Index j = 0; j < m; ++j) {
-    const auto& law = *laws_[static_cast<std::size_t>(j)];
-    const Index offset = state_offset_[static_cast<std::size_t>(j)], count = static_cast<Index>(law.states().size());
-    law.respond({duration, parameters_[static_cast<std::size_t>(j)], begin_motion_.col(j), begin_motion_.col(m + j),
-                 begin_states_.middleCols(offset, count), motion_.col(j), motion_.col(m + j), motion_.col(2 * m + j)},
-                {law_force_.col(j), tangents_.col(j), tangents_.col(m + j), tangents_.col(2 * m + j),
-                 states_.middleCols(offset, count)});
+void ConnectorForces::Solver::write(ConnectorForces& outer) const {
+  blocks_.collect(force_.data(), outer.force_.data(), force_.cols());
+  blocks_.collect(laws_.motion.data(), outer.motion_.data(), laws_.motion.cols());
+  blocks_.collect(laws_.states.data(), outer.states_.data(), laws_.states.cols());
+}
+
+/// The solution where d and d' do not feel the forces and the laws do not feel d''.
+void ConnectorForces::Solver::take_law_force(const MatrixXd& compliance, const ArrayXXd& free_motion) {
+  force_ = laws_.force;
+  auto at = iterate_at(compliance);
+  at.free_motion = free_motion.data();
+  newton_.move(at, 2 * force_.cols());
+}
+
+/// Whether some law's force depends on d''.
+bool ConnectorForces::Solver::has_inertance() const {
+  return uses_acceleration_ && !(laws_.tangents.rightCols(force_.cols()).abs().sum() == 0.0);
+}
+
+/// The laws at the present forces.
+void ConnectorForces::Solver::evaluate(const MatrixXd& compliance, double duration) {
+  newton_.move(iterate_at(compliance));
+  laws_.respond(duration);
+}
+
+/// Newton's method until the last correction is small, or something not finite.
+ForceSolveOutcome ConnectorForces::Solver::iterate(const MatrixXd& compliance, double duration) {
+  ForceSolveOutcome outcome;
+  forget_residual();
+  for (;;) {
+    auto judgement = newton_.correct(iterate_at(compliance));
+    if (judgement.grew) [[unlikely]] {
+      back_off(compliance, duration);
+      judgement = newton_.correct(iterate_at(compliance));
+    }
+    take_correction();
+    if (judgement.small) return outcome;
+    laws_.respond(duration);
+    if (++outcome.iterations >= options_.max_iterations) {
+      outcome.converged = bisect(compliance, duration);
+      return outcome;
+    }
   }
 }
 
-/// One Newton correction of f - law(k_free + H f) = 0; true when it was small enough to be the last, or not
-/// finite.
-bool ConnectorForces::correct(const MatrixXd& compliance) {
-  if (force_.cols() == 1)
-    correct_single(compliance);
-  else
-    correct_coupled(compliance);
-  force_ += correction_;
-  return !exceeds(correction_.abs(), options_.tolerance * (force_.abs() + options_.force_floor));
+ForceIterate ConnectorForces::Solver::iterate_at(const MatrixXd& compliance) {
+  return {blocks_.rows,
+          force_.cols(),
+          compliance.data(),
+          free_motion_.data(),
+          laws_.force.data(),
+          laws_.tangents.data(),
+          force_.data(),
+          residual_.data(),
+          options_.tolerance,
+          options_.force_floor,
+          next_residual_.data(),
+          next_correction_.data(),
+          next_force_.data(),
+          laws_.motion.data()};
 }
 
-void ConnectorForces::correct_single(const MatrixXd& compliance) {
-  correction_.col(0) = residual_.col(0) / (1.0 - compliance(0, 0) * tangents_.col(0) -
-                                           compliance(1, 0) * tangents_.col(1) - compliance(2, 0) * tangents_.col(2));
+void ConnectorForces::Solver::take_correction() {
+  force_.swap(next_force_);
+  correction_.swap(next_correction_);
+  residual_.swap(next_residual_);
 }
 
-void ConnectorForces::correct_coupled(const MatrixXd& compliance) {
-  const Index m = force_.cols();
-  for (Index point = 0; point < force_.rows(); ++point) {
-    for (Index j = 0; j < m; ++j) {
-      jacobian_.row(j) = -(tangents_(point, j) * compliance.row(j) + tangents_(point, m + j) * compliance.row(m + j) +
-                           tangents_(point, 2 * m + j) * compliance.row(2 * m + j));
-      jacobian_(j, j) += 1.0;
-    }
-    small_ = residual_.row(point).transpose().matrix();
-    factor_.compute(jacobian_);
-    correction_.row(point) = factor_.solve(small_).transpose().array();
+/// Shortens the correction that led to the present forces while residuals are worse than before it.
+void ConnectorForces::Solver::back_off(const MatrixXd& compliance, double duration) {
+  for (int halvings = 0; halvings < 8 && residual_grew(); ++halvings) {
+    halve_where_worse();
+    evaluate(compliance, duration);
+    next_residual_ = (laws_.force - force_).abs();
   }
 }
 
 /// Takes back half of the last correction at the points where it made any residual worse.
-void ConnectorForces::halve_where_worse() {
+void ConnectorForces::Solver::halve_where_worse() {
   for (Index point = 0; point < force_.rows(); ++point) {
-    if (!(residual_.row(point).abs() > growth_limit().row(point)).any()) continue;
+    if (!(next_residual_.row(point) > growth_limit().row(point)).any()) continue;
     correction_.row(point) *= 0.5;
     force_.row(point) -= correction_.row(point);
   }
@@ -150,31 +253,27 @@ void ConnectorForces::halve_where_worse() {
 
 /// Where Newton's method runs to and fro across a kink: each connector in turn by bisection, until none moves. Sure for
 /// laws that rise with d, d' and d'' (their compliance is negative), which joints, stops and friction do.
-bool ConnectorForces::bisect(const MatrixXd& compliance, double duration) {
+bool ConnectorForces::Solver::bisect(const MatrixXd& compliance, double duration) {
   for (int sweep = 0; sweep < 200; ++sweep) {
     const ArrayXXd before = force_;
     for (Index j = 0; j < force_.cols(); ++j) bisect(j, compliance, duration);
     if (!exceeds((force_ - before).abs(), options_.tolerance * (force_.abs() + options_.force_floor))) break;
   }
-  residual_ = law_force_ - force_;
-  return !exceeds(residual_.abs(), 1e-6 * (force_.abs() + options_.force_floor));
+  return !exceeds((laws_.force - force_).abs(), 1e-6 * (force_.abs() + options_.force_floor));
 }
 
 /// f - law(k_free + H f) rises with f by 1 at least, so its root lies no farther from f than its value there.
-void ConnectorForces::bisect(Index j, const MatrixXd& compliance, double duration) {
-  set_motion(compliance);
-  respond(duration);
-  Eigen::ArrayXd lower = force_.col(j).min(law_force_.col(j)), upper = force_.col(j).max(law_force_.col(j));
+void ConnectorForces::Solver::bisect(Index j, const MatrixXd& compliance, double duration) {
+  evaluate(compliance, duration);
+  Eigen::ArrayXd lower = force_.col(j).min(laws_.force.col(j)), upper = force_.col(j).max(laws_.force.col(j));
   for (int halving = 0; halving < 100; ++halving) {
     force_.col(j) = 0.5 * (lower + upper);
     if ((force_.col(j) == lower || force_.col(j) == upper).all()) break;
-    set_motion(compliance);
-    respond(duration);
-    lower = (law_force_.col(j) >= force_.col(j)).select(force_.col(j), lower);
-    upper = (law_force_.col(j) >= force_.col(j)).select(upper, force_.col(j));
+    evaluate(compliance, duration);
+    lower = (laws_.force.col(j) >= force_.col(j)).select(force_.col(j), lower);
+    upper = (laws_.force.col(j) >= force_.col(j)).select(upper, force_.col(j));
   }
-  set_motion(compliance);
-  respond(duration);
+  evaluate(compliance, duration);
 }
 
 }  // namespace kalfem

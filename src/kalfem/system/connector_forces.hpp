@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <memory>
 #include <vector>
 
 #include "kalfem/system/locally_nonlinear_system.hpp"
@@ -27,18 +28,25 @@ struct ForceSolveOutcome {
 /// seen.
 ///
 /// A solver knows the connectors' motion up to their own forces, k = k_free + H f with k = [d; d'; d''] (3m) and H
-/// constant (3m x m), and asks for the f with f = law(k_free + H f).
+/// constant (3m x m), and asks for the f with f = law(k_free + H f). All points take Newton corrections until the last
+/// of them is done, shortened where a residual grows; where that does not end, each connector in turn by bisection.
 class ConnectorForces {
 public:
   explicit ConnectorForces(const LocallyNonlinearSystem& system, ForceSolveOptions options = {});
+  ConnectorForces(ConnectorForces&&) noexcept;
+  ConnectorForces& operator=(ConnectorForces&&) noexcept;
+  ~ConnectorForces();
 
   /// Sets the number of points; parameters return to the connectors' own values.
   void resize(Eigen::Index points);
   [[nodiscard]] Eigen::Index points() const { return force_.rows(); }
 
-  /// Values of one law parameter at all points (unknown parameters at sigma points).
+  /// Values of one law parameter at all points (unknown parameters at sigma points), to be set before a solve and asked
+  /// for anew to be set again.
   auto parameter(Eigen::Index connector, Eigen::Index index) {
-    return parameters_[static_cast<std::size_t>(connector)].col(index);
+    const auto column = first_parameter_[static_cast<std::size_t>(connector)] + index;
+    parameter_changed_[static_cast<std::size_t>(column)] = 1;
+    return parameters_.col(column);
   }
 
   // Motion is stored N x 3m with columns [d_1 .. d_m, d'_1 .. d'_m, d''_1 .. d''_m].
@@ -53,32 +61,14 @@ public:
   ForceSolveOutcome solve(const Eigen::MatrixXd& compliance, double duration);
 
 private:
-  void set_motion(const Eigen::MatrixXd& compliance);
-  void respond(double duration);
-  [[nodiscard]] bool feels_its_forces(const Eigen::MatrixXd& compliance) const;
-  [[nodiscard]] bool correct(const Eigen::MatrixXd& compliance);
-  void correct_single(const Eigen::MatrixXd& compliance);
-  void correct_coupled(const Eigen::MatrixXd& compliance);
-  void halve_where_worse();
-  /// Residuals above this grew by a correction, and not by rounding alone.
-  auto growth_limit() const {
-    return 2.0 * previous_residual_.abs() + options_.tolerance * (force_.abs() + options_.force_floor);
-  }
-  [[nodiscard]] bool bisect(const Eigen::MatrixXd& compliance, double duration);
-  void bisect(Eigen::Index connector, const Eigen::MatrixXd& compliance, double duration);
+  class Solver;
 
-  std::vector<ConnectorLawPtr> laws_;
-  std::vector<Eigen::VectorXd> nominal_;
-  std::vector<Eigen::Index> state_offset_;
+  std::vector<Connector> connectors_;
   ForceSolveOptions options_;
-  Eigen::Index state_count_ = 0;
-
-  std::vector<Eigen::ArrayXXd> parameters_;
-  Eigen::ArrayXXd free_motion_, begin_motion_, motion_, begin_states_, states_, force_;
-  Eigen::ArrayXXd law_force_, tangents_, correction_, residual_, previous_residual_;
-  Eigen::MatrixXd jacobian_;
-  Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
-  Eigen::VectorXd small_;
+  std::vector<Eigen::Index> first_parameter_;  ///< of each connector, a column of parameters_
+  std::vector<char> parameter_changed_;        ///< since the last solve
+  Eigen::ArrayXXd parameters_, free_motion_, begin_motion_, motion_, begin_states_, states_, force_;
+  std::unique_ptr<Solver> solver_;
 };
 
 /// Column of `to` += factor * column of `from`, a column that need not stand on a register's boundary; nothing where

@@ -55,6 +55,11 @@ public:
   [[nodiscard]] virtual std::string name() const = 0;
   [[nodiscard]] virtual const std::vector<LawQuantity>& parameters() const = 0;
   [[nodiscard]] virtual const std::vector<LawQuantity>& states() const = 0;
+  /// Whether the force depends on d'': what no law reads need not be followed. A law that does not say counts as one
+  /// that does.
+  [[nodiscard]] virtual bool uses_acceleration() const { return true; }
+  /// Whether respond() works on several points at once, so that a few more cost next to nothing.
+  [[nodiscard]] virtual bool vectorised() const { return false; }
   /// Advances the states and evaluates force and tangents at every point. Does not allocate. Parameters outside their
   /// range, as sigma points of an unknown may have, give some force without failing; what is not finite gives NaN.
   virtual void respond(const LawPoints& points, LawResponse response) const = 0;

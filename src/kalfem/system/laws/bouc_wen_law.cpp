@@ -79,6 +79,7 @@ Dual advance(const KernelInput<7, 1>& in) {
 
 struct BoucWenKernel {
   static constexpr std::size_t parameter_count = 7, state_count = 1;
+  static constexpr bool has_branches = true;
 
   KernelOutput<1> operator()(const KernelInput<7, 1>& in) const {
     const double k = in.p[0], alpha = in.p[1], c = in.p[6];

@@ -114,6 +114,16 @@ std::vector<Issue> find_issues(const ExpressionLawOptions& options) {
   return issues.issues();
 }
 
+bool force_mentions_acceleration(const ExpressionLawOptions& options) {
+  mu::Parser parser;
+  double value = 1.0;
+  std::vector<std::string> names = own_names(options);
+  names.insert(names.end(), {"x", "v", "a"});
+  for (const auto& name : names) parser.DefineVar(name, &value);
+  parser.SetExpr(options.force);
+  return parser.GetUsedVar().count("a") > 0;
+}
+
 ExpressionEvaluator::ExpressionEvaluator(const ExpressionLawOptions& options)
     : states_(StateVector::Zero(static_cast<Eigen::Index>(options.states.size()))),
       parameters_(options.parameters.size(), 0.0) {

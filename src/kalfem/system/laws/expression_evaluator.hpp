@@ -39,6 +39,9 @@ private:
 /// Every problem of the options' names and expressions.
 std::vector<Issue> find_issues(const ExpressionLawOptions& options);
 
+/// Whether `a` stands in the expression for the force; the options have been found free of issues.
+bool force_mentions_acceleration(const ExpressionLawOptions& options);
+
 /// Evaluators for threads to borrow: muParser's parsers may be used by one thread at a time.
 class EvaluatorPool {
 public:

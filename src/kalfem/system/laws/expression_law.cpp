@@ -28,11 +28,13 @@ class ExpressionLaw final : public ConnectorLaw {
 public:
   explicit ExpressionLaw(const ExpressionLawOptions& options) : parameters_(options.parameters), pool_(options) {
     for (const auto& state : options.states) states_.push_back(state.quantity);
+    uses_acceleration_ = force_mentions_acceleration(options);
   }
 
   [[nodiscard]] std::string name() const override { return "expression"; }
   [[nodiscard]] const std::vector<LawQuantity>& parameters() const override { return parameters_; }
   [[nodiscard]] const std::vector<LawQuantity>& states() const override { return states_; }
+  [[nodiscard]] bool uses_acceleration() const override { return uses_acceleration_; }
 
   void respond(const LawPoints& points, LawResponse out) const override {
     const Lease lease(pool_);
@@ -82,6 +84,7 @@ private:
   }
 
   std::vector<LawQuantity> parameters_, states_;
+  bool uses_acceleration_ = false;
   mutable EvaluatorPool pool_;
 };
 

@@ -9,6 +9,7 @@ namespace {
 
 struct CoulombKernel {
   static constexpr std::size_t parameter_count = 4, state_count = 0;
+  static constexpr bool has_branches = true;
 
   KernelOutput<> operator()(const KernelInput<4>& in) const {
     const auto [f_c, v_ref, k, c] = in.p;
@@ -23,6 +24,7 @@ struct CoulombKernel {
 
 struct StribeckKernel {
   static constexpr std::size_t parameter_count = 6, state_count = 0;
+  static constexpr bool has_branches = true;
 
   KernelOutput<> operator()(const KernelInput<6>& in) const {
     const auto [f_c, f_s, v_s, v_ref, k, c] = in.p;

@@ -19,6 +19,7 @@ struct LinearKernel {
 
 struct InerterKernel {
   static constexpr std::size_t parameter_count = 1, state_count = 0;
+  static constexpr bool uses_acceleration = true;
 
   KernelOutput<> operator()(const KernelInput<1>& in) const {
     const auto [b] = in.p;
@@ -37,6 +38,7 @@ struct PreloadKernel {
 
 struct LinearChangeKernel {
   static constexpr std::size_t parameter_count = 3, state_count = 0;
+  static constexpr bool uses_acceleration = true;
   LinearNominal nominal;
 
   KernelOutput<> operator()(const KernelInput<3>& in) const {

@@ -30,8 +30,10 @@ struct KernelOutput {
 
 /// Makes a ConnectorLaw of a kernel, a callable
 ///     KernelOutput<S> operator()(const KernelInput<P, S>&) const
-/// with constants `parameter_count` = P and `state_count` = S. The loop over the points is inlined around the kernel,
-/// so a kernel without branches and library calls is vectorised over the points.
+/// with constants `parameter_count` = P and `state_count` = S, and where they are true
+///     uses_acceleration   the force depends on d'' (left out: it does not, and the kernel does not read `a`),
+///     has_branches        the kernel branches or calls library functions.
+/// The loop over the points is inlined around the kernel; without branches it is vectorised over the points.
 template <class Kernel>
 class PointwiseLaw final : public ConnectorLaw {
 public:
@@ -49,6 +51,19 @@ public:
   [[nodiscard]] std::string name() const override { return name_; }
   [[nodiscard]] const std::vector<LawQuantity>& parameters() const override { return parameters_; }
   [[nodiscard]] const std::vector<LawQuantity>& states() const override { return states_; }
+
+  [[nodiscard]] bool uses_acceleration() const override {
+    if constexpr (requires { Kernel::uses_acceleration; })
+      return Kernel::uses_acceleration;
+    else
+      return false;
+  }
+  [[nodiscard]] bool vectorised() const override {
+    if constexpr (requires { Kernel::has_branches; })
+      return !Kernel::has_branches;
+    else
+      return true;
+  }
 
   void respond(const LawPoints& points, LawResponse response) const override {
     assert(points.parameters.cols() == static_cast<Eigen::Index>(P));

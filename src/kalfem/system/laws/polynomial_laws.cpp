@@ -46,6 +46,9 @@ public:
   [[nodiscard]] const std::vector<LawQuantity>& parameters() const override { return parameters_; }
   [[nodiscard]] const std::vector<LawQuantity>& states() const override { return states_; }
 
+  [[nodiscard]] bool uses_acceleration() const override { return false; }
+  [[nodiscard]] bool vectorised() const override { return true; }
+
   void respond(const LawPoints& points, LawResponse out) const override {
     // The inertance, which is zero in the end, first holds the damper's force.
     horner(points.parameters.leftCols(stiffness_degree_), points.deformation, out.force, out.stiffness);

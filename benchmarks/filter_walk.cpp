@@ -1,0 +1,26 @@
+#include "filter_walk.hpp"
+
+namespace kalfem::benchmarks {
+
+FilterWalk::FilterWalk(const Observer& observer, const Record& record, FilterKind kind)
+    : observer_(&observer),
+      record_(&record),
+      filter_(make_filter(kind)),
+      transition_(observer),
+      measurement_(observer, observer.form().outputs()) {
+  filter_->reset(observer.prior());
+}
+
+bool FilterWalk::step() {
+  if (++sample_ == record_->inputs.cols()) {
+    filter_->reset(observer_->prior());
+    sample_ = 1;
+  }
+  transition_.set_inputs(record_->inputs.col(sample_ - 1), record_->inputs.col(sample_));
+  if (filter_->predict(transition_, observer_->process_noise()) != FilterOutcome::usable) return false;
+  measurement_.set_inputs(record_->inputs.col(sample_));
+  measured_ = record_->measurements.col(sample_);
+  return filter_->update(measurement_, record_->noise, measured_, innovation_) == FilterOutcome::usable;
+}
+
+}  // namespace kalfem::benchmarks

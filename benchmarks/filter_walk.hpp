@@ -1,0 +1,30 @@
+#pragma once
+
+#include <memory>
+
+#include "kalfem/estimation/estimate.hpp"
+#include "kalfem/estimation/filter.hpp"
+#include "kalfem/estimation/observer_maps.hpp"
+
+namespace kalfem::benchmarks {
+
+/// A filter that walks through a record again and again, from the prior each time. Observer and record must outlive it.
+class FilterWalk {
+public:
+  FilterWalk(const Observer& observer, const Record& record, FilterKind kind);
+
+  /// Predict and update by one sample; false where the filter failed.
+  bool step();
+
+private:
+  const Observer* observer_;
+  const Record* record_;
+  std::unique_ptr<Filter> filter_;
+  TransitionMap transition_;
+  InstantMap measurement_;
+  Innovation innovation_;
+  Eigen::VectorXd measured_;
+  Eigen::Index sample_ = 0;
+};
+
+}  // namespace kalfem::benchmarks

@@ -1,0 +1,191 @@
+#include "kalfem/estimation/covariance_tiles.hpp"
+
+#include "kalfem/estimation/vector_lanes.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+namespace {
+
+constexpr double rounding_allowance = 1e-13;
+constexpr double negligible = 1e-15;  ///< of the standard deviations' product: what rounding leaves of a zero
+
+/// One tile in registers, column by column.
+using Tile = Lanes[8];
+
+/// A thin matrix with one row a slot: eight rows of a column as lanes, single entries for broadcasting.
+struct Thin {
+  explicit Thin(const MatrixXd& matrix) : data(matrix.data()), stride(matrix.rows()), columns(matrix.cols()) {}
+  [[nodiscard]] const double* at(Index tile, Index column) const { return data + column * stride + tile * tile_size; }
+  const double* data;
+  Index stride, columns;
+};
+
+[[gnu::always_inline]] inline void load_tile(const double* from, Tile& t) {
+#pragma GCC unroll 8
+  for (int j = 0; j < 8; ++j) t[j] = load(from + j * 8);
+}
+
+[[gnu::always_inline]] inline void store_tile(const Tile& t, double* to) {
+#pragma GCC unroll 8
+  for (int j = 0; j < 8; ++j) store(to + j * 8, t[j]);
+}
+
+/// T += a_I b_J^T, or -= .
+template <int sign>
+[[gnu::always_inline]] inline void add_product(const Lanes& a, const double* b, Tile& t) {
+#pragma GCC unroll 8
+  for (int j = 0; j < 8; ++j) t[j] += a * (sign * b[j]);
+}
+
+/// T <- A_I T A_J^T with pairs.
+[[gnu::always_inline]] inline void propagate_pairs(const TiledPropagator& a, Index row, Index column, Tile& t) {
+  const double *own = &a.own[column * tile_size], *other = &a.other[column * tile_size];
+#pragma GCC unroll 4
+  for (int j = 0; j < 8; j += 2) {
+    const Lanes first = t[j], second = t[j + 1];
+    t[j] = first * own[j] + second * other[j];
+    t[j + 1] = second * own[j + 1] + first * other[j + 1];
+  }
+  const Lanes left = load(&a.own[row * tile_size]), across = load(&a.other[row * tile_size]);
+#pragma GCC unroll 8
+  for (int j = 0; j < 8; ++j) t[j] = left * t[j] + across * swap_neighbours(t[j]);
+}
+
+using Map8 = Eigen::Map<Eigen::Matrix<double, 8, 8>, Eigen::Aligned64>;
+
+/// The same where a tile of A has larger blocks.
+[[gnu::noinline]] void propagate_full(const TiledPropagator& a, Index row, Index column, double* values) {
+  const auto block = [&](Index tile) -> Eigen::Matrix<double, 8, 8> {
+    if (const auto& full = a.full[static_cast<std::size_t>(tile)]) return *full;
+    Eigen::Matrix<double, 8, 8> pairs = Eigen::Matrix<double, 8, 8>::Zero();
+    for (Index i = 0; i < 8; ++i) {
+      pairs(i, i) = a.own[tile * tile_size + i];
+      pairs(i, i ^ 1) = a.other[tile * tile_size + i];
+    }
+    return pairs;
+  };
+  Map8 t(values);
+  const Eigen::Matrix<double, 8, 8> moved = block(row) * t * block(column).transpose();
+  t = moved;
+}
+
+/// Y_I += T H_J.
+[[gnu::always_inline]] inline void multiply_tile(const Tile& t, const Thin& h, Index tile, Index row, MatrixXd& y) {
+  for (Index c = 0; c < h.columns; ++c) {
+    const double* factor = h.at(tile, c);
+    double* to = y.data() + c * y.rows() + row * tile_size;
+    const Lanes even = (t[0] * factor[0] + t[2] * factor[2]) + (t[4] * factor[4] + t[6] * factor[6]);
+    const Lanes odd = (t[1] * factor[1] + t[3] * factor[3]) + (t[5] * factor[5] + t[7] * factor[7]);
+    store(to, load(to) + (even + odd));
+  }
+}
+
+}  // namespace
+
+SymmetricTiles::SymmetricTiles(const MatrixXd& matrix, const TileLayout& layout) {
+  const MatrixXd rows = layout.placed(matrix), placed = layout.placed(rows.transpose());
+  std::vector<double> kept;
+  for (Index row = 0; row < layout.tiles; ++row)
+    for (Index column = 0; column <= row; ++column) {
+      const auto tile = placed.block<8, 8>(row * tile_size, column * tile_size);
+      bool zero = true;
+      for (Index j = 0; j < 8; ++j)
+        for (Index i = 0; i < 8; ++i) {
+          const Index a = row * tile_size + i, b = column * tile_size + j;
+          zero = zero && std::abs(tile(i, j)) <= negligible * std::sqrt(placed(a, a) * placed(b, b));
+        }
+      place_.push_back(zero ? -1 : static_cast<Index>(kept.size()));
+      if (!zero) kept.insert(kept.end(), tile.reshaped().begin(), tile.reshaped().end());
+    }
+  values_ = Eigen::Map<const Eigen::VectorXd>(kept.data(), static_cast<Index>(kept.size()));
+}
+
+void CovarianceTiles::reset(const MatrixXd& covariance, const TileLayout& layout) {
+  tiles_ = layout.tiles;
+  values_.resize(tiles_ * (tiles_ + 1) / 2 * tile_size * tile_size);
+  const MatrixXd symmetric = covariance.selfadjointView<Eigen::Lower>();
+  const MatrixXd rows = layout.placed(symmetric), placed = layout.placed(rows.transpose());
+  for (Index row = 0; row < tiles_; ++row)
+    for (Index column = 0; column <= row; ++column)
+      Map8(tile(row, column)) = placed.block<8, 8>(row * tile_size, column * tile_size);
+}
+
+void CovarianceTiles::pass(const CovarianceStep& step, MatrixXd& product) {
+  product.setZero(tiles_ * tile_size, step.watched ? step.watched->cols() : 0);
+  pass_over(0, tiles_, step, product);
+}
+
+void CovarianceTiles::pass_over(Index begin, Index end, const CovarianceStep& step, MatrixXd& product) {
+  static const MatrixXd none;
+  const Thin j(step.downdate ? *step.downdate : none), u(step.gain ? *step.gain : none),
+      w(step.response ? *step.response : none), h(step.watched ? *step.watched : none);
+  const auto full = [&](Index tile) { return step.propagator->full[static_cast<std::size_t>(tile)].has_value(); };
+  for (Index row = begin; row < end; ++row) {
+    const bool full_row = step.propagator && full(row);
+    for (Index column = 0; column <= row; ++column) {
+      double* values = tile(row, column);
+      Tile t;
+      if (step.downdate && row == column)
+        for (int i = 0; i < 8; ++i) values[9 * i] *= 1.0 + rounding_allowance;
+      load_tile(values, t);
+      for (Index c = 0; c < j.columns; ++c) add_product<-1>(load(j.at(row, c)), j.at(column, c), t);
+      if (step.propagator) {
+        if (full_row || full(column)) [[unlikely]] {
+          store_tile(t, values);
+          propagate_full(*step.propagator, row, column, values);
+          load_tile(values, t);
+        } else {
+          propagate_pairs(*step.propagator, row, column, t);
+        }
+        for (Index c = 0; c < u.columns; ++c) {
+          add_product<1>(load(w.at(row, c)), u.at(column, c), t);
+          add_product<1>(load(u.at(row, c)), w.at(column, c), t);
+        }
+        if (const double* noise = step.process_noise->tile(row, column)) {
+#pragma GCC unroll 8
+          for (int i = 0; i < 8; ++i) t[i] += load(noise + i * 8);
+        }
+      }
+      Tile mirrored;
+      transpose(t, mirrored);
+      if (row == column) {
+#pragma GCC unroll 8
+        for (int i = 0; i < 8; ++i) t[i] = 0.5 * (t[i] + mirrored[i]);
+      } else {
+        multiply_tile(mirrored, h, row, column, product);
+      }
+      store_tile(t, values);
+      multiply_tile(t, h, column, row, product);
+    }
+  }
+}
+
+void CovarianceTiles::column(Index slot, double* out) const {
+  const Index at = slot / tile_size, offset = slot % tile_size;
+  for (Index before = 0; before < at; ++before) {
+    const double* values = tile(at, before) + offset;
+    for (Index j = 0; j < tile_size; ++j) out[before * tile_size + j] = values[j * tile_size];
+  }
+  for (Index row = at; row < tiles_; ++row) store(out + row * tile_size, load(tile(row, at) + offset * tile_size));
+}
+
+double CovarianceTiles::variance(Index slot) const {
+  return tile(slot / tile_size, slot / tile_size)[(slot % tile_size) * (tile_size + 1)];
+}
+
+MatrixXd CovarianceTiles::matrix(const TileLayout& layout) const {
+  const auto n = static_cast<Index>(layout.slot.size());
+  MatrixXd result(n, n);
+  for (Index j = 0; j < n; ++j)
+    for (Index i = 0; i < n; ++i) {
+      Index a = layout.slot[static_cast<std::size_t>(i)], b = layout.slot[static_cast<std::size_t>(j)];
+      if (a < b) std::swap(a, b);
+      result(i, j) = tile(a / tile_size, b / tile_size)[a % tile_size + (b % tile_size) * tile_size];
+    }
+  return result;
+}
+
+}  // namespace kalfem

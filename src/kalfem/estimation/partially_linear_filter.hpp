@@ -1,0 +1,60 @@
+#pragma once
+
+#include "kalfem/estimation/covariance_tiles.hpp"
+#include "kalfem/estimation/filter.hpp"
+#include "kalfem/estimation/watched_map.hpp"
+
+namespace kalfem {
+
+/// Sigma points of the few channels w = N x + e only, and a covariance that moves in O(n^2): for a transition whose A
+/// is block diagonal, with U = G and F = L^-T delta the slopes of phi (L L^T = P_ww),
+///     P+ = A P A^T + W U^T + U W^T + Q,      W = A P_xw F + G (delta^T delta + Sigma) / 2.
+/// The measurement update is P - J J^T with thin J; it waits for the next prediction's pass over P. That pass also
+/// forms P H^T for the rows H that update and prediction ask for, so P is read and written once a step. Variances are
+/// widened by 1e-13 of themselves before each downdate, which keeps P positive semi-definite.
+/// Estimates are those of a covariance filter with SigmaPoints::of_channels. docs/theory/partially-linear-ukf.md.
+class PartiallyLinearFilter final : public Filter {
+public:
+  /// `layout` is that of transition.linear; predictions are by that map (its b and e may change).
+  PartiallyLinearFilter(const UnscentedOptions& options, const PartiallyLinearMap& transition, TileLayout layout);
+
+  void reset(const Gaussian& estimate) override;
+  /// Q is read again when it is another matrix than last time or its diagonal has changed.
+  FilterOutcome predict(PartiallyLinearMap& transition, const Eigen::MatrixXd& process_noise) override;
+  FilterOutcome update(PartiallyLinearMap& measurement, const Eigen::MatrixXd& noise, const Eigen::VectorXd& y,
+                       Innovation& innovation) override;
+  FilterOutcome observe(PartiallyLinearMap& map, Eigen::VectorXd& mean, Eigen::VectorXd& deviation) override;
+
+  const Eigen::VectorXd& mean() const override;
+  Eigen::VectorXd standard_deviation() const override;
+  Eigen::MatrixXd covariance() const override;
+
+private:
+  void watch(WatchedMap& watched, const PartiallyLinearMap& map);
+  void pass(const CovarianceStep& step);
+  void apply_downdate();
+  void correct_products();
+  void read_process_noise(const Eigen::MatrixXd& process_noise);
+
+  TileLayout layout_;
+  TiledPropagator propagator_;
+  Eigen::MatrixXd gain_;  ///< U, slots x p
+  SymmetricTiles process_noise_;
+  const Eigen::MatrixXd* process_noise_source_ = nullptr;
+  Eigen::VectorXd process_noise_diagonal_;
+
+  Eigen::MatrixXd mean_, moved_mean_;  ///< slots x 1
+  CovarianceTiles covariance_;
+  Eigen::MatrixXd downdate_;  ///< J of an update that waits for the next pass, slots x l
+  bool pending_ = false;      ///< whether there is one
+
+  WatchedMap transition_, measurement_, observation_;
+  WatchedRows rows_;
+  Eigen::MatrixXd products_;  ///< P H^T after what is pending, slots x rows_.size()
+  Eigen::MatrixXd dense_products_, response_, half_covariance_;
+  Eigen::MatrixXd dense_rows_of_downdate_, rows_of_downdate_, innovation_factor_, output_covariance_;
+  Eigen::VectorXd whitened_, output_mean_;
+  mutable Eigen::VectorXd state_mean_;
+};
+
+}  // namespace kalfem

@@ -1,0 +1,218 @@
+#include "kalfem/system/force_correction.hpp"
+
+#include <array>
+
+namespace kalfem {
+namespace {
+
+using Eigen::Dynamic;
+using Eigen::Index;
+
+/// Smallest pivot without row exchanges, as a share of its row's largest entry: at worst two digits of the correction
+/// are lost, which the next one makes good.
+constexpr double least_pivot = 1e-2;
+
+/// An array of lanes: in registers where its size is known.
+template <int count, int width>
+struct LaneArray {
+  explicit LaneArray(double* /*storage*/) {}
+  Lanes<width>& operator[](Index i) { return values[static_cast<std::size_t>(i)]; }
+  std::array<Lanes<width>, static_cast<std::size_t>(count)> values;
+};
+
+template <int width>
+struct LaneArray<Dynamic, width> {
+  explicit LaneArray(double* storage) : values(storage) {}
+  Eigen::Map<Lanes<width>> operator[](Index i) { return store<width>(values + width * i); }
+  double* values;
+};
+
+constexpr int times(int a, int b) { return a == Dynamic || b == Dynamic ? Dynamic : a * b; }
+
+/// 1 - T H and the right-hand side at a block of points.
+template <int connectors, int width>
+class LaneSystem {
+public:
+  LaneSystem(Index size, double* storage)
+      : size_(size), matrix_(storage), right_(storage + size * size * width), scale_(storage + size * (size + 1) * width) {}
+
+  [[nodiscard]] Index size() const { return connectors == Dynamic ? size_ : connectors; }
+  /// The right-hand side: residuals, then corrections, then corrected forces.
+  decltype(auto) right(Index i) { return right_[i]; }
+
+  void assemble(const ForceIterate& at, Index first) {
+    const Index m = size(), rows = at.rows;
+    const double *H = at.compliance, *tangents = at.tangents + first;
+#pragma GCC unroll 4
+    for (Index i = 0; i < m; ++i) {
+      const Lanes<width> by_d = load<width>(tangents + i * rows), by_v = load<width>(tangents + (m + i) * rows),
+                         by_a = load<width>(tangents + (2 * m + i) * rows);
+      Lanes<width> largest = Lanes<width>::Zero();
+#pragma GCC unroll 4
+      for (Index k = 0; k < m; ++k) {
+        const double* column = H + 3 * m * k;
+        const Lanes<width> entry =
+            (i == k ? 1.0 : 0.0) - (by_d * column[i] + by_v * column[m + i] + by_a * column[2 * m + i]);
+        largest = largest.max(entry.abs());
+        entry_(i, k) = entry;
+      }
+      scale_[i] = largest;
+      right_[i] = load<width>(at.law_force + first + i * rows) - load<width>(at.force + first + i * rows);
+    }
+  }
+
+  /// Solves in place; false when some pivot is too small to go without row exchanges.
+  [[nodiscard]] bool eliminate() {
+    const Index m = size();
+    Lanes<width> weakness = Lanes<width>::Zero();
+#pragma GCC unroll 4
+    for (Index k = 0; k < m; ++k) {
+      weakness += (least_pivot * scale_[k] - entry_(k, k).abs()).max(0.0);
+      const Lanes<width> inverse = 1.0 / entry_(k, k);
+      entry_(k, k) = inverse;
+#pragma GCC unroll 4
+      for (Index i = k + 1; i < m; ++i) {
+        const Lanes<width> factor = entry_(i, k) * inverse;
+#pragma GCC unroll 4
+        for (Index j = k + 1; j < m; ++j) entry_(i, j) -= factor * entry_(k, j);
+        right_[i] -= factor * right_[k];
+      }
+    }
+#pragma GCC unroll 4
+    for (Index i = m - 1; i >= 0; --i) {
+      Lanes<width> rest = right_[i];
+#pragma GCC unroll 4
+      for (Index j = i + 1; j < m; ++j) rest -= entry_(i, j) * right_[j];
+      right_[i] = rest * entry_(i, i);
+    }
+    return connectors == 1 || weakness.sum() == 0.0;
+  }
+
+private:
+  decltype(auto) entry_(Index i, Index k) { return matrix_[i * size() + k]; }
+
+  Index size_;
+  LaneArray<times(connectors, connectors), width> matrix_;
+  LaneArray<connectors, width> right_, scale_;
+};
+
+/// Columns of k_free + H f from `column` on; force(k) is f_k at the block.
+template <int connectors, int width, class Force>
+void move_block(const ForceIterate& at, const Force& force, Index first, Index column = 0) {
+  const Index m = connectors == Dynamic ? at.connectors : connectors, rows = at.rows;
+#pragma GCC unroll 12
+  for (Index i = column; i < 3 * m; ++i) {
+    Lanes<width> sum = load<width>(at.free_motion + first + i * rows);
+#pragma GCC unroll 4
+    for (Index k = 0; k < m; ++k) sum += at.compliance[i + 3 * m * k] * force(k);
+    store<width>(at.next_motion + first + i * rows) = sum;
+  }
+}
+
+/// Sums of what exceeds its limit, lane by lane: zero where nothing does, NaN where something is not defined.
+template <int width>
+struct Excess {
+  Lanes<width> growth = Lanes<width>::Zero(), correction = Lanes<width>::Zero();
+  [[nodiscard]] CorrectionJudgement judge() const { return {growth.sum() > 0.0, !(correction.sum() > 0.0)}; }
+};
+
+}  // namespace
+
+template <int connectors, int width>
+struct ForceCorrection::Kernels {
+  static void move(const ForceIterate& at, Index column) {
+    for (Index first = 0; first < at.rows; first += width)
+      move_block<connectors, width>(at, [&](Index k) { return load<width>(at.force + first + k * at.rows); }, first, column);
+  }
+
+  static CorrectionJudgement correct(const ForceIterate& iterate, ForceCorrection& self) {
+    const ForceIterate at = iterate;  // a copy of its own cannot alias the outputs
+    LaneSystem<connectors, width> system(at.connectors, self.lane_storage_.data());
+    Excess<width> excess;
+    for (Index first = 0; first < at.rows; first += width) {
+      system.assemble(at, first);
+      keep_residuals(at, first, system, excess);
+      if (!system.eliminate()) [[unlikely]]
+        exchange_rows(iterate, first, system, self);
+      apply_corrections(at, first, system, excess);
+      move_block<connectors, width>(at, [&](Index k) -> decltype(auto) { return system.right(k); }, first);
+    }
+    return excess.judge();
+  }
+
+private:
+  static void keep_residuals(const ForceIterate& at, Index first, LaneSystem<connectors, width>& system,
+                             Excess<width>& excess) {
+#pragma GCC unroll 4
+    for (Index j = 0; j < system.size(); ++j) {
+      const Index offset = first + j * at.rows;
+      const Lanes<width> residual = system.right(j).abs();
+      const Lanes<width> limit = 2.0 * load<width>(at.previous_residual + offset) +
+                                 at.tolerance * (load<width>(at.force + offset).abs() + at.floor);
+      excess.growth += (residual - limit).max(0.0);
+      store<width>(at.residual + offset) = residual;
+    }
+  }
+
+  static void apply_corrections(const ForceIterate& at, Index first, LaneSystem<connectors, width>& system,
+                                Excess<width>& excess) {
+#pragma GCC unroll 4
+    for (Index j = 0; j < system.size(); ++j) {
+      const Index offset = first + j * at.rows;
+      const Lanes<width> correction = system.right(j), force = load<width>(at.force + offset) + correction;
+      excess.correction += (correction.abs() - at.tolerance * (force.abs() + at.floor)).max(0.0);
+      store<width>(at.correction + offset) = correction;
+      store<width>(at.next_force + offset) = force;
+      system.right(j) = force;
+    }
+  }
+
+  static void exchange_rows(const ForceIterate& at, Index first, LaneSystem<connectors, width>& system,
+                            ForceCorrection& self) {
+    for (int lane = 0; lane < width; ++lane) {
+      const auto& correction = self.solve_with_exchanges(at, first + lane);
+      for (Index j = 0; j < system.size(); ++j) system.right(j)[lane] = correction[j];
+    }
+  }
+};
+
+template <int connectors>
+void ForceCorrection::choose(const PointBlocks& blocks) {
+  blocks.with_width([this](auto width) {
+    correct_ = &Kernels<connectors, width()>::correct;
+    move_ = &Kernels<connectors, width()>::move;
+  });
+}
+
+ForceCorrection::ForceCorrection(Index connectors, const PointBlocks& blocks)
+    : jacobian_(connectors, connectors),
+      factor_(connectors),
+      one_residual_(connectors),
+      one_correction_(connectors) {
+  switch (connectors) {
+    case 1: choose<1>(blocks); break;
+    case 2: choose<2>(blocks); break;
+    case 3: choose<3>(blocks); break;
+    case 4: choose<4>(blocks); break;
+    default:
+      choose<Dynamic>(blocks);
+      lane_storage_.resize(static_cast<std::size_t>(blocks.width * connectors * (connectors + 2)));
+  }
+}
+
+const Eigen::VectorXd& ForceCorrection::solve_with_exchanges(const ForceIterate& at, Index point) {
+  const Index m = at.connectors;
+  const Eigen::Map<const Eigen::MatrixXd> compliance(at.compliance, 3 * m, m);
+  const auto tangent = [&](Index column) { return at.tangents[point + column * at.rows]; };
+  for (Index i = 0; i < m; ++i) {
+    jacobian_.row(i) = -(tangent(i) * compliance.row(i) + tangent(m + i) * compliance.row(m + i) +
+                         tangent(2 * m + i) * compliance.row(2 * m + i));
+    jacobian_(i, i) += 1.0;
+    one_residual_[i] = at.law_force[point + i * at.rows] - at.force[point + i * at.rows];
+  }
+  factor_.compute(jacobian_);
+  one_correction_ = factor_.solve(one_residual_);
+  return one_correction_;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <vector>
+
+#include "kalfem/system/point_lanes.hpp"
+
+namespace kalfem {
+
+/// An iterate of f = law(k_free + H f) at m connectors, and where the next one goes. Arrays are columns of `rows` points
+/// in blocks; motion and tangents have 3m columns [by d_1 .. d_m, by d'_1 .. d'_m, by d''_1 .. d''_m], all others m.
+struct ForceIterate {
+  Eigen::Index rows, connectors;
+  const double* compliance;         ///< H, 3m x m
+  const double* free_motion;        ///< k_free
+  const double* law_force;          ///< law(k) at k = k_free + H f
+  const double* tangents;           ///< df/dk
+  const double* force;              ///< f
+  const double* previous_residual;  ///< |law(k) - f| one iterate earlier
+  double tolerance, floor;          ///< a force is known to tolerance (|f| + floor)
+  double* residual;                 ///< |law(k) - f|, output
+  double* correction;               ///< c, output
+  double* next_force;               ///< f + c, output
+  double* next_motion;              ///< k_free + H (f + c), output
+};
+
+/// What a correction says of the iterate. Values that are not defined neither grow nor are large.
+struct CorrectionJudgement {
+  bool grew = false;   ///< some residual is more than twice the previous one, beyond rounding
+  bool small = false;  ///< every |c| <= tolerance (|f + c| + floor)
+};
+
+/// Newton's correction of f - law(k_free + H f) = 0 at many points at once,
+///     (1 - T H) c = law(k) - f,     T = [diag(df/dd) diag(df/dd') diag(df/dd'')], m x 3m,
+/// by Gaussian elimination with the points along the vector lanes. Where laws rise with the motion and H is that of a
+/// passive structure (negative) each pivot is 1 or more, so rows are not exchanged; points where a pivot is small in
+/// its row are solved again with row exchanges.
+class ForceCorrection {
+public:
+  ForceCorrection(Eigen::Index connectors, const PointBlocks& blocks);
+
+  [[nodiscard]] CorrectionJudgement correct(const ForceIterate& at) { return correct_(at, *this); }
+  /// next_motion = k_free + H f, of which the rows of H from `first` on: those before are taken to be zero, and their
+  /// motion to be there.
+  void move(const ForceIterate& at, Eigen::Index first = 0) const { move_(at, first); }
+
+private:
+  template <int connectors, int width>
+  struct Kernels;
+  template <int connectors>
+  void choose(const PointBlocks& blocks);
+  const Eigen::VectorXd& solve_with_exchanges(const ForceIterate& at, Eigen::Index point);
+
+  CorrectionJudgement (*correct_)(const ForceIterate&, ForceCorrection&) = nullptr;
+  void (*move_)(const ForceIterate&, Eigen::Index) = nullptr;
+  std::vector<double> lane_storage_;  ///< for a number of connectors that has no kernel of its own
+  Eigen::MatrixXd jacobian_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
+  Eigen::VectorXd one_residual_, one_correction_;
+};
+
+}  // namespace kalfem

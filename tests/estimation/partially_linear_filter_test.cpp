@@ -1,0 +1,182 @@
+#include "kalfem/estimation/partially_linear_filter.hpp"
+
+#include "estimation/chain_model.hpp"
+#include "kalfem/estimation/covariance_filter.hpp"
+#include "kalfem/estimation/observer_maps.hpp"
+
+namespace kalfem {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// A system with its sensors and all that an observer of it needs.
+struct Setting {
+  std::string name;
+  CoupledModel model;
+  OutputMap sensors;
+  std::vector<MeasurementChain> chains;
+  ObserverOptions options;
+
+  [[nodiscard]] Observer observer(StateCoordinates coordinates) const {
+    ObserverOptions chosen = options;
+    chosen.coordinates = coordinates;
+    return Observer(model.system(), sensors, chains, chosen);
+  }
+};
+
+Setting chain(
+    const std::string& name, const std::function<void(ObserverOptions&)>& change = [](ObserverOptions&) {}) {
+  const Chain the_chain;
+  auto options = the_chain.options();
+  options.process_noise.acceleration.setConstant(0.02);
+  change(options);
+  return {name, the_chain.model, the_chain.sensors, {}, options};
+}
+
+MeasurementChain low_pass(int order, double cut_off) {
+  return MeasurementChain({{FilterStage{.order = order, .cutoff = cut_off}}});
+}
+
+/// Four Butterworth filters of one kind, repeated eigenvalues, behind the chain's accelerometers.
+Setting filtered_sensors() {
+  auto setting = chain("filtered sensors");
+  setting.chains.assign(4, low_pass(3, 150.0));
+  return setting;
+}
+
+/// A free body, with its rigid-body mode, on a Bouc-Wen suspension with an internal state and an unknown stiffness.
+Setting hysteretic() {
+  auto model = quarter_chain(
+      10, {{"suspension", "wheel.w", "body.1", make_law("bouc_wen"), values({4e3, 0.3, 1.0, 500.0, 300.0, 1.0, 3.0})}},
+      {{"road", InputKind::base_displacement, "wheel.ground"}});
+  auto setting = chain("hysteretic");
+  setting.options.unknowns.resize(1);
+  setting.options.unknowns[0].targets = {{0, 0}};
+  setting.options.unknowns[0].initial = 4e3;
+  setting.options.unknowns[0].deviation = 1e3;
+  setting.options.process_noise.connector_states = values({1e-4});
+  setting.options.prior.connector_state_deviation = values({1e-4});
+  setting.options.prior.mean = at_rest(11, 1);
+  setting.sensors = make_outputs(
+      model, {Chain::acceleration("2"), Chain::acceleration("4"), Chain::acceleration("6"), Chain::acceleration("10")});
+  setting.model = std::move(model);
+  return setting;
+}
+
+std::vector<Setting> settings() {
+  std::vector<Setting> all;
+  all.push_back(chain("plain"));
+  all.push_back(chain("four substeps", [](ObserverOptions& options) { options.substeps = 4; }));
+  all.push_back(chain("kept initial state", [](ObserverOptions& options) { options.keep_initial_state = true; }));
+  all.push_back(chain("measured base acceleration", [](ObserverOptions& options) {
+    options.inputs = {{InputModel::integrated}};
+    options.process_noise.input.setConstant(0.1);
+    options.prior.input_deviation.setConstant(1e-4);
+    options.prior.input_rate_deviation.setConstant(1e-2);
+  }));
+  all.push_back(filtered_sensors());
+  all.push_back(hysteretic());
+  return all;
+}
+
+Record record_of(const Setting& setting, Index samples) {
+  const auto road = make_random({.rms = 3e-3, .lower = 0.5, .upper = 30.0, .duration = 5.0, .seed = 7});
+  Record record;
+  record.inputs = road->sample(0.0, setting.options.step, samples).matrix().transpose();
+  RandomStream random(3, "measurements");
+  record.measurements = MatrixXd::NullaryExpr(setting.sensors.size(), samples, [&] { return 2.0 * random.normal(); });
+  record.noise = 0.25 * MatrixXd::Identity(setting.sensors.size(), setting.sensors.size());
+  return record;
+}
+
+/// Largest difference of two states in standard deviations, and of two covariances relative to them.
+double difference(const Filter& a, const Filter& b) {
+  const MatrixXd p = a.covariance(), q = b.covariance();
+  const VectorXd deviation = p.diagonal().cwiseMax(0.0).cwiseSqrt();
+  const VectorXd scale = (deviation.array() > 0.0).select(deviation.cwiseInverse(), 0.0);
+  const double mean = (scale.asDiagonal() * (a.mean() - b.mean())).cwiseAbs().maxCoeff();
+  return std::max(mean, (scale.asDiagonal() * (p - q) * scale.asDiagonal()).cwiseAbs().maxCoeff());
+}
+
+class TiledFilter : public testing::TestWithParam<std::size_t> {};
+
+/// The same formulas on dense matrices with a Cholesky factor a step. Tolerance: 1e-7 of the standard deviations after
+/// 300 steps of a filter that measures little of some states; rounding alone parts them.
+TEST_P(TiledFilter, EqualsTheDenseFilterStepByStep) {
+  const Setting setting = settings()[GetParam()];
+  const Observer observer = setting.observer(StateCoordinates::modal);
+  const Record record = record_of(setting, 300);
+  TransitionMap transition(observer), dense_transition(observer);
+  InstantMap measurement(observer, observer.form().outputs()), dense_measurement(observer, observer.form().outputs());
+  InstantMap seen(observer, observer.form().motion()), dense_seen(observer, observer.form().motion());
+  const auto tiled = make_filter(FilterKind::partially_linear, {}, &transition);
+  const auto dense = make_filter(FilterKind::partially_linear);
+  ASSERT_NE(dynamic_cast<PartiallyLinearFilter*>(tiled.get()), nullptr) << setting.name;
+  tiled->reset(observer.prior());
+  dense->reset(observer.prior());
+  Innovation a, b;
+  double worst = 0.0;
+  for (Index k = 1; k < record.measurements.cols(); ++k) {
+    for (auto* map : {&transition, &dense_transition}) map->set_inputs(record.inputs.col(k - 1), record.inputs.col(k));
+    ASSERT_EQ(tiled->predict(transition, observer.process_noise()), FilterOutcome::usable) << setting.name << k;
+    ASSERT_EQ(dense->predict(dense_transition, observer.process_noise()), FilterOutcome::usable);
+    std::vector<Index> rows{0, 1, 2, 3};
+    if (k % 50 > 40) rows = {1, 3};  // samples that are missing
+    if (k % 7 == 0) {                // predictions in a row
+      worst = std::max(worst, difference(*tiled, *dense));
+      continue;
+    }
+    for (auto* map : {&measurement, &dense_measurement}) {
+      if (k % 50 > 40 || k % 50 == 0) map->select_rows(rows);
+      map->set_inputs(record.inputs.col(k));
+    }
+    const MatrixXd noise = record.noise(rows, rows);
+    const VectorXd y = record.measurements(rows, k);
+    for (int repeat = 0; repeat < (k % 11 == 0 ? 2 : 1); ++repeat) {  // and updates in a row
+      ASSERT_EQ(tiled->update(measurement, noise, y, a), FilterOutcome::usable);
+      ASSERT_EQ(dense->update(dense_measurement, noise, y, b), FilterOutcome::usable);
+      EXPECT_NEAR(a.nis, b.nis, 1e-6 * (1.0 + b.nis));
+      EXPECT_NEAR(a.log_likelihood, b.log_likelihood, 1e-6 * (1.0 + std::abs(b.log_likelihood)));
+    }
+    if (k % 3 == 0) {
+      VectorXd mean, deviation, dense_mean, dense_deviation;
+      for (auto* map : {&seen, &dense_seen}) map->set_inputs(record.inputs.col(k));
+      ASSERT_EQ(tiled->observe(seen, mean, deviation), FilterOutcome::usable);
+      ASSERT_EQ(dense->observe(dense_seen, dense_mean, dense_deviation), FilterOutcome::usable);
+      EXPECT_LT((mean - dense_mean).norm(), 1e-7 * dense_mean.norm());
+      EXPECT_LT((deviation - dense_deviation).norm(), 1e-7 * dense_deviation.norm());
+    }
+    worst = std::max(worst, difference(*tiled, *dense));
+    const VectorXd deviation = dense->standard_deviation();
+    EXPECT_LT((tiled->standard_deviation() - deviation).norm(), 1e-7 * deviation.norm());
+  }
+  RecordProperty("worst", std::to_string(worst));
+  EXPECT_LT(worst, 1e-7) << setting.name;
+}
+
+/// The estimate in modal coordinates is that in physical ones: the sigma points of w do not depend on coordinates.
+TEST_P(TiledFilter, EstimatesDoNotDependOnTheCoordinates) {
+  const Setting setting = settings()[GetParam()];
+  const Record record = record_of(setting, 200);
+  const auto modal =
+      estimate(setting.observer(StateCoordinates::modal), record, {.filter = FilterKind::partially_linear});
+  const auto physical =
+      estimate(setting.observer(StateCoordinates::physical), record, {.filter = FilterKind::partially_linear});
+  ASSERT_FALSE(modal.failure) << modal.failure->reason;
+  ASSERT_FALSE(physical.failure) << physical.failure->reason;
+  for (Index i = 0; i < modal.state.mean.rows(); ++i) {
+    EXPECT_LT((modal.state.mean.row(i) - physical.state.mean.row(i)).norm(), 1e-6 * physical.state.mean.row(i).norm())
+        << setting.name << " state " << i;
+    EXPECT_LT((modal.state.deviation.row(i) - physical.state.deviation.row(i)).norm(),
+              1e-6 * physical.state.deviation.row(i).norm())
+        << setting.name << " state " << i;
+  }
+  EXPECT_NEAR(modal.log_likelihood, physical.log_likelihood, 1e-6 * std::abs(physical.log_likelihood));
+}
+
+INSTANTIATE_TEST_SUITE_P(PartiallyLinear, TiledFilter, testing::Range(std::size_t{0}, settings().size()));
+
+}  // namespace
+}  // namespace kalfem
