@@ -41,6 +41,20 @@ void expect_equal(const Moments& found, const Moments& expected, double toleranc
   EXPECT_LT((found.cross - expected.cross).norm(), tolerance * expected.cross.norm());
 }
 
+/// A triangular root whose channels stand in the order in which a pivoted factorisation would take them, too.
+MatrixXd ordered_root(RandomStream& random) {
+  Eigen::Matrix3d correlation;
+  correlation << 1.0, 0.1, 0.6, 0.1, 1.0, 0.3, 0.6, 0.3, 1.0;
+  const Eigen::Vector3d scale(1.5 + random.uniform(), 1.0 + 0.3 * random.uniform(), 0.5 + 0.3 * random.uniform());
+  return Eigen::LLT<MatrixXd>(scale.asDiagonal() * correlation * scale.asDiagonal()).matrixL();
+}
+
+/// Three channels of a normal x of covariance S S^T with this root.
+MatrixXd channels_with_root(const MatrixXd& root, const MatrixXd& any, const MatrixXd& S) {
+  const MatrixXd L = Eigen::LLT<MatrixXd>((any * S) * (any * S).transpose()).matrixL();
+  return root * L.inverse() * any;
+}
+
 // ------------------------------------------------------------------------------------------- phi linear in w
 
 /// How the channels stand to each other.
@@ -80,7 +94,7 @@ TEST(ReducedPoints, EqualThePointsOfTheStateWhereEveryStateIsAChannel) {
     auto map = random_map(random, 4, 3, 3, 2, bent);
     map.selection.setIdentity();
     const VectorXd m = random_matrix(random, 3, 1);
-    const MatrixXd root = random_matrix(random, 3, 3), S = Eigen::LLT<MatrixXd>(root * root.transpose()).matrixL();
+    const MatrixXd S = ordered_root(random);
     for (const auto& options : {UnscentedOptions{}, UnscentedOptions{0.6, 1.0, 0.5}}) {
       const auto reduced = transformed(map, m, S, options, SigmaPoints::of_channels);
       expect_equal(reduced, transformed(map, m, S, options, SigmaPoints::of_state), 1e-10);
@@ -97,9 +111,9 @@ TEST(ReducedPoints, StandForTheWholeStateByItsMeanGivenTheChannels) {
     const Index n = 7, q = 3;
     auto map = random_map(random, 4, n, q, 2, bent);
     const VectorXd m = random_matrix(random, n, 1);
-    const MatrixXd S = random_matrix(random, n, n), P = S * S.transpose(), N = map.selection;
+    const MatrixXd S = random_matrix(random, n, n), P = S * S.transpose(), L = ordered_root(random);
+    const MatrixXd N = map.selection = channels_with_root(L, map.selection, S);
     const MatrixXd P_ww = N * P * N.transpose(), completion = P * N.transpose() * P_ww.inverse();
-    const MatrixXd L = Eigen::LLT<MatrixXd>(P_ww).matrixL();
     FunctionMap of_w(bent);  // w -> y at the completed state
     of_w.linear = map.linear * completion, of_w.gain = map.gain, of_w.selection = MatrixXd::Identity(q, q);
     of_w.input_offset = N * m + map.input_offset, of_w.offset = map.linear * m + map.offset;
@@ -187,8 +201,8 @@ TEST(ReducedPoints, ScatterIsThatOfTheCurvaturesAndHasNoNegativeDirection) {
     const UnscentedOptions options{std::sqrt(c / double(q)), 3.0, 0.0};
     auto map = random_map(random, 2, n, q, 2, bent);
     const VectorXd m = random_matrix(random, n, 1);
-    const MatrixXd S = random_matrix(random, n, n),
-                   L = Eigen::LLT<MatrixXd>((map.selection * S) * (map.selection * S).transpose()).matrixL();
+    const MatrixXd S = random_matrix(random, n, n), L = ordered_root(random);
+    map.selection = channels_with_root(L, map.selection, S);
     const VectorXd centre = map.selection * m + map.input_offset;
     MatrixXd expected = MatrixXd::Zero(2, 2);
     VectorXd sum = VectorXd::Zero(2);
@@ -299,10 +313,8 @@ TEST(ReducedFiltersAgree, OnTheNonlinearChainAtAnySpread) {
     options.process_noise.acceleration.setConstant(0.2);
     return Observer(chain.model.system(), chain.sensors, {}, options);
   }();
-  const Index samples = 300;
-  RandomStream random(23, "accelerations");
-  const Record record{2.0 * random_matrix(random, 4, samples), chain.inputs(Chain::rate, samples),
-                      0.25 * MatrixXd::Identity(4, 4)};
+  const auto reference = chain.reference(0.8);
+  const auto record = Chain::record(reference, 23);
   for (const double alpha : {1.0, 0.42}) {  // the weights of the centre are negative for the smaller
     EstimationOptions options{.filter = FilterKind::partially_linear};
     options.unscented.alpha = alpha;

@@ -187,6 +187,16 @@ TEST(SmallKernels, CholeskyRefusesIndefiniteAndUndefined) {
     }
 }
 
+// What comes after the refused pivot is well, and must not hide it.
+TEST(SmallKernels, CholeskyRefusesOneNegativeVarianceOfADiagonalMatrix) {
+  for (const Index n : {1, 4, 24, 64, 65, 161, 257})
+    for (const Index k : places(n)) {
+      MatrixXd p = MatrixXd::Identity(n, n), lower;
+      p(k, k) = -1.0;
+      EXPECT_FALSE(cholesky(p, 0.0, lower)) << n << ", pivot " << k;
+    }
+}
+
 TEST(SmallKernels, SolveOnTheRight) {
   for (const Index columns : {1, 2, 4, 7})
     for (const Index rows : {1, 5, 24, 200}) {

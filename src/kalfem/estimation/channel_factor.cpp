@@ -22,7 +22,11 @@ bool channel_factor(const MatrixXd& covariance, MatrixXd& factor) {
     if (variance == 0.0) continue;
     double pivot = variance;
     for (Index k = 0; k < j; ++k) pivot -= factor(j, k) * factor(j, k);
-    factor(j, j) = std::sqrt(std::max(pivot, pivot_floor * variance));
+    if (!(pivot > pivot_floor * variance)) {  // what is left of its covariances with others is rounding
+      factor(j, j) = std::sqrt(pivot_floor * variance);
+      continue;
+    }
+    factor(j, j) = std::sqrt(pivot);
     for (Index i = j + 1; i < q; ++i) {
       double value = covariance(i, j);
       for (Index k = 0; k < j; ++k) value -= factor(i, k) * factor(j, k);

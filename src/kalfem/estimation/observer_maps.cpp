@@ -12,14 +12,19 @@ using Eigen::VectorXd;
 
 namespace {
 
+/// Channels of internal states and unknowns. They come first, those of motion behind them: these may depend on each
+/// other almost exactly, and a triangular factor of their covariance then ends in small entries only.
+Index picked_channels(const StateLayout& layout) { return layout.connector_states + layout.unknowns; }
+
 /// Rows that pick internal states and unknowns from the augmented state.
-void select_states_and_unknowns(const StateLayout& layout, Index row, MatrixXd& selection) {
-  const Index count = layout.connector_states + layout.unknowns;
-  selection.block(row, layout.connector_state(), count, count).setIdentity();
+void select_states_and_unknowns(const StateLayout& layout, MatrixXd& selection) {
+  const Index count = picked_channels(layout);
+  selection.block(0, layout.connector_state(), count, count).setIdentity();
 }
 
-/// Parameters at the points from the unknowns in the columns from `column` on.
-void set_unknowns(const Observer& observer, const ArrayXXd& in, Index column, ConnectorForces& forces) {
+/// Parameters at the points from the unknowns.
+void set_unknowns(const Observer& observer, const ArrayXXd& in, ConnectorForces& forces) {
+  Index column = observer.layout().connector_states;
   for (const auto& unknown : observer.options().unknowns) {
     for (const auto& target : unknown.targets)
       unknown.transform.to_parameter(in.col(column), forces.parameter(target.connector, target.parameter));
@@ -38,12 +43,12 @@ Index motion_channels(const LocallyNonlinearSystem& system) {
   return (accelerations ? 3 : 2) * system.connector_count();
 }
 
-/// Forces at an instant from the motion in the first columns of `in`, states and unknowns.
-bool solve_instant(const Observer& observer, const ArrayXXd& in, Index motion, Index states_column,
-                   ConnectorForces& forces) {
-  forces.free_motion().leftCols(motion) = in.leftCols(motion);
-  forces.begin_motion().leftCols(motion) = in.leftCols(motion);
-  forces.begin_states() = in.middleCols(states_column, observer.layout().connector_states);
+/// Forces at the first instant from states, unknowns and the motion there.
+bool solve_instant(const Observer& observer, const ArrayXXd& in, Index motion, ConnectorForces& forces) {
+  const Index first = picked_channels(observer.layout());
+  forces.free_motion().leftCols(motion) = in.middleCols(first, motion);
+  forces.begin_motion().leftCols(motion) = in.middleCols(first, motion);
+  forces.begin_states() = in.leftCols(observer.layout().connector_states);
   const auto outcome = forces.solve(observer.step().instant_compliance, 0.0);
   return outcome.finite && outcome.converged;
 }
@@ -74,12 +79,13 @@ TransitionMap::TransitionMap(const Observer& observer)
   const Index n = layout.size(), x = layout.linear, s = layout.connector_states, m = step.begin_force.cols(),
               u = step.begin_input.cols(), instants = parts_ + 1;
 
-  selection = MatrixXd::Zero(motion_ * instants + s + layout.unknowns, n);
+  const Index first = picked_channels(layout);
+  selection = MatrixXd::Zero(first + motion_ * instants, n);
   force_motion_ = MatrixXd::Zero(motion_ * parts_, m * parts_);
   input_motion_ = MatrixXd::Zero(motion_ * instants, u * instants);
   MatrixXd transition = MatrixXd::Identity(x, x), forces = MatrixXd::Zero(x, m * instants);
   input_state_ = MatrixXd::Zero(x, u * instants);
-  selection.topRows(motion_).leftCols(x) = motion;
+  selection.middleRows(first, motion_).leftCols(x) = motion;
   input_motion_.topLeftCorner(motion_, u) = motion_of_input;
   for (Index part = 1; part <= parts_; ++part) {
     transition = step.transition * transition;
@@ -88,7 +94,7 @@ TransitionMap::TransitionMap(const Observer& observer)
     forces.middleCols((part - 1) * m, m) += step.begin_force;
     input_state_.middleCols((part - 1) * u, u) += step.begin_input;
     input_state_.middleCols(part * u, u) += step.end_input;
-    selection.middleRows(motion_ * part, motion_).leftCols(x) = motion * transition;
+    selection.middleRows(first + motion_ * part, motion_).leftCols(x) = motion * transition;
     force_motion_.middleRows(motion_ * (part - 1), motion_) = motion * forces.leftCols(m * parts_);
     input_motion_.middleRows(motion_ * part, motion_) = motion * input_state_;
     input_motion_.block(motion_ * part, u * part, motion_, u) += motion_of_input;
@@ -96,7 +102,7 @@ TransitionMap::TransitionMap(const Observer& observer)
   }
   straight_state_ = between_ends(input_state_, instants);
   straight_motion_ = between_ends(input_motion_, instants);
-  select_states_and_unknowns(layout, motion_ * instants, selection);
+  select_states_and_unknowns(layout, selection);
 
   linear = MatrixXd::Identity(n, n);
   linear.topLeftCorner(x, x) = transition;
@@ -111,22 +117,22 @@ TransitionMap::TransitionMap(const Observer& observer)
 void TransitionMap::set_inputs(const Ref<const MatrixXd>& inputs) {
   ends_ = inputs.reshaped();
   offset.head(input_state_.rows()).noalias() = input_state_ * ends_;
-  input_offset.head(input_motion_.rows()).noalias() = input_motion_ * ends_;
+  input_offset.tail(input_motion_.rows()).noalias() = input_motion_ * ends_;
 }
 
 void TransitionMap::set_inputs(const Ref<const VectorXd>& begin, const Ref<const VectorXd>& end) {
   ends_.resize(2 * begin.size());
   ends_ << begin, end;
   offset.head(straight_state_.rows()).noalias() = straight_state_ * ends_;
-  input_offset.head(straight_motion_.rows()).noalias() = straight_motion_ * ends_;
+  input_offset.tail(straight_motion_.rows()).noalias() = straight_motion_ * ends_;
 }
 
 bool TransitionMap::evaluate(const ArrayXXd& in, ArrayXXd& out) {
   const auto& layout = observer_->layout();
-  const Index m = forces_.force().cols(), states = motion_ * (parts_ + 1);
+  const Index m = forces_.force().cols();
   fit_points(forces_, in.rows());
-  set_unknowns(*observer_, in, states + layout.connector_states, forces_);
-  if (!solve_instant(*observer_, in, motion_, states, forces_)) return false;
+  set_unknowns(*observer_, in, forces_);
+  if (!solve_instant(*observer_, in, motion_, forces_)) return false;
   out.leftCols(m) = forces_.force();
   for (Index part = 1; part <= parts_; ++part) {
     forces_.begin_motion() = forces_.motion();
@@ -141,7 +147,8 @@ bool TransitionMap::evaluate(const ArrayXXd& in, ArrayXXd& out) {
 /// Forces at the end of one part from those at the ends of the earlier ones, in the columns of `out`.
 bool TransitionMap::solve_part(Index part, const ArrayXXd& in, const ArrayXXd& out) {
   const Index earlier = part * forces_.force().cols();
-  forces_.free_motion().leftCols(motion_) = in.middleCols(part * motion_, motion_);
+  forces_.free_motion().leftCols(motion_) =
+      in.middleCols(picked_channels(observer_->layout()) + part * motion_, motion_);
   for (Index row = 0; row < motion_; ++row)
     for (Index j = 0; j < earlier; ++j)
       add_scaled(force_motion_((part - 1) * motion_ + row, j), out, j, forces_.free_motion(), row);
@@ -155,9 +162,9 @@ InstantMap::InstantMap(const Observer& observer, LinearOutput output)
       all_(std::move(output)),
       forces_(observer.system(), observer.options().forces) {
   const auto& layout = observer.layout();
-  selection = MatrixXd::Zero(motion_ + layout.connector_states + layout.unknowns, layout.size());
-  selection.topRows(motion_).leftCols(layout.linear) = observer.form().motion().state.topRows(motion_);
-  select_states_and_unknowns(layout, motion_, selection);
+  selection = MatrixXd::Zero(picked_channels(layout) + motion_, layout.size());
+  selection.bottomRows(motion_).leftCols(layout.linear) = observer.form().motion().state.topRows(motion_);
+  select_states_and_unknowns(layout, selection);
   input_offset = VectorXd::Zero(selection.rows());
   std::vector<Index> rows(static_cast<std::size_t>(all_.state.rows()));
   for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = static_cast<Index>(i);
@@ -175,13 +182,13 @@ void InstantMap::select_rows(const std::vector<Index>& rows) {
 
 void InstantMap::set_inputs(const Ref<const VectorXd>& inputs) {
   offset.noalias() = input_.lazyProduct(inputs);
-  input_offset.head(motion_).noalias() = observer_->form().motion().input.topRows(motion_).lazyProduct(inputs);
+  input_offset.tail(motion_).noalias() = observer_->form().motion().input.topRows(motion_).lazyProduct(inputs);
 }
 
 bool InstantMap::evaluate(const ArrayXXd& in, ArrayXXd& out) {
   fit_points(forces_, in.rows());
-  set_unknowns(*observer_, in, motion_ + observer_->layout().connector_states, forces_);
-  if (!solve_instant(*observer_, in, motion_, motion_, forces_)) return false;
+  set_unknowns(*observer_, in, forces_);
+  if (!solve_instant(*observer_, in, motion_, forces_)) return false;
   out = forces_.force();
   return true;
 }

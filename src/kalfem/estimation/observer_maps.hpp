@@ -11,8 +11,8 @@ namespace kalfem {
 /// Transition of the augmented state over one sample interval, in N equal parts over which the connector forces are
 /// linear:
 ///     x_i = A_h x_(i-1) + G_0 f_(i-1) + G_1 f_i + drive_i,   i = 1 ... N.
-/// Channels in: connector motion at the begin and, as far as the linear part and the inputs give it, at the end of each
-/// part (d and d', 2m each; d'' too where a law depends on it), internal states, unknowns. Channels out: the N + 1
+/// Channels in: internal states, unknowns, connector motion at the begin and, as far as the linear part and the inputs
+/// give it, at the end of each part (d and d', 2m each; d'' too where a law depends on it). Channels out: the N + 1
 /// forces, internal states at the end. The state itself is moved once over the whole interval.
 class TransitionMap final : public PartiallyLinearMap {
 public:
@@ -39,7 +39,7 @@ private:
 };
 
 /// Outputs at an instant as a function of the augmented state, through the connector forces of that instant. Channels
-/// in: connector motion without the forces (2m or 3m), internal states, unknowns. Channels out: forces.
+/// in: internal states, unknowns, connector motion without the forces (2m or 3m). Channels out: forces.
 class InstantMap final : public PartiallyLinearMap {
 public:
   InstantMap(const Observer& observer, LinearOutput output);

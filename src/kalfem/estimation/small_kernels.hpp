@@ -5,10 +5,9 @@
 namespace kalfem {
 
 // Dense products and the Cholesky factorisation at the sizes of a filter. Up to some tens of states a general library
-// spends its time on packing and dispatch; here tiles of the result stay in registers. Larger ones go to Eigen.
-// Arrays are contiguous; nothing allocates below `small_dimension`.
-
-constexpr Eigen::Index small_dimension = 160;  ///< above it Eigen's blocked routines are as fast or faster
+// spends its time on packing and dispatch; here tiles of the result stay in registers, and from some 160 states on the
+// factors are copied in the order in which the tiles read them. One thread. Arrays are contiguous. Nothing is allocated
+// but results that change their size and, at the first call of a size, the calling thread's copies.
 
 /// out = A B.
 void multiply(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, Eigen::MatrixXd& out);

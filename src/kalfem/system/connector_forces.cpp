@@ -74,9 +74,7 @@ private:
   void back_off(const MatrixXd& compliance, double duration);
   void halve_where_worse();
   /// Residuals above this grew by a correction, and not by rounding alone.
-  auto growth_limit() const {
-    return 2.0 * residual_ + options_.tolerance * (force_.abs() + options_.force_floor);
-  }
+  auto growth_limit() const { return 2.0 * residual_ + options_.tolerance * (force_.abs() + options_.force_floor); }
   [[nodiscard]] bool residual_grew() const { return exceeds(next_residual_, growth_limit()); }
   [[nodiscard]] bool bisect(const MatrixXd& compliance, double duration);
   void bisect(Index connector, const MatrixXd& compliance, double duration);
@@ -176,7 +174,7 @@ void ConnectorForces::Solver::take_law_force(const MatrixXd& compliance, const A
   force_ = laws_.force;
   auto at = iterate_at(compliance);
   at.free_motion = free_motion.data();
-  newton_.move(at, 2 * force_.cols());
+  newton_.move_acceleration(at);
 }
 
 /// Whether some law's force depends on d''.
@@ -201,30 +199,22 @@ ForceSolveOutcome ConnectorForces::Solver::iterate(const MatrixXd& compliance, d
       judgement = newton_.correct(iterate_at(compliance));
     }
     take_correction();
-    if (judgement.small) return outcome;
+    if (judgement.small) break;
     laws_.respond(duration);
     if (++outcome.iterations >= options_.max_iterations) {
       outcome.converged = bisect(compliance, duration);
-      return outcome;
+      break;
     }
   }
+  if (!uses_acceleration_) newton_.move_acceleration(iterate_at(compliance));
+  return outcome;
 }
 
 ForceIterate ConnectorForces::Solver::iterate_at(const MatrixXd& compliance) {
-  return {blocks_.rows,
-          force_.cols(),
-          compliance.data(),
-          free_motion_.data(),
-          laws_.force.data(),
-          laws_.tangents.data(),
-          force_.data(),
-          residual_.data(),
-          options_.tolerance,
-          options_.force_floor,
-          next_residual_.data(),
-          next_correction_.data(),
-          next_force_.data(),
-          laws_.motion.data()};
+  return {
+      blocks_.rows,         force_.cols(),         uses_acceleration_,      compliance.data(),  free_motion_.data(),
+      laws_.force.data(),   laws_.tangents.data(), force_.data(),           residual_.data(),   options_.tolerance,
+      options_.force_floor, next_residual_.data(), next_correction_.data(), next_force_.data(), laws_.motion.data()};
 }
 
 void ConnectorForces::Solver::take_correction() {

@@ -34,7 +34,10 @@ template <int connectors, int width>
 class LaneSystem {
 public:
   LaneSystem(Index size, double* storage)
-      : size_(size), matrix_(storage), right_(storage + size * size * width), scale_(storage + size * (size + 1) * width) {}
+      : size_(size),
+        matrix_(storage),
+        right_(storage + size * size * width),
+        scale_(storage + size * (size + 1) * width) {}
 
   [[nodiscard]] Index size() const { return connectors == Dynamic ? size_ : connectors; }
   /// The right-hand side: residuals, then corrections, then corrected forces.
@@ -51,8 +54,8 @@ public:
 #pragma GCC unroll 4
       for (Index k = 0; k < m; ++k) {
         const double* column = H + 3 * m * k;
-        const Lanes<width> entry =
-            (i == k ? 1.0 : 0.0) - (by_d * column[i] + by_v * column[m + i] + by_a * column[2 * m + i]);
+        Lanes<width> entry = (i == k ? 1.0 : 0.0) - (by_d * column[i] + by_v * column[m + i]);
+        if (at.uses_acceleration) entry -= by_a * column[2 * m + i];
         largest = largest.max(entry.abs());
         entry_(i, k) = entry;
       }
@@ -96,12 +99,12 @@ private:
   LaneArray<connectors, width> right_, scale_;
 };
 
-/// Columns of k_free + H f from `column` on; force(k) is f_k at the block.
+/// Columns of k_free + H f from `column` up to `end`; force(k) is f_k at the block.
 template <int connectors, int width, class Force>
-void move_block(const ForceIterate& at, const Force& force, Index first, Index column = 0) {
+void move_block(const ForceIterate& at, const Force& force, Index first, Index column, Index end) {
   const Index m = connectors == Dynamic ? at.connectors : connectors, rows = at.rows;
 #pragma GCC unroll 12
-  for (Index i = column; i < 3 * m; ++i) {
+  for (Index i = column; i < end; ++i) {
     Lanes<width> sum = load<width>(at.free_motion + first + i * rows);
 #pragma GCC unroll 4
     for (Index k = 0; k < m; ++k) sum += at.compliance[i + 3 * m * k] * force(k);
@@ -120,9 +123,20 @@ struct Excess {
 
 template <int connectors, int width>
 struct ForceCorrection::Kernels {
-  static void move(const ForceIterate& at, Index column) {
-    for (Index first = 0; first < at.rows; first += width)
-      move_block<connectors, width>(at, [&](Index k) { return load<width>(at.force + first + k * at.rows); }, first, column);
+  static void move(const ForceIterate& iterate, Index column, Index end) {
+    const ForceIterate at = iterate;  // a copy of its own cannot alias the outputs
+    for (Index first = 0; first < at.rows; first += width) {
+      if constexpr (connectors == Dynamic) {
+        const auto force = [&](Index k) { return load<width>(at.force + first + k * at.rows); };
+        move_block<connectors, width>(at, force, first, column, end);
+      } else {
+        std::array<Lanes<width>, connectors> forces;
+        for (std::size_t k = 0; k < connectors; ++k)
+          forces[k] = load<width>(at.force + first + static_cast<Index>(k) * at.rows);
+        const auto force = [&](Index k) -> const auto& { return forces[static_cast<std::size_t>(k)]; };
+        move_block<connectors, width>(at, force, first, column, end);
+      }
+    }
   }
 
   static CorrectionJudgement correct(const ForceIterate& iterate, ForceCorrection& self) {
@@ -135,7 +149,10 @@ struct ForceCorrection::Kernels {
       if (!system.eliminate()) [[unlikely]]
         exchange_rows(iterate, first, system, self);
       apply_corrections(at, first, system, excess);
-      move_block<connectors, width>(at, [&](Index k) -> decltype(auto) { return system.right(k); }, first);
+      const auto force = [&](Index k) -> decltype(auto) { return system.right(k); };
+      const Index m = system.size();
+      move_block<connectors, width>(at, force, first, 0, 2 * m);
+      if (at.uses_acceleration) move_block<connectors, width>(at, force, first, 2 * m, 3 * m);
     }
     return excess.judge();
   }
@@ -185,15 +202,20 @@ void ForceCorrection::choose(const PointBlocks& blocks) {
 }
 
 ForceCorrection::ForceCorrection(Index connectors, const PointBlocks& blocks)
-    : jacobian_(connectors, connectors),
-      factor_(connectors),
-      one_residual_(connectors),
-      one_correction_(connectors) {
+    : jacobian_(connectors, connectors), factor_(connectors), one_residual_(connectors), one_correction_(connectors) {
   switch (connectors) {
-    case 1: choose<1>(blocks); break;
-    case 2: choose<2>(blocks); break;
-    case 3: choose<3>(blocks); break;
-    case 4: choose<4>(blocks); break;
+    case 1:
+      choose<1>(blocks);
+      break;
+    case 2:
+      choose<2>(blocks);
+      break;
+    case 3:
+      choose<3>(blocks);
+      break;
+    case 4:
+      choose<4>(blocks);
+      break;
     default:
       choose<Dynamic>(blocks);
       lane_storage_.resize(static_cast<std::size_t>(blocks.width * connectors * (connectors + 2)));

@@ -7,10 +7,12 @@
 
 namespace kalfem {
 
-/// An iterate of f = law(k_free + H f) at m connectors, and where the next one goes. Arrays are columns of `rows` points
-/// in blocks; motion and tangents have 3m columns [by d_1 .. d_m, by d'_1 .. d'_m, by d''_1 .. d''_m], all others m.
+/// An iterate of f = law(k_free + H f) at m connectors, and where the next one goes. Arrays are columns of `rows`
+/// points in blocks; motion and tangents have 3m columns [by d_1 .. d_m, by d'_1 .. d'_m, by d''_1 .. d''_m], all
+/// others m.
 struct ForceIterate {
   Eigen::Index rows, connectors;
+  bool uses_acceleration;           ///< some law does; otherwise df/dd'' is zero, and d'' left out of the next motion
   const double* compliance;         ///< H, 3m x m
   const double* free_motion;        ///< k_free
   const double* law_force;          ///< law(k) at k = k_free + H f
@@ -40,9 +42,10 @@ public:
   ForceCorrection(Eigen::Index connectors, const PointBlocks& blocks);
 
   [[nodiscard]] CorrectionJudgement correct(const ForceIterate& at) { return correct_(at, *this); }
-  /// next_motion = k_free + H f, of which the rows of H from `first` on: those before are taken to be zero, and their
-  /// motion to be there.
-  void move(const ForceIterate& at, Eigen::Index first = 0) const { move_(at, first); }
+  /// next_motion = k_free + H f, its d'' where some law uses it.
+  void move(const ForceIterate& at) const { move_(at, 0, (at.uses_acceleration ? 3 : 2) * at.connectors); }
+  /// The d'' of it.
+  void move_acceleration(const ForceIterate& at) const { move_(at, 2 * at.connectors, 3 * at.connectors); }
 
 private:
   template <int connectors, int width>
@@ -52,7 +55,7 @@ private:
   const Eigen::VectorXd& solve_with_exchanges(const ForceIterate& at, Eigen::Index point);
 
   CorrectionJudgement (*correct_)(const ForceIterate&, ForceCorrection&) = nullptr;
-  void (*move_)(const ForceIterate&, Eigen::Index) = nullptr;
+  void (*move_)(const ForceIterate&, Eigen::Index, Eigen::Index) = nullptr;
   std::vector<double> lane_storage_;  ///< for a number of connectors that has no kernel of its own
   Eigen::MatrixXd jacobian_;
   Eigen::PartialPivLU<Eigen::MatrixXd> factor_;

@@ -27,7 +27,9 @@ struct PointBlocks {
 
   explicit PointBlocks(Eigen::Index points_)
       : points(points_),
-        width(points >= widest ? widest : points >= 4 ? 4 : 1),
+        width(points >= widest ? widest
+              : points >= 4    ? 4
+                               : 1),
         rows((points + width - 1) / width * width) {}
 
   Eigen::Index points;  ///< N
