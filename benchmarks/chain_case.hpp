@@ -12,6 +12,7 @@ namespace kalfem::benchmarks {
 struct ChainCase {
   std::unique_ptr<Observer> observer;
   Record record;
+  OutputMap sensors;
 };
 
 /// `states` is the size of the augmented state, 2 (masses) + 2; even, at least 12. Record of the given samples at 1

@@ -129,6 +129,189 @@ TEST(ConnectorForces, CoupledConnectorsAtManyPointsSatisfyTheirEquations) {
   }
 }
 
+/// Laws of all kinds: vectorised and point by point, with and without states, with inertance.
+std::vector<LawCase> all_kinds() {
+  return {{"saturating", make_law("saturating"), {5e3, 20.0, 2e-3, 10.0, 10.0, 0.05}},
+          {"jenkins", make_law("jenkins"), {4e4, 12.0, 1e3, 3.0}},
+          {"coulomb", make_law("coulomb"), {12.0, 0.02, 1e3, 2.0}},
+          {"bouc_wen", make_law("bouc_wen"), {4e4, 0.1, 1.0, 2e6, 1e6, 2.0, 3.0}},
+          {"inerter", make_law("inerter"), {0.2}},
+          {"gap", make_law("gap"), {1e5, 50.0, 4e-4, 6e-4, 2e3, 5.0}}};
+}
+
+/// Motion, states and first parameters that differ from point to point.
+void draw_points(ConnectorForces& forces, const std::vector<LawCase>& laws) {
+  RandomStream random(7, "points");
+  const auto m = Eigen::Index(laws.size());
+  for (Eigen::Index i = 0; i < forces.points(); ++i) {
+    for (Eigen::Index j = 0; j < m; ++j) {
+      forces.begin_motion()(i, j) = 1e-3 * random.normal();
+      forces.begin_motion()(i, m + j) = 0.1 * random.normal();
+      forces.free_motion()(i, j) = forces.begin_motion()(i, j) + 2e-4 * random.normal();
+      forces.free_motion()(i, m + j) = forces.begin_motion()(i, m + j) + 0.05 * random.normal();
+      forces.free_motion()(i, 2 * m + j) = 50.0 * random.normal();
+      forces.parameter(j, 0)[i] = laws[std::size_t(j)].parameters[0] * (1.0 + 0.1 * random.normal());
+    }
+    for (Eigen::Index j = 0; j < forces.begin_states().cols(); ++j)
+      forces.begin_states()(i, j) = 2e-4 * random.normal();
+  }
+}
+
+/// The same point on its own.
+void set_point(ConnectorForces& one, ConnectorForces& all, Eigen::Index i, Eigen::Index connectors) {
+  one.begin_motion() = all.begin_motion().row(i);
+  one.free_motion() = all.free_motion().row(i);
+  one.begin_states() = all.begin_states().row(i);
+  for (Eigen::Index j = 0; j < connectors; ++j) one.parameter(j, 0)[0] = all.parameter(j, 0)[i];
+}
+
+TEST(ConnectorForces, PointsDoNotFeelEachOther) {
+  for (const int connectors : {1, 2, 3, 4, 5, 6}) {
+    const auto kinds = all_kinds();
+    const std::vector<LawCase> laws(kinds.begin(), kinds.begin() + connectors);
+    MatrixXd mobility = MatrixXd::Constant(connectors, connectors, 0.1);
+    mobility.diagonal().array() += 0.5;
+    const MatrixXd H = compliance(mobility);
+    MatrixXd instant = H;
+    instant.topRows(2 * connectors).setZero();
+    for (const int points : {1, 3, 4, 5, 7, 8, 9, 13, 16, 37})
+      for (const double duration : {step, 0.0}) {
+        ConnectorForces all(connectors_only(laws)), one(connectors_only(laws));
+        all.resize(points);
+        draw_points(all, laws);
+        const MatrixXd& at = duration > 0.0 ? H : instant;
+        ASSERT_TRUE(all.solve(at, duration).converged);
+        for (Eigen::Index i = 0; i < points; ++i) {
+          set_point(one, all, i, connectors);
+          one.force().setZero();
+          ASSERT_TRUE(one.solve(at, duration).converged);
+          // A point that is done goes on with the others: it differs by the tolerance of 1e-8, squared, and rounding.
+          const auto near = [](const auto& a, const auto& b, double scale) {
+            return ((a - b).abs() <= 1e-9 * (a.abs() + scale)).all();
+          };
+          const auto label = std::to_string(connectors) + " connectors, point " + std::to_string(i) + " of " +
+                             std::to_string(points) + ", duration " + std::to_string(duration);
+          EXPECT_TRUE(near(all.force().row(i), one.force().row(0), 1e-3)) << label;
+          EXPECT_TRUE(near(all.motion().row(i), one.motion().row(0), 1e-6)) << label;
+          EXPECT_TRUE(near(all.states().row(i), one.states().row(0), 1e-6)) << label;
+        }
+      }
+  }
+}
+
+TEST(ConnectorForces, MotionIsThatOfTheForces) {
+  for (const int connectors : {1, 4, 6})
+    for (const bool instant : {false, true}) {
+      const auto kinds = all_kinds();
+      const std::vector<LawCase> laws(kinds.begin(), kinds.begin() + connectors);
+      MatrixXd mobility = MatrixXd::Constant(connectors, connectors, 0.1);
+      mobility.diagonal().array() += 0.5;
+      MatrixXd H = compliance(mobility);
+      if (instant) H.topRows(2 * connectors).setZero();
+      ConnectorForces forces(connectors_only(laws));
+      forces.resize(13);
+      draw_points(forces, laws);
+      ASSERT_TRUE(forces.solve(H, instant ? 0.0 : step).converged);
+      const Eigen::ArrayXXd expected = forces.free_motion() + (forces.force().matrix() * H.transpose()).array();
+      EXPECT_LT(((forces.motion() - expected).abs() / (expected.abs() + 1e-3)).maxCoeff(), 1e-12) << connectors;
+    }
+}
+
+TEST(ConnectorForces, ParametersStayUntilTheyAreSetAgain) {
+  const LawCase linear{"linear", make_law("linear"), {100.0, 0.0}};
+  ConnectorForces forces(connectors_only({linear}));
+  forces.resize(9);
+  const MatrixXd none = MatrixXd::Zero(3, 1);
+  const auto force = [&](double deformation) {
+    forces.free_motion().col(0) = deformation;
+    EXPECT_TRUE(forces.solve(none, 0.0).finite);
+    EXPECT_EQ((forces.force() - forces.force()(0, 0)).abs().maxCoeff(), 0.0);
+    return forces.force()(0, 0);
+  };
+  EXPECT_EQ(force(1.0), 100.0);
+  forces.parameter(0, 0) = 200.0;
+  EXPECT_EQ(force(1.0), 200.0);
+  EXPECT_EQ(force(2.0), 400.0);
+  forces.parameter(0, 0) = 300.0;
+  EXPECT_EQ(force(1.0), 300.0);
+  forces.resize(9);
+  EXPECT_EQ(force(1.0), 100.0);
+}
+
+TEST(ConnectorForces, SmallPivotsAreExchanged) {
+  // Linear laws with negative tangents: 1 - T H is any matrix one likes, and one correction solves it.
+  const auto law = [](double stiffness) {
+    return function_law([stiffness](double d, double) { return FunctionLaw::Value{stiffness * d, stiffness, 0.0}; });
+  };
+  for (const int connectors : {2, 3, 4, 5}) {
+    MatrixXd J = MatrixXd::Constant(connectors, connectors, 1.0);  // zero pivots, and small ones after elimination
+    J.diagonal().setZero();
+    J(1, 1) = 1e-13;
+    for (const double first : {0.0, 1e-14, -1e-9, 1e-5}) {
+      J(0, 0) = first;
+      std::vector<LawCase> laws;
+      for (int j = 0; j < connectors; ++j) laws.push_back({"negative", law(j % 2 == 0 ? -100.0 : 100.0), {}});
+      MatrixXd H = MatrixXd::Zero(3 * connectors, connectors);
+      for (int j = 0; j < connectors; ++j)
+        H.row(j) = (MatrixXd::Identity(connectors, connectors) - J).row(j) * (j % 2 == 0 ? -0.01 : 0.01);
+      ConnectorForces forces(connectors_only(laws));
+      forces.resize(11);
+      for (Eigen::Index i = 0; i < 11; ++i)
+        for (Eigen::Index j = 0; j < connectors; ++j) forces.free_motion()(i, j) = std::sin(double(3 * i + j) + 1.0);
+      const auto outcome = forces.solve(H, step);
+      ASSERT_TRUE(outcome.converged && outcome.finite);
+      EXPECT_LE(outcome.iterations, 1);
+      for (Eigen::Index j = 0; j < connectors; ++j) {
+        const Eigen::ArrayXd expected = (j % 2 == 0 ? -100.0 : 100.0) * forces.motion().col(j);
+        EXPECT_LT((forces.force().col(j) - expected).abs().maxCoeff(), 1e-10) << connectors << " " << first;
+      }
+    }
+  }
+}
+
+TEST(ConnectorForces, CorrectionsThatOvershootAreHalvedAtTheirPoints) {
+  // With H = -1 the equation is g(d) = d_free, g(d) = (d - 1)^3 + 0.01 (d - 1): flat where the solve starts.
+  const auto law = function_law([](double d, double) {
+    const double x = d - 1.0;
+    return FunctionLaw::Value{x * x * x + 0.01 * x - d, 3.0 * x * x + 0.01 - 1.0, 0.0};
+  });
+  for (const int points : {1, 13}) {
+    ConnectorForces forces(connectors_only({{"flat", law, {}}}));
+    forces.resize(points);
+    MatrixXd H = MatrixXd::Zero(3, 1);
+    H(0, 0) = -1.0;
+    for (Eigen::Index i = 0; i < points; ++i) forces.free_motion()(i, 0) = 0.5 * std::sin(double(i) + 1.0);
+    forces.force() = forces.free_motion().col(0) - 1.0;
+    const auto outcome = forces.solve(H, step);
+    ASSERT_TRUE(outcome.converged && outcome.finite);
+    EXPECT_LE(outcome.iterations, 10);  // without halving a correction of 50 comes back by a third each time
+    for (Eigen::Index i = 0; i < points; ++i) {
+      const double x = forces.motion()(i, 0) - 1.0;
+      EXPECT_NEAR(x * x * x + 0.01 * x, forces.free_motion()(i, 0), 1e-7) << i;
+    }
+  }
+}
+
+TEST(ConnectorLaw, SaysWhetherItUsesTheAcceleration) {
+  std::vector<LawCase> cases = monotone_laws();
+  for (const auto& of : all_kinds()) cases.push_back(of);
+  cases.push_back({"stribeck", make_law("stribeck"), {12.0, 18.0, 0.05, 0.005, 1e3, 2.0}});
+  cases.push_back({"linear", make_law("linear"), {5e3, 10.0}});
+  cases.push_back({"preload", make_law("preload"), {7.0}});
+  cases.push_back({"polynomial", make_law("polynomial", {.parameter_names = {"k1", "c1"}}), {5e3, 10.0}});
+  cases.push_back({"linear_change", make_law("linear_change", {.nominal = {4e3, 8.0, 1.0}}), {5e3, 10.0, 2.0}});
+  cases.push_back({"with", make_law("expression", {.parameter_names = {"b"}, .force = "x + b*a"}), {2.0}});
+  cases.push_back({"without", make_law("expression", {.parameter_names = {"ba"}, .force = "x*ba + abs(v)"}), {2.0}});
+  int users = 0;
+  for (const auto& of : cases) {
+    LawBench still(of), moving(of);
+    const bool depends = still.step(step, 1e-4, 0.01, 0.0) != moving.step(step, 1e-4, 0.01, 5.0);
+    EXPECT_EQ(of.law->uses_acceleration(), depends) << of.label;
+    users += depends ? 1 : 0;
+  }
+  EXPECT_EQ(users, 4);  // two inerters, linear_change and the expression with `a`
+}
+
 TEST(ConnectorForces, StatesAtTheEndBelongToTheMotionAtTheEnd) {
   const LawCase jenkins{"jenkins", make_law("jenkins"), {1e7, 5.0, 1e3, 1.0}};
   ConnectorForces forces(connectors_only({jenkins}));

@@ -206,7 +206,7 @@ struct LocalObserver {
   Named<Located<Interface>> interface;
 };
 struct Estimation {
-  FilterKind filter = FilterKind::unscented;
+  std::optional<FilterKind> filter;  ///< none: chosen by what the system allows
   UnscentedOptions unscented;
   Named<Unknown> unknown;
   Named<Located<PointPrior>> initial_state;
@@ -218,6 +218,7 @@ struct Estimation {
   bool estimate_initial_state = false;
   int passes = 1;
   int substeps = 4;
+  int threads = 0;  ///< 0: one a processor
 };
 
 struct Prediction {

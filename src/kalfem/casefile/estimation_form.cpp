@@ -70,9 +70,16 @@ Form<Estimation> estimation() {
   return mapping(
       Fields<Estimation>()
           .optional("filter", &Estimation::filter,
-                    choice<FilterKind>({{"ukf", FilterKind::unscented, "unscented Kalman filter"},
-                                        {"ukf_square_root", FilterKind::unscented_square_root, "in square-root form"},
-                                        {"ekf", FilterKind::extended, "first-order linearisation"}}),
+                    choice<std::optional<FilterKind>>(
+                        {{"auto", std::nullopt,
+                          "partially_linear_ukf, its covariance in blocks where these can be separated"},
+                         {"partially_linear_ukf", FilterKind::partially_linear,
+                          "unscented Kalman filter with sigma points of connectors and unknowns only"},
+                         {"partially_linear_ukf_square_root", FilterKind::partially_linear_square_root,
+                          "the same in square-root form"},
+                         {"ukf", FilterKind::unscented, "unscented Kalman filter with sigma points of all states"},
+                         {"ukf_square_root", FilterKind::unscented_square_root, "the same in square-root form"},
+                         {"ekf", FilterKind::extended, "first-order linearisation"}}),
                     "the estimator")
           .inlined(&Estimation::unscented, unscented)
           .optional("unknown", &Estimation::unknown, named(unknown(), NameRule::dotted),
@@ -91,7 +98,10 @@ Form<Estimation> estimation() {
                     "carry the initial state as constants: a fixed-point smoother")
           .optional("substeps", &Estimation::substeps, integer(1, 64),
                     "parts of a sample interval over which connector forces and inputs are taken as linear")
-          .optional("passes", &Estimation::passes, integer(1, 100), "runs over the record"));
+          .optional("passes", &Estimation::passes, integer(1, 100), "runs over the record")
+          .optional(
+              "threads", &Estimation::threads, integer(0, 64),
+              "that share the filter's work on large covariances, 0 for one a processor; results do not depend on it"));
 }
 
 }  // namespace kalfem::description

@@ -2,10 +2,12 @@
 
 #include <cmath>
 #include <limits>
+#include <thread>
 
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/casefile/reported_quantities.hpp"
 #include "kalfem/casefile/study_elements.hpp"
+#include "kalfem/estimation/filter_choice.hpp"
 #include "kalfem/formats/local_polynomial.hpp"
 
 namespace kalfem {
@@ -162,6 +164,8 @@ void simulate_open_loop(const Study& study, EstimationStage& stage) {
   }
 }
 
+int processors() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+
 }  // namespace
 
 EstimationStage estimate_stage(const Study& study, const StudyResults& results, const Progress& progress,
@@ -179,12 +183,20 @@ EstimationStage estimate_stage(const Study& study, const StudyResults& results, 
     stage.noise.push_back(record.noise[static_cast<std::size_t>(record.series.find(sensor.name))]);
   }
   stage.measurements = channels_of(record.series, setup.sensors);
-  stage.observer = std::make_shared<const Observer>(setup.model->system(), make_outputs(*setup.model, outputs), chains,
-                                                    completed_options(study, record));
+  const auto choice = choose_filter(given.filter, setup.model->system(), make_outputs(*setup.model, outputs), chains,
+                                    completed_options(study, record));
+  stage.filter = choice.filter;
+  stage.filter_reason = choice.reason;
+  stage.observer = choice.observer;
   const VectorXd noise = Eigen::Map<const VectorXd>(stage.noise.data(), static_cast<Index>(stage.noise.size()));
   const auto monitored = reported_quantities(*setup.model);
-  EstimationOptions options{given.filter, given.unscented, given.passes, make_outputs(*setup.model, monitored),
-                            progress};
+  const EstimationOptions options{.filter = stage.filter,
+                                  .unscented = given.unscented,
+                                  .threads = given.threads > 0 ? given.threads : processors(),
+                                  .passes = given.passes,
+                                  .state_deviations = false,
+                                  .monitored = make_outputs(*setup.model, monitored),
+                                  .progress = progress};
   MatrixXd used = stage.measurements.values.transpose();
   if (study.record)
     used.rightCols(used.cols() - study.record->used).setConstant(std::numeric_limits<double>::quiet_NaN());

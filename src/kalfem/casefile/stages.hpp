@@ -50,6 +50,8 @@ struct FieldSeries {
 };
 
 struct EstimationStage {
+  FilterKind filter = FilterKind::unscented;
+  std::string filter_reason;  ///< why this one, in words
   std::shared_ptr<const Observer> observer;
   EstimationResult result;
   TimeSeries measurements;  ///< of the sensors that the observer uses

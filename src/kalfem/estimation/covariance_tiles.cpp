@@ -1,5 +1,8 @@
 #include "kalfem/estimation/covariance_tiles.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "kalfem/estimation/vector_lanes.hpp"
 
 namespace kalfem {
@@ -10,6 +13,8 @@ using Eigen::MatrixXd;
 namespace {
 
 constexpr double rounding_allowance = 1e-13;
+constexpr Index divided_from = 48;  ///< tile rows, n = 384: a pass then takes many times what it costs to share it
+constexpr int parts = 4;
 constexpr double negligible = 1e-15;  ///< of the standard deviations' product: what rounding leaves of a zero
 
 /// One tile in registers, column by column.
@@ -72,6 +77,15 @@ using Map8 = Eigen::Map<Eigen::Matrix<double, 8, 8>, Eigen::Aligned64>;
   t = moved;
 }
 
+/// Tile rows that begin parts of about equally many tiles of the lower triangle.
+std::vector<Index> equal_parts(Index tiles, int count) {
+  std::vector<Index> begin;
+  for (int part = 0; part < count; ++part)
+    begin.push_back(static_cast<Index>(std::round(static_cast<double>(tiles) * std::sqrt(double(part) / count))));
+  begin.push_back(tiles);
+  return begin;
+}
+
 /// Y_I += T H_J.
 [[gnu::always_inline]] inline void multiply_tile(const Tile& t, const Thin& h, Index tile, Index row, MatrixXd& y) {
   for (Index c = 0; c < h.columns; ++c) {
@@ -103,8 +117,12 @@ SymmetricTiles::SymmetricTiles(const MatrixXd& matrix, const TileLayout& layout)
   values_ = Eigen::Map<const Eigen::VectorXd>(kept.data(), static_cast<Index>(kept.size()));
 }
 
+CovarianceTiles::CovarianceTiles(int threads) : pool_(std::make_unique<WorkerPool>(std::clamp(threads, 1, parts))) {}
+
 void CovarianceTiles::reset(const MatrixXd& covariance, const TileLayout& layout) {
   tiles_ = layout.tiles;
+  part_begin_ = equal_parts(tiles_, tiles_ < divided_from ? 1 : parts);
+  part_products_.resize(part_begin_.size() - 1);
   values_.resize(tiles_ * (tiles_ + 1) / 2 * tile_size * tile_size);
   const MatrixXd symmetric = covariance.selfadjointView<Eigen::Lower>();
   const MatrixXd rows = layout.placed(symmetric), placed = layout.placed(rows.transpose());
@@ -114,8 +132,18 @@ void CovarianceTiles::reset(const MatrixXd& covariance, const TileLayout& layout
 }
 
 void CovarianceTiles::pass(const CovarianceStep& step, MatrixXd& product) {
-  product.setZero(tiles_ * tile_size, step.watched ? step.watched->cols() : 0);
-  pass_over(0, tiles_, step, product);
+  const Index columns = step.watched ? step.watched->cols() : 0;
+  product.setZero(tiles_ * tile_size, columns);
+  if (part_products_.size() == 1) {
+    pass_over(0, tiles_, step, product);
+    return;
+  }
+  pool_->run(static_cast<int>(part_products_.size()), [&](int part) {
+    auto& own = part_products_[static_cast<std::size_t>(part)];
+    own.setZero(tiles_ * tile_size, columns);
+    pass_over(part_begin_[static_cast<std::size_t>(part)], part_begin_[static_cast<std::size_t>(part) + 1], step, own);
+  });
+  for (const auto& own : part_products_) product += own;
 }
 
 void CovarianceTiles::pass_over(Index begin, Index end, const CovarianceStep& step, MatrixXd& product) {

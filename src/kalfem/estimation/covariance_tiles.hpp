@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "kalfem/base/worker_pool.hpp"
 #include "kalfem/estimation/tile_layout.hpp"
 
 namespace kalfem {
@@ -41,6 +42,9 @@ struct CovarianceStep {
 /// are split into parts whose sums are added in a fixed order, so results do not depend on the number of threads.
 class CovarianceTiles {
 public:
+  /// Passes over large matrices are shared by so many threads.
+  explicit CovarianceTiles(int threads = 1);
+
   void reset(const Eigen::MatrixXd& covariance, const TileLayout& layout);
 
   /// Variances are widened by `rounding_allowance` of themselves before a downdate, a little more than what rounding
@@ -62,7 +66,10 @@ private:
   }
   void pass_over(Eigen::Index begin, Eigen::Index end, const CovarianceStep& step, Eigen::MatrixXd& product);
 
+  std::unique_ptr<WorkerPool> pool_;
   Eigen::Index tiles_ = 0;
+  std::vector<Eigen::Index> part_begin_;  ///< first tile row of each part, then the number of tile rows
+  std::vector<Eigen::MatrixXd> part_products_;
   Eigen::VectorXd values_;
 };
 

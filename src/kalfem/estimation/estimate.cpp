@@ -53,7 +53,7 @@ public:
         options_(options),
         input_stride_(record.inputs.cols() > record.measurements.cols() ? observer.options().substeps : 1),
         transition_(observer),
-        filter_(make_filter(options.filter, options.unscented, &transition_)),
+        filter_(make_filter(options.filter, options.unscented, &transition_, options.threads)),
         measurement_(observer, observer.form().outputs()) {
     if (options.monitored.size() > 0) monitored_.emplace(observer, observer.observer_form().outputs(options.monitored));
     allocate();

@@ -13,8 +13,9 @@ namespace kalfem {
 struct EstimationOptions {
   FilterKind filter = FilterKind::unscented;
   UnscentedOptions unscented = {};
-  int passes = 1;  ///< runs over the record; each further one starts from the last one's parameters and initial
-                   ///< state under the first prior's covariance (needs Observer keep_initial_state)
+  int threads = 1;  ///< of the filter, where it is partially linear and large; results do not depend on it
+  int passes = 1;   ///< runs over the record; each further one starts from the last one's parameters and initial
+                    ///< state under the first prior's covariance (needs Observer keep_initial_state)
   /// Standard deviations of every state at every sample, beside those of unknowns and internal states. In modal
   /// coordinates they cost more than the filter does.
   bool state_deviations = true;

@@ -23,7 +23,7 @@ std::string to_string(FilterOutcome outcome) {
 }
 
 std::unique_ptr<Filter> make_filter(FilterKind kind, const UnscentedOptions& options,
-                                    const PartiallyLinearMap* transition) {
+                                    const PartiallyLinearMap* transition, int threads) {
   UnscentedOptions of_channels = options;
   of_channels.points = SigmaPoints::of_channels;
   switch (kind) {
@@ -33,7 +33,7 @@ std::unique_ptr<Filter> make_filter(FilterKind kind, const UnscentedOptions& opt
       return std::make_unique<SquareRootFilter>(UnscentedTransform(options));
     case FilterKind::partially_linear:
       if (auto layout = transition ? tile_layout(transition->linear) : std::nullopt)
-        return std::make_unique<PartiallyLinearFilter>(options, *transition, *std::move(layout));
+        return std::make_unique<PartiallyLinearFilter>(options, *transition, *std::move(layout), threads);
       return std::make_unique<CovarianceFilter>(UnscentedTransform(of_channels));
     case FilterKind::partially_linear_square_root:
       return std::make_unique<SquareRootFilter>(UnscentedTransform(of_channels));

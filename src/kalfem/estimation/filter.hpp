@@ -51,8 +51,9 @@ public:
 };
 
 /// A partially linear filter is one of O(n^2) where `transition`, the map of all its predictions, is given and block
-/// diagonal (StateCoordinates::modal), else a covariance filter with the same estimates.
+/// diagonal (StateCoordinates::modal), else a covariance filter with the same estimates. `threads` share its work on
+/// large covariances; results do not depend on their number.
 std::unique_ptr<Filter> make_filter(FilterKind kind, const UnscentedOptions& options = {},
-                                    const PartiallyLinearMap* transition = nullptr);
+                                    const PartiallyLinearMap* transition = nullptr, int threads = 1);
 
 }  // namespace kalfem

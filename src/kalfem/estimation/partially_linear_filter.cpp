@@ -24,10 +24,11 @@ FilterOutcome why_not(const WatchedMap& watched) {
 }  // namespace
 
 PartiallyLinearFilter::PartiallyLinearFilter(const UnscentedOptions& options, const PartiallyLinearMap& transition,
-                                             TileLayout layout)
+                                             TileLayout layout, int threads)
     : layout_(std::move(layout)),
       propagator_(transition.linear, layout_),
       gain_(layout_.placed(transition.gain)),
+      covariance_(threads),
       transition_(of_channels(options)),
       measurement_(of_channels(options)),
       observation_(of_channels(options)) {

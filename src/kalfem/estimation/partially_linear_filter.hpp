@@ -16,7 +16,8 @@ namespace kalfem {
 class PartiallyLinearFilter final : public Filter {
 public:
   /// `layout` is that of transition.linear; predictions are by that map (its b and e may change).
-  PartiallyLinearFilter(const UnscentedOptions& options, const PartiallyLinearMap& transition, TileLayout layout);
+  PartiallyLinearFilter(const UnscentedOptions& options, const PartiallyLinearMap& transition, TileLayout layout,
+                        int threads = 1);
 
   void reset(const Gaussian& estimate) override;
   /// Q is read again when it is another matrix than last time or its diagonal has changed.

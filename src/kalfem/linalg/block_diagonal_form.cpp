@@ -18,7 +18,7 @@ using Groups = std::vector<std::vector<Index>>;
 
 /// Eigenvalues this close, relative to the larger one, count as meeting: decoupling would magnify errors by the
 /// inverse.
-constexpr double closeness = 1e-6;
+constexpr double closeness = 1e-3;
 
 /// Below this share of the largest eigenvalue two of them count as zero both.
 constexpr double zero_share = 1e-12;

@@ -170,13 +170,17 @@ std::string console_report(const Study& study, const StudyResults& results) {
   }
   if (results.estimation) {
     const auto& stage = *results.estimation;
+    const auto& time = stage.result.time;
+    const auto samples = static_cast<double>(stage.measurements.samples());
     text += "Estimated parameters\n" + to_text(parameter_table(study, stage)) + "\n";
     text += fmt::format("NIS {:.2f} where {:.2f} is right, {} inside the 95 % band\n", stage.consistency.mean_nis,
                         stage.consistency.expected_nis, per_cent(stage.consistency.fraction_in_95));
     text += fmt::format(
-        "{} states, {} steps, {:.2f} us a step: {:.3g} x real time\n\n", stage.observer->layout().size(),
-        stage.measurements.samples(), 1e6 * stage.result.time.filter() / static_cast<double>(stage.measurements.samples()),
-        static_cast<double>(stage.measurements.samples()) / stage.measurements.sample_rate / stage.result.time.filter());
+        "{} states, {} steps, {:.2f} us a step: {:.3g} x real time (predict {}, update {}; output {} beside it)\n"
+        "Filter: {}\n\n",
+        stage.observer->layout().size(), stage.measurements.samples(), 1e6 * time.filter() / samples,
+        samples / stage.measurements.sample_rate / time.filter(), per_cent(time.predict / time.filter()),
+        per_cent(time.update / time.filter()), per_cent(time.output / time.filter()), stage.filter_reason);
     if (const auto table = error_table("", study, stage.points); !table.rows.empty())
       text += fmt::format("Estimated motion, NRMSE after {} s{}\n", four_digits(study.given.estimate->settle),
                           band_words(stage)) +

@@ -90,8 +90,9 @@ private:
   ArrayXXd residual_, next_residual_;      ///< |law - f| before and after the correction that led to f
 };
 
-ConnectorForces::ConnectorForces(const LocallyNonlinearSystem& system, ForceSolveOptions options)
-    : connectors_(system.connectors), options_(options) {
+ConnectorForces::ConnectorForces(const LocallyNonlinearSystem& system, ForceSolveOptions options) : options_(options) {
+  for (const auto& connector : system.connectors)
+    connectors_.push_back({connector.name, connector.law, connector.parameters, {}, {}});
   resize(1);
 }
 

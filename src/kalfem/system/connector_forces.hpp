@@ -63,7 +63,7 @@ public:
 private:
   class Solver;
 
-  std::vector<Connector> connectors_;
+  std::vector<Connector> connectors_;  ///< laws and their own parameters; the rest is empty
   ForceSolveOptions options_;
   std::vector<Eigen::Index> first_parameter_;  ///< of each connector, a column of parameters_
   std::vector<char> parameter_changed_;        ///< since the last solve

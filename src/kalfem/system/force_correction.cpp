@@ -160,8 +160,9 @@ struct ForceCorrection::Kernels {
 private:
   static void keep_residuals(const ForceIterate& at, Index first, LaneSystem<connectors, width>& system,
                              Excess<width>& excess) {
+    const Index m = system.size();
 #pragma GCC unroll 4
-    for (Index j = 0; j < system.size(); ++j) {
+    for (Index j = 0; j < m; ++j) {
       const Index offset = first + j * at.rows;
       const Lanes<width> residual = system.right(j).abs();
       const Lanes<width> limit = 2.0 * load<width>(at.previous_residual + offset) +
@@ -173,8 +174,9 @@ private:
 
   static void apply_corrections(const ForceIterate& at, Index first, LaneSystem<connectors, width>& system,
                                 Excess<width>& excess) {
+    const Index m = system.size();
 #pragma GCC unroll 4
-    for (Index j = 0; j < system.size(); ++j) {
+    for (Index j = 0; j < m; ++j) {
       const Index offset = first + j * at.rows;
       const Lanes<width> correction = system.right(j), force = load<width>(at.force + offset) + correction;
       excess.correction += (correction.abs() - at.tolerance * (force.abs() + at.floor)).max(0.0);

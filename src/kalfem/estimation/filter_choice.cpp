@@ -1,0 +1,43 @@
+#include "kalfem/estimation/filter_choice.hpp"
+
+#include "kalfem/estimation/tile_layout.hpp"
+
+namespace kalfem {
+namespace {
+
+std::string counted(Eigen::Index count, const std::string& what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+/// What the sigma points of a partially linear filter stand for.
+std::string channels_in_words(const Observer& observer) {
+  const auto& system = observer.system();
+  return counted(system.connector_count(), "connector") + " and " + counted(observer.layout().unknowns, "unknown");
+}
+
+}  // namespace
+
+FilterChoice choose_filter(std::optional<FilterKind> requested, const LocallyNonlinearSystem& system,
+                           const OutputMap& sensors, const std::vector<MeasurementChain>& chains,
+                           ObserverOptions options) {
+  const auto make = [&](StateCoordinates coordinates) {
+    options.coordinates = coordinates;
+    return std::make_shared<const Observer>(system, sensors, chains, options);
+  };
+  if (requested && *requested != FilterKind::partially_linear)
+    return {*requested, make(StateCoordinates::physical), "as the case asks"};
+  const std::string asked = requested ? "as the case asks; " : "";
+  const auto modal = make(StateCoordinates::modal);
+  const Eigen::Index block = modal->observer_form().largest_block;
+  if (block <= tile_size)
+    return {FilterKind::partially_linear, modal,
+            asked + "linear but for " + channels_in_words(*modal) +
+                ": sigma points of these alone, and the covariance moves in blocks of at most " +
+                std::to_string(block)};
+  return {FilterKind::partially_linear, make(StateCoordinates::physical),
+          asked + "linear but for " + channels_in_words(*modal) +
+              ": sigma points of these alone; the covariance is dense because " + std::to_string(block) +
+              " states of the linear part share their poles and cannot be separated"};
+}
+
+}  // namespace kalfem

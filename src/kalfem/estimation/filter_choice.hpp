@@ -1,0 +1,26 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "kalfem/estimation/filter.hpp"
+#include "kalfem/estimation/observer.hpp"
+
+namespace kalfem {
+
+/// The filter of a run, the observer in the coordinates that suit it, and why.
+struct FilterChoice {
+  FilterKind filter = FilterKind::unscented;
+  std::shared_ptr<const Observer> observer;
+  std::string reason;  ///< in words
+};
+
+/// The filter that is asked for, or where nothing is, the partially linear one: it needs the fewest sigma points and
+/// moves the covariance in O(n^2) where the linear part splits into blocks of at most a tile; elsewhere, in physical
+/// coordinates, with a dense covariance. `options.coordinates` is chosen here. Throws InvalidInput as Observer does.
+FilterChoice choose_filter(std::optional<FilterKind> requested, const LocallyNonlinearSystem& system,
+                           const OutputMap& sensors, const std::vector<MeasurementChain>& chains,
+                           ObserverOptions options);
+
+}  // namespace kalfem
