@@ -5,9 +5,9 @@ namespace kalfem::benchmarks {
 FilterWalk::FilterWalk(const Observer& observer, const Record& record, FilterKind kind)
     : observer_(&observer),
       record_(&record),
-      filter_(make_filter(kind)),
       transition_(observer),
-      measurement_(observer, observer.form().outputs()) {
+      measurement_(observer, observer.form().outputs()),
+      filter_(make_filter(kind, {}, &transition_)) {
   filter_->reset(observer.prior());
 }
 

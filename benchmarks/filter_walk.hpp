@@ -19,9 +19,9 @@ public:
 private:
   const Observer* observer_;
   const Record* record_;
-  std::unique_ptr<Filter> filter_;
   TransitionMap transition_;
   InstantMap measurement_;
+  std::unique_ptr<Filter> filter_;  ///< made for the transition
   Innovation innovation_;
   Eigen::VectorXd measured_;
   Eigen::Index sample_ = 0;

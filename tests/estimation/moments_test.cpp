@@ -440,7 +440,7 @@ INSTANTIATE_TEST_SUITE_P(Widths, MomentsOfTheChain, testing::Values(narrow, medi
 class MomentsAtThree : public testing::TestWithParam<Widths> {};
 
 TEST_P(MomentsAtThree, DoNotDependOnTheNumberOfChannels) {
-  // Four parts per interval mean more than twice the channels, which nearly depend on each other: at c = q their
+  // Four parts per interval mean twice the channels, which nearly depend on each other: at c = q their
   // points stand almost as far as those of the 24 states and gain nothing over them. At c = 3 they do.
   const auto few = judge_prediction(chain(1), GetParam()), many = judge_prediction(chain(4), GetParam());
   expect_at_most(many.errors[channels_3], 0.75, many.errors[state_n], many.halves);

@@ -242,9 +242,10 @@ struct LinearRecord {
       {Chain::acceleration("1"), Chain::acceleration("2"), {"d", ObservedQuantity::displacement, {{"body.1", 1.0}}}});
   static constexpr double h = 2e-3;
 
-  [[nodiscard]] Observer observer(int substeps) const {
+  [[nodiscard]] Observer observer(int substeps, StateCoordinates coordinates = StateCoordinates::physical) const {
     auto options = all_known(model.system(), h);
     options.substeps = substeps;
+    options.coordinates = coordinates;
     options.prior.displacement_deviation.setConstant(1e-3);
     options.prior.velocity_deviation.setConstant(0.05);
     options.prior.mean.displacement << 1e-3, -2e-3, 0.0;
@@ -253,22 +254,28 @@ struct LinearRecord {
   }
 };
 
-class ReducedFilters : public testing::TestWithParam<FilterKind> {};
+/// In modal coordinates the covariance form moves block by block; results come back in physical ones.
+struct Form {
+  FilterKind kind;
+  StateCoordinates coordinates;
+};
+
+class ReducedFilters : public testing::TestWithParam<Form> {};
 
 TEST_P(ReducedFilters, EqualAKalmanFilterOnALinearChain) {
   const LinearRecord linear;
-  const auto observer = linear.observer(1);
-  const auto problem = closed_loop(observer, Eigen::Vector3d(0.04, 0.09, 1e-8).asDiagonal());
+  const auto physical = linear.observer(1), observer = linear.observer(1, GetParam().coordinates);
+  const auto problem = closed_loop(physical, Eigen::Vector3d(0.04, 0.09, 1e-8).asDiagonal());
   const Index samples = 400;
   const MatrixXd inputs =
       make_sine({.amplitude = 3e-3, .frequency = 6.0})->sample(0.0, LinearRecord::h, samples).matrix().transpose();
-  auto record = draw_record(problem, observer.prior(), inputs, 21);
+  auto record = draw_record(problem, physical.prior(), inputs, 21);
   record.measurements.middleCols(100, 7).setConstant(NAN);
   for (Index k = 200; k < 260; ++k) record.measurements(k % 3, k) = NAN;
 
-  const auto result = estimate(observer, record, {.filter = GetParam()});
+  const auto result = estimate(observer, record, {.filter = GetParam().kind});
   ASSERT_FALSE(result.failure) << result.failure->reason;
-  KalmanFilter kalman{observer.prior().mean, observer.prior().covariance};
+  KalmanFilter kalman{physical.prior().mean, physical.prior().covariance};
   double mean_error = 0.0, deviation_error = 0.0;
   for (Index k = 0; k < samples; ++k) {
     if (k > 0) kalman.predict(problem, problem.drive(record.inputs.col(k - 1), record.inputs.col(k)));
@@ -288,45 +295,52 @@ TEST_P(ReducedFilters, EqualAKalmanFilterOnALinearChain) {
 
 TEST_P(ReducedFilters, StayWithTheUnscentedFilterWhereManyPartsMakeManyChannels) {
   const LinearRecord linear;
-  const auto observer = linear.observer(6);  // many more channels than states
+  const auto physical = linear.observer(6);  // many more channels than states
+  const auto observer = linear.observer(6, GetParam().coordinates);
   const Index samples = 200;
   const MatrixXd inputs =
       make_sine({.amplitude = 3e-3, .frequency = 6.0})->sample(0.0, LinearRecord::h, samples).matrix().transpose();
   const auto problem = closed_loop(linear.observer(1), Eigen::Vector3d(0.04, 0.09, 1e-8).asDiagonal());
-  const auto record = draw_record(problem, observer.prior(), inputs, 22);
-  const auto expected = estimate(observer, record, {.filter = FilterKind::unscented});
-  const auto found = estimate(observer, record, {.filter = GetParam()});
+  const auto record = draw_record(problem, physical.prior(), inputs, 22);
+  const auto expected = estimate(physical, record, {.filter = FilterKind::unscented});
+  const auto found = estimate(observer, record, {.filter = GetParam().kind});
   ASSERT_FALSE(expected.failure || found.failure);
   EXPECT_LT(((found.state.mean - expected.state.mean).array() / expected.state.deviation.array()).abs().maxCoeff(),
             1e-8);
   EXPECT_LT((found.state.deviation.array() / expected.state.deviation.array() - 1.0).abs().maxCoeff(), 1e-8);
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, ReducedFilters,
-                         testing::Values(FilterKind::partially_linear, FilterKind::partially_linear_square_root));
+INSTANTIATE_TEST_SUITE_P(Forms, ReducedFilters,
+                         testing::Values(Form{FilterKind::partially_linear, StateCoordinates::physical},
+                                         Form{FilterKind::partially_linear, StateCoordinates::modal},
+                                         Form{FilterKind::partially_linear_square_root, StateCoordinates::physical},
+                                         Form{FilterKind::partially_linear_square_root, StateCoordinates::modal}));
 
 TEST(ReducedFiltersAgree, OnTheNonlinearChainAtAnySpread) {
   const Chain chain;
-  const auto observer = [&] {
+  const auto observer = [&](StateCoordinates coordinates) {
     auto options = chain.options();
     options.substeps = 4;
     options.process_noise.acceleration.setConstant(0.2);
+    options.coordinates = coordinates;
     return Observer(chain.model.system(), chain.sensors, {}, options);
-  }();
-  const auto reference = chain.reference(0.8);
-  const auto record = Chain::record(reference, 23);
+  };
+  const auto physical = observer(StateCoordinates::physical), modal = observer(StateCoordinates::modal);
+  const auto record = Chain::record(chain.reference(0.8), 23);
   for (const double alpha : {1.0, 0.42}) {  // the weights of the centre are negative for the smaller
     EstimationOptions options{.filter = FilterKind::partially_linear};
     options.unscented.alpha = alpha;
-    const auto covariance = estimate(observer, record, options);
+    const auto covariance = estimate(physical, record, options), tiles = estimate(modal, record, options);
     options.filter = FilterKind::partially_linear_square_root;
-    const auto factor = estimate(observer, record, options);
+    const auto factor = estimate(physical, record, options);
     ASSERT_FALSE(covariance.failure) << covariance.failure->reason;
-    ASSERT_FALSE(factor.failure) << factor.failure->reason;
-    const auto& deviation = covariance.state.deviation.array();
-    EXPECT_LT(((factor.state.mean - covariance.state.mean).array() / deviation).abs().maxCoeff(), 1e-7);
-    EXPECT_LT((factor.state.deviation.array() / deviation - 1.0).abs().maxCoeff(), 1e-7);
-    EXPECT_NEAR(factor.log_likelihood, covariance.log_likelihood, 1e-8 * std::abs(covariance.log_likelihood));
+    for (const auto* other : {&tiles, &factor}) {
+      ASSERT_FALSE(other->failure) << other->failure->reason;
+      const auto& deviation = covariance.state.deviation.array();
+      EXPECT_LT(((other->state.mean - covariance.state.mean).array() / deviation).abs().maxCoeff(), 1e-7);
+      EXPECT_LT((other->state.deviation.array() / deviation - 1.0).abs().maxCoeff(), 1e-7);
+      EXPECT_NEAR(other->log_likelihood, covariance.log_likelihood, 1e-8 * std::abs(covariance.log_likelihood));
+    }
   }
 }
 

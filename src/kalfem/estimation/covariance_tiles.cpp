@@ -133,7 +133,7 @@ void CovarianceTiles::reset(const MatrixXd& covariance, const TileLayout& layout
 
 void CovarianceTiles::pass(const CovarianceStep& step, MatrixXd& product) {
   const Index columns = step.watched ? step.watched->cols() : 0;
-  product.setZero(tiles_ * tile_size, columns);
+  product.leftCols(columns).setZero();
   if (part_products_.size() == 1) {
     pass_over(0, tiles_, step, product);
     return;
@@ -143,7 +143,7 @@ void CovarianceTiles::pass(const CovarianceStep& step, MatrixXd& product) {
     own.setZero(tiles_ * tile_size, columns);
     pass_over(part_begin_[static_cast<std::size_t>(part)], part_begin_[static_cast<std::size_t>(part) + 1], step, own);
   });
-  for (const auto& own : part_products_) product += own;
+  for (const auto& own : part_products_) product.leftCols(columns) += own;
 }
 
 void CovarianceTiles::pass_over(Index begin, Index end, const CovarianceStep& step, MatrixXd& product) {

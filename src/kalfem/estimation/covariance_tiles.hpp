@@ -27,7 +27,7 @@ private:
 
 /// What one pass over the covariance does to it,
 ///     P <- A (widened P - J J^T) A^T + W U^T + U W^T + Q,
-/// and the thin product that it forms of the new P on the way, Y = P H. All with one row a slot.
+/// and the thin product that it forms of the new P on the way, P H. All with one row a slot.
 struct CovarianceStep {
   const Eigen::MatrixXd* downdate = nullptr;      ///< J, or none
   const TiledPropagator* propagator = nullptr;    ///< A, or none: A = 1, U, W and Q absent
@@ -49,6 +49,7 @@ public:
 
   /// Variances are widened by `rounding_allowance` of themselves before a downdate, a little more than what rounding
   /// can take from them, so that P stays positive semi-definite where a measurement leaves almost nothing.
+  /// P H goes into the first columns of `product`.
   void pass(const CovarianceStep& step, Eigen::MatrixXd& product);
 
   /// Column of P.

@@ -27,6 +27,7 @@ PartiallyLinearFilter::PartiallyLinearFilter(const UnscentedOptions& options, co
                                              TileLayout layout, int threads)
     : layout_(std::move(layout)),
       propagator_(transition.linear, layout_),
+      transposed_(transition.linear.transpose(), layout_),
       gain_(layout_.placed(transition.gain)),
       covariance_(threads),
       transition_(of_channels(options)),
@@ -38,35 +39,49 @@ PartiallyLinearFilter::PartiallyLinearFilter(const UnscentedOptions& options, co
 void PartiallyLinearFilter::reset(const Gaussian& estimate) {
   mean_ = layout_.placed(estimate.mean);
   covariance_.reset(estimate.covariance, layout_);
-  pending_ = false;
-  products_.resize(0, 0);
+  pending_ = fresh_ = false;
 }
 
 /// Rows of a map that is new, or has changed, join those whose products every pass forms.
 void PartiallyLinearFilter::watch(WatchedMap& watched, const PartiallyLinearMap& map) {
-  if (watched.is(map) && products_.size() > 0) return;
+  if (watched.is(map) && fresh_) return;
   if (!watched.is(map)) watched.take(map, &watched != &transition_, layout_);
   rows_ = {};
   for (auto* each : {&transition_, &measurement_, &observation_})
     if (!each->empty()) each->add_to(rows_, layout_);
+  rows_.find_followers(transposed_);
   for (auto* each : {&transition_, &measurement_, &observation_})
     if (!each->empty()) each->find_places(rows_);
+  process_noise_source_ = nullptr;
+  products_.resize(layout_.slots(), rows_.size());
   apply_downdate();
+  fresh_ = true;
 }
 
-void PartiallyLinearFilter::apply_downdate() { pass({.downdate = pending_ ? &downdate_ : nullptr}); }
-
-/// One pass over P, with the products of the watched rows.
-void PartiallyLinearFilter::pass(const CovarianceStep& step) {
-  CovarianceStep watching = step;
-  watching.watched = &rows_.dense();
-  covariance_.pass(watching, dense_products_);
+/// Takes J J^T from P and forms the products of all watched rows anew.
+void PartiallyLinearFilter::apply_downdate() {
+  covariance_.pass({.downdate = pending_ ? &downdate_ : nullptr, .watched = &rows_.dense()}, products_);
   pending_ = false;
-  const Index dense = dense_products_.cols();
-  products_.resize(layout_.slots(), rows_.size());
-  products_.leftCols(dense) = dense_products_;
+  read_picked();
+}
+
+/// Products of the rows that pick a state: columns of P.
+void PartiallyLinearFilter::read_picked() {
   for (std::size_t i = 0; i < rows_.single().size(); ++i)
-    covariance_.column(rows_.single()[i], &products_(0, dense + static_cast<Index>(i)));
+    covariance_.column(rows_.single()[i], &products_(0, rows_.dense().cols() + static_cast<Index>(i)));
+}
+
+/// P+ H^T of the rows that follow, from the products before the pass.
+void PartiallyLinearFilter::follow() {
+  const auto& followed = rows_.followed();
+  followed_.resize(products_.rows(), static_cast<Index>(followed.size()));
+  for (std::size_t i = 0; i < followed.size(); ++i) followed_.col(static_cast<Index>(i)) = products_.col(followed[i]);
+  propagator_.apply(followed_, following_);
+  thin_inner(gain_, rows_.followers(), gain_rows_);
+  thin_inner(response_, rows_.followers(), response_rows_);
+  add_thin_product(response_, gain_rows_, following_);
+  add_thin_product(gain_, response_rows_, following_);
+  products_.middleCols(rows_.leaders().cols(), following_.cols()) = following_ + noise_of_followers_;
 }
 
 FilterOutcome PartiallyLinearFilter::predict(PartiallyLinearMap& transition, const MatrixXd& process_noise) {
@@ -83,11 +98,16 @@ FilterOutcome PartiallyLinearFilter::predict(PartiallyLinearMap& transition, con
   propagator_.apply(transition_.cross(), response_);
   half_covariance_ = 0.5 * transition_.channel_covariance();
   add_thin_product(gain_, half_covariance_, response_);
-  pass({.downdate = pending_ ? &downdate_ : nullptr,
-        .propagator = &propagator_,
-        .gain = &gain_,
-        .response = &response_,
-        .process_noise = &process_noise_});
+  follow();
+  covariance_.pass({.downdate = pending_ ? &downdate_ : nullptr,
+                    .propagator = &propagator_,
+                    .gain = &gain_,
+                    .response = &response_,
+                    .process_noise = &process_noise_,
+                    .watched = &rows_.leaders()},
+                   products_);
+  pending_ = false;
+  read_picked();
   return FilterOutcome::usable;
 }
 
@@ -162,6 +182,8 @@ void PartiallyLinearFilter::read_process_noise(const MatrixXd& process_noise) {
   process_noise_source_ = &process_noise;
   process_noise_diagonal_ = process_noise.diagonal();
   process_noise_ = SymmetricTiles(process_noise, layout_);
+  const MatrixXd rows = layout_.placed(process_noise), placed = layout_.placed(rows.transpose());
+  noise_of_followers_ = placed * rows_.followers();
 }
 
 }  // namespace kalfem

@@ -34,13 +34,16 @@ private:
   void watch(WatchedMap& watched, const PartiallyLinearMap& map);
   void pass(const CovarianceStep& step);
   void apply_downdate();
+  void read_picked();
+  void follow();
   void correct_products();
   void read_process_noise(const Eigen::MatrixXd& process_noise);
 
   TileLayout layout_;
-  TiledPropagator propagator_;
-  Eigen::MatrixXd gain_;  ///< U, slots x p
+  TiledPropagator propagator_, transposed_;  ///< A, A^T
+  Eigen::MatrixXd gain_;                     ///< U, slots x p
   SymmetricTiles process_noise_;
+  Eigen::MatrixXd noise_of_followers_;  ///< Q H^T of the rows that follow, slots x followers
   const Eigen::MatrixXd* process_noise_source_ = nullptr;
   Eigen::VectorXd process_noise_diagonal_;
 
@@ -48,11 +51,13 @@ private:
   CovarianceTiles covariance_;
   Eigen::MatrixXd downdate_;  ///< J of an update that waits for the next pass, slots x l
   bool pending_ = false;      ///< whether there is one
+  bool fresh_ = false;        ///< whether `products_` belongs to the covariance
 
   WatchedMap transition_, measurement_, observation_;
   WatchedRows rows_;
   Eigen::MatrixXd products_;  ///< P H^T after what is pending, slots x rows_.size()
-  Eigen::MatrixXd dense_products_, response_, half_covariance_;
+  Eigen::MatrixXd response_, half_covariance_;
+  Eigen::MatrixXd followed_, following_, response_rows_, gain_rows_;  ///< P g^T, P+ h^T; W^T h^T, U^T h^T
   Eigen::MatrixXd dense_rows_of_downdate_, rows_of_downdate_, innovation_factor_, output_covariance_;
   Eigen::VectorXd whitened_, output_mean_;
   mutable Eigen::VectorXd state_mean_;

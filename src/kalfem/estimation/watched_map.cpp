@@ -54,18 +54,18 @@ bool WatchedMap::spread(PartiallyLinearMap& map, const MatrixXd& mean, const Mat
   const Index q = map.selection.rows(), p = map.gain.cols();
   copy_columns(products, selection_places_, channel_cross_);
 
-  thin_inner(dense_selection_, channel_cross_, inner_);
+  thin_inner(dense_selection_, channel_cross_, dense_covariance_);
   covariance_.resize(q, q);
   for (std::size_t i = 0; i < dense_channels_.size(); ++i)
-    covariance_.row(dense_channels_[i]) = inner_.row(static_cast<Index>(i));
+    covariance_.row(dense_channels_[i]) = dense_covariance_.row(static_cast<Index>(i));
   for (const auto& [channel, slot] : single_channels_) covariance_.row(channel) = channel_cross_.row(slot);
   covariance_usable_ = channel_factor(covariance_, factor_);
   if (!covariance_usable_) return false;
 
-  thin_inner(dense_selection_, mean, inner_);
+  thin_inner(dense_selection_, mean, dense_centre_);
   centre_ = map.input_offset;
   for (std::size_t i = 0; i < dense_channels_.size(); ++i)
-    centre_[dense_channels_[i]] += inner_(static_cast<Index>(i), 0);
+    centre_[dense_channels_[i]] += dense_centre_(static_cast<Index>(i), 0);
   for (const auto& [channel, slot] : single_channels_) centre_[channel] += mean(slot, 0);
   if (!transform_.apply(map, centre_, factor_)) return false;
 
@@ -81,9 +81,9 @@ bool WatchedMap::spread(PartiallyLinearMap& map, const MatrixXd& mean, const Mat
 }
 
 void WatchedMap::output_mean(const PartiallyLinearMap& map, const MatrixXd& mean, VectorXd& y) {
-  thin_inner(linear_, mean, inner_);
+  thin_inner(linear_, mean, output_of_mean_);
   y = map.offset;
-  y += inner_.col(0);
+  y += output_of_mean_.col(0);
   y.noalias() += map.gain.lazyProduct(transform_.mean());
 }
 
@@ -94,8 +94,8 @@ void WatchedMap::output_cross(const PartiallyLinearMap& map, const MatrixXd& pro
 
 void WatchedMap::add_output_covariance(const PartiallyLinearMap& map, const MatrixXd& products, MatrixXd& covariance) {
   copy_columns(products, linear_places_, output_products_);
-  thin_inner(linear_, output_products_, inner_);
-  covariance += inner_;
+  thin_inner(linear_, output_products_, output_covariance_);
+  covariance += output_covariance_;
   thin_inner(linear_, force_, output_force_);
   output_force_.noalias() += 0.5 * map.gain.lazyProduct(force_covariance_);
   const Index l = covariance.rows(), p = map.gain.cols();

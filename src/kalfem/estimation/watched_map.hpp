@@ -57,7 +57,8 @@ private:
   Eigen::MatrixXd channel_cross_;                 ///< P_xw, slots x q
   Eigen::MatrixXd covariance_, factor_, slopes_;  ///< P_ww, L, F = L^-T delta
   Eigen::MatrixXd force_, force_covariance_;
-  Eigen::MatrixXd inner_, output_products_, output_force_;
+  Eigen::MatrixXd dense_covariance_, dense_centre_;
+  Eigen::MatrixXd output_of_mean_, output_products_, output_covariance_, output_force_;
 };
 
 }  // namespace kalfem
