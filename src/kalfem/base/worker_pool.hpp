@@ -22,15 +22,14 @@ public:
 
   /// Calls work(0) ... work(tasks - 1) and returns when all are done. `work` must not throw.
   template <class Work>
-  void run(int tasks, Work&& work) {
-    auto* pointer = std::addressof(work);
-    start({[](void* context, int task) { (*static_cast<decltype(pointer)>(context))(task); }, pointer, tasks});
+  void run(int tasks, const Work& work) {
+    start({[](const void* context, int task) { (*static_cast<const Work*>(context))(task); }, &work, tasks});
   }
 
 private:
   struct Job {
-    void (*call)(void*, int) = nullptr;
-    void* context = nullptr;
+    void (*call)(const void*, int) = nullptr;
+    const void* context = nullptr;
     int tasks = 0;
   };
   void start(const Job& job);

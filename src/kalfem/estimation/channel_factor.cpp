@@ -27,10 +27,11 @@ bool channel_factor(const MatrixXd& covariance, MatrixXd& factor) {
       continue;
     }
     factor(j, j) = std::sqrt(pivot);
+    const double inverse = 1.0 / factor(j, j);
     for (Index i = j + 1; i < q; ++i) {
       double value = covariance(i, j);
       for (Index k = 0; k < j; ++k) value -= factor(i, k) * factor(j, k);
-      factor(i, j) = value / factor(j, j);
+      factor(i, j) = value * inverse;
     }
   }
   return factor.allFinite();
@@ -51,17 +52,13 @@ void solve_channels(const MatrixXd& factor, MatrixXd& b) {
 }
 
 void solve_channels_transposed(const MatrixXd& factor, MatrixXd& b) {
-  const Index q = factor.rows();
-  for (Index column = 0; column < b.cols(); ++column)
-    for (Index i = q - 1; i >= 0; --i) {
-      if (factor(i, i) == 0.0) {
-        b(i, column) = 0.0;
-        continue;
-      }
-      double value = b(i, column);
-      for (Index k = i + 1; k < q; ++k) value -= factor(k, i) * b(k, column);
-      b(i, column) = value / factor(i, i);
+  for (Index i = factor.rows() - 1; i >= 0; --i) {
+    const double inverse = factor(i, i) == 0.0 ? 0.0 : 1.0 / factor(i, i);
+    for (Index column = 0; column < b.cols(); ++column) {
+      const double value = b(i, column) *= inverse;
+      for (Index k = 0; k < i; ++k) b(k, column) -= factor(i, k) * value;
     }
+  }
 }
 
 }  // namespace kalfem

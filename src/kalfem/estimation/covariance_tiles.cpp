@@ -20,14 +20,6 @@ constexpr double negligible = 1e-15;  ///< of the standard deviations' product: 
 /// One tile in registers, column by column.
 using Tile = Lanes[8];
 
-/// A thin matrix with one row a slot: eight rows of a column as lanes, single entries for broadcasting.
-struct Thin {
-  explicit Thin(const MatrixXd& matrix) : data(matrix.data()), stride(matrix.rows()), columns(matrix.cols()) {}
-  [[nodiscard]] const double* at(Index tile, Index column) const { return data + column * stride + tile * tile_size; }
-  const double* data;
-  Index stride, columns;
-};
-
 [[gnu::always_inline]] inline void load_tile(const double* from, Tile& t) {
 #pragma GCC unroll 8
   for (int j = 0; j < 8; ++j) t[j] = load(from + j * 8);
@@ -38,11 +30,14 @@ struct Thin {
   for (int j = 0; j < 8; ++j) store(to + j * 8, t[j]);
 }
 
-/// T += a_I b_J^T, or -= .
-template <int sign>
-[[gnu::always_inline]] inline void add_product(const Lanes& a, const double* b, Tile& t) {
+/// T += sum of left_I right_J^T over `terms` pairs of columns.
+[[gnu::always_inline]] inline void add_products(Index terms, const double* left, const double* right, Tile& t) {
+  for (Index c = 0; c < terms; ++c) {
+    const Lanes column = load(left + c * tile_size);
+    const double* row = right + c * tile_size;
 #pragma GCC unroll 8
-  for (int j = 0; j < 8; ++j) t[j] += a * (sign * b[j]);
+    for (int j = 0; j < 8; ++j) t[j] += column * row[j];
+  }
 }
 
 /// T <- A_I T A_J^T with pairs.
@@ -87,10 +82,10 @@ std::vector<Index> equal_parts(Index tiles, int count) {
 }
 
 /// Y_I += T H_J.
-[[gnu::always_inline]] inline void multiply_tile(const Tile& t, const Thin& h, Index tile, Index row, MatrixXd& y) {
-  for (Index c = 0; c < h.columns; ++c) {
-    const double* factor = h.at(tile, c);
-    double* to = y.data() + c * y.rows() + row * tile_size;
+[[gnu::always_inline]] inline void multiply_tile(const Tile& t, Index columns, const double* h, double* y) {
+  for (Index c = 0; c < columns; ++c) {
+    const double* factor = h + c * tile_size;
+    double* to = y + c * tile_size;
     const Lanes even = (t[0] * factor[0] + t[2] * factor[2]) + (t[4] * factor[4] + t[6] * factor[6]);
     const Lanes odd = (t[1] * factor[1] + t[3] * factor[3]) + (t[5] * factor[5] + t[7] * factor[7]);
     store(to, load(to) + (even + odd));
@@ -122,7 +117,7 @@ CovarianceTiles::CovarianceTiles(int threads) : pool_(std::make_unique<WorkerPoo
 void CovarianceTiles::reset(const MatrixXd& covariance, const TileLayout& layout) {
   tiles_ = layout.tiles;
   part_begin_ = equal_parts(tiles_, tiles_ < divided_from ? 1 : parts);
-  part_products_.resize(part_begin_.size() - 1);
+  products_.resize(part_begin_.size() - 1);
   values_.resize(tiles_ * (tiles_ + 1) / 2 * tile_size * tile_size);
   const MatrixXd symmetric = covariance.selfadjointView<Eigen::Lower>();
   const MatrixXd rows = layout.placed(symmetric), placed = layout.placed(rows.transpose());
@@ -132,50 +127,87 @@ void CovarianceTiles::reset(const MatrixXd& covariance, const TileLayout& layout
 }
 
 void CovarianceTiles::pass(const CovarianceStep& step, MatrixXd& product) {
-  const Index columns = step.watched ? step.watched->cols() : 0;
-  product.leftCols(columns).setZero();
-  if (part_products_.size() == 1) {
-    pass_over(0, tiles_, step, product);
-    return;
-  }
-  pool_->run(static_cast<int>(part_products_.size()), [&](int part) {
-    auto& own = part_products_[static_cast<std::size_t>(part)];
-    own.setZero(tiles_ * tile_size, columns);
-    pass_over(part_begin_[static_cast<std::size_t>(part)], part_begin_[static_cast<std::size_t>(part) + 1], step, own);
+  pack(step);
+  run_parts([&](int part) {
+    const auto index = static_cast<std::size_t>(part);
+    products_[index].setZero(tiles_ * packed_.watched * tile_size);
+    pass_over(part_begin_[index], part_begin_[index + 1], step, products_[index].data());
   });
-  for (const auto& own : part_products_) product.leftCols(columns) += own;
+  for (Index tile = 0; tile < tiles_; ++tile)
+    for (Index c = 0; c < packed_.watched; ++c) {
+      const Index place = (tile * packed_.watched + c) * tile_size;
+      Lanes sum = load(&products_[0][place]);
+      for (std::size_t part = 1; part < products_.size(); ++part) sum += load(&products_[part][place]);
+      store(&product(tile * tile_size, c), sum);
+    }
 }
 
-void CovarianceTiles::pass_over(Index begin, Index end, const CovarianceStep& step, MatrixXd& product) {
-  static const MatrixXd none;
-  const Thin j(step.downdate ? *step.downdate : none), u(step.gain ? *step.gain : none),
-      w(step.response ? *step.response : none), h(step.watched ? *step.watched : none);
+template <class Work>
+void CovarianceTiles::run_parts(const Work& work) {
+  if (products_.size() == 1)
+    work(0);
+  else
+    pool_->run(static_cast<int>(products_.size()), work);
+}
+
+/// All thin columns that meet in a tile, one after the other for each tile: left and right factors of the low-rank
+/// terms,
+///     -(A J) (A J)^T + W U^T + U W^T,
+/// and the watched rows.
+void CovarianceTiles::pack(const CovarianceStep& step) {
+  const auto columns = [](const MatrixXd* matrix) { return matrix ? matrix->cols() : 0; };
+  const Index l = columns(step.downdate), p = columns(step.gain);
+  packed_.terms = l + 2 * p;
+  packed_.watched = columns(step.watched);
+  packed_.stride = (2 * packed_.terms + packed_.watched) * tile_size;
+  packed_.values.resize(tiles_ * packed_.stride);
+  for (Index tile = 0; tile < tiles_; ++tile) {
+    double* left = &packed_.values[tile * packed_.stride];
+    double* right = left + packed_.terms * tile_size;
+    const auto add = [&](const Lanes& a, const Lanes& b) {
+      store(left, a);
+      store(right, b);
+      left += tile_size;
+      right += tile_size;
+    };
+    const auto entry = [&](const MatrixXd* matrix, Index c) { return load(&(*matrix)(tile * tile_size, c)); };
+    for (Index c = 0; c < l; ++c) {
+      Lanes moved = entry(step.downdate, c);
+      if (step.propagator) {
+        alignas(64) double values[tile_size];
+        step.propagator->apply_to_tile(tile, &(*step.downdate)(tile * tile_size, c), values);
+        moved = load(values);
+      }
+      add(-moved, moved);
+    }
+    for (Index c = 0; c < p; ++c) {
+      add(entry(step.response, c), entry(step.gain, c));
+      add(entry(step.gain, c), entry(step.response, c));
+    }
+    for (Index c = 0; c < packed_.watched; ++c) store(right + c * tile_size, entry(step.watched, c));
+  }
+}
+
+void CovarianceTiles::pass_over(Index begin, Index end, const CovarianceStep& step, double* product) {
+  const Index terms = packed_.terms, watched = packed_.watched;
   const auto full = [&](Index tile) { return step.propagator->full[static_cast<std::size_t>(tile)].has_value(); };
   for (Index row = begin; row < end; ++row) {
     const bool full_row = step.propagator && full(row);
+    const double* of_row = &packed_.values[row * packed_.stride];
     for (Index column = 0; column <= row; ++column) {
+      const double* of_column = &packed_.values[column * packed_.stride];
       double* values = tile(row, column);
-      Tile t;
       if (step.downdate && row == column)
         for (int i = 0; i < 8; ++i) values[9 * i] *= 1.0 + rounding_allowance;
+      if (full_row || (step.propagator && full(column))) [[unlikely]]
+        propagate_full(*step.propagator, row, column, values);
+      Tile t;
       load_tile(values, t);
-      for (Index c = 0; c < j.columns; ++c) add_product<-1>(load(j.at(row, c)), j.at(column, c), t);
-      if (step.propagator) {
-        if (full_row || full(column)) [[unlikely]] {
-          store_tile(t, values);
-          propagate_full(*step.propagator, row, column, values);
-          load_tile(values, t);
-        } else {
-          propagate_pairs(*step.propagator, row, column, t);
-        }
-        for (Index c = 0; c < u.columns; ++c) {
-          add_product<1>(load(w.at(row, c)), u.at(column, c), t);
-          add_product<1>(load(u.at(row, c)), w.at(column, c), t);
-        }
-        if (const double* noise = step.process_noise->tile(row, column)) {
+      if (step.propagator && !full_row && !full(column)) propagate_pairs(*step.propagator, row, column, t);
+      add_products(terms, of_row, of_column + terms * tile_size, t);
+      if (const double* noise = step.process_noise ? step.process_noise->tile(row, column) : nullptr) {
 #pragma GCC unroll 8
-          for (int i = 0; i < 8; ++i) t[i] += load(noise + i * 8);
-        }
+        for (int i = 0; i < 8; ++i) t[i] += load(noise + i * 8);
       }
       Tile mirrored;
       transpose(t, mirrored);
@@ -183,10 +215,10 @@ void CovarianceTiles::pass_over(Index begin, Index end, const CovarianceStep& st
 #pragma GCC unroll 8
         for (int i = 0; i < 8; ++i) t[i] = 0.5 * (t[i] + mirrored[i]);
       } else {
-        multiply_tile(mirrored, h, row, column, product);
+        multiply_tile(mirrored, watched, of_row + 2 * terms * tile_size, product + column * watched * tile_size);
       }
       store_tile(t, values);
-      multiply_tile(t, h, column, row, product);
+      multiply_tile(t, watched, of_column + 2 * terms * tile_size, product + row * watched * tile_size);
     }
   }
 }

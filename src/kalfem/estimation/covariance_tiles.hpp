@@ -65,12 +65,19 @@ private:
   [[nodiscard]] const double* tile(Eigen::Index row, Eigen::Index column) const {
     return values_.data() + (row * (row + 1) / 2 + column) * tile_size * tile_size;
   }
-  void pass_over(Eigen::Index begin, Eigen::Index end, const CovarianceStep& step, Eigen::MatrixXd& product);
+  void pack(const CovarianceStep& step);
+  void pass_over(Eigen::Index begin, Eigen::Index end, const CovarianceStep& step, double* product);
+  template <class Work>
+  void run_parts(const Work& work);
 
   std::unique_ptr<WorkerPool> pool_;
   Eigen::Index tiles_ = 0;
-  std::vector<Eigen::Index> part_begin_;  ///< first tile row of each part, then the number of tile rows
-  std::vector<Eigen::MatrixXd> part_products_;
+  std::vector<Eigen::Index> part_begin_;   ///< first tile row of each part, then the number of tile rows
+  std::vector<Eigen::VectorXd> products_;  ///< P H of each part, tile by tile
+  struct {
+    Eigen::Index terms = 0, watched = 0, stride = 0;
+    Eigen::VectorXd values;
+  } packed_;
   Eigen::VectorXd values_;
 };
 

@@ -33,7 +33,7 @@ PartiallyLinearFilter::PartiallyLinearFilter(const UnscentedOptions& options, co
       transition_(of_channels(options)),
       measurement_(of_channels(options)),
       observation_(of_channels(options)) {
-  transition_.take(transition, false, layout_);
+  transition_.take(transition, false);
 }
 
 void PartiallyLinearFilter::reset(const Gaussian& estimate) {
@@ -45,60 +45,56 @@ void PartiallyLinearFilter::reset(const Gaussian& estimate) {
 /// Rows of a map that is new, or has changed, join those whose products every pass forms.
 void PartiallyLinearFilter::watch(WatchedMap& watched, const PartiallyLinearMap& map) {
   if (watched.is(map) && fresh_) return;
-  if (!watched.is(map)) watched.take(map, &watched != &transition_, layout_);
+  if (!watched.is(map)) watched.take(map, &watched != &transition_);
   rows_ = {};
   for (auto* each : {&transition_, &measurement_, &observation_})
     if (!each->empty()) each->add_to(rows_, layout_);
   rows_.find_followers(transposed_);
   for (auto* each : {&transition_, &measurement_, &observation_})
     if (!each->empty()) each->find_places(rows_);
+  gain_of_followers_ = gain_.transpose() * rows_.followers();
   process_noise_source_ = nullptr;
-  products_.resize(layout_.slots(), rows_.size());
-  apply_downdate();
-  fresh_ = true;
+  refresh();
 }
 
 /// Takes J J^T from P and forms the products of all watched rows anew.
-void PartiallyLinearFilter::apply_downdate() {
+void PartiallyLinearFilter::refresh() {
+  if (fresh_) mean_ = products_.rightCols(1);
+  products_.resize(layout_.slots(), rows_.size() + 1);
+  products_.rightCols(1) = mean_;
+  gram_.setZero((rows_.size() + tile_size - 1) / tile_size * tile_size, rows_.size() + 1);
   covariance_.pass({.downdate = pending_ ? &downdate_ : nullptr, .watched = &rows_.dense()}, products_);
+  complete_products();
   pending_ = false;
-  read_picked();
+  fresh_ = true;
 }
 
-/// Products of the rows that pick a state: columns of P.
-void PartiallyLinearFilter::read_picked() {
-  for (std::size_t i = 0; i < rows_.single().size(); ++i)
-    covariance_.column(rows_.single()[i], &products_(0, rows_.dense().cols() + static_cast<Index>(i)));
-}
-
-/// P+ H^T of the rows that follow, from the products before the pass.
-void PartiallyLinearFilter::follow() {
-  const auto& followed = rows_.followed();
-  followed_.resize(products_.rows(), static_cast<Index>(followed.size()));
-  for (std::size_t i = 0; i < followed.size(); ++i) followed_.col(static_cast<Index>(i)) = products_.col(followed[i]);
-  propagator_.apply(followed_, following_);
-  thin_inner(gain_, rows_.followers(), gain_rows_);
-  thin_inner(response_, rows_.followers(), response_rows_);
-  add_thin_product(response_, gain_rows_, following_);
-  add_thin_product(gain_, response_rows_, following_);
-  products_.middleCols(rows_.leaders().cols(), following_.cols()) = following_ + noise_of_followers_;
+/// Products of the rows that pick a state, which are columns of P, and all rows of the products.
+void PartiallyLinearFilter::complete_products() {
+  const Index dense = rows_.dense().cols();
+  const auto& single = rows_.single();
+  for (std::size_t i = 0; i < single.size(); ++i)
+    covariance_.column(single[i], &products_(0, dense + static_cast<Index>(i)));
+  thin_inner(rows_.dense(), products_, gram_);
+  for (std::size_t i = 0; i < single.size(); ++i) gram_.row(dense + static_cast<Index>(i)) = products_.row(single[i]);
 }
 
 FilterOutcome PartiallyLinearFilter::predict(PartiallyLinearMap& transition, const MatrixXd& process_noise) {
   watch(transition_, transition);
   read_process_noise(process_noise);
-  if (!transition_.spread(transition, mean_, products_)) return why_not(transition_);
+  if (!transition_.spread(transition, gram_)) return why_not(transition_);
 
-  propagator_.apply(mean_, moved_mean_);
-  for (Index i = 0; i < transition.offset.size(); ++i)
-    moved_mean_(layout_.slot[static_cast<std::size_t>(i)], 0) += transition.offset[i];
-  moved_mean_.noalias() += gain_.lazyProduct(transition_.channel_mean());
-  mean_.swap(moved_mean_);
-
-  propagator_.apply(transition_.cross(), response_);
-  half_covariance_ = 0.5 * transition_.channel_covariance();
-  add_thin_product(gain_, half_covariance_, response_);
+  thin_product(products_, transition_.slopes(), force_);
+  propagator_.apply(force_, response_);
+  add_thin_product(gain_, transition_.half_covariance(), response_);
   follow();
+
+  propagator_.apply_to_column(products_, rows_.size());
+  auto mean = products_.col(rows_.size());
+  for (Index i = 0; i < transition.offset.size(); ++i)
+    mean[layout_.slot[static_cast<std::size_t>(i)]] += transition.offset[i];
+  mean.noalias() += gain_.lazyProduct(transition_.channel_mean());
+
   covariance_.pass({.downdate = pending_ ? &downdate_ : nullptr,
                     .propagator = &propagator_,
                     .gain = &gain_,
@@ -107,56 +103,72 @@ FilterOutcome PartiallyLinearFilter::predict(PartiallyLinearMap& transition, con
                     .watched = &rows_.leaders()},
                    products_);
   pending_ = false;
-  read_picked();
+  complete_products();
   return FilterOutcome::usable;
+}
+
+/// P+ H^T of the rows h that follow, from P g^T of those they follow from: W^T h^T is F^T (P H^T)^T g^T and the part of
+/// the gain.
+void PartiallyLinearFilter::follow() {
+  const auto& followed = rows_.followed();
+  const auto count = static_cast<Index>(followed.size());
+  followed_.resize(products_.rows(), count);
+  response_of_followers_.noalias() = transition_.half_covariance().lazyProduct(gain_of_followers_);
+  for (Index i = 0; i < count; ++i) {
+    const Index leader = followed[static_cast<std::size_t>(i)];
+    followed_.col(i) = products_.col(leader);
+    response_of_followers_.col(i).noalias() +=
+        transition_.slopes().transpose().lazyProduct(gram_.row(leader).head(rows_.size()).transpose());
+  }
+  propagator_.apply(followed_, following_);
+  following_ += noise_of_followers_;
+  add_thin_product(response_, gain_of_followers_, following_);
+  add_thin_product(gain_, response_of_followers_, following_);
+  products_.middleCols(rows_.leaders().cols(), count) = following_;
 }
 
 FilterOutcome PartiallyLinearFilter::update(PartiallyLinearMap& measurement, const MatrixXd& noise, const VectorXd& y,
                                             Innovation& innovation) {
   watch(measurement_, measurement);
-  if (!measurement_.spread(measurement, mean_, products_)) return why_not(measurement_);
-  measurement_.output_mean(measurement, mean_, output_mean_);
+  if (pending_) refresh();
+  if (!measurement_.spread(measurement, gram_)) return why_not(measurement_);
+  measurement_.output_mean(measurement, gram_, output_mean_);
   innovation.value = y - output_mean_;
   innovation.covariance = noise;
-  measurement_.add_output_covariance(measurement, products_, innovation.covariance);
+  measurement_.add_output_covariance(measurement, gram_, innovation.covariance);
   if (!cholesky(innovation.covariance, 0.0, innovation_factor_)) return FilterOutcome::innovation_not_positive_definite;
   whitened_ = innovation.value;
   whiten(innovation_factor_, whitened_);
 
-  if (pending_) apply_downdate();
-  measurement_.output_cross(measurement, products_, downdate_);
-  solve_on_the_right(innovation_factor_, downdate_);
+  // P_xy = (P H^T) B, J = P_xy L^-T: x + J (L^-1 nu), P - J J^T, and both under H.
+  measurement_.output_cross(measurement, cross_);
+  solve_on_the_right(innovation_factor_, cross_);
+  thin_product(products_, cross_, downdate_);
+  thin_product(gram_, cross_, rows_of_downdate_);
+  rows_and_score_.resize(rows_.size() + 1, y.size());
+  rows_and_score_.topRows(rows_.size()) = rows_of_downdate_.topRows(rows_.size());
+  rows_and_score_.bottomRows(1) = -whitened_.transpose();
+  subtract_thin_product_transposed(downdate_, rows_and_score_, products_);
+  subtract_thin_product_transposed(rows_of_downdate_, rows_and_score_, gram_);
   pending_ = true;
-  mean_.noalias() += downdate_.lazyProduct(whitened_);
-  correct_products();
   score(innovation, innovation_factor_, whitened_);
   return FilterOutcome::usable;
 }
 
-/// P H^T of the updated covariance, P H^T - J (H J)^T.
-void PartiallyLinearFilter::correct_products() {
-  thin_inner(rows_.dense(), downdate_, dense_rows_of_downdate_);
-  const Index dense = dense_rows_of_downdate_.rows();
-  rows_of_downdate_.resize(rows_.size(), downdate_.cols());
-  rows_of_downdate_.topRows(dense) = dense_rows_of_downdate_;
-  for (std::size_t i = 0; i < rows_.single().size(); ++i)
-    rows_of_downdate_.row(dense + static_cast<Index>(i)) = downdate_.row(rows_.single()[i]);
-  subtract_thin_product_transposed(downdate_, rows_of_downdate_, products_);
-}
-
 FilterOutcome PartiallyLinearFilter::observe(PartiallyLinearMap& map, VectorXd& mean, VectorXd& deviation) {
   watch(observation_, map);
-  if (!observation_.spread(map, mean_, products_)) return why_not(observation_);
-  observation_.output_mean(map, mean_, mean);
+  if (!observation_.spread(map, gram_)) return why_not(observation_);
+  observation_.output_mean(map, gram_, mean);
   output_covariance_.setZero(mean.size(), mean.size());
-  observation_.add_output_covariance(map, products_, output_covariance_);
+  observation_.add_output_covariance(map, gram_, output_covariance_);
   deviation = output_covariance_.diagonal().cwiseMax(0.0).cwiseSqrt();
   return FilterOutcome::usable;
 }
 
 const VectorXd& PartiallyLinearFilter::mean() const {
   state_mean_.resize(static_cast<Index>(layout_.slot.size()));
-  for (Index i = 0; i < state_mean_.size(); ++i) state_mean_[i] = mean_(layout_.slot[static_cast<std::size_t>(i)], 0);
+  const auto mean = fresh_ ? products_.col(rows_.size()) : mean_.col(0);
+  for (Index i = 0; i < state_mean_.size(); ++i) state_mean_[i] = mean[layout_.slot[static_cast<std::size_t>(i)]];
   return state_mean_;
 }
 

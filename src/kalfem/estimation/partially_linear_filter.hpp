@@ -32,33 +32,35 @@ public:
 
 private:
   void watch(WatchedMap& watched, const PartiallyLinearMap& map);
-  void pass(const CovarianceStep& step);
-  void apply_downdate();
-  void read_picked();
+  void refresh();
   void follow();
-  void correct_products();
+  void complete_products();
   void read_process_noise(const Eigen::MatrixXd& process_noise);
 
   TileLayout layout_;
   TiledPropagator propagator_, transposed_;  ///< A, A^T
   Eigen::MatrixXd gain_;                     ///< U, slots x p
   SymmetricTiles process_noise_;
-  Eigen::MatrixXd noise_of_followers_;  ///< Q H^T of the rows that follow, slots x followers
   const Eigen::MatrixXd* process_noise_source_ = nullptr;
   Eigen::VectorXd process_noise_diagonal_;
 
-  Eigen::MatrixXd mean_, moved_mean_;  ///< slots x 1
   CovarianceTiles covariance_;
+  Eigen::MatrixXd mean_;      ///< slots x 1
   Eigen::MatrixXd downdate_;  ///< J of an update that waits for the next pass, slots x l
   bool pending_ = false;      ///< whether there is one
-  bool fresh_ = false;        ///< whether `products_` belongs to the covariance
 
   WatchedMap transition_, measurement_, observation_;
-  WatchedRows rows_;
-  Eigen::MatrixXd products_;  ///< P H^T after what is pending, slots x rows_.size()
-  Eigen::MatrixXd response_, half_covariance_;
-  Eigen::MatrixXd followed_, following_, response_rows_, gain_rows_;  ///< P g^T, P+ h^T; W^T h^T, U^T h^T
-  Eigen::MatrixXd dense_rows_of_downdate_, rows_of_downdate_, innovation_factor_, output_covariance_;
+  WatchedRows rows_;                    ///< H, K rows
+  Eigen::MatrixXd products_;            ///< [P H^T, x] after what is pending, slots x (K + 1)
+  Eigen::MatrixXd gram_;                ///< H [P H^T, x], K rows, then zeros to a multiple of eight, x (K + 1)
+  bool fresh_ = false;                  ///< whether they belong to the estimate
+  Eigen::MatrixXd gain_of_followers_;   ///< U^T h^T of the rows that follow, p x followers
+  Eigen::MatrixXd noise_of_followers_;  ///< Q H^T of these, slots x followers
+
+  Eigen::MatrixXd force_, response_;                              ///< P_xf, W, slots x p
+  Eigen::MatrixXd followed_, following_, response_of_followers_;  ///< P g^T, P+ h^T, slots x followers; (H W)^T
+  Eigen::MatrixXd cross_, rows_of_downdate_, rows_and_score_;     ///< B, H J, [H J; -(L^-1 nu)^T]
+  Eigen::MatrixXd innovation_factor_, output_covariance_;
   Eigen::VectorXd whitened_, output_mean_;
   mutable Eigen::VectorXd state_mean_;
 };

@@ -7,15 +7,13 @@ namespace kalfem {
 // Products of thin matrices, whose number of rows is a multiple of eight and whose columns are few. No allocation once
 // the results have their size.
 
-/// Y = X M, rows x columns of M.
+/// Y = X M with the first columns of X.
 void thin_product(const Eigen::MatrixXd& x, const Eigen::MatrixXd& m, Eigen::MatrixXd& y);
-/// Y += X M.
+/// Y += X M with the first columns of X.
 void add_thin_product(const Eigen::MatrixXd& x, const Eigen::MatrixXd& m, Eigen::MatrixXd& y);
-/// Y += X M^T.
-void add_thin_product_transposed(const Eigen::MatrixXd& x, const Eigen::MatrixXd& m, Eigen::MatrixXd& y);
 /// Y -= X M^T.
 void subtract_thin_product_transposed(const Eigen::MatrixXd& x, const Eigen::MatrixXd& m, Eigen::MatrixXd& y);
-/// M = X^T Y.
+/// First rows of M = X^T Y, as many as X has columns.
 void thin_inner(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, Eigen::MatrixXd& m);
 
 }  // namespace kalfem

@@ -109,17 +109,25 @@ TiledPropagator::TiledPropagator(const MatrixXd& A, const TileLayout& layout)
   }
 }
 
+void TiledPropagator::apply_to_tile(Index tile, const double* x, double* y) const {
+  if (const auto& block = full[static_cast<std::size_t>(tile)]) {
+    Eigen::Map<Eigen::Matrix<double, 8, 1>>{y} = (*block * Eigen::Map<const Eigen::Matrix<double, 8, 1>>(x)).eval();
+    return;
+  }
+  const Lanes values = load(x);
+  store(y, load(&own[tile * tile_size]) * values + load(&other[tile * tile_size]) * swap_neighbours(values));
+}
+
 void TiledPropagator::apply(const MatrixXd& x, MatrixXd& y) const {
   y.resize(x.rows(), x.cols());
   for (Index column = 0; column < x.cols(); ++column)
-    for (Index slot = 0; slot < x.rows(); slot += tile_size) {
-      if (const auto& block = full[static_cast<std::size_t>(slot / tile_size)]) {
-        y.block<8, 1>(slot, column).noalias() = *block * x.block<8, 1>(slot, column);
-        continue;
-      }
-      const Lanes values = load(&x(slot, column));
-      store(&y(slot, column), load(&own[slot]) * values + load(&other[slot]) * swap_neighbours(values));
-    }
+    for (Index slot = 0; slot < x.rows(); slot += tile_size)
+      apply_to_tile(slot / tile_size, &x(slot, column), &y(slot, column));
+}
+
+void TiledPropagator::apply_to_column(MatrixXd& x, Index column) const {
+  for (Index slot = 0; slot < x.rows(); slot += tile_size)
+    apply_to_tile(slot / tile_size, &x(slot, column), &x(slot, column));
 }
 
 }  // namespace kalfem

@@ -33,6 +33,9 @@ struct TiledPropagator {
 
   /// y = A x for thin matrices, slots x columns.
   void apply(const Eigen::MatrixXd& x, Eigen::MatrixXd& y) const;
+  /// One column of x <- A times that column.
+  void apply_to_column(Eigen::MatrixXd& x, Eigen::Index column) const;
+  void apply_to_tile(Eigen::Index tile, const double* x, double* y) const;
 };
 
 }  // namespace kalfem
