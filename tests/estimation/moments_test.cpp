@@ -95,8 +95,8 @@ std::vector<Contender> contenders(const PartiallyLinearMap& map) {
   return {{"points of the state, c = n", FilterKind::unscented, {}},
           {"points of the state, c = q", FilterKind::unscented, {.alpha = std::sqrt(q / n)}},
           {"points of the state, c = 3", FilterKind::unscented, {.alpha = std::sqrt(3.0 / n)}},
-          {"points of w, c = q", FilterKind::partially_linear, {.alpha = 1.0}},
-          {"points of w, c = 3", FilterKind::partially_linear, {.alpha = std::sqrt(3.0 / q)}}};
+          {"points of w, c = q", FilterKind::partially_linear, {.kappa = 0.0}},
+          {"points of w, c = 3", FilterKind::partially_linear, {}}};
 }
 enum : std::size_t { state_n, state_q, state_3, channels_q, channels_3, contender_count };
 

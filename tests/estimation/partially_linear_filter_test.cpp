@@ -176,6 +176,42 @@ TEST_P(TiledFilter, EstimatesDoNotDependOnTheCoordinates) {
   EXPECT_NEAR(modal.log_likelihood, physical.log_likelihood, 1e-6 * std::abs(physical.log_likelihood));
 }
 
+/// Parts of a pass are summed in one order whoever takes them.
+TEST(PartiallyLinearFilter, ResultsDoNotDependOnTheNumberOfThreads) {
+  const int masses = 200;
+  const auto model = quarter_chain(
+      masses, {{"suspension", "wheel.w", "body.1", make_law("saturating"), saturating_parameters()}},
+      {{"road", InputKind::base_displacement, "wheel.ground"}});
+  auto options = all_known(model.system(), 1e-3);
+  options.coordinates = StateCoordinates::modal;
+  options.unknowns = Chain().options().unknowns;
+  options.prior.displacement_deviation.setConstant(1e-4);
+  options.process_noise.acceleration.setConstant(0.01);
+  const auto sensors = make_outputs(model, {Chain::acceleration("2"), Chain::acceleration("150")});
+  const Observer observer(model.system(), sensors, {}, options);
+  const Chain chain;
+  const MatrixXd inputs = chain.inputs(1000.0, 20);
+  std::vector<std::unique_ptr<TransitionMap>> transitions;
+  std::vector<std::unique_ptr<Filter>> filters;
+  for (const int threads : {1, 2, 3}) {
+    transitions.push_back(std::make_unique<TransitionMap>(observer));
+    filters.push_back(make_filter(FilterKind::partially_linear, {}, transitions.back().get(), threads));
+    filters.back()->reset(observer.prior());
+    InstantMap measurement(observer, observer.form().outputs());
+    Innovation innovation;
+    for (Index k = 1; k < inputs.cols(); ++k) {
+      transitions.back()->set_inputs(inputs.col(k - 1), inputs.col(k));
+      ASSERT_EQ(filters.back()->predict(*transitions.back(), observer.process_noise()), FilterOutcome::usable);
+      measurement.set_inputs(inputs.col(k));
+      ASSERT_EQ(filters.back()->update(measurement, MatrixXd::Identity(2, 2), VectorXd::Constant(2, 0.1 * double(k)),
+                                       innovation),
+                FilterOutcome::usable);
+    }
+    EXPECT_TRUE(filters.back()->mean() == filters.front()->mean()) << threads;
+    EXPECT_TRUE(filters.back()->covariance() == filters.front()->covariance()) << threads;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(PartiallyLinear, TiledFilter, testing::Range(std::size_t{0}, settings().size()));
 
 }  // namespace

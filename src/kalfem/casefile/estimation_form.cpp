@@ -63,10 +63,12 @@ Form<Estimation> estimation() {
                                    "white acceleration on every degree of freedom")
                          .optional("accelerations", &Noise::accelerations,
                                    named(located(deviation("m/s^2/sqrt(Hz)")), NameRule::dotted), "on single ones");
-  const auto unscented = Fields<UnscentedOptions>()
-                             .optional("alpha", &UnscentedOptions::alpha, number("-", Bounds::positive()), "spread")
-                             .optional("beta", &UnscentedOptions::beta, number("-"), "2 for a normal distribution")
-                             .optional("kappa", &UnscentedOptions::kappa, number("-"), "second spread");
+  const auto unscented =
+      Fields<UnscentedOptions>()
+          .optional("alpha", &UnscentedOptions::alpha, number("-", Bounds::positive()), "spread")
+          .optional("beta", &UnscentedOptions::beta, number("-"), "2 for a normal distribution")
+          .optional("kappa", &UnscentedOptions::kappa, number("-"),
+                    "second spread; default: 0, of partially linear filters 3 less the number of channels");
   return mapping(
       Fields<Estimation>()
           .optional("filter", &Estimation::filter,

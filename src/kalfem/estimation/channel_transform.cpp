@@ -16,7 +16,8 @@ constexpr double linearisation_spread = 1e-4;  ///< in standard deviations: diff
 
 UnscentedWeights::UnscentedWeights(const UnscentedOptions& options, Index dimension) {
   const auto n = static_cast<double>(dimension);
-  const double c = options.alpha * options.alpha * (n + options.kappa);
+  const double kappa = options.kappa.value_or(options.points == SigmaPoints::of_channels ? 3.0 - n : 0.0);
+  const double c = options.alpha * options.alpha * (n + kappa);
   spread = std::sqrt(c);
   mean_centre = (c - n) / c;
   covariance_centre = mean_centre + 1.0 - options.alpha * options.alpha + options.beta;

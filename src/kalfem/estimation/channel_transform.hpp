@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <optional>
 
 #include "kalfem/estimation/partially_linear_map.hpp"
 
@@ -17,7 +18,10 @@ enum class SigmaPoints { of_state, of_channels };
 struct UnscentedOptions {
   double alpha = 1.0;
   double beta = 2.0;
-  double kappa = 0.0;
+  /// None: 0 for points of the state, as in the paper, and 3 - n for points of the channels. These then stand sqrt(3)
+  /// deviations out whatever their number, where the fourth moment is that of a normal distribution (Julier and
+  /// Uhlmann, 2004); measured to be the best spread, docs/theory/partially-linear-ukf.md.
+  std::optional<double> kappa = {};
   SigmaPoints points = SigmaPoints::of_state;
 };
 

@@ -99,7 +99,7 @@ SymmetricTiles::SymmetricTiles(const MatrixXd& matrix, const TileLayout& layout)
   std::vector<double> kept;
   for (Index row = 0; row < layout.tiles; ++row)
     for (Index column = 0; column <= row; ++column) {
-      const auto tile = placed.block<8, 8>(row * tile_size, column * tile_size);
+      const Eigen::Matrix<double, 8, 8> tile = placed.block<8, 8>(row * tile_size, column * tile_size);
       bool zero = true;
       for (Index j = 0; j < 8; ++j)
         for (Index i = 0; i < 8; ++i) {
@@ -107,7 +107,7 @@ SymmetricTiles::SymmetricTiles(const MatrixXd& matrix, const TileLayout& layout)
           zero = zero && std::abs(tile(i, j)) <= negligible * std::sqrt(placed(a, a) * placed(b, b));
         }
       place_.push_back(zero ? -1 : static_cast<Index>(kept.size()));
-      if (!zero) kept.insert(kept.end(), tile.reshaped().begin(), tile.reshaped().end());
+      if (!zero) kept.insert(kept.end(), tile.data(), tile.data() + tile.size());
     }
   values_ = Eigen::Map<const Eigen::VectorXd>(kept.data(), static_cast<Index>(kept.size()));
 }

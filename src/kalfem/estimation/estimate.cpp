@@ -18,6 +18,26 @@ namespace {
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
+/// The fewest variables that sigma points stand for: all states, or the channels of a measurement.
+Index sigma_point_variables(const Observer& observer, FilterKind filter) {
+  const auto& layout = observer.layout();
+  const bool of_channels = filter == FilterKind::partially_linear || filter == FilterKind::partially_linear_square_root;
+  return of_channels ? InstantMap(observer, observer.form().outputs()).selection.rows() : layout.size();
+}
+
+void check_sigma_points(const Observer& observer, const EstimationOptions& options, IssueList& issues) {
+  const auto& [alpha, beta, kappa, points] = options.unscented;
+  const auto n = static_cast<double>(sigma_point_variables(observer, options.filter));
+  const double spread = kappa ? n + *kappa : 1.0;
+  if (alpha > 0.0 && spread > 0.0 && std::isfinite(alpha * alpha * spread) && std::isfinite(beta)) return;
+  issues.add({},
+             "the sigma points have alpha " + std::to_string(alpha) + ", beta " + std::to_string(beta) + ", kappa " +
+                 (kappa ? std::to_string(*kappa) : "by default") + " with " + std::to_string(static_cast<Index>(n)) +
+                 " variables",
+             "alpha must be positive, kappa above minus the number of variables, all finite",
+             "use 1 and 2, and leave kappa out");
+}
+
 void check(const Observer& observer, const Record& record, const EstimationOptions& options) {
   IssueList issues;
   const Index l = observer.form().outputs().state.rows(), n_u = observer.system().input_count();
@@ -29,13 +49,7 @@ void check(const Observer& observer, const Record& record, const EstimationOptio
   if (!record.inputs.allFinite()) issues.add({}, "an input is not finite", "the observer is driven by it");
   if (!record.noise.allFinite() || (record.noise.diagonal().array() < 0.0).any())
     issues.add({}, "a sensor's noise is negative or not finite", "it is a covariance", "give every sensor its noise");
-  const double alpha = options.unscented.alpha, beta = options.unscented.beta, kappa = options.unscented.kappa;
-  const double n = static_cast<double>(observer.layout().size());
-  if (!(alpha > 0.0 && n + kappa > 0.0) || !std::isfinite(alpha * alpha * (n + kappa)) || !std::isfinite(beta))
-    issues.add({},
-               "the sigma points have alpha " + std::to_string(alpha) + ", beta " + std::to_string(beta) + ", kappa " +
-                   std::to_string(kappa) + " with " + std::to_string(observer.layout().size()) + " states",
-               "alpha must be positive, kappa above minus the number of states, all finite", "use 1, 2, 0");
+  check_sigma_points(observer, options, issues);
   if (record.measurements.cols() < 1) issues.add({}, "the record is empty", "");
   if (options.passes < 1) issues.add({}, "the number of passes is below 1", "");
   if (options.passes > 1 && !observer.options().keep_initial_state)
