@@ -143,8 +143,8 @@ TEST_P(TiledFilter, EqualsTheDenseFilterStepByStep) {
     if (k % 3 == 0) {
       VectorXd mean, deviation, dense_mean, dense_deviation;
       for (auto* map : {&seen, &dense_seen}) map->set_inputs(record.inputs.col(k));
-      ASSERT_EQ(tiled->observe(seen, mean, deviation), FilterOutcome::usable);
-      ASSERT_EQ(dense->observe(dense_seen, dense_mean, dense_deviation), FilterOutcome::usable);
+      ASSERT_EQ(tiled->observe(seen, mean, &deviation), FilterOutcome::usable);
+      ASSERT_EQ(dense->observe(dense_seen, dense_mean, &dense_deviation), FilterOutcome::usable);
       EXPECT_LT((mean - dense_mean).norm(), 1e-7 * dense_mean.norm());
       EXPECT_LT((deviation - dense_deviation).norm(), 1e-7 * dense_deviation.norm());
     }

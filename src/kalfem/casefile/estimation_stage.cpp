@@ -164,6 +164,11 @@ void simulate_open_loop(const Study& study, EstimationStage& stage) {
   }
 }
 
+/// Standard deviations of motion change slowly: a hundred times a second will do.
+int samples_between_deviations(double sample_rate) {
+  return std::max(1, static_cast<int>(std::lround(sample_rate / 100.0)));
+}
+
 int processors() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 
 }  // namespace
@@ -195,6 +200,7 @@ EstimationStage estimate_stage(const Study& study, const StudyResults& results, 
                                   .threads = given.threads > 0 ? given.threads : processors(),
                                   .passes = given.passes,
                                   .state_deviations = false,
+                                  .deviation_stride = samples_between_deviations(study.sample_rate()),
                                   .monitored = make_outputs(*setup.model, monitored),
                                   .progress = progress};
   MatrixXd used = stage.measurements.values.transpose();

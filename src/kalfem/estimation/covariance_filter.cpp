@@ -49,12 +49,13 @@ FilterOutcome CovarianceFilter::update(PartiallyLinearMap& measurement, const Ei
   return FilterOutcome::usable;
 }
 
-FilterOutcome CovarianceFilter::observe(PartiallyLinearMap& map, Eigen::VectorXd& mean, Eigen::VectorXd& deviation) {
+FilterOutcome CovarianceFilter::observe(PartiallyLinearMap& map, Eigen::VectorXd& mean, Eigen::VectorXd* deviation) {
   if (const auto outcome = transform(map, observation_); outcome != FilterOutcome::usable) return outcome;
   mean = observation_.mean();
+  if (!deviation) return FilterOutcome::usable;
   output_covariance_.setZero(mean.size(), mean.size());
   observation_.add_covariance(map, output_covariance_);
-  deviation = output_covariance_.diagonal().cwiseMax(0.0).cwiseSqrt();
+  *deviation = output_covariance_.diagonal().cwiseMax(0.0).cwiseSqrt();
   return FilterOutcome::usable;
 }
 

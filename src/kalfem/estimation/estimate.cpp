@@ -51,6 +51,7 @@ void check(const Observer& observer, const Record& record, const EstimationOptio
     issues.add({}, "a sensor's noise is negative or not finite", "it is a covariance", "give every sensor its noise");
   check_sigma_points(observer, options, issues);
   if (record.measurements.cols() < 1) issues.add({}, "the record is empty", "");
+  if (options.deviation_stride < 1) issues.add({}, "the stride of standard deviations is below 1", "");
   if (options.passes < 1) issues.add({}, "the number of passes is below 1", "");
   if (options.passes > 1 && !observer.options().keep_initial_state)
     issues.add({}, "several passes without an estimate of the initial state", "each pass starts from it",
@@ -169,7 +170,8 @@ private:
     }
     if (!monitored_) return FilterOutcome::usable;
     monitored_->set_inputs(record_.inputs.col(k * input_stride_));
-    const auto outcome = filter_->observe(*monitored_, output_mean_, output_deviation_);
+    const bool anew = k % options_.deviation_stride == 0;
+    const auto outcome = filter_->observe(*monitored_, output_mean_, anew ? &output_deviation_ : nullptr);
     if (outcome != FilterOutcome::usable) return outcome;
     result_.monitored.mean.col(k) = output_mean_;
     result_.monitored.deviation.col(k) = output_deviation_;

@@ -19,6 +19,8 @@ struct EstimationOptions {
   /// Standard deviations of every state at every sample, beside those of unknowns and internal states. In modal
   /// coordinates they cost more than the filter does.
   bool state_deviations = true;
+  /// Samples from one computation of the monitored quantities' standard deviations to the next; they stand in between.
+  int deviation_stride = 1;
   OutputMap monitored = {};  ///< further quantities to estimate at every sample, without measurement chains
   Progress progress = {};
 };

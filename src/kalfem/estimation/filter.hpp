@@ -41,9 +41,10 @@ public:
   /// Conditions on y = map(x) + N(0, R).
   [[nodiscard]] virtual FilterOutcome update(PartiallyLinearMap& measurement, const Eigen::MatrixXd& noise,
                                              const Eigen::VectorXd& y, Innovation& innovation) = 0;
-  /// Mean and standard deviation of another map of the present estimate.
+  /// Mean and, where asked for, standard deviation of another map of the present estimate. Means are cheap, deviations
+  /// may cost as much as a step.
   [[nodiscard]] virtual FilterOutcome observe(PartiallyLinearMap& map, Eigen::VectorXd& mean,
-                                              Eigen::VectorXd& deviation) = 0;
+                                              Eigen::VectorXd* deviation) = 0;
 
   [[nodiscard]] virtual const Eigen::VectorXd& mean() const = 0;
   [[nodiscard]] virtual Eigen::VectorXd standard_deviation() const = 0;

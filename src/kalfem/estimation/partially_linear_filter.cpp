@@ -45,7 +45,8 @@ void PartiallyLinearFilter::reset(const Gaussian& estimate) {
 /// Rows of a map that is new, or has changed, join those whose products every pass forms.
 void PartiallyLinearFilter::watch(WatchedMap& watched, const PartiallyLinearMap& map) {
   if (watched.is(map) && fresh_) return;
-  if (!watched.is(map)) watched.take(map, &watched != &transition_);
+  if (!watched.is(map)) watched.take(map, &watched == &measurement_);
+  if (&watched == &observation_) observed_ = layout_.placed(map.linear.transpose());
   rows_ = {};
   for (auto* each : {&transition_, &measurement_, &observation_})
     if (!each->empty()) each->add_to(rows_, layout_);
@@ -155,13 +156,26 @@ FilterOutcome PartiallyLinearFilter::update(PartiallyLinearMap& measurement, con
   return FilterOutcome::usable;
 }
 
-FilterOutcome PartiallyLinearFilter::observe(PartiallyLinearMap& map, VectorXd& mean, VectorXd& deviation) {
+/// The rows of outputs that are only looked at are many: their products with P are not formed at every step, and of
+/// their covariance only the diagonal, A P A^T + 2 T G^T with T = A P_xf + G (delta^T delta + Sigma) / 2.
+FilterOutcome PartiallyLinearFilter::observe(PartiallyLinearMap& map, VectorXd& mean, VectorXd* deviation) {
   watch(observation_, map);
   if (!observation_.spread(map, gram_)) return why_not(observation_);
-  observation_.output_mean(map, gram_, mean);
-  output_covariance_.setZero(mean.size(), mean.size());
-  observation_.add_output_covariance(map, gram_, output_covariance_);
-  deviation = output_covariance_.diagonal().cwiseMax(0.0).cwiseSqrt();
+  mean = map.offset;
+  mean.noalias() += observed_.transpose() * products_.col(rows_.size());
+  mean.noalias() += map.gain.lazyProduct(observation_.channel_mean());
+  if (!deviation) return FilterOutcome::usable;
+
+  observed_products_.resize(observed_.rows(), observed_.cols());
+  covariance_.pass({.downdate = pending_ ? &downdate_ : nullptr, .watched = &observed_}, observed_products_);
+  pending_ = false;
+  thin_product(products_, observation_.slopes(), force_);
+  observed_force_.noalias() = observed_.transpose() * force_;
+  observed_force_.noalias() += map.gain.lazyProduct(observation_.half_covariance());
+  *deviation = (observed_.cwiseProduct(observed_products_).colwise().sum().transpose() +
+                2.0 * observed_force_.cwiseProduct(map.gain).rowwise().sum())
+                   .cwiseMax(0.0)
+                   .cwiseSqrt();
   return FilterOutcome::usable;
 }
 

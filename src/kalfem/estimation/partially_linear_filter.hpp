@@ -24,7 +24,7 @@ public:
   FilterOutcome predict(PartiallyLinearMap& transition, const Eigen::MatrixXd& process_noise) override;
   FilterOutcome update(PartiallyLinearMap& measurement, const Eigen::MatrixXd& noise, const Eigen::VectorXd& y,
                        Innovation& innovation) override;
-  FilterOutcome observe(PartiallyLinearMap& map, Eigen::VectorXd& mean, Eigen::VectorXd& deviation) override;
+  FilterOutcome observe(PartiallyLinearMap& map, Eigen::VectorXd& mean, Eigen::VectorXd* deviation) override;
 
   const Eigen::VectorXd& mean() const override;
   Eigen::VectorXd standard_deviation() const override;
@@ -60,7 +60,8 @@ private:
   Eigen::MatrixXd force_, response_;                              ///< P_xf, W, slots x p
   Eigen::MatrixXd followed_, following_, response_of_followers_;  ///< P g^T, P+ h^T, slots x followers; (H W)^T
   Eigen::MatrixXd cross_, rows_of_downdate_, rows_and_score_;     ///< B, H J, [H J; -(L^-1 nu)^T]
-  Eigen::MatrixXd innovation_factor_, output_covariance_;
+  Eigen::MatrixXd innovation_factor_;
+  Eigen::MatrixXd observed_, observed_products_, observed_force_;  ///< A^T, P A^T, A P_xf of outputs looked at
   Eigen::VectorXd whitened_, output_mean_;
   mutable Eigen::VectorXd state_mean_;
 };

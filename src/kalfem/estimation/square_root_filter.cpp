@@ -89,12 +89,13 @@ FilterOutcome SquareRootFilter::update(PartiallyLinearMap& measurement, const Ma
   return FilterOutcome::usable;
 }
 
-FilterOutcome SquareRootFilter::observe(PartiallyLinearMap& map, VectorXd& mean, VectorXd& deviation) {
+FilterOutcome SquareRootFilter::observe(PartiallyLinearMap& map, VectorXd& mean, VectorXd* deviation) {
   if (!transform_.apply(map, mean_, factor_, FactorShape::lower_triangular)) return FilterOutcome::model_not_evaluable;
   mean = transform_.mean();
+  if (!deviation) return FilterOutcome::usable;
   MatrixXd covariance = MatrixXd::Zero(mean.size(), mean.size());
   transform_.add_covariance(map, covariance);
-  deviation = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  *deviation = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
   return FilterOutcome::usable;
 }
 

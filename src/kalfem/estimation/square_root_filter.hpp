@@ -18,7 +18,7 @@ public:
   FilterOutcome predict(PartiallyLinearMap& transition, const Eigen::MatrixXd& process_noise) override;
   FilterOutcome update(PartiallyLinearMap& measurement, const Eigen::MatrixXd& noise, const Eigen::VectorXd& y,
                        Innovation& innovation) override;
-  FilterOutcome observe(PartiallyLinearMap& map, Eigen::VectorXd& mean, Eigen::VectorXd& deviation) override;
+  FilterOutcome observe(PartiallyLinearMap& map, Eigen::VectorXd& mean, Eigen::VectorXd* deviation) override;
 
   const Eigen::VectorXd& mean() const override { return mean_; }
   Eigen::VectorXd standard_deviation() const override { return factor_.rowwise().norm(); }
