@@ -36,6 +36,25 @@ TEST_F(PaperChain, ReferenceConverged) {
   EXPECT_LE(reference_->last_change, 2e-3);
 }
 
+/// The default filter against the plain one, final estimates in the plain one's standard deviations: a tenth is far
+/// less than what a test of either could tell.
+TEST_F(PaperChain, PartiallyLinearFilterEndsWhereThePlainOneDoes) {
+  auto options = chain().options();
+  options.substeps = 4;
+  const auto all = record(20001);
+  const auto plain = estimate(observer(options), all, {.filter = FilterKind::unscented});
+  options.coordinates = StateCoordinates::modal;
+  const auto fast =
+      estimate(observer(options), all, {.filter = FilterKind::partially_linear, .state_deviations = false});
+  ASSERT_FALSE(fast.failure) << fast.failure->reason;
+  const VectorXd deviation = plain.unknowns.deviation.rightCols(1);
+  const VectorXd apart = (fast.unknowns.mean.rightCols(1) - plain.unknowns.mean.rightCols(1)).cwiseQuotient(deviation);
+  std::cout << "apart by " << apart.transpose() << " standard deviations; " << 1e6 * plain.time.filter() / 20001
+            << " and " << 1e6 * fast.time.filter() / 20001 << " us/step\n";
+  EXPECT_LT(apart.cwiseAbs().maxCoeff(), 0.1);
+  EXPECT_LT((fast.unknowns.deviation.rightCols(1).cwiseQuotient(deviation).array() - 1.0).abs().maxCoeff(), 0.02);
+}
+
 TEST_F(PaperChain, BothParametersAreIdentifiedFromFourNoisySensors) {
   for (const auto transform : {TransformKind::log, TransformKind::none}) {
     const auto observed = observer(chain().options(transform));

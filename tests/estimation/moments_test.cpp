@@ -322,7 +322,7 @@ Verdict judge_update(const Subject& subject, Widths widths) {
     const auto filter = make_filter(FilterKind::unscented, names[state_3].options);
     VectorXd mean, deviation;
     filter->reset(prior);
-    EXPECT_EQ(filter->observe(instant, mean, deviation), FilterOutcome::usable);
+    EXPECT_EQ(filter->observe(instant, mean, &deviation), FilterOutcome::usable);
     const MatrixXd R = (0.15 * deviation).cwiseAbs2().asDiagonal();
     PosteriorMoments posterior(instant, prior, R, 200000);
     RandomStream random(5, "measurements");

@@ -10,20 +10,16 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double rounding = 1e-13;            ///< of the largest eigenvalue
-constexpr double negligible_joining = 1e-11;  ///< damping between two modes, of the mean of their own
+constexpr double rounding = 1e-13;         ///< of the largest eigenvalue
+constexpr double negligible_rate = 1e-10;  ///< of the largest damping: what a reduction leaves of a zero
 
 /// Phi^T (C + C_m) Phi without what rounding leaves between modes that do not act on each other.
 MatrixXd modal_damping(const LocallyNonlinearSystem& physical, const MatrixXd& shapes) {
   const MatrixXd product = shapes.transpose() * physical.full_damping() * shapes;
   MatrixXd damping = 0.5 * (product + product.transpose());
   const VectorXd own = damping.diagonal().cwiseAbs();
-  const double floor = rounding * (own.size() > 0 ? own.maxCoeff() : 0.0);
-  for (Index j = 0; j < damping.cols(); ++j)
-    for (Index i = 0; i < damping.rows(); ++i)
-      if (std::abs(damping(i, j)) <= (i == j ? floor : floor + negligible_joining * std::sqrt(own[i] * own[j])))
-        damping(i, j) = 0.0;
-  return damping;
+  const double floor = negligible_rate * (own.size() > 0 ? own.maxCoeff() : 0.0);
+  return (damping.cwiseAbs().array() <= floor).select(0.0, damping);
 }
 
 }  // namespace

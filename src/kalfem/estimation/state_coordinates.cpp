@@ -44,7 +44,9 @@ LinearOutput ObserverForm::outputs(const OutputMap& of_motion) const {
 }
 
 MatrixXd ObserverForm::to_physical(const Eigen::Ref<const MatrixXd>& states) const {
-  return basis.size() > 0 ? MatrixXd(basis * states) : MatrixXd(states);
+  if (basis.size() == 0) return states;
+  if (states.cols() == 1) return basis * states.col(0);  // a product with a vector, at every sample
+  return basis * states;
 }
 
 MatrixXd ObserverForm::from_physical(const Eigen::Ref<const MatrixXd>& states) const {
