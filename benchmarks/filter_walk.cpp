@@ -8,14 +8,17 @@ FilterWalk::FilterWalk(const Observer& observer, const Record& record, FilterKin
       transition_(observer),
       measurement_(observer, observer.form().outputs()),
       filter_(make_filter(kind, {}, &transition_)) {
-  filter_->reset(observer.prior());
+  restart();
+}
+
+void FilterWalk::restart() {
+  filter_->reset(observer_->prior());
+  sample_ = 0;
 }
 
 bool FilterWalk::step() {
-  if (++sample_ == record_->inputs.cols()) {
-    filter_->reset(observer_->prior());
-    sample_ = 1;
-  }
+  if (at_end()) restart();
+  ++sample_;
   transition_.set_inputs(record_->inputs.col(sample_ - 1), record_->inputs.col(sample_));
   if (filter_->predict(transition_, observer_->process_noise()) != FilterOutcome::usable) return false;
   measurement_.set_inputs(record_->inputs.col(sample_));

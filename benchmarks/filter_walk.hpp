@@ -8,13 +8,16 @@
 
 namespace kalfem::benchmarks {
 
-/// A filter that walks through a record again and again, from the prior each time. Observer and record must outlive it.
+/// A filter that walks through a record. Observer and record must outlive it.
 class FilterWalk {
 public:
   FilterWalk(const Observer& observer, const Record& record, FilterKind kind);
 
-  /// Predict and update by one sample; false where the filter failed.
+  /// Predict and update by one sample, from the prior again after the last one; false where the filter failed.
   bool step();
+  [[nodiscard]] bool at_end() const { return sample_ + 1 == record_->inputs.cols(); }
+  /// From the prior again.
+  void restart();
 
 private:
   const Observer* observer_;

@@ -1,5 +1,6 @@
 // Time of one full-order step of the vehicle against one back-solve with its factor, medians of alternating blocks in
-// one run, and the reduction against its own factorisation and back-solves. Usage: vehicle_benchmark CASE.yaml
+// one run, the reduction against its own factorisation and back-solves, and the observer against real time at its
+// sampling rate and at half of it. Usage: vehicle_benchmark CASE.yaml
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -8,9 +9,11 @@
 #include <cstdio>
 #include <vector>
 
+#include "filter_walk.hpp"
 #include "kalfem/casefile/study.hpp"
 #include "kalfem/dynamics/damped_mode_split.hpp"
 #include "kalfem/dynamics/simulate.hpp"
+#include "kalfem/estimation/filter_choice.hpp"
 #include "kalfem/linalg/blas_kernels.hpp"
 #include "kalfem/linalg/sparse_factor.hpp"
 #include "kalfem/linalg/sparse_select.hpp"
@@ -20,6 +23,7 @@ namespace {
 using namespace kalfem;
 using Eigen::Index;
 using Eigen::VectorXd;
+using kalfem::benchmarks::FilterWalk;
 
 template <typename Work>
 double seconds(Work work) {
@@ -115,11 +119,48 @@ void time_reduction(const FiniteElementPart& part) {
   line("factor of K_ii", memory / 1e6, "MB");
 }
 
+/// The observer over noise of the sensors' size: its time does not depend on what it is told.
+void time_observer(const Study& study, const char* modes) {
+  constexpr Index samples = 1001, steps = 4000;
+  const auto& setup = *study.observer;
+  std::vector<OutputDescription> outputs;
+  std::vector<MeasurementChain> chains;
+  for (const auto& sensor : setup.sensors) {
+    outputs.push_back(sensor.output);
+    chains.push_back(sensor.chain);
+  }
+  const auto l = static_cast<Index>(outputs.size());
+  const Record record{0.1 * Eigen::MatrixXd::Random(l, samples),
+                      Eigen::MatrixXd::Zero(3 * setup.model->system().input_count(), samples),
+                      0.01 * Eigen::MatrixXd::Identity(l, l)};
+  const double rate = 1.0 / setup.options.step;
+  for (const double share : {1.0, 0.5}) {
+    auto options = setup.options;
+    options.step = 1.0 / (share * rate);
+    const auto choice = choose_filter({}, setup.model->system(), make_outputs(*setup.model, outputs), chains, options);
+    FilterWalk walk(*choice.observer, record, choice.filter);
+    std::vector<double> times;
+    for (Index i = 0; i < steps; ++i) {
+      bool usable = true;
+      times.push_back(seconds([&] { usable = walk.step(); }));
+      if (!usable) return (void)std::printf("the observer failed\n");
+    }
+    std::printf("observer, modes to %s Hz, %d states, %4.0f Hz%*s %10.4g us, %.3g x real time\n", modes,
+                static_cast<int>(choice.observer->layout().size()), share * rate, 14, "", 1e6 * median(times),
+                options.step / median(times));
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc < 2) return std::fprintf(stderr, "usage: vehicle_benchmark CASE.yaml\n"), 2;
   std::printf("%-58s %10s\n", "BLAS kernels", blas_kernels().c_str());
+  for (const char* modes : {"300", "600"}) {
+    setenv("CUT_OFF", modes, 1);
+    time_observer(load_study(argv[1]), modes);
+  }
+  unsetenv("CUT_OFF");
   const Study study = load_study(argv[1]);
   time_reduction(*study.finite_elements.front().part);
   line("peak memory", peak_megabytes(), "MB");

@@ -44,7 +44,10 @@ void PartiallyLinearFilter::reset(const Gaussian& estimate) {
 
 /// Rows of a map that is new, or has changed, join those whose products every pass forms.
 void PartiallyLinearFilter::watch(WatchedMap& watched, const PartiallyLinearMap& map) {
-  if (watched.is(map) && fresh_) return;
+  if (watched.is(map) && rows_ready_) {
+    if (!fresh_) refresh();
+    return;
+  }
   if (!watched.is(map)) watched.take(map, &watched == &measurement_);
   if (&watched == &observation_) observed_ = layout_.placed(map.linear.transpose());
   rows_ = {};
@@ -55,6 +58,7 @@ void PartiallyLinearFilter::watch(WatchedMap& watched, const PartiallyLinearMap&
     if (!each->empty()) each->find_places(rows_);
   gain_of_followers_ = gain_.transpose() * rows_.followers();
   process_noise_source_ = nullptr;
+  rows_ready_ = true;
   refresh();
 }
 

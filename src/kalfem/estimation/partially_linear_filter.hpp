@@ -51,6 +51,7 @@ private:
 
   WatchedMap transition_, measurement_, observation_;
   WatchedRows rows_;                    ///< H, K rows
+  bool rows_ready_ = false;             ///< whether these are the rows of the maps as they are
   Eigen::MatrixXd products_;            ///< [P H^T, x] after what is pending, slots x (K + 1)
   Eigen::MatrixXd gram_;                ///< H [P H^T, x], K rows, then zeros to a multiple of eight, x (K + 1)
   bool fresh_ = false;                  ///< whether they belong to the estimate

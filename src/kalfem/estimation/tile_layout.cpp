@@ -4,8 +4,6 @@
 #include <map>
 #include <numeric>
 
-#include "kalfem/estimation/vector_lanes.hpp"
-
 namespace kalfem {
 
 using Eigen::Index;
@@ -107,15 +105,6 @@ TiledPropagator::TiledPropagator(const MatrixXd& A, const TileLayout& layout)
     if (row.sum() != std::abs(own[slot]) + std::abs(other[slot]))
       full[static_cast<std::size_t>(slot / tile_size)] = tiles.middleRows(slot - column, tile_size);
   }
-}
-
-void TiledPropagator::apply_to_tile(Index tile, const double* x, double* y) const {
-  if (const auto& block = full[static_cast<std::size_t>(tile)]) {
-    Eigen::Map<Eigen::Matrix<double, 8, 1>>{y} = (*block * Eigen::Map<const Eigen::Matrix<double, 8, 1>>(x)).eval();
-    return;
-  }
-  const Lanes values = load(x);
-  store(y, load(&own[tile * tile_size]) * values + load(&other[tile * tile_size]) * swap_neighbours(values));
 }
 
 void TiledPropagator::apply(const MatrixXd& x, MatrixXd& y) const {

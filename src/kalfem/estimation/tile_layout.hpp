@@ -4,6 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "kalfem/estimation/vector_lanes.hpp"
+
 namespace kalfem {
 
 constexpr Eigen::Index tile_size = 8;
@@ -35,7 +37,15 @@ struct TiledPropagator {
   void apply(const Eigen::MatrixXd& x, Eigen::MatrixXd& y) const;
   /// One column of x <- A times that column.
   void apply_to_column(Eigen::MatrixXd& x, Eigen::Index column) const;
-  void apply_to_tile(Eigen::Index tile, const double* x, double* y) const;
+  /// y = A x of one tile; y may be x.
+  void apply_to_tile(Eigen::Index tile, const double* x, double* y) const {
+    if (const auto& block = full[static_cast<std::size_t>(tile)]) {
+      Eigen::Map<Eigen::Matrix<double, 8, 1>>{y} = (*block * Eigen::Map<const Eigen::Matrix<double, 8, 1>>(x)).eval();
+      return;
+    }
+    const Lanes values = load(x);
+    store(y, load(&own[tile * tile_size]) * values + load(&other[tile * tile_size]) * swap_neighbours(values));
+  }
 };
 
 }  // namespace kalfem
