@@ -72,8 +72,11 @@ FirstOrderForm::FirstOrderForm(const LocallyNonlinearSystem& system, const Outpu
   add_chains(outputs_of_state(outputs), chains);
 }
 
-FirstOrderForm FirstOrderForm::in_coordinates(const BlockDiagonalForm& coordinates) const {
+FirstOrderForm FirstOrderForm::in_coordinates(const BlockDiagonalForm& coordinates,
+                                              const FirstOrderForm& physical) const {
   FirstOrderForm form = *this;
+  form.motion_ = physical.motion_;
+  form.outputs_ = physical.outputs_;
   form.dynamics_ = coordinates.blocks;
   form.force_gain_ = coordinates.inverse * force_gain_;
   form.input_gain_ = coordinates.inverse * input_gain_;

@@ -41,8 +41,10 @@ public:
   FirstOrderForm(const LocallyNonlinearSystem& system, const OutputMap& outputs,
                  const std::vector<MeasurementChain>& chains = {}, const std::vector<InputTreatment>& treatments = {});
 
-  /// The same equations of xi, x = T xi, with the block diagonal T^-1 A T.
-  [[nodiscard]] FirstOrderForm in_coordinates(const BlockDiagonalForm& coordinates) const;
+  /// The same equations of xi, x = T xi, with the block diagonal T^-1 A T. What inputs and forces do to motion and
+  /// outputs directly does not depend on coordinates: it is taken from `physical`, with its exact zeros.
+  [[nodiscard]] FirstOrderForm in_coordinates(const BlockDiagonalForm& coordinates,
+                                              const FirstOrderForm& physical) const;
 
   [[nodiscard]] Eigen::Index size() const { return dynamics_.rows(); }
   [[nodiscard]] Eigen::Index dof_count() const { return n_; }

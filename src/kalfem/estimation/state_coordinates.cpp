@@ -32,7 +32,7 @@ void ObserverForm::choose_modal(const LocallyNonlinearSystem& system, const Outp
   const ModalCoordinates modes(system);
   const FirstOrderForm of_modes(modes.system, outputs_of_modes(sensors, modes.shapes), chains, inputs);
   const BlockDiagonalForm blocks = block_diagonal_form(of_modes.dynamics());
-  first_order = of_modes.in_coordinates(blocks);
+  first_order = of_modes.in_coordinates(blocks, first_order);
   largest_block = blocks.largest_block();
   basis = extended(modes.shapes, first_order.size()) * blocks.basis;
   inverse = blocks.inverse * extended(modes.momenta, first_order.size()).transpose();

@@ -11,35 +11,53 @@ using Eigen::MatrixXd;
 
 namespace {
 
-/// Y += sign X M or sign X M^T, four columns of Y at a time.
-template <int sign, bool transposed>
-void accumulate(const MatrixXd& x, const MatrixXd& m, MatrixXd& y) {
-  const Index rows = x.rows(), depth = transposed ? m.cols() : m.rows(), columns = y.cols();
-  const Index k_stride = transposed ? m.rows() : 1, j_stride = transposed ? 1 : m.rows();
-  for (Index row = 0; row < rows; row += lane_count) {
-    const double* from = x.data() + row;
-    double* to = y.data() + row;
-    Index j = 0;
-    for (; j + 4 <= columns; j += 4) {
-      const double* factor = m.data() + j * j_stride;
-      Lanes sum[4];
-#pragma GCC unroll 4
-      for (int c = 0; c < 4; ++c) sum[c] = load(to + (j + c) * rows);
-      for (Index k = 0; k < depth; ++k) {
-        const Lanes value = load(from + k * rows);
-#pragma GCC unroll 4
-        for (int c = 0; c < 4; ++c) sum[c] += value * (sign * factor[k * k_stride + c * j_stride]);
-      }
-#pragma GCC unroll 4
-      for (int c = 0; c < 4; ++c) store(to + (j + c) * rows, sum[c]);
-    }
-    for (; j < columns; ++j) {
-      const double* factor = m.data() + j * j_stride;
-      Lanes sum = load(to + j * rows);
-      for (Index k = 0; k < depth; ++k) sum += load(from + k * rows) * (sign * factor[k * k_stride]);
-      store(to + j * rows, sum);
+/// The right-hand factor, entry (k, j), as it stands or transposed.
+struct Factor {
+  const double* data;
+  Index k_stride, j_stride;
+};
+
+/// `height` times eight rows and `width` columns of Y += sign X M: as many sums at once as hide the time of one.
+template <int sign, int height, int width>
+[[gnu::always_inline]] inline void add_block(Index rows, Index depth, const double* x, const Factor& m, double* y) {
+  Lanes sum[height][width];
+#pragma GCC unroll 8
+  for (int r = 0; r < height; ++r)
+#pragma GCC unroll 8
+    for (int c = 0; c < width; ++c) sum[r][c] = load(y + c * rows + r * lane_count);
+  for (Index k = 0; k < depth; ++k) {
+    const double* factor = m.data + k * m.k_stride;
+#pragma GCC unroll 8
+    for (int r = 0; r < height; ++r) {
+      const Lanes value = load(x + k * rows + r * lane_count);
+#pragma GCC unroll 8
+      for (int c = 0; c < width; ++c) sum[r][c] += value * (sign * factor[c * m.j_stride]);
     }
   }
+#pragma GCC unroll 8
+  for (int r = 0; r < height; ++r)
+#pragma GCC unroll 8
+    for (int c = 0; c < width; ++c) store(y + c * rows + r * lane_count, sum[r][c]);
+}
+
+/// All rows of `width` columns.
+template <int sign, int width, int height = 8 / width>
+void add_columns(Index row, Index rows, Index depth, const double* x, const Factor& m, double* y) {
+  for (; rows - row >= height * lane_count; row += height * lane_count)
+    add_block<sign, height, width>(rows, depth, x + row, m, y + row);
+  if constexpr (height > 1)
+    if (row < rows) add_columns<sign, width, height / 2>(row, rows, depth, x, m, y);
+}
+
+/// Y += sign X M, panels of columns from `j` on.
+template <int sign, int width = 4>
+void add(Index j, const MatrixXd& x, Index depth, const Factor& m, MatrixXd& y) {
+  const Index rows = x.rows();
+  for (; y.cols() - j >= width; j += width)
+    add_columns<sign, width>(0, rows, depth, x.data(), {m.data + j * m.j_stride, m.k_stride, m.j_stride},
+                             y.data() + j * rows);
+  if constexpr (width > 1)
+    if (j < y.cols()) add<sign, width / 2>(j, x, depth, m, y);
 }
 
 /// Sums of the lanes of eight vectors.
@@ -54,13 +72,15 @@ Lanes sums_of(const Lanes (&in)[8]) {
 
 void thin_product(const MatrixXd& x, const MatrixXd& m, MatrixXd& y) {
   y.setZero(x.rows(), m.cols());
-  accumulate<1, false>(x, m, y);
+  add_thin_product(x, m, y);
 }
 
-void add_thin_product(const MatrixXd& x, const MatrixXd& m, MatrixXd& y) { accumulate<1, false>(x, m, y); }
+void add_thin_product(const MatrixXd& x, const MatrixXd& m, MatrixXd& y) {
+  add<1>(0, x, m.rows(), {m.data(), 1, m.rows()}, y);
+}
 
 void subtract_thin_product_transposed(const MatrixXd& x, const MatrixXd& m, MatrixXd& y) {
-  accumulate<-1, true>(x, m, y);
+  add<-1>(0, x, m.cols(), {m.data(), m.rows(), 1}, y);
 }
 
 void thin_inner(const MatrixXd& x, const MatrixXd& y, MatrixXd& m) {

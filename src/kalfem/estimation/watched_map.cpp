@@ -12,21 +12,26 @@ void WatchedMap::take(const PartiallyLinearMap& map, bool outputs) {
   map_ = &map;
   revision_ = map.revision;
   outputs_ = outputs;
+  linear_only_ = map.gain.isZero(0.0);
 }
 
 void WatchedMap::add_to(WatchedRows& rows, const TileLayout& layout) {
-  selection_number_ = rows.add(map_->selection, layout);
+  if (!linear_only_) selection_number_ = rows.add(map_->selection, layout);
   if (outputs_) linear_number_ = rows.add(map_->linear, layout);
 }
 
 void WatchedMap::find_places(const WatchedRows& rows) {
-  selection_ = rows.places(selection_number_);
+  if (!linear_only_) selection_ = rows.places(selection_number_);
   if (outputs_) linear_ = rows.places(linear_number_);
   watched_ = rows.size();
-  slopes_.setZero(watched_, map_->gain.cols());
+  const Index p = map_->gain.cols();
+  slopes_.setZero(watched_, p);
+  half_covariance_.setZero(p, p);
+  channel_mean_.setZero(p);
 }
 
 bool WatchedMap::spread(PartiallyLinearMap& map, const MatrixXd& gram) {
+  if (linear_only_) return true;
   const auto q = static_cast<Index>(selection_.size()), p = map.gain.cols();
   const auto place = [&](Index channel) { return selection_[static_cast<std::size_t>(channel)]; };
   covariance_.resize(q, q);
@@ -38,6 +43,7 @@ bool WatchedMap::spread(PartiallyLinearMap& map, const MatrixXd& gram) {
   covariance_usable_ = channel_factor(covariance_, factor_);
   if (!covariance_usable_ || !transform_.apply(map, centre_, factor_)) return false;
 
+  channel_mean_ = transform_.mean();
   const MatrixXd& delta = transform_.delta();
   channel_slopes_ = delta;
   solve_channels_transposed(factor_, channel_slopes_);
@@ -54,13 +60,18 @@ bool WatchedMap::spread(PartiallyLinearMap& map, const MatrixXd& gram) {
 void WatchedMap::output_mean(const PartiallyLinearMap& map, const MatrixXd& gram, VectorXd& y) const {
   y = map.offset;
   for (std::size_t i = 0; i < linear_.size(); ++i) y[static_cast<Index>(i)] += gram(linear_[i], watched_);
-  y.noalias() += map.gain.lazyProduct(transform_.mean());
+  if (!linear_only_) y.noalias() += map.gain.lazyProduct(channel_mean_);
 }
 
 /// A P A^T + T G^T + G T^T with T = A P_xf + G half_covariance.
 void WatchedMap::add_output_covariance(const PartiallyLinearMap& map, const MatrixXd& gram, MatrixXd& covariance) {
   const auto l = static_cast<Index>(linear_.size()), p = map.gain.cols();
   const auto place = [&](Index row) { return linear_[static_cast<std::size_t>(row)]; };
+  if (linear_only_) {
+    for (Index j = 0; j < l; ++j)
+      for (Index i = 0; i < l; ++i) covariance(i, j) += gram(place(i), place(j));
+    return;
+  }
   output_force_.noalias() = map.gain.lazyProduct(half_covariance_);
   for (Index c = 0; c < p; ++c)
     for (Index k = 0; k < watched_; ++k)
@@ -75,7 +86,10 @@ void WatchedMap::add_output_covariance(const PartiallyLinearMap& map, const Matr
 }
 
 void WatchedMap::output_cross(const PartiallyLinearMap& map, MatrixXd& cross) const {
-  cross.noalias() = slopes_.lazyProduct(map.gain.transpose());
+  if (linear_only_)
+    cross.setZero(watched_, map.gain.rows());
+  else
+    cross.noalias() = slopes_.lazyProduct(map.gain.transpose());
   for (std::size_t i = 0; i < linear_.size(); ++i) cross(linear_[i], static_cast<Index>(i)) += 1.0;
 }
 

@@ -7,7 +7,7 @@ namespace kalfem {
 
 /// One partially linear map seen through the watched rows H alone: the transform over sigma points of its channels
 /// needs no more than the small matrix H [P H^T, x], `gram`, K x (K + 1), whatever the number of states. What it gives
-/// are combinations of the columns of P H^T. One thread.
+/// are combinations of the columns of P H^T. A map without gain is linear and needs no sigma points. One thread.
 class WatchedMap {
 public:
   explicit WatchedMap(const UnscentedOptions& options) : transform_(options) {}
@@ -25,7 +25,7 @@ public:
   [[nodiscard]] bool spread(PartiallyLinearMap& map, const Eigen::MatrixXd& gram);
   [[nodiscard]] bool covariance_usable() const { return covariance_usable_; }
 
-  [[nodiscard]] const Eigen::VectorXd& channel_mean() const { return transform_.mean(); }  ///< mean(phi), p
+  [[nodiscard]] const Eigen::VectorXd& channel_mean() const { return channel_mean_; }  ///< mean(phi), p
   /// F with P_xf = (P H^T) F, F = L^-T delta in the rows of the channels, K x p.
   [[nodiscard]] const Eigen::MatrixXd& slopes() const { return slopes_; }
   /// (delta^T delta + Sigma) / 2, half the covariance of phi, p x p.
@@ -41,13 +41,13 @@ public:
 private:
   const PartiallyLinearMap* map_ = nullptr;
   int revision_ = 0;
-  bool outputs_ = false, covariance_usable_ = true;
+  bool outputs_ = false, linear_only_ = false, covariance_usable_ = true;
   std::size_t selection_number_ = 0, linear_number_ = 0;
   std::vector<Eigen::Index> selection_, linear_;  ///< places of the rows of N and A among those watched
   Eigen::Index watched_ = 0;                      ///< K
 
   ChannelTransform transform_;
-  Eigen::VectorXd centre_;
+  Eigen::VectorXd centre_, channel_mean_;
   Eigen::MatrixXd covariance_, factor_, channel_slopes_;  ///< P_ww, L, L^-T delta
   Eigen::MatrixXd slopes_, half_covariance_, output_force_;
 };
