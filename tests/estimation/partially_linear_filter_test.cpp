@@ -1,5 +1,6 @@
 #include "kalfem/estimation/partially_linear_filter.hpp"
 
+#include "estimation/brute_force.hpp"
 #include "estimation/chain_model.hpp"
 #include "kalfem/estimation/covariance_filter.hpp"
 #include "kalfem/estimation/observer_maps.hpp"
@@ -176,12 +177,58 @@ TEST_P(TiledFilter, EstimatesDoNotDependOnTheCoordinates) {
   EXPECT_NEAR(modal.log_likelihood, physical.log_likelihood, 1e-6 * std::abs(physical.log_likelihood));
 }
 
+/// A stable block diagonal matrix with blocks of the given sizes, its states in an order of their own.
+MatrixXd blocks_of(RandomStream& random, const std::vector<Index>& sizes) {
+  Index n = 0, begin = 0;
+  for (const Index size : sizes) n += size;
+  MatrixXd A = MatrixXd::Zero(n, n);
+  for (const Index size : sizes) {
+    const MatrixXd block = random_matrix(random, size, size);
+    A.block(begin, begin, size, size) = block * (0.9 / block.norm());
+    begin += size;
+  }
+  Eigen::PermutationMatrix<-1> order(static_cast<int>(n));
+  for (Index i = 0; i < n; ++i) order.indices()[i] = static_cast<int>((7 * i) % n);
+  return order * A * order.transpose();
+}
+
+/// Blocks larger than a pair, whole tiles among them, and rows that pick a state or equal each other.
+TEST(PartiallyLinearFilter, BlocksOfAnySizeUpToATile) {
+  RandomStream random(5, "blocks");
+  const auto phi = [](const VectorXd& w) { return values({std::sin(w[0]) + 0.1 * w[2], w[1] * w[1]}); };
+  const std::vector<Index> sizes{8, 5, 3, 4, 2, 2, 1, 1, 3, 2};
+  FunctionMap transition = random_map(random, 31, 31, 3, 2, phi), measurement = random_map(random, 4, 31, 3, 2, phi);
+  transition.linear = blocks_of(random, sizes);
+  transition.selection *= 0.2;
+  transition.gain *= 0.1;
+  measurement.gain *= 0.1;
+  measurement.selection.row(0) = transition.selection.row(0);
+  transition.selection.row(2) = MatrixXd::Identity(31, 31).row(17);
+  ASSERT_FALSE(tile_layout(MatrixXd::Ones(9, 9)));  // nine states that cannot be separated
+  const auto tiled = make_filter(FilterKind::partially_linear, {}, &transition);
+  const auto dense = make_filter(FilterKind::partially_linear);
+  ASSERT_NE(dynamic_cast<PartiallyLinearFilter*>(tiled.get()), nullptr);
+  const MatrixXd root = random_matrix(random, 31, 31), noise_root = 0.1 * random_matrix(random, 31, 12);
+  const Gaussian prior{random_matrix(random, 31, 1), root * root.transpose()};
+  const MatrixXd process_noise = noise_root * noise_root.transpose(), noise = MatrixXd::Identity(4, 4);
+  Innovation a, b;
+  for (auto* filter : {tiled.get(), dense.get()}) filter->reset(prior);
+  for (int k = 0; k < 40; ++k) {
+    const VectorXd y = random_matrix(random, 4, 1);
+    ASSERT_EQ(tiled->predict(transition, process_noise), FilterOutcome::usable);
+    ASSERT_EQ(dense->predict(transition, process_noise), FilterOutcome::usable);
+    ASSERT_EQ(tiled->update(measurement, noise, y, a), FilterOutcome::usable);
+    ASSERT_EQ(dense->update(measurement, noise, y, b), FilterOutcome::usable);
+    EXPECT_LT(difference(*tiled, *dense), 1e-9) << k;  // well-conditioned: rounding of forty steps
+  }
+}
+
 /// Parts of a pass are summed in one order whoever takes them.
 TEST(PartiallyLinearFilter, ResultsDoNotDependOnTheNumberOfThreads) {
   const int masses = 200;
-  const auto model = quarter_chain(
-      masses, {{"suspension", "wheel.w", "body.1", make_law("saturating"), saturating_parameters()}},
-      {{"road", InputKind::base_displacement, "wheel.ground"}});
+  const auto model =
+      quarter_chain(masses, {{"suspension", "wheel.w", "body.1", make_law("saturating"), saturating_parameters()}},
+                    {{"road", InputKind::base_displacement, "wheel.ground"}});
   auto options = all_known(model.system(), 1e-3);
   options.coordinates = StateCoordinates::modal;
   options.unknowns = Chain().options().unknowns;

@@ -130,14 +130,14 @@ void CovarianceTiles::pass(const CovarianceStep& step, MatrixXd& product) {
   pack(step);
   run_parts([&](int part) {
     const auto index = static_cast<std::size_t>(part);
-    products_[index].setZero(tiles_ * packed_.watched * tile_size);
+    products_[index].assign(static_cast<std::size_t>(tiles_ * packed_.watched * tile_size), 0.0);
     pass_over(part_begin_[index], part_begin_[index + 1], step, products_[index].data());
   });
   for (Index tile = 0; tile < tiles_; ++tile)
     for (Index c = 0; c < packed_.watched; ++c) {
       const Index place = (tile * packed_.watched + c) * tile_size;
-      Lanes sum = load(&products_[0][place]);
-      for (std::size_t part = 1; part < products_.size(); ++part) sum += load(&products_[part][place]);
+      Lanes sum = load(products_[0].data() + place);
+      for (std::size_t part = 1; part < products_.size(); ++part) sum += load(products_[part].data() + place);
       store(&product(tile * tile_size, c), sum);
     }
 }
@@ -160,9 +160,9 @@ void CovarianceTiles::pack(const CovarianceStep& step) {
   packed_.terms = l + 2 * p;
   packed_.watched = columns(step.watched);
   packed_.stride = (2 * packed_.terms + packed_.watched) * tile_size;
-  packed_.values.resize(tiles_ * packed_.stride);
+  packed_.values.resize(static_cast<std::size_t>(tiles_ * packed_.stride));
   for (Index tile = 0; tile < tiles_; ++tile) {
-    double* left = &packed_.values[tile * packed_.stride];
+    double* left = packed_.values.data() + tile * packed_.stride;
     double* right = left + packed_.terms * tile_size;
     const auto add = [&](const Lanes& a, const Lanes& b) {
       store(left, a);
@@ -193,9 +193,9 @@ void CovarianceTiles::pass_over(Index begin, Index end, const CovarianceStep& st
   const auto full = [&](Index tile) { return step.propagator->full[static_cast<std::size_t>(tile)].has_value(); };
   for (Index row = begin; row < end; ++row) {
     const bool full_row = step.propagator && full(row);
-    const double* of_row = &packed_.values[row * packed_.stride];
+    const double* of_row = packed_.values.data() + row * packed_.stride;
     for (Index column = 0; column <= row; ++column) {
-      const double* of_column = &packed_.values[column * packed_.stride];
+      const double* of_column = packed_.values.data() + column * packed_.stride;
       double* values = tile(row, column);
       if (step.downdate && row == column)
         for (int i = 0; i < 8; ++i) values[9 * i] *= 1.0 + rounding_allowance;

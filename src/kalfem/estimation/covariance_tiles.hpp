@@ -70,13 +70,16 @@ private:
   template <class Work>
   void run_parts(const Work& work);
 
+  /// Keeps its memory when passes watch now few, now many rows.
+  using AlignedValues = std::vector<double, Eigen::aligned_allocator<double>>;
+
   std::unique_ptr<WorkerPool> pool_;
   Eigen::Index tiles_ = 0;
-  std::vector<Eigen::Index> part_begin_;   ///< first tile row of each part, then the number of tile rows
-  std::vector<Eigen::VectorXd> products_;  ///< P H of each part, tile by tile
+  std::vector<Eigen::Index> part_begin_;  ///< first tile row of each part, then the number of tile rows
+  std::vector<AlignedValues> products_;   ///< P H of each part, tile by tile
   struct {
     Eigen::Index terms = 0, watched = 0, stride = 0;
-    Eigen::VectorXd values;
+    AlignedValues values;
   } packed_;
   Eigen::VectorXd values_;
 };
