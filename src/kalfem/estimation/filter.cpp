@@ -6,6 +6,22 @@
 
 namespace kalfem {
 
+std::string name_of(FilterKind kind) {
+  switch (kind) {
+    case FilterKind::unscented:
+      return "ukf";
+    case FilterKind::unscented_square_root:
+      return "ukf_square_root";
+    case FilterKind::partially_linear:
+      return "partially_linear_ukf";
+    case FilterKind::partially_linear_square_root:
+      return "partially_linear_ukf_square_root";
+    case FilterKind::extended:
+      return "ekf";
+  }
+  return {};
+}
+
 std::string to_string(FilterOutcome outcome) {
   switch (outcome) {
     case FilterOutcome::usable:

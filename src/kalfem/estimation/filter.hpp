@@ -18,6 +18,9 @@ enum class FilterKind {
   extended                       ///< first-order linearisation about the mean
 };
 
+/// As case files and summaries say it.
+std::string name_of(FilterKind kind);
+
 /// Why a filter could not go on.
 enum class FilterOutcome {
   usable,

@@ -67,22 +67,6 @@ Json parameters_summary(const Study& study, const EstimationStage& stage) {
   return parameters;
 }
 
-const char* filter_name(FilterKind kind) {
-  switch (kind) {
-    case FilterKind::unscented:
-      return "ukf";
-    case FilterKind::unscented_square_root:
-      return "ukf_square_root";
-    case FilterKind::partially_linear:
-      return "partially_linear_ukf";
-    case FilterKind::partially_linear_square_root:
-      return "partially_linear_ukf_square_root";
-    case FilterKind::extended:
-      return "ekf";
-  }
-  return "";
-}
-
 const char* quantity_key(ObservedQuantity quantity) {
   switch (quantity) {
     case ObservedQuantity::displacement:
@@ -127,7 +111,7 @@ Json estimation_summary(const Study& study, const EstimationStage& stage) {
   for (std::size_t i = 0; i < stage.measurements.channels.size(); ++i)
     ratios[stage.measurements.channels[i].name] =
         number(stage.consistency.innovation_to_noise[static_cast<Eigen::Index>(i)]);
-  Json summary = {{"filter", filter_name(stage.filter)},
+  Json summary = {{"filter", name_of(stage.filter)},
                   {"filter_reason", stage.filter_reason},
                   {"steps", stage.measurements.samples()},
                   {"state_dimension", stage.observer->layout().size()},

@@ -177,10 +177,11 @@ std::string console_report(const Study& study, const StudyResults& results) {
                         stage.consistency.expected_nis, per_cent(stage.consistency.fraction_in_95));
     text += fmt::format(
         "{} states, {} steps, {:.2f} us a step: {:.3g} x real time (predict {}, update {}; output {} beside it)\n"
-        "Filter: {}\n\n",
+        "Filter {}: {}\n\n",
         stage.observer->layout().size(), stage.measurements.samples(), 1e6 * time.filter() / samples,
         samples / stage.measurements.sample_rate / time.filter(), per_cent(time.predict / time.filter()),
-        per_cent(time.update / time.filter()), per_cent(time.output / time.filter()), stage.filter_reason);
+        per_cent(time.update / time.filter()), per_cent(time.output / time.filter()), name_of(stage.filter),
+        stage.filter_reason);
     if (const auto table = error_table("", study, stage.points); !table.rows.empty())
       text += fmt::format("Estimated motion, NRMSE after {} s{}\n", four_digits(study.given.estimate->settle),
                           band_words(stage)) +
