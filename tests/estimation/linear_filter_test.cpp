@@ -1,6 +1,7 @@
 #include <limits>
 
 #include "estimation/kalman_filter.hpp"
+#include "estimation/linear_chain.hpp"
 #include "kalfem/system/signals/harmonic.hpp"
 
 namespace kalfem {
@@ -10,17 +11,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double h = 2e-3;
+constexpr double h = LinearChainModel::h;
 
-/// wheel and two masses with two linear connectors, on a moving ground.
-struct LinearChain {
-  CoupledModel model = quarter_chain(2,
-                                     {{"strut", "wheel.w", "body.1", make_law("linear"), values({5e3, 20.0})},
-                                      {"tie", "wheel.ground", "body.2", make_law("linear"), values({800.0, 3.0})}},
-                                     {{"road", InputKind::base_displacement, "wheel.ground"}});
-  OutputMap sensors = make_outputs(
-      model,
-      {Chain::acceleration("1"), Chain::acceleration("2"), {"d", ObservedQuantity::displacement, {{"body.1", 1.0}}}});
+struct LinearChain : LinearChainModel {
   MatrixXd R = Eigen::Vector3d(0.04, 0.09, 1e-8).asDiagonal();
 
   [[nodiscard]] ObserverOptions options() const {

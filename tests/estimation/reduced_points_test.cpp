@@ -1,5 +1,6 @@
 #include "estimation/brute_force.hpp"
 #include "estimation/kalman_filter.hpp"
+#include "estimation/linear_chain.hpp"
 #include "kalfem/estimation/observer_maps.hpp"
 #include "kalfem/system/signals/harmonic.hpp"
 
@@ -231,17 +232,8 @@ TEST(ReducedPoints, NegativeVarianceAndMapsWithoutValueAreAnswers) {
 
 // -------------------------------------------------------------------------------------------------- the filters
 
-/// Wheel and two masses with two linear connectors, on a moving ground; some samples are missing.
-struct LinearRecord {
-  CoupledModel model = quarter_chain(2,
-                                     {{"strut", "wheel.w", "body.1", make_law("linear"), values({5e3, 20.0})},
-                                      {"tie", "wheel.ground", "body.2", make_law("linear"), values({800.0, 3.0})}},
-                                     {{"road", InputKind::base_displacement, "wheel.ground"}});
-  OutputMap sensors = make_outputs(
-      model,
-      {Chain::acceleration("1"), Chain::acceleration("2"), {"d", ObservedQuantity::displacement, {{"body.1", 1.0}}}});
-  static constexpr double h = 2e-3;
-
+/// Some samples are missing.
+struct LinearRecord : LinearChainModel {
   [[nodiscard]] Observer observer(int substeps, StateCoordinates coordinates = StateCoordinates::physical) const {
     auto options = all_known(model.system(), h);
     options.substeps = substeps;
