@@ -31,7 +31,8 @@ command::ExitCode execute(const CLI::App& app, const Arguments& arguments) {
   if (app.got_subcommand("modes")) return command::run(arguments.case_file, Stage::modes, arguments.folder);
   if (app.got_subcommand("simulate")) return command::run(arguments.case_file, Stage::simulate, arguments.folder);
   if (app.got_subcommand("estimate")) return command::run(arguments.case_file, Stage::estimate, arguments.folder);
-  return command::run(arguments.case_file, Stage::predict, arguments.folder);
+  if (app.got_subcommand("predict")) return command::run(arguments.case_file, Stage::predict, arguments.folder);
+  return command::run(arguments.case_file, Stage::update, arguments.folder);
 }
 
 }  // namespace
@@ -47,6 +48,7 @@ int main(int argc, char** argv) {
   add_stage(app, "simulate", "the reference solution and the record made from it", arguments);
   add_stage(app, "estimate", "states and unknown parameters, with what it needs before", arguments);
   add_stage(app, "predict", "response of a linear substructure, with what it needs before", arguments);
+  add_stage(app, "update", "refine the linear substructures by measurements, with what it needs before", arguments);
   auto* check = app.add_subcommand("check", "validate and explain a case or a deck, run nothing");
   check->add_option("case", arguments.case_file, "case file (YAML), or deck (.inp, .bdf, .dat, .nas)")->required();
   check->add_option("--page", arguments.page, "write the health report to this HTML file, with a picture of the mesh");

@@ -10,6 +10,7 @@
 #include "kalfem/report/summary.hpp"
 #include "kalfem/report/superelement_files.hpp"
 #include "kalfem/report/tables.hpp"
+#include "kalfem/report/updating_tables.hpp"
 #include "verbs.hpp"
 
 namespace kalfem::command {
@@ -64,7 +65,12 @@ ExitCode run(const std::string& case_file, Stage last, const std::string& folder
   const Study study = load_study(case_file);
   const fs::path folder = output_folder(case_file, folder_name);
   for (const auto& warning : study.warnings) fmt::print(stderr, "warning: {}\n", warning);
-  const StudyResults results = run_study(study, last, progress_bar());
+  const StudyResults results = run_study(
+      study, last,
+      {.progress = progress_bar(), .folder = folder, .on_updating_step = [&](int number, const UpdatingStep& step) {
+         fmt::print("{}", console_updating_step(study, number, step));
+         std::fflush(stdout);
+       }});
   write_all(folder, study, results);
   fmt::print("{}", console_report(study, results));
   fmt::print("Results in {}: report.html, summary.json, results.h5, case.resolved.yaml\n", folder.string());

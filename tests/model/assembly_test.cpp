@@ -136,6 +136,50 @@ TEST(Assembly, BeamRegionsOfOneMaterialAreOneTerm) {
   EXPECT_LT(difference(mass_of(halves), mass_of(whole)), 1e-15);
 }
 
+TEST(Assembly, BeamRegionsHaveTheFactorsThatAreAskedFor) {
+  auto model = workshop_piece();
+  EXPECT_EQ(beam_factors(model),
+            (std::map<std::string, double>{
+                {"rib.axial", 1.0}, {"rib.bending_y", 1.0}, {"rib.bending_z", 1.0}, {"rib.torsion", 1.0}}));
+  const auto plain = assemble(model, {.parameters = {"steel.density", "rip.torsion"}});
+  EXPECT_FALSE(plain.parameters.contains("rib.torsion"));
+  const auto divided = assemble(model, {.parameters = {"rib.torsion"}});
+  EXPECT_EQ(divided.stiffness.size(), plain.stiffness.size() + 3);  // four in the place of one
+  EXPECT_LT(difference(stiffness_of(divided), stiffness_of(plain)), 1e-14);
+
+  // All of them by one factor are another modulus.
+  auto parameters = divided.parameters;
+  for (const auto& [name, value] : beam_factors(model)) parameters.at(name) = 1.3;
+  auto stiffer = model;
+  stiffer.materials["stiffer"] = steel;
+  stiffer.materials["stiffer"].youngs_modulus *= 1.3;
+  std::get<BeamProperty>(stiffer.properties["rib"]).material = "stiffer";
+  EXPECT_LT(difference(Eigen::MatrixXd(evaluate(divided.stiffness, parameters)), stiffness_of(assemble(stiffer))),
+            1e-14);
+}
+
+TEST(Assembly, RegionsWithHingesHaveOneFactorWhichNoSpringMayShare) {
+  auto model = workshop_piece();
+  std::get<BeamProperty>(model.properties["rib"]).placements[0].released[4] = true;
+  EXPECT_EQ(beam_factors(model), (std::map<std::string, double>{{"rib.stiffness", 1.0}}));
+  const AssemblyOptions options{.parameters = {"rib.stiffness"}};
+  EXPECT_EQ(assemble(model, options).parameters.at("rib.stiffness"), 1.0);
+  model.springs[0].name = "rib";
+  EXPECT_NE(message_of([&] { assemble(model, options); }).find("'rib.stiffness' is a factor of a beam region and"),
+            std::string::npos);
+  EXPECT_EQ(assemble(model).parameters.at("rib.stiffness"), 5e4);
+}
+
+TEST(Assembly, MassOfNothingIsAPlaceForOne) {
+  auto model = workshop_piece();
+  model.masses[0] = {.name = "later", .node = model.masses[0].node};
+  const auto assembled = assemble(model);
+  auto parameters = assembled.parameters;
+  parameters.at("later.mass") = model.masses[0].mass = 0.7;
+  EXPECT_LT(difference(Eigen::MatrixXd(evaluate(assembled.mass, parameters)), mass_of(assemble(model))), 1e-14);
+  EXPECT_GT(difference(mass_of(assembled), mass_of(assemble(model))), 1e-2);
+}
+
 TEST(Assembly, ChangedParametersGiveWhatAssemblingAnewGives) {
   for (const auto kind : {MassKind::consistent, MassKind::lumped}) {
     auto model = workshop_piece();

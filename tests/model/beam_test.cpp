@@ -275,5 +275,60 @@ TEST(Beam, ImpossibleGeometryIsAShapeError) {
                ElementShapeError);
 }
 
+TEST(BeamParts, EachFactorMultipliesItsOwnStiffness) {
+  const double length = 0.5, load = 100.0, e = steel.youngs_modulus, g = steel.shear_modulus();
+  const auto section = rectangular_section(0.1, 0.2);
+  auto model = beam_model({length, 0.0, 0.0}, 2, section);
+  model.fixed = {{.name = "clamp", .nodes = {0}}};
+  const auto assembled = assemble(model, {.parameters = {"line.torsion"}});
+  auto parameters = assembled.parameters;
+  const std::map<std::string, double> factors = {
+      {"line.axial", 2.0}, {"line.bending_y", 3.0}, {"line.bending_z", 5.0}, {"line.torsion", 7.0}};
+  for (const auto& [name, value] : factors) {
+    EXPECT_EQ(parameters.at(name), 1.0);
+    parameters.at(name) = value;
+  }
+  const Eigen::MatrixXd stiffness(evaluate(assembled.stiffness, parameters));
+  const auto tip = [&](int direction) {
+    return stiffness.ldlt().solve(load * Eigen::VectorXd::Unit(12, 6 + direction))[6 + direction];
+  };
+  // Bending and its shear flexibility together. Rounding of the solution: 1e-10.
+  const double bending_y = std::pow(length, 3) / (3.0 * e * section.inertia_y);
+  const double bending_z = std::pow(length, 3) / (3.0 * e * section.inertia_z);
+  const double shear = length / (g * section.shear_factor_z * section.area);
+  EXPECT_NEAR(tip(0) / (load * length / (e * section.area)), 1.0 / 2.0, 1e-10);
+  EXPECT_NEAR(tip(2) / (load * (bending_y + shear)), 1.0 / 3.0, 1e-10);
+  EXPECT_NEAR(tip(1) / (load * (bending_z + shear)), 1.0 / 5.0, 1e-10);
+  EXPECT_NEAR(tip(3) / (load * length / (g * section.torsion)), 1.0 / 7.0, 1e-10);
+}
+
+TEST(BeamParts, TheirSumIsTheWholeStiffness) {
+  const Ends ends{{0.1, 0.7}, {0.2, -0.3}, {-0.4, 0.5}};
+  auto property = beam_property(rectangular_section(0.1, 0.2), {0.01, 0.02, -0.03}, {0.2, 0.1, 1.0});
+  property.section.centroid = {0.01, -0.02};
+  const auto check = [&](const std::vector<BeamPart>& expected) {
+    const auto& placement = property.placements[0];
+    ASSERT_EQ(parts_of(property), expected);
+    const auto parts = kalfem::beam(ends, property, placement, 0.3, MassKind::consistent, expected);
+    const auto whole = kalfem::beam(ends, property, placement, 0.3, MassKind::consistent);
+    ASSERT_EQ(parts.stiffness.size(), expected.size());
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(12, 12);
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      const auto& term = parts.stiffness[i];
+      EXPECT_EQ(term.powers, (PropertyPowers{.youngs_modulus = 1, .part = expected[i]}));
+      const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(term.matrix).eigenvalues();
+      EXPECT_GT(values[0], -1e-13 * values[11]) << "each part takes work";
+      sum += term.matrix;
+    }
+    EXPECT_LT(difference(sum, whole.stiffness.at(0).matrix), 1e-14);
+    EXPECT_EQ(parts.mass.at(0).matrix, whole.mass.at(0).matrix);
+  };
+  check({BeamPart::axial, BeamPart::bending_y, BeamPart::bending_z, BeamPart::torsion});
+  property.section.product_yz = 1e-5;
+  check({BeamPart::axial, BeamPart::bending, BeamPart::torsion});
+  property.placements[0].released[4] = true;
+  check({BeamPart::stiffness});
+}
+
 }  // namespace
 }  // namespace kalfem

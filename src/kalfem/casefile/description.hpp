@@ -9,6 +9,7 @@
 
 #include "kalfem/casefile/finite_element_description.hpp"
 #include "kalfem/casefile/form.hpp"
+#include "kalfem/casefile/update_description.hpp"
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/estimation/filter.hpp"
 #include "kalfem/estimation/parameter_transform.hpp"
@@ -248,6 +249,8 @@ struct Case {
   std::optional<Record> record;
   std::optional<Estimation> estimate;
   std::optional<Prediction> predict;
+  std::optional<Updating> update;
+  Named<Modification> modifications;
   Report report;
 };
 

@@ -231,6 +231,9 @@ Form<Case> case_form() {
           .optional("record", &Case::record, record(), "or read it from a file")
           .optional("estimate", &Case::estimate, estimation(), "states and unknown parameters from the record")
           .optional("predict", &Case::predict, mapping(prediction), "response of a linear substructure")
+          .optional("update", &Case::update, updating(), "refine the linear substructures by measurements")
+          .optional("modifications", &Case::modifications, named(modification()),
+                    "changes of the updated structure whose natural frequencies are predicted")
           .optional("report", &Case::report, mapping(report), "what the report page shows"));
 }
 

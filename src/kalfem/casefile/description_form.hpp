@@ -15,5 +15,7 @@ Form<Reduction> reduction();
 Form<Substructure> substructure();
 Form<Excitation> excitation();
 Form<Estimation> estimation();
+Form<Updating> updating();
+Form<Modification> modification();
 
 }  // namespace kalfem::description

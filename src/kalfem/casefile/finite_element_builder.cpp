@@ -6,6 +6,7 @@
 #include "kalfem/casefile/assembly.hpp"
 #include "kalfem/casefile/matrix_source.hpp"
 #include "kalfem/formats/gmsh.hpp"
+#include "kalfem/formats/table_mesh.hpp"
 #include "kalfem/model/linear_cells.hpp"
 #include "kalfem/model/unit_system.hpp"
 
@@ -90,9 +91,18 @@ private:
   void read(const d::MeshFile& mesh) {
     model_.mesh = read_gmsh(mesh.file.value);
     model_.mesh.nodes *= mesh.scale;
+    require_regions("give each physical group its property");
+  }
+
+  void read(const d::TableFiles& tables) {
+    model_.mesh = read_table_mesh(tables.nodes.value, tables.elements.value, {.scale = tables.scale});
+    require_regions("give each region of the elements its property");
+  }
+
+  void require_regions(const std::string& fix) {
     if (fe_.regions.empty())
-      issues_.add(mesh.file.location, "substructures." + name_ + ".finite_elements has no `regions`",
-                  "a mesh does not say what its cells are made of", "give each physical group its property");
+      issues_.add(fe_.location(), "substructures." + name_ + ".finite_elements has no `regions`",
+                  "a mesh does not say what its cells are made of", fix);
   }
 
   void read(const d::DeckFile& file) {

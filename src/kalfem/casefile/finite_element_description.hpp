@@ -75,11 +75,16 @@ struct Fixed {
   Located<std::string> nodes;
   std::vector<std::string> directions;
 };
-/// Where the elements come from: a mesh, whose regions get their properties here; another code's input file, which has
-/// them; or another code's matrices.
+/// Where the elements come from: a mesh or two tables, whose regions get their properties here; another code's input
+/// file, which has them; or another code's matrices.
 struct MeshFile {
   Located<std::filesystem::path> file;
   double scale = 1.0;  ///< of the mesh's coordinates to metres
+};
+/// A stick model: tables of nodes and of line elements.
+struct TableFiles {
+  Located<std::filesystem::path> nodes, elements;
+  std::optional<double> scale;  ///< of the coordinates to metres
 };
 struct DeckFile {
   Located<std::filesystem::path> file;
@@ -99,7 +104,7 @@ struct MatrixFiles {
   UnitSystem units;
 };
 struct FiniteElements {
-  std::variant<MeshFile, DeckFile, MatrixFiles> source;
+  std::variant<MeshFile, TableFiles, DeckFile, MatrixFiles> source;
   Named<Material> materials;
   Named<Region> regions;
   Named<Located<NodePlace>> nodes;

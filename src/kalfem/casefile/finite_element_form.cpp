@@ -16,7 +16,8 @@ Form<Material> material() {
       Fields<Material>()
           .required("youngs_modulus", &Material::youngs_modulus, number("Pa", Bounds::positive()), "E")
           .optional("poissons_ratio", &Material::poissons_ratio, number("-", Bounds::between(-0.99, 0.499)), "nu")
-          .required("density", &Material::density, number("kg/m^3", Bounds::positive()), "rho"));
+          .required("density", &Material::density, number("kg/m^3", Bounds::nonnegative()),
+                    "rho; 0: stiff without mass"));
 }
 
 Form<SectionHolder> section() {
@@ -93,7 +94,8 @@ Form<NodePlace> node_place() {
 Form<NodeMass> node_mass() {
   return mapping(Fields<NodeMass>()
                      .required("at", &NodeMass::at, name(), "one of `nodes`")
-                     .required("mass", &NodeMass::mass, number("kg", Bounds::positive()), "of the body")
+                     .required("mass", &NodeMass::mass, number("kg", Bounds::nonnegative()),
+                               "of the body; 0: a place for a mass that comes later")
                      .optional("inertia", &NodeMass::inertia, tuple<3>(number("kg m^2", Bounds::nonnegative())),
                                "about its own centre, axes x, y, z")
                      .optional("offset", &NodeMass::offset, tuple<3>(number("m")), "its centre minus the node"));
@@ -151,6 +153,13 @@ Form<FiniteElements> finite_elements() {
                         .required("mesh", &MeshFile::file, located(path()), "Gmsh mesh (.msh 2.2 or 4.1)")
                         .optional("scale", &MeshFile::scale, number("-", Bounds::positive()),
                                   "of the mesh's coordinates to metres: 0.001 for millimetres");
+  const auto tables =
+      Fields<TableFiles>()
+          .required("nodes", &TableFiles::nodes, located(path()), "table (CSV) with columns node, x, y, z")
+          .required("elements", &TableFiles::elements, located(path()),
+                    "table with columns element, node1, node2, region; a region is a name or a number")
+          .optional("scale", &TableFiles::scale, number("-", Bounds::positive()),
+                    "of the coordinates to metres, where their titles name no unit: x_mm or x [mm]");
   const auto deck = Fields<DeckFile>()
                         .required("deck", &DeckFile::file, located(path()),
                                   "input file of Abaqus or CalculiX (.inp) or Nastran (.bdf, .dat, .nas)")
@@ -174,10 +183,11 @@ Form<FiniteElements> finite_elements() {
                             .optional("units", &MatrixFiles::units, units(), "that their numbers are in; default: SI");
   return mapping(
       Fields<FiniteElements>()
-          .one_of(&FiniteElements::source, when(mesh), when(deck), when(matrices))
+          .one_of(&FiniteElements::source, when(mesh), when("tables", mapping(tables), "of a stick model"), when(deck),
+                  when(matrices))
           .optional("materials", &FiniteElements::materials, named(material()), "by name; of a deck: those that differ")
           .optional("regions", &FiniteElements::regions, named(region()),
-                    "properties by physical group of the mesh; of a deck: those that differ")
+                    "properties by physical group of the mesh or region of the tables; of a deck: those that differ")
           .optional("nodes", &FiniteElements::nodes, named(located(node_place())),
                     "places with a name, whose motion is known as substructure.name.x ... rz: a group or set of one "
                     "node, a node number, or coordinates [x, y, z] (the nearest node)")
@@ -192,6 +202,7 @@ Form<FiniteElements> finite_elements() {
 
 const SourceLocation& FiniteElements::location() const {
   if (const auto* mesh = std::get_if<MeshFile>(&source)) return mesh->file.location;
+  if (const auto* tables = std::get_if<TableFiles>(&source)) return tables->nodes.location;
   if (const auto* deck = std::get_if<DeckFile>(&source)) return deck->file.location;
   return std::get<MatrixFiles>(source).sets.front().files.front().location;
 }

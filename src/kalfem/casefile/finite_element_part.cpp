@@ -103,24 +103,26 @@ Superelement completed(const FiniteElementPart& part, Superelement superelement)
   return superelement;
 }
 
-Superelement reduce_by(d::ReductionMethod method, const FiniteElementPart& part, const ReductionOptions& options) {
+Superelement reduce_by(d::ReductionMethod method, const LinearModel& full, const std::vector<std::string>& boundary,
+                       const ReductionOptions& options) {
   switch (method) {
     case d::ReductionMethod::guyan:
-      return guyan(part.full, part.boundary, options);
+      return guyan(full, boundary, options);
     case d::ReductionMethod::rubin:
-      return free_interface(part.full, part.boundary, {.kind = FreeInterfaceKind::rubin, .modes = options.modes});
+      return free_interface(full, boundary, {.kind = FreeInterfaceKind::rubin, .modes = options.modes});
     case d::ReductionMethod::macneal:
-      return free_interface(part.full, part.boundary, {.kind = FreeInterfaceKind::macneal, .modes = options.modes});
+      return free_interface(full, boundary, {.kind = FreeInterfaceKind::macneal, .modes = options.modes});
     case d::ReductionMethod::craig_bampton:
       break;
   }
-  return craig_bampton(part.full, part.boundary, options);
+  return craig_bampton(full, boundary, options);
 }
 
 }  // namespace
 
 FiniteElementPart make_finite_element_part(const std::string& name, const d::Substructure& given,
-                                           const std::vector<std::string>& attached) {
+                                           const std::vector<std::string>& attached,
+                                           const std::vector<std::string>& parameters) {
   FiniteElementPart part;
   part.name = name;
   auto [elements, nodes, notes] = build_finite_elements(name, given);
@@ -129,7 +131,7 @@ FiniteElementPart make_finite_element_part(const std::string& name, const d::Sub
   part.notes = std::move(notes);
   try {
     require_connected(part.elements);
-    part.assembled = assemble(part.elements);
+    part.assembled = assemble(part.elements, {.parameters = {parameters.begin(), parameters.end()}});
     if (!part.elements.mesh.cells.empty()) require_no_mechanism(part.elements, part.assembled);
     part.mass = mass_properties(part.elements, part.assembled);
     part.full = linear_model(part.elements, part.assembled, part.nodes,
@@ -157,7 +159,16 @@ Superelement reduce(const FiniteElementPart& part, const std::optional<d::Reduct
   options.truncation_vectors = reduction.truncation_vectors;
   if (!reduction.modes && !reduction.up_to && !reduction.effective_mass)
     options.modes.cutoff = 3.0 * (std::isfinite(sensor_bandwidth) ? sensor_bandwidth : default_bandwidth);
-  return completed(part, reduce_by(reduction.method, part, options));
+  return completed(part, reduce_by(reduction.method, part.full, part.boundary, options));
+}
+
+Superelement reduce_again(const FiniteElementPart& part, const LinearModel& full,
+                          const std::optional<d::Reduction>& given, Index modes) {
+  const d::Reduction reduction = given.value_or(d::Reduction{});
+  return completed(
+      part,
+      reduce_by(reduction.method, full, part.boundary,
+                {.modes = {.count = modes}, .truncation_vectors = reduction.truncation_vectors, .evidence = false}));
 }
 
 Superelement reduce_up_to(const FiniteElementPart& part, double frequency) {

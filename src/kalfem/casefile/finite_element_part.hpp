@@ -28,12 +28,20 @@ using FiniteElementPartPtr = std::shared_ptr<const FiniteElementPart>;
 
 /// Reads the mesh, deck or matrices, assembles and damps them. `attached`: the points of it that connectors and forces
 /// touch ("p1.z"). Throws InvalidInput with every problem and its place.
+/// `parameters`: names of parameters that will change, without the substructure's own; those of beams are kept apart
+/// only where they are named.
 FiniteElementPart make_finite_element_part(const std::string& name, const description::Substructure& given,
-                                           const std::vector<std::string>& attached);
+                                           const std::vector<std::string>& attached,
+                                           const std::vector<std::string>& parameters);
 
 /// The superelement with modes as the case asks for; where it does not say, up to three times the sensors' bandwidth.
 Superelement reduce(const FiniteElementPart& part, const std::optional<description::Reduction>& given,
                     double sensor_bandwidth);
+
+/// The superelement of the part at other values of its parameters, with so many fixed-interface modes and without the
+/// comparison with the full model.
+Superelement reduce_again(const FiniteElementPart& part, const LinearModel& full,
+                          const std::optional<description::Reduction>& given, Eigen::Index modes);
 
 /// The superelement that stands for the full model up to a frequency.
 Superelement reduce_up_to(const FiniteElementPart& part, double frequency);

@@ -41,8 +41,8 @@ ParameterTransform transform_of(const d::Unknown& given, const std::string& unit
 class UnknownBuilder {
 public:
   /// `simulated`: the values of the case are the truth.
-  UnknownBuilder(const Parts& truth, bool simulated, Parts& parts, IssueList& issues)
-      : truth_(truth), simulated_(simulated), parts_(parts), issues_(issues) {}
+  UnknownBuilder(const Parts& truth, bool simulated, const PresentValues& present, Parts& parts, IssueList& issues)
+      : truth_(truth), simulated_(simulated), present_(present), parts_(parts), issues_(issues) {}
 
   void add(const std::string& name, const d::Unknown& given, ObserverSetup& setup) {
     std::vector<d::Name> names = given.applies_to;
@@ -56,8 +56,11 @@ public:
       unknown.deviation = given.std ? absolute(*given.std, unit, unknown.initial) : 0.5 * std::abs(unknown.initial);
       unknown.random_walk = given.random_walk ? absolute(*given.random_walk, unit, unknown.initial) : 0.0;
       std::optional<double> truth;
-      for (const auto& target : names)
-        if (const double value = add_target(target, unknown); simulated_) truth = value;
+      if (const auto value = present_.find(name); value != present_.end()) unknown.initial = value->second;
+      for (const auto& target : names) {
+        add_target(target, unknown);
+        if (simulated_) truth = find_parameter(truth_, target.value)->value;
+      }
 
       if (given.truth) truth = checked_number(*given.truth, unit);
       setup.options.unknowns.push_back(unknown);
@@ -81,20 +84,16 @@ private:
     return known;
   }
 
-  /// The value that the case gives the parameter.
-
-  double add_target(const d::Name& name, UnknownParameter& unknown) {
+  void add_target(const d::Name& name, UnknownParameter& unknown) {
     const auto reference = find_parameter(parts_, name.value);
-    const double value = reference->value;
     const auto target = release_linear_element(parts_, *reference, unknown.initial);
     unknown.targets.push_back({static_cast<Index>(target.part), static_cast<Index>(target.element)});
     parts_.connectors[target.part].parameters[static_cast<Index>(target.element)] = unknown.initial;
-    return value;
   }
 
   const Parts& truth_;
   bool simulated_;
-
+  const PresentValues& present_;
   Parts& parts_;
   IssueList& issues_;
 };
@@ -296,11 +295,10 @@ void check_driving_sensors(const Study& study, const ObserverSetup& setup, Issue
 
 }  // namespace
 
-ObserverSetup make_observer_setup(const Study& study, IssueList& issues) {
+ObserverSetup make_observer_setup(const Study& study, Parts parts, const PresentValues& present, IssueList& issues) {
   const auto& given = *study.given.estimate;
   ObserverSetup setup;
-  Parts parts = study.parts;
-  UnknownBuilder unknowns(study.parts, study.given.simulate.has_value(), parts, issues);
+  UnknownBuilder unknowns(study.parts, study.given.simulate.has_value(), present, parts, issues);
   std::optional<LocalCut> cut;
   if (given.local) {
     cut.emplace(*given.local, parts, issues);

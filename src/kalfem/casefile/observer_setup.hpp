@@ -1,10 +1,18 @@
 #pragma once
 
+#include <map>
+#include <string>
+
 #include "kalfem/casefile/study.hpp"
 
 namespace kalfem {
 
-/// The observer of the case's `estimate`. Problems go to `issues` with their place.
-ObserverSetup make_observer_setup(const Study& study, IssueList& issues);
+/// Values that parameters have reached, by name.
+using PresentValues = std::map<std::string, double>;
+
+/// The observer of the case's `estimate`, made of `parts`: the case's own, or those that an updating has reached.
+/// Values in `present` stand in for the first guesses of unknowns of the same name. Problems go to `issues` with their
+/// place.
+ObserverSetup make_observer_setup(const Study& study, Parts parts, const PresentValues& present, IssueList& issues);
 
 }  // namespace kalfem

@@ -4,7 +4,9 @@
 
 namespace kalfem {
 
-/// Drives the case's substructure by the estimated motion of its boundary and compares with the reference.
-PredictionStage predict_stage(const Study& study, const StudyResults& results, const Progress& progress);
+/// Drives the case's substructure, as `model` holds it, by the estimated motion of its boundary and compares with the
+/// reference.
+PredictionStage predict_stage(const Study& study, const CoupledModel& model, const StudyResults& results,
+                              const Progress& progress);
 
 }  // namespace kalfem

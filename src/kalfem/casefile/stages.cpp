@@ -4,9 +4,13 @@
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/casefile/estimation_stage.hpp"
 #include "kalfem/casefile/field_series.hpp"
+#include "kalfem/casefile/initial_state.hpp"
+#include "kalfem/casefile/modifications.hpp"
+#include "kalfem/casefile/observer_setup.hpp"
 #include "kalfem/casefile/prediction_stage.hpp"
 #include "kalfem/casefile/reported_quantities.hpp"
 #include "kalfem/casefile/substructure_modes.hpp"
+#include "kalfem/casefile/updating_stage.hpp"
 
 namespace kalfem {
 
@@ -15,20 +19,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
-
-InitialState initial_state(const Study& study) {
-  const auto& system = study.model->system();
-  InitialState start = at_rest(system.size(), system.connector_states());
-  for (const auto& [point, given] : study.given.simulate->initial) {
-    const Index index = study.model->dof_index(point);
-    if (index < 0)
-      throw InvalidInput(given.issue("'" + point + "' is no degree of freedom" + did_you_mean(point, system.dofs), "",
-                                     "name one of a lumped substructure"));
-    start.displacement[index] = given.value.displacement;
-    start.velocity[index] = given.value.velocity;
-  }
-  return start;
-}
 
 std::vector<MeasurementChain> chains_of(const std::vector<StudySensor>& sensors) {
   std::vector<MeasurementChain> chains;
@@ -69,7 +59,7 @@ SimulationStage simulate_stage(const Study& study, const Progress& progress, std
   FieldCollector collector(study);
   collector.attach(options);
   SimulationStage stage;
-  stage.reference = simulate_reference(study.model->system(), study.signals, initial_state(study),
+  stage.reference = simulate_reference(study.model->system(), study.signals, initial_state(study, *study.model),
                                        make_outputs(*study.model, outputs), chains_of(study.sensors), options,
                                        {.sample_rate = given.sample_rate,
                                         .first_substeps = given.first_substeps,
@@ -93,20 +83,58 @@ SimulationStage simulate_stage(const Study& study, const Progress& progress, std
   return stage;
 }
 
+/// The structure that the updating ended at: the observer's, and the one to predict from.
+struct Updated {
+  ObserverSetup observer;
+  CoupledModel model;
+};
+
+Updated updated_structure(const Study& study, const ParameterisedStructure& structure, const UpdatingStage& updating) {
+  const Parts parts = structure.at(updating.values).parts;
+  PresentValues present;
+  for (std::size_t i = 0; i < study.updating->parameters.size(); ++i)
+    present[study.updating->parameters[i].name] = updating.values[static_cast<Index>(i)];
+  IssueList issues;
+  ObserverSetup observer = make_observer_setup(study, parts, present, issues);
+  issues.raise();
+  return {std::move(observer), couple(parts)};
+}
+
+/// The last estimates of the filter's unknowns with the structure as the updating finds it.
+VectorXd unknowns_at_start(const Study& study, const StudyResults& results) {
+  std::string failure;
+  const auto before = estimate_stage(study, *study.observer, results, {}, failure);
+  return failure.empty() ? VectorXd(before.result.unknowns.mean.rightCols(1)) : VectorXd();
+}
+
 }  // namespace
 
-StudyResults run_study(const Study& study, Stage last, const Progress& progress) {
+StudyResults run_study(const Study& study, Stage last, const RunOptions& options) {
   const Stopwatch watch;
   StudyResults results;
   results.modes = substructure_modes(study, study.given.report.modes);
   if (last >= Stage::simulate && study.given.simulate)
-    results.simulation = simulate_stage(study, progress, results.fields, results.failure);
+    results.simulation = simulate_stage(study, options.progress, results.fields, results.failure);
+  const bool updates = last >= Stage::update && study.updating;
+  std::optional<Updated> updated;
+  if (results.usable() && updates) {
+    const auto structure = parameterised_structure(study);
+    results.updating = update_stage(study, results, structure, options);
+    if (study.observer) {
+      results.updating->unknowns_before = unknowns_at_start(study, results);
+      updated.emplace(updated_structure(study, *structure, *results.updating));
+    }
+  }
   if (results.usable() && last >= Stage::estimate && study.observer) {
-    results.estimation = estimate_stage(study, results, progress, results.failure);
-    if (auto series = estimated_fields(study, *results.estimation)) results.fields.push_back(std::move(*series));
+    results.estimation = estimate_stage(study, updated ? updated->observer : *study.observer, results, options.progress,
+                                        results.failure);
+    if (!updated)  // else the basis of the pictures is not that of the observer
+      if (auto series = estimated_fields(study, *results.estimation)) results.fields.push_back(std::move(*series));
   }
   if (results.usable() && last >= Stage::predict && study.given.predict)
-    results.prediction = predict_stage(study, results, progress);
+    results.prediction = predict_stage(study, updated ? updated->model : *study.model, results, options.progress);
+  if (results.usable() && last >= Stage::predict)
+    results.modifications = predict_modifications(study, results.updating);
   results.total_seconds = watch.seconds();
   return results;
 }

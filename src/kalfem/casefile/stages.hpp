@@ -1,5 +1,7 @@
 #pragma once
 
+#include <filesystem>
+#include <functional>
 #include <optional>
 
 #include "kalfem/base/progress.hpp"
@@ -9,6 +11,9 @@
 #include "kalfem/estimation/consistency.hpp"
 #include "kalfem/estimation/estimate.hpp"
 #include "kalfem/prediction/base_driven.hpp"
+#include "kalfem/updating/modal_residual.hpp"
+#include "kalfem/updating/parameter_statistics.hpp"
+#include "kalfem/updating/sensitivity_check.hpp"
 
 namespace kalfem {
 
@@ -75,6 +80,54 @@ struct PredictionStage {
   double seconds = 0.0;
 };
 
+/// One evaluation in the course of an updating.
+struct UpdatingStep {
+  bool accepted = false;
+  Eigen::VectorXd tried;       ///< parameters
+  Eigen::VectorXd parameters;  ///< accepted last
+  double residual = 0.0;       ///< rms of the weighted residual at those
+  double seconds = 0.0;
+};
+
+/// Magnitude of one frequency response.
+struct FrfCurve {
+  std::string name;                                ///< "2 / force at 1"
+  Eigen::VectorXd lines, measured, before, after;  ///< [Hz], |H|
+};
+
+/// A comparison before and after the updating.
+struct ComparisonResult {
+  std::string name, kind;
+  double weight = 1.0;
+  Eigen::Index size = 0;
+  double rms_initial = 0.0, rms_final = 0.0;           ///< of the residual, in standard deviations
+  std::vector<FrfCurve> responses;                     ///< of frequency responses
+  std::vector<PairedMode> modes_initial, modes_final;  ///< of natural frequencies
+};
+
+struct UpdatingStage {
+  std::string method;  ///< in words, what was used
+  std::vector<ComparisonResult> comparisons;
+  Eigen::VectorXd values;  ///< one a parameter
+  ParameterStatistics statistics;
+  std::vector<std::string> remarks;  ///< what the data do not tell, in sentences
+  std::string termination;           ///< why it ended, in words
+  bool converged = false;
+  double residual_initial = 0.0, residual_final = 0.0;  ///< rms of the weighted residual
+  int evaluations = 0, iterations = 0;
+  int resumed_at = 0;  ///< evaluations that an earlier run had made
+  std::vector<UpdatingStep> trace;
+  std::vector<SensitivityComparison> sensitivities;  ///< where the case asks for them
+  Eigen::VectorXd unknowns_before;  ///< last estimates of the filter before the updating; empty: no filter
+  double seconds = 0.0;
+};
+
+/// Natural frequencies of the updated structure after a change.
+struct ModificationResult {
+  std::string name, substructure;
+  Eigen::VectorXd frequencies;  ///< [Hz]
+};
+
 /// What was computed; stages that did not run are empty.
 struct StudyResults {
   std::vector<SubstructureModes> modes;
@@ -82,15 +135,24 @@ struct StudyResults {
   std::optional<SimulationStage> simulation;
   std::optional<EstimationStage> estimation;
   std::optional<PredictionStage> prediction;
+  std::optional<UpdatingStage> updating;
+  std::vector<ModificationResult> modifications;
   std::string failure;  ///< in words, where the numbers are not usable
   double total_seconds = 0.0;
 
   [[nodiscard]] bool usable() const { return failure.empty(); }
 };
 
-enum class Stage { modes, simulate, estimate, predict };
+enum class Stage { modes, simulate, estimate, predict, update };
 
-/// Runs the stages of the case up to the given one, each as far as the case declares it.
-StudyResults run_study(const Study& study, Stage last, const Progress& progress = {});
+struct RunOptions {
+  Progress progress = {};
+  std::filesystem::path folder = {};  ///< where a long updating keeps its place; empty: nowhere
+  std::function<void(int number, const UpdatingStep&)> on_updating_step = {};
+};
+
+/// Runs the stages of the case up to the given one, each as far as the case declares it. An updating comes before the
+/// estimation and the prediction that are reported: they are of the updated structure.
+StudyResults run_study(const Study& study, Stage last, const RunOptions& options = {});
 
 }  // namespace kalfem

@@ -3,8 +3,11 @@
 #include <cmath>
 
 #include "kalfem/casefile/case_reader.hpp"
+#include "kalfem/casefile/modifications.hpp"
 #include "kalfem/casefile/observer_setup.hpp"
+#include "kalfem/casefile/parameterised_structure.hpp"
 #include "kalfem/casefile/study_elements.hpp"
+#include "kalfem/casefile/updating_setup.hpp"
 
 namespace kalfem {
 namespace {
@@ -91,6 +94,12 @@ void check_pictures(const d::Case& given, IssueList& issues) {
         "the motion of a mesh is drawn", "name one that has finite_elements");
 }
 
+/// The parts from which the observer is made: an updating begins at its own first guesses.
+Parts starting_parts(const Study& study) {
+  if (!study.updating) return study.parts;
+  return parameterised_structure(study)->at(initial_values(study.updating->parameters)).parts;
+}
+
 /// What is allowed but probably not meant.
 void warn(Study& study) {
   if (study.given.estimate && study.given.simulate && study.given.estimate->settle >= study.given.simulate->duration)
@@ -133,7 +142,10 @@ Study load_study(const std::string& file) {
   }
   raise_in_line_order(issues);
   try {
-    if (study.given.estimate) study.observer = make_observer_setup(study, issues);
+    if (study.given.update) study.updating = make_updating_setup(study, issues);
+    check_modifications(study, issues);
+    issues.raise();
+    if (study.given.estimate) study.observer = make_observer_setup(study, starting_parts(study), {}, issues);
   } catch (const InvalidInput& error) {
     issues.add(error, place);
   }

@@ -5,7 +5,9 @@
 #include "kalfem/casefile/assembly.hpp"
 #include "kalfem/casefile/finite_element_part.hpp"
 #include "kalfem/casefile/record_source.hpp"
+#include "kalfem/casefile/structure_parameter.hpp"
 #include "kalfem/estimation/observer.hpp"
+#include "kalfem/updating/updating_parameter.hpp"
 
 namespace kalfem {
 
@@ -32,6 +34,13 @@ struct ObserverSetup {
   std::vector<std::optional<double>> true_parameters;  ///< one an unknown
 };
 
+/// What the case's `update` refines.
+struct UpdatingSetup {
+  std::vector<UpdatingParameter> parameters;
+  std::vector<StructureBinding> bindings;              ///< where theta stands in the substructures
+  std::vector<std::optional<double>> true_parameters;  ///< one a parameter
+};
+
 /// A finite-element substructure in the orders of model that the stages use.
 struct StudyElements {
   FiniteElementPartPtr part;
@@ -50,7 +59,8 @@ struct Study {
   std::vector<StudySensor> sensors;
   std::vector<SignalPtr> signals;         ///< one an input
   std::optional<MeasuredRecord> record;   ///< where the case reads one
-  std::optional<ObserverSetup> observer;  ///< where the case estimates
+  std::optional<UpdatingSetup> updating;  ///< where the case updates
+  std::optional<ObserverSetup> observer;  ///< where the case estimates; of what the updating starts from
   std::vector<std::string> warnings;      ///< what is allowed but probably not meant
 
   [[nodiscard]] double sample_rate() const;

@@ -19,6 +19,23 @@ double sensor_bandwidth(const d::Case& given) {
   return widest > 0.0 ? widest : std::numeric_limits<double>::infinity();
 }
 
+/// Parameters of a substructure that the case refines or modifies, by their names in it.
+std::vector<std::string> changing_parameters(const d::Case& given, const std::string& substructure) {
+  const std::string prefix = substructure + ".";
+  std::vector<std::string> names;
+  const auto include = [&](const std::string& name) {
+    if (name.starts_with(prefix)) names.push_back(name.substr(prefix.size()));
+  };
+  if (given.update)
+    for (const auto& [name, parameter] : given.update->parameters) {
+      include(name);
+      for (const auto& target : parameter.value.applies_to) include(target.value);
+    }
+  for (const auto& [name, modification] : given.modifications)
+    for (const auto& [target, value] : modification.set) include(modification.substructure.value + "." + target);
+  return names;
+}
+
 }  // namespace
 
 std::optional<FrequencyBand> excitation_band(const d::Case& given) {
@@ -41,8 +58,8 @@ void add_finite_elements(Study& study, IssueList& issues) {
     if (!given.finite_elements) continue;
     try {
       StudyElements elements;
-      elements.part = std::make_shared<const FiniteElementPart>(
-          make_finite_element_part(name, given, attached_points(study.given, name)));
+      elements.part = std::make_shared<const FiniteElementPart>(make_finite_element_part(
+          name, given, attached_points(study.given, name), changing_parameters(study.given, name)));
       if (const auto notes = elements.part->notes.size(); notes > 0)
         study.warnings.push_back("substructure '" + name + "': its deck holds " + std::to_string(notes) +
                                  " kinds of things that are not used; `kalfem check` lists them");

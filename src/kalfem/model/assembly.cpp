@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 
 #include "kalfem/model/constraints.hpp"
 #include "kalfem/model/elements/beam.hpp"
@@ -17,6 +18,7 @@ namespace {
 
 using Powers = std::map<std::string, int>;
 using Terms = std::map<Powers, SparseMatrix>;
+using Values = std::map<std::string, double>;
 
 /// Of more problems of one kind than this, only the number is told.
 constexpr std::size_t most_told = 20;
@@ -33,6 +35,7 @@ struct ElementMaker {
   const FiniteElementModel& model;
   const Cell& cell;
   std::size_t place;  ///< of the cell in its region
+  const std::vector<BeamPart>& parts;
 
   ElementMatrices operator()(const ShellProperty& shell) const {
     const double nu = model.materials.at(shell.material).poissons_ratio;
@@ -41,7 +44,7 @@ struct ElementMaker {
   }
   ElementMatrices operator()(const BeamProperty& property) const {
     const double nu = model.materials.at(property.material).poissons_ratio;
-    return beam(corners<2>(model.mesh, cell), property, property.placement(place), nu, model.mass_kind);
+    return beam(corners<2>(model.mesh, cell), property, property.placement(place), nu, model.mass_kind, parts);
   }
   ElementMatrices operator()(const LaminateProperty& property) const {
     return laminate(all_nodes(), property, property.direction(place), model.mass_kind);
@@ -54,11 +57,14 @@ struct ElementMaker {
   [[nodiscard]] Eigen::Matrix3Xd all_nodes() const { return model.mesh.nodes(Eigen::all, model.mesh.nodes_of(cell)); }
 };
 
+std::string factor_name(const std::string& region, BeamPart part) { return region + "." + to_string(part); }
+
 Powers named_powers(const PropertyPowers& powers, const std::string& region, const std::string& material) {
   Powers named;
   if (powers.youngs_modulus != 0) named[material + ".youngs_modulus"] = powers.youngs_modulus;
   if (powers.density != 0) named[material + ".density"] = powers.density;
   if (powers.thickness != 0) named[region + ".thickness"] = powers.thickness;
+  if (powers.part != BeamPart::none) named[factor_name(region, powers.part)] = 1;
   return named;
 }
 
@@ -105,8 +111,9 @@ std::vector<bool> touched_dofs(const FiniteElementModel& model) {
 /// Sums up the parts of a model over the free degrees of freedom that the elimination leaves.
 class Assembler {
 public:
-  Assembler(const FiniteElementModel& model, const Elimination& elimination)
-      : model_(model), transform_(elimination.transform) {}
+  /// `factors`: those by which the stiffness of beam regions is divided.
+  Assembler(const FiniteElementModel& model, const Elimination& elimination, const Values& factors)
+      : model_(model), transform_(elimination.transform), factors_(factors) {}
 
   void add_region(const std::string& region, const RegionProperty& property, IssueList& issues);
   void add_masses();
@@ -121,6 +128,14 @@ private:
   using Triplets = std::vector<Eigen::Triplet<double>>;
   using TripletTerms = std::map<Powers, Triplets>;
   using Sums = std::map<PropertyPowers, std::vector<double>>;
+
+  /// Into which a region's stiffness is divided.
+  [[nodiscard]] std::vector<BeamPart> asked_parts(const std::string& region, const RegionProperty& property) const {
+    const auto* beam = std::get_if<BeamProperty>(&property);
+    if (!beam) return {BeamPart::none};
+    auto parts = parts_of(*beam);
+    return factors_.contains(factor_name(region, parts.front())) ? parts : std::vector{BeamPart::none};
+  }
 
   [[nodiscard]] const Cell& cell(Eigen::Index index) const {
     return model_.mesh.cells[static_cast<std::size_t>(index)];
@@ -176,6 +191,7 @@ private:
 
   const FiniteElementModel& model_;
   const Eigen::SparseMatrix<double, Eigen::RowMajor>& transform_;
+  const Values& factors_;
 };
 
 SparseSumPattern Assembler::pattern_of(const std::vector<Eigen::Index>& cells, int motions) const {
@@ -192,12 +208,13 @@ void Assembler::add_region(const std::string& region, const RegionProperty& prop
   const auto& cells = model_.mesh.regions.at(region);
   const int motions = motions_per_node(property);
   const auto pattern = pattern_of(cells, motions);
+  const auto parts = asked_parts(region, property);
   Sums stiffness_sums, mass_sums;
   Scatter scatter;
   std::vector<std::pair<Eigen::Index, std::string>> bad;
   for (std::size_t i = 0; i < cells.size(); ++i) try {
       const auto& each = cell(cells[i]);
-      const auto matrices = std::visit(ElementMaker{model_, each, i}, property);
+      const auto matrices = std::visit(ElementMaker{model_, each, i, parts}, property);
       scatter_of(model_.mesh.nodes_of(each), motions, scatter);
       add_terms(pattern, scatter, matrices.stiffness, stiffness_sums);
       add_terms(pattern, scatter, matrices.mass, mass_sums);
@@ -299,8 +316,28 @@ void Assembler::add_matrices() {
   }
 }
 
-std::map<std::string, double> present_values(const FiniteElementModel& model) {
-  std::map<std::string, double> values;
+/// All factors of the beam regions that the options name one of.
+Values asked_factors(const FiniteElementModel& model, const AssemblyOptions& options) {
+  auto factors = beam_factors(model);
+  const auto region_of = [](const std::string& name) { return name.substr(0, name.rfind('.')); };
+  std::set<std::string> regions;
+  for (const auto& name : options.parameters)
+    if (factors.contains(name)) regions.insert(region_of(name));
+  std::erase_if(factors, [&](const auto& factor) { return !regions.contains(region_of(factor.first)); });
+  return factors;
+}
+
+void require_own_names(const Values& factors, const Values& values, const std::string& source) {
+  IssueList issues;
+  for (const auto& [name, value] : factors)
+    if (values.contains(name))
+      issues.add({source, 0}, "'" + name + "' is a factor of a beam region and the stiffness of a spring",
+                 "names of parameters are unique", "rename the spring or the region");
+  issues.raise();
+}
+
+Values present_values(const FiniteElementModel& model) {
+  Values values;
   for (const auto& [region, property] : model.properties) {
     const auto name = material_of(property);
     if (name.empty()) continue;
@@ -322,10 +359,22 @@ Eigen::Index AssembledModel::find(const NodalDof& dof) const {
   return place != dofs.end() && *place == dof ? place - dofs.begin() : -1;
 }
 
-AssembledModel assemble(const FiniteElementModel& model) {
+Values beam_factors(const FiniteElementModel& model) {
+  Values factors;
+  for (const auto& [region, property] : model.properties)
+    if (const auto* beam = std::get_if<BeamProperty>(&property))
+      for (const auto part : parts_of(*beam)) factors[factor_name(region, part)] = 1.0;
+  return factors;
+}
+
+AssembledModel assemble(const FiniteElementModel& model, const AssemblyOptions& options) {
   if (auto issues = validate(model); !issues.empty()) throw InvalidInput(std::move(issues));
   auto elimination = eliminate(model, touched_dofs(model));
-  Assembler assembler(model, elimination);
+  auto values = present_values(model);
+  const auto factors = asked_factors(model, options);
+  require_own_names(factors, values, model.mesh.source);
+  values.insert(factors.begin(), factors.end());
+  Assembler assembler(model, elimination, factors);
   IssueList issues;
   for (const auto& [region, property] : model.properties) assembler.add_region(region, property, issues);
   issues.raise();
@@ -333,7 +382,7 @@ AssembledModel assemble(const FiniteElementModel& model) {
   assembler.add_springs();
   assembler.add_matrices();
   const auto size = static_cast<Eigen::Index>(elimination.dofs.size());
-  return {.parameters = present_values(model),
+  return {.parameters = std::move(values),
           .stiffness = to_list(std::move(assembler.stiffness), size),
           .mass = to_list(std::move(assembler.mass), size),
           .damping = std::move(assembler.damping),

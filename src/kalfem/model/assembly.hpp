@@ -10,11 +10,25 @@
 
 namespace kalfem {
 
+struct AssemblyOptions {
+  /// Parameters that shall be there, by name. Those that are factors of a part of a beam region's stiffness, such as
+  /// "tubes.bending_y" (see beam_factors()), divide that region's stiffness into a term for each of its parts; all
+  /// other names have no effect. Of regions that none is named of, the stiffness stays one term with others of its
+  /// material: a model of hundreds of beam regions would else be thousands of matrices.
+  std::vector<std::string> parameters = {};
+};
+
+/// Factors that the stiffness of the model's beam regions can be divided by, all 1: "<region>.axial", ".bending_y",
+/// ".bending_z" and ".torsion"; ".axial", ".bending" and ".torsion" where a product of inertia couples the planes;
+/// ".stiffness" of the whole where an end has hinges. Beams are described at beam().
+std::map<std::string, double> beam_factors(const FiniteElementModel& model);
+
 /// A finite-element model as matrices: K = sum of stiffness terms and M = sum of mass terms over the free degrees of
 /// freedom, with the map back to the nodes. No two terms have the same powers. Immutable.
 struct AssembledModel {
   std::map<std::string, double> parameters;  ///< present values, SI: "<material>.youngs_modulus", "<material>.density",
-                                             ///< "<region>.thickness", "<mass>.mass", "<spring>.stiffness"
+                                             ///< "<region>.thickness", "<mass>.mass", "<spring>.stiffness" and
+                                             ///< the factors of beam regions that the options ask for
   std::vector<AffineTerm> stiffness;
   std::vector<AffineTerm> mass;
   SparseMatrix damping;                 ///< of dashpots [N s/m], n x n
@@ -31,7 +45,8 @@ struct AssembledModel {
 /// freedom eliminated, z_all = T z, K = T^T K_all T, M alike. Only degrees of freedom that an element, spring or mass
 /// touches, itself or through a link or constraint, are numbered.
 /// Degrees of freedom without mass stay: M may be singular where K is not.
-/// Throws InvalidInput with everything that validate() finds and with the elements whose shape cannot be integrated.
-AssembledModel assemble(const FiniteElementModel& model);
+/// Throws InvalidInput with everything that validate() finds, with the elements whose shape cannot be integrated, and
+/// for a factor whose name a spring has already.
+AssembledModel assemble(const FiniteElementModel& model, const AssemblyOptions& options = {});
 
 }  // namespace kalfem

@@ -7,6 +7,8 @@
 #include "kalfem/report/connector_charts.hpp"
 #include "kalfem/report/health_section.hpp"
 #include "kalfem/report/tables.hpp"
+#include "kalfem/report/updating_section.hpp"
+#include "kalfem/report/updating_tables.hpp"
 
 namespace kalfem {
 namespace {
@@ -204,10 +206,19 @@ Section open_loop_section(const EstimationStage& stage) {
 
 std::string answer(const StudyResults& results) {
   if (!results.usable()) return results.failure;
-  if (!results.estimation) return "The simulation ran to its end.";
+  const std::string updated =
+      results.updating ? fmt::format(
+                             "{} parameters of the model updated: the residual fell from {} to {} standard "
+                             "deviations. ",
+                             results.updating->values.size(), four_digits(results.updating->residual_initial),
+                             four_digits(results.updating->residual_final))
+                       : "";
+  if (!results.estimation)
+    return updated + (results.simulation ? "The simulation ran to its end." : updated.empty() ? "Modes computed." : "");
   const auto& consistency = results.estimation->consistency;
-  return fmt::format("{} unknown parameters estimated; mean NIS {:.2f} where {:.2f} is right.",
-                     results.estimation->observer->layout().unknowns, consistency.mean_nis, consistency.expected_nis);
+  return updated + fmt::format("{} unknown parameters estimated; mean NIS {:.2f} where {:.2f} is right.",
+                               results.estimation->observer->layout().unknowns, consistency.mean_nis,
+                               consistency.expected_nis);
 }
 
 Section simulation_section(const SimulationStage& stage) {
@@ -258,6 +269,11 @@ Page make_page(const Study& study, const StudyResults& results) {
             .status = results.usable() ? PageStatus::ok : PageStatus::unusable,
             .summary = answer(results),
             .sections = {}};
+  if (results.updating) page.sections.push_back(updating_section(study, results));
+  if (!results.modifications.empty())
+    page.sections.push_back({"Modifications",
+                             "Natural frequencies predicted without further updating.",
+                             {modification_table(results.modifications)}});
   if (results.estimation) {
     const auto& stage = *results.estimation;
     if (stage.observer->layout().unknowns > 0) page.sections.push_back(parameters_section(study, stage));

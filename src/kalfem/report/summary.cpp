@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "kalfem/base/version.hpp"
+#include "kalfem/report/updating_summary.hpp"
 
 namespace kalfem {
 
@@ -126,10 +127,19 @@ Json estimation_summary(const Study& study, const EstimationStage& stage) {
   return summary;
 }
 
-Json prediction_summary(const PredictionStage& stage) {
-  Json points = Json::object();
-  for (const auto& point : stage.points) add_errors(points[point.point.substr(point.point.find('.') + 1)], point);
-  return {{stage.substructure, points}};
+Json prediction_summary(const StudyResults& results) {
+  Json summary = Json::object();
+  if (results.prediction) {
+    Json& points = summary[results.prediction->substructure];
+    for (const auto& point : results.prediction->points)
+      add_errors(points[point.point.substr(point.point.find('.') + 1)], point);
+  }
+  for (const auto& each : results.modifications) {
+    Json frequencies = Json::array();
+    for (const double f : each.frequencies) frequencies.push_back(number(f));
+    summary[each.name] = {{"substructure", each.substructure}, {"frequencies_hz", frequencies}};
+  }
+  return summary;
 }
 
 Json timing_summary(const Study& study, const StudyResults& results) {
@@ -147,6 +157,7 @@ Json timing_summary(const Study& study, const StudyResults& results) {
                                   {"output", number(stage.result.time.output)}};
   }
   if (results.prediction) timing["predict_s"] = number(results.prediction->seconds);
+  if (results.updating) timing["update_s"] = number(results.updating->seconds);
   return timing;
 }
 
@@ -164,7 +175,8 @@ Json summarise(const Study& study, const StudyResults& results) {
     summary["parameters"] = parameters_summary(study, *results.estimation);
     summary["estimation"] = estimation_summary(study, *results.estimation);
   }
-  if (results.prediction) summary["prediction"] = prediction_summary(*results.prediction);
+  if (results.prediction || !results.modifications.empty()) summary["prediction"] = prediction_summary(results);
+  if (results.updating) summary["updating"] = updating_summary(study, *results.updating);
   summary["timing"] = timing_summary(study, results);
   return summary;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include "kalfem/report/updating_tables.hpp"
 
 namespace kalfem {
 namespace {
@@ -168,6 +169,7 @@ std::string console_report(const Study& study, const StudyResults& results) {
         four_digits(study.given.simulate->duration), four_digits(study.sample_rate()), reference.substeps,
         per_cent(reference.last_change), results.simulation->seconds);
   }
+  if (results.updating) text += console_updating(study, results);
   if (results.estimation) {
     const auto& stage = *results.estimation;
     const auto& time = stage.result.time;
@@ -193,6 +195,9 @@ std::string console_report(const Study& study, const StudyResults& results) {
     if (const auto table = error_table("", study, results.prediction->points); !table.rows.empty())
       text += "'" + results.prediction->substructure + "' driven by its estimated boundary motion, NRMSE" +
               band_words(*results.estimation) + "\n" + to_text(table) + "\n";
+  if (!results.modifications.empty())
+    text +=
+        "Natural frequencies after modifications [Hz]\n" + to_text(modification_table(results.modifications)) + "\n";
   return text;
 }
 

@@ -1,8 +1,8 @@
 #include "kalfem/model/elements/beam.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <vector>
 
 namespace kalfem {
 namespace {
@@ -83,12 +83,26 @@ Matrix12 axial_at_centroid(const Eigen::Vector2d& centroid) {
   return transform;
 }
 
-Matrix12 local_stiffness(const BeamSection& section, const Bending& bending, double length, double poissons_ratio) {
-  Matrix12 stiffness = bending.stiffness();
+/// Of the motions of one plane alone, where the planes are not coupled.
+Matrix12 in_plane(const Matrix12& bending, int deflection, int slope) {
+  const std::array<int, 4> motions = {deflection, slope, deflection + 6, slope + 6};
+  Matrix12 plane = Matrix12::Zero();
+  plane(motions, motions) = bending(motions, motions);
+  return plane;
+}
+
+/// One part of the stiffness per unit E, in the motions of the line's ends.
+Matrix12 local_stiffness(BeamPart part, const BeamSection& section, const Bending& bending, double length,
+                         double poissons_ratio) {
+  Matrix12 stiffness = Matrix12::Zero();
+  const bool whole = part == BeamPart::none || part == BeamPart::stiffness;
+  if (whole || part == BeamPart::bending) stiffness = bending.stiffness();
+  if (part == BeamPart::bending_y) stiffness = in_plane(bending.stiffness(), 2, 4);
+  if (part == BeamPart::bending_z) stiffness = in_plane(bending.stiffness(), 1, 5);
   const double axial = section.area / length;
   const double torsion = section.torsion / (2.0 * (1.0 + poissons_ratio) * length);
-  add_pair(stiffness, 0, axial, -axial);
-  add_pair(stiffness, 3, torsion, -torsion);
+  if (whole || part == BeamPart::axial) add_pair(stiffness, 0, axial, -axial);
+  if (whole || part == BeamPart::torsion) add_pair(stiffness, 3, torsion, -torsion);
   const Matrix12 transform = axial_at_centroid(section.centroid);
   return transform.transpose() * stiffness * transform;
 }
@@ -205,16 +219,33 @@ Matrix12 node_to_line(const Eigen::Matrix3d& axes, const Eigen::Matrix<double, 3
 
 }  // namespace
 
+const char* to_string(BeamPart part) {
+  constexpr std::array names = {"", "axial", "bending_y", "bending_z", "bending", "torsion", "stiffness"};
+  return names[static_cast<std::size_t>(part)];
+}
+
+std::vector<BeamPart> parts_of(const BeamProperty& property) {
+  const auto has_hinge = [](const BeamPlacement& placement) {
+    return std::ranges::find(placement.released, true) != placement.released.end();
+  };
+  if (std::ranges::any_of(property.placements, has_hinge)) return {BeamPart::stiffness};
+  if (property.section.product_yz != 0.0) return {BeamPart::axial, BeamPart::bending, BeamPart::torsion};
+  return {BeamPart::axial, BeamPart::bending_y, BeamPart::bending_z, BeamPart::torsion};
+}
+
 ElementMatrices beam(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty& property,
-                     const BeamPlacement& placement, double poissons_ratio, MassKind mass_kind) {
+                     const BeamPlacement& placement, double poissons_ratio, MassKind mass_kind,
+                     const std::vector<BeamPart>& parts) {
   const BeamSection& section = property.section;
   const Eigen::Matrix<double, 3, 2> line = ends + placement.offsets;
   const Eigen::Vector3d along = line.col(1) - line.col(0);
   const double length = along.norm();
   if (!(length > 1e-12 * line.cwiseAbs().maxCoeff())) throw ElementShapeError("its ends coincide: the length is zero");
   const Bending bending(section, length, poissons_ratio);
-  const Matrix12 stiffness = local_stiffness(section, bending, length, poissons_ratio);
-  const Matrix12 transform = without_released(stiffness, placement.released, length) *
+  const auto stiffness_of = [&](BeamPart part) {
+    return local_stiffness(part, section, bending, length, poissons_ratio);
+  };
+  const Matrix12 transform = without_released(stiffness_of(BeamPart::none), placement.released, length) *
                              node_to_line(local_axes(along, placement.up), placement.offsets);
   const auto to_nodes = [&](const Matrix12& local) -> Eigen::MatrixXd {
     const Matrix12 global = transform.transpose() * local * transform;
@@ -225,7 +256,8 @@ ElementMatrices beam(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty
                                                       : lumped_mass(mass, length));
   };
   ElementMatrices matrices;
-  matrices.stiffness = {{{.youngs_modulus = 1}, to_nodes(stiffness)}};
+  for (const auto part : parts)
+    matrices.stiffness.push_back({{.youngs_modulus = 1, .part = part}, to_nodes(stiffness_of(part))});
   matrices.mass = {
       {{.density = 1},
        mass_of({section.area, section.centroid, section.inertia_y + section.inertia_z, rotary_section(section)})}};

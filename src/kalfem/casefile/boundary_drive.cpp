@@ -1,0 +1,65 @@
+#include "kalfem/casefile/boundary_drive.hpp"
+
+#include <algorithm>
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+using Place = CoupledModel::Placed;
+
+/// The boundary of a finite-element substructure, or the degrees of freedom that connectors touch.
+std::vector<Index> boundary_of(const Study& study, const CoupledModel& model, const Place& place) {
+  std::vector<Index> boundary;
+  const auto& dofs = place.part.model.dofs;
+  for (const auto& elements : study.finite_elements)
+    if (elements.part->name == place.part.name)
+      for (const auto& name : elements.part->boundary) boundary.push_back(std::ranges::find(dofs, name) - dofs.begin());
+  if (!boundary.empty()) return boundary;
+  for (Index i = 0; i < place.part.model.size(); ++i)
+    if (std::ranges::any_of(model.system().connectors,
+                            [&](const auto& connector) { return connector.deformation[place.offset + i] != 0.0; }))
+      boundary.push_back(i);
+  return boundary;
+}
+
+/// Qualified name under which the motion of a degree of freedom is reported.
+std::string reported_name(const Place& place, Index dof) {
+  const auto& model = place.part.model;
+  const std::string& name = model.dofs[static_cast<std::size_t>(dof)];
+  if (model.points_only)
+    for (const auto& [point, combination] : model.points)
+      if (combination.size() == 1 && combination.contains(name) && combination.at(name) == 1.0)
+        return place.part.name + "." + point;
+  return place.part.name + "." + name;
+}
+
+/// Inputs that act on the substructure itself: moving grounds, forces at points.
+std::vector<AppliedInput> applied_inputs(const Study& study, const CoupledModel& model, const Place& place) {
+  std::vector<AppliedInput> applied;
+  const auto& inputs = model.system().inputs;
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    Input own = inputs[i];
+    bool acts = false;
+    for (auto* load : {&own.value, &own.rate, &own.acceleration}) {
+      *load = VectorXd(load->segment(place.offset, place.part.model.size()));
+      acts = acts || !load->isZero();
+    }
+    if (acts) applied.push_back({own, study.signals[i]});
+  }
+  return applied;
+}
+
+}  // namespace
+
+BoundaryDrive::BoundaryDrive(const Study& study, const CoupledModel& model, const std::string& substructure)
+    : place_(model.find_substructure(substructure)),
+      driven_(place_.part.model, boundary_of(study, model, place_)),
+      applied_(applied_inputs(study, model, place_)) {
+  for (const Index dof : driven_.boundary()) points_.push_back(reported_name(place_, dof));
+}
+
+}  // namespace kalfem

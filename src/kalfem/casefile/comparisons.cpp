@@ -1,0 +1,260 @@
+#include "kalfem/casefile/comparisons.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kalfem/casefile/history_residual.hpp"
+#include "kalfem/casefile/record_file.hpp"
+#include "kalfem/casefile/simulation_residual.hpp"
+#include "kalfem/formats/csv.hpp"
+#include "kalfem/formats/frf_table.hpp"
+#include "kalfem/updating/frf_residual.hpp"
+#include "kalfem/updating/modal_residual.hpp"
+#include "kalfem/updating/static_residual.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+namespace d = description;
+
+constexpr double default_frequency_deviation = 0.01;
+/// Smoothing of frequency responses goes down to this part of the first width before it ends.
+constexpr double smoothing_range = 10.0;
+
+const d::Name& substructure_of(const d::Comparison& given) {
+  static const d::Name none;
+  return std::visit(
+      [](const auto& data) -> const d::Name& {
+        if constexpr (requires { data.substructure; }) return data.substructure;
+        return none;
+      },
+      given.data);
+}
+
+const std::vector<d::Name>* sensors_of(const d::Comparison& given) {
+  if (const auto* driven = std::get_if<d::DrivenHistory>(&given.data)) return &driven->sensors;
+  if (const auto* simulated = std::get_if<d::SimulatedHistory>(&given.data)) return &simulated->sensors;
+  return nullptr;
+}
+
+std::vector<double> measured_frequencies(const d::Frequencies& given) {
+  if (const auto* listed = std::get_if<std::vector<double>>(&given)) return *listed;
+  const auto& column = std::get<d::TableColumn>(given);
+  const auto table = read_csv_table(column.file, {.columns = {column.column}});
+  const Index rows = column.first ? std::min<Index>(*column.first, table.values.rows()) : table.values.rows();
+  return {table.values.col(0).begin(), table.values.col(0).begin() + rows};
+}
+
+/// A point by its name in the substructure: a degree of freedom or a named combination.
+DofCombination point_of(const LinearModel& model, const d::Name& name) {
+  if (const auto point = model.points.find(name.value); point != model.points.end()) return point->second;
+  if (std::ranges::find(model.dofs, name.value) != model.dofs.end()) return {{name.value, 1.0}};
+  std::vector<std::string> known;
+  for (const auto& [point, combination] : model.points) known.push_back(point);
+  if (!model.points_only) known.insert(known.end(), model.dofs.begin(), model.dofs.end());
+  throw InvalidInput(name.issue("there is no point '" + name.value + "'" + did_you_mean(name.value, known)));
+}
+
+/// Makes the residual of each kind of comparison.
+class ResidualMaker {
+public:
+  ResidualMaker(const Study& study, const StudyResults& results,
+                std::shared_ptr<const ParameterisedStructure> structure, std::string name)
+      : study_(study), results_(results), structure_(std::move(structure)), name_(std::move(name)) {}
+
+  ComparisonResidual operator()(const d::ModalData& given) const {
+    const auto model = structure_->model_of(given.substructure.value);
+    const auto start_model = model->at(start()).model;
+    const auto frequencies = measured_frequencies(given.frequencies.value);
+    std::vector<MeasuredMode> measured;
+    for (std::size_t i = 0; i < frequencies.size(); ++i) {
+      MeasuredMode mode;
+      mode.frequency = frequencies[i];
+      mode.deviation = deviation(given.deviation, frequencies[i]);
+      if (i < given.model_modes.size()) mode.model_mode = given.model_modes[i];
+      measured.push_back(std::move(mode));
+    }
+    std::vector<DofCombination> points;
+    if (given.shapes) add_shapes(*given.shapes, start_model, measured, points);
+    ModalResidualOptions options;
+    options.above = given.above;
+    options.pairing.least_mac = given.minimum_mac;
+    return {name_,
+            "natural frequencies" + std::string(given.shapes ? " and mode shapes" : "") + " of '" +
+                given.substructure.value + "'",
+            {std::make_shared<ModalResidual>(model, measured, points, start(), options)}};
+  }
+
+  ComparisonResidual operator()(const d::FrfData& given) const {
+    std::vector<MeasuredFrf> measured;
+    for (const auto& input : given.inputs) measured.push_back(measured_frf(given, input));
+    FrfResidualOptions options;
+    options.form = given.compare == d::FrfComparison::logarithm ? FrfForm::log : FrfForm::complex_difference;
+    for (const auto& band : given.bands) options.bands.push_back({band[0], band[1]});
+    options.relative_deviation = given.deviation;
+    options.floor = given.floor;
+    ComparisonResidual comparison{name_, "frequency responses of '" + given.substructure.value + "'", {}};
+    const auto model = structure_->model_of(given.substructure.value);
+    const auto widths = given.smoothing > 0.0 ? smoothing_widths(given.smoothing, given.smoothing / smoothing_range)
+                                              : std::vector<double>{0.0};
+    for (const double width : widths) {
+      options.smoothing = width;
+      comparison.rounds.push_back(std::make_shared<FrfResidual>(model, measured, start(), options));
+    }
+    return comparison;
+  }
+
+  ComparisonResidual operator()(const d::StaticData& given) const {
+    const auto model = structure_->model_of(given.substructure.value);
+    const auto start_model = model->at(start()).model;
+    StaticTest test{name_, {}, {}};
+    double largest = 0.0;
+    for (const auto& [point, value] : given.displacements) largest = std::max(largest, std::abs(value.value));
+    for (const auto& [point, force] : given.loads)
+      test.forces.push_back({point_of(start_model, {point, force.location, force.path}), force.value});
+    for (const auto& [point, value] : given.displacements)
+      test.displacements.push_back(
+          {point_of(start_model, {point, value.location, value.path}), value.value, given.deviation * largest});
+    return {name_,
+            "static displacements of '" + given.substructure.value + "'",
+            {std::make_shared<StaticResidual>(model, std::vector{test}, start())}};
+  }
+
+  ComparisonResidual operator()(const d::DrivenHistory& given) const {
+    std::vector<std::string> sensors;
+    for (const auto& name : given.sensors) sensors.push_back(name.value);
+    if (sensors.empty()) sensors = sensors_on(given.substructure.value);
+    return {
+        name_,
+        "record of '" + given.substructure.value + "' driven by the estimated motion of its boundary",
+        {std::make_shared<HistoryResidual>(
+            study_, full_record(study_, results_), structure_,
+            HistoryResidual::Options{.name = name_, .substructure = given.substructure.value, .sensors = sensors})}};
+  }
+
+  ComparisonResidual operator()(const d::SimulatedHistory& given) const {
+    std::vector<std::string> sensors;
+    for (const auto& sensor : study_.sensors)
+      if (std::ranges::any_of(given.sensors,
+                              [&](const auto& name) { return name.value == "all" || name.value == sensor.name; }))
+        sensors.push_back(sensor.name);
+    return {name_,
+            "record against the simulation",
+            {std::make_shared<SimulationResidual>(study_, full_record(study_, results_), structure_,
+                                                  SimulationResidual::Options{.name = name_, .sensors = sensors})}};
+  }
+
+private:
+  [[nodiscard]] VectorXd start() const { return initial_values(study_.updating->parameters); }
+
+  [[nodiscard]] static MeasuredFrf measured_frf(const d::FrfData& given, const d::FrfInput& input) {
+    MeasuredFrf measured;
+    if (const auto* force = std::get_if<d::FrfForce>(&input.input)) {
+      measured.set = {FrfInput::force, force->point.value, {}, {}};
+    } else {
+      measured.set = {FrfInput::ground_acceleration, std::get<d::FrfGround>(input.input).ground.value, {}, {}};
+    }
+    for (const auto& output : given.outputs) measured.set.outputs.push_back(output.value);
+    measured.set.quantity = given.quantity == d::FrfQuantity::displacement ? ResponseQuantity::displacement
+                            : given.quantity == d::FrfQuantity::velocity   ? ResponseQuantity::velocity
+                                                                           : ResponseQuantity::acceleration;
+    if (const auto* table = std::get_if<d::FrfFile>(&input.source)) {
+      measured.name = table->file.value.string();
+      measured.response = read_frf_table(table->file.value, {.outputs = input.columns});
+      return measured;
+    }
+    const auto& source = std::get<d::FrfRecordSource>(input.source);
+    measured.name = source.file.value.string();
+    std::vector<std::string> outputs = input.columns.empty() ? measured.set.outputs : input.columns, columns = outputs;
+    columns.push_back(source.input);
+    const TimeSeries record = read_record_file(source.file.value, columns, source.sample_rate, source.dataset);
+    const auto segment = static_cast<Index>(std::llround(source.segment * record.sample_rate));
+    measured.response = estimate_h1(std::span(&record, 1), source.input, outputs, {.segment = segment}).response;
+    return measured;
+  }
+
+  static double deviation(const d::Value& given, double frequency) {
+    if (given.path.empty()) return default_frequency_deviation * frequency;
+    const bool relative = !given.value.bare && given.value.dimension == Dimension{};
+    return relative ? given.value.value * frequency : checked_number(given, "Hz", Bounds::positive());
+  }
+
+  static void add_shapes(const d::ShapeTable& given, const LinearModel& model, std::vector<MeasuredMode>& measured,
+                         std::vector<DofCombination>& points) {
+    const auto table = read_csv_table(given.file);
+    for (const auto& point : given.points) points.push_back(point_of(model, point));
+    const auto rows = static_cast<Index>(points.size()), columns = static_cast<Index>(measured.size());
+    if (table.values.rows() != rows || table.values.cols() != columns)
+      throw InvalidInput(
+          given.file.string() + " holds " + std::to_string(table.values.rows()) + " rows and " +
+              std::to_string(table.values.cols()) + " columns of numbers",
+          "there are " + std::to_string(rows) + " points and " + std::to_string(columns) + " frequencies",
+          "give one row a point and one column a mode");
+    for (Index i = 0; i < columns; ++i) {
+      measured[static_cast<std::size_t>(i)].shape = table.values.col(i);
+      measured[static_cast<std::size_t>(i)].shape_deviation = given.deviation;
+    }
+  }
+
+  /// Sensors of motion that see points of one substructure only.
+  [[nodiscard]] std::vector<std::string> sensors_on(const std::string& substructure) const {
+    std::vector<std::string> names;
+    for (const auto& sensor : study_.sensors)
+      if (sensor.output.quantity <= ObservedQuantity::acceleration &&
+          std::ranges::all_of(sensor.output.points,
+                              [&](const auto& point) { return point.first.starts_with(substructure + "."); }))
+        names.push_back(sensor.name);
+    return names;
+  }
+
+  const Study& study_;
+  const StudyResults& results_;
+  std::shared_ptr<const ParameterisedStructure> structure_;
+  std::string name_;
+};
+
+}  // namespace
+
+std::vector<ComparisonResidual> make_comparisons(const Study& study, const StudyResults& results,
+                                                 const std::shared_ptr<const ParameterisedStructure>& structure) {
+  std::vector<ComparisonResidual> all;
+  IssueList issues;
+  for (const auto& [name, given] : study.given.update->comparisons) try {
+      all.push_back(std::visit(ResidualMaker(study, results, structure, name), given.value.data));
+      all.back().weight = given.value.weight;
+    } catch (const InvalidInput& error) {
+      issues.add(error, given.location);
+    }
+  issues.raise();
+  return all;
+}
+
+void check_comparisons(const Study& study, IssueList& issues) {
+  std::vector<std::string> parts, sensors;
+  for (const auto& [name, part] : study.given.substructures) parts.push_back(name);
+  for (const auto& sensor : study.sensors) sensors.push_back(sensor.name);
+  for (const auto& [name, given] : study.given.update->comparisons) {
+    const auto& part = substructure_of(given.value);
+    if (!part.path.empty() && std::ranges::find(parts, part.value) == parts.end())
+      issues.add(part.location,
+                 part.path + ": there is no substructure '" + part.value + "'" + did_you_mean(part.value, parts));
+    const auto* named = sensors_of(given.value);
+    if (!named) continue;
+    for (const auto& sensor : *named)
+      if (sensor.value != "all" && std::ranges::find(sensors, sensor.value) == sensors.end())
+        issues.add(sensor.location,
+                   sensor.path + ": there is no sensor '" + sensor.value + "'" + did_you_mean(sensor.value, sensors));
+    if (!study.given.simulate && !study.given.record)
+      issues.add(given.location, given.path + " compares with a record and the case has none", "",
+                 "add `record` or `simulate`");
+    if (std::holds_alternative<d::DrivenHistory>(given.value.data) && !study.given.estimate)
+      issues.add(given.location, given.path + " needs the boundary's motion and the case does not estimate it", "",
+                 "add `estimate`");
+  }
+}
+
+}  // namespace kalfem

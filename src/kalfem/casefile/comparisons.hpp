@@ -1,0 +1,33 @@
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "kalfem/casefile/parameterised_structure.hpp"
+#include "kalfem/casefile/stages.hpp"
+#include "kalfem/updating/residual.hpp"
+
+namespace kalfem {
+
+/// One of the case's comparisons as a residual.
+struct ComparisonResidual {
+  std::string name;
+  std::string kind;                 ///< in words: "natural frequencies of 'plane'"
+  std::vector<ResidualPtr> rounds;  ///< the same from smoothed to sharp; mostly there is one only
+  double weight = 1.0;
+
+  [[nodiscard]] const ResidualPtr& round(std::size_t number) const {
+    return rounds[std::min(number, rounds.size() - 1)];
+  }
+};
+
+/// Everything under `update.compare`, in the order of the file. Throws InvalidInput with every problem and its place.
+std::vector<ComparisonResidual> make_comparisons(const Study& study, const StudyResults& results,
+                                                 const std::shared_ptr<const ParameterisedStructure>& structure);
+
+/// Problems that show without computing: substructures and sensors that do not exist, comparisons that need a record.
+void check_comparisons(const Study& study, IssueList& issues);
+
+}  // namespace kalfem

@@ -1,0 +1,145 @@
+#include "kalfem/casefile/filter_run.hpp"
+
+#include <cmath>
+#include <limits>
+#include <thread>
+
+#include "kalfem/formats/local_polynomial.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+TimeSeries channels_of(const TimeSeries& series, const std::vector<StudySensor>& sensors) {
+  TimeSeries selected{
+      series.sample_rate, series.start, {}, MatrixXd(series.samples(), static_cast<Index>(sensors.size()))};
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    const Index column = series.find(sensors[i].name);
+    selected.channels.push_back(series.channels[static_cast<std::size_t>(column)]);
+    selected.values.col(static_cast<Index>(i)) = series.values.col(column);
+  }
+  return selected;
+}
+
+/// Samples with so many equal parts between each two, straight lines between them.
+VectorXd interpolated(const VectorXd& samples, Index parts) {
+  VectorXd fine((samples.size() - 1) * parts + 1);
+  for (Index k = 0; k < fine.size(); ++k) {
+    const Index before = std::min(k / parts, samples.size() - 2);
+    const double weight = static_cast<double>(k - before * parts) / static_cast<double>(parts);
+    fine[k] = (1.0 - weight) * samples[before] + weight * samples[before + 1];
+  }
+  return fine;
+}
+
+/// [r; r'; r''] of the observer's inputs at every substep: excitation signals, recorded accelerations in the place of
+/// r'', zero for unknown forces.
+MatrixXd observer_inputs(const Study& study, const ObserverSetup& setup, const FullRecord& record) {
+  const auto& sources = setup.input_sources;
+  const auto n_u = static_cast<Index>(sources.size());
+  const Index parts = setup.options.substeps, fine = (record.series.samples() - 1) * parts + 1;
+  MatrixXd inputs = MatrixXd::Zero(3 * n_u, fine);
+  for (Index i = 0; i < n_u; ++i) {
+    const std::string& source = sources[static_cast<std::size_t>(i)];
+    if (source.empty()) continue;
+    if (source.front() == '@') {
+      inputs.row(2 * n_u + i) =
+          interpolated(record.series.values.col(record.series.find(source.substr(1))), parts).transpose();
+      continue;
+    }
+    for (std::size_t j = 0; j < study.parts.inputs.size(); ++j) {
+      if (study.parts.inputs[j].name != source) continue;
+      const double step = 1.0 / (study.sample_rate() * static_cast<double>(parts));
+      const auto sampled = study.signals[j]->sample(record.series.start, step, fine);
+      for (Index derivative = 0; derivative < 3; ++derivative)
+        inputs.row(derivative * n_u + i) = sampled.col(derivative).matrix().transpose();
+    }
+  }
+  return inputs;
+}
+
+/// Displacements and velocities at the first sample, least squares from the displacement sensors.
+void set_start_from_record(const ObserverSetup& setup, const TimeSeries& series, InitialState& start) {
+  std::vector<OutputDescription> outputs;
+  std::vector<Index> columns;
+  for (const auto& sensor : setup.sensors) {
+    if (sensor.output.quantity != ObservedQuantity::displacement) continue;
+    outputs.push_back(sensor.output);
+    columns.push_back(series.find(sensor.name));
+  }
+  const OutputMap map = make_outputs(*setup.model, outputs);
+  const auto motion = local_motion(series, 0, {.half_window = 3.0 / series.sample_rate, .degree = 2});
+  const auto inverse = MatrixXd(map.displacement).completeOrthogonalDecomposition();
+  start.displacement = inverse.solve(motion.position(columns).eval());
+  start.velocity = inverse.solve(motion.velocity(columns).eval());
+}
+
+/// The observer's options with what only the record tells: the noise of accelerations that drive it, sensor states.
+ObserverOptions completed_options(const Study& study, const ObserverSetup& setup, const FullRecord& record) {
+  ObserverOptions options = setup.options;
+  for (std::size_t i = 0; i < setup.input_sources.size(); ++i) {
+    const std::string& source = setup.input_sources[i];
+    if (source.empty() || source.front() != '@') continue;
+    const Index channel = record.series.find(source.substr(1));
+    // White noise of standard deviation s per sample, held over 1 / f, has the density s / sqrt(f).
+    options.process_noise.input[static_cast<Index>(i)] =
+        record.noise[static_cast<std::size_t>(channel)] / std::sqrt(record.series.sample_rate);
+  }
+  double largest = 0.0;
+  for (Index j = 0; j < record.series.values.cols(); ++j) {
+    const VectorXd channel = record.series.values.col(j);
+    largest = std::max(largest, rms(channel.array().isNaN().select(0.0, channel)));
+  }
+  options.prior.sensor_state_deviation = 0.1 * largest;
+  if (study.given.estimate->initial_state_from_record) set_start_from_record(setup, record.series, options.prior.mean);
+
+  return options;
+}
+
+}  // namespace
+
+FullRecord full_record(const Study& study, const StudyResults& results) {
+  if (results.simulation) return {results.simulation->measurements, results.simulation->noise};
+  FullRecord record{study.record->series, {}};
+  for (std::size_t i = 0; i < study.sensors.size(); ++i) {
+    const VectorXd channel = record.series.values.col(static_cast<Index>(i));
+    const VectorXd known = channel.array().isNaN().select(0.0, channel);
+    record.noise.push_back(study.sensors[i].deviation(rms(known)));
+    record.series.channels[i].unit = study.sensors[i].unit;
+  }
+  return record;
+}
+
+FilterRun make_filter_run(const Study& study, const ObserverSetup& setup, const FullRecord& record) {
+  std::vector<OutputDescription> outputs;
+  std::vector<MeasurementChain> chains;
+  FilterRun run;
+  run.noise.resize(static_cast<Index>(setup.sensors.size()));
+  for (std::size_t i = 0; i < setup.sensors.size(); ++i) {
+    const auto& sensor = setup.sensors[i];
+    outputs.push_back(sensor.output);
+    chains.push_back(sensor.chain);
+    run.noise[static_cast<Index>(i)] = record.noise[static_cast<std::size_t>(record.series.find(sensor.name))];
+  }
+  run.measurements = channels_of(record.series, setup.sensors);
+  run.choice = choose_filter(study.given.estimate->filter, setup.model->system(), make_outputs(*setup.model, outputs),
+                             chains, completed_options(study, setup, record));
+  MatrixXd used = run.measurements.values.transpose();
+  if (study.record)
+    used.rightCols(used.cols() - study.record->used).setConstant(std::numeric_limits<double>::quiet_NaN());
+  run.record = {used, observer_inputs(study, setup, record), run.noise.cwiseAbs2().asDiagonal()};
+  return run;
+}
+
+int processors() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+
+int filter_threads(const Study& study) {
+  const int given = study.given.estimate->threads;
+  return given > 0 ? given : processors();
+}
+
+}  // namespace kalfem

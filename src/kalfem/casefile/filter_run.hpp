@@ -1,0 +1,31 @@
+#pragma once
+
+#include "kalfem/casefile/stages.hpp"
+#include "kalfem/estimation/filter_choice.hpp"
+
+namespace kalfem {
+
+/// Everything that the case's record holds, with the noise of each channel.
+struct FullRecord {
+  TimeSeries series;
+  std::vector<double> noise;  ///< standard deviation per channel
+};
+
+/// The record that was read, or that the simulation made.
+FullRecord full_record(const Study& study, const StudyResults& results);
+
+/// A filter with its observer, and the part of the record that it sees.
+struct FilterRun {
+  FilterChoice choice;
+  TimeSeries measurements;  ///< of the sensors that the observer uses
+  Eigen::VectorXd noise;    ///< standard deviation per sensor
+  Record record;
+};
+
+FilterRun make_filter_run(const Study& study, const ObserverSetup& setup, const FullRecord& record);
+
+int processors();
+/// Threads that the case asks for, or one a processor.
+int filter_threads(const Study& study);
+
+}  // namespace kalfem

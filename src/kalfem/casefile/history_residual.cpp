@@ -1,0 +1,168 @@
+#include "kalfem/casefile/history_residual.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kalfem/casefile/boundary_drive.hpp"
+#include "kalfem/casefile/observer_setup.hpp"
+#include "kalfem/updating/parallel_columns.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+PresentValues by_name(const std::vector<UpdatingParameter>& parameters, const VectorXd& values) {
+  PresentValues present;
+  for (std::size_t i = 0; i < parameters.size(); ++i) present[parameters[i].name] = values[static_cast<Index>(i)];
+  return present;
+}
+
+/// Displacement, velocity and acceleration of each point.
+std::vector<OutputDescription> motion_outputs(const std::vector<std::string>& points) {
+  std::vector<OutputDescription> outputs;
+  for (const auto quantity :
+       {ObservedQuantity::displacement, ObservedQuantity::velocity, ObservedQuantity::acceleration})
+    for (const auto& point : points) outputs.push_back({point, quantity, {{point, 1.0}}, false});
+  return outputs;
+}
+
+BoundaryMotion motion_from(const MatrixXd& monitored, Index first) {
+  const Index n_b = monitored.rows() / 3, samples = monitored.cols() - first;
+  return {monitored.block(0, first, n_b, samples), monitored.block(n_b, first, n_b, samples),
+          monitored.block(2 * n_b, first, n_b, samples)};
+}
+
+/// Rows of the sensors' quantities over the substructure's degrees of freedom.
+SparseRows rows_of(const OutputMap& outputs, const CoupledModel::Placed& place) {
+  const SparseRows sum = outputs.displacement + outputs.velocity + outputs.acceleration;  // one of them each
+  return sum.middleCols(place.offset, place.part.model.size());
+}
+
+/// T_d r + T_v r' + T_a r'': what the sensors see of the base's own motion, samples x sensors.
+MatrixXd direct_part(const Study& study, const OutputMap& outputs, double start, Index samples) {
+  MatrixXd direct = MatrixXd::Zero(samples, outputs.size());
+  for (std::size_t i = 0; i < study.signals.size(); ++i) {
+    const auto input = static_cast<Index>(i);
+    if (outputs.input_value.col(input).isZero(0.0) && outputs.input_rate.col(input).isZero(0.0) &&
+        outputs.input_acceleration.col(input).isZero(0.0))
+      continue;
+    const auto signal = study.signals[i]->sample(start, 1.0 / study.sample_rate(), samples);
+    direct += signal.col(0).matrix() * outputs.input_value.col(input).transpose() +
+              signal.col(1).matrix() * outputs.input_rate.col(input).transpose() +
+              signal.col(2).matrix() * outputs.input_acceleration.col(input).transpose();
+  }
+  return direct;
+}
+
+const MatrixXd& quantity_of(const PredictedMotion& motion, ObservedQuantity quantity) {
+  if (quantity == ObservedQuantity::displacement) return motion.displacement;
+  return quantity == ObservedQuantity::velocity ? motion.velocity : motion.acceleration;
+}
+
+}  // namespace
+
+HistoryResidual::HistoryResidual(const Study& study, FullRecord record,
+                                 std::shared_ptr<const ParameterisedStructure> structure, Options options)
+    : study_(study), record_(std::move(record)), structure_(std::move(structure)), options_(std::move(options)) {
+  for (const auto& sensor : study.sensors)
+    if (std::ranges::find(options_.sensors, sensor.name) != options_.sensors.end()) sensors_.push_back(sensor);
+  const auto samples = record_.series.samples();
+  const auto settled = static_cast<Index>(std::llround(study.given.estimate->settle * study.sample_rate()));
+  settled_ = std::min(settled, samples - 1);
+  measured_.resize(samples, static_cast<Index>(sensors_.size()));
+  for (std::size_t j = 0; j < sensors_.size(); ++j)
+    measured_.col(static_cast<Index>(j)) = record_.series.values.col(record_.series.find(sensors_[j].name));
+  const VectorXd start = initial_values(study.updating->parameters);
+  const auto first = predict(structure_->at(start).parts, start);
+  if (!first) throw InvalidInput("the filter does not run at the first values of the updated parameters", "", "");
+  const double none = std::numeric_limits<double>::infinity();
+  const auto counted = samples - settled_;
+  deviation_ = measured_.bottomRows(counted).array().isNaN().select(none, first->deviation.bottomRows(counted));
+}
+
+std::optional<HistoryResidual::Prediction> HistoryResidual::predict(const Parts& parts,
+                                                                    const VectorXd& parameters) const {
+  IssueList issues;
+  const ObserverSetup setup =
+      make_observer_setup(study_, parts, by_name(study_.updating->parameters, parameters), issues);
+  issues.raise();
+  const CoupledModel model = couple(parts);
+  const BoundaryDrive drive(study_, model, options_.substructure);
+  FilterRun run = make_filter_run(study_, setup, record_);
+  const EstimationResult result = estimate(*run.choice.observer, run.record,
+                                           {.filter = run.choice.filter,
+                                            .unscented = study_.given.estimate->unscented,
+                                            .threads = 1,
+                                            .passes = study_.given.estimate->passes,
+                                            .state_deviations = false,
+                                            .deviation_stride = static_cast<int>(record_.series.samples()),
+                                            .monitored = make_outputs(*setup.model, motion_outputs(drive.points()))});
+  if (result.failure) return std::nullopt;
+
+  const Index first = settled_ / 2, samples = record_.series.samples();  // the other half: chains settle
+  std::vector<OutputDescription> outputs;
+  for (const auto& sensor : sensors_) outputs.push_back(sensor.output);
+  const OutputMap map = make_outputs(model, outputs);
+  PredictionStart start{record_.series.start + static_cast<double>(first) / study_.sample_rate(), {}, {}};
+  if (!study_.given.estimate->local) {
+    const VectorXd state = result.state.mean.col(first);
+    const Index offset = drive.place().offset, n = drive.place().part.model.size();
+    start.displacement = state.segment(offset, n);
+    start.velocity = state.segment(run.choice.observer->layout().velocity() + offset, n);
+  }
+  const auto motion = drive.predict(rows_of(map, drive.place()), motion_from(result.monitored.mean, first), start,
+                                    {.sample_rate = study_.sample_rate(), .newmark_substeps = 1});
+  const MatrixXd direct = direct_part(study_, map, start.time, samples - first);
+  Prediction prediction{MatrixXd::Zero(samples, measured_.cols()),
+                        MatrixXd::Constant(samples, measured_.cols(), std::numeric_limits<double>::infinity())};
+  for (std::size_t j = 0; j < sensors_.size(); ++j) {
+    const auto column = static_cast<Index>(j);
+    const VectorXd predicted =
+        quantity_of(motion, sensors_[j].output.quantity).row(column).transpose() + direct.col(column);
+    prediction.sensors.col(column).tail(samples - first) = sensors_[j].chain.filter(predicted, study_.sample_rate());
+    const auto channel = std::ranges::find(setup.sensors, sensors_[j].name, &StudySensor::name);
+    if (channel == setup.sensors.end()) {  // it drives the observer
+      prediction.deviation.col(column).setConstant(
+          record_.noise[static_cast<std::size_t>(record_.series.find(sensors_[j].name))]);
+      continue;
+    }
+    prediction.deviation.col(column) = result.innovation_deviation.row(channel - setup.sensors.begin()).transpose();
+  }
+  return prediction;
+}
+
+VectorXd HistoryResidual::weighted(const MatrixXd& sensors) const {
+  const Index counted = deviation_.rows();
+  const MatrixXd difference = sensors.bottomRows(counted) - measured_.bottomRows(counted);
+  const MatrixXd values = difference.array().isNaN().select(0.0, difference.cwiseQuotient(deviation_));
+  return values.reshaped();
+}
+
+std::optional<ResidualValue> HistoryResidual::evaluate(const VectorXd& parameters, bool with_jacobian) const try {
+  const StructureAtParameters here = structure_->at(parameters);
+  const auto prediction = predict(here.parts, parameters);
+  if (!prediction) return std::nullopt;
+  ResidualValue value{weighted(prediction->sensors), {}};
+  if (!with_jacobian) return value;
+  const auto& unknowns = study_.updating->parameters;
+  const auto column = [&](Index i) -> std::optional<VectorXd> {
+    const double step = options_.relative_step * unknowns[static_cast<std::size_t>(i)].scale();
+    const VectorXd moved = parameters + step * VectorXd::Unit(parameters.size(), i);
+    const auto beside = predict(structure_->near(here, moved), moved);
+    if (!beside) return std::nullopt;
+    return (weighted(beside->sensors) - value.values) / step;
+  };
+  auto jacobian = parallel_columns(value.values.size(), parameters.size(), filter_threads(study_), column);
+  if (!jacobian) return std::nullopt;
+  value.jacobian = std::move(*jacobian);
+  return value;
+} catch (const InvalidInput&) {
+  return std::nullopt;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "kalfem/casefile/filter_run.hpp"
+#include "kalfem/casefile/parameterised_structure.hpp"
+#include "kalfem/updating/residual.hpp"
+
+namespace kalfem {
+
+/// Measured accelerations, velocities or displacements of a substructure against those that it has when the estimated
+/// motion of its boundary drives it. One evaluation is one stage of the loop:
+///   reduce the finite elements at theta -> estimate states and unknowns from the record -> drive the substructure by
+///   its boundary's motion -> r = (predicted - measured) / deviation at every sample after settling.
+/// The deviation is that of the filter's innovation at the first parameters, noise and prediction together, held fixed.
+///
+/// The boundary's motion depends on theta too: the filter makes it from the same record by the same model. Without that
+/// part of the derivative the loop stalls, as motion that was estimated with theta has its zeros where the substructure
+/// at theta has its poles. So each column of the Jacobian is a filter pass and a prediction more, with the finite
+/// elements in the basis of the stage; the passes share the processors.
+class HistoryResidual final : public Residual {
+public:
+  struct Options {
+    std::string name;
+    std::string substructure;
+    std::vector<std::string> sensors;  ///< of the substructure
+    double relative_step = 1e-4;       ///< of a parameter, to its scale
+  };
+  /// Runs the filter once, at the first parameters. Throws InvalidInput where the substructure cannot be driven.
+  HistoryResidual(const Study& study, FullRecord record, std::shared_ptr<const ParameterisedStructure> structure,
+                  Options options);
+
+  [[nodiscard]] std::string name() const override { return options_.name; }
+  [[nodiscard]] Eigen::Index size() const override { return deviation_.size(); }
+  [[nodiscard]] std::optional<ResidualValue> evaluate(const Eigen::VectorXd& parameters,
+                                                      bool with_jacobian) const override;
+
+private:
+  /// Predicted sensors, samples x sensors, and the deviation of the innovations of the same size.
+  struct Prediction {
+    Eigen::MatrixXd sensors, deviation;
+  };
+  [[nodiscard]] std::optional<Prediction> predict(const Parts& parts, const Eigen::VectorXd& parameters) const;
+  [[nodiscard]] Eigen::VectorXd weighted(const Eigen::MatrixXd& sensors) const;
+
+  const Study& study_;
+  FullRecord record_;
+  std::shared_ptr<const ParameterisedStructure> structure_;
+  Options options_;
+  std::vector<StudySensor> sensors_;
+  Eigen::Index settled_ = 0;   ///< first sample that counts
+  Eigen::MatrixXd measured_;   ///< samples x sensors
+  Eigen::MatrixXd deviation_;  ///< counted samples x sensors; infinite where nothing was measured
+};
+
+}  // namespace kalfem

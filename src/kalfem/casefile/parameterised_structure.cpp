@@ -1,0 +1,173 @@
+#include "kalfem/casefile/parameterised_structure.hpp"
+
+#include <algorithm>
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+namespace d = description;
+
+FiniteElementDamping damping_of(const Study& study, const std::string& substructure) {
+  for (const auto& [name, given] : study.given.substructures)
+    if (name == substructure) return {{given.damping.mass_factor, given.damping.stiffness_factor}, given.damping.modal};
+  return {};
+}
+
+const std::optional<d::Reduction>& reduction_of(const Study& study, const std::string& substructure) {
+  return std::ranges::find(study.given.substructures, substructure, &std::pair<std::string, d::Substructure>::first)
+      ->second.reduction;
+}
+
+/// Visits every parameter of every linear substructure.
+template <class Visitor>
+void visit_parameters(const Study& study, const Visitor& visit) {
+  for (const auto& part : study.parts.substructures)
+    for (const auto& [name, target] : parameters_of(part))
+      visit(part.name + "." + name,
+            StructureParameter{part.name, target, unit_of(target.kind), value_of(part, target)});
+  for (const auto& elements : study.finite_elements) {
+    const auto damping = damping_of(study, elements.part->name);
+    for (const auto& [name, target] : parameters_of(elements.part->assembled, damping))
+      visit(elements.part->name + "." + name, StructureParameter{elements.part->name, target, unit_of(target),
+                                                                 value_of(elements.part->assembled, damping, target)});
+  }
+}
+
+/// The bindings of one substructure to its own kind of parameter.
+template <class Target>
+std::vector<ParameterBinding<Target>> bindings_of(const std::vector<StructureBinding>& all,
+                                                  const std::string& substructure) {
+  std::vector<ParameterBinding<Target>> own;
+  for (const auto& [index, parameter] : all)
+    if (parameter.substructure == substructure) own.push_back({index, std::get<Target>(parameter.target)});
+  return own;
+}
+
+SparseMatrix projected(const MatrixXd& basis, const SparseMatrix& matrix) {
+  if (matrix.size() == 0) return {};
+  const MatrixXd small = basis.transpose() * (matrix * basis);
+  return MatrixXd(0.5 * (small + small.transpose())).sparseView();
+}
+
+std::vector<ModelDerivative> projected(const MatrixXd& basis, const std::vector<ModelDerivative>& derivatives) {
+  std::vector<ModelDerivative> small;
+  for (const auto& each : derivatives)
+    small.push_back({projected(basis, each.stiffness), projected(basis, each.mass), projected(basis, each.damping),
+                     each.modal_ratios});
+  return small;
+}
+
+LinearModel damped(LinearModel model, const std::vector<double>& ratios) {
+  if (!ratios.empty())
+    model.damping =
+        SparseMatrix(model.damping + modal_damping(model.mass, normal_modes(model.mass, model.stiffness), ratios));
+  return model;
+}
+
+void add(SparseMatrix& sum, double factor, const SparseMatrix& matrix) {
+  if (matrix.size() > 0) sum = SparseMatrix(sum + factor * matrix);
+}
+
+LinearModel moved(const StructureAtParameters::Reduced& reduced, const VectorXd& step) {
+  LinearModel model = reduced.model;
+  auto ratios = reduced.modal_ratios;
+  for (std::size_t i = 0; i < reduced.derivatives.size(); ++i) {
+    const auto& derivative = reduced.derivatives[i];
+    const double by = step[static_cast<Index>(i)];
+    if (by == 0.0) continue;
+    add(model.stiffness, by, derivative.stiffness);
+    add(model.mass, by, derivative.mass);
+    add(model.damping, by, derivative.damping);
+    for (std::size_t r = 0; r < derivative.modal_ratios.size(); ++r) ratios[r] += by * derivative.modal_ratios[r];
+  }
+  return damped(std::move(model), ratios);
+}
+
+}  // namespace
+
+std::optional<StructureParameter> find_structure_parameter(const Study& study, const std::string& name) {
+  std::optional<StructureParameter> found;
+  visit_parameters(study, [&](const std::string& candidate, StructureParameter&& parameter) {
+    if (candidate == name) found = std::move(parameter);
+  });
+  return found;
+}
+
+std::vector<std::string> structure_parameter_names(const Study& study) {
+  std::vector<std::string> names;
+  visit_parameters(study, [&](const std::string& name, StructureParameter&&) { names.push_back(name); });
+  for (const auto& elements : study.finite_elements)
+    for (const auto& [factor, value] : beam_factors(elements.part->elements))
+      names.push_back(elements.part->name + "." + factor);
+  return names;
+}
+
+ParameterisedStructure::ParameterisedStructure(const Study& study, const std::vector<StructureBinding>& bindings,
+                                               Index count)
+    : study_(study) {
+  for (const auto& part : study.parts.substructures)
+    lumped_.push_back(
+        std::make_shared<const ParameterisedLumped>(part, bindings_of<LumpedParameter>(bindings, part.name), count));
+  for (const auto& elements : study.finite_elements) {
+    const auto& part = elements.part;
+    finite_elements_.push_back(std::make_shared<const ParameterisedFiniteElements>(
+        std::shared_ptr<const AssembledModel>(part, &part->assembled),
+        std::shared_ptr<const LinearModel>(part, &part->full), damping_of(study, part->name),
+        bindings_of<FiniteElementParameter>(bindings, part->name), count));
+  }
+}
+
+std::shared_ptr<const ParameterisedModel> ParameterisedStructure::model_of(const std::string& substructure) const {
+  for (std::size_t i = 0; i < lumped_.size(); ++i)
+    if (study_.parts.substructures[i].name == substructure) return lumped_[i];
+  for (std::size_t i = 0; i < finite_elements_.size(); ++i)
+    if (study_.finite_elements[i].part->name == substructure) return finite_elements_[i];
+  return nullptr;
+}
+
+Parts ParameterisedStructure::with_lumped_at(const VectorXd& parameters) const {
+  Parts parts = study_.parts;
+  for (std::size_t i = 0; i < lumped_.size(); ++i) parts.substructures[i] = lumped_[i]->substructure_at(parameters);
+  parts.finite_elements.clear();
+  return parts;
+}
+
+StructureAtParameters::Reduced ParameterisedStructure::reduced_at(std::size_t index, const VectorXd& parameters) const {
+  const auto& elements = study_.finite_elements[index];
+  auto [full, ratios] = finite_elements_[index]->at(parameters);
+  auto derivatives = finite_elements_[index]->derivatives(parameters);
+  if (!elements.reduced) return {std::move(full), ratios, std::move(derivatives)};
+  const auto modes = elements.reduced->evidence.interface_frequencies.size();
+  auto reduced = reduce_again(*elements.part, full, reduction_of(study_, elements.part->name), modes);
+  return {std::move(reduced.model), ratios, projected(reduced.basis, derivatives)};
+}
+
+StructureAtParameters ParameterisedStructure::at(const VectorXd& parameters) const {
+  StructureAtParameters structure{parameters, with_lumped_at(parameters), {}};
+  for (std::size_t i = 0; i < finite_elements_.size(); ++i) {
+    structure.reduced.push_back(reduced_at(i, parameters));
+    const auto& [model, ratios, derivatives] = structure.reduced.back();
+    structure.parts.finite_elements.push_back({study_.finite_elements[i].part->name, damped(model, ratios)});
+  }
+  return structure;
+}
+
+Parts ParameterisedStructure::near(const StructureAtParameters& structure, const VectorXd& parameters) const {
+  Parts parts = with_lumped_at(parameters);
+  for (std::size_t i = 0; i < structure.reduced.size(); ++i)
+    parts.finite_elements.push_back(
+        {study_.finite_elements[i].part->name, moved(structure.reduced[i], parameters - structure.parameters)});
+  return parts;
+}
+
+std::shared_ptr<const ParameterisedStructure> parameterised_structure(const Study& study) {
+  const auto& [parameters, bindings, truth] = *study.updating;
+  return std::make_shared<const ParameterisedStructure>(study, bindings, static_cast<Index>(parameters.size()));
+}
+
+}  // namespace kalfem

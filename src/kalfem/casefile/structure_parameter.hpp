@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <variant>
+
+#include "kalfem/model/finite_element_parameters.hpp"
+
+namespace kalfem {
+
+/// A parameter of a linear substructure by its name, "substructure.parameter".
+struct StructureParameter {
+  std::string substructure;
+  std::variant<LumpedParameter, FiniteElementParameter> target;
+  std::string unit;    ///< "" where any is right
+  double value = 0.0;  ///< as the case gives it
+};
+
+/// theta[index] is the value of a parameter.
+using StructureBinding = ParameterBinding<StructureParameter>;
+
+}  // namespace kalfem

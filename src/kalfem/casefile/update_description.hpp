@@ -1,0 +1,134 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "kalfem/casefile/finite_element_description.hpp"
+#include "kalfem/casefile/form.hpp"
+
+/// The updating of a case as its file says it, see description.hpp.
+namespace kalfem::description {
+
+struct UpdatedParameter {
+  std::optional<Value> initial;  ///< none: the value that the substructure has
+  std::optional<Value> std;      ///< of the prior; none: no prior
+  std::optional<std::array<Quantity, 2>> bounds;
+  std::optional<Value> truth;
+  std::vector<Name> applies_to;
+};
+
+/// A column of numbers in a text table.
+struct TableColumn {
+  std::filesystem::path file;
+  std::string column;
+  std::optional<int> first;  ///< so many rows
+};
+using Frequencies = std::variant<std::vector<double>, TableColumn>;
+/// Mode shapes in a text table: the points in one row each, one column a mode.
+struct ShapeTable {
+  std::filesystem::path file;
+  std::vector<Name> points;
+  double deviation = 0.05;  ///< of an entry, as a part of the shape's largest
+};
+
+/// Natural frequencies and mode shapes of a substructure.
+struct ModalData {
+  Name substructure;
+  Located<Frequencies> frequencies;
+  Value deviation;
+  std::vector<int> model_modes;
+  std::optional<ShapeTable> shapes;
+  double above = 0.0;
+  double minimum_mac = 0.5;
+};
+
+/// Frequency responses to one input.
+struct FrfForce {
+  Name point;
+};
+struct FrfGround {
+  Name ground;
+};
+enum class FrfQuantity { displacement, velocity, acceleration };
+/// Where the responses stand: a table of them, or a record from which H1 is estimated.
+struct FrfFile {
+  Located<std::filesystem::path> file;
+};
+struct FrfRecordSource {
+  Located<std::filesystem::path> file;
+  std::string input;     ///< column of the force, or of the ground's motion
+  double segment = 8.0;  ///< [s]
+  std::string dataset;   ///< of an HDF5 file
+  std::optional<double> sample_rate;
+};
+struct FrfInput {
+  std::variant<FrfForce, FrfGround> input;
+  std::variant<FrfFile, FrfRecordSource> source;
+  std::vector<std::string> columns;  ///< one an output; none: in order, of a record the outputs' names
+};
+enum class FrfComparison { logarithm, difference };
+struct FrfData {
+  Name substructure;
+  std::vector<FrfInput> inputs;
+  std::vector<Name> outputs;
+  FrfQuantity quantity = FrfQuantity::acceleration;
+  std::vector<std::array<double, 2>> bands;
+  FrfComparison compare = FrfComparison::logarithm;
+  double deviation = 0.05;  ///< relative to each value
+  double floor = 0.05;     ///< relative to the rms of the lines that are used
+  double smoothing = 0.0;  ///< [Hz]
+};
+
+/// Deflections under constant loads.
+struct StaticData {
+  Name substructure;
+  Named<Located<double>> loads;          ///< by point [N]
+  Named<Located<double>> displacements;  ///< by point [m]
+  double deviation = 0.01;               ///< relative to the largest displacement
+};
+
+/// The record against a substructure that is driven by the estimated motion of its boundary.
+struct DrivenHistory {
+  Name substructure;
+  std::vector<Name> sensors;  ///< none: all on the substructure
+};
+/// The record against the simulation of the whole structure.
+struct SimulatedHistory {
+  std::vector<Name> sensors;  ///< "all", or some
+};
+
+struct Comparison {
+  std::variant<ModalData, FrfData, StaticData, DrivenHistory, SimulatedHistory> data;
+  double weight = 1.0;
+};
+
+enum class UpdatingMethod { least_squares, evolution };
+struct Evolution {
+  int generations = 200, population = 0;
+  std::uint64_t seed = 1;
+};
+struct Updating {
+  Named<Located<UpdatedParameter>> parameters;
+  Named<Located<Comparison>> comparisons;
+  UpdatingMethod method = UpdatingMethod::least_squares;
+  int starts = 1;
+  int stages = 30;
+  double tolerance = 1e-4;  ///< change of every parameter, relative, at which the updating ends
+  Evolution evolution;
+  bool check_sensitivities = false;
+  std::uint64_t seed = 1;
+};
+
+/// The updated structure with some of its parameters changed, to predict from.
+struct Modification {
+  Name substructure;
+  Named<Value> set;    ///< by the parameter's name in the substructure
+  int modes = 10;      ///< natural frequencies to predict
+  double above = 0.0;  ///< [Hz]: lower ones are left out
+};
+
+}  // namespace kalfem::description

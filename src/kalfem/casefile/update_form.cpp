@@ -1,0 +1,183 @@
+#include "kalfem/casefile/description_form.hpp"
+#include "kalfem/casefile/fields.hpp"
+
+namespace kalfem::description {
+
+using namespace form;
+
+namespace {
+
+Bounds positive() { return Bounds::positive(); }
+
+Form<UpdatedParameter> updated_parameter() {
+  return mapping(
+      Fields<UpdatedParameter>()
+          .optional("initial", &UpdatedParameter::initial, value(),
+                    "where the updating starts; default: the value that the substructure has")
+          .optional("std", &UpdatedParameter::std, value(),
+                    "standard deviation of what is known before, in its unit or per cent of initial; default: no prior")
+          .optional("bounds", &UpdatedParameter::bounds, tuple<2>(quantity()), "lower and upper bound")
+          .optional("truth", &UpdatedParameter::truth, value(), "true value where known; default: the simulated one")
+          .optional("applies_to", &UpdatedParameter::applies_to, list(name()),
+                    "several parameters that share this value"));
+}
+
+Form<Frequencies> frequencies() {
+  const auto column = mapping(Fields<TableColumn>()
+                                  .required("file", &TableColumn::file, path(), "text table")
+                                  .required("column", &TableColumn::column, text(), "its column of frequencies [Hz]")
+                                  .optional("first", &TableColumn::first, integer(1, 100000), "so many rows"));
+  const auto values = list(number("Hz", positive()), 1);
+  const auto read = [=](const Cursor& cursor) -> std::optional<Frequencies> {
+    if (cursor.node().kind == YamlNode::Kind::list) {
+      if (auto given = values.read(cursor)) return Frequencies(*given);
+    } else if (auto given = column.read(cursor)) {
+      return Frequencies(*given);
+    }
+    return std::nullopt;
+  };
+  const auto write = [=](const Frequencies& given) {
+    const auto* listed = std::get_if<std::vector<double>>(&given);
+    return listed ? values.write(*listed) : column.write(std::get<TableColumn>(given));
+  };
+  const std::string written = values.written() + " or " + column.written();
+  return {read, write, {{"anyOf", {values.schema, column.schema}}, {"x-written", written}}};
+}
+
+kalfem::Case<ModalData> modal_data() {
+  const auto shapes = Fields<ShapeTable>()
+                          .required("file", &ShapeTable::file, path(), "text table: one row a point, one column a mode")
+                          .required("points", &ShapeTable::points, list(name(), 1), "of the rows, in order")
+                          .optional("deviation", &ShapeTable::deviation, number("-", positive()),
+                                    "standard deviation of an entry, as a part of the shape's largest");
+  return when(
+      Fields<ModalData>()
+          .required("modes", &ModalData::substructure, name(), "substructure whose natural frequencies are compared")
+          .required("frequencies", &ModalData::frequencies, located(frequencies()), "measured")
+          .optional("deviation", &ModalData::deviation, value(), "standard deviation: per cent of each, or in Hz")
+          .optional("model_modes", &ModalData::model_modes, list(integer(1, 100000)),
+                    "number of each among the model's modes at the start; default: in order, or by shapes")
+          .optional("shapes", &ModalData::shapes, mapping(shapes), "measured mode shapes")
+          .optional("above", &ModalData::above, number("Hz", Bounds::nonnegative()),
+                    "modes of the model below are left out: rigid-body modes on a soft suspension")
+          .optional("minimum_mac", &ModalData::minimum_mac, number("-", Bounds::between(0, 1)),
+                    "shapes that agree less are not of the same mode"));
+}
+
+kalfem::Case<FrfData> frf_data() {
+  const auto table = Fields<FrfFile>().required(
+      "file", &FrfFile::file, located(path()), "table: frequency, then one complex column an output (1.2+3.4j) or two");
+  const auto record =
+      Fields<FrfRecordSource>()
+          .required("record", &FrfRecordSource::file, located(path()), "time record from which H1 is estimated")
+          .required("input", &FrfRecordSource::input, text(), "its column of the input")
+          .optional("segment", &FrfRecordSource::segment, number("s", positive()), "length of the averaged pieces")
+          .optional("dataset", &FrfRecordSource::dataset, text(), "in an .h5 file")
+          .optional("sample_rate", &FrfRecordSource::sample_rate, number("Hz", positive()),
+                    "where the file does not say it");
+  const auto force = convert<FrfForce, Name>(
+      name(), [](const Name& point) { return FrfForce{point}; }, [](const FrfForce& given) { return given.point; });
+  const auto ground = convert<FrfGround, Name>(
+      name(), [](const Name& moving) { return FrfGround{moving}; },
+      [](const FrfGround& given) { return given.ground; });
+  const auto input = mapping(
+      Fields<FrfInput>()
+          .one_of(&FrfInput::input, when("force", force, "point at which a force acts [N]"),
+                  when("ground", ground, "ground that moves; responses are per its acceleration"))
+          .one_of(&FrfInput::source, when(table), when(record))
+          .optional("columns", &FrfInput::columns, list(text()),
+                    "one an output; default: those of a table in order, those of a record by the outputs' names"));
+  return when(
+      Fields<FrfData>()
+          .required("frf", &FrfData::substructure, name(), "substructure whose frequency responses are compared")
+          .required("inputs", &FrfData::inputs, list(input, 1), "what drives it, with the measured responses")
+          .required("outputs", &FrfData::outputs, list(name(), 1), "points of the responses")
+          .optional("quantity", &FrfData::quantity,
+                    choice<FrfQuantity>({{"acceleration", FrfQuantity::acceleration, "accelerance, (m/s^2)/N"},
+                                         {"velocity", FrfQuantity::velocity, "mobility"},
+                                         {"displacement", FrfQuantity::displacement, "receptance"}}),
+                    "of the outputs")
+          .optional("bands", &FrfData::bands, list(tuple<2>(number("Hz", Bounds::nonnegative()))),
+                    "frequencies that are used; default: all")
+          .optional("compare", &FrfData::compare,
+                    choice<FrfComparison>({{"logarithm", FrfComparison::logarithm, "magnitude and phase"},
+                                           {"difference", FrfComparison::difference, "real and imaginary parts"}}),
+                    "what is compared")
+          .optional("deviation", &FrfData::deviation, number("-", positive()),
+                    "standard deviation relative to each value")
+          .optional("floor", &FrfData::floor, number("-", Bounds::nonnegative()),
+                    "and relative to the rms of the lines that are used, where the data have none of their own")
+          .optional("smoothing", &FrfData::smoothing, number("Hz", Bounds::nonnegative()),
+                    "width by which resonances of both are widened, so that distant ones are found"));
+}
+
+kalfem::Case<StaticData> static_data() {
+  return when(Fields<StaticData>()
+                  .required("static", &StaticData::substructure, name(), "substructure whose deflection is compared")
+                  .required("loads", &StaticData::loads, named(located(number("N")), NameRule::dotted), "by point")
+                  .required("displacements", &StaticData::displacements, named(located(number("m")), NameRule::dotted),
+                            "measured, by point")
+                  .optional("deviation", &StaticData::deviation, number("-", positive()),
+                            "standard deviation, as a part of the largest displacement"));
+}
+
+kalfem::Case<DrivenHistory> driven_history() {
+  return when(Fields<DrivenHistory>()
+                  .required("time_history", &DrivenHistory::substructure, name(),
+                            "substructure that the estimated motion of its boundary drives")
+                  .optional("sensors", &DrivenHistory::sensors, one_or_list(name()),
+                            "compared with it; default: all on the substructure"));
+}
+
+kalfem::Case<SimulatedHistory> simulated_history() {
+  return when(Fields<SimulatedHistory>().required("simulation", &SimulatedHistory::sensors, one_or_list(name()),
+                                                  "sensors compared with the simulation of the whole structure, or "
+                                                  "`all`"));
+}
+
+}  // namespace
+
+Form<Updating> updating() {
+  const auto comparison =
+      Fields<Comparison>()
+          .one_of(&Comparison::data, modal_data(), frf_data(), static_data(), driven_history(), simulated_history())
+          .optional("weight", &Comparison::weight, number("-", Bounds::nonnegative()), "factor on its sum of squares");
+  const auto evolution =
+      Fields<Evolution>()
+          .optional("generations", &Evolution::generations, integer(1, 100000), "at the most")
+          .optional("population", &Evolution::population, integer(0, 10000), "0: by the number of parameters")
+          .optional("seed", &Evolution::seed, seed(), "of its random numbers");
+  return mapping(
+      Fields<Updating>()
+          .required("parameters", &Updating::parameters, named(located(updated_parameter()), NameRule::dotted),
+                    "what is refined: substructure.spring.stiffness, substructure.material.youngs_modulus, "
+                    "substructure.region.thickness, substructure.damping.modal ..., or a name with applies_to")
+          .required("compare", &Updating::comparisons, named(located(mapping(comparison))),
+                    "with what, by names of your own")
+          .optional(
+              "method", &Updating::method,
+              choice<UpdatingMethod>(
+                  {{"least_squares", UpdatingMethod::least_squares, "Gauss-Newton in a trust region"},
+                   {"cma_es", UpdatingMethod::evolution, "evolution strategy, for rough landscapes; then the former"}}),
+              "how the residual is minimised")
+          .optional("starts", &Updating::starts, integer(1, 10000), "starting points spread over the bounds")
+          .optional("seed", &Updating::seed, seed(), "of the starting points")
+          .optional("stages", &Updating::stages, integer(1, 10000), "at the most")
+          .optional("tolerance", &Updating::tolerance, number("-", positive()),
+                    "relative change of the parameters from one stage to the next at which the updating ends")
+          .optional("evolution", &Updating::evolution, mapping(evolution), "of method: cma_es")
+          .optional("check_sensitivities", &Updating::check_sensitivities, boolean(),
+                    "compare the residual's derivatives with finite differences at the start"));
+}
+
+Form<Modification> modification() {
+  return mapping(Fields<Modification>()
+                     .required("substructure", &Modification::substructure, name(), "that is changed")
+                     .required("set", &Modification::set, named(value(), NameRule::dotted),
+                               "parameters by their names in the substructure, and what they become")
+                     .optional("modes", &Modification::modes, integer(1, 10000), "natural frequencies to predict")
+                     .optional("above", &Modification::above, number("Hz", Bounds::nonnegative()),
+                               "lower ones are left out: rigid-body modes on a soft suspension"));
+}
+
+}  // namespace kalfem::description

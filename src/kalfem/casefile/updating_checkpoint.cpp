@@ -1,0 +1,104 @@
+#include "kalfem/casefile/updating_checkpoint.hpp"
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "kalfem/base/atomic_file.hpp"
+#include "kalfem/base/version.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Json = nlohmann::json;
+
+namespace {
+
+Json to_json(const Eigen::MatrixXd& matrix) {
+  return {{"rows", matrix.rows()}, {"values", std::vector<double>(matrix.data(), matrix.data() + matrix.size())}};
+}
+
+Eigen::MatrixXd matrix_from(const Json& json) {
+  const auto values = json.at("values").get<std::vector<double>>();
+  const auto rows = json.at("rows").get<Index>(), size = static_cast<Index>(values.size());
+  return Eigen::Map<const Eigen::MatrixXd>(values.data(), rows, rows > 0 ? size / rows : 0);
+}
+
+Json to_json(const GaussNewtonState& state) {
+  return {{"parameters", to_json(state.parameters)},
+          {"radius", state.radius},
+          {"known", static_cast<int>(state.known)},
+          {"residual_cost", state.residual_cost},
+          {"jacobian_factor", to_json(state.jacobian_factor)},
+          {"projected_residual", to_json(state.projected_residual)},
+          {"evaluations", state.evaluations},
+          {"iterations", state.iterations},
+          {"without_response", state.without_response},
+          {"refused", state.refused}};
+}
+
+GaussNewtonState state_from(const Json& json) {
+  GaussNewtonState state;
+  state.parameters = matrix_from(json.at("parameters"));
+  state.radius = json.at("radius");
+  state.known = static_cast<GaussNewtonState::Known>(json.at("known").get<int>());
+  state.residual_cost = json.at("residual_cost");
+  state.jacobian_factor = matrix_from(json.at("jacobian_factor"));
+  state.projected_residual = matrix_from(json.at("projected_residual"));
+  state.evaluations = json.at("evaluations");
+  state.iterations = json.at("iterations");
+  state.without_response = json.at("without_response");
+  state.refused = json.at("refused");
+  return state;
+}
+
+Json to_json(const UpdatingStep& step) {
+  return {{"accepted", step.accepted},
+          {"tried", to_json(step.tried)},
+          {"parameters", to_json(step.parameters)},
+          {"residual", step.residual},
+          {"seconds", step.seconds}};
+}
+
+UpdatingStep step_from(const Json& json) {
+  return {json.at("accepted"), matrix_from(json.at("tried")), matrix_from(json.at("parameters")), json.at("residual"),
+          json.at("seconds")};
+}
+
+}  // namespace
+
+UpdatingCheckpoint::UpdatingCheckpoint(const std::filesystem::path& folder, std::string fingerprint)
+    : file_(folder.empty() ? folder : folder / "update.checkpoint.json"), fingerprint_(std::move(fingerprint)) {}
+
+std::optional<UpdatingCheckpoint::Content> UpdatingCheckpoint::read() const {
+  if (file_.empty() || !std::filesystem::exists(file_)) return std::nullopt;
+  try {
+    std::ifstream stream(file_);
+    const Json json = Json::parse(stream);
+    if (json.at("fingerprint") != fingerprint_) return std::nullopt;
+    Content content{state_from(json.at("state")), {}};
+    for (const auto& step : json.at("trace")) content.trace.push_back(step_from(step));
+    return content;
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
+}
+
+void UpdatingCheckpoint::write(const Content& content) const {
+  if (file_.empty()) return;
+  Json trace = Json::array();
+  for (const auto& step : content.trace) trace.push_back(to_json(step));
+  const Json json{{"fingerprint", fingerprint_}, {"state", to_json(content.state)}, {"trace", trace}};
+  write_file_atomically(file_, json.dump(1) + "\n");
+}
+
+void UpdatingCheckpoint::remove() const {
+  std::error_code ignored;
+  if (!file_.empty()) std::filesystem::remove(file_, ignored);
+}
+
+std::string fingerprint_of(const Study& study) {
+  const std::string text = to_yaml(*description::case_form().write(study.given));
+  return std::string(version) + "-" + std::to_string(std::hash<std::string>{}(text));
+}
+
+}  // namespace kalfem

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kalfem/casefile/stages.hpp"
+#include "kalfem/updating/gauss_newton.hpp"
+
+namespace kalfem {
+
+/// Where an updating stands between two stages, in a small file: a run that was killed goes on from there.
+class UpdatingCheckpoint {
+public:
+  /// `folder` empty: nothing is kept. `fingerprint`: of everything that the course of the updating depends on.
+  UpdatingCheckpoint(const std::filesystem::path& folder, std::string fingerprint);
+
+  struct Content {
+    GaussNewtonState state;
+    std::vector<UpdatingStep> trace;
+  };
+  /// Nothing where there is no file, it is of another case, or it is damaged.
+  [[nodiscard]] std::optional<Content> read() const;
+  void write(const Content& content) const;
+  void remove() const;
+
+private:
+  std::filesystem::path file_;
+  std::string fingerprint_;
+};
+
+/// Of the case with all its defaults and of the version of the program.
+std::string fingerprint_of(const Study& study);
+
+}  // namespace kalfem

@@ -1,0 +1,122 @@
+#include "kalfem/casefile/updating_setup.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "kalfem/casefile/comparisons.hpp"
+#include "kalfem/casefile/parameterised_structure.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+
+namespace {
+
+namespace d = description;
+
+/// A number in the parameter's unit; a spring's may be that of a translation or of a rotation.
+double in_unit(const d::Value& given, const std::string& unit) {
+  if (!unit.empty()) return checked_number(given, unit);
+  const bool rotation = !given.value.bare && given.value.dimension == parse_unit("N m/rad").dimension;
+  return checked_number(given, rotation ? "N m/rad" : "N/m");
+}
+
+class ParameterBuilder {
+public:
+  ParameterBuilder(const Study& study, UpdatingSetup& setup, IssueList& issues)
+      : study_(study), setup_(setup), issues_(issues) {}
+
+  void add(const std::string& name, const Located<d::UpdatedParameter>& given) {
+    const d::Name own{name, given.location, given.path};
+    const auto names = given.value.applies_to.empty() ? std::vector<d::Name>{own} : given.value.applies_to;
+    std::vector<StructureParameter> targets;
+    for (const auto& each : names)
+      if (auto target = resolved(each, name)) targets.push_back(std::move(*target));
+    if (targets.size() != names.size()) return;
+    try {
+      add(name, given.value, targets);
+    } catch (const InvalidInput& error) {
+      issues_.add(error, own.location);
+    }
+  }
+
+private:
+  std::optional<StructureParameter> resolved(const d::Name& target, const std::string& owner) {
+    auto parameter = find_structure_parameter(study_, target.value);
+    if (!parameter)
+      issues_.add(
+          target.location,
+          target.path + ": there is no parameter '" + target.value + "'" +
+              did_you_mean(target.value, structure_parameter_names(study_)),
+          "the updating refines numbers of linear substructures; those of connectors are unknowns of the filter");
+    const auto [first, is_new] = owners_.try_emplace(target.value, owner);
+    if (!is_new)
+      issues_.add(target.location,
+                  target.path + ": '" + target.value + "' is refined already by '" + first->second + "'",
+                  "a parameter has one value", "take one of them out");
+    return parameter;
+  }
+
+  void add(const std::string& name, const d::UpdatedParameter& given, const std::vector<StructureParameter>& targets) {
+    const std::string unit = targets.front().unit;
+    UpdatingParameter parameter{name, unit.empty() ? "N/m" : unit, targets.front().value};
+    if (given.initial) parameter.initial = in_unit(*given.initial, unit);
+    if (given.std) parameter.deviation = deviation(*given.std, unit, parameter.initial);
+    set_bounds(given, unit, parameter);
+    std::optional<double> truth;
+    if (study_.given.simulate) truth = targets.front().value;
+    if (given.truth) truth = in_unit(*given.truth, unit);
+    const auto index = static_cast<Index>(setup_.parameters.size());
+    for (const auto& target : targets) setup_.bindings.push_back({index, target});
+    setup_.parameters.push_back(parameter);
+    setup_.true_parameters.push_back(truth);
+  }
+
+  double deviation(const d::Value& given, const std::string& unit, double initial) const {
+    const bool percentage = !given.value.bare && given.value.dimension == Dimension{};
+    const double deviation = percentage ? given.value.value * std::abs(initial) : in_unit(given, unit);
+    if (!(deviation > 0.0)) throw InvalidInput(given.issue("the standard deviation of the prior is not positive"));
+    return deviation;
+  }
+
+  /// What is positive by nature stays so without being told.
+  void set_bounds(const d::UpdatedParameter& given, const std::string& unit, UpdatingParameter& parameter) const {
+    parameter.lower = 0.0;
+    if (!given.bounds) return;
+    const auto bound = [&](const Quantity& quantity) {
+      return in_unit({quantity, {study_.file, 0}, "update.parameters." + parameter.name + ".bounds"}, unit);
+    };
+    parameter.lower = bound((*given.bounds)[0]);
+    parameter.upper = bound((*given.bounds)[1]);
+    if (!(parameter.lower < parameter.upper))
+      throw InvalidInput("update.parameters." + parameter.name + ": the lower bound is not below the upper one", "",
+                         "write bounds: [lower, upper]");
+    if (parameter.initial < parameter.lower || parameter.initial > parameter.upper)
+      throw InvalidInput("update.parameters." + parameter.name + ": it starts at " + shortest(parameter.initial) +
+                             ", outside its bounds " + shortest(parameter.lower) + " to " + shortest(parameter.upper),
+                         "the updating moves from the start within the bounds", "move one of them");
+  }
+
+  const Study& study_;
+  UpdatingSetup& setup_;
+  IssueList& issues_;
+  std::map<std::string, std::string> owners_;
+};
+
+}  // namespace
+
+UpdatingSetup make_updating_setup(const Study& study, IssueList& issues) {
+  UpdatingSetup setup;
+  ParameterBuilder builder(study, setup, issues);
+  for (const auto& [name, given] : study.given.update->parameters) builder.add(name, given);
+  if (study.given.update->parameters.empty())
+    issues.add({study.file, 0}, "update.parameters is empty", "there is nothing to refine", "name at least one");
+  if (study.given.update->comparisons.empty())
+    issues.add({study.file, 0}, "update.compare is empty", "there is nothing to refine the model by",
+               "give at least one comparison");
+  check_comparisons(study, issues);
+  return setup;
+}
+
+}  // namespace kalfem

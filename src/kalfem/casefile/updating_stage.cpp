@@ -1,0 +1,228 @@
+#include "kalfem/casefile/updating_stage.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kalfem/base/stopwatch.hpp"
+#include "kalfem/casefile/comparisons.hpp"
+#include "kalfem/casefile/filter_run.hpp"
+#include "kalfem/casefile/updating_checkpoint.hpp"
+#include "kalfem/updating/evolution.hpp"
+#include "kalfem/updating/frf_residual.hpp"
+#include "kalfem/updating/multi_start.hpp"
+#include "kalfem/updating/parameter_findings.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+namespace d = description;
+using Parameters = std::vector<UpdatingParameter>;
+
+/// The weighted sum of all comparisons, as sharp as the round has them.
+ResidualSum sum_of(const std::vector<ComparisonResidual>& comparisons, std::size_t round) {
+  std::vector<ResidualSum::Term> terms;
+  for (const auto& comparison : comparisons) terms.push_back({comparison.round(round), comparison.weight});
+  return ResidualSum(std::move(terms));
+}
+
+std::size_t rounds_of(const std::vector<ComparisonResidual>& comparisons) {
+  std::size_t rounds = 1;
+  for (const auto& comparison : comparisons) rounds = std::max(rounds, comparison.rounds.size());
+  return rounds;
+}
+
+double rms_of(double cost, Index size) { return std::sqrt(2.0 * cost / static_cast<double>(std::max<Index>(1, size))); }
+
+GaussNewtonOptions search_options(const d::Updating& given) {
+  GaussNewtonOptions options;
+  options.max_evaluations = given.stages;
+  options.step_tolerance = given.tolerance;
+  return options;
+}
+
+/// The search stage by stage, with its place kept in a file between them.
+class Search {
+public:
+  Search(const Study& study, const RunOptions& options, UpdatingStage& stage)
+      : study_(study), options_(options), stage_(stage), checkpoint_(options.folder, fingerprint_of(study)) {}
+
+  /// From the given start, or from where an earlier run was stopped.
+  GaussNewton run(const ResidualSum& residual, const VectorXd& start) {
+    const auto options = search_options(*study_.given.update);
+    GaussNewtonState state = starting_at(start, options);
+    if (auto earlier = checkpoint_.read()) {
+      state = std::move(earlier->state);
+      stage_.trace = std::move(earlier->trace);
+      stage_.resumed_at = state.evaluations;
+    }
+    GaussNewton search(study_.updating->parameters, options, state);
+    while (!search.finished()) {
+      const Stopwatch watch;
+      const VectorXd tried = search.proposal();
+      const bool accepted = search.tell(residual.evaluate(tried, search.needs_jacobian()));
+      keep({accepted, tried, search.state().parameters, rms_of(search.state().residual_cost, residual.size()),
+            watch.seconds()});
+      checkpoint_.write({search.state(), stage_.trace});
+    }
+    checkpoint_.remove();
+    return search;
+  }
+
+  void keep(UpdatingStep step) {
+    stage_.trace.push_back(std::move(step));
+    if (options_.on_updating_step)
+      options_.on_updating_step(static_cast<int>(stage_.trace.size()), stage_.trace.back());
+  }
+
+private:
+  const Study& study_;
+  const RunOptions& options_;
+  UpdatingStage& stage_;
+  UpdatingCheckpoint checkpoint_;
+};
+
+void take(const LeastSquaresOutcome& outcome, UpdatingStage& stage) {
+  stage.values = outcome.parameters;
+  stage.termination = outcome.reason();
+  stage.converged = outcome.usable();
+  stage.evaluations += outcome.evaluations;
+  stage.iterations += outcome.iterations;
+}
+
+/// From wide to sharp, each round from where the last one ended; only the last one is kept in a file.
+void search_from_one_start(const Study& study, const std::vector<ComparisonResidual>& comparisons,
+                           const RunOptions& options, UpdatingStage& stage) {
+  stage.method = "Gauss-Newton in a trust region";
+  const std::size_t rounds = rounds_of(comparisons);
+  Search search(study, options, stage);
+  VectorXd start = initial_values(study.updating->parameters);
+  for (std::size_t round = 0; round + 1 < rounds; ++round) {
+    LeastSquaresOptions least_squares{.search = search_options(*study.given.update), .start = start, .watch = {}};
+    const auto outcome = minimise(sum_of(comparisons, round), study.updating->parameters, least_squares);
+    stage.evaluations += outcome.evaluations;
+    stage.iterations += outcome.iterations;
+    start = outcome.parameters;
+  }
+  if (rounds > 1) stage.method += ", frequency responses smoothed at first, in " + std::to_string(rounds) + " rounds";
+  const auto done = search.run(sum_of(comparisons, rounds - 1), start);
+  stage.values = done.state().parameters;
+  stage.termination = words(*done.finished());
+  stage.converged = converged(*done.finished());
+  stage.evaluations += done.state().evaluations;
+  stage.iterations += done.state().iterations;
+}
+
+void search_from_many_starts(const Study& study, const std::vector<ComparisonResidual>& comparisons,
+                             UpdatingStage& stage) {
+  const auto& given = *study.given.update;
+  MultiStartOptions options{.starts = given.starts, .seed = given.seed, .search = {}};
+  options.search.search = search_options(given);
+  const auto outcome =
+      minimise_from_many(sum_of(comparisons, rounds_of(comparisons) - 1), study.updating->parameters, options);
+  take(outcome.best, stage);
+  stage.evaluations = outcome.evaluations;
+  stage.method = "Gauss-Newton in a trust region from " + std::to_string(given.starts) + " starts, of which " +
+                 std::to_string(outcome.converged) + " converged, to " + std::to_string(outcome.minima.size()) +
+                 (outcome.minima.size() == 1 ? " minimum" : " different minima");
+}
+
+void search_by_evolution(const Study& study, const std::vector<ComparisonResidual>& comparisons, UpdatingStage& stage) {
+  const auto& given = *study.given.update;
+  const ResidualSum residual = sum_of(comparisons, rounds_of(comparisons) - 1);
+  EvolutionOptions options;
+  options.search.generations = static_cast<unsigned>(given.evolution.generations);
+  options.search.seed = static_cast<unsigned>(given.evolution.seed);
+  const auto count = static_cast<double>(study.updating->parameters.size());
+  options.search.population = given.evolution.population > 0
+                                  ? static_cast<unsigned>(given.evolution.population)
+                                  : static_cast<unsigned>(std::max(8.0, 4.0 + std::floor(3.0 * std::log(count))));
+  options.polishing->search = search_options(given);
+  const auto outcome = evolve(residual, study.updating->parameters, options);
+  stage.method = "CMA-ES, then Gauss-Newton in a trust region";
+  stage.values = outcome.parameters;
+  stage.termination = outcome.reason();
+  stage.converged = outcome.found() && (!outcome.polished || outcome.polished->usable());
+  stage.evaluations = outcome.evaluations + (outcome.polished ? outcome.polished->evaluations : 0);
+  stage.iterations = static_cast<int>(outcome.trace.size());
+}
+
+std::vector<FrfCurve> curves(const FrfResidual& residual, const VectorXd& start, const VectorXd& end) {
+  std::vector<FrfCurve> all;
+  const auto before = residual.model_responses(start), after = residual.model_responses(end);
+  for (std::size_t i = 0; i < residual.compared().size(); ++i) {
+    const auto& measured = residual.compared()[i];
+    const auto& set = residual.sets()[i];
+    for (Index j = 0; j < measured.values.cols(); ++j)
+      all.push_back({set.outputs[static_cast<std::size_t>(j)] + " / " + set.place, measured.lines,
+                     measured.values.col(j).cwiseAbs(), before[i].col(j).cwiseAbs(), after[i].col(j).cwiseAbs()});
+  }
+  return all;
+}
+
+/// Rms of each comparison at the start and at the end, mode by mode where it has modes.
+void compare(const Study& study, const std::vector<ComparisonResidual>& comparisons, UpdatingStage& stage) {
+  const VectorXd start = initial_values(study.updating->parameters);
+  const auto rms = [](const std::optional<ResidualValue>& value) {
+    return value ? rms_of(0.5 * value->values.squaredNorm(), value->values.size()) : std::nan("");
+  };
+  for (const auto& comparison : comparisons) {
+    const auto& residual = *comparison.rounds.back();
+    ComparisonResult result;
+    result.name = comparison.name;
+    result.kind = comparison.kind;
+    result.weight = comparison.weight;
+    result.size = residual.size();
+    result.rms_initial = rms(residual.evaluate(start, false));
+    result.rms_final = rms(residual.evaluate(stage.values, false));
+    if (const auto* modal = dynamic_cast<const ModalResidual*>(&residual)) {
+      result.modes_initial = modal->compare(start);
+      result.modes_final = modal->compare(stage.values);
+    }
+    if (const auto* frf = dynamic_cast<const FrfResidual*>(&residual))
+      result.responses = curves(*frf, start, stage.values);
+    stage.comparisons.push_back(std::move(result));
+  }
+}
+
+}  // namespace
+
+UpdatingStage update_stage(const Study& study, const StudyResults& results,
+                           const std::shared_ptr<const ParameterisedStructure>& structure, const RunOptions& options) {
+  const Stopwatch watch;
+  const auto& given = *study.given.update;
+  const Parameters& parameters = study.updating->parameters;
+  const auto comparisons = make_comparisons(study, results, structure);
+  const ResidualSum residual = sum_of(comparisons, rounds_of(comparisons) - 1);
+  const VectorXd start = initial_values(parameters);
+  const auto first = residual.evaluate(start, true);
+  if (!first)
+    throw InvalidInput("the model has no response at the first values of the updated parameters",
+                       "the search begins there", "change the first values");
+  require_informed(parameters, first->jacobian);
+
+  UpdatingStage stage;
+  stage.residual_initial = rms_of(0.5 * first->values.squaredNorm(), residual.size());
+  if (given.check_sensitivities) stage.sensitivities = check_sensitivities(residual, parameters, start);
+  if (given.method == d::UpdatingMethod::evolution)
+    search_by_evolution(study, comparisons, stage);
+  else if (given.starts > 1)
+    search_from_many_starts(study, comparisons, stage);
+  else
+    search_from_one_start(study, comparisons, options, stage);
+
+  const auto last = residual.evaluate(stage.values, true);
+  if (last) {
+    stage.residual_final = rms_of(0.5 * last->values.squaredNorm(), residual.size());
+    stage.statistics = parameter_statistics(parameters, stage.values, *last);
+    stage.remarks = parameter_findings(parameters, stage.values, stage.statistics);
+  }
+  compare(study, comparisons, stage);
+  stage.seconds = watch.seconds();
+  return stage;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "kalfem/casefile/parameterised_structure.hpp"
+#include "kalfem/casefile/stages.hpp"
+
+namespace kalfem {
+
+/// Refines the linear substructures: minimises the weighted sum of the case's comparisons. With a driven record among
+/// them every evaluation is a stage of the loop reduce - estimate - predict - compare, and a least-squares search from
+/// one start keeps its place in the options' folder.
+UpdatingStage update_stage(const Study& study, const StudyResults& results,
+                           const std::shared_ptr<const ParameterisedStructure>& structure, const RunOptions& options);
+
+}  // namespace kalfem

@@ -1,0 +1,92 @@
+#include "kalfem/report/updating_section.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "kalfem/report/updating_tables.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+
+namespace {
+
+std::vector<double> list(const Eigen::VectorXd& values) { return {values.begin(), values.end()}; }
+
+/// The parameters of every stage, as parts of where they started.
+Chart trace_chart(const Study& study, const UpdatingStage& stage) {
+  Chart chart{.id = "updating-trace",
+              .title = "Parameters by stage",
+              .caption = "As accepted, in parts of the first values.",
+              .x_label = "stage",
+              .y_label = "value / initial [-]"};
+  for (std::size_t k = 0; k < stage.trace.size(); ++k) chart.x.push_back(static_cast<double>(k + 1));
+  for (std::size_t i = 0; i < study.updating->parameters.size(); ++i) {
+    const auto& parameter = study.updating->parameters[i];
+    Series series{.label = parameter.name, .role = Role::other};
+    for (const auto& step : stage.trace) series.y.push_back(step.parameters[static_cast<Index>(i)] / parameter.scale());
+    chart.series.push_back(std::move(series));
+  }
+  return chart;
+}
+
+Chart residual_chart(const UpdatingStage& stage) {
+  Chart chart{.id = "updating-residual", .title = "Residual by stage", .x_label = "stage", .y_label = "rms [std]"};
+  Series series{.label = "accepted", .role = Role::estimate};
+  for (std::size_t k = 0; k < stage.trace.size(); ++k) {
+    chart.x.push_back(static_cast<double>(k + 1));
+    series.y.push_back(stage.trace[k].residual);
+  }
+  chart.series.push_back(std::move(series));
+  return chart;
+}
+
+std::vector<double> decibels(const Eigen::VectorXd& magnitudes) {
+  std::vector<double> values;
+  for (const double value : magnitudes) values.push_back(20.0 * std::log10(value));
+  return values;
+}
+
+Chart response_chart(const std::string& comparison, const FrfCurve& curve, std::size_t number) {
+  return {.id = fmt::format("frf-{}-{}", comparison, number),
+          .title = curve.name,
+          .x_label = "frequency [Hz]",
+          .y_label = "magnitude [dB re SI]",
+          .x = list(curve.lines),
+          .series = {{.label = "measured", .y = decibels(curve.measured), .role = Role::measured},
+                     {.label = "before", .y = decibels(curve.before), .role = Role::predicted},
+                     {.label = "after", .y = decibels(curve.after), .role = Role::estimate}},
+          .half_width = true};
+}
+
+std::string words_on(const UpdatingStage& stage) {
+  std::string text = fmt::format("{} evaluations, {} steps, {:.1f} s, by {}. It ended because {}. ", stage.evaluations,
+                                 stage.iterations, stage.seconds, stage.method, stage.termination);
+  for (const auto& remark : stage.remarks) text += "\n\n" + remark;
+  return text;
+}
+
+}  // namespace
+
+Section updating_section(const Study& study, const StudyResults& results) {
+  const auto& stage = *results.updating;
+  Section section{"Updated model", words_on(stage), {updated_parameter_table(study, stage), comparison_table(stage)}};
+  if (auto table = before_and_after_table(study, results); !table.rows.empty())
+    section.items.emplace_back(std::move(table));
+  for (const auto& comparison : stage.comparisons)
+    if (!comparison.modes_final.empty()) section.items.emplace_back(paired_mode_table(comparison));
+  if (stage.statistics.correlation.rows() > 1) section.items.emplace_back(correlation_table(study, stage));
+  if (!stage.sensitivities.empty()) section.items.emplace_back(sensitivity_table(stage));
+  if (stage.trace.size() > 1) {
+    section.items.emplace_back(trace_chart(study, stage));
+    section.items.emplace_back(residual_chart(stage));
+    section.items.emplace_back(updating_trace_table(study, stage));
+  }
+  for (const auto& comparison : stage.comparisons)
+    for (std::size_t i = 0; i < comparison.responses.size(); ++i)
+      section.items.emplace_back(response_chart(comparison.name, comparison.responses[i], i + 1));
+  return section;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,179 @@
+#include "kalfem/report/updating_tables.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "kalfem/report/tables.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+
+namespace {
+
+std::string per_cent(double ratio) { return std::isfinite(ratio) ? fmt::format("{:.2f} %", 100.0 * ratio) : "-"; }
+std::string signed_per_cent(double ratio) {
+  return std::isfinite(ratio) ? fmt::format("{:+.2f} %", 100.0 * ratio) : "-";
+}
+std::string finite(double value) { return std::isfinite(value) ? four_digits(value) : "-"; }
+
+/// The lines of `table` under its title, nothing without rows.
+std::string section(const std::string& title, const Table& table) {
+  return table.rows.empty() ? "" : title + "\n" + to_text(table) + "\n";
+}
+
+}  // namespace
+
+double mean_frequency_error(const std::vector<PairedMode>& modes) {
+  double sum = 0.0;
+  int count = 0;
+  for (const auto& mode : modes)
+    if (mode.model_mode) {
+      sum += std::abs(mode.relative_error);
+      ++count;
+    }
+  return count > 0 ? sum / count : std::nan("");
+}
+
+Table updated_parameter_table(const Study& study, const UpdatingStage& stage) {
+  Table table{
+      "Updated parameters", {"parameter", "unit", "initial", "updated", "change", "std", "truth", "error"}, {}, {}};
+  for (std::size_t i = 0; i < study.updating->parameters.size(); ++i) {
+    const auto& parameter = study.updating->parameters[i];
+    const auto& truth = study.updating->true_parameters[i];
+    const double value = stage.values[static_cast<Index>(i)];
+    table.rows.push_back({parameter.name, parameter.unit, four_digits(parameter.initial), four_digits(value),
+                          parameter.initial != 0.0 ? signed_per_cent(value / parameter.initial - 1.0) : "-",
+                          finite(stage.statistics.deviations[static_cast<Index>(i)]), truth ? four_digits(*truth) : "-",
+                          truth && *truth != 0.0 ? signed_per_cent(value / *truth - 1.0) : "-"});
+  }
+  return table;
+}
+
+Table comparison_table(const UpdatingStage& stage) {
+  Table table{"Comparisons (standard deviations)", {"comparison", "of", "values", "weight", "rms before", "rms after"}, {}, {}};
+  for (const auto& each : stage.comparisons)
+    table.rows.push_back({each.name, each.kind, std::to_string(each.size), four_digits(each.weight),
+                          finite(each.rms_initial), finite(each.rms_final)});
+  return table;
+}
+
+Table paired_mode_table(const ComparisonResult& comparison) {
+  Table table{"Modes of '" + comparison.name + "'",
+              {"measured [Hz]", "before [Hz]", "error", "after [Hz]", "error", "MAC"},
+              {},
+              {}};
+  for (std::size_t i = 0; i < comparison.modes_final.size(); ++i) {
+    const auto& before = comparison.modes_initial[i];
+    const auto& after = comparison.modes_final[i];
+    table.rows.push_back({four_digits(after.measured_frequency), four_digits(before.model_frequency),
+                          signed_per_cent(before.relative_error), four_digits(after.model_frequency),
+                          signed_per_cent(after.relative_error), fmt::format("{:.3f}", after.mac)});
+  }
+  return table;
+}
+
+Table updating_trace_table(const Study& study, const UpdatingStage& stage) {
+  Table table{"Stages", {"stage", "residual", "accepted", "time"}, {}, {}};
+  for (const auto& parameter : study.updating->parameters)
+    table.columns.push_back(parameter.name + " [" + parameter.unit + "]");
+  for (std::size_t i = 0; i < stage.trace.size(); ++i) {
+    const auto& step = stage.trace[i];
+    table.rows.push_back({std::to_string(i + 1), finite(step.residual), step.accepted ? "yes" : "no",
+                          fmt::format("{:.2f} s", step.seconds)});
+    for (const double value : step.tried) table.rows.back().push_back(four_digits(value));
+  }
+  return table;
+}
+
+Table correlation_table(const Study& study, const UpdatingStage& stage) {
+  Table table{"Correlation of the parameters", {""}, {}, {}};
+  const auto& correlation = stage.statistics.correlation;
+  for (Index i = 0; i < correlation.rows(); ++i) {
+    const auto& name = study.updating->parameters[static_cast<std::size_t>(i)].name;
+    table.columns.push_back(name);
+    table.rows.push_back({name});
+    for (Index j = 0; j < correlation.cols(); ++j)
+      table.rows.back().push_back(fmt::format("{:.2f}", correlation(i, j)));
+  }
+  return table;
+}
+
+Table sensitivity_table(const UpdatingStage& stage) {
+  Table table{"Derivatives against differences", {"parameter", "deviation", "uncertainty", "verdict"}, {}, {}};
+  for (const auto& each : stage.sensitivities)
+    table.rows.push_back({each.parameter, fmt::format("{:.1e}", each.deviation),
+                          fmt::format("{:.1e}", each.uncertainty), words(each.verdict)});
+  return table;
+}
+
+Table modification_table(const std::vector<ModificationResult>& modifications) {
+  Table table{"Natural frequencies of modifications [Hz]", {"mode"}, {}, {}};
+  Index longest = 0;
+  for (const auto& each : modifications) {
+    table.columns.push_back(each.name);
+    longest = std::max(longest, each.frequencies.size());
+  }
+  for (Index i = 0; i < longest; ++i) {
+    table.rows.push_back({std::to_string(i + 1)});
+    for (const auto& each : modifications)
+      table.rows.back().push_back(i < each.frequencies.size() ? fmt::format("{:.2f}", each.frequencies[i]) : "");
+  }
+  return table;
+}
+
+Table before_and_after_table(const Study& study, const StudyResults& results) {
+  Table table{"Unknowns of the filter without and with the updating",
+              {"parameter", "unit", "truth", "without", "error", "with", "error"},
+              {},
+              {}};
+  if (!results.estimation || results.updating->unknowns_before.size() == 0) return table;
+  const auto& unknowns = results.estimation->observer->options().unknowns;
+  const auto& after = results.estimation->result.unknowns.mean;
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+    const auto row = static_cast<Index>(i);
+    const double without = results.updating->unknowns_before[row], with = after(row, after.cols() - 1);
+    const auto& truth = study.observer->true_parameters[i];
+    const auto error = [&](double value) {
+      return truth && *truth != 0.0 ? signed_per_cent(value / *truth - 1.0) : "-";
+    };
+    table.rows.push_back({unknowns[i].name, unknowns[i].unit, truth ? four_digits(*truth) : "-", four_digits(without),
+                          error(without), four_digits(with), error(with)});
+  }
+  return table;
+}
+
+std::string console_updating(const Study& study, const StudyResults& results) {
+  const auto& stage = *results.updating;
+  std::string text = fmt::format(
+      "Updated in {} evaluations ({} steps), {:.1f} s: {}{}\nby {}\n", stage.evaluations, stage.iterations,
+      stage.seconds, stage.termination,
+      stage.resumed_at > 0 ? fmt::format("; {} evaluations were made by an earlier run", stage.resumed_at) : "",
+      stage.method);
+  text += fmt::format("residual {} -> {} standard deviations\n\n", finite(stage.residual_initial),
+                      finite(stage.residual_final));
+  text += section("Updated parameters", updated_parameter_table(study, stage));
+  for (const auto& remark : stage.remarks) text += "  " + remark + "\n";
+  if (!stage.remarks.empty()) text += "\n";
+  text += section("Comparisons (standard deviations)", comparison_table(stage));
+  for (const auto& each : stage.comparisons)
+    if (!each.modes_final.empty())
+      text += section(fmt::format("Modes of '{}': mean error {} before, {} after", each.name,
+                                  per_cent(mean_frequency_error(each.modes_initial)),
+                                  per_cent(mean_frequency_error(each.modes_final))),
+                      paired_mode_table(each));
+  text += section("Derivatives against differences", sensitivity_table(stage));
+  text += section("Unknowns of the filter without and with the updating", before_and_after_table(study, results));
+  return text;
+}
+
+std::string console_updating_step(const Study& study, int number, const UpdatingStep& step) {
+  std::string line =
+      fmt::format("stage {:2}: residual {}{}", number, finite(step.residual), step.accepted ? "" : " (kept)");
+  for (std::size_t i = 0; i < study.updating->parameters.size(); ++i)
+    line += fmt::format(", {} {}", study.updating->parameters[i].name, four_digits(step.tried[static_cast<Index>(i)]));
+  return line + fmt::format(", {:.1f} s\n", step.seconds);
+}
+
+}  // namespace kalfem

@@ -1,0 +1,257 @@
+#include "kalfem/updating/frf_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "kalfem/base/invalid_input.hpp"
+
+namespace kalfem {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double difference_step = 1e-4;  ///< of a parameter, for the derivatives of ground loads
+constexpr double no_coupling = 1e-14;     ///< off-diagonal damping against the diagonal's two entries
+
+/// Displacement of a point per degree of freedom; empty where there is none of that name.
+class Points {
+public:
+  explicit Points(const LinearModel& model) : model_(model) {
+    for (std::size_t i = 0; i < model.dofs.size(); ++i) places_[model.dofs[i]] = static_cast<Index>(i);
+  }
+
+  [[nodiscard]] VectorXd vector(const std::string& name, IssueList& issues) const {
+    VectorXd vector = VectorXd::Zero(model_.size());
+    if (const auto point = model_.points.find(name); point != model_.points.end())
+      for (const auto& [dof, coefficient] : point->second) vector[places_.at(dof)] += coefficient;
+    else if (const auto dof = places_.find(name); dof != places_.end())
+      vector[dof->second] = 1.0;
+    else
+      issues.add({}, "there is no point '" + name + "'" + did_you_mean(name, names()),
+                 "an FRF is measured at degrees of freedom or named points of the model");
+    return vector;
+  }
+
+private:
+  [[nodiscard]] std::vector<std::string> names() const {
+    std::vector<std::string> known;
+    for (const auto& [name, combination] : model_.points) known.push_back(name);
+    if (!model_.points_only) known.insert(known.end(), model_.dofs.begin(), model_.dofs.end());
+    return known;
+  }
+
+  const LinearModel& model_;
+  std::map<std::string, Index> places_;
+};
+
+const GroundCoupling* find_ground(const LinearModel& model, const std::string& name) {
+  const auto found = std::ranges::find(model.grounds, name, &GroundCoupling::ground);
+  return found == model.grounds.end() ? nullptr : &*found;
+}
+
+void check_ground(const LinearModel& model, const std::string& name, IssueList& issues) {
+  std::vector<std::string> known;
+  for (const auto& ground : model.grounds) known.push_back(ground.ground);
+  const GroundCoupling* ground = find_ground(model, name);
+  if (!ground)
+    issues.add({}, "there is no ground '" + name + "'" + did_you_mean(name, known),
+               "a base-excited FRF needs the ground that moves");
+  else if (ground->stiffness.isZero() && ground->damping.isZero())
+    issues.add({}, "nothing is attached to the ground '" + name + "'", "its motion would move nothing");
+}
+
+int order_of(const FrfSet& set) { return int(set.quantity) - (set.input == FrfInput::ground_acceleration ? 2 : 0); }
+
+MatrixXd projected(const MatrixXd& shapes, const SparseMatrix& matrix) {
+  if (matrix.nonZeros() == 0) return {};
+  return shapes.transpose() * (matrix * shapes);
+}
+
+/// V^T (C + C_m) V; that of the ratios is given as its diagonal.
+MatrixXd reduced_damping(const ResponseBasis& basis, const LinearModel& model, const VectorXd& rates) {
+  const MatrixXd& shapes = basis.shapes;
+  MatrixXd damping = shapes.transpose() * (model.damping * shapes);
+  damping += shapes.transpose() * damping_force(model.modal_damping, model.mass, shapes);
+  damping.diagonal() += rates;
+  return damping;
+}
+
+bool is_diagonal(const MatrixXd& matrix) {
+  for (Index j = 0; j < matrix.cols(); ++j)
+    for (Index i = 0; i < j; ++i)
+      if (std::abs(matrix(i, j)) > no_coupling * (std::abs(matrix(i, i)) + std::abs(matrix(j, j)))) return false;
+  return true;
+}
+
+/// Amplitudes of the basis in which the structure follows a slow motion with these loads: they do not strain it, so
+/// damping by ratios does not act on them.
+VectorXd static_amplitudes(const ResponseBasis& basis, const VectorXd& load) {
+  return (basis.stiffness.array() > 0.0).select(load.array() / basis.stiffness.array(), 0.0);
+}
+
+/// dH of a line, from the answers Z^-1 V^T f (first column) and Z^-1 V^T S^T (the others).
+MatrixXcd line_derivatives(const FrfEvaluation& evaluation, const FrfEvaluation::Set& set, Complex s,
+                           const MatrixXcd& answers) {
+  const auto answer = answers.col(0);
+  const auto adjoint = answers.rightCols(answers.cols() - 1);
+  MatrixXcd derivatives(adjoint.cols(), static_cast<Index>(evaluation.derivatives.size()));
+  for (std::size_t p = 0; p < evaluation.derivatives.size(); ++p) {
+    const auto& [stiffness, mass, damping, modal] = evaluation.derivatives[p];
+    VectorXcd load = VectorXcd::Zero(answer.size());
+    if (!set.load_derivatives.empty()) load = set.load_derivatives[p].constant + s * set.load_derivatives[p].per_s;
+    if (stiffness.size() > 0) load -= stiffness * answer;
+    if (damping.size() > 0) load -= s * (damping * answer);
+    if (mass.size() > 0) load -= s * s * (mass * answer);
+    derivatives.col(static_cast<Index>(p)) = adjoint.transpose() * load;
+  }
+  return derivatives;
+}
+
+FrfEvaluation::Derivative reduced(const ResponseBasis& basis, const ModelDerivative& derivative,
+                                  const std::vector<double>& ratios) {
+  FrfEvaluation::Derivative reduced{projected(basis.shapes, derivative.stiffness),
+                                    projected(basis.shapes, derivative.mass),
+                                    projected(basis.shapes, derivative.damping),
+                                    {}};
+  if (ratios.empty() || derivative.is_zero()) return reduced;
+  reduced.modal_damping =
+      modal_damping_derivative(basis, ratios, derivative.modal_ratios, reduced.stiffness, reduced.mass);
+  if (reduced.damping.size() == 0) reduced.damping = MatrixXd::Zero(basis.size(), basis.size());
+  reduced.damping += reduced.modal_damping;
+  return reduced;
+}
+
+}  // namespace
+
+FrfLine FrfEvaluation::at(std::size_t index, Complex s) const {
+  const Set& set = sets[index];
+  const Index adjoint = derivatives.empty() ? 0 : set.outputs.rows();
+  MatrixXcd answers(basis.size(), 1 + adjoint);
+  answers.col(0) = set.load.constant + s * set.load.per_s;
+  answers.rightCols(adjoint) = set.outputs.topRows(adjoint).transpose().cast<Complex>();
+  const VectorXcd undamped = basis.stiffness + s * s * basis.mass;
+  if (diagonal) {
+    answers = (undamped + s * damping.diagonal()).cwiseInverse().asDiagonal() * answers;
+  } else {
+    MatrixXcd impedance = s * damping;
+    impedance.diagonal() += undamped;
+    answers = impedance.partialPivLu().solve(answers);
+  }
+  const Complex factor = std::pow(s, set.order);
+  FrfLine line{factor * (set.outputs * answers.col(0)), {}};
+  if (adjoint > 0) line.derivatives = factor * line_derivatives(*this, set, s, answers);
+  return line;
+}
+
+FrfModel::FrfModel(std::shared_ptr<const ParameterisedModel> model, std::vector<FrfSet> sets, double highest,
+                   const VectorXd& parameters, const ResponseBasisOptions& options)
+    : model_(std::move(model)), sets_(std::move(sets)), highest_(highest), options_(options) {
+  const LinearModel at = model_->at(parameters).model;
+  const Points points(at);
+  IssueList issues;
+  for (const auto& set : sets_) {
+    if (set.input == FrfInput::force)
+      forces_.push_back(points.vector(set.place, issues));
+    else
+      forces_.emplace_back(), check_ground(at, set.place, issues);
+    MatrixXd& rows = outputs_.emplace_back(at.size(), static_cast<Index>(set.outputs.size()));
+    for (Index j = 0; j < rows.cols(); ++j)
+      rows.col(j) = points.vector(set.outputs[static_cast<std::size_t>(j)], issues);
+  }
+  issues.raise();
+}
+
+MatrixXd FrfModel::places(const LinearModel& model) const {
+  Index columns = 0;
+  for (std::size_t i = 0; i < sets_.size(); ++i) columns += outputs_[i].cols() + (forces_[i].size() > 0 ? 1 : 2);
+  MatrixXd places(model.size(), columns);
+  Index next = 0;
+  const auto add = [&](const auto& block) {
+    places.middleCols(next, block.cols()) = block;
+    next += block.cols();
+  };
+  for (std::size_t i = 0; i < sets_.size(); ++i) {
+    add(outputs_[i]);
+    if (forces_[i].size() > 0) {
+      add(forces_[i]);
+      continue;
+    }
+    const GroundCoupling* ground = find_ground(model, sets_[i].place);
+    add(ground->stiffness);
+    add(ground->damping);
+  }
+  return places;
+}
+
+FrfEvaluation::Set FrfModel::reduced_set(std::size_t index, const LinearModel& model, const ResponseBasis& basis,
+                                         const VectorXd& rates) const {
+  FrfEvaluation::Set set{.load = {},
+                         .load_derivatives = {},
+                         .outputs = outputs_[index].transpose() * basis.shapes,
+                         .order = order_of(sets_[index])};
+  if (forces_[index].size() > 0) {
+    set.load = {basis.shapes.transpose() * forces_[index], VectorXd::Zero(basis.size())};
+    return set;
+  }
+  const GroundCoupling* ground = find_ground(model, sets_[index].place);
+  set.load.constant = basis.shapes.transpose() * ground->stiffness;
+  set.load.per_s =
+      basis.shapes.transpose() * ground->damping + rates.cwiseProduct(static_amplitudes(basis, set.load.constant));
+  return set;
+}
+
+FrfEvaluation FrfModel::evaluate(const VectorXd& parameters, bool with_derivatives) const {
+  const auto [model, ratios] = model_->at(parameters);
+  FrfEvaluation evaluation;
+  evaluation.basis = response_basis(model, places(model), highest_, options_);
+  const ResponseBasis& basis = evaluation.basis;
+  const VectorXd rates = modal_damping_rates(basis, ratios);
+  evaluation.damping = reduced_damping(basis, model, rates);
+  evaluation.diagonal = is_diagonal(evaluation.damping);
+  for (std::size_t i = 0; i < sets_.size(); ++i) evaluation.sets.push_back(reduced_set(i, model, basis, rates));
+  if (!with_derivatives) return evaluation;
+  for (const ModelDerivative& derivative : model_->derivatives(parameters))
+    evaluation.derivatives.push_back(reduced(basis, derivative, ratios));
+  if (std::ranges::any_of(forces_, [](const VectorXd& force) { return force.size() == 0; }))
+    add_load_derivatives(evaluation, parameters, rates);
+  return evaluation;
+}
+
+void FrfModel::add_load_derivatives(FrfEvaluation& evaluation, const VectorXd& parameters,
+                                    const VectorXd& rates) const {
+  const ResponseBasis& basis = evaluation.basis;
+  for (Index p = 0; p < parameters.size(); ++p) {
+    const double step = difference_step * (parameters[p] == 0.0 ? 1.0 : std::abs(parameters[p]));
+    const auto& derivative = evaluation.derivatives[static_cast<std::size_t>(p)];
+    VectorXd above = parameters, below = parameters;
+    above[p] += step;
+    below[p] -= step;
+    const bool moves = derivative.stiffness.size() > 0 || derivative.damping.size() > 0;
+    const LinearModel model_above = model_->at(moves ? above : parameters).model;
+    const LinearModel model_below = model_->at(moves ? below : parameters).model;
+    for (std::size_t i = 0; i < sets_.size(); ++i) {
+      if (forces_[i].size() > 0) continue;
+      const GroundCoupling *high = find_ground(model_above, sets_[i].place),
+                           *low = find_ground(model_below, sets_[i].place);
+      FrfEvaluation::Set& set = evaluation.sets[i];
+      FrfEvaluation::Load load{basis.shapes.transpose() * (high->stiffness - low->stiffness) / (2.0 * step),
+                               basis.shapes.transpose() * (high->damping - low->damping) / (2.0 * step)};
+      const VectorXd amplitudes = static_amplitudes(basis, set.load.constant);
+      VectorXd change = load.constant;
+      if (derivative.stiffness.size() > 0) change -= derivative.stiffness * amplitudes;
+      load.per_s += rates.cwiseProduct(static_amplitudes(basis, change));
+      if (derivative.modal_damping.size() > 0) load.per_s += derivative.modal_damping * amplitudes;
+      set.load_derivatives.push_back(std::move(load));
+    }
+  }
+}
+
+}  // namespace kalfem

@@ -1,0 +1,196 @@
+#include "kalfem/updating/frf_residual.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/updating/frf_checks.hpp"
+
+namespace kalfem {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double least_coverage = 0.75;  ///< of the smoothing kernel by measured lines
+constexpr double closest_lines = 0.5;    ///< of the smoothing width
+constexpr double reduction = 3.0;        ///< from one smoothing width to the next
+
+bool in_bands(double line, const std::vector<FrequencyBand>& bands) {
+  if (!(line > 0.0)) return false;
+  return bands.empty() ||
+         std::ranges::any_of(bands, [&](const FrequencyBand& band) { return line >= band.from && line <= band.to; });
+}
+
+/// Share of each line in Poisson's integral at frequency f: the kernel's exact integral over the line's cell, which
+/// reaches halfway to its neighbours; `mirrored`: over the cell at the negative frequency.
+VectorXd kernel_shares(const VectorXd& lines, double f, double width, bool mirrored) {
+  const Index n = lines.size();
+  VectorXd edges(n + 1);
+  edges.segment(1, n - 1) = 0.5 * (lines.head(n - 1) + lines.tail(n - 1));
+  edges[0] = std::max(0.0, lines[0] - 0.5 * (lines[1] - lines[0]));
+  edges[n] = lines[n - 1] + 0.5 * (lines[n - 1] - lines[n - 2]);
+  const double sign = mirrored ? -1.0 : 1.0;
+  const VectorXd primitive = ((sign * edges.array() - f) / width).atan() / pi;
+  return sign * (primitive.tail(n) - primitive.head(n));
+}
+
+/// One line of a smoothed FRF; nothing where too little of the kernel lies on measured lines.
+struct SmoothedLine {
+  VectorXcd values;
+  VectorXd variances;
+};
+
+std::optional<SmoothedLine> smoothed_line(const FrequencyResponse& response, double f, double width) {
+  const VectorXd shares = kernel_shares(response.lines, f, width, false);
+  const VectorXd mirrored = kernel_shares(response.lines, f, width, true);
+  const double coverage = shares.sum() + mirrored.sum();
+  if (coverage < least_coverage) return std::nullopt;
+  SmoothedLine line{(response.values.transpose() * shares + response.values.adjoint() * mirrored) / coverage, {}};
+  if (response.deviations.size() > 0)
+    line.variances = response.deviations.cwiseAbs2().transpose() * (shares.cwiseAbs2() + mirrored.cwiseAbs2()) /
+                     (coverage * coverage);
+  return line;
+}
+
+/// The lines that are used, as they were measured.
+FrequencyResponse selected(const FrequencyResponse& response, const std::vector<FrequencyBand>& bands) {
+  std::vector<Index> kept;
+  for (Index k = 0; k < response.lines.size(); ++k)
+    if (in_bands(response.lines[k], bands)) kept.push_back(k);
+  FrequencyResponse selected{
+      response.lines(kept), response.outputs, response.values(kept, Eigen::all), {}, response.magnitudes_only};
+  if (response.deviations.size() > 0) selected.deviations = response.deviations(kept, Eigen::all);
+  return selected;
+}
+
+/// The lines that are used, smoothed and thinned.
+FrequencyResponse smoothed(const FrequencyResponse& response, const FrfResidualOptions& options) {
+  if (options.smoothing == 0.0 || response.lines.size() < 2) return selected(response, options.bands);
+  std::vector<double> lines;
+  std::vector<SmoothedLine> kept;
+  for (const double f : response.lines) {
+    if (!in_bands(f, options.bands)) continue;
+    if (!lines.empty() && f - lines.back() < closest_lines * options.smoothing) continue;
+    auto line = smoothed_line(response, f, options.smoothing);
+    if (!line) continue;
+    lines.push_back(f);
+    kept.push_back(std::move(*line));
+  }
+  const auto rows = static_cast<Index>(lines.size());
+  FrequencyResponse smoothed{Eigen::Map<const VectorXd>(lines.data(), rows),
+                             response.outputs,
+                             MatrixXcd(rows, response.values.cols()),
+                             {},
+                             false};
+  if (response.deviations.size() > 0) smoothed.deviations.resize(rows, response.values.cols());
+  for (Index k = 0; k < rows; ++k) {
+    const SmoothedLine& line = kept[static_cast<std::size_t>(k)];
+    smoothed.values.row(k) = line.values.transpose();
+    if (response.deviations.size() > 0) smoothed.deviations.row(k) = line.variances.cwiseSqrt().transpose();
+  }
+  return smoothed;
+}
+
+/// Deviation of each value, from what is measured and what the options add.
+MatrixXd deviations_of(const FrequencyResponse& response, const FrfResidualOptions& options) {
+  const MatrixXd power = response.values.cwiseAbs2();
+  MatrixXd squared = std::pow(options.relative_deviation, 2) * power;
+  if (response.deviations.size() > 0)
+    squared += response.deviations.cwiseAbs2();
+  else
+    squared.rowwise() += std::pow(options.floor, 2) * power.colwise().mean();
+  return squared.cwiseSqrt();
+}
+
+/// Residuals of one value and their derivatives, as one complex number each.
+struct ComplexResidual {
+  Complex value;
+  VectorXcd derivatives;
+};
+
+ComplexResidual compare(Complex model, const auto& derivatives, Complex measured, double deviation, FrfForm form) {
+  if (form == FrfForm::complex_difference) return {(model - measured) / deviation, derivatives / deviation};
+  const double weight = std::abs(measured) / deviation;
+  return {weight * std::log(model / measured), (weight / model) * derivatives};
+}
+
+}  // namespace
+
+FrfResidual::FrfResidual(std::shared_ptr<const ParameterisedModel> model, std::vector<MeasuredFrf> measured,
+                         const VectorXd& start, FrfResidualOptions options)
+    : options_(std::move(options)) {
+  check_measured(measured, options_);
+  std::vector<FrfSet> sets;
+  double highest = 0.0;
+  for (const auto& frf : measured) {
+    FrequencyResponse& compared = compared_.emplace_back(smoothed(frf.response, options_));
+    compared.deviations = deviations_of(compared, options_);
+    if (compared.lines.size() > 0) highest = std::max(highest, compared.lines[compared.lines.size() - 1]);
+    sets.push_back(frf.set);
+    size_ += compared.values.size() * (options_.form == FrfForm::log_magnitude ? 1 : 2);
+  }
+  check_lines(measured, compared_, options_);
+  model_.emplace(std::move(model), std::move(sets), highest, start, options_.basis);
+  const FrfEvaluation evaluation = model_->evaluate(start, false);
+  check_range(measured, compared_, evaluation.basis, options_.basis);
+  if (options_.check_size) check_size(measured, compared_, model_responses(start));
+}
+
+Complex FrfResidual::laplace_variable(double line) const { return 2.0 * pi * Complex(options_.smoothing, line); }
+
+std::vector<MatrixXcd> FrfResidual::model_responses(const VectorXd& parameters) const {
+  const FrfEvaluation evaluation = model_->evaluate(parameters, false);
+  std::vector<MatrixXcd> responses;
+  for (std::size_t i = 0; i < compared_.size(); ++i) {
+    MatrixXcd& values = responses.emplace_back(compared_[i].values.rows(), compared_[i].values.cols());
+    for (Index k = 0; k < values.rows(); ++k)
+      values.row(k) = evaluation.at(i, laplace_variable(compared_[i].lines[k])).values.transpose();
+  }
+  return responses;
+}
+
+std::optional<ResidualValue> FrfResidual::evaluate(const VectorXd& parameters, bool with_jacobian) const try {
+  const FrfEvaluation evaluation = model_->evaluate(parameters, with_jacobian);
+  ResidualValue residual{VectorXd(size_), {}};
+  if (with_jacobian) residual.jacobian.resize(size_, parameters.size());
+  Index row = 0;
+  const auto add = [&](double value, const auto& derivatives) {
+    residual.values[row] = value;
+    if (with_jacobian) residual.jacobian.row(row) = derivatives.transpose();
+    ++row;
+  };
+  for (std::size_t i = 0; i < compared_.size(); ++i) {
+    const auto& [lines, outputs, values, deviations, magnitudes_only] = compared_[i];
+    for (Index k = 0; k < lines.size(); ++k) {
+      const FrfLine line = evaluation.at(i, laplace_variable(lines[k]));
+      for (Index j = 0; j < values.cols(); ++j) {
+        const VectorXcd derivatives = with_jacobian ? VectorXcd(line.derivatives.row(j).transpose()) : VectorXcd();
+        const auto difference = compare(line.values[j], derivatives, values(k, j), deviations(k, j), options_.form);
+        add(difference.value.real(), difference.derivatives.real());
+        if (options_.form != FrfForm::log_magnitude) add(difference.value.imag(), difference.derivatives.imag());
+      }
+    }
+  }
+  if (!residual.values.allFinite() || !residual.jacobian.allFinite()) return std::nullopt;
+  return residual;
+} catch (const InvalidInput&) {
+  return std::nullopt;  // no structure, or none that holds itself
+}
+
+std::vector<double> smoothing_widths(double widest, double narrowest) {
+  std::vector<double> widths;
+  for (double width = widest; width >= narrowest * (1.0 - 1e-12) && width > 0.0; width /= reduction)
+    widths.push_back(width);
+  widths.push_back(0.0);
+  return widths;
+}
+
+}  // namespace kalfem

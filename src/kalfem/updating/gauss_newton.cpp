@@ -1,0 +1,234 @@
+#include "kalfem/updating/gauss_newton.hpp"
+
+#include <fmt/format.h>
+
+#include <cassert>
+#include <cmath>
+
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/updating/bounded_least_squares.hpp"
+
+namespace kalfem {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Known = GaussNewtonState::Known;
+
+constexpr double least_ratio = 1e-4;     // of true to promised reduction, for a step to be taken
+constexpr double cost_rounding = 1e-13;  // a smaller relative reduction cannot be told from rounding
+constexpr double poor_ratio = 0.25, good_ratio = 0.75;
+constexpr double shrinking = 0.25, growth = 2.0;  // of the trust region
+
+template <class Get>
+VectorXd collected(const std::vector<UpdatingParameter>& parameters, Get get) {
+  VectorXd values(static_cast<Index>(parameters.size()));
+  for (Index i = 0; i < values.size(); ++i) values[i] = get(parameters[static_cast<std::size_t>(i)]);
+  return values;
+}
+
+bool is_response(const std::optional<ResidualValue>& value) {
+  return value && value->values.allFinite() && value->jacobian.allFinite();
+}
+
+bool has_jacobian(const ResidualValue& value) { return value.jacobian.cols() > 0; }
+
+}  // namespace
+
+bool converged(Termination termination) {
+  return termination == Termination::converged_step || termination == Termination::converged_cost ||
+         termination == Termination::converged_gradient;
+}
+
+std::string words(Termination termination) {
+  switch (termination) {
+    case Termination::converged_step:
+      return "converged: the next step would change every parameter by less than the tolerance";
+    case Termination::converged_cost:
+      return "converged: the next step would lower the cost by less than the tolerance";
+    case Termination::converged_gradient:
+      return "converged: no change of a parameter within its bounds lowers the cost to first order";
+    case Termination::no_progress:
+      return "not converged: no shorter step lowers the cost, so its derivatives are wrong or it is rough";
+    case Termination::no_response:
+      return "not begun: the model has no response at the start";
+    case Termination::no_derivatives:
+      return "not converged: the model has no derivatives at the point reached";
+    case Termination::budget:
+      return "not converged: all evaluations allowed are used";
+    case Termination::stopped:
+      return "not converged: stopped on request";
+  }
+  return {};
+}
+
+GaussNewtonState starting_at(const VectorXd& start, const GaussNewtonOptions& options) {
+  GaussNewtonState state;
+  state.parameters = start;
+  state.radius = options.initial_radius;
+  return state;
+}
+
+double prior_cost(const std::vector<UpdatingParameter>& parameters, const VectorXd& values) {
+  const VectorXd deviation = collected(parameters, [](const auto& p) { return p.deviation; });
+  return 0.5 * (values - initial_values(parameters)).cwiseQuotient(deviation).squaredNorm();
+}
+
+void require_startable(const std::vector<UpdatingParameter>& parameters) {
+  IssueList issues;
+  for (const auto& [name, unit, initial, lower, upper, deviation] : parameters) {
+    if (!(lower <= upper))
+      issues.add({}, fmt::format("{}: bounds from {} to {}", name, lower, upper), "the lower bound is above the upper",
+                 "exchange them");
+    else if (!std::isfinite(initial) || initial < lower || initial > upper)
+      issues.add({}, fmt::format("{}: initial value {} with bounds from {} to {}", name, initial, lower, upper),
+                 "a search begins inside the bounds", "widen the bounds or begin between them");
+    if (!(deviation > 0.0))
+      issues.add({}, fmt::format("{}: prior deviation {}", name, deviation), "a standard deviation is positive",
+                 "give a positive one, or equal bounds to hold the parameter");
+  }
+  issues.raise();
+}
+
+GaussNewton::GaussNewton(std::vector<UpdatingParameter> parameters, GaussNewtonOptions options,
+                         std::optional<GaussNewtonState> resumed)
+    : parameters_(std::move(parameters)),
+      options_(options),
+      scale_(collected(parameters_, [](const auto& p) { return p.scale(); })),
+      lower_(collected(parameters_, [](const auto& p) { return p.lower; })),
+      upper_(collected(parameters_, [](const auto& p) { return p.upper; })) {
+  require_startable(parameters_);
+  state_ = resumed ? std::move(*resumed) : starting_at(initial_values(parameters_), options_);
+  assert(state_.parameters.size() == scale_.size());
+  state_.parameters = state_.parameters.cwiseMax(lower_).cwiseMin(upper_);
+  if (state_.known == Known::derivatives) plan();
+}
+
+double GaussNewton::cost() const { return state_.residual_cost + prior_cost(parameters_, state_.parameters); }
+
+bool GaussNewton::needs_jacobian() const { return state_.known != Known::derivatives || state_.refused < 2; }
+
+VectorXd GaussNewton::proposal() const {
+  if (state_.known != Known::derivatives) return state_.parameters;
+  VectorXd point = state_.parameters + scale_.cwiseProduct(step_.change);
+  for (Index i = 0; i < point.size(); ++i) {  // a step onto a bound ends there, not a rounding beside it
+    if (step_.change[i] == (lower_[i] - state_.parameters[i]) / scale_[i]) point[i] = lower_[i];
+    if (step_.change[i] == (upper_[i] - state_.parameters[i]) / scale_[i]) point[i] = upper_[i];
+  }
+  return point.cwiseMax(lower_).cwiseMin(upper_);
+}
+
+bool GaussNewton::tell(const std::optional<ResidualValue>& value) {
+  ++state_.evaluations;
+  if (!is_response(value)) ++state_.without_response;
+  if (state_.known == Known::derivatives) return try_step(value);
+  if (!is_response(value)) {
+    state_.known = state_.known == Known::cost ? Known::no_derivatives : Known::no_response;
+    return false;
+  }
+  accept(state_.parameters, *value);
+  return true;
+}
+
+/// Judges the trial at proposal().
+bool GaussNewton::try_step(const std::optional<ResidualValue>& value) {
+  const VectorXd trial = proposal();
+  double ratio = -1.0;
+  if (is_response(value) && step_.reduction > 0.0) {
+    const double trial_cost = 0.5 * value->values.squaredNorm() + prior_cost(parameters_, trial);
+    ratio = (cost() - trial_cost) / step_.reduction;
+  }
+  adapt_radius(ratio);
+  if (!(ratio > least_ratio)) {
+    ++state_.refused;
+    plan();
+    return false;
+  }
+  ++state_.iterations;
+  state_.refused = 0;
+  accept(trial, *value);
+  return true;
+}
+
+void GaussNewton::adapt_radius(double ratio) {
+  if (!(ratio >= poor_ratio))
+    state_.radius = shrinking * step_.size;
+  else if (ratio > good_ratio && limited_)
+    state_.radius *= growth;
+}
+
+void GaussNewton::accept(const VectorXd& parameters, const ResidualValue& value) {
+  state_.parameters = parameters;
+  state_.residual_cost = 0.5 * value.values.squaredNorm();
+  state_.known = has_jacobian(value) ? Known::derivatives : Known::cost;
+  if (!has_jacobian(value)) return;
+  linearise(value);
+  plan();
+}
+
+/// Keeps of the residual and its Jacobian what the linearised problem needs: R and Q^T r.
+void GaussNewton::linearise(const ResidualValue& value) {
+  const Index count = scale_.size(), rows = std::min(count, value.values.size());
+  Eigen::HouseholderQR<MatrixXd> qr(value.jacobian * scale_.asDiagonal());
+  state_.jacobian_factor = MatrixXd::Zero(count, count);
+  state_.jacobian_factor.topRows(rows) = qr.matrixQR().topRows(rows).triangularView<Eigen::Upper>();
+  const VectorXd rotated = qr.householderQ().adjoint() * value.values;
+  state_.projected_residual = VectorXd::Zero(count);
+  state_.projected_residual.head(rows) = rotated.head(rows);
+}
+
+/// Poses the linearised problem at the accepted point and solves it within the bounds, with and without the trust
+/// region.
+void GaussNewton::plan() {
+  const Index count = scale_.size();
+  const VectorXd deviation = collected(parameters_, [](const auto& p) { return p.deviation; });
+  matrix_.resize(2 * count, count);
+  offset_.resize(2 * count);
+  matrix_ << state_.jacobian_factor, MatrixXd(scale_.cwiseQuotient(deviation).asDiagonal());
+  offset_ << state_.projected_residual, (state_.parameters - initial_values(parameters_)).cwiseQuotient(deviation);
+  const VectorXd lower = (lower_ - state_.parameters).cwiseQuotient(scale_);
+  const VectorXd upper = (upper_ - state_.parameters).cwiseQuotient(scale_);
+  whole_ = step_within(lower, upper);
+  limited_ = whole_.size > state_.radius;
+  step_ = limited_ ? step_within(lower.cwiseMax(-state_.radius), upper.cwiseMin(state_.radius)) : whole_;
+}
+
+GaussNewton::Step GaussNewton::step_within(const VectorXd& lower, const VectorXd& upper) const {
+  Step step{bounded_least_squares(matrix_, offset_, lower, upper, options_.rank_tolerance)};
+  const VectorXd effect = matrix_ * step.change;
+  step.reduction = -effect.dot(offset_ + 0.5 * effect);
+  step.size = step.change.size() > 0 ? step.change.lpNorm<Eigen::Infinity>() : 0.0;
+  return step;
+}
+
+/// First-order condition: of each parameter that can move downhill, the cosine between its column of the Jacobian and
+/// the residual, both with the prior, is small.
+bool GaussNewton::is_stationary() const {
+  const double length = std::sqrt(2.0 * cost());
+  const VectorXd gradient = matrix_.transpose() * offset_;
+  for (Index i = 0; i < gradient.size(); ++i) {
+    const bool blocked = gradient[i] > 0.0 ? state_.parameters[i] == lower_[i] : state_.parameters[i] == upper_[i];
+    if (!blocked && std::abs(gradient[i]) > options_.gradient_tolerance * matrix_.col(i).norm() * length) return false;
+  }
+  return true;
+}
+
+std::optional<Termination> GaussNewton::judge_point() const {
+  if (is_stationary()) return Termination::converged_gradient;
+  if (whole_.size <= options_.step_tolerance) return Termination::converged_step;
+  if (whole_.reduction <= std::max(options_.cost_tolerance, cost_rounding) * cost()) return Termination::converged_cost;
+  if (limited_ && state_.radius <= options_.step_tolerance) return Termination::no_progress;
+  return std::nullopt;
+}
+
+std::optional<Termination> GaussNewton::finished() const {
+  if (state_.known == Known::no_response) return Termination::no_response;
+  if (state_.known == Known::no_derivatives) return Termination::no_derivatives;
+  if (state_.known == Known::derivatives)
+    if (const auto verdict = judge_point()) return verdict;
+  if (state_.evaluations >= options_.max_evaluations) return Termination::budget;
+  return std::nullopt;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,402 @@
+#include "kalfem/updating/modal_residual.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <set>
+
+#include "kalfem/base/invalid_input.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr Index spare_modes = 6;
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+std::string named(std::size_t mode, const MeasuredMode& measured) {
+  return "measured mode " + std::to_string(mode + 1) + " (" + number(measured.frequency) + " Hz)";
+}
+
+void check_shape(const std::string& name, const MeasuredMode& mode, std::size_t points, IssueList& issues) {
+  if (mode.shape.size() != static_cast<Index>(points))
+    issues.add({}, name + " has a shape of " + std::to_string(mode.shape.size()) + " entries",
+               "there are " + std::to_string(points) + " measured points", "give one entry a point");
+  else if (!mode.shape.allFinite() || mode.shape.isZero(0.0))
+    issues.add({}, name + " has a shape without motion, or with entries that are no numbers");
+  if (!(mode.shape_deviation > 0.0))
+    issues.add({}, "the standard deviation of the shape of " + name + " is " + number(mode.shape_deviation),
+               "it must be positive", "give it relative to the largest entry: 0.02 for 2 %");
+}
+
+void check(const std::vector<MeasuredMode>& measured, std::size_t points, const ModalResidualOptions& options) {
+  IssueList issues;
+  std::set<int> numbers;
+  if (measured.empty()) issues.add({}, "there are no measured modes", "a modal residual compares at least one");
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    const MeasuredMode& mode = measured[i];
+    const std::string name = named(i, mode);
+    if (!(mode.frequency > 0.0) || !std::isfinite(mode.frequency))
+      issues.add({}, "the frequency of " + name + " is not a positive number");
+    if (!(mode.deviation > 0.0))
+      issues.add({}, "the standard deviation of " + name + " is " + number(mode.deviation) + " Hz",
+                 "it must be positive", "give what the measurement is good for: 0.5 % of the frequency, say");
+    if (mode.model_mode && *mode.model_mode < 1)
+      issues.add({}, name + " names model mode " + std::to_string(*mode.model_mode), "elastic modes count from 1");
+    if (mode.model_mode && !numbers.insert(*mode.model_mode).second)
+      issues.add({}, name + " names model mode " + std::to_string(*mode.model_mode) + ", as another one does",
+                 "a model mode pairs with one measured mode");
+    if (mode.shape.size() > 0) check_shape(name, mode, points, issues);
+  }
+  if (options.skip < 0) issues.add({}, "a negative number of modes is to be skipped");
+  issues.raise();
+}
+
+Index wanted_modes(const std::vector<MeasuredMode>& measured, const ModalResidualOptions& options) {
+  if (options.modes) return *options.modes;
+  auto most = static_cast<Index>(measured.size());
+  for (const auto& mode : measured) most = std::max<Index>(most, mode.model_mode.value_or(0));
+  return most + most / 2 + spare_modes;
+}
+
+VectorXd frequencies_of(const std::vector<MeasuredMode>& measured) {
+  VectorXd frequencies(static_cast<Index>(measured.size()));
+  for (std::size_t i = 0; i < measured.size(); ++i) frequencies[static_cast<Index>(i)] = measured[i].frequency;
+  return frequencies;
+}
+
+/// Of an entry of its shape; 1 where there is none.
+double shape_deviation(const MeasuredMode& mode) {
+  return mode.shape.size() > 0 ? mode.shape_deviation * mode.shape.cwiseAbs().maxCoeff() : 1.0;
+}
+
+/// The measured mode pairs with that model mode and no other does.
+void name_pair(MatrixXd& mac, Index measured, Index model) {
+  mac.row(measured).setZero();
+  if (model >= mac.cols()) return;
+  mac.col(model).setZero();
+  mac(measured, model) = 1.0;
+}
+
+/// Modes with neither number nor shape take those that are left, lowest first.
+void pair_by_order(const std::vector<MeasuredMode>& measured, const VectorXd& frequencies,
+                   std::vector<ModePair>& pairs) {
+  std::set<Index> taken;
+  std::vector<std::size_t> waiting;
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    if (pairs[i].model)
+      taken.insert(*pairs[i].model);
+    else if (!measured[i].model_mode && measured[i].shape.size() == 0)
+      waiting.push_back(i);
+  std::ranges::stable_sort(waiting, {}, [&](std::size_t i) { return measured[i].frequency; });
+  Index next = 0;
+  for (const std::size_t i : waiting) {
+    while (taken.contains(next)) ++next;
+    if (next >= frequencies.size()) return;
+    pairs[i] = {next, 1.0, frequencies[next] / measured[i].frequency - 1.0};
+    ++next;
+  }
+}
+
+void add_unpaired(std::size_t i, const MeasuredMode& mode, const VectorXd& mac, const VectorXd& frequencies,
+                  const ModalResidualOptions& options, IssueList& issues) {
+  const std::string fact = named(i, mode) + " pairs with no mode of the model";
+  const auto elastic = frequencies.size();
+  if (elastic == 0 || mode.model_mode || mode.shape.size() == 0) {
+    issues.add({}, fact, "there are " + std::to_string(elastic) + " elastic modes to pair with",
+               "compute more modes, skip fewer of the lowest, or leave the measured mode out");
+    return;
+  }
+  Index nearest = 0, best = 0;
+  (frequencies.array() - mode.frequency).abs().minCoeff(&nearest);
+  mac.maxCoeff(&best);
+  const auto model_mode = [&](Index j) {
+    return "model mode " + std::to_string(j + 1) + " (" + number(frequencies[j]) + " Hz) with a MAC of " +
+           number(mac[j]);
+  };
+  issues.add({}, fact,
+             "nearest in frequency is " + model_mode(nearest) + ", nearest in shape is " + model_mode(best) +
+                 (mac[best] < options.pairing.least_mac ? "; a pair needs a MAC of " + number(options.pairing.least_mac)
+                                                        : "; that one agrees better with another measured mode"),
+             "check places, directions and signs of the measured points, name its model mode, or leave it out");
+}
+
+double frequency_of(double lambda) { return std::sqrt(std::max(lambda, 0.0)) / (2.0 * M_PI); }
+
+/// Orthonormal columns that are together nearest to the given ones: U V^T of their singular value decomposition.
+MatrixXd nearest_orthonormal(const MatrixXd& columns) {
+  const Eigen::JacobiSVD<MatrixXd> svd(columns, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  return svd.matrixU() * svd.matrixV().transpose();
+}
+
+/// d(A c) of the fit c = A^+ t that follows A: of the projector on A's columns [GP73].
+VectorXd fit_derivative(const MatrixXd& A, const MatrixXd& dA, const VectorXd& coefficients, const VectorXd& misfit) {
+  const auto gram = (A.transpose() * A).completeOrthogonalDecomposition();
+  const VectorXd moved = dA * coefficients;
+  return moved - A * gram.solve(A.transpose() * moved + dA.transpose() * misfit);
+}
+
+}  // namespace
+
+/// The model and its modes at one point of the parameter space. The last group has only the use to end the others.
+struct ModalResidual::Solution {
+  LinearModel model;
+  ShiftedStiffness shifted;
+  LowestModes modes;
+  std::vector<ModeGroup> groups;
+  Index end = 0;       ///< modes that may be paired come before
+  MatrixXd at_points;  ///< P Phi
+  MatrixXd mass_gram;  ///< Phi^T M Phi with M of the start
+
+  [[nodiscard]] SolvedEigenproblem problem() const { return {model.stiffness, model.mass, shifted, modes}; }
+  [[nodiscard]] Index elastic(Index skip) const { return std::max<Index>(end - skip, 0); }
+  [[nodiscard]] VectorXd frequencies(Index skip) const {
+    return modes.values.segment(std::min(skip, end), elastic(skip)).unaryExpr(&frequency_of);
+  }
+  [[nodiscard]] const ModeGroup& group_of(Index mode) const {
+    return *std::ranges::find_if(groups, [&](const ModeGroup& group) { return group.has(mode); });
+  }
+};
+
+/// Where a measured mode stands in the model: the direction in its group, and how its shape fits there.
+struct ModalResidual::Place {
+  ModeGroup group;
+  VectorXd direction;  ///< coefficients over the group, of length 1
+  double frequency = 0.0;
+  VectorXd misfit;  ///< P Phi c - phi_measured; empty without a shape
+  VectorXd coefficients;
+};
+
+ModalResidual::ModalResidual(std::shared_ptr<const ParameterisedModel> model, std::vector<MeasuredMode> measured,
+                             std::vector<DofCombination> points, const VectorXd& start, ModalResidualOptions options)
+    : model_(std::move(model)),
+      measured_(std::move(measured)),
+      points_(std::move(points)),
+      options_(std::move(options)),
+      references_(measured_.size()) {
+  check(measured_, points_.size(), options_);
+  for (const auto& mode : measured_) size_ += 1 + mode.shape.size();
+  const Solution solution = solve_first(start);
+  choose_references(solution, first_pairs(solution), start);
+}
+
+ModalResidual::Solution ModalResidual::solve(const VectorXd& parameters) const {
+  LinearModel model = model_->at(parameters).model;
+  ShiftedStiffness shifted = factor_stiffness(model.stiffness, model.mass, model.dofs);
+  LowestModes modes = lowest_modes(model.stiffness, model.mass, shifted, {.count = count_});
+  auto groups = group_modes(modes.values, options_.repeated);
+  const Index end = modes.next && !groups.empty() ? groups.back().first : modes.values.size();
+  MatrixXd at_points = rows_ * modes.vectors, mass_gram;
+  if (start_mass_.rows() > 0) mass_gram = modes.vectors.transpose() * (start_mass_ * modes.vectors);
+  return {std::move(model),     std::move(shifted),  std::move(modes), std::move(groups), end,
+          std::move(at_points), std::move(mass_gram)};
+}
+
+/// Finds how many of the lowest modes are not elastic ones, and how many modes that makes to compute.
+ModalResidual::Solution ModalResidual::solve_first(const VectorXd& start) {
+  const LinearModel model = model_->at(start).model;
+  rows_ = point_rows(model, points_);
+  const Index massive = (model.mass.diagonal().array() > 0.0).count(), wanted = wanted_modes(measured_, options_);
+  skip_ = options_.skip;
+  while (true) {
+    count_ = std::min(massive, skip_ + wanted);
+    Solution solution = solve(start);
+    const Index low = (solution.modes.values.unaryExpr(&frequency_of).array() <= options_.above).count();
+    skip_ = std::max<Index>(options_.skip, low);
+    if (std::min(massive, skip_ + wanted) <= count_) return solution;
+  }
+}
+
+/// By number, by shape, or by order among those that are free. Throws InvalidInput where a mode pairs with nothing.
+std::vector<ModePair> ModalResidual::first_pairs(const Solution& solution) const {
+  const VectorXd frequencies = solution.frequencies(skip_);
+  MatrixXd mac = agreement(solution);
+  for (std::size_t i = 0; i < measured_.size(); ++i)
+    if (const auto mode = measured_[i].model_mode) name_pair(mac, static_cast<Index>(i), *mode - 1);
+  auto pairs = pair_modes(mac, frequencies_of(measured_), frequencies, options_.pairing);
+  pair_by_order(measured_, frequencies, pairs);
+  IssueList issues;
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    if (!pairs[i].model) add_unpaired(i, measured_[i], mac.row(static_cast<Index>(i)), frequencies, options_, issues);
+  issues.raise();
+  return pairs;
+}
+
+/// M phi at the start for the modes that are not recognised by a measured shape.
+void ModalResidual::choose_references(const Solution& solution, const std::vector<ModePair>& pairs,
+                                      const VectorXd& start) {
+  for (std::size_t i = 0; i < measured_.size(); ++i) {
+    if (!measured_[i].model_mode && measured_[i].shape.size() > 0) continue;
+    const Index mode = skip_ + *pairs[i].model;
+    const ModeGroup& group = solution.group_of(mode);
+    VectorXd direction = VectorXd::Unit(group.size, mode - group.first);
+    if (group.size > 1) {
+      std::vector<MatrixXd> projected;
+      for (const auto& derivative : model_->derivatives(start))
+        projected.push_back(projected_derivative(solution.modes, group, derivative));
+      if (!projected.empty()) direction = joint_eigenbasis(projected).col(mode - group.first);
+    }
+    start_mass_ = solution.model.mass;
+    references_[i] = start_mass_ * (solution.modes.vectors.middleCols(group.first, group.size) * direction);
+  }
+}
+
+SubspaceFit ModalResidual::fit_shape(std::size_t mode, const Solution& solution, const ModeGroup& group) const {
+  const VectorXd& shape = measured_[mode].shape;
+  const MatrixXd A = solution.at_points.middleCols(group.first, group.size);
+  return fit_in_subspace(A.transpose() * A, A.transpose() * shape, shape.squaredNorm());
+}
+
+SubspaceFit ModalResidual::fit_reference(std::size_t mode, const Solution& solution, const ModeGroup& group) const {
+  const auto shapes = solution.modes.vectors.middleCols(group.first, group.size);
+  return fit_in_subspace(solution.mass_gram.block(group.first, group.first, group.size, group.size),
+                         shapes.transpose() * references_[mode], 1.0);
+}
+
+/// By what a measured mode is recognised in a group: nothing for one without a shape at the start.
+SubspaceFit ModalResidual::recognise(std::size_t mode, const Solution& solution, const ModeGroup& group) const {
+  if (references_[mode].size() > 0) return fit_reference(mode, solution, group);
+  if (measured_[mode].shape.size() > 0) return fit_shape(mode, solution, group);
+  return {VectorXd::Zero(group.size), 0.0};
+}
+
+/// MAC of measured modes and the groups of elastic modes, the same for all of a group.
+MatrixXd ModalResidual::agreement(const Solution& solution) const {
+  MatrixXd mac(static_cast<Index>(measured_.size()), solution.elastic(skip_));
+  for (std::size_t i = 0; i < measured_.size(); ++i)
+    for (const ModeGroup& group : solution.groups) {
+      const Index first = std::max(group.first, skip_), end = std::min(group.first + group.size, solution.end);
+      if (first >= end) continue;
+      const double value = recognise(i, solution, group).mac;
+      mac.row(static_cast<Index>(i)).segment(first - skip_, end - first).setConstant(value);
+    }
+  return mac;
+}
+
+std::vector<ModePair> ModalResidual::pairs(const Solution& solution, double least_mac) const {
+  ModePairingOptions options = options_.pairing;
+  options.least_mac = least_mac;
+  return pair_modes(agreement(solution), frequencies_of(measured_), solution.frequencies(skip_), options);
+}
+
+/// Nothing where a mode is lost or has no frequency.
+std::optional<std::vector<ModalResidual::Place>> ModalResidual::places(const Solution& solution) const {
+  std::vector<Place> places;
+  for (const ModePair& pair : pairs(solution, options_.lost_mac)) {
+    if (!pair.model || !(solution.modes.values[skip_ + *pair.model] > 0.0)) return {};
+    places.push_back({solution.group_of(skip_ + *pair.model), {}, 0.0, {}, {}});
+  }
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    Place& place = places[i];
+    place.direction = direction(i, places, solution);
+    const auto values = solution.modes.values.segment(place.group.first, place.group.size);
+    place.frequency = frequency_of(values.dot(place.direction.cwiseAbs2()));
+    if (measured_[i].shape.size() == 0) continue;
+    place.coefficients = fit_shape(i, solution, place.group).coefficients;
+    place.misfit =
+        solution.at_points.middleCols(place.group.first, place.group.size) * place.coefficients - measured_[i].shape;
+  }
+  return places;
+}
+
+/// In a group, the combinations nearest to the shapes of its measured modes, made orthogonal together.
+VectorXd ModalResidual::direction(std::size_t mode, const std::vector<Place>& places, const Solution& solution) const {
+  const ModeGroup& group = places[mode].group;
+  if (group.size == 1) return VectorXd::Ones(1);
+  MatrixXd columns(group.size, 0);
+  Index own = 0;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (places[i].group.first != group.first) continue;
+    if (i == mode) own = columns.cols();
+    columns.conservativeResize(Eigen::NoChange, columns.cols() + 1);
+    columns.rightCols(1) = recognise(i, solution, group).coefficients.normalized();
+  }
+  return nearest_orthonormal(columns).col(own);
+}
+
+std::optional<ResidualValue> ModalResidual::evaluate(const VectorXd& parameters, bool with_jacobian) const {
+  try {
+    const Solution solution = solve(parameters);
+    const auto found = places(solution);
+    if (!found) return {};
+    ResidualValue result{values(*found), {}};
+    if (!with_jacobian) return result;
+    auto slopes = jacobian(solution, *found, model_->derivatives(parameters));
+    if (!slopes) return {};
+    result.jacobian = std::move(*slopes);
+    return result;
+  } catch (const InvalidInput&) {  // the model is no structure there
+    return {};
+  }
+}
+
+VectorXd ModalResidual::values(const std::vector<Place>& places) const {
+  VectorXd values(size_);
+  auto row = static_cast<Index>(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    values[static_cast<Index>(i)] = (places[i].frequency - measured_[i].frequency) / measured_[i].deviation;
+    values.segment(row, places[i].misfit.size()) = places[i].misfit / shape_deviation(measured_[i]);
+    row += places[i].misfit.size();
+  }
+  return values;
+}
+
+/// df = q^T D q / (8 pi^2 f) for the frequencies; nothing where a shape has no derivative.
+std::optional<MatrixXd> ModalResidual::jacobian(const Solution& solution, const std::vector<Place>& places,
+                                                const std::vector<ModelDerivative>& derivatives) const {
+  const auto parameters = static_cast<Index>(derivatives.size());
+  MatrixXd jacobian(size_, parameters);
+  std::map<Index, std::vector<MatrixXd>> moving;  // P dPhi by the first mode of a group
+  auto row = static_cast<Index>(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Place& place = places[i];
+    for (Index p = 0; p < parameters; ++p) {
+      const MatrixXd D = projected_derivative(solution.modes, place.group, derivatives[static_cast<std::size_t>(p)]);
+      jacobian(static_cast<Index>(i), p) =
+          place.direction.dot(D * place.direction) / (8.0 * M_PI * M_PI * place.frequency * measured_[i].deviation);
+    }
+    if (place.misfit.size() == 0) continue;
+    if (!moving.contains(place.group.first)) {
+      auto slopes = subspace_derivatives(solution.problem(), place.group, derivatives, options_.sensitivities);
+      if (!slopes) return {};
+      for (MatrixXd& slope : *slopes) slope = rows_ * slope;
+      moving.emplace(place.group.first, std::move(*slopes));
+    }
+    const MatrixXd A = solution.at_points.middleCols(place.group.first, place.group.size);
+    for (Index p = 0; p < parameters; ++p)
+      jacobian.col(p).segment(row, place.misfit.size()) =
+          fit_derivative(A, moving.at(place.group.first)[static_cast<std::size_t>(p)], place.coefficients,
+                         place.misfit) /
+          shape_deviation(measured_[i]);
+    row += place.misfit.size();
+  }
+  return jacobian;
+}
+
+std::vector<PairedMode> ModalResidual::compare(const VectorXd& parameters) const {
+  const Solution solution = solve(parameters);
+  const auto found = pairs(solution, 0.0);
+  std::vector<PairedMode> table;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const double measured = measured_[i].frequency, error = found[i].frequency_difference;
+    PairedMode row{i, {}, measured, measured * (1.0 + error), error, found[i].mac};
+    if (const auto mode = found[i].model) {
+      row.model_mode = static_cast<int>(*mode) + 1;
+      if (measured_[i].shape.size() > 0) row.mac = fit_shape(i, solution, solution.group_of(skip_ + *mode)).mac;
+    }
+    table.push_back(row);
+  }
+  return table;
+}
+
+}  // namespace kalfem

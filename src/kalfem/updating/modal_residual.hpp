@@ -1,0 +1,104 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kalfem/model/parameterised_model.hpp"
+#include "kalfem/updating/eigen_sensitivities.hpp"
+#include "kalfem/updating/mode_pairing.hpp"
+#include "kalfem/updating/residual.hpp"
+
+namespace kalfem {
+
+/// A natural frequency that was measured, with its shape where there is one.
+struct MeasuredMode {
+  double frequency = 0.0;              ///< [Hz]
+  double deviation = 0.0;              ///< standard deviation of the frequency [Hz]
+  std::optional<int> model_mode = {};  ///< number of its model mode at the start, 1: the lowest elastic one
+  Eigen::VectorXd shape = {};          ///< real, at the measured points, in any scale and sign; empty: not measured
+  double shape_deviation = 0.0;        ///< standard deviation of its entries, relative to the largest
+};
+
+struct ModalResidualOptions {
+  int skip = 0;        ///< so many of the lowest modes are not elastic ones
+  double above = 0.0;  ///< [Hz] nor are those up to this frequency at the starting parameters: motions on soft supports
+  std::optional<int> modes = {};    ///< elastic modes to compute; none: half more than are measured or named, and 6
+  ModePairingOptions pairing = {};  ///< at the start; least_mac holds there
+  double lost_mac = 0.2;            ///< below it a mode that was paired is lost: the residual has no value there
+  double repeated = 1e-6;           ///< relative difference of eigenvalues that count as one, see group_modes()
+  EigenSensitivityOptions sensitivities = {};
+};
+
+/// A measured mode beside the model's.
+struct PairedMode {
+  std::size_t measured = 0;            ///< position in the list of measured modes
+  std::optional<int> model_mode = {};  ///< number among the elastic modes, from 1; nothing where no mode agrees
+  double measured_frequency = 0.0;     ///< [Hz]
+  double model_frequency = 0.0;        ///< [Hz]; of the nearest mode where it pairs with nothing
+  double relative_error = 0.0;         ///< model / measured - 1
+  double mac = 0.0;                    ///< with the measured shape; without one, with the shape at the start
+};
+
+/// Natural frequencies and mode shapes against measured ones:
+///     (f_model - f_measured) / deviation                                one a measured mode, in the given order,
+///     (P Phi c - phi_measured) / (shape_deviation max |phi_measured|)   then the points of those with a shape,
+/// with P the rows of the measured points and c the least-squares fit: the modal scale factor of a single mode, and a
+/// combination of the modes of a repeated eigenvalue. Both are differentiated exactly, c included (as of a projector,
+/// [GP73]).
+///
+/// Modes are paired anew at every evaluation, see pair_modes(). A measured mode with a shape is recognised by it. One
+/// without a shape, or with a model_mode, is paired at the start (by its number, or by order among those still free)
+/// and then recognised by the shape that the model had there, weighted with the mass: so crossings are survived. In a
+/// group of repeated eigenvalues the frequencies are differentiated along the combinations that are nearest to the
+/// shapes by which they are recognised; at the start without shapes, along those that the parameters split.
+class ModalResidual final : public Residual {
+public:
+  /// Throws InvalidInput with everything that is wrong: points that the model does not have, values that are not
+  /// physical, measured modes that pair with nothing at the start.
+  ModalResidual(std::shared_ptr<const ParameterisedModel> model, std::vector<MeasuredMode> measured,
+                std::vector<DofCombination> points, const Eigen::VectorXd& start, ModalResidualOptions options = {});
+
+  [[nodiscard]] std::string name() const override { return "modes"; }
+  [[nodiscard]] Eigen::Index size() const override { return size_; }
+  [[nodiscard]] std::optional<ResidualValue> evaluate(const Eigen::VectorXd& parameters,
+                                                      bool with_jacobian) const override;
+
+  /// The pairs at these parameters, one a measured mode. Throws InvalidInput where the model has no modes there.
+  [[nodiscard]] std::vector<PairedMode> compare(const Eigen::VectorXd& parameters) const;
+  [[nodiscard]] const std::vector<MeasuredMode>& measured() const { return measured_; }
+  [[nodiscard]] Eigen::Index skipped() const { return skip_; }  ///< lowest modes that are not elastic ones
+
+private:
+  struct Solution;
+  struct Place;
+  [[nodiscard]] Solution solve(const Eigen::VectorXd& parameters) const;
+  [[nodiscard]] Solution solve_first(const Eigen::VectorXd& start);
+  void choose_references(const Solution& solution, const std::vector<ModePair>& pairs, const Eigen::VectorXd& start);
+  [[nodiscard]] std::vector<ModePair> first_pairs(const Solution& solution) const;
+  [[nodiscard]] std::vector<ModePair> pairs(const Solution& solution, double least_mac) const;
+  [[nodiscard]] SubspaceFit fit_shape(std::size_t mode, const Solution& solution, const ModeGroup& group) const;
+  [[nodiscard]] SubspaceFit fit_reference(std::size_t mode, const Solution& solution, const ModeGroup& group) const;
+  [[nodiscard]] SubspaceFit recognise(std::size_t mode, const Solution& solution, const ModeGroup& group) const;
+  [[nodiscard]] Eigen::MatrixXd agreement(const Solution& solution) const;
+  [[nodiscard]] std::optional<std::vector<Place>> places(const Solution& solution) const;
+  [[nodiscard]] Eigen::VectorXd direction(std::size_t mode, const std::vector<Place>& places,
+                                          const Solution& solution) const;
+  [[nodiscard]] Eigen::VectorXd values(const std::vector<Place>& places) const;
+  [[nodiscard]] std::optional<Eigen::MatrixXd> jacobian(const Solution& solution, const std::vector<Place>& places,
+                                                        const std::vector<ModelDerivative>& derivatives) const;
+
+  std::shared_ptr<const ParameterisedModel> model_;
+  std::vector<MeasuredMode> measured_;
+  std::vector<DofCombination> points_;
+  ModalResidualOptions options_;
+  Eigen::Index size_ = 0;
+  SparseMatrix rows_;        ///< P, points x n
+  Eigen::Index skip_ = 0;    ///< lowest modes that are not elastic ones
+  Eigen::Index count_ = 0;   ///< modes to compute, the skipped ones with them
+  SparseMatrix start_mass_;  ///< M at the start; 0 x 0 where every mode is recognised by its measured shape
+  std::vector<Eigen::VectorXd> references_;  ///< M phi at the start, by measured mode; empty: its shape is measured
+};
+
+}  // namespace kalfem

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "kalfem/updating/parameter_statistics.hpp"
+
+namespace kalfem {
+
+/// Sentences for a reader on what the residual does not tell: parameters that it does not see or sees poorly,
+/// combinations that cannot be told apart, pairs of high correlation, parameters at a bound, residuals larger than
+/// their deviations. Empty where all is well.
+std::vector<std::string> parameter_findings(const std::vector<UpdatingParameter>& parameters,
+                                            const Eigen::VectorXd& values, const ParameterStatistics& statistics);
+
+/// Throws InvalidInput with every parameter without equal bounds whose column of the Jacobian is zero at the start: the
+/// residual does not depend on it.
+void require_informed(const std::vector<UpdatingParameter>& parameters, const Eigen::MatrixXd& jacobian);
+
+}  // namespace kalfem

@@ -1,0 +1,214 @@
+#include "kalfem/updating/parameter_statistics.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+namespace kalfem {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double zero_column = 1e-14;  // of the longest: rounding
+constexpr double part_in_null = 1e-3;  // a parameter with a smaller part in a null direction is determined
+constexpr double part_in_blind = 0.1;  // of the greatest change: a smaller one is not worth a word
+
+/// The linearised problem of the free parameters in parts of their scales: |r + R d|^2 + |P d|^2.
+struct Linearised {
+  std::vector<Index> free;   ///< parameters without equal bounds
+  VectorXd scale, prior;     ///< of the free ones; P = scale / deviation
+  MatrixXd factor;           ///< R of the Jacobian
+  std::vector<bool> unseen;  ///< column of zeros
+
+  Linearised(const std::vector<UpdatingParameter>& parameters, const MatrixXd& jacobian) {
+    for (std::size_t i = 0; i < parameters.size(); ++i)
+      if (parameters[i].lower < parameters[i].upper) free.push_back(static_cast<Index>(i));
+    const auto count = static_cast<Index>(free.size());
+    scale.resize(count);
+    prior.resize(count);
+    for (Index k = 0; k < count; ++k) {
+      const auto& p = parameters[static_cast<std::size_t>(free[static_cast<std::size_t>(k)])];
+      scale[k] = p.scale();
+      prior[k] = p.scale() / p.deviation;
+    }
+    const MatrixXd scaled = jacobian(Eigen::all, free) * scale.asDiagonal();
+    const Index rows = std::min(count, scaled.rows());
+    factor = MatrixXd::Zero(count, count);
+    if (rows > 0)
+      factor.topRows(rows) =
+          Eigen::HouseholderQR<MatrixXd>(scaled).matrixQR().topRows(rows).triangularView<Eigen::Upper>();
+    const VectorXd length = scaled.colwise().norm();
+    for (Index k = 0; k < count; ++k) unseen.push_back(!(length[k] > zero_column * length.maxCoeff()));
+  }
+};
+
+/// Inverse of H and which parameters it does not determine.
+struct Inverse {
+  MatrixXd matrix;  ///< of the free parameters; null directions enter with a large finite variance
+  std::vector<bool> undetermined;
+  double effective_parameters = 0.0;  ///< trace(J^T J H^-1)
+
+  Inverse(const Linearised& problem, double rank_tolerance) {
+    const Index count = problem.factor.cols();
+    undetermined.assign(static_cast<std::size_t>(count), false);
+    matrix = MatrixXd::Zero(count, count);
+    if (count == 0) return;
+    MatrixXd both(2 * count, count);
+    both << problem.factor, MatrixXd(problem.prior.asDiagonal());
+    VectorXd length = both.colwise().norm();
+    length = (length.array() > 0.0).select(length, 1.0);
+    both *= length.cwiseInverse().asDiagonal();
+    const Eigen::JacobiSVD<MatrixXd> svd(both, Eigen::ComputeThinV);
+    const VectorXd& sigma = svd.singularValues();
+    const double least = sigma[0] > 0.0 ? rank_tolerance * sigma[0] : rank_tolerance;
+    const MatrixXd directions = length.cwiseInverse().asDiagonal() * svd.matrixV();
+    for (Index k = 0; k < count; ++k) {
+      const VectorXd direction = directions.col(k) / std::max(sigma[k], least);
+      matrix += direction * direction.transpose();
+      if (sigma[k] > least)
+        effective_parameters += (problem.factor * direction).squaredNorm();
+      else
+        for (Index i = 0; i < count; ++i)
+          if (std::abs(svd.matrixV()(i, k)) > part_in_null) undetermined[static_cast<std::size_t>(i)] = true;
+    }
+  }
+};
+
+/// The same space of directions, each with as few parameters as can be (elimination with complete pivoting).
+void make_sparse(MatrixXd& directions) {
+  for (Index done = 0; done < directions.cols(); ++done) {
+    Index row = 0, column = 0;
+    directions.rightCols(directions.cols() - done).cwiseAbs().maxCoeff(&row, &column);
+    directions.col(done).swap(directions.col(done + column));
+    directions.col(done) /= directions(row, done);
+    for (Index other = 0; other < directions.cols(); ++other)
+      if (other != done) directions.col(other) -= (directions(row, other) * directions.col(done)).eval();
+  }
+}
+
+/// Directions in which the residual tells less than the prior, or in which both leave a deviation of a whole scale.
+MatrixXd blind_directions(const Linearised& problem, double widening, const ParameterStatisticsOptions& options) {
+  std::vector<Index> seen;
+  for (Index k = 0; k < problem.factor.cols(); ++k)
+    if (!problem.unseen[static_cast<std::size_t>(k)]) seen.push_back(k);
+  const auto count = static_cast<Index>(seen.size());
+  if (count == 0) return {problem.factor.cols(), 0};
+  const Eigen::JacobiSVD<MatrixXd> svd(MatrixXd(problem.factor(Eigen::all, seen)), Eigen::ComputeThinV);
+  MatrixXd found = MatrixXd::Zero(problem.factor.cols(), count);
+  Index blind = 0;
+  for (Index k = 0; k < count; ++k) {
+    const double sigma = svd.singularValues()[k], told = sigma / std::sqrt(widening);
+    const double prior = problem.prior(seen).cwiseProduct(svd.matrixV().col(k)).norm();
+    const bool null = sigma <= options.rank_tolerance * svd.singularValues()[0];
+    const bool below_prior = prior > options.poor_ratio * std::hypot(told, prior);
+    const bool below_scale = std::hypot(told, prior) * options.poor_deviation < 1.0;
+    if (null || below_prior || below_scale) found(seen, blind++) = svd.matrixV().col(k);
+  }
+  found.conservativeResize(Eigen::NoChange, blind);
+  make_sparse(found);
+  return found;
+}
+
+/// Names the parameters of a blind direction. One alone is poorly seen, but no combination.
+void add_blind(ParameterStatistics& statistics, const Linearised& problem, const VectorXd& direction) {
+  std::vector<Index> order;
+  for (Index k = 0; k < direction.size(); ++k)
+    if (std::abs(direction[k]) > part_in_blind * direction.cwiseAbs().maxCoeff()) order.push_back(k);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](Index a, Index b) { return std::abs(direction[a]) > std::abs(direction[b]); });
+  BlindCombination combination;
+  for (const Index k : order) {
+    const Index parameter = problem.free[static_cast<std::size_t>(k)];
+    combination.parameters.push_back(parameter);
+    combination.changes.push_back(direction[k] / direction[order.front()]);
+    statistics.seen[static_cast<std::size_t>(parameter)] = Seen::poorly;
+  }
+  if (order.size() > 1) statistics.blind.push_back(std::move(combination));
+}
+
+bool is_blind_pair(const ParameterStatistics& statistics, Index first, Index second) {
+  return std::any_of(statistics.blind.begin(), statistics.blind.end(), [&](const BlindCombination& combination) {
+    const auto has = [&](Index i) {
+      return std::find(combination.parameters.begin(), combination.parameters.end(), i) != combination.parameters.end();
+    };
+    return has(first) && has(second);
+  });
+}
+
+/// Fills in deviations, covariance and correlation of all parameters from those of the free ones.
+void fill_covariance(ParameterStatistics& statistics, const Linearised& problem, const MatrixXd& covariance,
+                     const std::vector<bool>& undetermined) {
+  for (std::size_t a = 0; a < problem.free.size(); ++a)
+    for (std::size_t b = 0; b < problem.free.size(); ++b) {
+      const auto at = static_cast<Index>(a), bt = static_cast<Index>(b);
+      const Index i = problem.free[a], j = problem.free[b];
+      const double product = std::sqrt(covariance(at, at) * covariance(bt, bt));
+      statistics.correlation(i, j) = i == j ? 1.0 : covariance(at, bt) / product;
+      if (!undetermined[a] && !undetermined[b])
+        statistics.covariance(i, j) = covariance(at, bt) * problem.scale[at] * problem.scale[bt];
+      else if (i == j)
+        statistics.covariance(i, j) = std::numeric_limits<double>::infinity();
+    }
+  statistics.deviations = statistics.covariance.diagonal().cwiseSqrt();
+}
+
+void judge_parameters(ParameterStatistics& statistics, const std::vector<UpdatingParameter>& parameters,
+                      const VectorXd& values, const VectorXd& gradient, const ParameterStatisticsOptions& options) {
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const auto at = static_cast<Index>(i);
+    const auto& [name, unit, initial, lower, upper, prior] = parameters[i];
+    const double pull = gradient[at] + (values[at] - initial) / (prior * prior);
+    statistics.at_bound.push_back(lower < upper &&
+                                  ((values[at] == lower && pull > 0.0) || (values[at] == upper && pull < 0.0)));
+    if (statistics.seen[i] == Seen::held) continue;
+    const double deviation = statistics.deviations[at];
+    if (std::isfinite(prior)) statistics.to_prior[at] = deviation / prior;
+    const bool poorly = std::isfinite(prior) ? statistics.to_prior[at] > options.poor_ratio
+                                             : deviation > options.poor_deviation * parameters[i].scale();
+    if (poorly) statistics.seen[i] = Seen::poorly;
+  }
+}
+
+void find_correlated(ParameterStatistics& statistics, double high) {
+  const Index count = statistics.correlation.rows();
+  for (Index i = 0; i < count; ++i)
+    for (Index j = i + 1; j < count; ++j)
+      if (std::abs(statistics.correlation(i, j)) > high && !is_blind_pair(statistics, i, j))
+        statistics.correlated.push_back({i, j, statistics.correlation(i, j)});
+}
+
+}  // namespace
+
+ParameterStatistics parameter_statistics(const std::vector<UpdatingParameter>& parameters, const VectorXd& values,
+                                         const ResidualValue& value, const ParameterStatisticsOptions& options) {
+  const auto count = static_cast<Index>(parameters.size());
+  assert(value.jacobian.cols() == count && value.jacobian.rows() == value.values.size());
+  const Linearised problem(parameters, value.jacobian);
+  const Inverse inverse(problem, options.rank_tolerance);
+  ParameterStatistics statistics;
+  statistics.covariance = statistics.correlation = MatrixXd::Zero(count, count);
+  statistics.to_prior = VectorXd::Zero(count);
+  statistics.seen.assign(parameters.size(), Seen::held);
+  for (const Index i : problem.free) statistics.seen[static_cast<std::size_t>(i)] = Seen::well;
+
+  statistics.degrees_of_freedom = static_cast<double>(value.values.size()) - inverse.effective_parameters;
+  if (statistics.degrees_of_freedom >= 1.0)
+    statistics.reduced_chi_squared = value.values.squaredNorm() / statistics.degrees_of_freedom;
+  statistics.widening = std::max(1.0, statistics.reduced_chi_squared.value_or(1.0));
+
+  const MatrixXd told = problem.factor * inverse.matrix;
+  fill_covariance(statistics, problem, inverse.matrix + (statistics.widening - 1.0) * told.transpose() * told,
+                  inverse.undetermined);
+  const MatrixXd blind = blind_directions(problem, statistics.widening, options);
+  for (Index k = 0; k < blind.cols(); ++k) add_blind(statistics, problem, blind.col(k));
+  judge_parameters(statistics, parameters, values, value.jacobian.transpose() * value.values, options);
+  for (std::size_t k = 0; k < problem.free.size(); ++k)
+    if (problem.unseen[k]) statistics.seen[static_cast<std::size_t>(problem.free[k])] = Seen::not_at_all;
+  find_correlated(statistics, options.high_correlation);
+  return statistics;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace kalfem {
+
+/// Differences of model and measurement at one point theta of the parameter space.
+struct ResidualValue {
+  Eigen::VectorXd
+      values;  ///< r: (model - measurement) / standard deviation, so that |r|^2 is about its length in truth
+  Eigen::MatrixXd jacobian;  ///< dr/dtheta in the parameters' own units, size x parameters; 0 x 0 where not asked for
+};
+
+/// A comparison of a model with measurements, as a function of the parameters. Evaluations may run in several threads.
+class Residual {
+public:
+  virtual ~Residual() = default;
+
+  [[nodiscard]] virtual std::string name() const = 0;
+  /// Length of r, the same everywhere.
+  [[nodiscard]] virtual Eigen::Index size() const = 0;
+  /// Nothing where the model has no response there (a negative stiffness): an optimiser then takes a shorter step.
+  [[nodiscard]] virtual std::optional<ResidualValue> evaluate(const Eigen::VectorXd& parameters,
+                                                              bool with_jacobian) const = 0;
+};
+using ResidualPtr = std::shared_ptr<const Residual>;
+
+/// Several residuals of one set of parameters, r = [sqrt(w_1) r_1; sqrt(w_2) r_2; ...].
+class ResidualSum final : public Residual {
+public:
+  struct Term {
+    ResidualPtr residual;
+    double weight = 1.0;  ///< w >= 0
+  };
+  explicit ResidualSum(std::vector<Term> terms) : terms_(std::move(terms)) {}
+
+  [[nodiscard]] std::string name() const override { return "sum"; }
+  [[nodiscard]] Eigen::Index size() const override;
+  [[nodiscard]] std::optional<ResidualValue> evaluate(const Eigen::VectorXd& parameters,
+                                                      bool with_jacobian) const override;
+  [[nodiscard]] const std::vector<Term>& terms() const { return terms_; }
+
+private:
+  std::vector<Term> terms_;
+};
+
+}  // namespace kalfem

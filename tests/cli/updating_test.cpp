@@ -1,0 +1,234 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "command.hpp"
+
+// `kalfem update` as a user runs it.
+
+namespace kalfem::test {
+namespace {
+
+/// A held chain of three masses whose frequencies are known in closed form: omega_j = 2 sqrt(k / m) sin((2 j - 1) pi /
+/// 14) with k = 1 kN/m and m = 1 kg.
+const std::string modal_case = R"(kalfem: 1
+substructures:
+  frame:
+    masses: {1: 1 kg, 2: 1 kg, 3: 1 kg}
+    springs:
+      - {name: s1, from: ground, to: 1, stiffness: 1.3 kN/m}
+      - {name: s2, from: 1, to: 2, stiffness: 0.8 kN/m}
+      - {name: s3, from: 2, to: 3, stiffness: 1.1 kN/m}
+update:
+  parameters:
+    frame.s1.stiffness: {bounds: [0.2 kN/m, 5 kN/m]}
+    frame.s2.stiffness: {}
+    frame.s3.stiffness: {}
+  compare:
+    modes: {modes: frame, frequencies: [2.2398607, 6.2759501, 9.0690107], deviation: 0.1 %}
+    push: {static: frame, loads: {3: 10 N}, displacements: {1: 10 mm, 2: 20 mm, 3: 30 mm}, deviation: 0.1 %}
+  check_sensitivities: true
+modifications:
+  heavier: {substructure: frame, set: {3.mass: 2 kg}, modes: 2}
+)";
+
+std::filesystem::path written(const std::filesystem::path& folder, const std::string& text) {
+  std::ofstream(folder / "case.yaml") << text;
+  return folder / "case.yaml";
+}
+
+TEST(Updating, FrequenciesAndAStaticTestGiveTheSpringsBack) {
+  const auto folder = fresh_folder("update-modal");
+  const auto outcome =
+      run_command("update " + written(folder, modal_case).string() + " --out " + folder.string(), folder);
+  ASSERT_EQ(outcome.code, 0) << outcome.errors;
+  const auto updating = read_summary(folder)["updating"];
+  for (const std::string spring : {"frame.s1.stiffness", "frame.s2.stiffness", "frame.s3.stiffness"}) {
+    // The frequencies are given to seven digits.
+    EXPECT_NEAR(updating["parameters"][spring]["estimate"].get<double>(), 1000.0, 0.01) << spring;
+    EXPECT_GT(updating["parameters"][spring]["std"].get<double>(), 0.0);
+    EXPECT_EQ(updating["sensitivities"][spring]["verdict"], "agrees");
+  }
+  EXPECT_TRUE(updating["converged"].get<bool>());
+  EXPECT_LT(updating["residual_final"].get<double>(), 1e-2);
+  EXPECT_GT(updating["residual_initial"].get<double>(), 1.0);
+  // Two masses of 1 and 2 kg on the same springs.
+  const auto heavier = read_summary(folder)["prediction"]["heavier"]["frequencies_hz"];
+  ASSERT_EQ(heavier.size(), 2U);
+  EXPECT_LT(heavier[0].get<double>(), 2.2399);
+  EXPECT_NE(outcome.output.find("Updated parameters"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(folder / "update.checkpoint.json"));
+}
+
+TEST(Updating, EveryMethodFindsTheSame) {
+  const auto folder = fresh_folder("update-methods");
+  std::string text = modal_case;
+  text.replace(text.find("    frame.s2.stiffness: {}"), 26, "    frame.s2.stiffness: {bounds: [0.2 kN/m, 5 kN/m]}");
+  text.replace(text.find("    frame.s3.stiffness: {}"), 26, "    frame.s3.stiffness: {bounds: [0.2 kN/m, 5 kN/m]}");
+  for (const std::string method : {"method: cma_es", "starts: 5"}) {
+    std::string other = text;
+    other.replace(other.find("check_sensitivities: true"), 25, method);
+    const auto outcome = run_command("update " + written(folder, other).string() + " --out " + folder.string(), folder);
+    ASSERT_EQ(outcome.code, 0) << outcome.errors;
+    const auto parameters = read_summary(folder)["updating"]["parameters"];
+    for (const auto& [name, parameter] : parameters.items())
+      EXPECT_NEAR(parameter["estimate"].get<double>(), 1000.0, 0.01) << method << " " << name;
+  }
+}
+
+struct Mistake {
+  const char* name;
+  std::string from, to;
+  std::vector<std::string> messages;
+};
+
+class UpdatingMistake : public testing::TestWithParam<Mistake> {};
+
+TEST_P(UpdatingMistake, IsOneClearMessage) {
+  const auto& mistake = GetParam();
+  const auto folder = fresh_folder(std::string("update-bad-") + mistake.name);
+  std::string text = modal_case;
+  const auto place = text.find(mistake.from);
+  ASSERT_NE(place, std::string::npos);
+  text.replace(place, mistake.from.size(), mistake.to);
+  const auto outcome =
+      run_command("update " + written(folder, text).string() + " --out " + (folder / "out").string(), folder);
+  EXPECT_EQ(outcome.code, 2) << outcome.errors;
+  for (const auto& piece : mistake.messages) EXPECT_NE(outcome.errors.find(piece), std::string::npos) << outcome.errors;
+  EXPECT_FALSE(std::filesystem::exists(folder / "out" / "summary.json"));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Mistakes, UpdatingMistake,
+    testing::Values(
+        Mistake{"UnknownParameter",
+                "frame.s2.stiffness: {}",
+                "frame.s4.stiffness: {}",
+                {"case.yaml:12", "frame.s4.stiffness", "did you mean"}},
+        Mistake{"NamedTwice",
+                "frame.s2.stiffness: {}",
+                "twice: {applies_to: [frame.s1.stiffness]}",
+                {"case.yaml:12", "frame.s1.stiffness", "already"}},
+        Mistake{"BoundsExcludeTheStart",
+                "[0.2 kN/m, 5 kN/m]",
+                "[2 kN/m, 5 kN/m]",
+                {"case.yaml:11", "1300", "outside its bounds"}},
+        Mistake{"BoundsTheWrongWay", "[0.2 kN/m, 5 kN/m]", "[5 kN/m, 0.2 kN/m]", {"case.yaml:11", "lower bound"}},
+        Mistake{"WrongUnit", "[0.2 kN/m, 5 kN/m]", "[0.2 kg, 5 kN/m]", {"case.yaml:11", "N/m"}},
+        Mistake{"NothingDependsOnIt",
+                "frame.s2.stiffness: {}",
+                "frame.damping.mass_factor: {initial: 1}",
+                {"frame.damping.mass_factor"}},
+        Mistake{"UnknownSubstructure", "{modes: frame,", "{modes: frame2,", {"case.yaml:15", "did you mean 'frame'"}},
+        Mistake{"MoreModesThanThereAre", "9.0690107]", "9.0690107, 15, 20]", {"case.yaml:15", "15"}},
+        Mistake{"UnknownPoint", "displacements: {1: 10 mm,", "displacements: {4: 10 mm,", {"case.yaml:16", "4"}},
+        Mistake{"UnknownModification", "3.mass: 2 kg", "4.mass: 2 kg", {"case.yaml:19", "frame.4.mass"}},
+        Mistake{
+            "NeedsARecord",
+            "push: {static: frame, loads: {3: 10 N}, displacements: {1: 10 mm, 2: 20 mm, 3: 30 mm}, deviation: 0.1 %}",
+            "push: {time_history: frame}",
+            {"case.yaml:16", "record"}}),
+    [](const auto& info) { return info.param.name; });
+
+/// The chain of the examples, shorter.
+std::string short_chain() {
+  std::string text = read(example("chain/update.yaml"));
+  text.replace(text.find("duration: 20 s"), 14, "duration: 6 s");
+  text.replace(text.find("tolerance: 1e-4"), 15, "tolerance: 1e-2");
+  return text;
+}
+
+TEST(Updating, ARunThatWasKilledGoesOnWhereItStood) {
+  const auto folder = fresh_folder("update-killed");
+  const auto file = written(folder, short_chain()).string();
+  const auto whole = run_command("update " + file + " --out " + (folder / "whole").string(), folder);
+  ASSERT_EQ(whole.code, 0) << whole.errors;
+  const std::string out = (folder / "killed").string(), checkpoint = out + "/update.checkpoint.json";
+  const std::string script =
+      std::string(KALFEM_COMMAND) + " update " + file + " --out " + out +
+      " >/dev/null 2>&1 & p=$!; i=0; while [ ! -f " + checkpoint +
+      " ] && [ $i -lt 1200 ]; do sleep 0.05; i=$((i+1)); done; kill -9 $p; wait $p 2>/dev/null; true";
+  ASSERT_EQ(std::system(script.c_str()), 0);
+  ASSERT_TRUE(std::filesystem::exists(checkpoint)) << "the run ended before it could be killed";
+  const auto second = run_command("update " + file + " --out " + out, folder);
+  ASSERT_EQ(second.code, 0) << second.errors;
+  const auto one = read_summary(folder / "whole")["updating"], other = read_summary(folder / "killed")["updating"];
+  EXPECT_GE(other["resumed_at"].get<int>(), 1);
+  EXPECT_EQ(one["evaluations"], other["evaluations"]);
+  for (const auto& [name, parameter] : one["parameters"].items())
+    EXPECT_EQ(parameter["estimate"], other["parameters"][name]["estimate"]) << name;
+}
+
+TEST(Updating, TheChainIsRefinedByItsOwnRecord) {
+  const auto folder = fresh_folder("update-chain");
+  const auto outcome = run_command("update " + example("chain/update.yaml") + " --out " + folder.string(), folder);
+  ASSERT_EQ(outcome.code, 0) << outcome.errors;
+  const auto summary = read_summary(folder);
+  const auto relative_error = [](const nlohmann::json& parameter) {
+    return std::abs(parameter["estimate"].get<double>() / parameter["true"].get<double>() - 1.0);
+  };
+  const auto& refined = summary["updating"]["parameters"];
+  EXPECT_LT(relative_error(refined["body.3-4.stiffness"]), 0.01);
+  EXPECT_LT(relative_error(refined["body.7-8.stiffness"]), 0.01);
+  EXPECT_LT(relative_error(refined["body.damping.modal"]), 0.10);
+  EXPECT_LT(relative_error(summary["parameters"]["suspension.mu_k1"]), 0.02);
+  EXPECT_LT(relative_error(summary["parameters"]["suspension.mu_c1"]), 0.02);
+  // Without the loop the suspension takes the blame for the body.
+  const auto& without = summary["updating"]["unknowns_without_updating"];
+  EXPECT_GT(std::abs(without["suspension.mu_k1"].get<double>() / 20.0 - 1.0) +
+                std::abs(without["suspension.mu_c1"].get<double>() / 10.0 - 1.0),
+            0.1);
+}
+
+class UpdatingOnData : public testing::Test {
+protected:
+  static std::filesystem::path data() {
+    const char* variable = std::getenv("KALFEM_DATA");
+    return variable ? std::filesystem::path(variable) : std::filesystem::path(KALFEM_SOURCE_DIR) / "../shared/data";
+  }
+  static nlohmann::json run(const std::string& name) {
+    const auto folder = fresh_folder("update-data");
+    const auto outcome = run_command("run " + example(name) + " --out " + folder.string(), folder);
+    EXPECT_EQ(outcome.code, 0) << outcome.errors;
+    return read_summary(folder);
+  }
+};
+
+TEST_F(UpdatingOnData, GarteurFitsTenFrequenciesToOnePerCentAndPredictsTwoModifications) {
+  if (!std::filesystem::exists(data() / "garteur/nodes.csv")) GTEST_SKIP() << "no GARTEUR tables in " << data();
+  const auto summary = run("garteur/garteur.yaml");
+  const auto& frequencies = summary["updating"]["comparisons"]["frequencies"];
+  EXPECT_LT(frequencies["mean_frequency_error_final"].get<double>(), 0.01);
+  EXPECT_GT(frequencies["mean_frequency_error_initial"].get<double>(), 0.03);
+  for (const std::string name : {"modification_1", "modification_2"}) {
+    const auto& predicted = summary["prediction"][name]["frequencies_hz"];
+    ASSERT_EQ(predicted.size(), 10U);
+    for (std::size_t i = 1; i < 10; ++i) EXPECT_GE(predicted[i].get<double>(), predicted[i - 1].get<double>());
+    EXPECT_GT(predicted[0].get<double>(), 5.0);
+  }
+}
+
+TEST_F(UpdatingOnData, SouthamptonFrequenciesAreTheMeasuredPeaks) {
+  if (!std::filesystem::exists(data() / "southampton-3storey")) GTEST_SKIP() << "no southampton-3storey in " << data();
+  const auto parameters = run("southampton/southampton.yaml")["updating"]["parameters"];
+  // Frequencies of three equal masses on these springs against the peaks of the measured responses.
+  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();
+  for (int i = 0; i < 3; ++i) {
+    const auto& storey = parameters["frame.storey_" + std::to_string(i + 1) + ".stiffness"];
+    const double k = storey["estimate"].get<double>();
+    EXPECT_GT(storey["std"].get<double>(), 0.0);
+    stiffness(i, i) += k;
+    if (i == 0) continue;
+    stiffness(i - 1, i - 1) += k;
+    stiffness(i, i - 1) -= k;
+    stiffness(i - 1, i) -= k;
+  }
+  const Eigen::Vector3d values = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(stiffness / 5.201).eigenvalues();
+  const Eigen::Vector3d peaks{6.514, 17.464, 26.506};
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(std::sqrt(values[i]) / (2.0 * M_PI) / peaks[i], 1.0, 0.003) << i;
+  EXPECT_NEAR(parameters["frame.damping.modal"]["estimate"].get<double>(), 0.002, 0.001);
+}
+
+}  // namespace
+}  // namespace kalfem::test
