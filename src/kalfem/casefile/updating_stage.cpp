@@ -41,6 +41,7 @@ GaussNewtonOptions search_options(const d::Updating& given) {
   GaussNewtonOptions options;
   options.max_evaluations = given.stages;
   options.step_tolerance = given.tolerance;
+  options.cost_floor = 1e-6;  // residuals are in standard deviations
   return options;
 }
 

@@ -52,7 +52,8 @@ Table updated_parameter_table(const Study& study, const UpdatingStage& stage) {
 }
 
 Table comparison_table(const UpdatingStage& stage) {
-  Table table{"Comparisons (standard deviations)", {"comparison", "of", "values", "weight", "rms before", "rms after"}, {}, {}};
+  Table table{
+      "Comparisons (standard deviations)", {"comparison", "of", "values", "weight", "rms before", "rms after"}, {}, {}};
   for (const auto& each : stage.comparisons)
     table.rows.push_back({each.name, each.kind, std::to_string(each.size), four_digits(each.weight),
                           finite(each.rms_initial), finite(each.rms_final)});
@@ -171,8 +172,11 @@ std::string console_updating(const Study& study, const StudyResults& results) {
 std::string console_updating_step(const Study& study, int number, const UpdatingStep& step) {
   std::string line =
       fmt::format("stage {:2}: residual {}{}", number, finite(step.residual), step.accepted ? "" : " (kept)");
-  for (std::size_t i = 0; i < study.updating->parameters.size(); ++i)
-    line += fmt::format(", {} {}", study.updating->parameters[i].name, four_digits(step.tried[static_cast<Index>(i)]));
+  constexpr std::size_t most_named = 4;
+  const auto& parameters = study.updating->parameters;
+  for (std::size_t i = 0; i < std::min(parameters.size(), most_named); ++i)
+    line += fmt::format(", {} {}", parameters[i].name, four_digits(step.tried[static_cast<Index>(i)]));
+  if (parameters.size() > most_named) line += fmt::format(", {} more", parameters.size() - most_named);
   return line + fmt::format(", {:.1f} s\n", step.seconds);
 }
 

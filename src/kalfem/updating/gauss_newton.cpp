@@ -217,7 +217,8 @@ bool GaussNewton::is_stationary() const {
 std::optional<Termination> GaussNewton::judge_point() const {
   if (is_stationary()) return Termination::converged_gradient;
   if (whole_.size <= options_.step_tolerance) return Termination::converged_step;
-  if (whole_.reduction <= std::max(options_.cost_tolerance, cost_rounding) * cost()) return Termination::converged_cost;
+  const double least = std::max(options_.cost_floor, std::max(options_.cost_tolerance, cost_rounding) * cost());
+  if (whole_.reduction <= least) return Termination::converged_cost;
   if (limited_ && state_.radius <= options_.step_tolerance) return Termination::no_progress;
   return std::nullopt;
 }
