@@ -48,7 +48,7 @@ TEST(Updating, FrequenciesAndAStaticTestGiveTheSpringsBack) {
     // The frequencies are given to seven digits.
     EXPECT_NEAR(updating["parameters"][spring]["estimate"].get<double>(), 1000.0, 0.01) << spring;
     EXPECT_GT(updating["parameters"][spring]["std"].get<double>(), 0.0);
-    EXPECT_EQ(updating["sensitivities"][spring]["verdict"], "agrees");
+    EXPECT_EQ(updating["sensitivities"][spring]["verdict"], "agrees with differences");
   }
   EXPECT_TRUE(updating["converged"].get<bool>());
   EXPECT_LT(updating["residual_final"].get<double>(), 1e-2);
@@ -174,11 +174,9 @@ TEST(Updating, TheChainIsRefinedByItsOwnRecord) {
   EXPECT_LT(relative_error(refined["body.damping.modal"]), 0.10);
   EXPECT_LT(relative_error(summary["parameters"]["suspension.mu_k1"]), 0.02);
   EXPECT_LT(relative_error(summary["parameters"]["suspension.mu_c1"]), 0.02);
-  // Without the loop the suspension takes the blame for the body.
-  const auto& without = summary["updating"]["unknowns_without_updating"];
-  EXPECT_GT(std::abs(without["suspension.mu_k1"].get<double>() / 20.0 - 1.0) +
-                std::abs(without["suspension.mu_c1"].get<double>() / 10.0 - 1.0),
-            0.1);
+  // What is left is the sensors' noise.
+  EXPECT_GT(summary["updating"]["residual_initial"].get<double>(), 1.5);
+  EXPECT_NEAR(summary["updating"]["residual_final"].get<double>(), 1.0, 0.02);
 }
 
 class UpdatingOnData : public testing::Test {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "kalfem/casefile/boundary_drive.hpp"
 #include "kalfem/casefile/observer_setup.hpp"
 #include "kalfem/updating/parallel_columns.hpp"
 
@@ -78,62 +77,72 @@ HistoryResidual::HistoryResidual(const Study& study, FullRecord record,
   for (std::size_t j = 0; j < sensors_.size(); ++j)
     measured_.col(static_cast<Index>(j)) = record_.series.values.col(record_.series.find(sensors_[j].name));
   const VectorXd start = initial_values(study.updating->parameters);
-  const auto first = predict(structure_->at(start).parts, start);
+  const auto first = estimate_at(structure_->at(start).parts, start);
   if (!first) throw InvalidInput("the filter does not run at the first values of the updated parameters", "", "");
   const double none = std::numeric_limits<double>::infinity();
   const auto counted = samples - settled_;
   deviation_ = measured_.bottomRows(counted).array().isNaN().select(none, first->deviation.bottomRows(counted));
 }
 
-std::optional<HistoryResidual::Prediction> HistoryResidual::predict(const Parts& parts,
-                                                                    const VectorXd& parameters) const {
+std::optional<HistoryResidual::Estimate> HistoryResidual::estimate_at(const Parts& parts,
+                                                                      const VectorXd& parameters) const {
   IssueList issues;
   const ObserverSetup setup =
       make_observer_setup(study_, parts, by_name(study_.updating->parameters, parameters), issues);
   issues.raise();
-  const CoupledModel model = couple(parts);
-  const BoundaryDrive drive(study_, model, options_.substructure);
-  FilterRun run = make_filter_run(study_, setup, record_);
-  const EstimationResult result = estimate(*run.choice.observer, run.record,
-                                           {.filter = run.choice.filter,
-                                            .unscented = study_.given.estimate->unscented,
-                                            .threads = 1,
-                                            .passes = study_.given.estimate->passes,
-                                            .state_deviations = false,
-                                            .deviation_stride = static_cast<int>(record_.series.samples()),
-                                            .monitored = make_outputs(*setup.model, motion_outputs(drive.points()))});
+  Estimate estimate;
+  estimate.model = std::make_shared<const CoupledModel>(couple(parts));
+  estimate.drive = std::make_shared<const BoundaryDrive>(study_, *estimate.model, options_.substructure);
+  const FilterRun run = make_filter_run(study_, setup, record_);
+  const auto samples = record_.series.samples();
+  const EstimationResult result =
+      kalfem::estimate(*run.choice.observer, run.record,
+                       {.filter = run.choice.filter,
+                        .unscented = study_.given.estimate->unscented,
+                        .threads = 1,
+                        .passes = study_.given.estimate->passes,
+                        .state_deviations = false,
+                        .deviation_stride = static_cast<int>(samples),
+                        .monitored = make_outputs(*setup.model, motion_outputs(estimate.drive->points()))});
   if (result.failure) return std::nullopt;
-
-  const Index first = settled_ / 2, samples = record_.series.samples();  // the other half: chains settle
-  std::vector<OutputDescription> outputs;
-  for (const auto& sensor : sensors_) outputs.push_back(sensor.output);
-  const OutputMap map = make_outputs(model, outputs);
-  PredictionStart start{record_.series.start + static_cast<double>(first) / study_.sample_rate(), {}, {}};
+  const Index first = settled_ / 2;
+  estimate.motion = motion_from(result.monitored.mean, first);
+  estimate.start = {record_.series.start + static_cast<double>(first) / study_.sample_rate(), {}, {}};
   if (!study_.given.estimate->local) {
     const VectorXd state = result.state.mean.col(first);
-    const Index offset = drive.place().offset, n = drive.place().part.model.size();
-    start.displacement = state.segment(offset, n);
-    start.velocity = state.segment(run.choice.observer->layout().velocity() + offset, n);
+    const Index offset = estimate.drive->place().offset, n = estimate.drive->place().part.model.size();
+    estimate.start.displacement = state.segment(offset, n);
+    estimate.start.velocity = state.segment(run.choice.observer->layout().velocity() + offset, n);
   }
-  const auto motion = drive.predict(rows_of(map, drive.place()), motion_from(result.monitored.mean, first), start,
+  estimate.deviation.resize(samples, measured_.cols());
+  for (std::size_t j = 0; j < sensors_.size(); ++j) {
+    auto column = estimate.deviation.col(static_cast<Index>(j));
+    const auto channel = std::ranges::find(setup.sensors, sensors_[j].name, &StudySensor::name);
+    if (channel == setup.sensors.end())  // it drives the observer
+      column.setConstant(record_.noise[static_cast<std::size_t>(record_.series.find(sensors_[j].name))]);
+    else
+      column = result.innovation_deviation.row(channel - setup.sensors.begin()).transpose();
+  }
+  return estimate;
+}
+
+MatrixXd HistoryResidual::predict_from(const Estimate& estimate) const {
+  std::vector<OutputDescription> outputs;
+  for (const auto& sensor : sensors_) outputs.push_back(sensor.output);
+  const OutputMap map = make_outputs(*estimate.model, outputs);
+  const auto& drive = *estimate.drive;
+  const auto motion = drive.predict(rows_of(map, drive.place()), estimate.motion, estimate.start,
                                     {.sample_rate = study_.sample_rate(), .newmark_substeps = 1});
-  const MatrixXd direct = direct_part(study_, map, start.time, samples - first);
-  Prediction prediction{MatrixXd::Zero(samples, measured_.cols()),
-                        MatrixXd::Constant(samples, measured_.cols(), std::numeric_limits<double>::infinity())};
+  const Index samples = estimate.motion.acceleration.cols();
+  const MatrixXd direct = direct_part(study_, map, estimate.start.time, samples);
+  MatrixXd sensors = MatrixXd::Zero(measured_.rows(), measured_.cols());
   for (std::size_t j = 0; j < sensors_.size(); ++j) {
     const auto column = static_cast<Index>(j);
     const VectorXd predicted =
         quantity_of(motion, sensors_[j].output.quantity).row(column).transpose() + direct.col(column);
-    prediction.sensors.col(column).tail(samples - first) = sensors_[j].chain.filter(predicted, study_.sample_rate());
-    const auto channel = std::ranges::find(setup.sensors, sensors_[j].name, &StudySensor::name);
-    if (channel == setup.sensors.end()) {  // it drives the observer
-      prediction.deviation.col(column).setConstant(
-          record_.noise[static_cast<std::size_t>(record_.series.find(sensors_[j].name))]);
-      continue;
-    }
-    prediction.deviation.col(column) = result.innovation_deviation.row(channel - setup.sensors.begin()).transpose();
+    sensors.col(column).tail(samples) = sensors_[j].chain.filter(predicted, study_.sample_rate());
   }
-  return prediction;
+  return sensors;
 }
 
 VectorXd HistoryResidual::weighted(const MatrixXd& sensors) const {
@@ -145,17 +154,17 @@ VectorXd HistoryResidual::weighted(const MatrixXd& sensors) const {
 
 std::optional<ResidualValue> HistoryResidual::evaluate(const VectorXd& parameters, bool with_jacobian) const try {
   const StructureAtParameters here = structure_->at(parameters);
-  const auto prediction = predict(here.parts, parameters);
-  if (!prediction) return std::nullopt;
-  ResidualValue value{weighted(prediction->sensors), {}};
+  const auto estimate = estimate_at(here.parts, parameters);
+  if (!estimate) return std::nullopt;
+  ResidualValue value{weighted(predict_from(*estimate)), {}};
   if (!with_jacobian) return value;
   const auto& unknowns = study_.updating->parameters;
   const auto column = [&](Index i) -> std::optional<VectorXd> {
     const double step = options_.relative_step * unknowns[static_cast<std::size_t>(i)].scale();
     const VectorXd moved = parameters + step * VectorXd::Unit(parameters.size(), i);
-    const auto beside = predict(structure_->near(here, moved), moved);
+    const auto beside = estimate_at(structure_->near(here, moved), moved);
     if (!beside) return std::nullopt;
-    return (weighted(beside->sensors) - value.values) / step;
+    return (weighted(predict_from(*beside)) - value.values) / step;
   };
   auto jacobian = parallel_columns(value.values.size(), parameters.size(), filter_threads(study_), column);
   if (!jacobian) return std::nullopt;

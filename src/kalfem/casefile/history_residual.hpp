@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "kalfem/casefile/boundary_drive.hpp"
 #include "kalfem/casefile/filter_run.hpp"
 #include "kalfem/casefile/parameterised_structure.hpp"
 #include "kalfem/updating/residual.hpp"
@@ -37,12 +38,21 @@ public:
   [[nodiscard]] std::optional<ResidualValue> evaluate(const Eigen::VectorXd& parameters,
                                                       bool with_jacobian) const override;
 
-private:
-  /// Predicted sensors, samples x sensors, and the deviation of the innovations of the same size.
-  struct Prediction {
-    Eigen::MatrixXd sensors, deviation;
+  /// What the filter gives to the prediction: the substructure, the motion of its boundary from half the settling time
+  /// on (the rest is for measurement chains to settle), and where it starts.
+  struct Estimate {
+    std::shared_ptr<const CoupledModel> model;
+    std::shared_ptr<const BoundaryDrive> drive;
+    BoundaryMotion motion;
+    PredictionStart start;
+    Eigen::MatrixXd deviation;  ///< of the sensors' innovations, samples x sensors
   };
-  [[nodiscard]] std::optional<Prediction> predict(const Parts& parts, const Eigen::VectorXd& parameters) const;
+  /// Nothing where the filter fails.
+  [[nodiscard]] std::optional<Estimate> estimate_at(const Parts& parts, const Eigen::VectorXd& parameters) const;
+  /// Predicted sensors, samples x sensors; zero before the estimate's start.
+  [[nodiscard]] Eigen::MatrixXd predict_from(const Estimate& estimate) const;
+
+private:
   [[nodiscard]] Eigen::VectorXd weighted(const Eigen::MatrixXd& sensors) const;
 
   const Study& study_;

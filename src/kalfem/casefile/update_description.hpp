@@ -16,7 +16,7 @@ namespace kalfem::description {
 struct UpdatedParameter {
   std::optional<Value> initial;  ///< none: the value that the substructure has
   std::optional<Value> std;      ///< of the prior; none: no prior
-  std::optional<std::array<Quantity, 2>> bounds;
+  std::optional<Located<std::array<Quantity, 2>>> bounds;
   std::optional<Value> truth;
   std::vector<Name> applies_to;
 };
@@ -79,8 +79,8 @@ struct FrfData {
   std::vector<std::array<double, 2>> bands;
   FrfComparison compare = FrfComparison::logarithm;
   double deviation = 0.05;  ///< relative to each value
-  double floor = 0.05;     ///< relative to the rms of the lines that are used
-  double smoothing = 0.0;  ///< [Hz]
+  double floor = 0.05;      ///< relative to the rms of the lines that are used
+  double smoothing = 0.0;   ///< [Hz]
 };
 
 /// Deflections under constant loads.
@@ -117,7 +117,7 @@ struct Updating {
   UpdatingMethod method = UpdatingMethod::least_squares;
   int starts = 1;
   int stages = 30;
-  double tolerance = 1e-4;  ///< change of every parameter, relative, at which the updating ends
+  double tolerance = 1e-5;  ///< change of every parameter, relative, at which the updating ends
   Evolution evolution;
   bool check_sensitivities = false;
   std::uint64_t seed = 1;

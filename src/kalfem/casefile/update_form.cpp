@@ -16,7 +16,7 @@ Form<UpdatedParameter> updated_parameter() {
                     "where the updating starts; default: the value that the substructure has")
           .optional("std", &UpdatedParameter::std, value(),
                     "standard deviation of what is known before, in its unit or per cent of initial; default: no prior")
-          .optional("bounds", &UpdatedParameter::bounds, tuple<2>(quantity()), "lower and upper bound")
+          .optional("bounds", &UpdatedParameter::bounds, located(tuple<2>(quantity())), "lower and upper bound")
           .optional("truth", &UpdatedParameter::truth, value(), "true value where known; default: the simulated one")
           .optional("applies_to", &UpdatedParameter::applies_to, list(name()),
                     "several parameters that share this value"));

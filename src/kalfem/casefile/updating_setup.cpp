@@ -85,10 +85,10 @@ private:
     parameter.lower = 0.0;
     if (!given.bounds) return;
     const auto bound = [&](const Quantity& quantity) {
-      return in_unit({quantity, {study_.file, 0}, "update.parameters." + parameter.name + ".bounds"}, unit);
+      return in_unit({quantity, given.bounds->location, given.bounds->path}, unit);
     };
-    parameter.lower = bound((*given.bounds)[0]);
-    parameter.upper = bound((*given.bounds)[1]);
+    parameter.lower = bound(given.bounds->value[0]);
+    parameter.upper = bound(given.bounds->value[1]);
     if (!(parameter.lower < parameter.upper))
       throw InvalidInput("update.parameters." + parameter.name + ": the lower bound is not below the upper one", "",
                          "write bounds: [lower, upper]");

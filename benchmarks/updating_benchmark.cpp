@@ -1,0 +1,138 @@
+// Cost of updating, as ratios within one run (medians of alternating repetitions):
+//   the chain: one evaluation of the residual of its record against the simulation / one simulation of the same case;
+//   the vehicle: one stage of the loop / (one reduction + one filter pass + one prediction, timed alone).
+// Usage: updating_benchmark CHAIN.yaml VEHICLE.yaml, both with `update`
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <vector>
+
+#include "kalfem/casefile/boundary_drive.hpp"
+#include "kalfem/casefile/estimation_stage.hpp"
+#include "kalfem/casefile/history_residual.hpp"
+#include "kalfem/casefile/initial_state.hpp"
+#include "kalfem/casefile/simulation_residual.hpp"
+#include "kalfem/dynamics/simulate.hpp"
+
+namespace {
+
+using namespace kalfem;
+using Eigen::Index;
+using Eigen::VectorXd;
+
+template <typename Work>
+double seconds(Work work) {
+  const auto begin = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+double median(std::vector<double> values) {
+  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
+  return values[values.size() / 2];
+}
+
+void line(const char* what, double value, const char* unit) { std::printf("%-66s %9.4g %s\n", what, value, unit); }
+
+std::vector<std::string> names_of(const std::vector<StudySensor>& sensors) {
+  std::vector<std::string> names;
+  for (const auto& sensor : sensors) names.push_back(sensor.name);
+  return names;
+}
+
+/// A simulation of the structure as it is, with the sensors, at the residual's own step.
+void simulate_once(const Study& study, const CoupledModel& model, Index substeps) {
+  std::vector<OutputDescription> outputs;
+  for (const auto& sensor : study.sensors) outputs.push_back(sensor.output);
+  SimulationOptions options;
+  options.integrator = Integrator::exact;
+  options.step = 1.0 / (study.sample_rate() * static_cast<double>(substeps));
+  options.duration = study.given.simulate->duration;
+  options.keep_motion = false;
+  options.every_step = make_outputs(model, outputs);
+  simulate(model.system(), study.signals, initial_state(study, model), options);
+}
+
+void time_simulation_residual(const Study& study, const FullRecord& record) {
+  const auto structure = parameterised_structure(study);
+  const SimulationResidual::Options options{.name = "record", .sensors = names_of(study.sensors)};
+  const SimulationResidual residual(study, record, structure, options);
+  const VectorXd start = initial_values(study.updating->parameters);
+  const CoupledModel model = couple(structure->at(start).parts);
+  std::vector<double> evaluations, simulations;
+  for (int repetition = 0; repetition < 9; ++repetition) {
+    evaluations.push_back(seconds([&] { residual.evaluate(start, false); }));
+    simulations.push_back(seconds([&] { simulate_once(study, model, options.substeps); }));
+  }
+  line("one simulation", 1e3 * median(simulations), "ms");
+  line("one evaluation of the residual", 1e3 * median(evaluations), "ms");
+  line("  ratio (at most 1.3)", median(evaluations) / median(simulations), "");
+}
+
+/// What a stage is made of, each alone: seconds of the reduction, the filter pass and the prediction.
+struct StageParts {
+  double reduction = 0.0, filter = 0.0, prediction = 0.0;
+  [[nodiscard]] double sum() const { return reduction + filter + prediction; }
+};
+
+StageParts time_parts(const HistoryResidual& residual, const ParameterisedStructure& structure, const VectorXd& start) {
+  StageParts parts;
+  StructureAtParameters here;
+  parts.reduction = seconds([&] { here = structure.at(start); });
+  HistoryResidual::Estimate estimate;
+  parts.filter = seconds([&] { estimate = *residual.estimate_at(here.parts, start); });
+  parts.prediction = seconds([&] { residual.predict_from(estimate); });
+  return parts;
+}
+
+void time_stages(const Study& study, const FullRecord& record, int repetitions) {
+  const auto structure = parameterised_structure(study);
+  const auto& given = std::get<description::DrivenHistory>(study.given.update->comparisons.front().second.value.data);
+  const HistoryResidual residual(
+      study, record, structure,
+      {.name = "record", .substructure = given.substructure.value, .sensors = names_of(study.sensors)});
+  const VectorXd start = initial_values(study.updating->parameters);
+  std::vector<double> first, later, reductions, filters, predictions, sums;
+  for (int repetition = 0; repetition < repetitions; ++repetition) {
+    const StageParts parts = time_parts(residual, *structure, start);
+    reductions.push_back(parts.reduction);
+    filters.push_back(parts.filter);
+    predictions.push_back(parts.prediction);
+    sums.push_back(parts.sum());
+    first.push_back(seconds([&] { residual.evaluate(start, true); }));
+    later.push_back(seconds([&] { residual.evaluate(start, false); }));
+  }
+  line("one reduction", median(reductions), "s");
+  line("one filter pass", median(filters), "s");
+  line("one prediction", median(predictions), "s");
+  line("one stage with its derivatives", median(first), "s");
+  line("  ratio to the three (at most 1.2)", median(first) / median(sums), "");
+  line("one stage without derivatives", median(later), "s");
+  line("  ratio to the three", median(later) / median(sums), "");
+}
+
+FullRecord simulated_record(const Study& study) { return full_record(study, run_study(study, Stage::simulate)); }
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 3) {
+    std::fprintf(stderr, "usage: updating_benchmark CHAIN.yaml VEHICLE.yaml\n");
+    return 2;
+  }
+  try {
+    const Study chain = load_study(argv[1]);
+    std::printf("Chain: %zu parameters, %g s\n", chain.updating->parameters.size(), chain.given.simulate->duration);
+    const FullRecord chain_record = simulated_record(chain);
+    time_simulation_residual(chain, chain_record);
+    time_stages(chain, chain_record, 5);
+    const Study vehicle = load_study(argv[2]);
+    std::printf("\nVehicle: %zu parameters, %g s\n", vehicle.updating->parameters.size(),
+                vehicle.given.simulate->duration);
+    time_stages(vehicle, simulated_record(vehicle), 3);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 2;
+  }
+  return 0;
+}
