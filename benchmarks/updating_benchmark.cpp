@@ -80,7 +80,7 @@ StageParts time_parts(const HistoryResidual& residual, const ParameterisedStruct
   StructureAtParameters here;
   parts.reduction = seconds([&] { here = structure.at(start); });
   HistoryResidual::Estimate estimate;
-  parts.filter = seconds([&] { estimate = *residual.estimate_at(here.parts, start); });
+  parts.filter = seconds([&] { estimate = *residual.estimate_at(here.parts, start, false); });
   parts.prediction = seconds([&] { residual.predict_from(estimate); });
   return parts;
 }

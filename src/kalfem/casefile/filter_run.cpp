@@ -114,7 +114,8 @@ FullRecord full_record(const Study& study, const StudyResults& results) {
   return record;
 }
 
-FilterRun make_filter_run(const Study& study, const ObserverSetup& setup, const FullRecord& record) {
+FilterRun make_filter_run(const Study& study, const ObserverSetup& setup, const FullRecord& record,
+                          std::optional<StateCoordinates> coordinates) {
   std::vector<OutputDescription> outputs;
   std::vector<MeasurementChain> chains;
   FilterRun run;
@@ -126,8 +127,14 @@ FilterRun make_filter_run(const Study& study, const ObserverSetup& setup, const 
     run.noise[static_cast<Index>(i)] = record.noise[static_cast<std::size_t>(record.series.find(sensor.name))];
   }
   run.measurements = channels_of(record.series, setup.sensors);
-  run.choice = choose_filter(study.given.estimate->filter, setup.model->system(), make_outputs(*setup.model, outputs),
-                             chains, completed_options(study, setup, record));
+  ObserverOptions options = completed_options(study, setup, record);
+  const OutputMap map = make_outputs(*setup.model, outputs);
+  if (coordinates) {
+    options.coordinates = *coordinates;
+    run.choice.observer = std::make_shared<const Observer>(setup.model->system(), map, chains, options);
+  } else {
+    run.choice = choose_filter(study.given.estimate->filter, setup.model->system(), map, chains, options);
+  }
   MatrixXd used = run.measurements.values.transpose();
   if (study.record)
     used.rightCols(used.cols() - study.record->used).setConstant(std::numeric_limits<double>::quiet_NaN());

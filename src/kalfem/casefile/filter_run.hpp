@@ -22,7 +22,9 @@ struct FilterRun {
   Record record;
 };
 
-FilterRun make_filter_run(const Study& study, const ObserverSetup& setup, const FullRecord& record);
+/// `coordinates`: of the observer; chosen by what suits the filter where they are not given.
+FilterRun make_filter_run(const Study& study, const ObserverSetup& setup, const FullRecord& record,
+                          std::optional<StateCoordinates> coordinates = std::nullopt);
 
 int processors();
 /// Threads that the case asks for, or one a processor.

@@ -15,6 +15,9 @@ using Eigen::VectorXd;
 
 namespace {
 
+/// Gains that are kept: each of the first ones, and then every so many samples.
+constexpr Index dense_gains = 200, gain_stride = 20;
+
 PresentValues by_name(const std::vector<UpdatingParameter>& parameters, const VectorXd& values) {
   PresentValues present;
   for (std::size_t i = 0; i < parameters.size(); ++i) present[parameters[i].name] = values[static_cast<Index>(i)];
@@ -77,25 +80,45 @@ HistoryResidual::HistoryResidual(const Study& study, FullRecord record,
   for (std::size_t j = 0; j < sensors_.size(); ++j)
     measured_.col(static_cast<Index>(j)) = record_.series.values.col(record_.series.find(sensors_[j].name));
   const VectorXd start = initial_values(study.updating->parameters);
-  const auto first = estimate_at(structure_->at(start).parts, start);
-  if (!first) throw InvalidInput("the filter does not run at the first values of the updated parameters", "", "");
+  const auto first = estimate_at(structure_->at(start).parts, start, false);
+  if (!first)
+    throw InvalidInput("the filter does not run at the first values of the updated parameters", "the loop begins there",
+                       "change them, or the priors of the filter's unknowns");
   const double none = std::numeric_limits<double>::infinity();
   const auto counted = samples - settled_;
   deviation_ = measured_.bottomRows(counted).array().isNaN().select(none, first->deviation.bottomRows(counted));
 }
 
-std::optional<HistoryResidual::Estimate> HistoryResidual::estimate_at(const Parts& parts,
-                                                                      const VectorXd& parameters) const {
+ObserverSetup HistoryResidual::observer_at(const Parts& parts, const VectorXd& parameters) const {
   IssueList issues;
-  const ObserverSetup setup =
-      make_observer_setup(study_, parts, by_name(study_.updating->parameters, parameters), issues);
+  ObserverSetup setup = make_observer_setup(study_, parts, by_name(study_.updating->parameters, parameters), issues);
   issues.raise();
+  return setup;
+}
+
+HistoryResidual::Estimate HistoryResidual::structure_of(const Parts& parts) const {
   Estimate estimate;
   estimate.model = std::make_shared<const CoupledModel>(couple(parts));
   estimate.drive = std::make_shared<const BoundaryDrive>(study_, *estimate.model, options_.substructure);
+  estimate.start.time = record_.series.start + static_cast<double>(first_predicted()) / study_.sample_rate();
+  return estimate;
+}
+
+/// The substructure's own part of the augmented state at the first predicted sample.
+void HistoryResidual::set_start(const VectorXd& state, Index velocity, Estimate& estimate) const {
+  if (study_.given.estimate->local) return;
+  const Index offset = estimate.drive->place().offset, n = estimate.drive->place().part.model.size();
+  estimate.start.displacement = state.segment(offset, n);
+  estimate.start.velocity = state.segment(velocity + offset, n);
+}
+
+std::optional<HistoryResidual::Estimate> HistoryResidual::estimate_at(const Parts& parts, const VectorXd& parameters,
+                                                                      bool keep_gains) const {
+  const ObserverSetup setup = observer_at(parts, parameters);
+  Estimate estimate = structure_of(parts);
   const FilterRun run = make_filter_run(study_, setup, record_);
   const auto samples = record_.series.samples();
-  const EstimationResult result =
+  EstimationResult result =
       kalfem::estimate(*run.choice.observer, run.record,
                        {.filter = run.choice.filter,
                         .unscented = study_.given.estimate->unscented,
@@ -103,17 +126,13 @@ std::optional<HistoryResidual::Estimate> HistoryResidual::estimate_at(const Part
                         .passes = study_.given.estimate->passes,
                         .state_deviations = false,
                         .deviation_stride = static_cast<int>(samples),
+                        .gains = {.dense = dense_gains, .stride = gain_stride, .gains = {}},
+                        .keep_gains = keep_gains,
                         .monitored = make_outputs(*setup.model, motion_outputs(estimate.drive->points()))});
   if (result.failure) return std::nullopt;
-  const Index first = settled_ / 2;
-  estimate.motion = motion_from(result.monitored.mean, first);
-  estimate.start = {record_.series.start + static_cast<double>(first) / study_.sample_rate(), {}, {}};
-  if (!study_.given.estimate->local) {
-    const VectorXd state = result.state.mean.col(first);
-    const Index offset = estimate.drive->place().offset, n = estimate.drive->place().part.model.size();
-    estimate.start.displacement = state.segment(offset, n);
-    estimate.start.velocity = state.segment(run.choice.observer->layout().velocity() + offset, n);
-  }
+  estimate.motion = motion_from(result.monitored.mean, first_predicted());
+  set_start(result.state.mean.col(first_predicted()), run.choice.observer->layout().velocity(), estimate);
+  estimate.gains = std::move(result.gains);
   estimate.deviation.resize(samples, measured_.cols());
   for (std::size_t j = 0; j < sensors_.size(); ++j) {
     auto column = estimate.deviation.col(static_cast<Index>(j));
@@ -123,6 +142,20 @@ std::optional<HistoryResidual::Estimate> HistoryResidual::estimate_at(const Part
     else
       column = result.innovation_deviation.row(channel - setup.sensors.begin()).transpose();
   }
+  return estimate;
+}
+
+std::optional<HistoryResidual::Estimate> HistoryResidual::replay_at(const Parts& parts, const VectorXd& parameters,
+                                                                    const GainSchedule& gains) const {
+  const ObserverSetup setup = observer_at(parts, parameters);
+  Estimate estimate = structure_of(parts);
+  const FilterRun run = make_filter_run(study_, setup, record_, StateCoordinates::physical);
+  const auto means =
+      run_with_gains(*run.choice.observer, run.record, gains,
+                     make_outputs(*setup.model, motion_outputs(estimate.drive->points())), first_predicted());
+  if (!means) return std::nullopt;
+  estimate.motion = motion_from(means->monitored, first_predicted());
+  set_start(means->state, run.choice.observer->layout().velocity(), estimate);
   return estimate;
 }
 
@@ -152,23 +185,31 @@ VectorXd HistoryResidual::weighted(const MatrixXd& sensors) const {
   return values.reshaped();
 }
 
+std::optional<VectorXd> HistoryResidual::replayed(const Parts& parts, const VectorXd& parameters,
+                                                  const GainSchedule& gains) const {
+  const auto estimate = replay_at(parts, parameters, gains);
+  if (!estimate) return std::nullopt;
+  return weighted(predict_from(*estimate));
+}
+
 std::optional<ResidualValue> HistoryResidual::evaluate(const VectorXd& parameters, bool with_jacobian) const try {
   const StructureAtParameters here = structure_->at(parameters);
-  const auto estimate = estimate_at(here.parts, parameters);
+  const auto estimate = estimate_at(here.parts, parameters, with_jacobian);
   if (!estimate) return std::nullopt;
   ResidualValue value{weighted(predict_from(*estimate)), {}};
   if (!with_jacobian) return value;
-  const auto& unknowns = study_.updating->parameters;
-  const auto column = [&](Index i) -> std::optional<VectorXd> {
-    const double step = options_.relative_step * unknowns[static_cast<std::size_t>(i)].scale();
-    const VectorXd moved = parameters + step * VectorXd::Unit(parameters.size(), i);
-    const auto beside = estimate_at(structure_->near(here, moved), moved);
-    if (!beside) return std::nullopt;
-    return (weighted(predict_from(*beside)) - value.values) / step;
-  };
-  auto jacobian = parallel_columns(value.values.size(), parameters.size(), filter_threads(study_), column);
-  if (!jacobian) return std::nullopt;
-  value.jacobian = std::move(*jacobian);
+  // Runs beside theta, and in the last column at theta itself.
+  const Index count = parameters.size();
+  VectorXd steps(count);
+  for (Index i = 0; i < count; ++i)
+    steps[i] = options_.relative_step * study_.updating->parameters[static_cast<std::size_t>(i)].scale();
+  auto runs = parallel_columns(value.values.size(), count + 1, filter_threads(study_), [&](Index i) {
+    if (i == count) return replayed(here.parts, parameters, estimate->gains);
+    const VectorXd moved = parameters + steps[i] * VectorXd::Unit(count, i);
+    return replayed(structure_->near(here, moved), moved, estimate->gains);
+  });
+  if (!runs) return std::nullopt;
+  value.jacobian = (runs->leftCols(count).colwise() - runs->col(count)) * steps.cwiseInverse().asDiagonal();
   return value;
 } catch (const InvalidInput&) {
   return std::nullopt;

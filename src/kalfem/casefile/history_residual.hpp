@@ -19,8 +19,9 @@ namespace kalfem {
 ///
 /// The boundary's motion depends on theta too: the filter makes it from the same record by the same model. Without that
 /// part of the derivative the loop stalls, as motion that was estimated with theta has its zeros where the substructure
-/// at theta has its poles. So each column of the Jacobian is a filter pass and a prediction more, with the finite
-/// elements in the basis of the stage; the passes share the processors.
+/// at theta has its poles. So each column of the Jacobian is a run over the record and a prediction more, with the
+/// finite elements in the basis of the stage and the gains of the stage's filter held (run_with_gains()): the
+/// difference to such a run at theta itself. A tenth of the cost of a filter pass each; the runs share the processors.
 class HistoryResidual final : public Residual {
 public:
   struct Options {
@@ -46,13 +47,24 @@ public:
     BoundaryMotion motion;
     PredictionStart start;
     Eigen::MatrixXd deviation;  ///< of the sensors' innovations, samples x sensors
+    GainSchedule gains;         ///< of the filter, where they are asked for
   };
   /// Nothing where the filter fails.
-  [[nodiscard]] std::optional<Estimate> estimate_at(const Parts& parts, const Eigen::VectorXd& parameters) const;
+  [[nodiscard]] std::optional<Estimate> estimate_at(const Parts& parts, const Eigen::VectorXd& parameters,
+                                                    bool keep_gains) const;
+  /// The same by an observer with these gains: without deviations.
+  [[nodiscard]] std::optional<Estimate> replay_at(const Parts& parts, const Eigen::VectorXd& parameters,
+                                                  const GainSchedule& gains) const;
   /// Predicted sensors, samples x sensors; zero before the estimate's start.
   [[nodiscard]] Eigen::MatrixXd predict_from(const Estimate& estimate) const;
 
 private:
+  [[nodiscard]] ObserverSetup observer_at(const Parts& parts, const Eigen::VectorXd& parameters) const;
+  [[nodiscard]] Estimate structure_of(const Parts& parts) const;
+  void set_start(const Eigen::VectorXd& state, Eigen::Index velocity, Estimate& estimate) const;
+  [[nodiscard]] std::optional<Eigen::VectorXd> replayed(const Parts& parts, const Eigen::VectorXd& parameters,
+                                                        const GainSchedule& gains) const;
+  [[nodiscard]] Eigen::Index first_predicted() const { return settled_ / 2; }
   [[nodiscard]] Eigen::VectorXd weighted(const Eigen::MatrixXd& sensors) const;
 
   const Study& study_;

@@ -84,6 +84,7 @@ public:
       if (outcome == FilterOutcome::usable) outcome = update(k);
       result_.time.update += watch.lap();
       if (outcome == FilterOutcome::usable) outcome = keep(k);
+      if (outcome == FilterOutcome::usable) keep_gain(k);
       result_.time.output += watch.lap();
       if (outcome != FilterOutcome::usable) {
         result_.failure = {outcome, static_cast<double>(k) * observer_.options().step, to_string(outcome)};
@@ -109,6 +110,7 @@ private:
     result_.innovation = result_.innovation_deviation = MatrixXd::Constant(l, samples, not_a_number);
     result_.nis = VectorXd::Constant(samples, not_a_number);
     result_.measured = Eigen::VectorXi::Zero(samples);
+    result_.gains = {options_.gains.dense, options_.gains.stride, {}};
   }
 
   FilterOutcome predict(Index k) {
@@ -131,6 +133,37 @@ private:
     result_.log_likelihood += innovation_.log_likelihood;
     result_.measured[k] = static_cast<int>(rows_.size());
     return outcome;
+  }
+
+  /// K = P H^T R^-1 with P after the update and H = A + G phi' N at the mean.
+  void keep_gain(Index k) {
+    if (!options_.keep_gains || !options_.gains.keeps(k)) return;
+    const Index l = record_.measurements.rows(), n = observer_.layout().size();
+    MatrixXd gain = MatrixXd::Zero(n, l);
+    if (!rows_.empty()) {
+      const MatrixXd slope = measurement_.linear + measurement_.gain * channel_slopes() * measurement_.selection;
+      const MatrixXd weighted = noise_.llt().solve(slope);
+      gain(Eigen::all, rows_) = observer_.physical(filter_->covariance() * weighted.transpose());
+    }
+    result_.gains.gains.push_back(std::move(gain));
+  }
+
+  /// phi' at the mean, p x q, by differences over a small part of each channel's deviation.
+  MatrixXd channel_slopes() {
+    const VectorXd at = measurement_.selection * filter_->mean() + measurement_.input_offset;
+    const Index q = at.size(), p = measurement_.gain.cols();
+    const MatrixXd selected = measurement_.selection * filter_->covariance() * measurement_.selection.transpose();
+    const VectorXd step = 1e-3 * selected.diagonal().cwiseMax(0.0).cwiseSqrt() + VectorXd::Constant(q, 1e-12);
+    Eigen::ArrayXXd in = at.transpose().replicate(2 * q, 1).array(), out(2 * q, p);
+    for (Index i = 0; i < q; ++i) {
+      in(2 * i, i) += step[i];
+      in(2 * i + 1, i) -= step[i];
+    }
+    MatrixXd slopes = MatrixXd::Zero(p, q);
+    if (!measurement_.evaluate(in, out)) return slopes;
+    for (Index i = 0; i < q; ++i)
+      slopes.col(i) = (out.row(2 * i) - out.row(2 * i + 1)).matrix().transpose() / (2.0 * step[i]);
+    return slopes;
   }
 
   /// The channels that were measured at sample k; the map and R follow when they change.

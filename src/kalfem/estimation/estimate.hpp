@@ -6,6 +6,7 @@
 
 #include "kalfem/base/progress.hpp"
 #include "kalfem/estimation/filter.hpp"
+#include "kalfem/estimation/fixed_gain.hpp"
 #include "kalfem/estimation/observer.hpp"
 
 namespace kalfem {
@@ -21,6 +22,8 @@ struct EstimationOptions {
   bool state_deviations = true;
   /// Samples from one computation of the monitored quantities' standard deviations to the next; they stand in between.
   int deviation_stride = 1;
+  GainSchedule gains = {};   ///< which gains to keep: its own are not used
+  bool keep_gains = false;   ///< in the result, see run_with_gains()
   OutputMap monitored = {};  ///< further quantities to estimate at every sample, without measurement chains
   Progress progress = {};
 };
@@ -64,6 +67,7 @@ struct EstimationResult {
   Eigen::VectorXd nis;                   ///< per sample, NaN where nothing was measured
   Eigen::VectorXi measured;              ///< channels measured per sample
   double log_likelihood = 0.0;
+  GainSchedule gains;                ///< where they are asked for
   Eigen::MatrixXd final_covariance;  ///< of the augmented state
   std::optional<EstimationFailure> failure;
   EstimationTime time;

@@ -1,0 +1,79 @@
+#include "kalfem/estimation/fixed_gain.hpp"
+
+#include <cassert>
+
+#include "kalfem/estimation/estimate.hpp"
+#include "kalfem/estimation/observer_maps.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+/// A partially linear map at one point, y = A x + G phi(N x + e) + b.
+class PointMap {
+public:
+  explicit PointMap(PartiallyLinearMap& map) : map_(map) {}
+
+  /// Nothing changes where phi cannot be evaluated.
+  bool apply(const VectorXd& x, VectorXd& y) {
+    channels_.noalias() = map_.selection * x;
+    channels_ += map_.input_offset;
+    in_ = channels_.transpose().array();
+    out_.resize(1, map_.gain.cols());
+    if (!map_.evaluate(in_, out_)) return false;
+    response_ = out_.row(0).matrix().transpose();
+    y.noalias() = map_.linear * x;
+    y.noalias() += map_.gain * response_;
+    y += map_.offset;
+    return true;
+  }
+
+private:
+  PartiallyLinearMap& map_;
+  VectorXd channels_, response_;
+  Eigen::ArrayXXd in_, out_;
+};
+
+void set_inputs(TransitionMap& transition, const Record& record, Index stride, Index k) {
+  if (stride > 1)
+    transition.set_inputs(record.inputs.middleCols((k - 1) * stride, stride + 1));
+  else
+    transition.set_inputs(record.inputs.col(k - 1), record.inputs.col(k));
+}
+
+}  // namespace
+
+std::optional<FixedGainMeans> run_with_gains(const Observer& observer, const Record& record, const GainSchedule& gains,
+                                             const OutputMap& monitored, Index state_at) {
+  assert(observer.options().coordinates == StateCoordinates::physical);
+  const Index samples = record.measurements.cols(),
+              stride = record.inputs.cols() > samples ? observer.options().substeps : 1;
+  TransitionMap transition(observer);
+  InstantMap measurement(observer, observer.form().outputs());
+  InstantMap watched(observer, observer.observer_form().outputs(monitored));
+  PointMap predict(transition), measure(measurement), watch(watched);
+  FixedGainMeans means{Eigen::MatrixXd(monitored.size(), samples), {}};
+  VectorXd state = observer.prior().mean, predicted = state, output, innovation, values;
+  for (Index k = 0; k < samples; ++k) {
+    if (k > 0) {
+      set_inputs(transition, record, stride, k);
+      if (!predict.apply(state, predicted)) return std::nullopt;
+      state.swap(predicted);
+    }
+    measurement.set_inputs(record.inputs.col(k * stride));
+    if (!measure.apply(state, output)) return std::nullopt;
+    innovation = record.measurements.col(k) - output;
+    innovation = innovation.array().isNaN().select(0.0, innovation);
+    state.noalias() += gains.at(k) * innovation;
+    watched.set_inputs(record.inputs.col(k * stride));
+    if (!watch.apply(state, values)) return std::nullopt;
+    means.monitored.col(k) = values;
+    if (k == state_at) means.state = state;
+  }
+  return means;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "kalfem/estimation/observer.hpp"
+#include "kalfem/system/output_map.hpp"
+
+namespace kalfem {
+
+struct Record;
+
+/// Gains of a filter over a record in physical coordinates, K [state / output], n x l, zero where nothing was measured:
+/// at each of the first samples, where they change fast, and then now and again.
+struct GainSchedule {
+  Eigen::Index dense = 0;   ///< so many at the beginning are there one by one
+  Eigen::Index stride = 1;  ///< samples from one to the next after these
+  std::vector<Eigen::MatrixXd> gains;
+
+  /// Whether the gain of sample k is kept.
+  [[nodiscard]] bool keeps(Eigen::Index k) const { return k < dense || (k - dense) % stride == 0; }
+  /// The gain that holds at sample k.
+  [[nodiscard]] const Eigen::MatrixXd& at(Eigen::Index k) const {
+    const Eigen::Index place = k < dense ? k : dense + (k - dense) / stride;
+    return gains[static_cast<std::size_t>(place)];
+  }
+};
+
+/// Means that a fixed-gain observer gives.
+struct FixedGainMeans {
+  Eigen::MatrixXd monitored;  ///< rows x samples
+  Eigen::VectorXd state;      ///< of the augmented state at the sample that was asked for
+};
+
+/// Runs the mean of an observer over a record with gains that are given,
+///     x- = f(x+),   x+ = x- + K_k (y_k - h(x-)),
+/// with the maps at the mean in the place of their means over sigma points: no covariance, so a step costs a tenth of a
+/// filter's. It tells how estimates move with the model when the gains are held: the difference of two such runs with
+/// the same gains. `observer` is in physical coordinates. Nothing where a connector force cannot be evaluated.
+std::optional<FixedGainMeans> run_with_gains(const Observer& observer, const Record& record, const GainSchedule& gains,
+                                             const OutputMap& monitored, Eigen::Index state_at);
+
+}  // namespace kalfem
