@@ -88,9 +88,11 @@ StageParts time_parts(const HistoryResidual& residual, const ParameterisedStruct
 void time_stages(const Study& study, const FullRecord& record, int repetitions) {
   const auto structure = parameterised_structure(study);
   const auto& given = std::get<description::DrivenHistory>(study.given.update->comparisons.front().second.value.data);
-  const HistoryResidual residual(
-      study, record, structure,
-      {.name = "record", .substructure = given.substructure.value, .sensors = names_of(study.sensors)});
+  const HistoryResidual residual(study, record, structure,
+                                 {.name = "record",
+                                  .substructure = given.substructure.value,
+                                  .sensors = names_of(study.sensors),
+                                  .hold_gains = !study.finite_elements.empty()});
   const VectorXd start = initial_values(study.updating->parameters);
   std::vector<double> first, later, reductions, filters, predictions, sums;
   for (int repetition = 0; repetition < repetitions; ++repetition) {

@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "kalfem/base/atomic_file.hpp"
+#include "kalfem/casefile/stages.hpp"
 #include "kalfem/casefile/substructure_modes.hpp"
 #include "kalfem/report/health_section.hpp"
 #include "kalfem/report/tables.hpp"
@@ -53,6 +56,14 @@ Table unknown_table(const ObserverSetup& setup) {
   return table;
 }
 
+Table updating_table(const UpdatingSetup& setup) {
+  Table table{"", {"refined", "unit", "initial", "lower", "upper", "prior std"}, {}, {}};
+  for (const auto& each : setup.parameters)
+    table.rows.push_back({each.name, each.unit, four_digits(each.initial), four_digits(each.lower),
+                          four_digits(each.upper), std::isfinite(each.deviation) ? four_digits(each.deviation) : "-"});
+  return table;
+}
+
 void print_table(const Table& table) {
   if (!table.rows.empty()) fmt::print("{}\n", to_text(table));
 }
@@ -84,6 +95,8 @@ ExitCode check(const std::string& case_file, const std::string& page_file) {
     fmt::print("record: {} samples at {} Hz from {} s\n\n", study.record->series.samples(),
                four_digits(study.sample_rate()), four_digits(study.record->series.start));
   if (study.observer) print_table(unknown_table(*study.observer));
+  if (study.updating) print_table(updating_table(*study.updating));
+  check_updating(study);
   check_health_of_parts(study, page_file);
   for (const auto& warning : study.warnings) fmt::print(stderr, "warning: {}\n", warning);
   fmt::print("No problem found; nothing was run.\n");

@@ -32,7 +32,7 @@ command::ExitCode execute(const CLI::App& app, const Arguments& arguments) {
   if (app.got_subcommand("simulate")) return command::run(arguments.case_file, Stage::simulate, arguments.folder);
   if (app.got_subcommand("estimate")) return command::run(arguments.case_file, Stage::estimate, arguments.folder);
   if (app.got_subcommand("predict")) return command::run(arguments.case_file, Stage::predict, arguments.folder);
-  return command::run(arguments.case_file, Stage::update, arguments.folder);
+  return command::run(arguments.case_file, Stage::update, arguments.folder, app.got_subcommand("update"));
 }
 
 }  // namespace

@@ -61,8 +61,11 @@ void write_all(const fs::path& folder, const Study& study, const StudyResults& r
 
 }  // namespace
 
-ExitCode run(const std::string& case_file, Stage last, const std::string& folder_name) {
+ExitCode run(const std::string& case_file, Stage last, const std::string& folder_name, bool must_update) {
   const Study study = load_study(case_file);
+  if (must_update && !study.updating)
+    throw InvalidInput(
+        {{case_file, 0}, "the case has no `update`", "there is nothing to refine", "add it, or use another verb"});
   const fs::path folder = output_folder(case_file, folder_name);
   for (const auto& warning : study.warnings) fmt::print(stderr, "warning: {}\n", warning);
   const StudyResults results = run_study(

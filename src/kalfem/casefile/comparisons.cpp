@@ -127,13 +127,26 @@ public:
   ComparisonResidual operator()(const d::DrivenHistory& given) const {
     std::vector<std::string> sensors;
     for (const auto& name : given.sensors) sensors.push_back(name.value);
-    if (sensors.empty()) sensors = sensors_on(given.substructure.value);
-    return {
-        name_,
-        "record of '" + given.substructure.value + "' driven by the estimated motion of its boundary",
-        {std::make_shared<HistoryResidual>(
-            study_, full_record(study_, results_), structure_,
-            HistoryResidual::Options{.name = name_, .substructure = given.substructure.value, .sensors = sensors})}};
+    const auto own = sensors_on(given.substructure.value);
+    if (sensors.empty()) sensors = own;
+    for (const auto& sensor : given.sensors)
+      if (std::ranges::find(own, sensor.value) == own.end())
+        throw InvalidInput(sensor.issue(
+            "sensor '" + sensor.value + "' does not see the motion of '" + given.substructure.value + "' alone",
+            "its points must lie there"));
+    if (sensors.empty())
+      throw InvalidInput(given.substructure.issue("no sensor sees the motion of '" + given.substructure.value + "'",
+                                                  "there is nothing to compare"));
+    return {name_,
+            "record of '" + given.substructure.value + "' driven by the estimated motion of its boundary",
+            {std::make_shared<HistoryResidual>(
+                study_, full_record(study_, results_), structure_,
+                HistoryResidual::Options{.name = name_,
+                                         .substructure = given.substructure.value,
+                                         .sensors = sensors,
+                                         .hold_gains = given.derivatives == d::HistoryDerivatives::automatic
+                                                           ? !study_.finite_elements.empty()
+                                                           : given.derivatives == d::HistoryDerivatives::held_gains})}};
   }
 
   ComparisonResidual operator()(const d::SimulatedHistory& given) const {
@@ -142,6 +155,7 @@ public:
       if (std::ranges::any_of(given.sensors,
                               [&](const auto& name) { return name.value == "all" || name.value == sensor.name; }))
         sensors.push_back(sensor.name);
+    if (sensors.empty()) throw InvalidInput(name_ + " names no sensor", "", "name some, or write simulation: all");
     return {name_,
             "record against the simulation",
             {std::make_shared<SimulationResidual>(study_, full_record(study_, results_), structure_,
@@ -217,26 +231,47 @@ private:
   std::string name_;
 };
 
-}  // namespace
-
-std::vector<ComparisonResidual> make_comparisons(const Study& study, const StudyResults& results,
-                                                 const std::shared_ptr<const ParameterisedStructure>& structure) {
-  std::vector<ComparisonResidual> all;
+void make_all(const Study& study, const StudyResults& results,
+              const std::shared_ptr<const ParameterisedStructure>& structure, bool of_record,
+              std::vector<ComparisonResidual>& all) {
   IssueList issues;
-  for (const auto& [name, given] : study.given.update->comparisons) try {
+  for (const auto& [name, given] : study.given.update->comparisons) {
+    if ((sensors_of(given.value) != nullptr) != of_record) continue;
+    try {
       all.push_back(std::visit(ResidualMaker(study, results, structure, name), given.value.data));
       all.back().weight = given.value.weight;
+      all.back().of_record = of_record;
     } catch (const InvalidInput& error) {
       issues.add(error, given.location);
     }
+  }
   issues.raise();
+}
+
+}  // namespace
+
+std::vector<ComparisonResidual> make_comparisons(const Study& study,
+                                                 const std::shared_ptr<const ParameterisedStructure>& structure) {
+  std::vector<ComparisonResidual> all;
+  make_all(study, {}, structure, false, all);
   return all;
+}
+
+void add_record_comparisons(const Study& study, const StudyResults& results,
+                            const std::shared_ptr<const ParameterisedStructure>& structure,
+                            std::vector<ComparisonResidual>& comparisons) {
+  make_all(study, results, structure, true, comparisons);
 }
 
 void check_comparisons(const Study& study, IssueList& issues) {
   std::vector<std::string> parts, sensors;
   for (const auto& [name, part] : study.given.substructures) parts.push_back(name);
   for (const auto& sensor : study.sensors) sensors.push_back(sensor.name);
+  double weights = 0.0;
+  for (const auto& [name, given] : study.given.update->comparisons) weights += given.value.weight;
+  if (!study.given.update->comparisons.empty() && weights == 0.0)
+    issues.add({study.file, 0}, "every comparison has the weight 0", "nothing is left to refine the model by",
+               "give one of them a weight");
   for (const auto& [name, given] : study.given.update->comparisons) {
     const auto& part = substructure_of(given.value);
     if (!part.path.empty() && std::ranges::find(parts, part.value) == parts.end())
@@ -245,7 +280,8 @@ void check_comparisons(const Study& study, IssueList& issues) {
     const auto* named = sensors_of(given.value);
     if (!named) continue;
     for (const auto& sensor : *named)
-      if (sensor.value != "all" && std::ranges::find(sensors, sensor.value) == sensors.end())
+      if ((sensor.value != "all" || std::holds_alternative<d::DrivenHistory>(given.value.data)) &&
+          std::ranges::find(sensors, sensor.value) == sensors.end())
         issues.add(sensor.location,
                    sensor.path + ": there is no sensor '" + sensor.value + "'" + did_you_mean(sensor.value, sensors));
     if (!study.given.simulate && !study.given.record)

@@ -17,15 +17,22 @@ struct ComparisonResidual {
   std::string kind;                 ///< in words: "natural frequencies of 'plane'"
   std::vector<ResidualPtr> rounds;  ///< the same from smoothed to sharp; mostly there is one only
   double weight = 1.0;
+  bool of_record = false;
 
   [[nodiscard]] const ResidualPtr& round(std::size_t number) const {
     return rounds[std::min(number, rounds.size() - 1)];
   }
 };
 
-/// Everything under `update.compare`, in the order of the file. Throws InvalidInput with every problem and its place.
-std::vector<ComparisonResidual> make_comparisons(const Study& study, const StudyResults& results,
+/// Everything under `update.compare` that needs no record, in the order of the file. Throws InvalidInput with every
+/// problem and its place.
+std::vector<ComparisonResidual> make_comparisons(const Study& study,
                                                  const std::shared_ptr<const ParameterisedStructure>& structure);
+
+/// Adds the others behind them, once there is a record.
+void add_record_comparisons(const Study& study, const StudyResults& results,
+                            const std::shared_ptr<const ParameterisedStructure>& structure,
+                            std::vector<ComparisonResidual>& comparisons);
 
 /// Problems that show without computing: substructures and sensors that do not exist, comparisons that need a record.
 void check_comparisons(const Study& study, IssueList& issues);

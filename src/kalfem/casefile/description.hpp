@@ -250,7 +250,7 @@ struct Case {
   std::optional<Estimation> estimate;
   std::optional<Prediction> predict;
   std::optional<Updating> update;
-  Named<Modification> modifications;
+  Named<Located<Modification>> modifications;
   Report report;
 };
 

@@ -232,7 +232,7 @@ Form<Case> case_form() {
           .optional("estimate", &Case::estimate, estimation(), "states and unknown parameters from the record")
           .optional("predict", &Case::predict, mapping(prediction), "response of a linear substructure")
           .optional("update", &Case::update, updating(), "refine the linear substructures by measurements")
-          .optional("modifications", &Case::modifications, named(modification()),
+          .optional("modifications", &Case::modifications, named(located(modification())),
                     "changes of the updated structure whose natural frequencies are predicted")
           .optional("report", &Case::report, mapping(report), "what the report page shows"));
 }

@@ -24,12 +24,13 @@ PresentValues by_name(const std::vector<UpdatingParameter>& parameters, const Ve
   return present;
 }
 
-/// Displacement, velocity and acceleration of each point.
+/// Displacement, velocity and acceleration of each point, in the coordinates of the system: relative to an accelerated
+/// base.
 std::vector<OutputDescription> motion_outputs(const std::vector<std::string>& points) {
   std::vector<OutputDescription> outputs;
   for (const auto quantity :
        {ObservedQuantity::displacement, ObservedQuantity::velocity, ObservedQuantity::acceleration})
-    for (const auto& point : points) outputs.push_back({point, quantity, {{point, 1.0}}, false});
+    for (const auto& point : points) outputs.push_back({point, quantity, {{point, 1.0}}, true});
   return outputs;
 }
 
@@ -185,31 +186,33 @@ VectorXd HistoryResidual::weighted(const MatrixXd& sensors) const {
   return values.reshaped();
 }
 
-std::optional<VectorXd> HistoryResidual::replayed(const Parts& parts, const VectorXd& parameters,
-                                                  const GainSchedule& gains) const {
-  const auto estimate = replay_at(parts, parameters, gains);
+std::optional<VectorXd> HistoryResidual::values_at(const Parts& parts, const VectorXd& parameters,
+                                                   const GainSchedule& gains) const {
+  const auto estimate =
+      gains.gains.empty() ? estimate_at(parts, parameters, false) : replay_at(parts, parameters, gains);
   if (!estimate) return std::nullopt;
   return weighted(predict_from(*estimate));
 }
 
 std::optional<ResidualValue> HistoryResidual::evaluate(const VectorXd& parameters, bool with_jacobian) const try {
   const StructureAtParameters here = structure_->at(parameters);
-  const auto estimate = estimate_at(here.parts, parameters, with_jacobian);
+  const auto estimate = estimate_at(here.parts, parameters, with_jacobian && options_.hold_gains);
   if (!estimate) return std::nullopt;
   ResidualValue value{weighted(predict_from(*estimate)), {}};
   if (!with_jacobian) return value;
-  // Runs beside theta, and in the last column at theta itself.
-  const Index count = parameters.size();
+  // Runs beside theta, and with held gains in a last column at theta itself.
+  const Index count = parameters.size(), columns = options_.hold_gains ? count + 1 : count;
   VectorXd steps(count);
   for (Index i = 0; i < count; ++i)
     steps[i] = options_.relative_step * study_.updating->parameters[static_cast<std::size_t>(i)].scale();
-  auto runs = parallel_columns(value.values.size(), count + 1, filter_threads(study_), [&](Index i) {
-    if (i == count) return replayed(here.parts, parameters, estimate->gains);
+  const auto runs = parallel_columns(value.values.size(), columns, filter_threads(study_), [&](Index i) {
+    if (i == count) return values_at(here.parts, parameters, estimate->gains);
     const VectorXd moved = parameters + steps[i] * VectorXd::Unit(count, i);
-    return replayed(structure_->near(here, moved), moved, estimate->gains);
+    return values_at(structure_->near(here, moved), moved, estimate->gains);
   });
   if (!runs) return std::nullopt;
-  value.jacobian = (runs->leftCols(count).colwise() - runs->col(count)) * steps.cwiseInverse().asDiagonal();
+  const VectorXd base = options_.hold_gains ? VectorXd(runs->col(count)) : value.values;
+  value.jacobian = (runs->leftCols(count).colwise() - base) * steps.cwiseInverse().asDiagonal();
   return value;
 } catch (const InvalidInput&) {
   return std::nullopt;

@@ -19,15 +19,17 @@ namespace kalfem {
 ///
 /// The boundary's motion depends on theta too: the filter makes it from the same record by the same model. Without that
 /// part of the derivative the loop stalls, as motion that was estimated with theta has its zeros where the substructure
-/// at theta has its poles. So each column of the Jacobian is a run over the record and a prediction more, with the
-/// finite elements in the basis of the stage and the gains of the stage's filter held (run_with_gains()): the
-/// difference to such a run at theta itself. A tenth of the cost of a filter pass each; the runs share the processors.
+/// at theta has its poles. So each column of the Jacobian is a run over the record and a prediction
+/// more, with the finite elements in the basis of the stage: a filter pass, or, at a tenth of its cost, an observer
+/// with the gains of the stage's filter (run_with_gains()), against such a run at theta itself. Held gains leave out
+/// that the gains depend on theta as well, so that a loop may need more stages. The runs share the processors.
 class HistoryResidual final : public Residual {
 public:
   struct Options {
     std::string name;
     std::string substructure;
     std::vector<std::string> sensors;  ///< of the substructure
+    bool hold_gains = false;           ///< in the derivatives
     double relative_step = 1e-4;       ///< of a parameter, to its scale
   };
   /// Runs the filter once, at the first parameters. Throws InvalidInput where the substructure cannot be driven.
@@ -62,9 +64,12 @@ private:
   [[nodiscard]] ObserverSetup observer_at(const Parts& parts, const Eigen::VectorXd& parameters) const;
   [[nodiscard]] Estimate structure_of(const Parts& parts) const;
   void set_start(const Eigen::VectorXd& state, Eigen::Index velocity, Estimate& estimate) const;
-  [[nodiscard]] std::optional<Eigen::VectorXd> replayed(const Parts& parts, const Eigen::VectorXd& parameters,
-                                                        const GainSchedule& gains) const;
-  [[nodiscard]] Eigen::Index first_predicted() const { return settled_ / 2; }
+  /// The residual by a filter pass, or by held gains where there are some.
+  [[nodiscard]] std::optional<Eigen::VectorXd> values_at(const Parts& parts, const Eigen::VectorXd& parameters,
+                                                         const GainSchedule& gains) const;
+  /// Half of the settling time is left to the measurement chains; a local observer does not know the substructure's
+  /// state then, so that it starts at the beginning.
+  [[nodiscard]] Eigen::Index first_predicted() const { return study_.given.estimate->local ? 0 : settled_ / 2; }
   [[nodiscard]] Eigen::VectorXd weighted(const Eigen::MatrixXd& sensors) const;
 
   const Study& study_;

@@ -28,7 +28,7 @@ struct Changes {
 };
 
 double value_in_unit(const d::Value& given, const StructureParameter& parameter) {
-  return parameter.unit.empty() ? given.value.value : checked_number(given, parameter.unit, Bounds::nonnegative());
+  return checked_number(given, parameter.unit, Bounds::nonnegative());
 }
 
 Changes changes_of(const Study& study, const d::Modification& given, const std::optional<UpdatingStage>& updating) {
@@ -44,13 +44,16 @@ Changes changes_of(const Study& study, const d::Modification& given, const std::
   return changes;
 }
 
+Index dofs_with_mass(const LinearModel& model) { return (model.mass.diagonal().array() > 0.0).count(); }
+
 /// The lowest natural frequencies above a limit [Hz].
 VectorXd frequencies_above(const LinearModel& model, double limit, Index wanted) {
-  for (Index count = std::min(model.size(), wanted + 10);; count = std::min(model.size(), 2 * count)) {
+  const Index most = dofs_with_mass(model);
+  for (Index count = std::min(most, wanted + 10);; count = std::min(most, 2 * count)) {
     const VectorXd values = lowest_modes(model.stiffness, model.mass, {.count = count}).values;
     const VectorXd frequencies = values.cwiseMax(0.0).cwiseSqrt() / (2.0 * std::numbers::pi);
     const Index skipped = (frequencies.array() <= limit).count(), found = frequencies.size() - skipped;
-    if (found >= wanted || count == model.size()) return frequencies.segment(skipped, std::min(found, wanted));
+    if (found >= wanted || count == most) return frequencies.segment(skipped, std::min(found, wanted));
   }
 }
 
@@ -59,13 +62,24 @@ VectorXd frequencies_above(const LinearModel& model, double limit, Index wanted)
 std::vector<ModificationResult> predict_modifications(const Study& study,
                                                       const std::optional<UpdatingStage>& updating) {
   std::vector<ModificationResult> results;
-  for (const auto& [name, given] : study.given.modifications) {
+  for (const auto& [name, located] : study.given.modifications) {
+    const auto& given = located.value;
     const Changes changes = changes_of(study, given, updating);
     const VectorXd values =
         Eigen::Map<const VectorXd>(changes.values.data(), static_cast<Index>(changes.values.size()));
     const ParameterisedStructure structure(study, changes.bindings, values.size());
-    const auto model = structure.model_of(given.substructure.value)->at(values).model;
-    results.push_back({name, given.substructure.value, frequencies_above(model, given.above, given.modes)});
+    try {
+      const auto model = structure.model_of(given.substructure.value)->at(values).model;
+      results.push_back({name, given.substructure.value, frequencies_above(model, given.above, given.modes)});
+    } catch (const InvalidInput& error) {
+      IssueList issues;
+      for (const auto& issue : error.issues())
+        issues.add(located.location, located.path + ": " + issue.what, issue.why, issue.fix);
+      issues.raise();
+    }
+    if (results.back().frequencies.size() == 0)
+      throw InvalidInput(
+          located.issue("no natural frequency lies above " + shortest(given.above) + " Hz", "", "lower `above`"));
   }
   return results;
 }
@@ -73,7 +87,8 @@ std::vector<ModificationResult> predict_modifications(const Study& study,
 void check_modifications(const Study& study, IssueList& issues) {
   std::vector<std::string> parts;
   for (const auto& [name, part] : study.given.substructures) parts.push_back(name);
-  for (const auto& [name, given] : study.given.modifications) {
+  for (const auto& [name, located] : study.given.modifications) {
+    const auto& given = located.value;
     const auto& part = given.substructure;
     if (std::ranges::find(parts, part.value) == parts.end()) {
       issues.add(part.location,

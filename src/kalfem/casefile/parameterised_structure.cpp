@@ -23,18 +23,28 @@ const std::optional<d::Reduction>& reduction_of(const Study& study, const std::s
       ->second.reduction;
 }
 
+/// A spring's stiffness is along a displacement or about an axis.
+std::string unit_of(const FiniteElementModel& model, const FiniteElementParameter& parameter) {
+  const std::string unit = kalfem::unit_of(parameter);
+  if (!unit.empty()) return unit;
+  for (const auto& spring : model.springs)
+    if (parameter.name == spring.name + ".stiffness" && spring.from.direction >= 3) return "N m/rad";
+  return "N/m";
+}
+
 /// Visits every parameter of every linear substructure.
 template <class Visitor>
 void visit_parameters(const Study& study, const Visitor& visit) {
   for (const auto& part : study.parts.substructures)
     for (const auto& [name, target] : parameters_of(part))
       visit(part.name + "." + name,
-            StructureParameter{part.name, target, unit_of(target.kind), value_of(part, target)});
+            StructureParameter{part.name, target, kalfem::unit_of(target.kind), value_of(part, target)});
   for (const auto& elements : study.finite_elements) {
     const auto damping = damping_of(study, elements.part->name);
     for (const auto& [name, target] : parameters_of(elements.part->assembled, damping))
-      visit(elements.part->name + "." + name, StructureParameter{elements.part->name, target, unit_of(target),
-                                                                 value_of(elements.part->assembled, damping, target)});
+      visit(elements.part->name + "." + name,
+            StructureParameter{elements.part->name, target, unit_of(elements.part->elements, target),
+                               value_of(elements.part->assembled, damping, target)});
   }
 }
 

@@ -14,6 +14,22 @@ namespace {
 
 using Place = CoupledModel::Placed;
 
+/// What an accelerated base adds to the acceleration of points, one column a point; their displacements are relative to
+/// it in any case.
+MatrixXd base_accelerations(const Study& study, const CoupledModel& model, const std::vector<std::string>& points,
+                            double start, Index samples) {
+  MatrixXd added = MatrixXd::Zero(samples, static_cast<Index>(points.size()));
+  const auto& directions = model.base_accelerations();
+  for (std::size_t i = 0; i < study.signals.size(); ++i) {
+    const auto input = static_cast<Index>(i);
+    if (directions.col(input).isZero(0.0)) continue;
+    const VectorXd signal = study.signals[i]->sample(start, 1.0 / study.sample_rate(), samples).col(0).matrix();
+    for (std::size_t p = 0; p < points.size(); ++p)
+      added.col(static_cast<Index>(p)) += model.motion(points[p]).dofs.dot(directions.col(input)) * signal;
+  }
+  return added;
+}
+
 BoundaryMotion boundary_motion(const Study& study, const EstimationStage& estimation,
                                const std::vector<std::string>& points) {
   using enum ObservedQuantity;
@@ -81,9 +97,16 @@ PredictionStage predict_stage(const Study& study, const CoupledModel& model, con
   PredictionStage stage{study.given.predict->substructure.value, {}, 0.0};
   const BoundaryDrive drive(study, model, stage.substructure);
   const auto [names, rows] = reported_rows(model, drive.place());
-  const auto motion = drive.predict(
-      rows, boundary_motion(study, estimation, drive.points()), start_of(estimation, drive.place()),
+  const auto samples = estimation.measurements.samples();
+  const auto base = [&](const std::vector<std::string>& points) {
+    return MatrixXd(base_accelerations(study, model, points, estimation.measurements.start, samples).transpose());
+  };
+  BoundaryMotion boundary = boundary_motion(study, estimation, drive.points());
+  boundary.acceleration -= base(drive.points());
+  auto motion = drive.predict(
+      rows, boundary, start_of(estimation, drive.place()),
       {.sample_rate = study.sample_rate(), .newmark_substeps = study.given.predict->substeps, .progress = progress});
+  motion.acceleration += base(names);
   for (std::size_t i = 0; i < names.size(); ++i)
     for (const auto& [quantity, predicted] :
          {std::pair{displacement, &motion.displacement}, std::pair{acceleration, &motion.acceleration}}) {

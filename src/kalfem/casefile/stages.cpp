@@ -112,15 +112,17 @@ VectorXd unknowns_at_start(const Study& study, const StudyResults& results) {
 StudyResults run_study(const Study& study, Stage last, const RunOptions& options) {
   const Stopwatch watch;
   StudyResults results;
+  const bool updates = last >= Stage::update && study.updating;
+  const auto structure = updates ? parameterised_structure(study) : nullptr;
+  auto comparisons = updates ? make_comparisons(study, structure) : std::vector<ComparisonResidual>();
+  if (updates) predict_modifications(study, std::nullopt);  // what cannot be is found before the work begins
   results.modes = substructure_modes(study, study.given.report.modes);
   if (last >= Stage::simulate && study.given.simulate)
     results.simulation = simulate_stage(study, options.progress, results.fields, results.failure);
-  const bool updates = last >= Stage::update && study.updating;
   std::optional<Updated> updated;
   if (results.usable() && updates) {
-    const auto structure = parameterised_structure(study);
-    results.updating = update_stage(study, results, structure, options);
-    if (study.observer) {
+    results.updating = update_stage(study, std::move(comparisons), results, structure, options, results.failure);
+    if (study.observer && results.usable()) {
       results.updating->unknowns_before = unknowns_at_start(study, results);
       updated.emplace(updated_structure(study, *structure, *results.updating));
     }
@@ -137,6 +139,11 @@ StudyResults run_study(const Study& study, Stage last, const RunOptions& options
     results.modifications = predict_modifications(study, results.updating);
   results.total_seconds = watch.seconds();
   return results;
+}
+
+void check_updating(const Study& study) {
+  if (study.updating) make_comparisons(study, parameterised_structure(study));
+  predict_modifications(study, std::nullopt);
 }
 
 }  // namespace kalfem

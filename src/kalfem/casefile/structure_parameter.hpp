@@ -11,7 +11,7 @@ namespace kalfem {
 struct StructureParameter {
   std::string substructure;
   std::variant<LumpedParameter, FiniteElementParameter> target;
-  std::string unit;    ///< "" where any is right
+  std::string unit;
   double value = 0.0;  ///< as the case gives it
 };
 

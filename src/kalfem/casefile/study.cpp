@@ -144,7 +144,11 @@ Study load_study(const std::string& file) {
   try {
     if (study.given.update) study.updating = make_updating_setup(study, issues);
     check_modifications(study, issues);
-    issues.raise();
+  } catch (const InvalidInput& error) {
+    issues.add(error, place);
+  }
+  raise_in_line_order(issues);
+  try {
     if (study.given.estimate) study.observer = make_observer_setup(study, starting_parts(study), {}, issues);
   } catch (const InvalidInput& error) {
     issues.add(error, place);

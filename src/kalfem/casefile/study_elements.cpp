@@ -32,7 +32,8 @@ std::vector<std::string> changing_parameters(const d::Case& given, const std::st
       for (const auto& target : parameter.value.applies_to) include(target.value);
     }
   for (const auto& [name, modification] : given.modifications)
-    for (const auto& [target, value] : modification.set) include(modification.substructure.value + "." + target);
+    for (const auto& [target, value] : modification.value.set)
+      include(modification.value.substructure.value + "." + target);
   return names;
 }
 

@@ -91,10 +91,13 @@ struct StaticData {
   double deviation = 0.01;               ///< relative to the largest displacement
 };
 
+/// How the estimated motion of a boundary is differentiated.
+enum class HistoryDerivatives { automatic, filter_passes, held_gains };
 /// The record against a substructure that is driven by the estimated motion of its boundary.
 struct DrivenHistory {
   Name substructure;
   std::vector<Name> sensors;  ///< none: all on the substructure
+  HistoryDerivatives derivatives = HistoryDerivatives::automatic;
 };
 /// The record against the simulation of the whole structure.
 struct SimulatedHistory {

@@ -126,7 +126,15 @@ kalfem::Case<DrivenHistory> driven_history() {
                   .required("time_history", &DrivenHistory::substructure, name(),
                             "substructure that the estimated motion of its boundary drives")
                   .optional("sensors", &DrivenHistory::sensors, one_or_list(name()),
-                            "compared with it; default: all on the substructure"));
+                            "compared with it; default: all on the substructure")
+                  .optional("derivatives", &DrivenHistory::derivatives,
+                            choice<HistoryDerivatives>(
+                                {{"auto", HistoryDerivatives::automatic, "held_gains with finite elements"},
+                                 {"filter_passes", HistoryDerivatives::filter_passes,
+                                  "a filter pass a parameter: fewer stages, each dearer"},
+                                 {"held_gains", HistoryDerivatives::held_gains,
+                                  "the filter's gains are held: a tenth of that, more stages"}}),
+                            "of the boundary's estimated motion"));
 }
 
 kalfem::Case<SimulatedHistory> simulated_history() {

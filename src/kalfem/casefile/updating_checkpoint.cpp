@@ -1,5 +1,7 @@
 #include "kalfem/casefile/updating_checkpoint.hpp"
 
+#include <bit>
+#include <cstdint>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -13,6 +15,9 @@ using Json = nlohmann::json;
 
 namespace {
 
+/// The file is not what was written.
+struct Damaged {};
+
 Json to_json(const Eigen::MatrixXd& matrix) {
   return {{"rows", matrix.rows()}, {"values", std::vector<double>(matrix.data(), matrix.data() + matrix.size())}};
 }
@@ -20,6 +25,7 @@ Json to_json(const Eigen::MatrixXd& matrix) {
 Eigen::MatrixXd matrix_from(const Json& json) {
   const auto values = json.at("values").get<std::vector<double>>();
   const auto rows = json.at("rows").get<Index>(), size = static_cast<Index>(values.size());
+  if (rows < 0 || (rows == 0 ? size > 0 : size % rows != 0)) throw Damaged();
   return Eigen::Map<const Eigen::MatrixXd>(values.data(), rows, rows > 0 ? size / rows : 0);
 }
 
@@ -51,6 +57,17 @@ GaussNewtonState state_from(const Json& json) {
   return state;
 }
 
+void require_whole(const GaussNewtonState& state, Index parameters) {
+  const bool has_derivatives = state.known == GaussNewtonState::Known::derivatives;
+  const bool sized =
+      state.parameters.size() == parameters &&
+      (!has_derivatives || (state.jacobian_factor.rows() == parameters && state.jacobian_factor.cols() == parameters &&
+                            state.projected_residual.size() == parameters));
+  if (!sized || !state.parameters.allFinite() || !state.jacobian_factor.allFinite() ||
+      !state.projected_residual.allFinite() || !(state.radius > 0.0))
+    throw Damaged();
+}
+
 Json to_json(const UpdatingStep& step) {
   return {{"accepted", step.accepted},
           {"tried", to_json(step.tried)},
@@ -66,8 +83,10 @@ UpdatingStep step_from(const Json& json) {
 
 }  // namespace
 
-UpdatingCheckpoint::UpdatingCheckpoint(const std::filesystem::path& folder, std::string fingerprint)
-    : file_(folder.empty() ? folder : folder / "update.checkpoint.json"), fingerprint_(std::move(fingerprint)) {}
+UpdatingCheckpoint::UpdatingCheckpoint(const std::filesystem::path& folder, std::string fingerprint, Index parameters)
+    : file_(folder.empty() ? folder : folder / "update.checkpoint.json"),
+      fingerprint_(std::move(fingerprint)),
+      parameters_(parameters) {}
 
 std::optional<UpdatingCheckpoint::Content> UpdatingCheckpoint::read() const {
   if (file_.empty() || !std::filesystem::exists(file_)) return std::nullopt;
@@ -76,9 +95,12 @@ std::optional<UpdatingCheckpoint::Content> UpdatingCheckpoint::read() const {
     const Json json = Json::parse(stream);
     if (json.at("fingerprint") != fingerprint_) return std::nullopt;
     Content content{state_from(json.at("state")), {}};
+    require_whole(content.state, parameters_);
     for (const auto& step : json.at("trace")) content.trace.push_back(step_from(step));
     return content;
   } catch (const Json::exception&) {
+    return std::nullopt;
+  } catch (const Damaged&) {
     return std::nullopt;
   }
 }
@@ -96,9 +118,10 @@ void UpdatingCheckpoint::remove() const {
   if (!file_.empty()) std::filesystem::remove(file_, ignored);
 }
 
-std::string fingerprint_of(const Study& study) {
+std::string fingerprint_of(const Study& study, double first_residual) {
   const std::string text = to_yaml(*description::case_form().write(study.given));
-  return std::string(version) + "-" + std::to_string(std::hash<std::string>{}(text));
+  return std::string(version) + "-" + std::to_string(std::hash<std::string>{}(text)) + "-" +
+         std::to_string(std::bit_cast<std::uint64_t>(first_residual));
 }
 
 }  // namespace kalfem

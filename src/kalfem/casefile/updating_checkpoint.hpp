@@ -14,7 +14,7 @@ namespace kalfem {
 class UpdatingCheckpoint {
 public:
   /// `folder` empty: nothing is kept. `fingerprint`: of everything that the course of the updating depends on.
-  UpdatingCheckpoint(const std::filesystem::path& folder, std::string fingerprint);
+  UpdatingCheckpoint(const std::filesystem::path& folder, std::string fingerprint, Eigen::Index parameters);
 
   struct Content {
     GaussNewtonState state;
@@ -28,9 +28,11 @@ public:
 private:
   std::filesystem::path file_;
   std::string fingerprint_;
+  Eigen::Index parameters_;
 };
 
-/// Of the case with all its defaults and of the version of the program.
-std::string fingerprint_of(const Study& study);
+/// Of the case with all its defaults, the version of the program, and the residual at the first values, which stands
+/// for everything in the files that the case names.
+std::string fingerprint_of(const Study& study, double first_residual);
 
 }  // namespace kalfem

@@ -15,13 +15,6 @@ namespace {
 
 namespace d = description;
 
-/// A number in the parameter's unit; a spring's may be that of a translation or of a rotation.
-double in_unit(const d::Value& given, const std::string& unit) {
-  if (!unit.empty()) return checked_number(given, unit);
-  const bool rotation = !given.value.bare && given.value.dimension == parse_unit("N m/rad").dimension;
-  return checked_number(given, rotation ? "N m/rad" : "N/m");
-}
-
 class ParameterBuilder {
 public:
   ParameterBuilder(const Study& study, UpdatingSetup& setup, IssueList& issues)
@@ -50,6 +43,14 @@ private:
           target.path + ": there is no parameter '" + target.value + "'" +
               did_you_mean(target.value, structure_parameter_names(study_)),
           "the updating refines numbers of linear substructures; those of connectors are unknowns of the filter");
+    const auto all_ratios = target.value.find(".damping.modal");  // one of them is refined by all of them
+    if (all_ratios != std::string::npos) {
+      const std::string whole = target.value.substr(0, all_ratios) + ".damping.modal";
+      for (const auto& [taken, by] : owners_)
+        if (taken != target.value && (taken == whole || (target.value == whole && taken.starts_with(whole + "."))))
+          issues_.add(target.location, target.path + ": '" + target.value + "' and '" + taken + "' are both refined",
+                      "damping.modal is all ratios as one", "take one of them out");
+    }
     const auto [first, is_new] = owners_.try_emplace(target.value, owner);
     if (!is_new)
       issues_.add(target.location,
@@ -60,13 +61,17 @@ private:
 
   void add(const std::string& name, const d::UpdatedParameter& given, const std::vector<StructureParameter>& targets) {
     const std::string unit = targets.front().unit;
-    UpdatingParameter parameter{name, unit.empty() ? "N/m" : unit, targets.front().value};
-    if (given.initial) parameter.initial = in_unit(*given.initial, unit);
+    for (const auto& target : targets)
+      if (target.unit != unit)
+        throw InvalidInput(name + " applies to numbers in " + unit + " and in " + target.unit, "they share one value",
+                           "give parameters of one kind");
+    UpdatingParameter parameter{name, unit, targets.front().value};
+    if (given.initial) parameter.initial = checked_number(*given.initial, unit);
     if (given.std) parameter.deviation = deviation(*given.std, unit, parameter.initial);
     set_bounds(given, unit, parameter);
     std::optional<double> truth;
     if (study_.given.simulate) truth = targets.front().value;
-    if (given.truth) truth = in_unit(*given.truth, unit);
+    if (given.truth) truth = checked_number(*given.truth, unit);
     const auto index = static_cast<Index>(setup_.parameters.size());
     for (const auto& target : targets) setup_.bindings.push_back({index, target});
     setup_.parameters.push_back(parameter);
@@ -75,7 +80,7 @@ private:
 
   double deviation(const d::Value& given, const std::string& unit, double initial) const {
     const bool percentage = !given.value.bare && given.value.dimension == Dimension{};
-    const double deviation = percentage ? given.value.value * std::abs(initial) : in_unit(given, unit);
+    const double deviation = percentage ? given.value.value * std::abs(initial) : checked_number(given, unit);
     if (!(deviation > 0.0)) throw InvalidInput(given.issue("the standard deviation of the prior is not positive"));
     return deviation;
   }
@@ -83,9 +88,14 @@ private:
   /// What is positive by nature stays so without being told.
   void set_bounds(const d::UpdatedParameter& given, const std::string& unit, UpdatingParameter& parameter) const {
     parameter.lower = 0.0;
-    if (!given.bounds) return;
+    if (!given.bounds) {
+      if (!(parameter.initial >= 0.0))
+        throw InvalidInput("update.parameters." + parameter.name + ": it starts at " + shortest(parameter.initial),
+                           "such a parameter is not negative", "change its initial value");
+      return;
+    }
     const auto bound = [&](const Quantity& quantity) {
-      return in_unit({quantity, given.bounds->location, given.bounds->path}, unit);
+      return checked_number({quantity, given.bounds->location, given.bounds->path}, unit);
     };
     parameter.lower = bound(given.bounds->value[0]);
     parameter.upper = bound(given.bounds->value[1]);

@@ -49,10 +49,15 @@ GaussNewtonOptions search_options(const d::Updating& given) {
 class Search {
 public:
   Search(const Study& study, const RunOptions& options, UpdatingStage& stage)
-      : study_(study), options_(options), stage_(stage), checkpoint_(options.folder, fingerprint_of(study)) {}
+      : study_(study),
+        options_(options),
+        stage_(stage),
+        checkpoint_(options.folder, fingerprint_of(study, stage.residual_initial), stage.values.size()) {}
 
-  /// From the given start, or from where an earlier run was stopped.
-  GaussNewton run(const ResidualSum& residual, const VectorXd& start) {
+  /// From the given start, where the residual may be known already, or from where an earlier run was stopped. `last`:
+  /// the residual at the end, with its Jacobian, where it was computed.
+  GaussNewton run(const ResidualSum& residual, const VectorXd& start, const ResidualValue* first,
+                  std::optional<ResidualValue>& last) {
     const auto options = search_options(*study_.given.update);
     GaussNewtonState state = starting_at(start, options);
     if (auto earlier = checkpoint_.read()) {
@@ -64,7 +69,10 @@ public:
     while (!search.finished()) {
       const Stopwatch watch;
       const VectorXd tried = search.proposal();
-      const bool accepted = search.tell(residual.evaluate(tried, search.needs_jacobian()));
+      const bool known = first && search.state().evaluations == 0;
+      auto value = known ? std::optional(*first) : residual.evaluate(tried, search.needs_jacobian());
+      const bool accepted = search.tell(value);
+      if (accepted) last = std::move(value);
       keep({accepted, tried, search.state().parameters, rms_of(search.state().residual_cost, residual.size()),
             watch.seconds()});
       checkpoint_.write({search.state(), stage_.trace});
@@ -86,20 +94,14 @@ private:
   UpdatingCheckpoint checkpoint_;
 };
 
-void take(const LeastSquaresOutcome& outcome, UpdatingStage& stage) {
-  stage.values = outcome.parameters;
-  stage.termination = outcome.reason();
-  stage.converged = outcome.usable();
-  stage.evaluations += outcome.evaluations;
-  stage.iterations += outcome.iterations;
-}
+/// Where a search ended, with the residual there.
+using LastResidual = std::optional<ResidualValue>;
 
 /// From wide to sharp, each round from where the last one ended; only the last one is kept in a file.
-void search_from_one_start(const Study& study, const std::vector<ComparisonResidual>& comparisons,
-                           const RunOptions& options, UpdatingStage& stage) {
+LastResidual search_from_one_start(const Study& study, const std::vector<ComparisonResidual>& comparisons,
+                                   const ResidualValue& first, const RunOptions& options, UpdatingStage& stage) {
   stage.method = "Gauss-Newton in a trust region";
   const std::size_t rounds = rounds_of(comparisons);
-  Search search(study, options, stage);
   VectorXd start = initial_values(study.updating->parameters);
   for (std::size_t round = 0; round + 1 < rounds; ++round) {
     LeastSquaresOptions least_squares{.search = search_options(*study.given.update), .start = start, .watch = {}};
@@ -109,31 +111,35 @@ void search_from_one_start(const Study& study, const std::vector<ComparisonResid
     start = outcome.parameters;
   }
   if (rounds > 1) stage.method += ", frequency responses smoothed at first, in " + std::to_string(rounds) + " rounds";
-  const auto done = search.run(sum_of(comparisons, rounds - 1), start);
+  LastResidual last;
+  const auto done =
+      Search(study, options, stage).run(sum_of(comparisons, rounds - 1), start, rounds == 1 ? &first : nullptr, last);
   stage.values = done.state().parameters;
   stage.termination = words(*done.finished());
   stage.converged = converged(*done.finished());
   stage.evaluations += done.state().evaluations;
   stage.iterations += done.state().iterations;
+  return last;
 }
 
-void search_from_many_starts(const Study& study, const std::vector<ComparisonResidual>& comparisons,
-                             UpdatingStage& stage) {
+LastResidual search_from_many_starts(const Study& study, const ResidualSum& residual, UpdatingStage& stage) {
   const auto& given = *study.given.update;
   MultiStartOptions options{.starts = given.starts, .seed = given.seed, .search = {}};
   options.search.search = search_options(given);
-  const auto outcome =
-      minimise_from_many(sum_of(comparisons, rounds_of(comparisons) - 1), study.updating->parameters, options);
-  take(outcome.best, stage);
+  const auto outcome = minimise_from_many(residual, study.updating->parameters, options);
+  stage.values = outcome.best.parameters;
+  stage.termination = outcome.best.reason();
+  stage.converged = outcome.best.usable();
   stage.evaluations = outcome.evaluations;
+  stage.iterations = outcome.best.iterations;
   stage.method = "Gauss-Newton in a trust region from " + std::to_string(given.starts) + " starts, of which " +
                  std::to_string(outcome.converged) + " converged, to " + std::to_string(outcome.minima.size()) +
                  (outcome.minima.size() == 1 ? " minimum" : " different minima");
+  return outcome.best.residual;
 }
 
-void search_by_evolution(const Study& study, const std::vector<ComparisonResidual>& comparisons, UpdatingStage& stage) {
+LastResidual search_by_evolution(const Study& study, const ResidualSum& residual, UpdatingStage& stage) {
   const auto& given = *study.given.update;
-  const ResidualSum residual = sum_of(comparisons, rounds_of(comparisons) - 1);
   EvolutionOptions options;
   options.search.generations = static_cast<unsigned>(given.evolution.generations);
   options.search.seed = static_cast<unsigned>(given.evolution.seed);
@@ -149,6 +155,8 @@ void search_by_evolution(const Study& study, const std::vector<ComparisonResidua
   stage.converged = outcome.found() && (!outcome.polished || outcome.polished->usable());
   stage.evaluations = outcome.evaluations + (outcome.polished ? outcome.polished->evaluations : 0);
   stage.iterations = static_cast<int>(outcome.trace.size());
+  if (!outcome.polished) return std::nullopt;
+  return outcome.polished->residual;
 }
 
 std::vector<FrfCurve> curves(const FrfResidual& residual, const VectorXd& start, const VectorXd& end) {
@@ -164,12 +172,11 @@ std::vector<FrfCurve> curves(const FrfResidual& residual, const VectorXd& start,
   return all;
 }
 
-/// Rms of each comparison at the start and at the end, mode by mode where it has modes.
-void compare(const Study& study, const std::vector<ComparisonResidual>& comparisons, UpdatingStage& stage) {
+/// Rms of each comparison at the start and at the end, mode by mode and line by line where it has them.
+void compare(const Study& study, const std::vector<ComparisonResidual>& comparisons, const ResidualValue& first,
+             const ResidualValue& last, UpdatingStage& stage) {
   const VectorXd start = initial_values(study.updating->parameters);
-  const auto rms = [](const std::optional<ResidualValue>& value) {
-    return value ? rms_of(0.5 * value->values.squaredNorm(), value->values.size()) : std::nan("");
-  };
+  Index row = 0;
   for (const auto& comparison : comparisons) {
     const auto& residual = *comparison.rounds.back();
     ComparisonResult result;
@@ -177,8 +184,13 @@ void compare(const Study& study, const std::vector<ComparisonResidual>& comparis
     result.kind = comparison.kind;
     result.weight = comparison.weight;
     result.size = residual.size();
-    result.rms_initial = rms(residual.evaluate(start, false));
-    result.rms_final = rms(residual.evaluate(stage.values, false));
+    const auto rms = [&](const ResidualValue& value) {
+      return rms_of(0.5 * value.values.segment(row, result.size).squaredNorm(), result.size) /
+             std::sqrt(comparison.weight);
+    };
+    result.rms_initial = rms(first);
+    result.rms_final = rms(last);
+    row += result.size;
     if (const auto* modal = dynamic_cast<const ModalResidual*>(&residual)) {
       result.modes_initial = modal->compare(start);
       result.modes_final = modal->compare(stage.values);
@@ -189,39 +201,53 @@ void compare(const Study& study, const std::vector<ComparisonResidual>& comparis
   }
 }
 
+/// Records are differentiated by finite differences themselves, one-sided ones, so that they agree less closely.
+SensitivityCheckOptions check_options(const std::vector<ComparisonResidual>& comparisons) {
+  constexpr double of_records = 0.1;
+  SensitivityCheckOptions options;
+  for (const auto& comparison : comparisons)
+    if (comparison.of_record) options.tolerance = of_records;
+  return options;
+}
+
+std::string unusable(const UpdatingStage& stage, const LastResidual& last) {
+  if (!last || !std::isfinite(stage.residual_final) || !stage.values.allFinite())
+    return "the updating found no parameters at which the model has a response";
+  return "";
+}
+
 }  // namespace
 
-UpdatingStage update_stage(const Study& study, const StudyResults& results,
-                           const std::shared_ptr<const ParameterisedStructure>& structure, const RunOptions& options) {
+UpdatingStage update_stage(const Study& study, std::vector<ComparisonResidual> comparisons, const StudyResults& results,
+                           const std::shared_ptr<const ParameterisedStructure>& structure, const RunOptions& options,
+                           std::string& failure) {
   const Stopwatch watch;
   const auto& given = *study.given.update;
   const Parameters& parameters = study.updating->parameters;
-  const auto comparisons = make_comparisons(study, results, structure);
+  add_record_comparisons(study, results, structure, comparisons);
   const ResidualSum residual = sum_of(comparisons, rounds_of(comparisons) - 1);
-  const VectorXd start = initial_values(parameters);
-  const auto first = residual.evaluate(start, true);
+  UpdatingStage stage;
+  stage.values = initial_values(parameters);
+  const auto first = residual.evaluate(stage.values, true);
   if (!first)
     throw InvalidInput("the model has no response at the first values of the updated parameters",
                        "the search begins there", "change the first values");
   require_informed(parameters, first->jacobian);
-
-  UpdatingStage stage;
   stage.residual_initial = rms_of(0.5 * first->values.squaredNorm(), residual.size());
-  if (given.check_sensitivities) stage.sensitivities = check_sensitivities(residual, parameters, start);
-  if (given.method == d::UpdatingMethod::evolution)
-    search_by_evolution(study, comparisons, stage);
-  else if (given.starts > 1)
-    search_from_many_starts(study, comparisons, stage);
-  else
-    search_from_one_start(study, comparisons, options, stage);
+  if (given.check_sensitivities)
+    stage.sensitivities = check_sensitivities(residual, parameters, stage.values, check_options(comparisons));
 
-  const auto last = residual.evaluate(stage.values, true);
-  if (last) {
-    stage.residual_final = rms_of(0.5 * last->values.squaredNorm(), residual.size());
+  LastResidual last = given.method == d::UpdatingMethod::evolution ? search_by_evolution(study, residual, stage)
+                      : given.starts > 1                           ? search_from_many_starts(study, residual, stage)
+                                         : search_from_one_start(study, comparisons, *first, options, stage);
+  if (!last || last->jacobian.size() == 0) last = residual.evaluate(stage.values, true);
+  if (last) stage.residual_final = rms_of(0.5 * last->values.squaredNorm(), residual.size());
+  failure = unusable(stage, last);
+  if (failure.empty()) {
     stage.statistics = parameter_statistics(parameters, stage.values, *last);
     stage.remarks = parameter_findings(parameters, stage.values, stage.statistics);
+    compare(study, comparisons, *first, *last, stage);
   }
-  compare(study, comparisons, stage);
   stage.seconds = watch.seconds();
   return stage;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "kalfem/casefile/comparisons.hpp"
 #include "kalfem/casefile/parameterised_structure.hpp"
 #include "kalfem/casefile/stages.hpp"
 
@@ -8,7 +9,11 @@ namespace kalfem {
 /// Refines the linear substructures: minimises the weighted sum of the case's comparisons. With a driven record among
 /// them every evaluation is a stage of the loop reduce - estimate - predict - compare, and a least-squares search from
 /// one start keeps its place in the options' folder.
-UpdatingStage update_stage(const Study& study, const StudyResults& results,
-                           const std::shared_ptr<const ParameterisedStructure>& structure, const RunOptions& options);
+///
+/// `comparisons`: those that need no record, of the same structure. `failure` says in words why the numbers are not
+/// usable. Throws InvalidInput for what the user can mend.
+UpdatingStage update_stage(const Study& study, std::vector<ComparisonResidual> comparisons, const StudyResults& results,
+                           const std::shared_ptr<const ParameterisedStructure>& structure, const RunOptions& options,
+                           std::string& failure);
 
 }  // namespace kalfem

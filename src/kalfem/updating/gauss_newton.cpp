@@ -219,7 +219,8 @@ std::optional<Termination> GaussNewton::judge_point() const {
   if (whole_.size <= options_.step_tolerance) return Termination::converged_step;
   const double least = std::max(options_.cost_floor, std::max(options_.cost_tolerance, cost_rounding) * cost());
   if (whole_.reduction <= least) return Termination::converged_cost;
-  if (limited_ && state_.radius <= options_.step_tolerance) return Termination::no_progress;
+  if (limited_ && state_.radius <= options_.step_tolerance)
+    return state_.refused > 0 ? Termination::no_progress : Termination::converged_step;
   return std::nullopt;
 }
 

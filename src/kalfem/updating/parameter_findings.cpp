@@ -93,9 +93,12 @@ std::vector<std::string> parameter_findings(const Parameters& parameters, const 
 }
 
 void require_informed(const Parameters& parameters, const Eigen::MatrixXd& jacobian) {
+  constexpr double rounding = 1e-10;  // of the largest column
   IssueList issues;
+  Eigen::VectorXd effects = jacobian.colwise().norm();
+  for (std::size_t i = 0; i < parameters.size(); ++i) effects[static_cast<Index>(i)] *= parameters[i].scale();
   for (std::size_t i = 0; i < parameters.size(); ++i)
-    if (parameters[i].lower < parameters[i].upper && jacobian.col(static_cast<Index>(i)).isZero(0.0))
+    if (parameters[i].lower < parameters[i].upper && effects[static_cast<Index>(i)] <= rounding * effects.maxCoeff())
       issues.add({}, fmt::format("{}: the residual does not depend on it", parameters[i].name),
                  "a parameter is found by what it changes",
                  "take it out, or compare with a measurement that it changes");
