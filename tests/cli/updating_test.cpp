@@ -59,6 +59,7 @@ TEST(Updating, FrequenciesAndAStaticTestGiveTheSpringsBack) {
   EXPECT_LT(heavier[0].get<double>(), 2.2399);
   EXPECT_NE(outcome.output.find("Updated parameters"), std::string::npos);
   EXPECT_FALSE(std::filesystem::exists(folder / "update.checkpoint.json"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "results.h5"));
 }
 
 TEST(Updating, EveryMethodFindsTheSame) {

@@ -73,6 +73,29 @@ INSTANTIATE_TEST_SUITE_P(Kinds, EqualsTheKalmanFilter,
                          testing::Values(FilterKind::unscented, FilterKind::unscented_square_root,
                                          FilterKind::extended));
 
+/// With the gain of every sample the fixed-gain observer is the filter, and between kept gains it is nearly so.
+TEST(FixedGains, RepeatTheMeansOfTheFilterThatTheyAreOf) {
+  const LinearChain chain;
+  const Observer observer(chain.model.system(), chain.sensors, {}, chain.options());
+  const Index samples = 400;
+  auto record = draw_record(closed_loop(observer, chain.R), observer.prior(), chain.inputs(samples), 3);
+  record.measurements(1, 120) = std::numeric_limits<double>::quiet_NaN();
+  const auto difference = [&](Index dense, Index stride) {
+    const auto result = estimate(
+        observer, record,
+        {.gains = {.dense = dense, .stride = stride, .gains = {}}, .keep_gains = true, .monitored = chain.sensors});
+    const auto means = run_with_gains(observer, record, result.gains, chain.sensors, samples - 1);
+    EXPECT_TRUE(means.has_value());
+    const VectorXd last = result.state.mean.col(samples - 1);
+    EXPECT_LT((means->state - last).norm(), (dense == samples ? 1e-6 : 1e-2) * last.norm());
+    return (means->monitored - result.monitored.mean).norm() / result.monitored.mean.norm();
+  };
+  // phi' by differences of 1e-3 of a deviation; K = P H^T R^-1 against P_xy P_yy^-1: rounding of 1e-8 / 1e-3.
+  EXPECT_LT(difference(samples, 1), 1e-6);
+  // Gains settle within the first samples; a missing one takes the gain of its neighbour.
+  EXPECT_LT(difference(100, 20), 2e-2);
+}
+
 /// Mean and covariance of [x(0); y(0); ...; y(T)] of the linear problem, written out from its definition.
 Gaussian joint_of_start_and_record(const LinearProblem& problem, const Gaussian& prior, const MatrixXd& inputs) {
   const Index n = problem.Phi.rows(), l = problem.H.rows(), samples = inputs.cols();

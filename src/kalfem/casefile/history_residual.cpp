@@ -18,12 +18,6 @@ namespace {
 /// Gains that are kept: each of the first ones, and then every so many samples.
 constexpr Index dense_gains = 200, gain_stride = 20;
 
-PresentValues by_name(const std::vector<UpdatingParameter>& parameters, const VectorXd& values) {
-  PresentValues present;
-  for (std::size_t i = 0; i < parameters.size(); ++i) present[parameters[i].name] = values[static_cast<Index>(i)];
-  return present;
-}
-
 /// Displacement, velocity and acceleration of each point, in the coordinates of the system: relative to an accelerated
 /// base.
 std::vector<OutputDescription> motion_outputs(const std::vector<std::string>& points) {
@@ -92,7 +86,7 @@ HistoryResidual::HistoryResidual(const Study& study, FullRecord record,
 
 ObserverSetup HistoryResidual::observer_at(const Parts& parts, const VectorXd& parameters) const {
   IssueList issues;
-  ObserverSetup setup = make_observer_setup(study_, parts, by_name(study_.updating->parameters, parameters), issues);
+  ObserverSetup setup = make_observer_setup(study_, parts, present_values(*study_.updating, parameters), issues);
   issues.raise();
   return setup;
 }

@@ -295,6 +295,14 @@ void check_driving_sensors(const Study& study, const ObserverSetup& setup, Issue
 
 }  // namespace
 
+PresentValues present_values(const UpdatingSetup& updating, const Eigen::VectorXd& values) {
+  PresentValues present;
+  for (std::size_t i = 0; i < updating.parameters.size(); ++i)
+    present[updating.parameters[i].name] = values[static_cast<Index>(i)];
+  for (const auto& [index, target] : updating.bindings) present[target.name] = values[index];
+  return present;
+}
+
 ObserverSetup make_observer_setup(const Study& study, Parts parts, const PresentValues& present, IssueList& issues) {
   const auto& given = *study.given.estimate;
   ObserverSetup setup;

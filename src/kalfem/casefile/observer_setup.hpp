@@ -7,8 +7,9 @@
 
 namespace kalfem {
 
-/// Values that parameters have reached, by name.
+/// Values that parameters have reached, by their names and by the names of all that they apply to.
 using PresentValues = std::map<std::string, double>;
+PresentValues present_values(const UpdatingSetup& updating, const Eigen::VectorXd& values);
 
 /// The observer of the case's `estimate`, made of `parts`: the case's own, or those that an updating has reached.
 /// Values in `present` stand in for the first guesses of unknowns of the same name. Problems go to `issues` with their

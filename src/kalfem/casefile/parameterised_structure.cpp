@@ -37,14 +37,14 @@ template <class Visitor>
 void visit_parameters(const Study& study, const Visitor& visit) {
   for (const auto& part : study.parts.substructures)
     for (const auto& [name, target] : parameters_of(part))
-      visit(part.name + "." + name,
-            StructureParameter{part.name, target, kalfem::unit_of(target.kind), value_of(part, target)});
+      visit(part.name + "." + name, StructureParameter{part.name + "." + name, part.name, target,
+                                                       kalfem::unit_of(target.kind), value_of(part, target)});
   for (const auto& elements : study.finite_elements) {
     const auto damping = damping_of(study, elements.part->name);
     for (const auto& [name, target] : parameters_of(elements.part->assembled, damping))
-      visit(elements.part->name + "." + name,
-            StructureParameter{elements.part->name, target, unit_of(elements.part->elements, target),
-                               value_of(elements.part->assembled, damping, target)});
+      visit(elements.part->name + "." + name, StructureParameter{elements.part->name + "." + name, elements.part->name,
+                                                                 target, unit_of(elements.part->elements, target),
+                                                                 value_of(elements.part->assembled, damping, target)});
   }
 }
 

@@ -91,11 +91,8 @@ struct Updated {
 
 Updated updated_structure(const Study& study, const ParameterisedStructure& structure, const UpdatingStage& updating) {
   const Parts parts = structure.at(updating.values).parts;
-  PresentValues present;
-  for (std::size_t i = 0; i < study.updating->parameters.size(); ++i)
-    present[study.updating->parameters[i].name] = updating.values[static_cast<Index>(i)];
   IssueList issues;
-  ObserverSetup observer = make_observer_setup(study, parts, present, issues);
+  ObserverSetup observer = make_observer_setup(study, parts, present_values(*study.updating, updating.values), issues);
   issues.raise();
   return {std::move(observer), couple(parts)};
 }

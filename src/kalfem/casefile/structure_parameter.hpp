@@ -9,6 +9,7 @@ namespace kalfem {
 
 /// A parameter of a linear substructure by its name, "substructure.parameter".
 struct StructureParameter {
+  std::string name;  ///< with the substructure's
   std::string substructure;
   std::variant<LumpedParameter, FiniteElementParameter> target;
   std::string unit;

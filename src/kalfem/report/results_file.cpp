@@ -53,6 +53,13 @@ public:
     }
   }
 
+  /// A column without a time: one value a stage of the updating, or a line of a response.
+  void write_column(const std::string& name, const Eigen::VectorXd& values, const std::string& unit) {
+    if (values.size() == 0) return;
+    file_.write(name, values);
+    file_.set_attribute(name, "unit", unit);
+  }
+
   void close() { file_.close(); }
 
 private:
@@ -89,14 +96,47 @@ void write_estimate(SeriesFile& file, const EstimationStage& stage) {
   file.write("/innovation/nis", stage.result.nis, "-");
 }
 
+/// Every stage: the residual, what was tried, what was accepted last. Then the responses that were compared.
+void write_updating(SeriesFile& file, const Study& study, const UpdatingStage& stage) {
+  const auto stages = static_cast<Eigen::Index>(stage.trace.size());
+  const auto column = [&](const auto& value) {
+    Eigen::VectorXd values(stages);
+    for (Eigen::Index k = 0; k < stages; ++k) values[k] = value(stage.trace[static_cast<std::size_t>(k)]);
+    return values;
+  };
+  file.write_column("/updating/residual", column([](const auto& step) { return step.residual; }), "-");
+  file.write_column("/updating/accepted", column([](const auto& step) { return step.accepted ? 1.0 : 0.0; }), "-");
+  for (std::size_t i = 0; i < study.updating->parameters.size(); ++i) {
+    const auto& parameter = study.updating->parameters[i];
+    const auto index = static_cast<Eigen::Index>(i);
+    const std::string name = "/updating/parameters/" + parameter.name;
+    file.write_column(name, column([&](const auto& step) { return step.parameters[index]; }), parameter.unit);
+    file.write_column(name + "_tried", column([&](const auto& step) { return step.tried[index]; }), parameter.unit);
+  }
+  for (const auto& comparison : stage.comparisons)
+    for (std::size_t i = 0; i < comparison.responses.size(); ++i) {
+      const auto& curve = comparison.responses[i];
+      const std::string group = "/updating/responses/" + comparison.name + "/" + std::to_string(i + 1);
+      file.write_column(group + "/frequency", curve.lines, "Hz");
+      file.write_column(group + "/measured", curve.measured, "SI");
+      file.write_column(group + "/before", curve.before, "SI");
+      file.write_column(group + "/after", curve.after, "SI");
+    }
+}
+
 }  // namespace
 
 void write_results(const std::string& path, const Study& study, const StudyResults& results) {
   const TimeSeries* record = results.estimation   ? &results.estimation->measurements
                              : results.simulation ? &results.simulation->measurements
                                                   : nullptr;
-  if (!record) return;
+  if (!record && !results.updating) return;
   SeriesFile file(path, study.sample_rate());
+  if (results.updating) write_updating(file, study, *results.updating);
+  if (!record) {
+    file.close();
+    return;
+  }
   const Eigen::Index samples =
       results.simulation ? results.simulation->reference.simulation.trajectory.samples() : record->samples();
   file.write("/time",
