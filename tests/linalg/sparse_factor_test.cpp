@@ -47,6 +47,17 @@ SparseMatrix<double> random_definite(Index size) {
   return SparseMatrix<double>(factor * factor.transpose()) + identity;
 }
 
+TEST(SparseFactor, AnOrderServesForAnotherMatrixOfThePattern) {
+  const SparseFactor first(grid(30, 0.1));
+  const auto matrix = grid(30, 0.7);
+  const SparseFactor found(matrix), again(matrix, first.order());
+  EXPECT_EQ(again.order(), first.order());
+  EXPECT_EQ(again.nonzeros(), first.nonzeros());
+  const MatrixXd right_side = MatrixXd::Random(matrix.rows(), 3);
+  EXPECT_LT((again.solve(right_side) - found.solve(right_side)).norm(), 1e-12 * right_side.norm());
+  EXPECT_THROW(SparseFactor(grid(20, 0.1), first.order()), InvalidInput);
+}
+
 TEST(SparseFactor, SolvesAsTheDenseFactorDoes) {
   for (const auto& matrix : {random_definite(300), grid(12, 0.1), grid(60, 0.1)}) {
     const SparseFactor factor(matrix);

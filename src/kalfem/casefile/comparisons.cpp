@@ -70,6 +70,10 @@ public:
     const auto model = structure_->model_of(given.substructure.value);
     const auto start_model = model->at(start()).model;
     const auto frequencies = measured_frequencies(given.frequencies.value);
+    if (!given.model_modes.empty() && given.model_modes.size() != frequencies.size())
+      throw InvalidInput(given.frequencies.issue(std::to_string(frequencies.size()) + " frequencies and " +
+                                                     std::to_string(given.model_modes.size()) + " model_modes",
+                                                 "", "give one of each, or no model_modes"));
     std::vector<MeasuredMode> measured;
     for (std::size_t i = 0; i < frequencies.size(); ++i) {
       MeasuredMode mode;
@@ -184,6 +188,9 @@ private:
     const auto& source = std::get<d::FrfRecordSource>(input.source);
     measured.name = source.file.value.string();
     std::vector<std::string> outputs = input.columns.empty() ? measured.set.outputs : input.columns, columns = outputs;
+    if (std::ranges::find(outputs, source.input) != outputs.end())
+      throw InvalidInput(source.file.issue("the column '" + source.input + "' is input and output", "",
+                                           "name the outputs' columns under `columns`"));
     columns.push_back(source.input);
     const TimeSeries record = read_record_file(source.file.value, columns, source.sample_rate, source.dataset);
     const auto segment = static_cast<Index>(std::llround(source.segment * record.sample_rate));

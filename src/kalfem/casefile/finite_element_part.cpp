@@ -163,12 +163,13 @@ Superelement reduce(const FiniteElementPart& part, const std::optional<d::Reduct
 }
 
 Superelement reduce_again(const FiniteElementPart& part, const LinearModel& full,
-                          const std::optional<d::Reduction>& given, Index modes) {
+                          const std::optional<d::Reduction>& given, const ReductionEvidence& first) {
   const d::Reduction reduction = given.value_or(d::Reduction{});
-  return completed(
-      part,
-      reduce_by(reduction.method, full, part.boundary,
-                {.modes = {.count = modes}, .truncation_vectors = reduction.truncation_vectors, .evidence = false}));
+  return completed(part, reduce_by(reduction.method, full, part.boundary,
+                                   {.modes = {.count = first.interface_frequencies.size()},
+                                    .truncation_vectors = reduction.truncation_vectors,
+                                    .order = first.order,
+                                    .evidence = false}));
 }
 
 Superelement reduce_up_to(const FiniteElementPart& part, double frequency) {

@@ -38,10 +38,10 @@ FiniteElementPart make_finite_element_part(const std::string& name, const descri
 Superelement reduce(const FiniteElementPart& part, const std::optional<description::Reduction>& given,
                     double sensor_bandwidth);
 
-/// The superelement of the part at other values of its parameters, with so many fixed-interface modes and without the
-/// comparison with the full model.
+/// The superelement of the part at other values of its parameters, with as many fixed-interface modes as `first` has, in
+/// the order of its factor, and without the comparison with the full model.
 Superelement reduce_again(const FiniteElementPart& part, const LinearModel& full,
-                          const std::optional<description::Reduction>& given, Eigen::Index modes);
+                          const std::optional<description::Reduction>& given, const ReductionEvidence& first);
 
 /// The superelement that stands for the full model up to a frequency.
 Superelement reduce_up_to(const FiniteElementPart& part, double frequency);

@@ -70,7 +70,9 @@ HistoryResidual::HistoryResidual(const Study& study, FullRecord record,
     if (std::ranges::find(options_.sensors, sensor.name) != options_.sensors.end()) sensors_.push_back(sensor);
   const auto samples = record_.series.samples();
   const auto settled = static_cast<Index>(std::llround(study.given.estimate->settle * study.sample_rate()));
-  settled_ = std::min(settled, samples - 1);
+  if (settled >= samples - 1)
+    throw InvalidInput("estimate.settle is as long as the record", "nothing is left to compare", "shorten it");
+  settled_ = settled;
   measured_.resize(samples, static_cast<Index>(sensors_.size()));
   for (std::size_t j = 0; j < sensors_.size(); ++j)
     measured_.col(static_cast<Index>(j)) = record_.series.values.col(record_.series.find(sensors_[j].name));

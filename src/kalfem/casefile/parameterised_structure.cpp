@@ -152,8 +152,8 @@ StructureAtParameters::Reduced ParameterisedStructure::reduced_at(std::size_t in
   auto [full, ratios] = finite_elements_[index]->at(parameters);
   auto derivatives = finite_elements_[index]->derivatives(parameters);
   if (!elements.reduced) return {std::move(full), ratios, std::move(derivatives)};
-  const auto modes = elements.reduced->evidence.interface_frequencies.size();
-  auto reduced = reduce_again(*elements.part, full, reduction_of(study_, elements.part->name), modes);
+  auto reduced =
+      reduce_again(*elements.part, full, reduction_of(study_, elements.part->name), elements.reduced->evidence);
   return {std::move(reduced.model), ratios, projected(reduced.basis, derivatives)};
 }
 

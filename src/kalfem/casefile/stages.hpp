@@ -91,7 +91,7 @@ struct UpdatingStep {
 
 /// Magnitude of one frequency response.
 struct FrfCurve {
-  std::string name;                                ///< "2 / force at 1"
+  std::string name;                                ///< "2 per force at 1"
   Eigen::VectorXd lines, measured, before, after;  ///< [Hz], |H|
 };
 

@@ -171,7 +171,7 @@ Form<Updating> updating() {
           .optional("starts", &Updating::starts, integer(1, 10000), "starting points spread over the bounds")
           .optional("seed", &Updating::seed, seed(), "of the starting points")
           .optional("stages", &Updating::stages, integer(1, 10000), "at the most")
-          .optional("tolerance", &Updating::tolerance, number("-", positive()),
+          .optional("tolerance", &Updating::tolerance, number("-", Bounds{.low = 0.0, .high = 0.1, .low_open = true}),
                     "relative change of the parameters from one stage to the next at which the updating ends")
           .optional("evolution", &Updating::evolution, mapping(evolution), "of method: cma_es")
           .optional("check_sensitivities", &Updating::check_sensitivities, boolean(),

@@ -159,6 +159,11 @@ LastResidual search_by_evolution(const Study& study, const ResidualSum& residual
   return outcome.polished->residual;
 }
 
+/// " per force at 1"
+std::string per_input(const FrfSet& set) {
+  return (set.input == FrfInput::force ? " per force at " : " per motion of ") + set.place;
+}
+
 std::vector<FrfCurve> curves(const FrfResidual& residual, const VectorXd& start, const VectorXd& end) {
   std::vector<FrfCurve> all;
   const auto before = residual.model_responses(start), after = residual.model_responses(end);
@@ -166,7 +171,7 @@ std::vector<FrfCurve> curves(const FrfResidual& residual, const VectorXd& start,
     const auto& measured = residual.compared()[i];
     const auto& set = residual.sets()[i];
     for (Index j = 0; j < measured.values.cols(); ++j)
-      all.push_back({set.outputs[static_cast<std::size_t>(j)] + " / " + set.place, measured.lines,
+      all.push_back({set.outputs[static_cast<std::size_t>(j)] + per_input(set), measured.lines,
                      measured.values.col(j).cwiseAbs(), before[i].col(j).cwiseAbs(), after[i].col(j).cwiseAbs()});
   }
   return all;

@@ -22,34 +22,6 @@ struct Dialect {
   bool header = true;
 };
 
-std::vector<TextLine> data_lines(std::string_view text) {
-  std::vector<TextLine> lines = split_lines(text);
-  std::erase_if(lines, [](const TextLine& line) {
-    const std::string_view content = trimmed(line.text);
-    return content.empty() || content.front() == '#' || content.front() == '%';
-  });
-  return lines;
-}
-
-/// The strongest separator in the second line, which is data whether there is a header or not.
-char find_separator(const std::vector<TextLine>& lines) {
-  const std::string_view line = trimmed(lines[std::min<std::size_t>(1, lines.size() - 1)].text);
-  for (const char candidate : {';', '\t', ',', ' '})
-    if (line.find(candidate) != std::string_view::npos) return candidate;
-  return ',';
-}
-
-/// A comma is the decimal sign when the first data lines have cells with commas and none with points.
-char find_decimal(const std::vector<TextLine>& lines, char separator) {
-  if (separator == ',') return '.';
-  bool comma = false;
-  for (std::size_t i = 1; i < std::min<std::size_t>(lines.size(), 50); ++i) {
-    if (lines[i].text.find('.') != std::string_view::npos) return '.';
-    comma = comma || lines[i].text.find(',') != std::string_view::npos;
-  }
-  return comma ? ',' : '.';
-}
-
 bool is_header(std::string_view line, const Dialect& dialect) {
   const auto cells = split_cells(line, dialect.separator);
   return std::ranges::any_of(
@@ -147,7 +119,7 @@ std::string find_time_column(const std::vector<std::string>& names, const std::s
 class CsvFile {
 public:
   CsvFile(const std::filesystem::path& path, const CsvOptions& options)
-      : problems(path.string()), text_(read_text(path)), lines_(data_lines(text_)) {
+      : problems(path.string()), text_(read_text(path)), lines_(content_lines(text_)) {
     if (lines_.empty()) throw InvalidInput(Issue{{path.string(), 0}, "the file holds no data", "", "check the path"});
     dialect_ = find_dialect(lines_, options);
     titles = titles_of(lines_.front(), dialect_, problems);

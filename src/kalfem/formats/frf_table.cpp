@@ -55,30 +55,6 @@ std::optional<Complex> parse_complex(std::string_view cell, char decimal) {
   return Complex(*real, *imaginary);
 }
 
-std::vector<TextLine> content_lines(std::string_view text) {
-  std::vector<TextLine> lines = split_lines(text);
-  std::erase_if(lines, [](const TextLine& line) {
-    const std::string_view content = trimmed(line.text);
-    return content.empty() || content.front() == '#' || content.front() == '%';
-  });
-  return lines;
-}
-
-char find_separator(const std::vector<TextLine>& lines) {
-  const std::string_view line = trimmed(lines[std::min<std::size_t>(1, lines.size() - 1)].text);
-  for (const char candidate : {';', '\t', ',', ' '})
-    if (line.find(candidate) != std::string_view::npos) return candidate;
-  return ';';
-}
-
-char find_decimal(const std::vector<TextLine>& lines, char separator) {
-  const bool points = std::ranges::any_of(lines.begin() + (lines.size() > 1), lines.end(), [](const TextLine& line) {
-    return line.text.find('.') != std::string_view::npos;
-  });
-  const bool commas = lines.back().text.find(',') != std::string_view::npos;
-  return separator != ',' && commas && !points ? ',' : '.';
-}
-
 /// "name [unit]" taken apart.
 Channel channel_of(std::string_view title) {
   const std::size_t open = title.rfind('[');

@@ -1,5 +1,6 @@
 #include "kalfem/formats/text_table.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -65,6 +66,32 @@ std::string_view trimmed(std::string_view text) {
   while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
   while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
   return text;
+}
+
+std::vector<TextLine> content_lines(std::string_view text) {
+  std::vector<TextLine> lines = split_lines(text);
+  std::erase_if(lines, [](const TextLine& line) {
+    const std::string_view content = trimmed(line.text);
+    return content.empty() || content.front() == '#' || content.front() == '%';
+  });
+  return lines;
+}
+
+char find_separator(const std::vector<TextLine>& lines) {
+  const std::string_view line = trimmed(lines[std::min<std::size_t>(1, lines.size() - 1)].text);
+  for (const char candidate : {';', '\t', ',', ' '})
+    if (line.find(candidate) != std::string_view::npos) return candidate;
+  return ',';
+}
+
+char find_decimal(const std::vector<TextLine>& lines, char separator) {
+  if (separator == ',') return '.';
+  bool comma = false;
+  for (std::size_t i = 1; i < std::min<std::size_t>(lines.size(), 50); ++i) {
+    if (lines[i].text.find('.') != std::string_view::npos) return '.';
+    comma = comma || lines[i].text.find(',') != std::string_view::npos;
+  }
+  return comma ? ',' : '.';
 }
 
 std::vector<std::string_view> split_cells(std::string_view line, char separator) {

@@ -24,6 +24,15 @@ std::vector<TextLine> split_lines(std::string_view text);
 
 std::string_view trimmed(std::string_view text);
 
+/// The lines that are neither blank nor comments, which begin with # or %.
+std::vector<TextLine> content_lines(std::string_view text);
+
+/// The strongest separator (; tab , space) in the second line, which is data whether there is a header or not.
+char find_separator(const std::vector<TextLine>& lines);
+
+/// A comma is the decimal sign where it does not separate, and the first data lines have commas and no points.
+char find_decimal(const std::vector<TextLine>& lines, char separator);
+
 /// The cells between separators, trimmed, quotation marks removed; a separator inside quotation marks belongs to its
 /// cell. The separator ' ' stands for any run of blanks and tabs.
 std::vector<std::string_view> split_cells(std::string_view line, char separator);

@@ -201,9 +201,9 @@ LowestModes by_dense(const Problem& problem) {
 }
 
 /// Nothing where the matrix is singular, or a pivot is so small that it may be the rounding of a large model's zero.
-std::optional<SparseFactor> safely_definite(const Matrix& matrix) {
+std::optional<SparseFactor> safely_definite(const Matrix& matrix, const EliminationOrder& order) {
   try {
-    SparseFactor factor(matrix);
+    SparseFactor factor(matrix, order);
     if (factor.smallest_pivot() < doubtful_pivot) return {};
     return factor;
   } catch (const NotPositiveDefinite&) {
@@ -228,8 +228,9 @@ void fix_signs(MatrixXd& vectors) {
 
 }  // namespace
 
-ShiftedStiffness factor_stiffness(const Matrix& stiffness, const Matrix& mass, std::span<const std::string> names) {
-  if (auto factor = safely_definite(stiffness)) return {std::move(*factor), 0.0};
+ShiftedStiffness factor_stiffness(const Matrix& stiffness, const Matrix& mass, std::span<const std::string> names,
+                                  const EliminationOrder& order) {
+  if (auto factor = safely_definite(stiffness, order)) return {std::move(*factor), 0.0};
   const double shift = natural_shift(stiffness, mass);
   try {
     return {SparseFactor(stiffness + shift * mass), shift};

@@ -47,8 +47,9 @@ struct ShiftedStiffness {
 /// hundred-millionth of the median of K_jj / M_jj: near the lowest elastic eigenvalues of a finite-element model, and
 /// far above the rounding of its highest ones. Throws InvalidInput where K is indefinite or a motion has neither
 /// stiffness nor mass; the message calls the degree of freedom by its name, where names are given.
+/// `order`: of the factor of a matrix with K's pattern, to be used again.
 ShiftedStiffness factor_stiffness(const Eigen::SparseMatrix<double>& stiffness, const Eigen::SparseMatrix<double>& mass,
-                                  std::span<const std::string> names = {});
+                                  std::span<const std::string> names = {}, const EliminationOrder& order = {});
 
 /// Whether phi^T K phi <= 1e-12 sum_j K_jj phi_j^2: the strain energy is rounding of the energies that cancel in it.
 bool moves_rigidly(const Eigen::SparseMatrix<double>& stiffness, const Eigen::Ref<const Eigen::VectorXd>& shape);

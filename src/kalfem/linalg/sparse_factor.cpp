@@ -99,14 +99,21 @@ NotPositiveDefinite::NotPositiveDefinite(Index column)
       column_(column) {}
 
 struct SparseFactor::Workspace {
-  explicit Workspace(LowerTriangle given) : matrix(std::move(given)) {
+  Workspace(LowerTriangle given, const EliminationOrder& order) : matrix(std::move(given)) {
     cholmod_l_start(&common);
     common.print = 0;
     common.try_catch = 1;  // failures are read from the status
     common.error_handler = nullptr;
     common.final_ll = 1;  // also where it is not supernodal: L D L^T would not notice a negative pivot
     cholmod_sparse view = matrix.view();
-    factor = cholmod_l_analyze(&view, &common);
+    if (order.empty()) {
+      factor = cholmod_l_analyze(&view, &common);
+    } else {
+      common.nmethods = 1;
+      common.method[0].ordering = CHOLMOD_GIVEN;
+      std::vector<SuiteSparse_long> given_order(order.begin(), order.end());
+      factor = cholmod_l_analyze_p(&view, given_order.data(), nullptr, 0, &common);
+    }
     if (factor == nullptr) fail();
   }
 
@@ -174,11 +181,15 @@ struct SparseFactor::Workspace {
   double smallest_pivot = 1.0;
 };
 
-SparseFactor::SparseFactor(const Eigen::SparseMatrix<double>& matrix) {
+SparseFactor::SparseFactor(const Eigen::SparseMatrix<double>& matrix, const EliminationOrder& order) {
   if (matrix.rows() != matrix.cols())
     throw InvalidInput("a " + std::to_string(matrix.rows()) + " x " + std::to_string(matrix.cols()) + " matrix",
                        "only a square matrix has a Cholesky factor", "pass a symmetric matrix");
-  workspace_ = std::make_unique<Workspace>(LowerTriangle(matrix));
+  if (!order.empty() && static_cast<Index>(order.size()) != matrix.rows())
+    throw InvalidInput(
+        "an order of " + std::to_string(order.size()) + " rows for a matrix of " + std::to_string(matrix.rows()),
+        "it names each row once", "pass the order of a factor of the same size");
+  workspace_ = std::make_unique<Workspace>(LowerTriangle(matrix), order);
   workspace_->factorize();
 }
 
@@ -213,6 +224,11 @@ MatrixXd SparseFactor::solve(const Eigen::Ref<const MatrixXd>& right_side) const
 }
 
 Index SparseFactor::size() const { return workspace_->matrix.size; }
+
+EliminationOrder SparseFactor::order() const {
+  const auto* order = static_cast<const SuiteSparse_long*>(workspace_->factor->Perm);
+  return {order, order + size()};
+}
 
 double SparseFactor::nonzeros() const {
   const cholmod_factor& factor = *workspace_->factor;

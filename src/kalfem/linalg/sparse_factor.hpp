@@ -2,8 +2,10 @@
 
 #include <Eigen/Dense>
 #include <Eigen/Sparse>
+#include <cstdint>
 #include <memory>
 #include <stdexcept>
+#include <vector>
 
 namespace kalfem {
 
@@ -18,6 +20,9 @@ private:
   Eigen::Index column_;
 };
 
+/// A fill-reducing order of elimination: position j of the factor is row order[j] of the matrix.
+using EliminationOrder = std::vector<std::int64_t>;
+
 /// Sparse Cholesky factor P A P^T = L L^T of a symmetric positive-definite matrix, n x n (CHOLMOD [CDHR08]: supernodal
 /// where that pays, ordered by minimum degree or nested dissection, whichever fills less).
 ///
@@ -27,7 +32,9 @@ private:
 class SparseFactor {
 public:
   /// Only the lower triangle is read. Throws NotPositiveDefinite, and InvalidInput where A is not square.
-  explicit SparseFactor(const Eigen::SparseMatrix<double>& matrix);
+  /// With an `order` of a matrix with the same pattern none is looked for, which is a good part of the work; of
+  /// another size it is refused with InvalidInput.
+  explicit SparseFactor(const Eigen::SparseMatrix<double>& matrix, const EliminationOrder& order = {});
   ~SparseFactor();
   SparseFactor(SparseFactor&&) noexcept;
   SparseFactor& operator=(SparseFactor&&) noexcept;
@@ -41,6 +48,7 @@ public:
   [[nodiscard]] Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& right_side) const;
 
   [[nodiscard]] Eigen::Index size() const;
+  [[nodiscard]] EliminationOrder order() const;
   [[nodiscard]] double nonzeros() const;  ///< entries of L, with the zeros that supernodes store
   [[nodiscard]] double bytes() const;     ///< memory of L [byte]
   /// min_j L_jj^2 / A_jj, how near to singular A is whatever its units; of the order of the flexibility of the last

@@ -51,7 +51,7 @@ Superelement craig_bampton(const LinearModel& model, const std::vector<std::stri
   const Stopwatch watch;
   const std::vector<std::string> names = joined(boundary, options.also_kept);
   const Partition parts = partition(model, names);
-  const ShiftedStiffness factored = factor_stiffness(parts.stiffness_ii, parts.mass_ii, parts.interior_names);
+  const ShiftedStiffness factored = factor_stiffness(parts.stiffness_ii, parts.mass_ii, parts.interior_names, options.order);
   const MatrixXd static_part = static_modes(parts, factored, rigid_body_modes(parts, factored));
   const SelectedModes selected = select_modes(parts, static_part * translations(names), factored, options.modes);
   const VectorXd kept = natural_frequencies(selected.modes.values);
@@ -74,6 +74,7 @@ Superelement craig_bampton(const LinearModel& model, const std::vector<std::stri
   if (const Index further = modes.values.size() - kept.size(); further > 0)
     evidence.reason += ", " + std::to_string(further) + " truncation vectors";
   evidence.factor_bytes = factored.factor.bytes();
+  evidence.order = factored.factor.order();
   evidence.solves = selected.modes.solves + static_part.cols();
   evidence.seconds = watch.seconds();
   if (options.evidence)

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "kalfem/linalg/sparse_factor.hpp"
 #include "kalfem/model/linear_model.hpp"
 
 namespace kalfem {
@@ -42,6 +43,7 @@ struct ReductionEvidence {
   double seconds = 0.0;                        ///< without the comparison with the full model
   double factor_bytes = 0.0;                   ///< memory of the factor of K_ii [byte]
   Eigen::Index solves = 0;                     ///< back-solves with it
+  EliminationOrder order = {};                 ///< of it: Craig-Bampton only
 };
 
 /// A linear substructure in few coordinates, z = T q, with the map back to the full model.
@@ -61,6 +63,7 @@ struct ReductionOptions {
   std::vector<std::string> also_kept = {};  ///< degrees of freedom treated as boundary beside it, such as sensors'
   bool truncation_vectors = false;          ///< add the shapes that make up for the modes left out, see
                                             ///< truncation_vectors.hpp: at most one a boundary degree of freedom
+  EliminationOrder order = {};  ///< of an earlier reduction with the same pattern and boundary, see the evidence
   double compare_up_to = 0.0;  ///< band in which the evidence compares with the full model's modes [Hz]; 0: half the
                                ///< highest kept, or half the first left out where none is kept
   bool evidence = true;        ///< compare at all (costs the full model's modes)

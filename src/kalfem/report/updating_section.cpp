@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
 #include <cmath>
 
 #include "kalfem/report/updating_tables.hpp"
@@ -60,10 +61,15 @@ Chart response_chart(const std::string& comparison, const FrfCurve& curve, std::
           .half_width = true};
 }
 
+std::string sentence(std::string words) {
+  if (!words.empty()) words.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(words.front())));
+  return words;
+}
+
 std::string words_on(const UpdatingStage& stage) {
-  std::string text = fmt::format("{} evaluations, {} steps, {:.1f} s, by {}. It ended because {}. ", stage.evaluations,
-                                 stage.iterations, stage.seconds, stage.method, stage.termination);
-  for (const auto& remark : stage.remarks) text += "\n\n" + remark;
+  std::string text = fmt::format("{} evaluations, {} steps, {:.1f} s, by {}. {}. ", stage.evaluations, stage.iterations,
+                                 stage.seconds, stage.method, sentence(stage.termination));
+  for (const auto& remark : stage.remarks) text += "\n\n" + sentence(remark) + ".";
   return text;
 }
 
