@@ -1,9 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
-#include <cmath>
-
-#include "command.hpp"
+#include "updating_case.hpp"
 
 // `kalfem update` as a user runs it.
 
@@ -32,11 +29,6 @@ update:
 modifications:
   heavier: {substructure: frame, set: {3.mass: 2 kg}, modes: 2}
 )";
-
-std::filesystem::path written(const std::filesystem::path& folder, const std::string& text) {
-  std::ofstream(folder / "case.yaml") << text;
-  return folder / "case.yaml";
-}
 
 TEST(Updating, FrequenciesAndAStaticTestGiveTheSpringsBack) {
   const auto folder = fresh_folder("update-modal");
@@ -131,54 +123,6 @@ INSTANTIATE_TEST_SUITE_P(
             "push: {time_history: frame}",
             {"case.yaml:16", "record"}}),
     [](const auto& info) { return info.param.name; });
-
-/// The chain of the examples, shorter.
-std::string short_chain() {
-  std::string text = read(example("chain/update.yaml"));
-  text.replace(text.find("duration: 20 s"), 14, "duration: 6 s");
-  text.replace(text.find("tolerance: 1e-4"), 15, "tolerance: 1e-2");
-  return text;
-}
-
-TEST(Updating, ARunThatWasKilledGoesOnWhereItStood) {
-  const auto folder = fresh_folder("update-killed");
-  const auto file = written(folder, short_chain()).string();
-  const auto whole = run_command("update " + file + " --out " + (folder / "whole").string(), folder);
-  ASSERT_EQ(whole.code, 0) << whole.errors;
-  const std::string out = (folder / "killed").string(), checkpoint = out + "/update.checkpoint.json";
-  const std::string script =
-      std::string(KALFEM_COMMAND) + " update " + file + " --out " + out +
-      " >/dev/null 2>&1 & p=$!; i=0; while [ ! -f " + checkpoint +
-      " ] && [ $i -lt 1200 ]; do sleep 0.05; i=$((i+1)); done; kill -9 $p; wait $p 2>/dev/null; true";
-  ASSERT_EQ(std::system(script.c_str()), 0);
-  ASSERT_TRUE(std::filesystem::exists(checkpoint)) << "the run ended before it could be killed";
-  const auto second = run_command("update " + file + " --out " + out, folder);
-  ASSERT_EQ(second.code, 0) << second.errors;
-  const auto one = read_summary(folder / "whole")["updating"], other = read_summary(folder / "killed")["updating"];
-  EXPECT_GE(other["resumed_at"].get<int>(), 1);
-  EXPECT_EQ(one["evaluations"], other["evaluations"]);
-  for (const auto& [name, parameter] : one["parameters"].items())
-    EXPECT_EQ(parameter["estimate"], other["parameters"][name]["estimate"]) << name;
-}
-
-TEST(Updating, TheChainIsRefinedByItsOwnRecord) {
-  const auto folder = fresh_folder("update-chain");
-  const auto outcome = run_command("update " + example("chain/update.yaml") + " --out " + folder.string(), folder);
-  ASSERT_EQ(outcome.code, 0) << outcome.errors;
-  const auto summary = read_summary(folder);
-  const auto relative_error = [](const nlohmann::json& parameter) {
-    return std::abs(parameter["estimate"].get<double>() / parameter["true"].get<double>() - 1.0);
-  };
-  const auto& refined = summary["updating"]["parameters"];
-  EXPECT_LT(relative_error(refined["body.3-4.stiffness"]), 0.01);
-  EXPECT_LT(relative_error(refined["body.7-8.stiffness"]), 0.01);
-  EXPECT_LT(relative_error(refined["body.damping.modal"]), 0.10);
-  EXPECT_LT(relative_error(summary["parameters"]["suspension.mu_k1"]), 0.02);
-  EXPECT_LT(relative_error(summary["parameters"]["suspension.mu_c1"]), 0.02);
-  // What is left is the sensors' noise.
-  EXPECT_GT(summary["updating"]["residual_initial"].get<double>(), 1.5);
-  EXPECT_NEAR(summary["updating"]["residual_final"].get<double>(), 1.0, 0.02);
-}
 
 class UpdatingOnData : public testing::Test {
 protected:

@@ -1,0 +1,128 @@
+#include <gtest/gtest.h>
+
+#include "updating_case.hpp"
+
+// Models that are refined by records: driven by the estimated motion of a boundary, or simulated as a whole.
+
+namespace kalfem::test {
+namespace {
+
+TEST(UpdatingByRecords, TheChainIsRefinedByItsOwnRecord) {
+  const auto folder = fresh_folder("update-chain");
+  const auto outcome = run_command("update " + example("chain/update.yaml") + " --out " + folder.string(), folder);
+  ASSERT_EQ(outcome.code, 0) << outcome.errors;
+  const auto summary = read_summary(folder);
+  const auto& refined = summary["updating"]["parameters"];
+  EXPECT_LT(relative_error(refined["body.3-4.stiffness"]), 0.01);
+  EXPECT_LT(relative_error(refined["body.7-8.stiffness"]), 0.01);
+  EXPECT_LT(relative_error(refined["body.damping.modal"]), 0.10);
+  EXPECT_LT(relative_error(summary["parameters"]["suspension.mu_k1"]), 0.02);
+  EXPECT_LT(relative_error(summary["parameters"]["suspension.mu_c1"]), 0.02);
+  // What is left is the sensors' noise.
+  EXPECT_GT(summary["updating"]["residual_initial"].get<double>(), 1.5);
+  EXPECT_NEAR(summary["updating"]["residual_final"].get<double>(), 1.0, 0.02);
+  // A line on the terminal for each stage, and its trace.
+  const auto stages = summary["updating"]["stages"].size();
+  EXPECT_GE(stages, 3U);
+  for (std::size_t i = 1; i <= stages; ++i)
+    EXPECT_NE(outcome.output.find("stage " + std::string(i < 10 ? " " : "") + std::to_string(i) + ":"),
+              std::string::npos);
+  EXPECT_NE(read(folder / "report.html").find("Parameters by stage"), std::string::npos);
+}
+
+/// Both ways of differentiating the boundary's motion end at the same place, one in fewer stages.
+TEST(UpdatingByRecords, HeldGainsFindWhatFilterPassesFind) {
+  const auto folder = fresh_folder("update-gains");
+  const auto text = changed(short_chain(), "body.7-8.stiffness: {initial: 24 kN/m}\n    ", "");
+  const auto passes = updated(folder, text)["updating"];
+  const auto held = updated(
+      folder, changed(text, "{time_history: body}", "{time_history: body, derivatives: held_gains}"))["updating"];
+  for (const auto& [name, parameter] : passes["parameters"].items()) {
+    const double difference = held["parameters"][name]["estimate"].get<double>() - parameter["estimate"].get<double>();
+    // Gauss-Newton with approximate derivatives ends where J^T r = 0 for its own J: within the parameter's deviation.
+    EXPECT_LT(std::abs(difference), 3.0 * parameter["std"].get<double>()) << name;
+  }
+  EXPECT_LE(passes["evaluations"].get<int>(), held["evaluations"].get<int>());
+}
+
+TEST(UpdatingByRecords, TheSimulationOfTheWholeRefinesTheSameModel) {
+  const auto folder = fresh_folder("update-simulation");
+  const auto summary = updated(folder, changed(short_chain(), "{time_history: body}", "{simulation: all}"));
+  for (const auto& [name, parameter] : summary["updating"]["parameters"].items())
+    EXPECT_LT(relative_error(parameter), name == "body.damping.modal" ? 0.05 : 0.01) << name;
+  EXPECT_NEAR(summary["updating"]["residual_final"].get<double>(), 1.0, 0.03);
+}
+
+/// The filter begins at what the loop has found, so that the two do not pull against each other.
+TEST(UpdatingByRecords, AParameterMayBeUnknownInTheFilterAndInTheLoop) {
+  const auto folder = fresh_folder("update-both");
+  const auto text = changed(short_chain(), "    suspension.mu_c1: {initial: 16 N, std: 50 %}\n",
+                            "    suspension.mu_c1: {initial: 16 N, std: 50 %}\n"
+                            "    body.3-4.stiffness: {initial: 36 kN/m, std: 3 %}\n");
+  const auto summary = updated(folder, text);
+  const auto& refined = summary["updating"]["parameters"]["body.3-4.stiffness"];
+  const auto& in_filter = summary["parameters"]["body.3-4.stiffness"];
+  EXPECT_LT(relative_error(refined), 0.03);
+  EXPECT_LT(relative_error(in_filter), 0.01);
+  EXPECT_DOUBLE_EQ(in_filter["initial"].get<double>(), refined["estimate"].get<double>());
+}
+
+/// The base is shaken as a whole: motion is relative to it, sensors see the sum.
+TEST(UpdatingByRecords, OverAnAcceleratedBaseTheTruthLeavesTheNoise) {
+  const auto folder = fresh_folder("update-base");
+  const auto text = changed(changed(short_chain(), "base_displacement: wheel.ground", "base_acceleration: all"),
+                            "random: {rms: 3 mm,", "random: {rms: 3 m/s^2,");
+  const auto summary = updated(folder, text);
+  for (const auto& [name, parameter] : summary["updating"]["parameters"].items())
+    EXPECT_LT(relative_error(parameter), name == "body.damping.modal" ? 0.10 : 0.01) << name;
+  EXPECT_NEAR(summary["updating"]["residual_final"].get<double>(), 1.0, 0.03);
+}
+
+TEST(UpdatingByRecords, ARunThatWasKilledGoesOnWhereItStood) {
+  const auto folder = fresh_folder("update-killed");
+  const auto file = written(folder, short_chain()).string();
+  const auto whole = run_command("update " + file + " --out " + (folder / "whole").string(), folder);
+  ASSERT_EQ(whole.code, 0) << whole.errors;
+  const std::string out = (folder / "killed").string(), checkpoint = out + "/update.checkpoint.json";
+  const std::string script =
+      std::string(KALFEM_COMMAND) + " update " + file + " --out " + out +
+      " >/dev/null 2>&1 & p=$!; i=0; while [ ! -f " + checkpoint +
+      " ] && [ $i -lt 1200 ]; do sleep 0.05; i=$((i+1)); done; kill -9 $p; wait $p 2>/dev/null; true";
+  ASSERT_EQ(std::system(script.c_str()), 0);
+  ASSERT_TRUE(std::filesystem::exists(checkpoint)) << "the run ended before it could be killed";
+  const auto second = run_command("update " + file + " --out " + out, folder);
+  ASSERT_EQ(second.code, 0) << second.errors;
+  const auto one = read_summary(folder / "whole")["updating"], other = read_summary(folder / "killed")["updating"];
+  EXPECT_GE(other["resumed_at"].get<int>(), 1);
+  EXPECT_EQ(one["evaluations"], other["evaluations"]);
+  for (const auto& [name, parameter] : one["parameters"].items())
+    EXPECT_EQ(parameter["estimate"], other["parameters"][name]["estimate"]) << name;
+}
+
+TEST(UpdatingByRecords, ADamagedCheckpointIsNotUsed) {
+  const auto folder = fresh_folder("update-damaged");
+  const auto text = changed(changed(short_chain(), "body.7-8.stiffness: {initial: 24 kN/m}\n    ", ""),
+                            "{time_history: body}", "{simulation: all}");
+  for (const std::string content : {"{", "{}", R"({"fingerprint": "", "state": {}, "trace": []})"}) {
+    std::ofstream(folder / "update.checkpoint.json") << content;
+    EXPECT_FALSE(updated(folder, text)["updating"].contains("resumed_at")) << content;
+  }
+}
+
+/// E and wall of two regions of the coarse vehicle; the one of the examples is the same on a finer mesh.
+TEST(UpdatingByRecords, AShellFrameIsRefinedThroughItsSuperelements) {
+  const auto folder = fresh_folder("update-vehicle");
+  auto text = changed(read(example("vehicle/update.yaml")), "${MESH:-frame.msh}", example("vehicle/small.msh"));
+  text = changed(changed(text, "${DURATION:-5} s", "4 s"), "tolerance: 1e-3", "tolerance: 1e-2");
+  const auto summary = updated(folder, text);
+  for (const auto& [name, parameter] : summary["updating"]["parameters"].items())
+    EXPECT_LT(relative_error(parameter), 0.02) << name;
+  const auto& suspension = summary["parameters"]["suspension_2.mu_k1"];
+  EXPECT_LT(relative_error(suspension), 0.02);
+  // Without the loop the suspension takes the blame for the frame.
+  const double without = summary["updating"]["unknowns_without_updating"]["suspension_2.mu_k1"].get<double>();
+  EXPECT_GT(std::abs(without / 30.0 - 1.0), 0.2);
+}
+
+}  // namespace
+}  // namespace kalfem::test
