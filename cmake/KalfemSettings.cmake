@@ -32,7 +32,7 @@ target_link_libraries(kalfem_flags INTERFACE Eigen3::Eigen)
 target_compile_definitions(kalfem_flags INTERFACE EIGEN_MAX_ALIGN_BYTES=64)
 
 add_library(kalfem_private_flags INTERFACE)
-target_compile_options(kalfem_private_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wno-deprecated-enum-enum-conversion -Wno-maybe-uninitialized -Wno-stringop-overflow -Wno-array-bounds -Wno-restrict
+target_compile_options(kalfem_private_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wno-deprecated-enum-enum-conversion -Wno-uninitialized -Wno-maybe-uninitialized -Wno-stringop-overflow -Wno-array-bounds -Wno-restrict -Wno-stringop-overread
                        -fno-math-errno -fPIC)
 if(KALFEM_NATIVE AND NOT KALFEM_SANITIZE)
   target_compile_options(kalfem_private_flags INTERFACE -march=native)

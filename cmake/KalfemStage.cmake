@@ -8,6 +8,9 @@ function(kalfem_precompiled target)
   target_precompile_headers(${target} PRIVATE ${ARG_HEADERS})
 endfunction()
 
+# Eigen's decompositions, compiled once in the base stage and known to all that use a precompiled header.
+set(KALFEM_EIGEN_INSTANCES ${PROJECT_SOURCE_DIR}/src/kalfem/base/eigen_instances.hpp)
+
 # Settings of the stages that compute, and of the rim, which reads and writes and is compiled for a short build.
 add_library(kalfem_stage_settings INTERFACE)
 target_link_libraries(kalfem_stage_settings INTERFACE kalfem_flags kalfem_private_flags)
@@ -16,7 +19,7 @@ target_link_libraries(kalfem_rim_settings INTERFACE kalfem_flags kalfem_private_
 target_compile_options(kalfem_rim_settings INTERFACE $<$<CONFIG:Release>:-O1>)
 foreach(kind stage rim)
   kalfem_precompiled(kalfem_${kind}_headers SETTINGS kalfem_${kind}_settings
-                     HEADERS <Eigen/Dense> <Eigen/Sparse> <string> <vector> <map> <memory> <optional> <functional> <algorithm>)
+                     HEADERS ${KALFEM_EIGEN_INSTANCES} <Eigen/Sparse> <string> <vector> <map> <memory> <optional> <functional> <algorithm>)
 endforeach()
 
 # kalfem_stage(<folder> SOURCES ... [USES <stage> ...] [LIBRARIES <target> ...] [RIM])
@@ -49,7 +52,7 @@ function(kalfem_test_headers)
   target_compile_definitions(kalfem_test_settings INTERFACE KALFEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                                             KALFEM_COMMAND="${CMAKE_BINARY_DIR}/bin/kalfem")
   kalfem_precompiled(kalfem_test_headers SETTINGS kalfem_test_settings
-                     HEADERS <gtest/gtest.h> <Eigen/Dense> <Eigen/Sparse> <string> <vector> <map> <optional> <algorithm>)
+                     HEADERS <gtest/gtest.h> ${KALFEM_EIGEN_INSTANCES} <Eigen/Sparse> <string> <vector> <map> <optional> <algorithm>)
 endfunction()
 
 # kalfem_test(<name> USES <stage> ... [SOURCES ...] [LIBRARIES ...] [LABELS ...] [TIMEOUT s]): a GoogleTest program of

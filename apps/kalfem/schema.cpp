@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "kalfem/casefile/description_form.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/system/law_library.hpp"
@@ -24,7 +26,7 @@ void print_laws() {
 }  // namespace
 
 ExitCode schema(bool as_json, bool laws) {
-  const auto document = json_schema(description::case_form(), "kalfem case file");
+  const auto document = json_schema(description::case_form().schema, "kalfem case file");
   if (laws)
     print_laws();
   else if (as_json)

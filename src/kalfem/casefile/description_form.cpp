@@ -16,9 +16,9 @@ Form<Points> points(const std::string& short_name) {
         return Named<double>{{point, 1.0}};
       },
       [](const Named<double>& points) { return points.front().first; });
-  single.schema["x-written"] = short_name;
+  single.schema = single.schema.written_as(short_name);
   auto sum = named(number("-"), NameRule::dotted);
-  sum.schema["x-written"] = "{" + short_name + ": weight, ...}";
+  sum.schema = sum.schema.written_as("{" + short_name + ": weight, ...}");
   return located(either(single, sum));
 }
 

@@ -1,5 +1,7 @@
 #include "kalfem/casefile/fields.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include "kalfem/casefile/schema.hpp"
 
 namespace kalfem {
@@ -19,19 +21,13 @@ bool holds(const std::vector<std::string>& words, const std::string& word) {
 
 Json requirement(const Json& keys) { return {{"required", keys}}; }
 
-}  // namespace
-
 void report_unknown_keys(const Cursor& map, const std::vector<std::string>& known) {
   for (const auto& entry : map.node().entries)
     if (!holds(known, entry.key))
       map.at(entry).issue("unknown key" + did_you_mean(entry.key, known), "", "known here: " + join(known, ", "));
 }
 
-void report_missing_key(const Cursor& map, const std::string& key, const std::string& written,
-                        const std::string& meaning) {
-  map.issue("'" + key + "' is missing (" + meaning + ")", "", "add '" + key + ": " + written + "'");
-}
-
+/// Index of the only key that the map has, or nothing; adds an issue for two keys, or for none when one is `needed`.
 std::optional<std::size_t> only_key(const Cursor& map, const std::vector<std::string>& keys, bool needed) {
   std::optional<std::size_t> chosen;
   for (std::size_t i = 0; i < keys.size(); ++i) {
@@ -48,36 +44,120 @@ std::optional<std::size_t> only_key(const Cursor& map, const std::vector<std::st
   return chosen;
 }
 
-void report_keys_without_effect(const Cursor& map, const std::vector<std::vector<std::string>>& keys,
+/// Issues for the keys of the alternatives that were not chosen.
+void report_keys_without_effect(const Cursor& map, const std::vector<Binding>& cases,
                                 const std::vector<std::string>& names, std::size_t chosen) {
-  for (std::size_t i = 0; i < keys.size(); ++i)
-    for (const auto& key : keys[i])
-      if (const auto* entry = map.node().find(key); entry && !holds(keys[chosen], key))
+  for (std::size_t i = 0; i < cases.size(); ++i)
+    for (const auto& key : cases[i].keys)
+      if (const auto* entry = map.node().find(key); entry && !holds(cases[chosen].keys, key))
         map.at(*entry).issue("belongs to '" + names[i] + "' but '" + names[chosen] + "' is given",
                              "it would have no effect", "remove it");
 }
 
-void describe_field(Json& object, const std::string& key, const Json& schema, const std::string& meaning, bool required,
-                    const YamlNode* default_value) {
-  Json property = schema;
-  property["description"] = meaning;
-  if (default_value) property["default"] = to_json(*default_value);
-  object["properties"][key] = std::move(property);
-  if (required) object["required"].push_back(key);
-}
-
-void describe_cases(Json& object, const std::vector<Json>& cases, const std::vector<std::string>& names, bool needed) {
+void describe_cases(Json& object, const std::vector<Binding>& cases, const std::vector<std::string>& names,
+                    bool needed) {
   Json alternatives = Json::array(), any = Json::array();
   for (std::size_t i = 0; i < cases.size(); ++i) {
-    for (const auto& [key, property] : cases[i].at("properties").items()) {
+    Json alternative;
+    cases[i].describe(alternative);
+    for (const auto& [key, property] : alternative.at("properties").items()) {
       object["properties"].emplace(key, Json(property));
       object["properties"][key]["x-needed"] = key == names[i] ? "one of " + join(names, " | ") : "with " + names[i];
     }
-    alternatives.push_back(requirement(cases[i].value("required", Json::array({names[i]}))));
+    alternatives.push_back(requirement(alternative.value("required", Json::array({names[i]}))));
     any.push_back(requirement({names[i]}));
   }
   if (!needed) alternatives.push_back({{"not", {{"anyOf", any}}}});
   object["allOf"].push_back({{"oneOf", alternatives}});
+}
+
+std::vector<std::string> all_keys(const std::vector<Binding>& bindings) {
+  std::vector<std::string> keys;
+  for (const auto& each : bindings) keys.insert(keys.end(), each.keys.begin(), each.keys.end());
+  return keys;
+}
+
+}  // namespace
+
+const YamlEntry* find_field(const Cursor& map, const FieldWords& words, const FormSchema& schema) {
+  const auto* entry = map.node().find(words.key);
+  if (!entry && words.required)
+    map.issue("'" + words.key + "' is missing (" + words.meaning + ")", "",
+              "add '" + words.key + ": " + schema.written() + "'");
+  return entry;
+}
+
+Binding bind_field(const FieldWords& words, const FormSchema& schema, const YamlNodePtr& default_value,
+                   std::function<void(const Cursor&, void*)> read,
+                   std::function<void(const void*, std::vector<YamlEntry>&)> write) {
+  const auto describe = [=](Json& object) {
+    Json property = schema.json();
+    property["description"] = words.meaning;
+    if (default_value) property["default"] = to_json(*default_value);
+    object["properties"][words.key] = std::move(property);
+    if (words.required) object["required"].push_back(words.key);
+  };
+  return {{words.key}, std::move(read), std::move(write), describe};
+}
+
+Binding bind_one_of(std::vector<std::string> names, std::vector<Binding> cases, bool needed) {
+  struct Alternatives {
+    std::vector<std::string> names;
+    std::vector<Binding> cases;
+  };
+  auto keys = all_keys(cases);
+  const auto all = std::make_shared<const Alternatives>(Alternatives{std::move(names), std::move(cases)});
+  return {std::move(keys),
+          [=](const Cursor& map, void* object) {
+            const auto chosen = only_key(map, all->names, needed);
+            if (!chosen) return;
+            report_keys_without_effect(map, all->cases, all->names, *chosen);
+            all->cases[*chosen].read(map, object);
+          },
+          [=](const void* object, std::vector<YamlEntry>& entries) {
+            for (const auto& each : all->cases) each.write(object, entries);
+          },
+          [=](Json& schema) { describe_cases(schema, all->cases, all->names, needed); }};
+}
+
+Binding bind_all(std::vector<Binding> fields, std::vector<std::function<std::vector<Issue>(const void*)>> checks) {
+  auto keys = all_keys(fields);
+  const auto all = std::make_shared<const std::vector<Binding>>(std::move(fields));
+  return {std::move(keys),
+          [=](const Cursor& map, void* object) {
+            const std::size_t before = map.issue_count();
+            for (const auto& field : *all) field.read(map, object);
+            if (map.issue_count() != before) return;
+            for (const auto& validate : checks)
+              if (const auto issues = validate(object); !issues.empty()) map.issue(InvalidInput(issues));
+          },
+          [=](const void* object, std::vector<YamlEntry>& entries) {
+            for (const auto& field : *all) field.write(object, entries);
+          },
+          [=](Json& schema) {
+            for (const auto& field : *all) field.describe(schema);
+          }};
+}
+
+bool read_map(const Cursor& cursor, const Binding& fields, const FormSchema& schema, void* object) {
+  if (cursor.node().kind != YamlNode::Kind::null && !cursor.require(YamlNode::Kind::map, schema.written()))
+    return false;
+  const std::size_t before = cursor.issue_count();
+  report_unknown_keys(cursor, fields.keys);
+  fields.read(cursor, object);
+  return cursor.issue_count() == before;
+}
+
+YamlNodePtr write_map(const Binding& fields, const void* object) {
+  std::vector<YamlEntry> entries;
+  fields.write(object, entries);
+  return yaml_map(entries);
+}
+
+FormSchema map_schema(const Binding& fields) {
+  Json json{{"type", "object"}, {"additionalProperties", false}, {"x-written", "{" + join(fields.keys, ", ") + "}"}};
+  fields.describe(json);
+  return FormSchema(std::move(json));
 }
 
 }  // namespace kalfem

@@ -79,7 +79,7 @@ Form<NodePlace> node_place() {
         return NodePlace{word, {}};
       },
       [](const NodePlace& place) { return place.group; });
-  group.schema["x-written"] = "group | number";
+  group.schema = group.schema.written_as("group | number");
   const auto place = convert<NodePlace, std::array<double, 3>>(
       tuple<3>(number("m")),
       [](const std::array<double, 3>& at) {
@@ -113,10 +113,6 @@ Form<Fixed> fixed() {
                      .required("nodes", &Fixed::nodes, located(text()), "group of the mesh, or one of `nodes`")
                      .optional("directions", &Fixed::directions, directions(), "that are held; default: all"));
 }
-
-}  // namespace
-
-namespace {
 
 Form<UnitSystem> units() {
   return mapping(Fields<UnitSystem>()

@@ -2,6 +2,7 @@
 
 #include <cctype>
 #include <charconv>
+#include <nlohmann/json.hpp>
 
 namespace kalfem {
 namespace {
@@ -25,6 +26,12 @@ std::string number_words(const std::string& unit, const Bounds& bounds) {
   if (!unit_comment(unit).empty()) words += " [" + unit + "]";
   const std::string range = bounds.describe();
   return range.empty() ? words : words + " " + range;
+}
+
+nlohmann::ordered_json whole_number(const FormSchema& scalar) {
+  nlohmann::ordered_json json = scalar.json();
+  json["type"] = "integer";
+  return json;
 }
 
 double require_within(double value, const std::string& shown, const Bounds& bounds) {
@@ -79,10 +86,12 @@ Form<double> number(const std::string& unit, const Bounds& bounds) {
   const auto parse = [=](const std::string& text) { return checked_number(text, unit, bounds); };
   auto form = scalar<double>(number_words(unit, bounds), parse, shortest, true);
   form.write = [=](double value) { return yaml_literal(shortest(value), unit_comment(unit)); };
-  form.schema["type"] = {"number", "string"};
-  if (!unit_comment(unit).empty()) form.schema["x-unit"] = unit;
-  if (std::isfinite(bounds.low)) form.schema[bounds.low_open ? "exclusiveMinimum" : "minimum"] = bounds.low;
-  if (std::isfinite(bounds.high)) form.schema[bounds.high_open ? "exclusiveMaximum" : "maximum"] = bounds.high;
+  nlohmann::ordered_json json = form.schema.json();
+  json["type"] = {"number", "string"};
+  if (!unit_comment(unit).empty()) json["x-unit"] = unit;
+  if (std::isfinite(bounds.low)) json[bounds.low_open ? "exclusiveMinimum" : "minimum"] = bounds.low;
+  if (std::isfinite(bounds.high)) json[bounds.high_open ? "exclusiveMaximum" : "maximum"] = bounds.high;
+  form.schema = FormSchema(std::move(json));
   return form;
 }
 
@@ -94,9 +103,10 @@ Form<int> integer(int low, int high) {
   auto form = scalar<int>(
       "whole number" + (range.empty() ? "" : " " + range), parse,
       [](const int& value) { return std::to_string(value); }, true);
-  form.schema["type"] = "integer";
-  if (low != std::numeric_limits<int>::min()) form.schema["minimum"] = low;
-  if (high != std::numeric_limits<int>::max()) form.schema["maximum"] = high;
+  nlohmann::ordered_json json = whole_number(form.schema);
+  if (low != std::numeric_limits<int>::min()) json["minimum"] = low;
+  if (high != std::numeric_limits<int>::max()) json["maximum"] = high;
+  form.schema = FormSchema(std::move(json));
   return form;
 }
 
@@ -106,8 +116,9 @@ Form<std::uint64_t> seed() {
   };
   auto form = scalar<std::uint64_t>(
       "whole number", parse, [](const std::uint64_t& value) { return std::to_string(value); }, true);
-  form.schema["type"] = "integer";
-  form.schema["minimum"] = 0;
+  nlohmann::ordered_json json = whole_number(form.schema);
+  json["minimum"] = 0;
+  form.schema = FormSchema(std::move(json));
   return form;
 }
 
@@ -118,7 +129,9 @@ Form<bool> boolean() {
   };
   auto form = scalar<bool>(
       "true | false", parse, [](const bool& value) { return std::string(value ? "true" : "false"); }, true);
-  form.schema["type"] = "boolean";
+  nlohmann::ordered_json json = form.schema.json();
+  json["type"] = "boolean";
+  form.schema = FormSchema(std::move(json));
   return form;
 }
 
@@ -147,8 +160,17 @@ Form<std::filesystem::path> path(bool existing) {
     return std::nullopt;
   };
   form.write = [](const fs::path& file) { return yaml_text(file.string()); };
-  form.schema = {{"type", "string"}, {"x-written", "file name"}};
+  form.schema = FormSchema({{"type", "string"}, {"x-written", "file name"}});
   return form;
+}
+
+bool require_size(const Cursor& list, std::size_t least, std::size_t most) {
+  const std::size_t size = list.node().items.size();
+  if (size >= least && size <= most) return true;
+  const std::string wanted = least == most ? "" : size < least ? "at least " : "at most ";
+  list.issue(std::to_string(size) + " values given", "",
+             "give " + wanted + std::to_string(size < least ? least : most));
+  return false;
 }
 
 Form<std::string> word(const std::vector<std::string>& known) {

@@ -4,7 +4,6 @@
 #include <array>
 #include <functional>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,6 +11,7 @@
 
 #include "kalfem/base/units.hpp"
 #include "kalfem/casefile/cursor.hpp"
+#include "kalfem/casefile/form_schema.hpp"
 
 namespace kalfem {
 
@@ -23,11 +23,9 @@ struct Form {
   /// Nothing when the value is not usable; then an issue was added.
   std::function<std::optional<T>(const Cursor&)> read;
   std::function<YamlNodePtr(const T&)> write;
-  /// JSON Schema (draft 2020-12) with words of our own: "x-written", the form in a few English words, "x-unit", and
-  /// "x-needed", which says when a key of alternatives is needed.
-  nlohmann::ordered_json schema;
+  FormSchema schema;
 
-  [[nodiscard]] std::string written() const { return schema.value("x-written", ""); }
+  [[nodiscard]] std::string written() const { return schema.written(); }
 };
 
 /// Named values in file order.
@@ -101,7 +99,7 @@ Form<T> scalar(const std::string& written, std::function<T(const std::string&)> 
     }
   };
   const auto write = [=](const T& value) { return literal ? yaml_literal(print(value)) : yaml_text(print(value)); };
-  return {read, write, {{"type", {"string", "number"}}, {"x-written", written}}};
+  return {read, write, scalar_schema(written)};
 }
 
 /// A number with a unit; a bare one is SI.
@@ -120,47 +118,43 @@ Form<std::filesystem::path> path(bool existing = true);
 /// One of a few words.
 template <class T>
 Form<T> choice(const std::vector<Choice<T>>& choices) {
-  std::vector<std::string> words;
-  std::string joined;
-  nlohmann::ordered_json alternatives = nlohmann::ordered_json::array();
+  std::vector<std::string> words, meanings;
   for (const auto& each : choices) {
     words.push_back(each.word);
-    joined += (joined.empty() ? "" : " | ") + each.word;
-    alternatives.push_back({{"const", each.word}, {"description", each.meaning}});
+    meanings.push_back(each.meaning);
   }
+  const FormSchema schema = choice_schema(words, meanings);
   const auto parse = [=](const std::string& word) -> T {
     for (const auto& each : choices)
       if (each.word == word) return each.value;
-    throw InvalidInput("'" + word + "' is not known" + did_you_mean(word, words), "", "write one of " + joined);
+    throw InvalidInput("'" + word + "' is not known" + did_you_mean(word, words), "",
+                       "write one of " + schema.written());
   };
   const auto print = [=](const T& value) {
     const auto found =
         std::find_if(choices.begin(), choices.end(), [&](const auto& each) { return each.value == value; });
     return found == choices.end() ? std::string() : found->word;
   };
-  auto form = scalar<T>(joined, parse, print);
-  form.schema = {{"oneOf", alternatives}, {"x-written", joined}};
+  auto form = scalar<T>(schema.written(), parse, print);
+  form.schema = schema;
   return form;
 }
 
 /// A word out of names that are known at run time (laws, filters of a registry).
 Form<std::string> word(const std::vector<std::string>& known);
 
+/// Whether the list has so many values; otherwise adds an issue.
+bool require_size(const Cursor& list, std::size_t least, std::size_t most);
+
 /// A list of any length.
 template <class T>
 Form<std::vector<T>> list(const Form<T>& item, std::size_t least = 0,
                           std::size_t most = std::numeric_limits<std::size_t>::max()) {
-  const std::string written = "[" + item.written() + ", ...]";
+  const FormSchema schema = list_schema(item.schema, least, most);
   const auto read = [=](const Cursor& cursor) -> std::optional<std::vector<T>> {
-    if (!cursor.require(YamlNode::Kind::list, written)) return std::nullopt;
+    if (!cursor.require(YamlNode::Kind::list, schema.written())) return std::nullopt;
     const std::size_t size = cursor.node().items.size();
-    if (size < least || size > most) {
-      cursor.issue(std::to_string(size) + " values given", "",
-                   least == most ? "give " + std::to_string(least)
-                                 : (size < least ? "give at least " + std::to_string(least)
-                                                 : "give at most " + std::to_string(most)));
-      return std::nullopt;
-    }
+    if (!require_size(cursor, least, most)) return std::nullopt;
     std::vector<T> values;
     for (std::size_t i = 0; i < size; ++i)
       if (auto value = item.read(cursor.item(i))) values.push_back(std::move(*value));
@@ -170,11 +164,8 @@ Form<std::vector<T>> list(const Form<T>& item, std::size_t least = 0,
   const auto write = [=](const std::vector<T>& values) {
     std::vector<YamlNodePtr> items;
     for (const auto& value : values) items.push_back(item.write(value));
-    return yaml_list(items, item.schema.value("x-unit", ""));
+    return yaml_list(items, item.schema.unit());
   };
-  nlohmann::ordered_json schema{{"type", "array"}, {"items", item.schema}, {"x-written", written}};
-  if (least > 0) schema["minItems"] = least;
-  if (most != std::numeric_limits<std::size_t>::max()) schema["maxItems"] = most;
   return {read, write, schema};
 }
 
@@ -190,20 +181,17 @@ Form<std::array<T, N>> tuple(const Form<T>& item) {
     return array;
   };
   const auto write = [=](const std::array<T, N>& array) { return values.write({array.begin(), array.end()}); };
-  auto schema = values.schema;
-  schema["x-written"] = "list of " + std::to_string(N) + ": " + item.written();
-  return {read, write, schema};
+  return {read, write, values.schema.written_as("list of " + std::to_string(N) + ": " + item.written())};
 }
 
 /// A form and a shorter one for the same thing: `modal: 1 %` for `modal: [1 %]`. The short form is the one taken for a
 /// scalar; the full form is echoed.
 template <class T>
 Form<T> either(const Form<T>& short_form, const Form<T>& full_form) {
-  const std::string written = short_form.written() + " or " + full_form.written();
   const auto read = [=](const Cursor& cursor) {
     return cursor.node().kind == YamlNode::Kind::scalar ? short_form.read(cursor) : full_form.read(cursor);
   };
-  return {read, full_form.write, {{"anyOf", {short_form.schema, full_form.schema}}, {"x-written", written}}};
+  return {read, full_form.write, either_schema(short_form.schema, full_form.schema)};
 }
 
 /// Another C++ type for the same text: `to` after reading (throws InvalidInput when it cannot be), `from` before
@@ -233,17 +221,15 @@ Form<std::vector<T>> one_or_list(const Form<T>& item) {
     if (!value) return std::nullopt;
     return std::vector<T>{std::move(*value)};
   };
-  return {read,
-          several.write,
-          {{"anyOf", {item.schema, several.schema}}, {"x-written", item.written() + " or " + several.written()}}};
+  return {read, several.write, either_schema(item.schema, several.schema)};
 }
 
 /// A map from names that the user chooses, in file order.
 template <class T>
 Form<Named<T>> named(const Form<T>& item, NameRule rule = NameRule::name) {
-  const std::string written = "{name: " + item.written() + ", ...}";
+  const FormSchema schema = named_schema(item.schema);
   const auto read = [=](const Cursor& cursor) -> std::optional<Named<T>> {
-    if (!cursor.require(YamlNode::Kind::map, written)) return std::nullopt;
+    if (!cursor.require(YamlNode::Kind::map, schema.written())) return std::nullopt;
     const std::size_t before = cursor.issue_count();
     Named<T> values;
     for (const auto& entry : cursor.node().entries) {
@@ -263,7 +249,7 @@ Form<Named<T>> named(const Form<T>& item, NameRule rule = NameRule::name) {
     for (const auto& [name, value] : values) entries.push_back({name, 0, item.write(value)});
     return yaml_map(entries);
   };
-  return {read, write, {{"type", "object"}, {"additionalProperties", item.schema}, {"x-written", written}}};
+  return {read, write, schema};
 }
 
 /// The value with the place where it was given.

@@ -1,6 +1,8 @@
 #include "kalfem/casefile/schema.hpp"
 
 #include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
 
 namespace kalfem {
 namespace {
@@ -85,6 +87,12 @@ Json to_json(const YamlNode& node) {
   Json map = Json::object();
   for (const auto& entry : node.entries) map[entry.key] = to_json(*entry.value);
   return map;
+}
+
+Json json_schema(const FormSchema& form, const std::string& title) {
+  Json schema{{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", title}};
+  schema.update(form.json());
+  return schema;
 }
 
 std::string reference_text(const Json& schema) { return below(schema, ""); }

@@ -2,7 +2,8 @@
 
 #include <string>
 
-#include "kalfem/casefile/form.hpp"
+#include "kalfem/casefile/form_schema.hpp"
+#include "kalfem/casefile/yaml_node.hpp"
 
 namespace kalfem {
 
@@ -10,12 +11,7 @@ namespace kalfem {
 nlohmann::ordered_json to_json(const YamlNode& node);
 
 /// JSON Schema (draft 2020-12) of a whole case file, for editors.
-template <class T>
-nlohmann::ordered_json json_schema(const Form<T>& form, const std::string& title) {
-  nlohmann::ordered_json schema{{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", title}};
-  schema.update(form.schema);
-  return schema;
-}
+nlohmann::ordered_json json_schema(const FormSchema& form, const std::string& title);
 
 /// The same as text for people: one line a key with its form, whether it is needed or its default, and its meaning.
 std::string reference_text(const nlohmann::ordered_json& schema);

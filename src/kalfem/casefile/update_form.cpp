@@ -40,8 +40,7 @@ Form<Frequencies> frequencies() {
     const auto* listed = std::get_if<std::vector<double>>(&given);
     return listed ? values.write(*listed) : column.write(std::get<TableColumn>(given));
   };
-  const std::string written = values.written() + " or " + column.written();
-  return {read, write, {{"anyOf", {values.schema, column.schema}}, {"x-written", written}}};
+  return {read, write, either_schema(values.schema, column.schema)};
 }
 
 kalfem::Case<ModalData> modal_data() {

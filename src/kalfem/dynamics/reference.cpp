@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/time_series.hpp"
@@ -11,6 +12,8 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+
+constexpr std::size_t most_extrapolations = 2;
 
 MatrixXd every(const MatrixXd& fine, Index substeps) { return fine(Eigen::seq(0, Eigen::last, substeps), Eigen::all); }
 
@@ -26,6 +29,33 @@ double largest_change(const MatrixXd& finer, const MatrixXd& coarser) {
   double change = 0.0;
   for (Index j = 0; j < finer.cols(); ++j) change = std::max(change, nrmse(coarser.col(j), finer.col(j)));
   return change;
+}
+
+/// A solution at the record's samples.
+struct Sampled {
+  SimulationResult simulation;
+  MatrixXd sensors;
+
+  /// This one and `coarser`, of twice the step, with the error of order h^(2 power) taken out.
+  [[nodiscard]] Sampled extrapolated(const Sampled& coarser, Index power) const {
+    const double weight = 1.0 / (std::pow(4.0, static_cast<double>(power)) - 1.0);
+    const auto extrapolate = [&](MatrixXd& finer, const MatrixXd& other) { finer += weight * (finer - other); };
+    Sampled result = *this;
+    extrapolate(result.sensors, coarser.sensors);
+    extrapolate(result.simulation.every_sample, coarser.simulation.every_sample);
+    for (const auto motion : {&Trajectory::displacement, &Trajectory::velocity, &Trajectory::acceleration,
+                              &Trajectory::force, &Trajectory::connector_states})
+      extrapolate(result.simulation.trajectory.*motion, coarser.simulation.trajectory.*motion);
+    return result;
+  }
+};
+
+/// The solutions S_k,0 ... S_k,j of one step, from the plain one and those of twice the step.
+std::vector<Sampled> extrapolations(Sampled plain, const std::vector<Sampled>& coarser) {
+  std::vector<Sampled> row{std::move(plain)};
+  for (std::size_t j = 1; j <= std::min(coarser.size(), most_extrapolations); ++j)
+    row.push_back(row[j - 1].extrapolated(coarser[j - 1], static_cast<Index>(j)));
+  return row;
 }
 
 void check(const ReferenceOptions& options) {
@@ -50,23 +80,33 @@ Reference simulate_reference(const LocallyNonlinearSystem& system, const std::ve
                              const ReferenceOptions& options) {
   check(options);
   Reference reference;
+  std::vector<Sampled> coarser;
   simulation.every_step = sensors;
   for (Index substeps = options.first_substeps; substeps <= options.max_substeps; substeps *= 2) {
     simulation.step = 1.0 / (options.sample_rate * static_cast<double>(substeps));
     simulation.keep_every = substeps;
-    auto finer = simulate(system, signals, initial, simulation);
-    if (finer.failure && substeps * 2 <= options.max_substeps) continue;  // a smaller step may converge
-    const bool failed = finer.failure.has_value();
-    MatrixXd finer_sensors =  // what was reached before a failure may be too large for the chains
-        failed ? MatrixXd() : record(finer.every_step, chains, 1.0 / simulation.step, substeps);
-    finer.every_step.resize(0, 0);
-    const bool comparable = reference.substeps > 0 && !failed;
-    reference.last_change = comparable ? largest_change(finer_sensors, reference.sensors) : 1.0;
-    reference.simulation = std::move(finer);
-    reference.sensors = std::move(finer_sensors);
-    reference.substeps = substeps;
-    reference.converged = comparable && reference.last_change <= options.tolerance;
-    if (failed || reference.converged || sensors.size() == 0) break;
+    reference = {
+        .simulation = simulate(system, signals, initial, simulation), .substeps = substeps, .last_change = 1.0};
+    if (reference.simulation.failure) {
+      coarser.clear();
+      continue;  // a smaller step may converge
+    }
+    Sampled plain{std::move(reference.simulation), {}};
+    plain.sensors = record(plain.simulation.every_step, chains, 1.0 / simulation.step, substeps);
+    plain.simulation.every_step.resize(0, 0);
+    auto row = extrapolations(std::move(plain), coarser);
+    std::size_t best = 0;
+    for (std::size_t j = 0; j < coarser.size(); ++j)
+      if (const double change = largest_change(row[j].sensors, coarser[j].sensors); change <= reference.last_change) {
+        reference.last_change = change;
+        best = j;
+      }
+    reference.simulation = row[best].simulation;
+    reference.sensors = row[best].sensors;
+    reference.extrapolations = static_cast<Index>(best);
+    reference.converged = !coarser.empty() && reference.last_change <= options.tolerance;
+    coarser = std::move(row);
+    if (reference.converged || sensors.size() == 0) break;
   }
   return reference;
 }

@@ -92,6 +92,12 @@ private:
   double tolerance_;
 };
 
+/// A limit is mostly given with a number that it keeps from mattering.
+Index expected(const LowestModesOptions& options) {
+  const Index count = options.count.value_or(first_guess);
+  return options.below ? std::min(count, first_guess) : count;
+}
+
 /// Space for a basis in which so many pairs converge; where they are more than was thought, it grows.
 Index capacity_for(Index wanted) { return 2 * wanted + 12 * block_width; }
 
@@ -172,7 +178,7 @@ MatrixXd purified(const Matrix& mass, const SparseFactor& factor, MatrixXd vecto
 LowestModes by_lanczos(const Problem& problem) {
   const auto& [stiffness, mass, shifted, options] = problem;
   const Wanted wanted(options, shifted.shift);
-  BlockLanczos lanczos(shifted.factor, mass, block_width, capacity_for(options.count.value_or(first_guess)));
+  BlockLanczos lanczos(shifted.factor, mass, block_width, capacity_for(expected(options)));
   lanczos.restart_at_random();
   for (int attempt = 0; attempt < most_checks; ++attempt) {
     const RitzPairs pairs = iterate(lanczos, wanted);

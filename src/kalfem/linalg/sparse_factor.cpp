@@ -134,6 +134,7 @@ struct SparseFactor::Workspace {
     cholmod_l_factorize(&view, factor, &common);
     if (common.status == CHOLMOD_NOT_POSDEF) throw NotPositiveDefinite(given_column(factor->minor));
     if (common.status < CHOLMOD_OK) fail();
+    matrix.values = {};  // only the pattern is needed from here on
     check_pivots();
   }
 

@@ -114,10 +114,10 @@ private:
       normal += weighted * rigid * scale.asDiagonal();
       fit.middleCols<6>(6 * static_cast<Eigen::Index>(i)) = weighted;
     }
-    Eigen::CompleteOrthogonalDecomposition<Matrix6> solver;
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(6, 6);
     solver.setThreshold(1e-9);
     solver.compute(normal);
-    const Matrix6 determined = solver.solve(normal);
+    const Matrix6 determined = solver.solve(Eigen::MatrixXd(normal));
     const Eigen::MatrixXd motion = scale.asDiagonal() * solver.solve(fit);
     for (int direction = 0; direction < 6; ++direction) {
       if (!link.tied[static_cast<std::size_t>(direction)]) continue;

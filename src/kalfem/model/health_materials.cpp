@@ -76,12 +76,6 @@ void tell_regions(const HealthReport& report, std::vector<HealthFinding>& findin
   }
 }
 
-std::string quoted(const std::vector<std::string>& names) {
-  std::vector<std::string> marked;
-  for (const auto& name : names) marked.push_back("'" + name + "'");
-  return listed(marked, static_cast<Index>(marked.size()));
-}
-
 /// `in_si`: another material is a usual one in SI, beside which an odd one is a stand-in: a dummy, a smeared core.
 void tell_material(const MaterialHealth& material, bool in_si, std::vector<HealthFinding>& findings) {
   if (material.used_by.empty()) {

@@ -37,9 +37,9 @@ struct LumpedSubstructure {
   std::vector<LumpedMass> masses;
   std::vector<LumpedSpring> springs;
   std::vector<std::string> grounds = {"ground"};
-  std::map<std::string, DofCombination> points;
-  std::vector<double> modal_damping;  ///< ratio to critical per mode; the last one holds for all further modes
-  RayleighDamping rayleigh;
+  std::map<std::string, DofCombination> points = {};
+  std::vector<double> modal_damping = {};  ///< ratio to critical per mode; the last one holds for all further modes
+  RayleighDamping rayleigh = {};
 };
 
 /// Every problem of a lumped substructure: doubled or unknown names, non-positive masses, negative stiffness or

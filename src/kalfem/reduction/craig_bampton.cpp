@@ -27,16 +27,16 @@ std::vector<std::string> reduced_names(const std::vector<std::string>& boundary,
 
 /// The kept modes with the truncation vectors behind them, where they are wanted.
 LowestModes completed_modes(const LinearModel& model, const Partition& parts, const MatrixXd& static_part,
-                            const LowestModes& kept, const SparseFactor& stiffness, bool with_truncation) {
+                            LowestModes kept, const SparseFactor& stiffness, bool with_truncation) {
   if (!with_truncation || parts.boundary.empty()) return kept;
   const auto further = truncation_vectors(parts, select(model.mass, parts.interior, parts.boundary), static_part,
                                           kept.vectors, stiffness);
-  LowestModes all = kept;
-  all.values.conservativeResize(kept.values.size() + further.values.size());
-  all.values.tail(further.values.size()) = further.values;
-  all.vectors.conservativeResize(Eigen::NoChange, all.values.size());
-  all.vectors.rightCols(further.values.size()) = further.vectors;
-  return all;
+  const Index count = kept.values.size() + further.values.size();
+  kept.values.conservativeResize(count);
+  kept.values.tail(further.values.size()) = further.values;
+  kept.vectors.conservativeResize(Eigen::NoChange, count);
+  kept.vectors.rightCols(further.values.size()) = further.vectors;
+  return kept;
 }
 
 double comparison_band(const ReductionEvidence& evidence, const ReductionOptions& options) {
@@ -44,26 +44,17 @@ double comparison_band(const ReductionEvidence& evidence, const ReductionOptions
   return 0.5 * (evidence.highest_kept > 0.0 ? evidence.highest_kept : evidence.next_left_out);
 }
 
-}  // namespace
-
-Superelement craig_bampton(const LinearModel& model, const std::vector<std::string>& boundary,
-                           const ReductionOptions& options) {
-  const Stopwatch watch;
-  const std::vector<std::string> names = joined(boundary, options.also_kept);
+/// The superelement without its comparison with the full model; what belongs to the interior alone, its matrices and
+/// their factor, ends here.
+Superelement reduced(const LinearModel& model, const std::vector<std::string>& names, const ReductionOptions& options) {
   const Partition parts = partition(model, names);
-  const ShiftedStiffness factored = factor_stiffness(parts.stiffness_ii, parts.mass_ii, parts.interior_names, options.order);
+  const ShiftedStiffness factored =
+      factor_stiffness(parts.stiffness_ii, parts.mass_ii, parts.interior_names, options.order);
   const MatrixXd static_part = static_modes(parts, factored, rigid_body_modes(parts, factored));
-  const SelectedModes selected = select_modes(parts, static_part * translations(names), factored, options.modes);
+  SelectedModes selected = select_modes(parts, static_part * translations(names), factored, options.modes);
   const VectorXd kept = natural_frequencies(selected.modes.values);
 
-  const LowestModes modes =
-      completed_modes(model, parts, static_part, selected.modes, factored.factor, options.truncation_vectors);
-
   Superelement element;
-  element.boundary = parts.boundary;
-  element.basis = transformation(parts, static_part, modes.vectors);
-  element.model = projected_model(model, element.basis, modes.values,
-                                  reduced_names(names, kept.size(), modes.values.size() - kept.size()));
   ReductionEvidence& evidence = element.evidence;
   evidence.static_error = static_error(parts, static_part);
   evidence.interface_frequencies = kept;
@@ -71,14 +62,30 @@ Superelement craig_bampton(const LinearModel& model, const std::vector<std::stri
   evidence.next_left_out = natural_frequencies(VectorXd::Constant(1, selected.modes.next.value_or(0.0)))[0];
   evidence.rigid_modes = selected.rigid;
   evidence.reason = selected.reason;
-  if (const Index further = modes.values.size() - kept.size(); further > 0)
-    evidence.reason += ", " + std::to_string(further) + " truncation vectors";
   evidence.factor_bytes = factored.factor.bytes();
   evidence.order = factored.factor.order();
   evidence.solves = selected.modes.solves + static_part.cols();
-  evidence.seconds = watch.seconds();
+
+  const LowestModes modes = completed_modes(model, parts, static_part, std::move(selected.modes), factored.factor,
+                                            options.truncation_vectors);
+  const Index further = modes.values.size() - kept.size();
+  if (further > 0) evidence.reason += ", " + std::to_string(further) + " truncation vectors";
+  element.boundary = parts.boundary;
+  element.basis = transformation(parts, static_part, modes.vectors);
+  element.model = projected_model(model, element.basis, modes.values, reduced_names(names, kept.size(), further));
+  return element;
+}
+
+}  // namespace
+
+Superelement craig_bampton(const LinearModel& model, const std::vector<std::string>& boundary,
+                           const ReductionOptions& options) {
+  const Stopwatch watch;
+  Superelement element = reduced(model, joined(boundary, options.also_kept), options);
+  element.evidence.seconds = watch.seconds();
   if (options.evidence)
-    evidence.modes = compare_modes(model, element.model, element.basis, comparison_band(evidence, options));
+    element.evidence.modes =
+        compare_modes(model, element.model, element.basis, comparison_band(element.evidence, options));
   return element;
 }
 

@@ -107,7 +107,7 @@ Json open_loop_summary(const EstimationStage& stage) {
   return sensors;
 }
 
-Json estimation_summary(const Study& study, const EstimationStage& stage) {
+Json estimation_summary(const EstimationStage& stage) {
   Json ratios = Json::object();
   for (std::size_t i = 0; i < stage.measurements.channels.size(); ++i)
     ratios[stage.measurements.channels[i].name] =
@@ -170,10 +170,11 @@ Json summarise(const Study& study, const StudyResults& results) {
   if (!study.warnings.empty()) summary["warnings"] = study.warnings;
   if (results.simulation)
     summary["simulation"] = {{"steps_per_sample", results.simulation->reference.substeps},
+                             {"extrapolations", results.simulation->reference.extrapolations},
                              {"last_change", number(results.simulation->reference.last_change)}};
   if (results.estimation) {
     summary["parameters"] = parameters_summary(study, *results.estimation);
-    summary["estimation"] = estimation_summary(study, *results.estimation);
+    summary["estimation"] = estimation_summary(*results.estimation);
   }
   if (results.prediction || !results.modifications.empty()) summary["prediction"] = prediction_summary(results);
   if (results.updating) summary["updating"] = updating_summary(study, *results.updating);

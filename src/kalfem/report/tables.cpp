@@ -164,10 +164,11 @@ std::string console_report(const Study& study, const StudyResults& results) {
     const bool of_superelements =
         std::ranges::any_of(study.finite_elements, [](const auto& each) { return each.reference != nullptr; });
     text += fmt::format(
-        "Reference: {} degrees of freedom{}, {} s at {} Hz, {} steps a sample (last change {}), {:.1f} s\n\n",
+        "Reference: {} degrees of freedom{}, {} s at {} Hz, {} steps a sample{} (last change {}), {:.1f} s\n\n",
         study.model->system().size(), of_superelements ? " (superelements)" : "",
         four_digits(study.given.simulate->duration), four_digits(study.sample_rate()), reference.substeps,
-        per_cent(reference.last_change), results.simulation->seconds);
+        reference.extrapolations > 0 ? " and extrapolated" : "", per_cent(reference.last_change),
+        results.simulation->seconds);
   }
   if (results.updating) text += console_updating(study, results);
   if (results.estimation) {

@@ -111,7 +111,7 @@ struct ScalarCard {
   double value = 0.0;
   std::array<Id, 2> nodes{};  ///< 0: the ground
   std::array<int, 2> components{};
-  Place where;
+  Place where = {};
 };
 
 /// CBUSH, CBUSH1D, CVISC.
@@ -211,9 +211,9 @@ struct Term {
 struct RigidBodyCard {
   const char* kind = "RBE2";
   Id id = 0;
-  std::vector<std::pair<Id, unsigned>> independent;  ///< components that lead
-  std::vector<std::pair<Id, unsigned>> dependent;
-  Place where;
+  std::vector<std::pair<Id, unsigned>> independent = {};  ///< components that lead
+  std::vector<std::pair<Id, unsigned>> dependent = {};
+  Place where = {};
 };
 struct WeightedCard {
   Id id = 0;

@@ -56,10 +56,11 @@ std::vector<DependentRow> rigid_rows(const Building& building, const NodeCompone
   Row6 scale;
   scale << 1.0, 1.0, 1.0, 1.0 / length, 1.0 / length, 1.0 / length;
   const Eigen::Matrix<double, 6, 6> leading = rigid_rows_of(building, lead, centre) * scale.asDiagonal();
-  Eigen::FullPivLU<Eigen::Matrix<double, 6, 6>> solver(leading);
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(leading);
   solver.setThreshold(1e-10);
   if (!solver.isInvertible()) return {};
-  const Eigen::MatrixXd shares = rigid_rows_of(building, follow, centre) * scale.asDiagonal() * solver.inverse();
+  const Eigen::MatrixXd inverse = solver.solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(6, 6)));
+  const Eigen::MatrixXd shares = rigid_rows_of(building, follow, centre) * scale.asDiagonal() * inverse;
   std::vector<DependentRow> rows;
   for (std::size_t i = 0; i < follow.size(); ++i) {
     if (std::ranges::find(lead, follow[i]) != lead.end()) continue;
@@ -114,7 +115,7 @@ std::vector<DependentRow> weighted_rows(const Building& building, const Weighted
   solver.setThreshold(1e-12);
   solver.compute(normal);
   const Eigen::MatrixXd fit =
-      scale.asDiagonal() * solver.solve(motions.transpose() * Eigen::MatrixXd(weight.asDiagonal()));
+      scale.asDiagonal() * solver.solve(Eigen::MatrixXd(motions.transpose() * weight.asDiagonal()));
 
   unsigned reference = 0;
   for (std::size_t i = 0; i < 6; ++i) reference |= link.tied[i] ? 1u << i : 0u;
@@ -140,7 +141,7 @@ std::vector<DependentRow> weighted_rows(const Building& building, const Weighted
       if (place == all.end()) return {};
       pivots.col(i) = equations.col(place - all.begin());
     }
-    Eigen::FullPivLU<Eigen::MatrixXd> chosen(pivots);
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> chosen(pivots);
     chosen.setThreshold(1e-10);
     if (!chosen.isInvertible()) return {};
     equations = chosen.solve(equations).eval();
