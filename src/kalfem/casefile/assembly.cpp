@@ -103,6 +103,23 @@ InputDescription make_input(const std::string& name, const description::Excitati
   return {name, InputKind::base_acceleration, "", all ? DofCombination{} : combination(direction)};
 }
 
+/// Of a lumped structure all modes are damped by their ratios.
+StructureDamping structure_damping(const Case& given, IssueList& issues) {
+  const auto& damping = given.damping->value;
+  StructureDamping result{damping.modal, {}};
+  for (const auto& [name, part] : given.substructures) {
+    if (part.finite_elements) result.up_to = damping.up_to;
+    if (!part.damping.modal.empty())
+      issues.add(given.damping->location,
+                 "damping: the modes of the structure have ratios, and so has substructure '" + name + "'",
+                 "they would be damped twice", "take one of the two out");
+  }
+  if (given.estimate && given.estimate->local)
+    issues.add(given.damping->location, "damping: the modes of the structure have ratios, but the observer is local",
+               "a part has none of the whole structure's modes", "give its substructures damping of their own");
+  return result;
+}
+
 /// Everything that CoupledModel would refuse, with the place in the file.
 void check_places(const Case& given, const Parts& parts, const SourceLocation& file, IssueList& issues) {
   for (const auto& part : parts.substructures)
@@ -166,6 +183,7 @@ Parts make_parts(const Case& given, std::vector<Substructure> finite_elements, c
   }
   for (const auto& [name, connector] : given.connectors) add_connector(name, connector, parts, issues);
   for (const auto& [name, excitation] : given.excitation) parts.inputs.push_back(make_input(name, excitation));
+  if (given.damping) parts.damping = structure_damping(given, issues);
   check_places(given, parts, file, issues);
   return parts;
 }
@@ -174,7 +192,7 @@ CoupledModel couple(const Parts& parts) {
   std::vector<Substructure> assembled;
   for (const auto& part : parts.substructures) assembled.push_back({part.name, assemble(part)});
   assembled.insert(assembled.end(), parts.finite_elements.begin(), parts.finite_elements.end());
-  return {std::move(assembled), parts.connectors, parts.inputs};
+  return {std::move(assembled), parts.connectors, parts.inputs, parts.damping};
 }
 
 }  // namespace kalfem

@@ -16,6 +16,7 @@ struct Parts {
   std::vector<Substructure> finite_elements;  ///< as matrices: reduced for the observer, full or reduced for the record
   std::vector<ConnectorDescription> connectors;
   std::vector<InputDescription> inputs;
+  std::optional<StructureDamping> damping = {};
 };
 
 /// Translates what the case says. Problems go to `issues` with their place; what had one is left out.

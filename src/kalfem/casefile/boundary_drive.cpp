@@ -5,6 +5,7 @@
 namespace kalfem {
 
 using Eigen::Index;
+using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
@@ -53,13 +54,51 @@ std::vector<AppliedInput> applied_inputs(const Study& study, const CoupledModel&
   return applied;
 }
 
+/// The substructure with its share of the damping of the whole structure's modes.
+LinearModel damped_part(const CoupledModel& model, const Place& place) {
+  LinearModel part = place.part.model;
+  const auto& system = model.system();
+  part.damping = system.damping.block(place.offset, place.offset, part.size(), part.size());
+  part.modal_damping = system.modal_damping;
+  part.modal_damping.modes.shapes = system.modal_damping.modes.shapes.middleRows(place.offset, part.size());
+  return part;
+}
+
+/// Degrees of freedom of other substructures, as far as their motion is estimated one by one.
+std::vector<Index> outside(const CoupledModel& model, const Place& place) {
+  std::vector<Index> dofs;
+  Index offset = 0;
+  for (const auto& part : model.substructures()) {
+    if (part.name != place.part.name && !part.model.points_only)
+      for (Index i = 0; i < part.model.size(); ++i) dofs.push_back(offset + i);
+    offset += part.model.size();
+  }
+  return dofs;
+}
+
+/// C_m between the substructure and these degrees of freedom.
+MatrixXd drag_of(const CoupledModel& model, const Place& place, const std::vector<Index>& dofs) {
+  const auto& [modes, rates] = model.system().modal_damping;
+  const MatrixXd momenta = model.system().mass * modes.shapes;
+  return momenta.middleRows(place.offset, place.part.model.size()) * rates.asDiagonal() *
+         MatrixXd(momenta(dofs, Eigen::all)).transpose();
+}
+
+BaseDrivenSubstructure driven_part(const CoupledModel& model, const Place& place, std::vector<Index> boundary) {
+  if (!model.structure_damping()) return {place.part.model, std::move(boundary)};
+  return {damped_part(model, place), std::move(boundary), drag_of(model, place, outside(model, place))};
+}
+
 }  // namespace
 
 BoundaryDrive::BoundaryDrive(const Study& study, const CoupledModel& model, const std::string& substructure)
     : place_(model.find_substructure(substructure)),
-      driven_(place_.part.model, boundary_of(study, model, place_)),
+      driven_(driven_part(model, place_, boundary_of(study, model, place_))),
       applied_(applied_inputs(study, model, place_)) {
   for (const Index dof : driven_.boundary()) points_.push_back(reported_name(place_, dof));
+  if (model.structure_damping())
+    for (const Index dof : outside(model, place_))
+      points_.push_back(model.system().dofs[static_cast<std::size_t>(dof)]);
 }
 
 }  // namespace kalfem

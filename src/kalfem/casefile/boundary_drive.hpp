@@ -13,7 +13,7 @@ public:
   BoundaryDrive(const Study& study, const CoupledModel& model, const std::string& substructure);
 
   [[nodiscard]] const CoupledModel::Placed& place() const { return place_; }
-  /// Qualified points, one a boundary degree of freedom.
+  /// Qualified points whose motion drives it: one a boundary degree of freedom, then those outside that drag at it.
   [[nodiscard]] const std::vector<std::string>& points() const { return points_; }
   /// `rows` over the substructure's degrees of freedom; with the inputs that act on it itself.
   [[nodiscard]] PredictedMotion predict(const SparseRows& rows, const BoundaryMotion& motion,

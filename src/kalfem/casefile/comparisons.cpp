@@ -284,6 +284,10 @@ void check_comparisons(const Study& study, IssueList& issues) {
     if (!part.path.empty() && std::ranges::find(parts, part.value) == parts.end())
       issues.add(part.location,
                  part.path + ": there is no substructure '" + part.value + "'" + did_you_mean(part.value, parts));
+    if (study.given.damping && std::holds_alternative<d::FrfData>(given.value.data))
+      issues.add(given.location,
+                 given.path + " compares one substructure, whose damping is that of the whole structure's modes",
+                 "its own is not known", "give the substructure modal damping in the place of `damping`");
     const auto* named = sensors_of(given.value);
     if (!named) continue;
     for (const auto& sensor : *named)

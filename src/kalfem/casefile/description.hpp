@@ -38,6 +38,11 @@ struct Damping {
   double modal_up_to = 500.0;  ///< of finite elements: modes up to this frequency have ratios of their own
 };
 
+struct StructureDamping {
+  std::vector<double> modal;
+  double up_to = 500.0;  ///< with finite elements
+};
+
 struct Substructure {
   std::optional<FiniteElements> finite_elements;
   std::optional<Reduction> reduction;
@@ -243,6 +248,7 @@ struct Case {
   std::string title;
   Named<Substructure> substructures;
   Named<Connector> connectors;
+  std::optional<Located<StructureDamping>> damping;
   Named<Excitation> excitation;
   Named<Sensor> sensors;
   std::optional<Simulation> simulate;

@@ -219,12 +219,22 @@ Form<Case> case_form() {
                                         "linear substructure to drive by its estimated boundary motion")
                               .optional("substeps", &Prediction::substeps, integer(1, 1000),
                                         "steps per sample of a large substructure's time integration");
+  const auto damping =
+      Fields<StructureDamping>()
+          .required("modal", &StructureDamping::modal, one_or_list(number("-", Bounds::between(0, 0.999))),
+                    "ratio to critical of every mode, or of each in turn (the last holds for the rest)")
+          .optional(
+              "up_to", &StructureDamping::up_to, number("Hz", positive()),
+              "with finite elements: modes up to here have their own ratio, all above it the rate of the last one");
   return mapping(
       Fields<Case>()
           .required("kalfem", &Case::version, integer(1, 1), "version of the case-file format")
           .optional("title", &Case::title, text(), "one line for the report")
           .required("substructures", &Case::substructures, named(substructure()), "linear parts")
           .optional("connectors", &Case::connectors, named(connector()), "local nonlinear parts between points")
+          .optional("damping", &Case::damping, located(mapping(damping)),
+                    "of the modes of the whole structure, its connectors as stiff as at rest, in the place of the "
+                    "substructures' own modal damping")
           .optional("excitation", &Case::excitation, named(excitation()), "what drives the structure")
           .optional("sensors", &Case::sensors, named(sensor()), "what is measured")
           .optional("simulate", &Case::simulate, simulation(), "make the record by simulation")

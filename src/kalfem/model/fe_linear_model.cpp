@@ -4,7 +4,7 @@
 #include <cmath>
 #include <set>
 
-#include "kalfem/linalg/sparse_factor.hpp"
+#include "kalfem/linalg/semidefinite_solve.hpp"
 
 namespace kalfem {
 namespace {
@@ -58,29 +58,6 @@ std::map<std::string, DofCombination> named_points(const std::vector<NamedNode>&
   return combinations;
 }
 
-/// Solves K S = B for B in the range of K, which may be singular: (K + shift) is factored, with a shift far below what
-/// matters in K, and the solution refined with K itself; motions without strain stay out of it.
-Eigen::MatrixXd pseudo_static_shapes(const SparseMatrix& stiffness, const Eigen::MatrixXd& forces) {
-  constexpr double relative_shift = 1e-12, tolerance = 1e-11;
-  constexpr int most_refinements = 50;
-  const Eigen::VectorXd diagonal = stiffness.diagonal();
-  const double elsewhere = diagonal.maxCoeff() > 0.0 ? diagonal.maxCoeff() : 1.0;
-  SparseMatrix shifted = stiffness;
-  SparseMatrix shift(diagonal.size(), diagonal.size());
-  shift.reserve(Eigen::VectorXi::Ones(diagonal.size()));
-  for (Eigen::Index i = 0; i < diagonal.size(); ++i)
-    shift.insert(i, i) = diagonal[i] > 0.0 ? relative_shift * diagonal[i] : elsewhere;
-  shifted += shift;
-  const SparseFactor factor(shifted);
-  Eigen::MatrixXd shapes = factor.solve(forces);
-  for (int i = 0; i < most_refinements; ++i) {
-    const Eigen::MatrixXd correction = factor.solve(forces - stiffness * shapes);
-    shapes += correction;
-    if (correction.norm() <= tolerance * shapes.norm()) break;
-  }
-  return shapes;
-}
-
 void add_rayleigh(LinearModel& model, const FeDamping& factors) {
   const auto& [alpha, beta] = factors;
   if (alpha == 0.0 && beta == 0.0) return;
@@ -91,7 +68,7 @@ void add_rayleigh(LinearModel& model, const FeDamping& factors) {
     pulls.col(static_cast<Eigen::Index>(g)) = model.grounds[g].stiffness;
   // (alpha M + beta K) s with K s = k_g.
   Eigen::MatrixXd drags = beta * pulls;
-  if (alpha > 0.0) drags += alpha * (model.mass * pseudo_static_shapes(model.stiffness, pulls));
+  if (alpha > 0.0) drags += alpha * (model.mass * semidefinite_solve(model.stiffness, pulls));
   for (std::size_t g = 0; g < model.grounds.size(); ++g)
     model.grounds[g].damping += drags.col(static_cast<Eigen::Index>(g));
 }

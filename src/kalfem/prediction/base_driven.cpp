@@ -72,7 +72,8 @@ VectorXd interior_part(const VectorXd& vector, const std::vector<Index>& interio
 
 }  // namespace
 
-BaseDrivenSubstructure::BaseDrivenSubstructure(const LinearModel& model, std::vector<Index> boundary)
+BaseDrivenSubstructure::BaseDrivenSubstructure(const LinearModel& model, std::vector<Index> boundary,
+                                               const MatrixXd& drag)
     : boundary_(std::move(boundary)) {
   const Partition parts = partition(model, names_of(model, boundary_));
   interior_ = parts.interior;
@@ -99,6 +100,9 @@ BaseDrivenSubstructure::BaseDrivenSubstructure(const LinearModel& model, std::ve
   for (Index b = 0; b < n_b; ++b)
     driven_.inputs.push_back({model.dofs[static_cast<std::size_t>(boundary_[static_cast<std::size_t>(b)])], "m",
                               VectorXd::Zero(driven_.size()), -damping.col(b)(interior_), -inertia.col(b)(interior_)});
+  const VectorXd none = VectorXd::Zero(driven_.size());
+  for (Index o = 0; o < drag.cols(); ++o)
+    driven_.inputs.push_back({"outside " + std::to_string(o + 1), "m", none, -drag.col(o)(interior_), none});
 }
 
 /// Rows S of all degrees of freedom as S_i q + S [Psi; 1] z_b.
@@ -140,7 +144,7 @@ PredictedMotion BaseDrivenSubstructure::predict(const SparseRows& points, const 
   const auto n_b = static_cast<Index>(boundary_.size());
   LocallyNonlinearSystem driven = driven_;
   std::vector<SignalPtr> signals;
-  for (Index b = 0; b < n_b; ++b) {
+  for (Index b = 0; b < driven.input_count(); ++b) {
     SignalSamples samples(boundary.acceleration.cols(), 3);
     samples << boundary.displacement.row(b).transpose().array(), boundary.velocity.row(b).transpose().array(),
         boundary.acceleration.row(b).transpose().array();
@@ -154,9 +158,9 @@ PredictedMotion BaseDrivenSubstructure::predict(const SparseRows& points, const 
   InitialState relative = at_rest(driven.size(), 0);
   if (start.displacement.size() > 0)
     relative.displacement =
-        start.displacement(interior_) - shapes_(interior_, Eigen::all) * boundary.displacement.col(0);
+        start.displacement(interior_) - shapes_(interior_, Eigen::all) * boundary.displacement.col(0).head(n_b);
   if (start.velocity.size() > 0)
-    relative.velocity = start.velocity(interior_) - shapes_(interior_, Eigen::all) * boundary.velocity.col(0);
+    relative.velocity = start.velocity(interior_) - shapes_(interior_, Eigen::all) * boundary.velocity.col(0).head(n_b);
 
   const bool exact = driven.size() <= options.exact_up_to;
   const Index substeps = exact ? 1 : options.newmark_substeps, samples = boundary.acceleration.cols();

@@ -9,11 +9,12 @@
 
 namespace kalfem {
 
-/// Motion of boundary degrees of freedom, one column a sample.
+/// Motion of boundary degrees of freedom, and behind them of the points outside that drag at the substructure, one
+/// column a sample.
 struct BoundaryMotion {
-  Eigen::MatrixXd displacement;  ///< n_b x samples [m]
-  Eigen::MatrixXd velocity;      ///< n_b x samples [m/s]
-  Eigen::MatrixXd acceleration;  ///< n_b x samples [m/s^2]
+  Eigen::MatrixXd displacement;  ///< (n_b + k) x samples [m]
+  Eigen::MatrixXd velocity;      ///< (n_b + k) x samples [m/s]
+  Eigen::MatrixXd acceleration;  ///< (n_b + k) x samples [m/s^2]
 };
 
 /// An input that acts on the substructure itself beside its boundary, over all its degrees of freedom.
@@ -43,14 +44,17 @@ struct PredictedMotion {
 
 /// A linear substructure driven by the motion of its boundary b. With the static boundary modes Psi = -K_ii^-1 K_ib and
 /// coordinates relative to them, z_i = Psi z_b + q,
-///     M_ii q'' + C_ii q' + K_ii q = -(M_ii Psi + M_ib) z_b'' - (C_ii Psi + C_ib) z_b' + F_i,
+///     M_ii q'' + C_ii q' + K_ii q = -(M_ii Psi + M_ib) z_b'' - (C_ii Psi + C_ib) z_b' - C_io z_o' + F_i,
 /// so that the accelerations z_i'' = Psi z_b'' + q'' need no integral of z_b'' and do not drift. Boundary motion is
 /// straight between samples. Nothing dense of the substructure's size squared is formed where it is large.
 class BaseDrivenSubstructure {
 public:
-  /// `boundary`: indices into the model's degrees of freedom. Throws InvalidInput where there is no interior, or where
-  /// the interior still moves freely with the boundary held (naming a degree of freedom that does).
-  BaseDrivenSubstructure(const LinearModel& model, std::vector<Eigen::Index> boundary);
+  /// `boundary`: indices into the model's degrees of freedom. `drag`: C_o, by which the velocities of k points outside
+  /// drag at the model through the damping of the whole structure's modes, n x k; empty where nothing does.
+  /// Throws InvalidInput where there is no interior, or where the interior still moves freely with the boundary held
+  /// (naming a degree of freedom that does).
+  BaseDrivenSubstructure(const LinearModel& model, std::vector<Eigen::Index> boundary,
+                         const Eigen::MatrixXd& drag = {});
 
   /// `points`: rows over all degrees of freedom, points x n.
   [[nodiscard]] PredictedMotion predict(const SparseRows& points, const BoundaryMotion& boundary,
@@ -65,7 +69,7 @@ private:
 
   std::vector<Eigen::Index> boundary_, interior_;
   Eigen::MatrixXd shapes_;         ///< [Psi; 1] over all degrees of freedom, n x n_b
-  LocallyNonlinearSystem driven_;  ///< in q; one input a boundary degree of freedom
+  LocallyNonlinearSystem driven_;  ///< in q; one input a boundary degree of freedom and a point outside
 };
 
 }  // namespace kalfem

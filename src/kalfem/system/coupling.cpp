@@ -56,6 +56,13 @@ ModalDamping joined_modal_damping(const std::vector<Substructure>& parts, Eigen:
   return joined;
 }
 
+std::vector<Eigen::Index> moving_grounds(const std::vector<InputDescription>& inputs) {
+  std::vector<Eigen::Index> grounds;
+  for (std::size_t i = 0; i < inputs.size(); ++i)
+    if (inputs[i].kind == InputKind::base_displacement) grounds.push_back(static_cast<Eigen::Index>(i));
+  return grounds;
+}
+
 }  // namespace
 
 std::string unit_of(InputKind kind) {
@@ -71,8 +78,9 @@ std::string unit_of(InputKind kind) {
 }
 
 CoupledModel::CoupledModel(std::vector<Substructure> substructures, const std::vector<ConnectorDescription>& connectors,
-                           const std::vector<InputDescription>& inputs)
-    : substructures_(std::move(substructures)), inputs_(inputs) {
+                           const std::vector<InputDescription>& inputs,
+                           const std::optional<StructureDamping>& damping)
+    : substructures_(std::move(substructures)), inputs_(inputs), structure_damping_(damping.has_value()) {
   assemble_linear_part();
   base_accelerations_ = Eigen::MatrixXd::Zero(system_.size(), static_cast<Eigen::Index>(inputs.size()));
   IssueList issues;
@@ -86,6 +94,7 @@ CoupledModel::CoupledModel(std::vector<Substructure> substructures, const std::v
     }
   for (const auto& connector : connectors) add_connector(connector, issues);
   issues.raise();
+  if (damping) add_structure_damping(system_, *damping, moving_grounds(inputs));
 }
 
 void CoupledModel::assemble_linear_part() {
