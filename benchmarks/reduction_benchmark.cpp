@@ -1,8 +1,5 @@
 // Time and memory of the sparse linear algebra and of a Craig-Bampton reduction, for a model of the size and pattern of
 // a shell frame. Usage: reduction_benchmark [columns rows]; defaults give 45,540 degrees of freedom.
-#include <sys/resource.h>
-
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <numbers>
@@ -13,10 +10,12 @@
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/linalg/sparse_select.hpp"
 #include "kalfem/reduction/superelement.hpp"
+#include "timing.hpp"
 
 namespace {
 
 using namespace kalfem;
+using namespace kalfem::benchmarks;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -46,9 +45,8 @@ public:
     return model;
   }
 
-  [[nodiscard]] Index node(Index x, Index y) const { return x * rows_ + y; }
-
 private:
+  [[nodiscard]] Index node(Index x, Index y) const { return x * rows_ + y; }
   [[nodiscard]] Eigen::Vector3d place(Index node) const {
     const double spacing = 0.02;
     const double x = spacing * double(node / rows_), s = spacing * double(node % rows_);
@@ -90,13 +88,6 @@ private:
   std::vector<Eigen::Triplet<double>> mass_, stiffness_;
 };
 
-template <typename Work>
-double seconds(Work work) {
-  const auto begin = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
-
 /// The fastest of some repetitions: what the machine can do.
 template <typename Work>
 double best_of(int repetitions, Work work) {
@@ -105,23 +96,13 @@ double best_of(int repetitions, Work work) {
   return best;
 }
 
-double peak_megabytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return double(usage.ru_maxrss) / 1024.0;
-}
-
-void line(const char* what, double value, const char* unit) { std::printf("%-58s %10.4g %s\n", what, value, unit); }
-
 }  // namespace
 
 int main(int argc, char** argv) {
   const Index columns = argc > 2 ? std::atol(argv[1]) : 165, rows = argc > 2 ? std::atol(argv[2]) : 46;
-  const Frame frame(columns, rows);
-  const LinearModel model = frame.model();
+  const LinearModel model = Frame(columns, rows).model();
   std::vector<std::string> boundary;
-  for (const Index node :
-       {frame.node(0, 0), frame.node(0, rows - 1), frame.node(columns - 1, 0), frame.node(columns - 1, rows - 1)})
+  for (const Index node : {Index{0}, rows - 1, (columns - 1) * rows, columns * rows - 1})  // the corners
     for (Index i = 6 * node; i < 6 * node + 6; ++i) boundary.push_back(model.dofs[static_cast<std::size_t>(i)]);
   line("degrees of freedom", double(model.size()), "");
   line("entries of K", double(model.stiffness.nonZeros()), "");

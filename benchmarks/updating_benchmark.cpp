@@ -3,7 +3,6 @@
 //   the vehicle: one stage of the loop / (one reduction + one filter pass + one prediction, timed alone).
 // Usage: updating_benchmark CHAIN.yaml VEHICLE.yaml, both with `update`
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <vector>
 
@@ -13,26 +12,14 @@
 #include "kalfem/casefile/initial_state.hpp"
 #include "kalfem/casefile/simulation_residual.hpp"
 #include "kalfem/dynamics/simulate.hpp"
+#include "timing.hpp"
 
 namespace {
 
 using namespace kalfem;
+using namespace kalfem::benchmarks;
 using Eigen::Index;
 using Eigen::VectorXd;
-
-template <typename Work>
-double seconds(Work work) {
-  const auto begin = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
-
-double median(std::vector<double> values) {
-  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
-  return values[values.size() / 2];
-}
-
-void line(const char* what, double value, const char* unit) { std::printf("%-66s %9.4g %s\n", what, value, unit); }
 
 std::vector<std::string> names_of(const std::vector<StudySensor>& sensors) {
   std::vector<std::string> names;
@@ -61,7 +48,7 @@ void time_simulation_residual(const Study& study, const FullRecord& record) {
   const CoupledModel model = couple(structure->at(start).parts);
   std::vector<double> evaluations, simulations;
   for (int repetition = 0; repetition < 9; ++repetition) {
-    evaluations.push_back(seconds([&] { residual.evaluate(start, false); }));
+    evaluations.push_back(seconds([&] { return residual.evaluate(start, false); }));
     simulations.push_back(seconds([&] { simulate_once(study, model, options.substeps); }));
   }
   line("one simulation", 1e3 * median(simulations), "ms");
@@ -81,7 +68,7 @@ StageParts time_parts(const HistoryResidual& residual, const ParameterisedStruct
   parts.reduction = seconds([&] { here = structure.at(start); });
   HistoryResidual::Estimate estimate;
   parts.filter = seconds([&] { estimate = *residual.estimate_at(here.parts, start, false); });
-  parts.prediction = seconds([&] { residual.predict_from(estimate); });
+  parts.prediction = seconds([&] { return residual.predict_from(estimate); });
   return parts;
 }
 
@@ -101,8 +88,8 @@ void time_stages(const Study& study, const FullRecord& record, int repetitions) 
     filters.push_back(parts.filter);
     predictions.push_back(parts.prediction);
     sums.push_back(parts.sum());
-    first.push_back(seconds([&] { residual.evaluate(start, true); }));
-    later.push_back(seconds([&] { residual.evaluate(start, false); }));
+    first.push_back(seconds([&] { return residual.evaluate(start, true); }));
+    later.push_back(seconds([&] { return residual.evaluate(start, false); }));
   }
   line("one reduction", median(reductions), "s");
   line("one filter pass", median(filters), "s");

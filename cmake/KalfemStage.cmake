@@ -5,6 +5,7 @@ function(kalfem_precompiled target)
   file(WRITE ${CMAKE_BINARY_DIR}/${target}.cpp "")
   add_library(${target} OBJECT ${CMAKE_BINARY_DIR}/${target}.cpp)
   target_link_libraries(${target} PRIVATE ${ARG_SETTINGS})
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src)
   target_precompile_headers(${target} PRIVATE ${ARG_HEADERS})
 endfunction()
 
@@ -17,20 +18,29 @@ target_link_libraries(kalfem_stage_settings INTERFACE kalfem_flags kalfem_privat
 add_library(kalfem_rim_settings INTERFACE)
 target_link_libraries(kalfem_rim_settings INTERFACE kalfem_flags kalfem_private_flags)
 target_compile_options(kalfem_rim_settings INTERFACE $<$<CONFIG:Release>:-O1>)
-foreach(kind stage rim)
-  kalfem_precompiled(kalfem_${kind}_headers SETTINGS kalfem_${kind}_settings
-                     HEADERS ${KALFEM_EIGEN_INSTANCES} <Eigen/Sparse> <string> <vector> <map> <memory> <optional> <functional> <algorithm>)
-endforeach()
+set(KALFEM_COMMON_HEADERS ${KALFEM_EIGEN_INSTANCES} <Eigen/Sparse> <string> <vector> <map> <memory> <optional> <functional> <algorithm>)
+kalfem_precompiled(kalfem_stage_headers SETTINGS kalfem_stage_settings HEADERS ${KALFEM_COMMON_HEADERS})
+kalfem_precompiled(kalfem_rim_headers SETTINGS kalfem_rim_settings
+                   HEADERS ${KALFEM_COMMON_HEADERS} ${PROJECT_SOURCE_DIR}/src/kalfem/model/finite_element_model.hpp)
+# What all files see that deal with a case.
+kalfem_precompiled(kalfem_case_headers SETTINGS kalfem_rim_settings
+                   HEADERS ${KALFEM_COMMON_HEADERS} ${PROJECT_SOURCE_DIR}/src/kalfem/casefile/study.hpp)
 
-# kalfem_stage(<folder> SOURCES ... [USES <stage> ...] [LIBRARIES <target> ...] [RIM])
+# kalfem_stage(<folder> SOURCES ... [USES <stage> ...] [LIBRARIES <target> ...] [RIM | CASE])
 #
 # One static library for one folder of src/kalfem. A stage is linked only to the stages it names, so a call against the
-# direction of the data flow does not link. LIBRARIES are third-party targets.
+# direction of the data flow does not link. LIBRARIES are third-party targets. RIM: compiled with the settings of the rim;
+# CASE: with these and the precompiled header of what deals with a case.
 function(kalfem_stage name)
-  cmake_parse_arguments(ARG "RIM" "" "SOURCES;USES;LIBRARIES" ${ARGN})
-  set(kind stage)
-  if(ARG_RIM)
-    set(kind rim)
+  cmake_parse_arguments(ARG "RIM;CASE" "" "SOURCES;USES;LIBRARIES" ${ARGN})
+  set(settings stage)
+  set(headers stage)
+  if(ARG_RIM OR ARG_CASE)
+    set(settings rim)
+    set(headers rim)
+  endif()
+  if(ARG_CASE)
+    set(headers case)
   endif()
   set(target kalfem_${name})
   add_library(${target} STATIC ${ARG_SOURCES})
@@ -39,8 +49,8 @@ function(kalfem_stage name)
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src> $<INSTALL_INTERFACE:include>)
   list(TRANSFORM ARG_USES PREPEND kalfem_)
   target_link_libraries(${target} PUBLIC kalfem_flags ${ARG_USES} ${ARG_LIBRARIES}
-                        PRIVATE $<BUILD_INTERFACE:kalfem_${kind}_settings>)
-  target_precompile_headers(${target} REUSE_FROM kalfem_${kind}_headers)
+                        PRIVATE $<BUILD_INTERFACE:kalfem_${settings}_settings>)
+  target_precompile_headers(${target} REUSE_FROM kalfem_${headers}_headers)
   set_property(GLOBAL APPEND PROPERTY KALFEM_STAGES ${target})
 endfunction()
 

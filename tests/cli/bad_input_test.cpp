@@ -86,7 +86,7 @@ INSTANTIATE_TEST_SUITE_P(
                             "simulate: {duration: -1 s, sample_rate: 1 m}",
                             {"duration", "sample_rate"}},
                     Mistake{"NoSyntax", "kalfem: 1", "kalfem: [1", {"case.yaml"}}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& each) { return std::string(each.param.name); });
 
 TEST(Command, SoundCaseRuns) {
   const auto folder = fresh_folder("sound");

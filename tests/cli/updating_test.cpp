@@ -122,7 +122,7 @@ INSTANTIATE_TEST_SUITE_P(
             "push: {static: frame, loads: {3: 10 N}, displacements: {1: 10 mm, 2: 20 mm, 3: 30 mm}, deviation: 0.1 %}",
             "push: {time_history: frame}",
             {"case.yaml:16", "record"}}),
-    [](const auto& info) { return info.param.name; });
+    [](const auto& each) { return each.param.name; });
 
 class UpdatingOnData : public testing::Test {
 protected:

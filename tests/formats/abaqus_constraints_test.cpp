@@ -48,8 +48,9 @@ TEST(ReducedEquations, HeldDirectionsOfTurnedAxesDoNotMove) {
     EXPECT_EQ(static_cast<int>(free.dofs.size()), 60 - count);
     const Eigen::MatrixXd motion = Eigen::MatrixXd(free.transform).middleRows(24, 6);
     for (Index d = 0; d < 6; ++d)
-      if (held[static_cast<std::size_t>(d)])
+      if (held[static_cast<std::size_t>(d)]) {
         EXPECT_LT((axes.col(d % 3).transpose() * motion.middleRows(d < 3 ? 0 : 3, 3)).norm(), 1e-12);
+      }
   }
 }
 

@@ -50,7 +50,9 @@ TEST_P(AbaqusElement, HasItsMassAndMovesWithoutForce) {
   for (int axis = 0; axis < 3; ++axis) {
     const auto motion = matrices.translation(axis);
     EXPECT_NEAR(motion.dot(matrices.mass * motion), item.mass, 1e-9 * item.mass);
-    if (item.type != "T3D2") EXPECT_LT((matrices.stiffness * motion).cwiseAbs().maxCoeff(), 1e-9 * scale);
+    if (item.type != "T3D2") {
+      EXPECT_LT((matrices.stiffness * motion).cwiseAbs().maxCoeff(), 1e-9 * scale);
+    }
   }
 }
 
@@ -71,7 +73,7 @@ INSTANTIATE_TEST_SUITE_P(
         ElementCase{"B31", "line", 2, beam, rho * 0.04}, ElementCase{"B33", "line", 2, beam, rho * 0.04},
         ElementCase{"B31H", "line", 2, beam, rho * 0.04}, ElementCase{"B32", "line3", 3, beam, rho * 0.04},
         ElementCase{"B32R", "line3", 3, beam, rho * 0.04}, ElementCase{"PIPE31", "line", 2, beam, rho * 0.04}),
-    [](const auto& info) { return info.param.type; });
+    [](const auto& each) { return each.param.type; });
 
 TEST(AbaqusElements, SolidsOfSeveralKindsGetRegionsOfTheirOwn) {
   const auto deck = parse_deck("*NODE\n" + nodes_of("cube") + "*ELEMENT, TYPE=C3D8I, ELSET=all\n1,1,2,3,4,5,6,7,8\n" +

@@ -71,7 +71,9 @@ TEST_F(MatrixFiles, EveryFormatGivesTheMatricesBack) {
       const auto found = read_matrices(file, {.names = {theirs}});
       const auto at = static_cast<int>(format);
       EXPECT_LE(difference(found[0].matrix, ours.matrix), tolerance) << at << theirs;
-      if (with_map && format != MatrixFormat::dmig) EXPECT_EQ(found[0].dofs, dofs) << at;
+      if (with_map && format != MatrixFormat::dmig) {
+        EXPECT_EQ(found[0].dofs, dofs) << at;
+      }
     }
   }
 }

@@ -98,8 +98,8 @@ TEST_F(DrivenBody, ModalDampingOfLowRankEqualsTheDenseMatrix) {
   const MatrixXd momenta = body.mass * low_rank.modal_damping.modes.shapes;
   dense.damping +=
       SparseMatrix(MatrixXd(momenta * low_rank.modal_damping.rates.asDiagonal() * momenta.transpose()).sparseView());
-  const auto predict = [&](const LinearModel& model, Index exact_up_to) {
-    return BaseDrivenSubstructure(model, {0})
+  const auto predict = [&](const LinearModel& damped, Index exact_up_to) {
+    return BaseDrivenSubstructure(damped, {0})
         .predict(all_points(10), {truth.displacement.row(1), truth.velocity.row(1), truth.acceleration.row(1)}, force(),
                  {0.0, truth.displacement.col(0).tail(10), truth.velocity.col(0).tail(10)},
                  {.sample_rate = 1.0 / truth.step, .exact_up_to = exact_up_to});
@@ -172,7 +172,7 @@ TEST(BaseDriven, MassAndDampingBetweenBoundaryAndInteriorCount) {
   stiffness.coeffRef(0, 0) = stiffness.coeffRef(1, 1) = k;
   stiffness.coeffRef(0, 1) = stiffness.coeffRef(1, 0) = -k;
   damping = (c / k) * stiffness;
-  const BaseDrivenSubstructure body({{"base", "top"}, mass, damping, stiffness, {}, {}, {}}, {0});
+  const BaseDrivenSubstructure body({{"base", "top"}, mass, damping, stiffness, {}, {}, {}, false, {}}, {0});
   const Index samples = 201;
   BoundaryMotion boundary{MatrixXd(1, samples), MatrixXd(1, samples), MatrixXd::Constant(1, samples, a)};
   for (Index n = 0; n < samples; ++n) {

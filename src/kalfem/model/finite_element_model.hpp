@@ -38,7 +38,7 @@ struct PointMass {
 struct NodalSpring {
   std::string name;
   NodalDof from;
-  std::optional<NodalDof> to;  ///< empty: the ground of that name
+  std::optional<NodalDof> to = {};  ///< empty: the ground of that name
   std::string ground = "ground";
   double stiffness = 0.0;  ///< [N/m] or [N m/rad]
   double damping = 0.0;    ///< [N s/m] or [N m s/rad]

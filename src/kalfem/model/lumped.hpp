@@ -35,7 +35,7 @@ struct RayleighDamping {
 struct LumpedSubstructure {
   std::string name;
   std::vector<LumpedMass> masses;
-  std::vector<LumpedSpring> springs;
+  std::vector<LumpedSpring> springs = {};
   std::vector<std::string> grounds = {"ground"};
   std::map<std::string, DofCombination> points = {};
   std::vector<double> modal_damping = {};  ///< ratio to critical per mode; the last one holds for all further modes
