@@ -150,8 +150,8 @@ TEST(Reference, StepsAreExtrapolatedToZero) {
   const ArrayXd exact = 1e-3 * (-zeta * omega * time).exp() *
                         ((damped * time).cos() + zeta / std::sqrt(1.0 - zeta * zeta) * (damped * time).sin());
   EXPECT_LT((reference.sensors.col(0).array() - exact).matrix().norm(), 1e-4 * exact.matrix().norm());
-  // Plain halving would err by T omega^3 h^2 / 12 at the end: for the same tolerance at 1/64 ms.
-  EXPECT_LE(reference.substeps, 8);
+  // Plain halving errs in phase by omega^3 t h^2 / 12, which is below the tolerance at 1/128 ms only.
+  EXPECT_LE(reference.substeps, 16);
 }
 
 /// Impacts break the series in h^2: what counts as converged must be so all the same.
