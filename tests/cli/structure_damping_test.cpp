@@ -20,7 +20,7 @@ sensors:
   a2: {acceleration: body.2, noise: 1 %}
   a4: {acceleration: body.4, noise: 1 %}
 simulate: {duration: 10 s, sample_rate: 1 kHz, tolerance: 1e-4}
-estimate: {unknown: {suspension.mu_k1: {initial: 18 N, std: 4 N}}, settle: 2 s}
+estimate: {unknown: {suspension.mu_k1: {initial: 20 N, std: 4 N}}, settle: 2 s}
 predict: {substructure: body}
 )";
 
@@ -31,12 +31,12 @@ TEST(StructureDamping, IsInTheSimulationTheFilterAndThePrediction) {
   ASSERT_EQ(outcome.code, 0) << outcome.errors;
   const auto summary = read_summary(folder / "case.kalfem-out");
   const auto& found = summary["parameters"]["suspension.mu_k1"];
-  EXPECT_NEAR(found["estimate"].get<double>(), 20.0, 3.0 * found["std"].get<double>() + 0.05);
-  // The filter's damping is that of the stiffness at its guess, 18 N in the place of 20.
-  EXPECT_NEAR(summary["estimation"]["nis"]["mean"].get<double>(), 2.0, 0.3);
-  // The body alone: with its share of the damping, and dragged at by the wheel and the ground.
+  EXPECT_NEAR(found["estimate"].get<double>(), 20.0, 0.02);  // five standard deviations: the step's bias is there too
+  EXPECT_NEAR(summary["estimation"]["nis"]["mean"].get<double>(), 2.0, 0.1);  // standard error 0.022
+  // The body alone: with its share of the damping, and dragged at by the wheel and the ground: as good as with modal
+  // damping of its own.
   for (const auto& [point, errors] : summary["prediction"]["body"].items())
-    EXPECT_LE(errors["acceleration_nrmse"].get<double>(), 0.01) << point;
+    EXPECT_LE(errors["acceleration_nrmse"].get<double>(), 0.004) << point;
 }
 
 }  // namespace

@@ -233,8 +233,8 @@ Form<Case> case_form() {
           .required("substructures", &Case::substructures, named(substructure()), "linear parts")
           .optional("connectors", &Case::connectors, named(connector()), "local nonlinear parts between points")
           .optional("damping", &Case::damping, located(mapping(damping)),
-                    "of the modes of the whole structure, its connectors as stiff as at rest, in the place of the "
-                    "substructures' own modal damping")
+                    "of the modes of the whole structure, its connectors as stiff as at rest (unknowns at their first "
+                    "values), in the place of the substructures' own modal damping")
           .optional("excitation", &Case::excitation, named(excitation()), "what drives the structure")
           .optional("sensors", &Case::sensors, named(sensor()), "what is measured")
           .optional("simulate", &Case::simulate, simulation(), "make the record by simulation")

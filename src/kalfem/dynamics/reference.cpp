@@ -14,6 +14,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 
 constexpr std::size_t most_extrapolations = 2;
+/// Of successive changes of plain solutions, where their order of two shows: four, but for what the next power adds.
+constexpr double least_ratio = 3.0, most_ratio = 5.0;
 
 MatrixXd every(const MatrixXd& fine, Index substeps) { return fine(Eigen::seq(0, Eigen::last, substeps), Eigen::all); }
 
@@ -50,6 +52,10 @@ struct Sampled {
   }
 };
 
+/// What is left of the error of S_k,j when the step is halved, where plain solutions err by a third of their last
+/// change: a change of S_k,j counts as one of S_k,0 with the same error.
+double gain(std::size_t extrapolations) { return 3.0 / (std::pow(4.0, static_cast<double>(extrapolations + 1)) - 1.0); }
+
 /// The solutions S_k,0 ... S_k,j of one step, from the plain one and those of twice the step.
 std::vector<Sampled> extrapolations(Sampled plain, const std::vector<Sampled>& coarser) {
   std::vector<Sampled> row{std::move(plain)};
@@ -81,6 +87,7 @@ Reference simulate_reference(const LocallyNonlinearSystem& system, const std::ve
   check(options);
   Reference reference;
   std::vector<Sampled> coarser;
+  double previous_change = 0.0;
   simulation.every_step = sensors;
   for (Index substeps = options.first_substeps; substeps <= options.max_substeps; substeps *= 2) {
     simulation.step = 1.0 / (options.sample_rate * static_cast<double>(substeps));
@@ -96,11 +103,17 @@ Reference simulate_reference(const LocallyNonlinearSystem& system, const std::ve
     plain.simulation.every_step.resize(0, 0);
     auto row = extrapolations(std::move(plain), coarser);
     std::size_t best = 0;
-    for (std::size_t j = 0; j < coarser.size(); ++j)
-      if (const double change = largest_change(row[j].sensors, coarser[j].sensors); change <= reference.last_change) {
+    const double plain_change = coarser.empty() ? 1.0 : largest_change(row[0].sensors, coarser[0].sensors);
+    const bool second_order =
+        previous_change > least_ratio * plain_change && previous_change < most_ratio * plain_change;
+    reference.last_change = plain_change;
+    for (std::size_t j = 1; j < coarser.size(); ++j)
+      if (const double change = (second_order ? gain(j) : 1.0) * largest_change(row[j].sensors, coarser[j].sensors);
+          change <= reference.last_change) {
         reference.last_change = change;
         best = j;
       }
+    previous_change = plain_change;
     reference.simulation = row[best].simulation;
     reference.sensors = row[best].sensors;
     reference.extrapolations = static_cast<Index>(best);

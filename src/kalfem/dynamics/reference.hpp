@@ -10,8 +10,9 @@ struct ReferenceOptions {
   double sample_rate = 1000.0;      ///< of the record [Hz]
   Eigen::Index first_substeps = 4;  ///< time steps per sample of the first solution
   Eigen::Index max_substeps = 256;  ///< no finer than this
-  /// Halving the step must change every sensor's record by less than this part of its rms. Without extrapolation
-  /// second-order schemes then err by a third of it.
+  /// Halving the step must change every sensor's record by less than this part of its rms; second-order schemes then
+  /// err by a third of it. Extrapolated solutions may change by more, 5 or 21 times, so that they err by as much, once
+  /// the plain ones show their order.
   double tolerance = 1e-3;
 };
 
@@ -21,7 +22,8 @@ struct Reference {
   Eigen::MatrixXd sensors = {};  ///< behind their measurement chains, free of noise, samples x l; empty after a failure
   Eigen::Index substeps = 0;     ///< time steps per sample of the finest solution
   Eigen::Index extrapolations = 0;  ///< powers of the step that were extrapolated out of the error: h^2, h^4
-  double last_change = 0.0;         ///< largest relative change of a sensor's record in the last halving
+  double last_change = 0.0;  ///< largest relative change of a sensor's record in the last halving, by its gain where
+                             ///< extrapolated
   bool converged = false;
 };
 
