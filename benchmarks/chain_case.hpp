@@ -13,7 +13,6 @@ struct ChainCase {
   std::unique_ptr<Observer> observer;        ///< in physical coordinates
   std::unique_ptr<Observer> modal_observer;  ///< the same in modal coordinates, for partially linear filters
   Record record;
-
 };
 
 /// `states` is the size of the augmented state, 2 (masses) + 2; even, at least 12. Record of the given samples at 1

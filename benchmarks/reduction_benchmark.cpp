@@ -153,7 +153,7 @@ int main(int argc, char** argv) {
        reduction / (first + double(element.evidence.solves) * eight), "");
   line("  ratio to one factorisation and single back-solves",
        reduction / (first + double(element.evidence.solves) * single), "");
-  line("peak memory", peak_megabytes(), "MB");
+  line("peak memory", memory_megabytes("VmHWM"), "MB");
   const double compared = seconds([&] { element = craig_bampton(model, boundary, {.modes = {.count = 60}}); });
   line("Craig-Bampton with evidence", compared, "s");
   for (const auto& mode : element.evidence.modes)

@@ -1,10 +1,12 @@
 #pragma once
 
-#include <sys/resource.h>
+#include <malloc.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <fstream>
+#include <string>
 #include <vector>
 
 namespace kalfem::benchmarks {
@@ -22,11 +24,20 @@ inline double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// Of this process so far.
-inline double peak_megabytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+/// A line of this process's /proc/self/status in MB: VmRSS, what is resident; VmHWM, its peak.
+inline double memory_megabytes(const std::string& which) {
+  std::ifstream status("/proc/self/status");
+  std::string word;
+  double kilobytes = 0.0;
+  while (status >> word)
+    if (word == which + ":") status >> kilobytes;
+  return kilobytes / 1024.0;
+}
+
+/// Gives freed memory back and begins a new peak.
+inline void forget_peak() {
+  malloc_trim(0);
+  std::ofstream("/proc/self/clear_refs") << "5";
 }
 
 inline void line(const char* what, double value, const char* unit) {
