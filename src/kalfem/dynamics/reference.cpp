@@ -64,6 +64,26 @@ std::vector<Sampled> extrapolations(Sampled plain, const std::vector<Sampled>& c
   return row;
 }
 
+/// How far the last halving of the step has moved the sensors' records.
+struct Movement {
+  double plain = 1.0;              ///< of S_k,0
+  double least = 1.0;              ///< of the S_k,j that has moved least, by its gain
+  std::size_t extrapolations = 0;  ///< j
+};
+
+/// `before`: the change of the plain solutions in the halving before.
+Movement movement(const std::vector<Sampled>& finer, const std::vector<Sampled>& coarser, double before) {
+  Movement moved;
+  if (coarser.empty()) return moved;
+  moved.plain = moved.least = largest_change(finer[0].sensors, coarser[0].sensors);
+  const bool second_order = before > least_ratio * moved.plain && before < most_ratio * moved.plain;
+  for (std::size_t j = 1; j < coarser.size(); ++j) {
+    const double change = (second_order ? gain(j) : 1.0) * largest_change(finer[j].sensors, coarser[j].sensors);
+    if (change <= moved.least) moved.least = change, moved.extrapolations = j;
+  }
+  return moved;
+}
+
 void check(const ReferenceOptions& options) {
   IssueList issues;
   if (!(options.sample_rate > 0.0) || !std::isfinite(options.sample_rate))
@@ -87,7 +107,7 @@ Reference simulate_reference(const LocallyNonlinearSystem& system, const std::ve
   check(options);
   Reference reference;
   std::vector<Sampled> coarser;
-  double previous_change = 0.0;
+  Movement moved;
   simulation.every_step = sensors;
   for (Index substeps = options.first_substeps; substeps <= options.max_substeps; substeps *= 2) {
     simulation.step = 1.0 / (options.sample_rate * static_cast<double>(substeps));
@@ -96,28 +116,19 @@ Reference simulate_reference(const LocallyNonlinearSystem& system, const std::ve
         .simulation = simulate(system, signals, initial, simulation), .substeps = substeps, .last_change = 1.0};
     if (reference.simulation.failure) {
       coarser.clear();
+      moved = {};
       continue;  // a smaller step may converge
     }
     Sampled plain{std::move(reference.simulation), {}};
     plain.sensors = record(plain.simulation.every_step, chains, 1.0 / simulation.step, substeps);
     plain.simulation.every_step.resize(0, 0);
     auto row = extrapolations(std::move(plain), coarser);
-    std::size_t best = 0;
-    const double plain_change = coarser.empty() ? 1.0 : largest_change(row[0].sensors, coarser[0].sensors);
-    const bool second_order =
-        previous_change > least_ratio * plain_change && previous_change < most_ratio * plain_change;
-    reference.last_change = plain_change;
-    for (std::size_t j = 1; j < coarser.size(); ++j)
-      if (const double change = (second_order ? gain(j) : 1.0) * largest_change(row[j].sensors, coarser[j].sensors);
-          change <= reference.last_change) {
-        reference.last_change = change;
-        best = j;
-      }
-    previous_change = plain_change;
-    reference.simulation = row[best].simulation;
-    reference.sensors = row[best].sensors;
-    reference.extrapolations = static_cast<Index>(best);
-    reference.converged = !coarser.empty() && reference.last_change <= options.tolerance;
+    moved = movement(row, coarser, moved.plain);
+    reference.simulation = row[moved.extrapolations].simulation;
+    reference.sensors = row[moved.extrapolations].sensors;
+    reference.extrapolations = static_cast<Index>(moved.extrapolations);
+    reference.last_change = moved.least;
+    reference.converged = !coarser.empty() && moved.least <= options.tolerance;
     coarser = std::move(row);
     if (reference.converged || sensors.size() == 0) break;
   }
