@@ -72,6 +72,25 @@ Outcome run_with(const Mistake& mistake, const std::string& verb, const std::fil
   return run_command(verb + " " + (folder / "case.yaml").string(), folder);
 }
 
+/// Of low rank on the full model, and the same on superelements in the observer and in the place of the truth.
+TEST(FiniteElements, AreDampedInTheModesOfTheWholeStructure) {
+  const std::string estimated = R"(simulate: {duration: 3 s, sample_rate: 1 kHz, modes_up_to: 3 kHz, reference: @}
+damping: {modal: 5 %, up_to: 60 Hz}
+estimate: {unknown: {mount.k: {initial: 11 kN/m, std: 1 kN/m}}, settle: 1 s}
+predict: {substructure: plate})";
+  for (const std::string reference : {"full", "superelement"}) {
+    const auto folder = fresh_folder("damped-plate-" + reference);
+    std::string text = estimated;
+    text.replace(text.find('@'), 1, reference);
+    const auto outcome = run_with({"", "simulate: {duration: 0.2 s, sample_rate: 1 kHz}", text, {}}, "run", folder);
+    ASSERT_EQ(outcome.code, 0) << outcome.errors;
+    const auto summary = read_summary(folder / "case.kalfem-out");
+    EXPECT_NEAR(summary["parameters"]["mount.k"]["estimate"].get<double>(), 1e4, 50.0) << reference;
+    EXPECT_NEAR(summary["estimation"]["nis"]["mean"].get<double>(), 1.0, 0.1) << reference;
+    EXPECT_LE(summary["prediction"]["plate"]["m.z"]["acceleration_nrmse"].get<double>(), 0.03) << reference;
+  }
+}
+
 TEST(FiniteElements, FreeInterfaceReductionRunsAsTheOthersDo) {
   const auto folder = fresh_folder("rubin");
   const auto outcome =

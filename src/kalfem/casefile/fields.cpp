@@ -45,7 +45,7 @@ std::optional<std::size_t> only_key(const Cursor& map, const std::vector<std::st
 }
 
 /// Issues for the keys of the alternatives that were not chosen.
-void report_keys_without_effect(const Cursor& map, const std::vector<Binding>& cases,
+void report_keys_without_effect(const Cursor& map, const std::vector<BoundKeys>& cases,
                                 const std::vector<std::string>& names, std::size_t chosen) {
   for (std::size_t i = 0; i < cases.size(); ++i)
     for (const auto& key : cases[i].keys)
@@ -54,7 +54,7 @@ void report_keys_without_effect(const Cursor& map, const std::vector<Binding>& c
                              "it would have no effect", "remove it");
 }
 
-void describe_cases(Json& object, const std::vector<Binding>& cases, const std::vector<std::string>& names,
+void describe_cases(Json& object, const std::vector<BoundKeys>& cases, const std::vector<std::string>& names,
                     bool needed) {
   Json alternatives = Json::array(), any = Json::array();
   for (std::size_t i = 0; i < cases.size(); ++i) {
@@ -71,9 +71,9 @@ void describe_cases(Json& object, const std::vector<Binding>& cases, const std::
   object["allOf"].push_back({{"oneOf", alternatives}});
 }
 
-std::vector<std::string> all_keys(const std::vector<Binding>& bindings) {
+std::vector<std::string> all_keys(const std::vector<BoundKeys>& parts) {
   std::vector<std::string> keys;
-  for (const auto& each : bindings) keys.insert(keys.end(), each.keys.begin(), each.keys.end());
+  for (const auto& each : parts) keys.insert(keys.end(), each.keys.begin(), each.keys.end());
   return keys;
 }
 
@@ -87,9 +87,9 @@ const YamlEntry* find_field(const Cursor& map, const FieldWords& words, const Fo
   return entry;
 }
 
-Binding bind_field(const FieldWords& words, const FormSchema& schema, const YamlNodePtr& default_value,
-                   std::function<void(const Cursor&, void*)> read,
-                   std::function<void(const void*, std::vector<YamlEntry>&)> write) {
+BoundKeys bind_field(const FieldWords& words, const FormSchema& schema, const YamlNodePtr& default_value,
+                     std::function<void(const Cursor&, void*)> read,
+                     std::function<void(const void*, std::vector<YamlEntry>&)> write) {
   const auto describe = [=](Json& object) {
     Json property = schema.json();
     property["description"] = words.meaning;
@@ -100,10 +100,10 @@ Binding bind_field(const FieldWords& words, const FormSchema& schema, const Yaml
   return {{words.key}, std::move(read), std::move(write), describe};
 }
 
-Binding bind_one_of(std::vector<std::string> names, std::vector<Binding> cases, bool needed) {
+BoundKeys bind_one_of(std::vector<std::string> names, std::vector<BoundKeys> cases, bool needed) {
   struct Alternatives {
     std::vector<std::string> names;
-    std::vector<Binding> cases;
+    std::vector<BoundKeys> cases;
   };
   auto keys = all_keys(cases);
   const auto all = std::make_shared<const Alternatives>(Alternatives{std::move(names), std::move(cases)});
@@ -120,9 +120,9 @@ Binding bind_one_of(std::vector<std::string> names, std::vector<Binding> cases, 
           [=](Json& schema) { describe_cases(schema, all->cases, all->names, needed); }};
 }
 
-Binding bind_all(std::vector<Binding> fields, std::vector<std::function<std::vector<Issue>(const void*)>> checks) {
+BoundKeys bind_all(std::vector<BoundKeys> fields, std::vector<std::function<std::vector<Issue>(const void*)>> checks) {
   auto keys = all_keys(fields);
-  const auto all = std::make_shared<const std::vector<Binding>>(std::move(fields));
+  const auto all = std::make_shared<const std::vector<BoundKeys>>(std::move(fields));
   return {std::move(keys),
           [=](const Cursor& map, void* object) {
             const std::size_t before = map.issue_count();
@@ -139,7 +139,7 @@ Binding bind_all(std::vector<Binding> fields, std::vector<std::function<std::vec
           }};
 }
 
-bool read_map(const Cursor& cursor, const Binding& fields, const FormSchema& schema, void* object) {
+bool read_map(const Cursor& cursor, const BoundKeys& fields, const FormSchema& schema, void* object) {
   if (cursor.node().kind != YamlNode::Kind::null && !cursor.require(YamlNode::Kind::map, schema.written()))
     return false;
   const std::size_t before = cursor.issue_count();
@@ -148,13 +148,13 @@ bool read_map(const Cursor& cursor, const Binding& fields, const FormSchema& sch
   return cursor.issue_count() == before;
 }
 
-YamlNodePtr write_map(const Binding& fields, const void* object) {
+YamlNodePtr write_map(const BoundKeys& fields, const void* object) {
   std::vector<YamlEntry> entries;
   fields.write(object, entries);
   return yaml_map(entries);
 }
 
-FormSchema map_schema(const Binding& fields) {
+FormSchema map_schema(const BoundKeys& fields) {
   Json json{{"type", "object"}, {"additionalProperties", false}, {"x-written", "{" + join(fields.keys, ", ") + "}"}};
   fields.describe(json);
   return FormSchema(std::move(json));

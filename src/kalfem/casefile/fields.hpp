@@ -9,7 +9,7 @@ namespace kalfem {
 
 /// Some keys of a map, bound to an object whose type only the Fields know that made it: everything that maps have in
 /// common is so compiled once (fields.cpp).
-struct Binding {
+struct BoundKeys {
   std::vector<std::string> keys;
   std::function<void(const Cursor& map, void* object)> read;
   std::function<void(const void* object, std::vector<YamlEntry>& entries)> write;
@@ -27,24 +27,24 @@ struct FieldWords {
 template <class U>
 struct Case {
   std::string key;
-  Binding fields;  ///< of a U
+  BoundKeys fields;  ///< of a U
 };
 
 /// Null where the key is not there; adds an issue where it is required.
 const YamlEntry* find_field(const Cursor& map, const FieldWords& words, const FormSchema& schema);
-/// A key's binding; `default_value` is shown in the reference.
-Binding bind_field(const FieldWords& words, const FormSchema& schema, const YamlNodePtr& default_value,
-                   std::function<void(const Cursor&, void*)> read,
-                   std::function<void(const void*, std::vector<YamlEntry>&)> write);
-/// The binding of exactly one of several cases; of none or one where it is not `needed`.
-Binding bind_one_of(std::vector<std::string> names, std::vector<Binding> cases, bool needed);
+/// One key, bound; `default_value` is shown in the reference.
+BoundKeys bind_field(const FieldWords& words, const FormSchema& schema, const YamlNodePtr& default_value,
+                     std::function<void(const Cursor&, void*)> read,
+                     std::function<void(const void*, std::vector<YamlEntry>&)> write);
+/// Exactly one of several cases; none or one where it is not `needed`.
+BoundKeys bind_one_of(std::vector<std::string> names, std::vector<BoundKeys> cases, bool needed);
 /// All fields of an object together, and then its checks, where each field is right.
-Binding bind_all(std::vector<Binding> fields, std::vector<std::function<std::vector<Issue>(const void*)>> checks);
+BoundKeys bind_all(std::vector<BoundKeys> fields, std::vector<std::function<std::vector<Issue>(const void*)>> checks);
 
 /// False where the node is no map or a field or check has added an issue.
-bool read_map(const Cursor& cursor, const Binding& fields, const FormSchema& schema, void* object);
-YamlNodePtr write_map(const Binding& fields, const void* object);
-FormSchema map_schema(const Binding& fields);
+bool read_map(const Cursor& cursor, const BoundKeys& fields, const FormSchema& schema, void* object);
+YamlNodePtr write_map(const BoundKeys& fields, const void* object);
+FormSchema map_schema(const BoundKeys& fields);
 
 /// The table that binds the keys of a map to the members of a T, one line a member. From it a case file is read
 /// strictly, the resolved case is echoed, and the reference and the JSON Schema are written.
@@ -82,7 +82,7 @@ public:
   /// The fields of a member, in the same map.
   template <class M>
   Fields& inlined(M T::*member, const Fields<M>& fields) {
-    const Binding inner = fields.binding();
+    const BoundKeys inner = fields.bound_keys();
     fields_.push_back({inner.keys,
                        [=](const Cursor& map, void* object) { inner.read(map, &(static_cast<T*>(object)->*member)); },
                        [=](const void* object, std::vector<YamlEntry>& entries) {
@@ -99,7 +99,7 @@ public:
   }
 
   /// All fields as one; keys that are not known are left to the owner of the map.
-  [[nodiscard]] Binding binding() const { return bind_all(fields_, checks_); }
+  [[nodiscard]] BoundKeys bound_keys() const { return bind_all(fields_, checks_); }
 
 private:
   template <class Member, class M>
@@ -122,8 +122,8 @@ private:
 
   /// The case's fields with the variant, or optional variant, in the place of the U that it holds.
   template <class M, class U>
-  static Binding bind_case(M T::*member, const Case<U>& alternative) {
-    const Binding fields = alternative.fields;
+  static BoundKeys bind_case(M T::*member, const Case<U>& alternative) {
+    const BoundKeys fields = alternative.fields;
     return {fields.keys,
             [=](const Cursor& map, void* object) {
               U value{};
@@ -145,7 +145,7 @@ private:
       return std::get_if<U>(&value);
   }
 
-  std::vector<Binding> fields_;
+  std::vector<BoundKeys> fields_;
   std::vector<std::function<std::vector<Issue>(const void*)>> checks_;
 };
 
@@ -169,8 +169,8 @@ Case<U> when(const std::string& key, const Form<U>& form, const std::string& mea
 /// channel: r1.
 template <class U>
 Case<U> when(const Fields<U>& fields) {
-  const Binding binding = fields.binding();
-  return {binding.keys.front(), binding};
+  const BoundKeys bound = fields.bound_keys();
+  return {bound.keys.front(), bound};
 }
 
 namespace form {
@@ -178,14 +178,14 @@ namespace form {
 /// A map with the given fields and no other keys; nothing after the colon is an empty map.
 template <class T>
 Form<T> mapping(const Fields<T>& fields) {
-  const Binding binding = fields.binding();
-  const FormSchema schema = map_schema(binding);
+  const BoundKeys bound = fields.bound_keys();
+  const FormSchema schema = map_schema(bound);
   const auto read = [=](const Cursor& cursor) -> std::optional<T> {
     T object{};
-    if (!read_map(cursor, binding, schema, &object)) return std::nullopt;
+    if (!read_map(cursor, bound, schema, &object)) return std::nullopt;
     return object;
   };
-  return {read, [=](const T& object) { return write_map(binding, &object); }, schema};
+  return {read, [=](const T& object) { return write_map(bound, &object); }, schema};
 }
 
 }  // namespace form
