@@ -6,7 +6,7 @@ FilterWalk::FilterWalk(const Observer& observer, const Record& record, FilterKin
     : observer_(&observer),
       record_(&record),
       transition_(observer),
-      measurement_(observer, observer.form().outputs()),
+      measurement_(observer, sensor_outputs),
       filter_(make_filter(kind, {}, &transition_)) {
   restart();
 }

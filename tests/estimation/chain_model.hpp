@@ -31,7 +31,8 @@ struct Chain {
   static constexpr double rate = 1000.0;  // [Hz]
   static constexpr double mu_k1 = 20.0, mu_c1 = 10.0;
 
-  CoupledModel model = make_model();
+  double body_stiffness = 3e4;  // of each spring of the body [N/m]
+  CoupledModel model = make_model(body_stiffness);
   OutputMap sensors =
       make_outputs(model, {acceleration("2"), acceleration("4"), acceleration("6"), acceleration("10")});
   SignalPtr road = make_random({.rms = 3e-3, .lower = 0.5, .upper = 30.0, .duration = 20.0, .fade_in = 0.5, .seed = 7});
@@ -86,19 +87,18 @@ struct Chain {
     return options;
   }
 
-private:
-  static CoupledModel make_model() {
+  static CoupledModel make_model(double body_stiffness, std::vector<ConnectorDescription> more = {}) {
     LumpedSubstructure wheel, body;
     wheel.masses = {{"w", 1.5}};
     wheel.springs = {{"tyre", "ground", "w", 2e4}};
     for (int i = 1; i <= 10; ++i) {
       body.masses.push_back({std::to_string(i), 1.0});
-      if (i > 1) body.springs.push_back({"s" + std::to_string(i), std::to_string(i - 1), std::to_string(i), 3e4});
+      if (i > 1) body.springs.push_back({"s" + std::to_string(i), std::to_string(i - 1), std::to_string(i), body_stiffness});
     }
     body.modal_damping = {0.01};
     const auto parameters = values({5e3, mu_k1, 2e-3, 10.0, mu_c1, 0.05});
-    return CoupledModel({{"wheel", assemble(wheel)}, {"body", assemble(body)}},
-                        {{"suspension", "wheel.w", "body.1", make_law("saturating"), parameters}},
+    more.insert(more.begin(), {"suspension", "wheel.w", "body.1", make_law("saturating"), parameters});
+    return CoupledModel({{"wheel", assemble(wheel)}, {"body", assemble(body)}}, more,
                         {{"road", InputKind::base_displacement, "wheel.ground"}});
   }
 };

@@ -313,7 +313,7 @@ Verdict judge_prediction(const Subject& subject, Widths widths) {
 /// Accelerations with noise of 15 % of their prior standard deviation, six measurements of each phase.
 Verdict judge_update(const Subject& subject, Widths widths) {
   const auto observer = observer_of(subject, widths);
-  InstantMap instant(observer, observer.form().outputs());
+  InstantMap instant(observer, sensor_outputs);
   instant.set_inputs(VectorXd::Zero(3));
   const auto names = contenders(instant);
   Verdict verdict;
@@ -387,7 +387,7 @@ TEST(Judge, PredictedMomentsAreThoseOfPlainSamples) {
 TEST(Judge, PosteriorMomentsAreThoseOfWeightedStates) {
   const auto observer = observer_of(two_masses(), wide);
   const auto prior = prior_of(observer, wide, phases[0]);
-  InstantMap map(observer, observer.form().outputs());
+  InstantMap map(observer, sensor_outputs);
   map.set_inputs(VectorXd::Zero(3));
   const MatrixXd R = MatrixXd::Constant(1, 1, 100.0);  // (10 m/s^2)^2
   const VectorXd y = VectorXd::Constant(1, 25.0);

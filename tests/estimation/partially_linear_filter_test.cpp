@@ -101,6 +101,8 @@ double difference(const Filter& a, const Filter& b) {
   return std::max(mean, (scale.asDiagonal() * (p - q) * scale.asDiagonal()).cwiseAbs().maxCoeff());
 }
 
+LinearOutput connector_motion(const Observer& observer) { return observer.form().motion(); }
+
 class TiledFilter : public testing::TestWithParam<std::size_t> {};
 
 /// The same formulas on dense matrices with a Cholesky factor a step. Tolerance: 1e-7 of the standard deviations after
@@ -110,8 +112,8 @@ TEST_P(TiledFilter, EqualsTheDenseFilterStepByStep) {
   const Observer observer = setting.observer(StateCoordinates::modal);
   const Record record = record_of(setting, 300);
   TransitionMap transition(observer), dense_transition(observer);
-  InstantMap measurement(observer, observer.form().outputs()), dense_measurement(observer, observer.form().outputs());
-  InstantMap seen(observer, observer.form().motion()), dense_seen(observer, observer.form().motion());
+  InstantMap measurement(observer, sensor_outputs), dense_measurement(observer, sensor_outputs);
+  InstantMap seen(observer, connector_motion), dense_seen(observer, connector_motion);
   const auto tiled = make_filter(FilterKind::partially_linear, {}, &transition);
   const auto dense = make_filter(FilterKind::partially_linear);
   ASSERT_NE(dynamic_cast<PartiallyLinearFilter*>(tiled.get()), nullptr) << setting.name;
@@ -244,7 +246,7 @@ TEST(PartiallyLinearFilter, ResultsDoNotDependOnTheNumberOfThreads) {
     transitions.push_back(std::make_unique<TransitionMap>(observer));
     filters.push_back(make_filter(FilterKind::partially_linear, {}, transitions.back().get(), threads));
     filters.back()->reset(observer.prior());
-    InstantMap measurement(observer, observer.form().outputs());
+    InstantMap measurement(observer, sensor_outputs);
     Innovation innovation;
     for (Index k = 1; k < inputs.cols(); ++k) {
       transitions.back()->set_inputs(inputs.col(k - 1), inputs.col(k));

@@ -16,7 +16,7 @@ constexpr Index period = 20000;  ///< samples after which the road comes again
 class TrueChain {
 public:
   TrueChain(const Observer& observer, const VectorXd& unknowns)
-      : transition_(observer), outputs_(observer, observer.form().outputs()), random_(11, "soak") {
+      : transition_(observer), outputs_(observer, sensor_outputs), random_(11, "soak") {
     state_ = VectorXd::Zero(observer.layout().size());
     state_.tail(unknowns.size()) = unknowns;
     const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(observer.process_noise());
@@ -67,7 +67,7 @@ TEST(Soak, TenMillionStepsOfTheChain) {
 
   TrueChain structure(observer, truth);
   TransitionMap transition(observer);
-  InstantMap measurement(observer, observer.form().outputs());
+  InstantMap measurement(observer, sensor_outputs);
   const auto filter = make_filter(FilterKind::partially_linear, {}, &transition);
   filter->reset(observer.prior());
   Innovation innovation;

@@ -85,6 +85,7 @@ EstimationStage estimate_stage(const Study& study, const ObserverSetup& setup, c
                                   .monitored = make_outputs(*setup.model, monitored),
                                   .progress = progress};
   stage.result = estimate(*stage.observer, run.record, options);
+  if (stage.result.observer) stage.observer = stage.result.observer;
   if (stage.result.failure)
     failure = "the filter stopped at " + shortest(stage.result.failure->time) + " s: " + stage.result.failure->reason;
 

@@ -1,5 +1,7 @@
 #include "kalfem/casefile/filter_run.hpp"
 
+#include "kalfem/casefile/observer_setup.hpp"
+
 #include <cmath>
 #include <limits>
 #include <thread>
@@ -128,6 +130,7 @@ FilterRun make_filter_run(const Study& study, const ObserverSetup& setup, const 
   }
   run.measurements = channels_of(record.series, setup.sensors);
   ObserverOptions options = completed_options(study, setup, record);
+  options.system_at = system_of_linear_unknowns(study, setup);
   const OutputMap map = make_outputs(*setup.model, outputs);
   if (coordinates) {
     options.coordinates = *coordinates;

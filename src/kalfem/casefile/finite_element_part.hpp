@@ -38,8 +38,8 @@ FiniteElementPart make_finite_element_part(const std::string& name, const descri
 Superelement reduce(const FiniteElementPart& part, const std::optional<description::Reduction>& given,
                     double sensor_bandwidth);
 
-/// The superelement of the part at other values of its parameters, with as many fixed-interface modes as `first` has, in
-/// the order of its factor, and without the comparison with the full model.
+/// The superelement of the part at other values of its parameters, with as many fixed-interface modes as `first` has,
+/// in the order of its factor, and without the comparison with the full model.
 Superelement reduce_again(const FiniteElementPart& part, const LinearModel& full,
                           const std::optional<description::Reduction>& given, const ReductionEvidence& first);
 

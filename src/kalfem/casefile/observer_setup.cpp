@@ -1,9 +1,10 @@
 #include "kalfem/casefile/observer_setup.hpp"
 
 #include <algorithm>
-#include <set>
 
-#include "kalfem/casefile/unknown_targets.hpp"
+#include "kalfem/casefile/local_cut.hpp"
+#include "kalfem/casefile/parameterised_structure.hpp"
+#include "kalfem/casefile/unknown_builder.hpp"
 
 namespace kalfem {
 namespace {
@@ -11,200 +12,6 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 namespace d = description;
-
-/// Prior standard deviation or walk: in the parameter's unit, or per cent of the initial value.
-double absolute(const d::Value& given, const std::string& unit, double initial) {
-  const bool percentage = !given.value.bare && given.value.dimension == Dimension{};
-
-  return percentage ? given.value.value * std::abs(initial) : checked_number(given, unit, Bounds::nonnegative());
-}
-
-std::string unit_of(const Parts& parts, const std::string& name) {
-  const auto reference = find_parameter(parts, name);
-  return reference ? reference->unit : "-";
-}
-
-ParameterTransform transform_of(const d::Unknown& given, const std::string& unit) {
-  ParameterTransform transform;
-  transform.kind = given.transform.value_or(given.bounds ? TransformKind::logit : TransformKind::none);
-  if (transform.kind == TransformKind::logit) {
-    if (!given.bounds)
-      throw InvalidInput(given.initial.issue("transform: logit without bounds", "it keeps the parameter between them",
-                                             "give bounds: [lower, upper]"));
-    transform.lower = to_si((*given.bounds)[0], unit);
-    transform.upper = to_si((*given.bounds)[1], unit);
-  }
-  return transform;
-}
-
-/// Builds the unknowns and releases the linear elements among them from the observer's parts.
-class UnknownBuilder {
-public:
-  /// `simulated`: the values of the case are the truth.
-  UnknownBuilder(const Parts& truth, bool simulated, const PresentValues& present, Parts& parts, IssueList& issues)
-      : truth_(truth), simulated_(simulated), present_(present), parts_(parts), issues_(issues) {}
-
-  void add(const std::string& name, const d::Unknown& given, ObserverSetup& setup) {
-    std::vector<d::Name> names = given.applies_to;
-    if (names.empty()) names.push_back({name, given.initial.location, "estimate.unknown." + name});
-    if (!all_known(names)) return;
-    try {
-      const std::string unit = unit_of(truth_, names.front().value);
-
-      UnknownParameter unknown{name, unit, {}, transform_of(given, unit), checked_number(given.initial, unit),
-                               0.0,  0.0};
-      unknown.deviation = given.std ? absolute(*given.std, unit, unknown.initial) : 0.5 * std::abs(unknown.initial);
-      unknown.random_walk = given.random_walk ? absolute(*given.random_walk, unit, unknown.initial) : 0.0;
-      std::optional<double> truth;
-      if (const auto value = present_.find(name); value != present_.end()) unknown.initial = value->second;
-      for (const auto& target : names) {
-        add_target(target, unknown);
-        if (simulated_) truth = find_parameter(truth_, target.value)->value;
-      }
-
-      if (given.truth) truth = checked_number(*given.truth, unit);
-      setup.options.unknowns.push_back(unknown);
-      setup.true_parameters.push_back(truth);
-    } catch (const InvalidInput& error) {
-      issues_.add(error, given.initial.location);
-    }
-  }
-
-private:
-  bool all_known(const std::vector<d::Name>& names) {
-    bool known = true;
-    for (const auto& name : names) {
-      if (find_parameter(parts_, name.value)) continue;
-      known = false;
-      issues_.add(name.location,
-                  name.path + ": there is no parameter '" + name.value + "'" +
-                      did_you_mean(name.value, parameter_names(truth_)),
-                  "an unknown is a parameter of a connector or of a lumped substructure", "");
-    }
-    return known;
-  }
-
-  void add_target(const d::Name& name, UnknownParameter& unknown) {
-    const auto reference = find_parameter(parts_, name.value);
-    const auto target = release_linear_element(parts_, *reference, unknown.initial);
-    unknown.targets.push_back({static_cast<Index>(target.part), static_cast<Index>(target.element)});
-    parts_.connectors[target.part].parameters[static_cast<Index>(target.element)] = unknown.initial;
-  }
-
-  const Parts& truth_;
-  bool simulated_;
-  const PresentValues& present_;
-  Parts& parts_;
-  IssueList& issues_;
-};
-
-bool belongs(const std::string& point, const std::set<std::string>& substructures) {
-  return substructures.contains(point.substr(0, point.find('.')));
-}
-
-/// Leaves only the local substructures, the connectors that touch them, and the interface in place of the rest.
-class LocalCut {
-public:
-  LocalCut(const d::LocalObserver& local, Parts& parts, IssueList& issues)
-      : local_(local), parts_(parts), issues_(issues) {
-    for (const auto& name : local.substructures) kept_.insert(name.value);
-  }
-
-  void apply(ObserverSetup& setup) {
-    check_names();
-    std::erase_if(parts_.substructures, [&](const auto& part) { return !kept_.contains(part.name); });
-    std::erase_if(parts_.finite_elements, [&](const auto& part) { return !kept_.contains(part.name); });
-    std::erase_if(parts_.inputs, [&](const auto& input) {
-      return input.kind != InputKind::base_acceleration && !belongs(input.target, kept_);
-    });
-    for (const auto& input : parts_.inputs) {
-      setup.input_sources.push_back(input.name);
-      setup.options.inputs.push_back({});
-    }
-    for (const auto& [point, interface] : local_.interface) add_interface(point, interface.value, setup);
-    std::erase_if(parts_.connectors, [&](const auto& c) { return !reachable(c.from) || !reachable(c.to); });
-  }
-
-  /// Prior and noise of the interface inputs, once the number of inputs is known.
-  void set_priors(ObserverSetup& setup) const {
-    auto& prior = setup.options.prior;
-    auto& noise = setup.options.process_noise.input;
-    for (std::size_t i = 0; i < parts_.inputs.size(); ++i) {
-      const auto index = static_cast<Index>(i);
-      const auto found =
-          std::ranges::find_if(local_.interface, [&](const auto& each) { return each.first == parts_.inputs[i].name; });
-      if (found == local_.interface.end()) continue;
-      if (const auto* measured = std::get_if<d::InterfaceAcceleration>(&found->second.value.motion)) {
-        prior.input_deviation[index] = measured->displacement_std;
-        prior.input_rate_deviation[index] = measured->velocity_std;
-        noise[index] = 0.0;  // from the sensor's noise, once the record is known
-      } else {
-        const auto& force = std::get<d::InterfaceForce>(found->second.value.motion);
-        prior.input_deviation[index] = force.std;
-        noise[index] = force.std * std::sqrt(2.0 / force.correlation_time);
-      }
-    }
-  }
-
-private:
-  void check_names() {
-    std::vector<std::string> known;
-    for (const auto& part : parts_.substructures) known.push_back(part.name);
-    for (const auto& part : parts_.finite_elements) known.push_back(part.name);
-    for (const auto& name : local_.substructures)
-      if (std::ranges::find(known, name.value) == known.end())
-        issues_.add(name.location,
-                    name.path + ": there is no substructure '" + name.value + "'" + did_you_mean(name.value, known));
-  }
-
-  bool reachable(const std::string& point) const {
-    return belongs(point, kept_) || std::ranges::find(moving_, point) != moving_.end();
-  }
-
-  void add_interface(const std::string& point, const d::Interface& interface, ObserverSetup& setup) {
-    const bool inside = belongs(point, kept_);
-    if (const auto* measured = std::get_if<d::InterfaceAcceleration>(&interface.motion)) {
-      const auto dot = point.find('.');
-      if (inside || dot == std::string::npos) {
-        issues_.add(measured->sensor.location,
-                    "estimate.local.interface." + point +
-                        ": an interface that moves as measured "
-                        "lies outside the local substructures",
-                    "", "name a point of the part that is left out");
-        return;
-      }
-      add_moving_point(point.substr(0, dot), point.substr(dot + 1));
-      moving_.push_back(point);
-      parts_.inputs.push_back({point, InputKind::base_displacement, point, {}});
-      setup.input_sources.push_back("@" + measured->sensor.value);
-      setup.options.inputs.push_back({InputModel::integrated, 1.0});
-    } else {
-      parts_.inputs.push_back({point, InputKind::force, point, {}});
-      setup.input_sources.emplace_back("");
-      setup.options.inputs.push_back(
-          {InputModel::first_order_markov, std::get<d::InterfaceForce>(interface.motion).correlation_time});
-    }
-  }
-
-  /// A substructure without degrees of freedom whose only point is a ground that moves.
-  void add_moving_point(const std::string& substructure, const std::string& point) {
-    for (auto& part : parts_.substructures)
-      if (part.name == substructure) {
-        part.grounds.push_back(point);
-        return;
-      }
-    LumpedSubstructure frame;
-    frame.name = substructure;
-    frame.grounds = {point};
-    parts_.substructures.push_back(frame);
-  }
-
-  const d::LocalObserver& local_;
-  Parts& parts_;
-  IssueList& issues_;
-  std::set<std::string> kept_;
-  std::vector<std::string> moving_;
-};
 
 /// Index of "connector.state" among all internal states, -1 where there is none.
 Index connector_state_index(const LocallyNonlinearSystem& system, const std::string& name) {
@@ -303,11 +110,12 @@ PresentValues present_values(const UpdatingSetup& updating, const Eigen::VectorX
   return present;
 }
 
-ObserverSetup make_observer_setup(const Study& study, Parts parts, const PresentValues& present, IssueList& issues) {
+namespace {
+
+/// Leaves in `parts` what the observer holds, with the unknowns released from it.
+void add_unknowns(const Study& study, const PresentValues& present, std::optional<LocalCut>& cut, Parts& parts,
+                  ObserverSetup& setup, IssueList& issues) {
   const auto& given = *study.given.estimate;
-  ObserverSetup setup;
-  UnknownBuilder unknowns(study.parts, study.given.simulate.has_value(), present, parts, issues);
-  std::optional<LocalCut> cut;
   if (given.local) {
     cut.emplace(*given.local, parts, issues);
     cut->apply(setup);
@@ -317,8 +125,52 @@ ObserverSetup make_observer_setup(const Study& study, Parts parts, const Present
       setup.options.inputs.push_back({});
     }
   }
-  for (const auto& [name, unknown] : given.unknown) unknowns.add(name, unknown, setup);
+  UnknownBuilder unknowns(study, present, parts, setup, issues);
+  for (const auto& [name, unknown] : given.unknown) unknowns.add(name, unknown);
+}
+
+/// The structure at the first guesses of the linear unknowns in the place of the case's own.
+Parts at_first_guesses(const Study& study, LinearUnknowns& unknowns) {
+  const Index count = static_cast<Index>(unknowns.initial.size());
+  const ParameterisedStructure structure(study, unknowns.bindings, count);
+  unknowns.structure = std::make_shared<const StructureAtParameters>(
+      structure.at(Eigen::Map<const VectorXd>(unknowns.initial.data(), count)));
+  return unknowns.structure->parts;
+}
+
+}  // namespace
+
+Parts parts_at(const Study& study, const LinearUnknowns& unknowns, const VectorXd& values) {
+  return ParameterisedStructure(study, unknowns.bindings, values.size()).near(*unknowns.structure, values);
+}
+
+std::function<LocallyNonlinearSystem(const VectorXd&)> system_of_linear_unknowns(const Study& study,
+                                                                                 const ObserverSetup& setup) {
+  if (setup.linear_unknowns.empty()) return {};
+  return [&study, linear = setup.linear_unknowns](const VectorXd& values) {
+    Parts parts = parts_at(study, linear, values);
+    IssueList issues;
+    ObserverSetup scratch;
+    std::optional<LocalCut> cut;
+    add_unknowns(study, {}, cut, parts, scratch, issues);
+    issues.raise();
+    return couple(parts).system();
+  };
+}
+
+ObserverSetup make_observer_setup(const Study& study, Parts parts, const PresentValues& present, IssueList& issues) {
+  const auto& given = *study.given.estimate;
+  ObserverSetup setup;
+  std::optional<LocalCut> cut;
+  add_unknowns(study, present, cut, parts, setup, issues);
   issues.raise();
+  if (!setup.linear_unknowns.empty()) {
+    LinearUnknowns linear = std::move(setup.linear_unknowns);
+    parts = at_first_guesses(study, linear);
+    setup = {};
+    add_unknowns(study, present, cut, parts, setup, issues);
+    setup.linear_unknowns = std::move(linear);
+  }
 
   setup.model = std::make_shared<const CoupledModel>(couple(parts));
   const auto& system = setup.model->system();

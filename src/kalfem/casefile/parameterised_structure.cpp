@@ -58,44 +58,12 @@ std::vector<ParameterBinding<Target>> bindings_of(const std::vector<StructureBin
   return own;
 }
 
-SparseMatrix projected(const MatrixXd& basis, const SparseMatrix& matrix) {
-  if (matrix.size() == 0) return {};
-  const MatrixXd small = basis.transpose() * (matrix * basis);
-  return MatrixXd(0.5 * (small + small.transpose())).sparseView();
-}
-
-std::vector<ModelDerivative> projected(const MatrixXd& basis, const std::vector<ModelDerivative>& derivatives) {
-  std::vector<ModelDerivative> small;
-  for (const auto& each : derivatives)
-    small.push_back({projected(basis, each.stiffness), projected(basis, each.mass), projected(basis, each.damping),
-                     each.modal_ratios});
-  return small;
-}
-
-LinearModel damped(LinearModel model, const std::vector<double>& ratios) {
+LinearModel damped(ModelAtParameters at) {
+  auto& [model, ratios] = at;
   if (!ratios.empty())
     model.damping =
         SparseMatrix(model.damping + modal_damping(model.mass, normal_modes(model.mass, model.stiffness), ratios));
   return model;
-}
-
-void add(SparseMatrix& sum, double factor, const SparseMatrix& matrix) {
-  if (matrix.size() > 0) sum = SparseMatrix(sum + factor * matrix);
-}
-
-LinearModel moved(const StructureAtParameters::Reduced& reduced, const VectorXd& step) {
-  LinearModel model = reduced.model;
-  auto ratios = reduced.modal_ratios;
-  for (std::size_t i = 0; i < reduced.derivatives.size(); ++i) {
-    const auto& derivative = reduced.derivatives[i];
-    const double by = step[static_cast<Index>(i)];
-    if (by == 0.0) continue;
-    add(model.stiffness, by, derivative.stiffness);
-    add(model.mass, by, derivative.mass);
-    add(model.damping, by, derivative.damping);
-    for (std::size_t r = 0; r < derivative.modal_ratios.size(); ++r) ratios[r] += by * derivative.modal_ratios[r];
-  }
-  return damped(std::move(model), ratios);
 }
 
 }  // namespace
@@ -147,31 +115,28 @@ Parts ParameterisedStructure::with_lumped_at(const VectorXd& parameters) const {
   return parts;
 }
 
-StructureAtParameters::Reduced ParameterisedStructure::reduced_at(std::size_t index, const VectorXd& parameters) const {
+std::shared_ptr<const ParameterisedModel> ParameterisedStructure::reduced_at(std::size_t index,
+                                                                             const VectorXd& parameters) const {
   const auto& elements = study_.finite_elements[index];
-  auto [full, ratios] = finite_elements_[index]->at(parameters);
-  auto derivatives = finite_elements_[index]->derivatives(parameters);
-  if (!elements.reduced) return {std::move(full), ratios, std::move(derivatives)};
-  auto reduced =
-      reduce_again(*elements.part, full, reduction_of(study_, elements.part->name), elements.reduced->evidence);
-  return {std::move(reduced.model), ratios, projected(reduced.basis, derivatives)};
+  if (!elements.reduced) return finite_elements_[index];
+  const auto reduced = reduce_again(*elements.part, finite_elements_[index]->at(parameters).model,
+                                    reduction_of(study_, elements.part->name), elements.reduced->evidence);
+  return std::make_shared<const ParameterisedFiniteElements>(
+      finite_elements_[index]->in_basis(reduced.basis, reduced.model, parameters));
 }
 
 StructureAtParameters ParameterisedStructure::at(const VectorXd& parameters) const {
-  StructureAtParameters structure{parameters, with_lumped_at(parameters), {}};
-  for (std::size_t i = 0; i < finite_elements_.size(); ++i) {
-    structure.reduced.push_back(reduced_at(i, parameters));
-    const auto& [model, ratios, derivatives] = structure.reduced.back();
-    structure.parts.finite_elements.push_back({study_.finite_elements[i].part->name, damped(model, ratios)});
-  }
+  StructureAtParameters structure;
+  for (std::size_t i = 0; i < finite_elements_.size(); ++i) structure.in_basis.push_back(reduced_at(i, parameters));
+  structure.parts = near(structure, parameters);
   return structure;
 }
 
 Parts ParameterisedStructure::near(const StructureAtParameters& structure, const VectorXd& parameters) const {
   Parts parts = with_lumped_at(parameters);
-  for (std::size_t i = 0; i < structure.reduced.size(); ++i)
+  for (std::size_t i = 0; i < structure.in_basis.size(); ++i)
     parts.finite_elements.push_back(
-        {study_.finite_elements[i].part->name, moved(structure.reduced[i], parameters - structure.parameters)});
+        {study_.finite_elements[i].part->name, damped(structure.in_basis[i]->at(parameters))});
   return parts;
 }
 

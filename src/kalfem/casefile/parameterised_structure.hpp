@@ -13,18 +13,6 @@ namespace kalfem {
 std::optional<StructureParameter> find_structure_parameter(const Study& study, const std::string& name);
 std::vector<std::string> structure_parameter_names(const Study& study);
 
-/// The parts of a case at some theta, its finite elements reduced there.
-struct StructureAtParameters {
-  Eigen::VectorXd parameters;
-  Parts parts;
-  struct Reduced {
-    LinearModel model;  ///< without damping by modal ratios
-    std::vector<double> modal_ratios;
-    std::vector<ModelDerivative> derivatives;  ///< T^T dK T, T^T dM T, ...: one a parameter
-  };
-  std::vector<Reduced> reduced;  ///< one a finite-element substructure
-};
-
 /// The linear substructures of a case as functions of theta. The case must outlive it.
 class ParameterisedStructure {
 public:
@@ -34,13 +22,14 @@ public:
   [[nodiscard]] std::shared_ptr<const ParameterisedModel> model_of(const std::string& substructure) const;
   /// Every finite-element substructure is reduced anew, with as many modes as the case's own reduction has.
   [[nodiscard]] StructureAtParameters at(const Eigen::VectorXd& parameters) const;
-  /// The parts near theta, their finite elements in the basis of `structure` and to first order in the step: what
-  /// sensitivities need, for next to nothing.
+  /// The parts at another theta, their finite elements in the bases of `structure`: what sensitivities need, for next
+  /// to nothing.
   [[nodiscard]] Parts near(const StructureAtParameters& structure, const Eigen::VectorXd& parameters) const;
 
 private:
   [[nodiscard]] Parts with_lumped_at(const Eigen::VectorXd& parameters) const;
-  [[nodiscard]] StructureAtParameters::Reduced reduced_at(std::size_t index, const Eigen::VectorXd& parameters) const;
+  [[nodiscard]] std::shared_ptr<const ParameterisedModel> reduced_at(std::size_t index,
+                                                                     const Eigen::VectorXd& parameters) const;
 
   const Study& study_;
   std::vector<std::shared_ptr<const ParameterisedLumped>> lumped_;                   ///< one a lumped substructure

@@ -97,6 +97,13 @@ Updated updated_structure(const Study& study, const ParameterisedStructure& stru
   return {std::move(observer), couple(parts)};
 }
 
+/// The structure as the filter's estimates of its linear unknowns leave it.
+CoupledModel estimated_structure(const Study& study, const EstimationStage& estimation) {
+  const auto& observer = *estimation.observer;
+  const VectorXd last = estimation.result.unknowns.mean.rightCols(1);
+  return couple(parts_at(study, study.observer->linear_unknowns, last(linear_unknowns(observer.options()))));
+}
+
 /// The last estimates of the filter's unknowns with the structure as the updating finds it.
 VectorXd unknowns_at_start(const Study& study, const StudyResults& results) {
   std::string failure;
@@ -124,14 +131,19 @@ StudyResults run_study(const Study& study, Stage last, const RunOptions& options
       updated.emplace(updated_structure(study, *structure, *results.updating));
     }
   }
+  const bool estimates_linear_part = study.observer && !study.observer->linear_unknowns.empty();
   if (results.usable() && last >= Stage::estimate && study.observer) {
     results.estimation = estimate_stage(study, updated ? updated->observer : *study.observer, results, options.progress,
                                         results.failure);
-    if (!updated)  // else the basis of the pictures is not that of the observer
+    if (!updated && !estimates_linear_part)  // else the basis of the pictures is not that of the observer
       if (auto series = estimated_fields(study, *results.estimation)) results.fields.push_back(std::move(*series));
   }
-  if (results.usable() && last >= Stage::predict && study.given.predict)
-    results.prediction = predict_stage(study, updated ? updated->model : *study.model, results, options.progress);
+  if (results.usable() && last >= Stage::predict && study.given.predict) {
+    const auto estimated =
+        estimates_linear_part ? std::optional(estimated_structure(study, *results.estimation)) : std::nullopt;
+    const CoupledModel& model = updated ? updated->model : estimated ? *estimated : *study.model;
+    results.prediction = predict_stage(study, model, results, options.progress);
+  }
   if (results.usable() && last >= Stage::predict)
     results.modifications = predict_modifications(study, results.updating);
   results.total_seconds = watch.seconds();

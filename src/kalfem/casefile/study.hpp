@@ -24,6 +24,23 @@ struct StudySensor {
   [[nodiscard]] double deviation(double channel_rms) const { return relative_noise ? noise * channel_rms : noise; }
 };
 
+/// The parts of a case at some theta, its finite elements reduced there.
+struct StructureAtParameters {
+  Parts parts;
+  /// The finite-element substructures as functions of theta in the bases that they have been reduced to.
+  std::vector<std::shared_ptr<const ParameterisedModel>> in_basis;
+};
+
+/// Unknowns of the filter that no connector can carry: numbers of linear substructures.
+struct LinearUnknowns {
+  std::vector<StructureBinding> bindings;  ///< where they stand; the index is the place among these unknowns
+  std::vector<double> initial;             ///< first guesses, at which the finite elements are reduced
+  /// The structure there: its bases serve for all values.
+  std::shared_ptr<const StructureAtParameters> structure;
+
+  [[nodiscard]] bool empty() const { return initial.empty(); }
+};
+
 /// What the observer is made of: its own model, which may be a part of the structure and holds the guesses of unknowns
 /// in its linear part, and the sensors that it uses.
 struct ObserverSetup {
@@ -32,6 +49,7 @@ struct ObserverSetup {
   ObserverOptions options;
   std::vector<std::string> input_sources;  ///< name of the excitation of each input, or of a sensor ("@name")
   std::vector<std::optional<double>> true_parameters;  ///< one an unknown
+  LinearUnknowns linear_unknowns;
 };
 
 /// What the case's `update` refines.

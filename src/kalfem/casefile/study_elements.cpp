@@ -19,13 +19,18 @@ double sensor_bandwidth(const d::Case& given) {
   return widest > 0.0 ? widest : std::numeric_limits<double>::infinity();
 }
 
-/// Parameters of a substructure that the case refines or modifies, by their names in it.
+/// Parameters of a substructure that the case estimates, refines or modifies, by their names in it.
 std::vector<std::string> changing_parameters(const d::Case& given, const std::string& substructure) {
   const std::string prefix = substructure + ".";
   std::vector<std::string> names;
   const auto include = [&](const std::string& name) {
     if (name.starts_with(prefix)) names.push_back(name.substr(prefix.size()));
   };
+  if (given.estimate)
+    for (const auto& [name, unknown] : given.estimate->unknown) {
+      include(name);
+      for (const auto& target : unknown.applies_to) include(target.value);
+    }
   if (given.update)
     for (const auto& [name, parameter] : given.update->parameters) {
       include(name);

@@ -4,6 +4,7 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/dynamics/damped_mode_split.hpp"
+#include "kalfem/dynamics/matched_poles.hpp"
 #include "kalfem/dynamics/stepper.hpp"
 
 namespace kalfem {
@@ -182,7 +183,8 @@ AlphaParameters generalized_alpha_parameters(double rho) {
 SimulationResult simulate(const LocallyNonlinearSystem& system, const std::vector<SignalPtr>& signals,
                           const InitialState& initial, const SimulationOptions& options) {
   check(system, signals, initial, options);
-  const auto split = options.integrator == Integrator::exact ? std::nullopt : split_damped_modes(system);
+  auto split = options.integrator == Integrator::exact ? std::nullopt : split_damped_modes(system);
+  if (split && options.integrator == Integrator::newmark) match_poles(split->system, system.size(), options.step);
   const auto in_coordinates = [&](const VectorXd& motion) { return split ? split->split(motion) : motion; };
   const auto steps = static_cast<Index>(std::llround(options.duration / options.step));
   const auto stepper = make_stepper(split ? split->system : system, options);

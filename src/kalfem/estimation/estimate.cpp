@@ -22,7 +22,7 @@ constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 Index sigma_point_variables(const Observer& observer, FilterKind filter) {
   const auto& layout = observer.layout();
   const bool of_channels = filter == FilterKind::partially_linear || filter == FilterKind::partially_linear_square_root;
-  return of_channels ? InstantMap(observer, observer.form().outputs()).selection.rows() : layout.size();
+  return of_channels ? InstantMap(observer, sensor_outputs).selection.rows() : layout.size();
 }
 
 void check_sigma_points(const Observer& observer, const EstimationOptions& options, IssueList& issues) {
@@ -59,6 +59,29 @@ void check(const Observer& observer, const Record& record, const EstimationOptio
   issues.raise();
 }
 
+/// The unknowns of the linear part are linearised about anew when one has moved by so many of its standard deviations,
+/// or when its deviation has shrunk to such a part: an error of second order in the first, third in the other.
+constexpr double largest_move = 0.3, least_deviation = 0.5;
+
+/// An observer, its maps and the filter over them.
+struct Apparatus {
+  Apparatus(std::shared_ptr<const Observer> of, const EstimationOptions& options)
+      : observer(std::move(of)),
+        transition(*observer),
+        filter(make_filter(options.filter, options.unscented, &transition, options.threads)),
+        measurement(*observer, sensor_outputs) {
+    if (options.monitored.size() > 0)
+      monitored.emplace(*observer,
+                        [&](const Observer& each) { return each.observer_form().outputs(options.monitored); });
+  }
+
+  std::shared_ptr<const Observer> observer;
+  TransitionMap transition;
+  std::unique_ptr<Filter> filter;
+  InstantMap measurement;
+  std::optional<InstantMap> monitored;
+};
+
 /// One pass of a filter over a record: predict, update, keep.
 class Pass {
 public:
@@ -67,15 +90,14 @@ public:
         record_(record),
         options_(options),
         input_stride_(record.inputs.cols() > record.measurements.cols() ? observer.options().substeps : 1),
-        transition_(observer),
-        filter_(make_filter(options.filter, options.unscented, &transition_, options.threads)),
-        measurement_(observer, observer.form().outputs()) {
-    if (options.monitored.size() > 0) monitored_.emplace(observer, observer.observer_form().outputs(options.monitored));
+        apparatus_(std::make_unique<Apparatus>(std::shared_ptr<const Observer>({}, &observer), options)),
+        linear_unknowns_(linear_unknowns(observer.options())) {
     allocate();
+    linearised_ = linear_state();
   }
 
   EstimationResult run(const Gaussian& prior) {
-    filter_->reset(prior);
+    apparatus_->filter->reset(prior);
     const Index samples = record_.measurements.cols();
     Stopwatch watch;
     for (Index k = 0; k < samples; ++k) {
@@ -86,6 +108,8 @@ public:
       if (outcome == FilterOutcome::usable) outcome = keep(k);
       if (outcome == FilterOutcome::usable) keep_gain(k);
       result_.time.output += watch.lap();
+      if (outcome == FilterOutcome::usable) outcome = linearise_where_it_moved(k);
+      result_.time.predict += watch.lap();
       if (outcome != FilterOutcome::usable) {
         result_.failure = {outcome, static_cast<double>(k) * observer_.options().step, to_string(outcome)};
         break;
@@ -93,11 +117,15 @@ public:
       if (options_.progress && k % 512 == 0)
         options_.progress("estimate", static_cast<double>(k) / static_cast<double>(samples));
     }
-    result_.final_covariance = observer_.physical_covariance(filter_->covariance());
+    result_.final_covariance = here().physical_covariance(apparatus_->filter->covariance());
+    if (!linear_unknowns_.empty()) result_.observer = apparatus_->observer;
     return std::move(result_);
   }
 
 private:
+  /// The observer as it is linearised now.
+  [[nodiscard]] const Observer& here() const { return *apparatus_->observer; }
+
   void allocate() {
     const Index samples = record_.measurements.cols(), l = record_.measurements.rows();
     const auto series = [&](Index rows) {
@@ -114,18 +142,22 @@ private:
   }
 
   FilterOutcome predict(Index k) {
+    auto& [observer, transition, filter, measurement, monitored] = *apparatus_;
     if (input_stride_ > 1)
-      transition_.set_inputs(record_.inputs.middleCols((k - 1) * input_stride_, input_stride_ + 1));
+      transition.set_inputs(record_.inputs.middleCols((k - 1) * input_stride_, input_stride_ + 1));
     else
-      transition_.set_inputs(record_.inputs.col(k - 1), record_.inputs.col(k));
-    return filter_->predict(transition_, observer_.process_noise());
+      transition.set_inputs(record_.inputs.col(k - 1), record_.inputs.col(k));
+    if (!linear_unknowns_.empty()) transition.set_mean(filter->mean());
+    return filter->predict(transition, observer->process_noise());
   }
 
   FilterOutcome update(Index k) {
     select_measured(k);
     if (rows_.empty()) return FilterOutcome::usable;
-    measurement_.set_inputs(record_.inputs.col(k * input_stride_));
-    const auto outcome = filter_->update(measurement_, noise_, record_.measurements(rows_, k), innovation_);
+    auto& [observer, transition, filter, measurement, monitored] = *apparatus_;
+    measurement.set_inputs(record_.inputs.col(k * input_stride_));
+    if (!linear_unknowns_.empty()) measurement.set_mean(filter->mean());
+    const auto outcome = filter->update(measurement, noise_, record_.measurements(rows_, k), innovation_);
     if (outcome != FilterOutcome::usable) return outcome;
     result_.innovation(rows_, k) = innovation_.value;
     result_.innovation_deviation(rows_, k) = innovation_.covariance.diagonal().cwiseSqrt();
@@ -138,21 +170,23 @@ private:
   /// K = P H^T R^-1 with P after the update and H = A + G phi' N at the mean.
   void keep_gain(Index k) {
     if (!options_.keep_gains || !options_.gains.keeps(k)) return;
+    const auto& measurement = apparatus_->measurement;
     const Index l = record_.measurements.rows(), n = observer_.layout().size();
     MatrixXd gain = MatrixXd::Zero(n, l);
     if (!rows_.empty()) {
-      const MatrixXd slope = measurement_.linear + measurement_.gain * channel_slopes() * measurement_.selection;
+      const MatrixXd slope = measurement.linear + measurement.gain * channel_slopes() * measurement.selection;
       const MatrixXd weighted = noise_.llt().solve(slope);
-      gain(Eigen::all, rows_) = observer_.physical(filter_->covariance() * weighted.transpose());
+      gain(Eigen::all, rows_) = here().physical(apparatus_->filter->covariance() * weighted.transpose());
     }
     result_.gains.gains.push_back(std::move(gain));
   }
 
   /// phi' at the mean, p x q, by differences over a small part of each channel's deviation.
   MatrixXd channel_slopes() {
-    const VectorXd at = measurement_.selection * filter_->mean() + measurement_.input_offset;
-    const Index q = at.size(), p = measurement_.gain.cols();
-    const MatrixXd selected = measurement_.selection * filter_->covariance() * measurement_.selection.transpose();
+    auto& [observer, transition, filter, measurement, monitored] = *apparatus_;
+    const VectorXd at = measurement.selection * filter->mean() + measurement.input_offset;
+    const Index q = at.size(), p = measurement.gain.cols();
+    const MatrixXd selected = measurement.selection * filter->covariance() * measurement.selection.transpose();
     const VectorXd step = 1e-3 * selected.diagonal().cwiseMax(0.0).cwiseSqrt() + VectorXd::Constant(q, 1e-12);
     Eigen::ArrayXXd in = at.transpose().replicate(2 * q, 1).array(), out(2 * q, p);
     for (Index i = 0; i < q; ++i) {
@@ -160,7 +194,7 @@ private:
       in(2 * i + 1, i) -= step[i];
     }
     MatrixXd slopes = MatrixXd::Zero(p, q);
-    if (!measurement_.evaluate(in, out)) return slopes;
+    if (!measurement.evaluate(in, out)) return slopes;
     for (Index i = 0; i < q; ++i)
       slopes.col(i) = (out.row(2 * i) - out.row(2 * i + 1)).matrix().transpose() / (2.0 * step[i]);
     return slopes;
@@ -173,7 +207,7 @@ private:
       if (std::isfinite(record_.measurements(row, k))) present_.push_back(row);
     if (present_ == rows_ && k > 0) return;
     rows_ = present_;
-    measurement_.select_rows(rows_);
+    apparatus_->measurement.select_rows(rows_);
     noise_ = record_.noise(rows_, rows_);
   }
 
@@ -182,10 +216,10 @@ private:
     const auto& layout = observer_.layout();
     auto deviations = result_.state.deviation.col(k);
     if (observer_.options().coordinates == StateCoordinates::modal && options_.state_deviations) {
-      deviations = observer_.physical_covariance(filter_->covariance()).diagonal().cwiseMax(0.0).cwiseSqrt();
+      deviations = here().physical_covariance(apparatus_->filter->covariance()).diagonal().cwiseMax(0.0).cwiseSqrt();
       return;
     }
-    const VectorXd own = filter_->standard_deviation();
+    const VectorXd own = apparatus_->filter->standard_deviation();
     const auto rows = options_.state_deviations ? Eigen::seqN(Index{0}, layout.size())
                                                 : Eigen::seqN(layout.linear, layout.connector_states + layout.unknowns);
     deviations(rows) = own(rows);
@@ -193,7 +227,8 @@ private:
 
   FilterOutcome keep(Index k) {
     const auto& layout = observer_.layout();
-    result_.state.mean.col(k) = observer_.physical(filter_->mean());
+    auto& [observer, transition, filter, measurement, monitored] = *apparatus_;
+    result_.state.mean.col(k) = observer->physical(filter->mean());
     keep_deviations(k);
     for (Index i = 0; i < layout.unknowns; ++i) {
       const auto& transform = observer_.options().unknowns[static_cast<std::size_t>(i)].transform;
@@ -201,24 +236,59 @@ private:
       result_.unknowns.mean(i, k) = transform.to_parameter(state);
       result_.unknowns.deviation(i, k) = transform.slope(state) * result_.state.deviation(layout.unknown() + i, k);
     }
-    if (!monitored_) return FilterOutcome::usable;
-    monitored_->set_inputs(record_.inputs.col(k * input_stride_));
+    if (!monitored) return FilterOutcome::usable;
+    monitored->set_inputs(record_.inputs.col(k * input_stride_));
+    if (!linear_unknowns_.empty()) monitored->set_mean(filter->mean());
     const bool anew = k % options_.deviation_stride == 0;
-    const auto outcome = filter_->observe(*monitored_, output_mean_, anew ? &output_deviation_ : nullptr);
+    const auto outcome = filter->observe(*monitored, output_mean_, anew ? &output_deviation_ : nullptr);
     if (outcome != FilterOutcome::usable) return outcome;
     result_.monitored.mean.col(k) = output_mean_;
     result_.monitored.deviation.col(k) = output_deviation_;
     return outcome;
   }
 
+  /// Mean and deviation of the unknowns of the linear part, one column.
+  EstimatedSeries linear_state(std::optional<Index> k = std::nullopt) const {
+    const auto count = static_cast<Index>(linear_unknowns_.size());
+    EstimatedSeries state{MatrixXd(count, 1), MatrixXd(count, 1)};
+    for (Index i = 0; i < count; ++i) {
+      const Index at = linear_unknowns_[static_cast<std::size_t>(i)];
+      const auto& unknown = observer_.options().unknowns[static_cast<std::size_t>(at)];
+      state.mean(i, 0) = k ? result_.unknowns.mean(at, *k) : unknown.initial;
+      state.deviation(i, 0) = k ? result_.unknowns.deviation(at, *k) : unknown.deviation;
+    }
+    return state;
+  }
+
+  /// Takes the estimate over to an observer about the present values of the unknowns of the linear part.
+  FilterOutcome linearise_where_it_moved(Index k) {
+    if (linear_unknowns_.empty()) return FilterOutcome::usable;
+    const EstimatedSeries now = linear_state(k);
+    const auto moved = (now.mean - linearised_.mean).array().abs() > largest_move * now.deviation.array();
+    const auto shrunk = now.deviation.array() < least_deviation * linearised_.deviation.array();
+    if (!moved.any() && !shrunk.any()) return FilterOutcome::usable;
+    try {
+      const Gaussian physical{here().physical(apparatus_->filter->mean()),
+                              here().physical_covariance(apparatus_->filter->covariance())};
+      apparatus_ = std::make_unique<Apparatus>(
+          std::make_shared<const Observer>(observer_.about(now.mean, now.deviation)), options_);
+      apparatus_->filter->reset({here().own(physical.mean), here().own_covariance(physical.covariance)});
+      apparatus_->measurement.select_rows(rows_);
+      linearised_ = now;
+      ++result_.linearisations;
+      return FilterOutcome::usable;
+    } catch (const InvalidInput&) {
+      return FilterOutcome::linear_part_impossible;
+    }
+  }
+
   const Observer& observer_;
   const Record& record_;
   const EstimationOptions& options_;
   Index input_stride_;  ///< columns of the inputs per sample
-  TransitionMap transition_;
-  std::unique_ptr<Filter> filter_;
-  InstantMap measurement_;
-  std::optional<InstantMap> monitored_;
+  std::unique_ptr<Apparatus> apparatus_;
+  std::vector<Index> linear_unknowns_;
+  EstimatedSeries linearised_;  ///< the unknowns of the linear part, one column, where the observer was linearised
   Innovation innovation_;
   std::vector<Index> rows_, present_;
   MatrixXd noise_;

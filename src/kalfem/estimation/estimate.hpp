@@ -71,6 +71,10 @@ struct EstimationResult {
   Eigen::MatrixXd final_covariance;  ///< of the augmented state
   std::optional<EstimationFailure> failure;
   EstimationTime time;
+  /// About the last values of the unknowns of the linear part, and how often it was linearised anew; empty where there
+  /// are none.
+  std::shared_ptr<const Observer> observer;
+  int linearisations = 0;
 };
 
 /// Runs the filter over the record. Throws InvalidInput where sizes do not fit or an input is not finite.

@@ -52,8 +52,8 @@ std::optional<FixedGainMeans> run_with_gains(const Observer& observer, const Rec
   const Index samples = record.measurements.cols(),
               stride = record.inputs.cols() > samples ? observer.options().substeps : 1;
   TransitionMap transition(observer);
-  InstantMap measurement(observer, observer.form().outputs());
-  InstantMap watched(observer, observer.observer_form().outputs(monitored));
+  InstantMap measurement(observer, sensor_outputs);
+  InstantMap watched(observer, [&](const Observer& each) { return each.observer_form().outputs(monitored); });
   PointMap predict(transition), measure(measurement), watch(watched);
   FixedGainMeans means{Eigen::MatrixXd(monitored.size(), samples), {}};
   VectorXd state = observer.prior().mean, predicted = state, output, innovation, values;

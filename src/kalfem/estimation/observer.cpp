@@ -22,7 +22,6 @@ void check_unknown(const UnknownParameter& unknown, const LocallyNonlinearSystem
                "it must be positive: a parameter without uncertainty is not unknown");
   if (!(unknown.random_walk >= 0.0) || !std::isfinite(unknown.random_walk))
     issues.add({}, title + " has a random walk that is negative or not finite", "it is a density");
-  if (unknown.targets.empty()) issues.add({}, title + " changes nothing", "name a parameter of a connector");
   for (const auto& target : unknown.targets)
     if (target.connector < 0 || target.connector >= system.connector_count() || target.parameter < 0 ||
         target.parameter >= system.connectors[static_cast<std::size_t>(target.connector)].parameters.size())
@@ -52,6 +51,8 @@ void check_deviation(const VectorXd& values, const std::string& what, IssueList&
 
 MatrixXd symmetric(const MatrixXd& matrix) { return 0.5 * (matrix + matrix.transpose()); }
 
+constexpr double largest_step = 0.25;  ///< of a neighbour, to the value
+
 ObserverOptions checked(ObserverOptions options) {
   if (options.substeps < 1)
     throw InvalidInput("the observer has " + std::to_string(options.substeps) + " substeps", "it needs at least one",
@@ -61,22 +62,70 @@ ObserverOptions checked(ObserverOptions options) {
 
 }  // namespace
 
-Observer::Observer(const LocallyNonlinearSystem& system, const OutputMap& sensors,
+std::vector<Index> linear_unknowns(const ObserverOptions& options) {
+  std::vector<Index> places;
+  for (std::size_t i = 0; i < options.unknowns.size(); ++i)
+    if (options.unknowns[i].targets.empty()) places.push_back(static_cast<Index>(i));
+  return places;
+}
+
+Observer::Observer(Bare /*tag*/, const LocallyNonlinearSystem& system, const OutputMap& sensors,
                    const std::vector<MeasurementChain>& chains, ObserverOptions options)
     : system_(system),
+      sensors_(sensors),
+      chains_(chains),
       options_(checked(std::move(options))),
       form_(system_, sensors, chains, options_.inputs, options_.coordinates),
       step_(form_.first_order, options_.step / options_.substeps),
       layout_{system.size(), form_.first_order.size(), system.connector_states(),
-              static_cast<Index>(options_.unknowns.size()), options_.keep_initial_state} {
+              static_cast<Index>(options_.unknowns.size()), options_.keep_initial_state} {}
+
+Observer::Observer(const LocallyNonlinearSystem& system, const OutputMap& sensors,
+                   const std::vector<MeasurementChain>& chains, ObserverOptions options)
+    : Observer(Bare{}, system, sensors, chains, std::move(options)) {
   check();
   set_prior();
   set_process_noise();
+  const auto linear = linear_unknowns(options_);
+  VectorXd values(static_cast<Index>(linear.size())), deviations(values.size());
+  for (std::size_t i = 0; i < linear.size(); ++i) {
+    values[static_cast<Index>(i)] = options_.unknowns[static_cast<std::size_t>(linear[i])].initial;
+    deviations[static_cast<Index>(i)] = options_.unknowns[static_cast<std::size_t>(linear[i])].deviation;
+  }
+  set_neighbours(values, deviations);
+}
+
+Observer Observer::about(const VectorXd& values, const VectorXd& deviations) const {
+  Observer other(Bare{}, options_.system_at(values), sensors_, chains_, options_);
+  other.prior_ = {other.own(physical(prior_.mean)), other.own_covariance(physical_covariance(prior_.covariance))};
+  other.process_noise_ = other.own_covariance(physical_covariance(process_noise_));
+  other.set_neighbours(values, deviations);
+  return other;
+}
+
+void Observer::set_neighbours(const VectorXd& values, const VectorXd& deviations) {
+  ObserverOptions options = options_;
+  options.coordinates = StateCoordinates::physical;
+  const auto linear = linear_unknowns(options_);
+  for (Index i = 0; i < values.size(); ++i) {
+    const double step =
+        std::min(std::sqrt(3.0) * deviations[i], values[i] == 0.0 ? deviations[i] : largest_step * std::abs(values[i]));
+    const auto beside = [&](double by) {
+      const VectorXd moved = values + by * VectorXd::Unit(values.size(), i);
+      return std::shared_ptr<const Observer>(
+          new Observer(Bare{}, options_.system_at(moved), sensors_, chains_, options));
+    };
+    neighbours_.push_back({linear[static_cast<std::size_t>(i)], values[i], step, beside(-step), beside(step)});
+  }
 }
 
 void Observer::check() const {
   IssueList issues;
-  for (const auto& unknown : options_.unknowns) check_unknown(unknown, system_, issues);
+  for (const auto& unknown : options_.unknowns) {
+    check_unknown(unknown, system_, issues);
+    if (unknown.targets.empty() && !options_.system_at)
+      issues.add({}, "unknown '" + unknown.name + "' changes nothing", "name a parameter of a connector");
+  }
   const auto& prior = options_.prior;
   const auto& noise = options_.process_noise;
   const Index n = layout_.dofs, s = layout_.connector_states, u = system_.input_count();
@@ -131,7 +180,7 @@ void Observer::set_prior() {
     prior_.covariance.block(begin, 0, count, count) = start;
     prior_.covariance.block(0, begin, count, count) = start;
   }
-  prior_.covariance = symmetric(in_own_coordinates(in_own_coordinates(prior_.covariance).transpose()));
+  prior_.covariance = own_covariance(prior_.covariance);
   VectorXd linear = VectorXd::Zero(layout_.linear);
   linear.head(n) = prior.mean.displacement;
   linear.segment(n, n) = prior.mean.velocity;
@@ -146,7 +195,7 @@ Gaussian Observer::prior_about(const VectorXd& unknowns, const VectorXd& linear_
   prior.mean.segment(layout_.unknown(), layout_.unknowns) = unknowns;
   if (layout_.keeps_initial_state)
     prior.mean.tail(layout_.size() - layout_.initial_state()) << linear_state, connector_states;
-  prior.mean = in_own_coordinates(prior.mean);
+  prior.mean = own(prior.mean);
   return prior;
 }
 
@@ -163,6 +212,8 @@ MatrixXd Observer::moved(MatrixXd rows, Move move) const {
 MatrixXd Observer::physical_covariance(const MatrixXd& covariance) const {
   return symmetric(physical(physical(covariance).transpose()));
 }
+
+MatrixXd Observer::own_covariance(const MatrixXd& physical) const { return symmetric(own(own(physical).transpose())); }
 
 void Observer::set_process_noise() {
   const auto& noise = options_.process_noise;

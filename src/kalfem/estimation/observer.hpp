@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -18,11 +20,11 @@ struct ParameterTarget {
   Eigen::Index parameter = 0;
 };
 
-/// An unknown that the filter estimates; several connectors may share it.
+/// An unknown that the filter estimates: of connectors, several of which may share it, or of the linear part.
 struct UnknownParameter {
   std::string name;
   std::string unit;
-  std::vector<ParameterTarget> targets;
+  std::vector<ParameterTarget> targets;  ///< none: the linear part depends on it, see ObserverOptions::system_at
   ParameterTransform transform;
   double initial = 0.0;      ///< prior mean [unit] (median under log and logit)
   double deviation = 0.0;    ///< prior standard deviation [unit]
@@ -50,6 +52,9 @@ struct StatePrior {
 /// What an observer is made of, beside the system and its sensors.
 struct ObserverOptions {
   std::vector<UnknownParameter> unknowns;
+  /// The system at values of the unknowns without targets, in their order [their units]: what no connector can carry,
+  /// such as Young's modulus of a region. Its degrees of freedom, connectors and inputs are the same for all values.
+  std::function<LocallyNonlinearSystem(const Eigen::VectorXd& values)> system_at = {};
   ProcessNoise process_noise;
   StatePrior prior;
   std::vector<InputTreatment> inputs;  ///< one an input, or none: all known
@@ -61,6 +66,9 @@ struct ObserverOptions {
   ForceSolveOptions forces = {};
   StateCoordinates coordinates = StateCoordinates::physical;
 };
+
+/// Places of the unknowns of the linear part among all.
+std::vector<Eigen::Index> linear_unknowns(const ObserverOptions& options);
 
 /// Where the parts of the augmented state stand: [x; s; theta; x(0); s(0)].
 struct StateLayout {
@@ -76,12 +84,26 @@ struct StateLayout {
   }
 };
 
+class Observer;
+
+/// Observers beside one, along an unknown of the linear part; in physical coordinates, without neighbours of their own.
+struct Neighbours {
+  Eigen::Index unknown;  ///< its place among all unknowns
+  double value, step;    ///< of the unknown: they stand at value - step and value + step [its unit]
+  std::shared_ptr<const Observer> below, above;
+};
+
 /// The augmented model of joint state and parameter estimation: immutable data from which each run makes its own maps.
 class Observer {
 public:
+  /// `system`: at the initial values of all unknowns.
   /// Throws InvalidInput on priors outside their ranges, unknown parameters that no connector has, wrong sizes.
   Observer(const LocallyNonlinearSystem& system, const OutputMap& sensors, const std::vector<MeasurementChain>& chains,
            ObserverOptions options);
+  /// The same observer about other values of the unknowns of the linear part, in its own coordinates; neighbours stand
+  /// sqrt(3) deviations away, a quarter of the value at most. Process noise over a step stays as it is.
+  /// Throws InvalidInput where the values make no structure.
+  [[nodiscard]] Observer about(const Eigen::VectorXd& values, const Eigen::VectorXd& deviations) const;
 
   [[nodiscard]] const StateLayout& layout() const { return layout_; }
   [[nodiscard]] const FirstOrderForm& form() const { return form_.first_order; }
@@ -89,6 +111,7 @@ public:
   [[nodiscard]] const ExactStep& step() const { return step_; }  ///< one part of a sample interval
   [[nodiscard]] const LocallyNonlinearSystem& system() const { return system_; }
   [[nodiscard]] const ObserverOptions& options() const { return options_; }
+  [[nodiscard]] const std::vector<Neighbours>& neighbours() const { return neighbours_; }  ///< one a linear unknown
   /// Of the augmented state in the observer's coordinates, as everything that the filter sees.
   [[nodiscard]] const Gaussian& prior() const { return prior_; }
   [[nodiscard]] const Eigen::MatrixXd& process_noise() const { return process_noise_; }  ///< Q of one step
@@ -98,6 +121,11 @@ public:
     return moved(std::move(rows), &ObserverForm::to_physical);
   }
   [[nodiscard]] Eigen::MatrixXd physical_covariance(const Eigen::MatrixXd& covariance) const;
+  /// Rows of the augmented state, and its covariance, in the observer's coordinates.
+  [[nodiscard]] Eigen::MatrixXd own(Eigen::MatrixXd rows) const {
+    return moved(std::move(rows), &ObserverForm::from_physical);
+  }
+  [[nodiscard]] Eigen::MatrixXd own_covariance(const Eigen::MatrixXd& physical) const;
 
   /// The prior with other means of the unknowns and of the initial state (physical coordinates): another pass over the
   /// same record.
@@ -105,22 +133,26 @@ public:
                                      const Eigen::VectorXd& connector_states) const;
 
 private:
+  struct Bare {};  ///< without prior, noise and neighbours
+  Observer(Bare, const LocallyNonlinearSystem& system, const OutputMap& sensors,
+           const std::vector<MeasurementChain>& chains, ObserverOptions options);
   void check() const;
+  void set_neighbours(const Eigen::VectorXd& values, const Eigen::VectorXd& deviations);
   void set_prior();
   void set_process_noise();
   using Move = Eigen::MatrixXd (ObserverForm::*)(const Eigen::Ref<const Eigen::MatrixXd>&) const;
   [[nodiscard]] Eigen::MatrixXd moved(Eigen::MatrixXd rows, Move move) const;
-  [[nodiscard]] Eigen::MatrixXd in_own_coordinates(Eigen::MatrixXd rows) const {
-    return moved(std::move(rows), &ObserverForm::from_physical);
-  }
 
   LocallyNonlinearSystem system_;
+  OutputMap sensors_;
+  std::vector<MeasurementChain> chains_;
   ObserverOptions options_;
   ObserverForm form_;
   ExactStep step_;
   StateLayout layout_;
   Gaussian prior_;
   Eigen::MatrixXd process_noise_;
+  std::vector<Neighbours> neighbours_;
 };
 
 }  // namespace kalfem

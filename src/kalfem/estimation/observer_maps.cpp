@@ -71,7 +71,8 @@ TransitionMap::TransitionMap(const Observer& observer)
     : observer_(&observer),
       parts_(observer.options().substeps),
       motion_(motion_channels(observer.system())),
-      forces_(observer.system(), observer.options().forces) {
+      forces_(observer.system(), observer.options().forces),
+      tangent_(observer) {
   const auto& layout = observer.layout();
   const auto& step = observer.step();
   const auto& seen = observer.form().motion();
@@ -107,7 +108,8 @@ TransitionMap::TransitionMap(const Observer& observer)
   linear = MatrixXd::Identity(n, n);
   linear.topLeftCorner(x, x) = transition;
   linear.block(x, x, s, s).setZero();
-  gain = MatrixXd::Zero(n, m * instants + s);
+  moving_gain = tangent_.size();
+  gain = MatrixXd::Zero(n, m * instants + s + moving_gain);
   gain.topRows(x).leftCols(forces.cols()) = forces;
   gain.block(x, forces.cols(), s, s).setIdentity();
   offset = VectorXd::Zero(n);
@@ -115,19 +117,28 @@ TransitionMap::TransitionMap(const Observer& observer)
 }
 
 void TransitionMap::set_inputs(const Ref<const MatrixXd>& inputs) {
+  tangent_.each([&](TransitionMap& beside) { beside.set_inputs(inputs); });
   ends_ = inputs.reshaped();
   offset.head(input_state_.rows()).noalias() = input_state_ * ends_;
   input_offset.tail(input_motion_.rows()).noalias() = input_motion_ * ends_;
 }
 
 void TransitionMap::set_inputs(const Ref<const VectorXd>& begin, const Ref<const VectorXd>& end) {
+  tangent_.each([&](TransitionMap& beside) { beside.set_inputs(begin, end); });
   ends_.resize(2 * begin.size());
   ends_ << begin, end;
   offset.head(straight_state_.rows()).noalias() = straight_state_ * ends_;
   input_offset.tail(straight_motion_.rows()).noalias() = straight_motion_ * ends_;
 }
 
+void TransitionMap::set_mean(const VectorXd& mean) {
+  if (moving_gain == 0) return;
+  derivatives_usable_ = tangent_.derivatives(mean, derivatives_);
+  if (derivatives_usable_) gain.rightCols(moving_gain) = observer_->own(derivatives_);
+}
+
 bool TransitionMap::evaluate(const ArrayXXd& in, ArrayXXd& out) {
+  if (!derivatives_usable_) return false;
   const auto& layout = observer_->layout();
   const Index m = forces_.force().cols();
   fit_points(forces_, in.rows());
@@ -140,7 +151,8 @@ bool TransitionMap::evaluate(const ArrayXXd& in, ArrayXXd& out) {
     if (!solve_part(part, in, out)) return false;
     out.middleCols(part * m, m) = forces_.force();
   }
-  out.rightCols(layout.connector_states) = forces_.states();
+  out.middleCols((parts_ + 1) * m, layout.connector_states) = forces_.states();
+  tangent_.set_channels(in, layout.connector_states, out);
   return true;
 }
 
@@ -156,11 +168,15 @@ bool TransitionMap::solve_part(Index part, const ArrayXXd& in, const ArrayXXd& o
   return outcome.finite && outcome.converged;
 }
 
-InstantMap::InstantMap(const Observer& observer, LinearOutput output)
+LinearOutput sensor_outputs(const Observer& observer) { return observer.form().outputs(); }
+
+InstantMap::InstantMap(const Observer& observer, const OutputsOf& outputs)
     : observer_(&observer),
       motion_(motion_channels(observer.system())),
-      all_(std::move(output)),
-      forces_(observer.system(), observer.options().forces) {
+      all_(outputs(observer)),
+      forces_(observer.system(), observer.options().forces),
+      tangent_(observer, outputs) {
+  moving_gain = tangent_.size();
   const auto& layout = observer.layout();
   selection = MatrixXd::Zero(picked_channels(layout) + motion_, layout.size());
   selection.bottomRows(motion_).leftCols(layout.linear) = observer.form().motion().state.topRows(motion_);
@@ -174,22 +190,33 @@ InstantMap::InstantMap(const Observer& observer, LinearOutput output)
 void InstantMap::select_rows(const std::vector<Index>& rows) {
   linear = MatrixXd::Zero(static_cast<Index>(rows.size()), observer_->layout().size());
   linear.leftCols(all_.state.cols()) = all_.state(rows, Eigen::all);
-  gain = all_.force(rows, Eigen::all);
+  gain = MatrixXd::Zero(linear.rows(), all_.force.cols() + moving_gain);
+  gain.leftCols(all_.force.cols()) = all_.force(rows, Eigen::all);
   input_ = all_.input(rows, Eigen::all);
   offset = VectorXd::Zero(linear.rows());
+  tangent_.each([&](InstantMap& beside) { beside.select_rows(rows); });
   ++revision;
 }
 
+void InstantMap::set_mean(const VectorXd& mean) {
+  if (moving_gain == 0) return;
+  derivatives_usable_ = tangent_.derivatives(mean, derivatives_);
+  if (derivatives_usable_) gain.rightCols(moving_gain) = derivatives_;
+}
+
 void InstantMap::set_inputs(const Ref<const VectorXd>& inputs) {
+  tangent_.each([&](InstantMap& beside) { beside.set_inputs(inputs); });
   offset.noalias() = input_.lazyProduct(inputs);
   input_offset.tail(motion_).noalias() = observer_->form().motion().input.topRows(motion_).lazyProduct(inputs);
 }
 
 bool InstantMap::evaluate(const ArrayXXd& in, ArrayXXd& out) {
+  if (!derivatives_usable_) return false;
   fit_points(forces_, in.rows());
   set_unknowns(*observer_, in, forces_);
   if (!solve_instant(*observer_, in, motion_, forces_)) return false;
-  out = forces_.force();
+  out.leftCols(forces_.force().cols()) = forces_.force();
+  tangent_.set_channels(in, observer_->layout().connector_states, out);
   return true;
 }
 

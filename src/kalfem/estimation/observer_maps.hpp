@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "kalfem/estimation/observer.hpp"
+#include "kalfem/estimation/linear_tangent.hpp"
 #include "kalfem/estimation/partially_linear_map.hpp"
 #include "kalfem/system/connector_forces.hpp"
 
@@ -13,7 +13,8 @@ namespace kalfem {
 ///     x_i = A_h x_(i-1) + G_0 f_(i-1) + G_1 f_i + drive_i,   i = 1 ... N.
 /// Channels in: internal states, unknowns, connector motion at the begin and, as far as the linear part and the inputs
 /// give it, at the end of each part (d and d', 2m each; d'' too where a law depends on it). Channels out: the N + 1
-/// forces, internal states at the end. The state itself is moved once over the whole interval.
+/// forces, internal states at the end, unknowns of the linear part (LinearTangent). The state itself is moved once over
+/// the whole interval.
 class TransitionMap final : public PartiallyLinearMap {
 public:
   explicit TransitionMap(const Observer& observer);
@@ -22,6 +23,8 @@ public:
   void set_inputs(const Eigen::Ref<const Eigen::MatrixXd>& inputs);
   /// The same for inputs that are linear over the whole interval.
   void set_inputs(const Eigen::Ref<const Eigen::VectorXd>& begin, const Eigen::Ref<const Eigen::VectorXd>& end);
+  /// The mean about which the unknowns of the linear part act, after the inputs.
+  void set_mean(const Eigen::VectorXd& mean);
   bool evaluate(const Eigen::ArrayXXd& in, Eigen::ArrayXXd& out) override;
 
 private:
@@ -36,15 +39,25 @@ private:
   /// per input at the two ends, where it is linear between them.
   Eigen::MatrixXd input_state_, input_motion_, straight_state_, straight_motion_;
   Eigen::VectorXd ends_;
+  LinearTangent<TransitionMap> tangent_;
+  Eigen::MatrixXd derivatives_;
+  bool derivatives_usable_ = true;
 };
 
+/// Which outputs of an observer: of its sensors, or any others.
+using OutputsOf = std::function<LinearOutput(const Observer&)>;
+LinearOutput sensor_outputs(const Observer& observer);
+
 /// Outputs at an instant as a function of the augmented state, through the connector forces of that instant. Channels
-/// in: internal states, unknowns, connector motion without the forces (2m or 3m). Channels out: forces.
+/// in: internal states, unknowns, connector motion without the forces (2m or 3m). Channels out: forces, unknowns of the
+/// linear part (LinearTangent).
 class InstantMap final : public PartiallyLinearMap {
 public:
-  InstantMap(const Observer& observer, LinearOutput output);
+  InstantMap(const Observer& observer, const OutputsOf& outputs);
 
   void set_inputs(const Eigen::Ref<const Eigen::VectorXd>& inputs);
+  /// The mean about which the unknowns of the linear part act, after the inputs.
+  void set_mean(const Eigen::VectorXd& mean);
   /// Only these rows of the output from now on (samples that are missing are left out).
   void select_rows(const std::vector<Eigen::Index>& rows);
   bool evaluate(const Eigen::ArrayXXd& in, Eigen::ArrayXXd& out) override;
@@ -55,6 +68,9 @@ private:
   LinearOutput all_;
   Eigen::MatrixXd input_;
   ConnectorForces forces_;
+  LinearTangent<InstantMap> tangent_;
+  Eigen::MatrixXd derivatives_;
+  bool derivatives_usable_ = true;
 };
 
 }  // namespace kalfem

@@ -84,8 +84,18 @@ void PartiallyLinearFilter::complete_products() {
   for (std::size_t i = 0; i < single.size(); ++i) gram_.row(dense + static_cast<Index>(i)) = products_.row(single[i]);
 }
 
+/// Takes the columns of G that change with every step.
+void PartiallyLinearFilter::move_gain(const PartiallyLinearMap& transition) {
+  for (Index column = gain_.cols() - transition.moving_gain; column < gain_.cols(); ++column) {
+    for (std::size_t i = 0; i < layout_.slot.size(); ++i)
+      gain_(layout_.slot[i], column) = transition.gain(static_cast<Index>(i), column);
+    gain_of_followers_.row(column).noalias() = gain_.col(column).transpose() * rows_.followers();
+  }
+}
+
 FilterOutcome PartiallyLinearFilter::predict(PartiallyLinearMap& transition, const MatrixXd& process_noise) {
   watch(transition_, transition);
+  move_gain(transition);
   read_process_noise(process_noise);
   if (!transition_.spread(transition, gram_)) return why_not(transition_);
 

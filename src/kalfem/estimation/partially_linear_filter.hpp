@@ -15,7 +15,7 @@ namespace kalfem {
 /// Estimates are those of a covariance filter with SigmaPoints::of_channels. docs/theory/partially-linear-ukf.md.
 class PartiallyLinearFilter final : public Filter {
 public:
-  /// `layout` is that of transition.linear; predictions are by that map (its b and e may change).
+  /// `layout` is that of transition.linear; predictions are by that map (its b, e and moving gain may change).
   PartiallyLinearFilter(const UnscentedOptions& options, const PartiallyLinearMap& transition, TileLayout layout,
                         int threads = 1);
 
@@ -34,6 +34,7 @@ private:
   void watch(WatchedMap& watched, const PartiallyLinearMap& map);
   void refresh();
   void follow();
+  void move_gain(const PartiallyLinearMap& transition);
   void complete_products();
   void read_process_noise(const Eigen::MatrixXd& process_noise);
 

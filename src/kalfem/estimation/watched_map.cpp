@@ -12,7 +12,7 @@ void WatchedMap::take(const PartiallyLinearMap& map, bool outputs) {
   map_ = &map;
   revision_ = map.revision;
   outputs_ = outputs;
-  linear_only_ = map.gain.isZero(0.0);
+  linear_only_ = map.moving_gain == 0 && map.gain.isZero(0.0);
 }
 
 void WatchedMap::add_to(WatchedRows& rows, const TileLayout& layout) {

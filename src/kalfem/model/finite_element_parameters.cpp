@@ -1,6 +1,7 @@
 #include "kalfem/model/finite_element_parameters.hpp"
 
 #include <algorithm>
+#include <set>
 
 namespace kalfem {
 
@@ -26,6 +27,22 @@ SparseMatrix derivative_of(const std::vector<AffineTerm>& terms, const std::map<
     add_to(sum, SparseMatrix(power->second * affine_factor(lowered, values) * term.matrix));
   }
   return sum;
+}
+
+/// T^T A T of the terms that hold one of the parameters, and a last one of what is left of the reduced sum at `values`.
+std::vector<AffineTerm> projected(const std::vector<AffineTerm>& terms, const std::map<std::string, double>& values,
+                                  const std::set<std::string>& changing, const Eigen::MatrixXd& basis,
+                                  const SparseMatrix& reduced_sum) {
+  std::vector<AffineTerm> small;
+  SparseMatrix constant = reduced_sum;
+  for (const auto& term : terms) {
+    if (std::ranges::none_of(term.powers, [&](const auto& power) { return changing.contains(power.first); })) continue;
+    const Eigen::MatrixXd product = basis.transpose() * (term.matrix * basis);
+    small.push_back({term.powers, Eigen::MatrixXd(0.5 * (product + product.transpose())).sparseView()});
+    constant = SparseMatrix(constant - affine_factor(term, values) * small.back().matrix);
+  }
+  small.push_back({{}, std::move(constant)});
+  return small;
 }
 
 void apply(FiniteElementDamping& damping, const FiniteElementParameter& parameter, double value) {
@@ -139,6 +156,23 @@ std::vector<ModelDerivative> ParameterisedFiniteElements::derivatives(const Eige
     }
   }
   return all;
+}
+
+ParameterisedFiniteElements ParameterisedFiniteElements::in_basis(const Eigen::MatrixXd& basis,
+                                                                  const LinearModel& reduced,
+                                                                  const Eigen::VectorXd& parameters) const {
+  std::set<std::string> changing;
+  for (const auto& [index, target] : bindings_)
+    if (target.kind == Kind::matrix) changing.insert(target.name);
+  AssembledModel small;
+  small.parameters = values_at(parameters);
+  small.stiffness = projected(assembled_->stiffness, small.parameters, changing, basis, reduced.stiffness);
+  small.mass = projected(assembled_->mass, small.parameters, changing, basis, reduced.mass);
+  const FiniteElementDamping damping = damping_at(parameters);
+  const auto& [alpha, beta] = damping.rayleigh;
+  small.damping = SparseMatrix(reduced.damping - alpha * reduced.mass - beta * reduced.stiffness);
+  return {std::make_shared<const AssembledModel>(std::move(small)), std::make_shared<const LinearModel>(reduced),
+          damping, bindings_, count_};
 }
 
 }  // namespace kalfem

@@ -44,6 +44,10 @@ public:
 
   [[nodiscard]] ModelAtParameters at(const Eigen::VectorXd& parameters) const override;
   [[nodiscard]] std::vector<ModelDerivative> derivatives(const Eigen::VectorXd& parameters) const override;
+  /// The same function of theta in few coordinates, z = T q with T (n x r) the same for all theta: M_r(theta) =
+  /// T^T M(theta) T, K_r and C_r alike. `reduced`: the model in q at `parameters`, without damping by modal ratios.
+  [[nodiscard]] ParameterisedFiniteElements in_basis(const Eigen::MatrixXd& basis, const LinearModel& reduced,
+                                                     const Eigen::VectorXd& parameters) const;
 
 private:
   [[nodiscard]] std::map<std::string, double> values_at(const Eigen::VectorXd& parameters) const;

@@ -1,0 +1,111 @@
+#include "kalfem/casefile/local_cut.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kalfem {
+
+using Eigen::Index;
+namespace d = description;
+
+namespace {
+
+bool belongs(const std::string& point, const std::set<std::string>& substructures) {
+  return substructures.contains(point.substr(0, point.find('.')));
+}
+
+}  // namespace
+
+LocalCut::LocalCut(const d::LocalObserver& local, Parts& parts, IssueList& issues)
+    : local_(local), parts_(parts), issues_(issues) {
+  for (const auto& name : local.substructures) kept_.insert(name.value);
+}
+
+void LocalCut::apply(ObserverSetup& setup) {
+  check_names();
+  std::erase_if(parts_.substructures, [&](const auto& part) { return !kept_.contains(part.name); });
+  std::erase_if(parts_.finite_elements, [&](const auto& part) { return !kept_.contains(part.name); });
+  std::erase_if(parts_.inputs, [&](const auto& input) {
+    return input.kind != InputKind::base_acceleration && !belongs(input.target, kept_);
+  });
+  for (const auto& input : parts_.inputs) {
+    setup.input_sources.push_back(input.name);
+    setup.options.inputs.push_back({});
+  }
+  for (const auto& [point, interface] : local_.interface) add_interface(point, interface.value, setup);
+  std::erase_if(parts_.connectors, [&](const auto& c) { return !reachable(c.from) || !reachable(c.to); });
+}
+
+void LocalCut::set_priors(ObserverSetup& setup) const {
+  auto& prior = setup.options.prior;
+  auto& noise = setup.options.process_noise.input;
+  for (std::size_t i = 0; i < parts_.inputs.size(); ++i) {
+    const auto index = static_cast<Index>(i);
+    const auto found =
+        std::ranges::find_if(local_.interface, [&](const auto& each) { return each.first == parts_.inputs[i].name; });
+    if (found == local_.interface.end()) continue;
+    if (const auto* measured = std::get_if<d::InterfaceAcceleration>(&found->second.value.motion)) {
+      prior.input_deviation[index] = measured->displacement_std;
+      prior.input_rate_deviation[index] = measured->velocity_std;
+      noise[index] = 0.0;  // from the sensor's noise, once the record is known
+    } else {
+      const auto& force = std::get<d::InterfaceForce>(found->second.value.motion);
+      prior.input_deviation[index] = force.std;
+      noise[index] = force.std * std::sqrt(2.0 / force.correlation_time);
+    }
+  }
+}
+
+void LocalCut::check_names() {
+  std::vector<std::string> known;
+  for (const auto& part : parts_.substructures) known.push_back(part.name);
+  for (const auto& part : parts_.finite_elements) known.push_back(part.name);
+  for (const auto& name : local_.substructures)
+    if (std::ranges::find(known, name.value) == known.end())
+      issues_.add(name.location,
+                  name.path + ": there is no substructure '" + name.value + "'" + did_you_mean(name.value, known));
+}
+
+bool LocalCut::reachable(const std::string& point) const {
+  return belongs(point, kept_) || std::ranges::find(moving_, point) != moving_.end();
+}
+
+void LocalCut::add_interface(const std::string& point, const d::Interface& interface, ObserverSetup& setup) {
+  const bool inside = belongs(point, kept_);
+  if (const auto* measured = std::get_if<d::InterfaceAcceleration>(&interface.motion)) {
+    const auto dot = point.find('.');
+    if (inside || dot == std::string::npos) {
+      issues_.add(measured->sensor.location,
+                  "estimate.local.interface." + point +
+                      ": an interface that moves as measured "
+                      "lies outside the local substructures",
+                  "", "name a point of the part that is left out");
+      return;
+    }
+    add_moving_point(point.substr(0, dot), point.substr(dot + 1));
+    moving_.push_back(point);
+    parts_.inputs.push_back({point, InputKind::base_displacement, point, {}});
+    setup.input_sources.push_back("@" + measured->sensor.value);
+    setup.options.inputs.push_back({InputModel::integrated, 1.0});
+  } else {
+    parts_.inputs.push_back({point, InputKind::force, point, {}});
+    setup.input_sources.emplace_back("");
+    setup.options.inputs.push_back(
+        {InputModel::first_order_markov, std::get<d::InterfaceForce>(interface.motion).correlation_time});
+  }
+}
+
+/// A substructure without degrees of freedom whose only point is a ground that moves.
+void LocalCut::add_moving_point(const std::string& substructure, const std::string& point) {
+  for (auto& part : parts_.substructures)
+    if (part.name == substructure) {
+      part.grounds.push_back(point);
+      return;
+    }
+  LumpedSubstructure frame;
+  frame.name = substructure;
+  frame.grounds = {point};
+  parts_.substructures.push_back(frame);
+}
+
+}  // namespace kalfem

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "kalfem/casefile/study.hpp"
+
+namespace kalfem {
+
+/// Leaves only the local substructures, the connectors that touch them, and the interface in place of the rest. Works
+/// on the parts that it is given and keeps a reference to them.
+class LocalCut {
+public:
+  LocalCut(const description::LocalObserver& local, Parts& parts, IssueList& issues);
+
+  void apply(ObserverSetup& setup);
+  /// Prior and noise of the interface inputs, once the number of inputs is known.
+  void set_priors(ObserverSetup& setup) const;
+
+private:
+  void check_names();
+  [[nodiscard]] bool reachable(const std::string& point) const;
+  void add_interface(const std::string& point, const description::Interface& interface, ObserverSetup& setup);
+  void add_moving_point(const std::string& substructure, const std::string& point);
+
+  const description::LocalObserver& local_;
+  Parts& parts_;
+  IssueList& issues_;
+  std::set<std::string> kept_;
+  std::vector<std::string> moving_;
+};
+
+}  // namespace kalfem

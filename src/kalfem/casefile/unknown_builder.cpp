@@ -1,0 +1,136 @@
+#include "kalfem/casefile/unknown_builder.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kalfem/casefile/parameterised_structure.hpp"
+#include "kalfem/casefile/unknown_targets.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+namespace d = description;
+
+namespace {
+
+/// Prior standard deviation or walk: in the parameter's unit, or per cent of the initial value.
+double absolute(const d::Value& given, const std::string& unit, double initial) {
+  const bool percentage = !given.value.bare && given.value.dimension == Dimension{};
+
+  return percentage ? given.value.value * std::abs(initial) : checked_number(given, unit, Bounds::nonnegative());
+}
+
+/// `positive`: where the case does not say, the parameter is kept so.
+ParameterTransform transform_of(const d::Unknown& given, const std::string& unit, bool positive) {
+  ParameterTransform transform;
+  transform.kind = given.transform.value_or(given.bounds ? TransformKind::logit
+                                            : positive   ? TransformKind::log
+                                                         : TransformKind::none);
+  if (transform.kind == TransformKind::logit) {
+    if (!given.bounds)
+      throw InvalidInput(given.initial.issue("transform: logit without bounds", "it keeps the parameter between them",
+                                             "give bounds: [lower, upper]"));
+    transform.lower = to_si((*given.bounds)[0], unit);
+    transform.upper = to_si((*given.bounds)[1], unit);
+  }
+  return transform;
+}
+
+/// The names that an unknown applies to: its own where it does not say.
+std::vector<d::Name> names_of(const std::string& name, const d::Unknown& given) {
+  if (!given.applies_to.empty()) return given.applies_to;
+  return {{name, given.initial.location, "estimate.unknown." + name}};
+}
+
+}  // namespace
+
+/// What an unknown stands for: parameters of connectors and lumped elements, or of linear substructures.
+struct UnknownBuilder::Targets {
+  std::vector<ParameterReference> of_connectors;
+  std::vector<StructureParameter> of_linear_part;
+
+  [[nodiscard]] const std::string& unit() const {
+    return of_connectors.empty() ? of_linear_part.front().unit : of_connectors.front().unit;
+  }
+  [[nodiscard]] double value() const {
+    return of_connectors.empty() ? of_linear_part.back().value : of_connectors.back().value;
+  }
+};
+
+void UnknownBuilder::add(const std::string& name, const d::Unknown& given) {
+  const auto names = names_of(name, given);
+  const auto targets = found(name, names);
+  if (!targets) return;
+  try {
+    const std::string unit = targets->unit();
+    const double initial = checked_number(given.initial, unit);
+    const bool linear = targets->of_connectors.empty();
+    UnknownParameter unknown{name, unit, {}, transform_of(given, unit, linear && initial > 0.0), initial, 0.0, 0.0};
+    unknown.deviation = given.std ? absolute(*given.std, unit, unknown.initial) : 0.5 * std::abs(unknown.initial);
+    unknown.random_walk = given.random_walk ? absolute(*given.random_walk, unit, unknown.initial) : 0.0;
+    if (const auto value = present_.find(name); value != present_.end()) unknown.initial = value->second;
+    for (std::size_t i = 0; i < targets->of_connectors.size(); ++i) add_target(names[i], unknown);
+    add_linear(targets->of_linear_part, unknown);
+    std::optional<double> truth;
+    if (study_.given.simulate) truth = targets->value();
+    if (given.truth) truth = checked_number(*given.truth, unit);
+    setup_.options.unknowns.push_back(unknown);
+    setup_.true_parameters.push_back(truth);
+  } catch (const InvalidInput& error) {
+    issues_.add(error, given.initial.location);
+  }
+}
+
+/// Nothing, and an issue a name, where one is not known.
+std::optional<UnknownBuilder::Targets> UnknownBuilder::found(const std::string& owner,
+                                                             const std::vector<d::Name>& names) {
+  Targets targets;
+  for (const auto& name : names) {
+    if (find_parameter(parts_, name.value)) {
+      targets.of_connectors.push_back(*find_parameter(study_.parts, name.value));
+    } else if (auto parameter = find_structure_parameter(study_, name.value); parameter && holds(*parameter)) {
+      targets.of_linear_part.push_back(std::move(*parameter));
+    } else {
+      issues_.add(name.location,
+                  name.path + ": there is no parameter '" + name.value + "'" + did_you_mean(name.value, all_names()),
+                  "an unknown is a parameter of a connector or of a linear substructure that the observer holds", "");
+    }
+  }
+  if (targets.of_connectors.size() + targets.of_linear_part.size() < names.size()) return std::nullopt;
+  if (targets.of_connectors.empty() || targets.of_linear_part.empty()) return targets;
+  issues_.add(names.front().location,
+              "estimate.unknown." + owner + " applies to parameters of connectors and of linear substructures",
+              "the filter carries the two in different ways", "make it two unknowns");
+  return std::nullopt;
+}
+
+bool UnknownBuilder::holds(const StructureParameter& parameter) const {
+  const auto named = [&](const auto& part) { return part.name == parameter.substructure; };
+  return std::ranges::any_of(parts_.substructures, named) || std::ranges::any_of(parts_.finite_elements, named);
+}
+
+std::vector<std::string> UnknownBuilder::all_names() const {
+  auto names = parameter_names(study_.parts);
+  for (auto& name : structure_parameter_names(study_)) names.push_back(std::move(name));
+  return names;
+}
+
+void UnknownBuilder::add_target(const d::Name& name, UnknownParameter& unknown) {
+  const auto reference = find_parameter(parts_, name.value);
+  const auto target = release_linear_element(parts_, *reference, unknown.initial);
+  unknown.targets.push_back({static_cast<Index>(target.part), static_cast<Index>(target.element)});
+  parts_.connectors[target.part].parameters[static_cast<Index>(target.element)] = unknown.initial;
+}
+
+void UnknownBuilder::add_linear(const std::vector<StructureParameter>& targets, const UnknownParameter& unknown) {
+  if (targets.empty()) return;
+  if (study_.given.update)
+    throw InvalidInput("estimate.unknown." + unknown.name + ": a number of a linear substructure, and the case updates",
+                       "while the structure is being updated the filter cannot estimate its numbers too",
+                       "refine it under update.parameters");
+  auto& linear = setup_.linear_unknowns;
+  for (const auto& target : targets) linear.bindings.push_back({static_cast<Index>(linear.initial.size()), target});
+  linear.initial.push_back(unknown.initial);
+}
+
+}  // namespace kalfem

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kalfem/casefile/study.hpp"
+
+namespace kalfem {
+
+/// Values that parameters have reached, by their names and by the names of all that they apply to.
+using PresentValues = std::map<std::string, double>;
+
+/// Builds the unknowns of an observer and releases the lumped elements among them from its parts.
+class UnknownBuilder {
+public:
+  /// `parts`: what the observer holds. Unknowns go to `setup`, problems to `issues`.
+  UnknownBuilder(const Study& study, const PresentValues& present, Parts& parts, ObserverSetup& setup,
+                 IssueList& issues)
+      : study_(study), present_(present), parts_(parts), setup_(setup), issues_(issues) {}
+
+  void add(const std::string& name, const description::Unknown& given);
+
+private:
+  struct Targets;
+  [[nodiscard]] std::optional<Targets> found(const std::string& owner, const std::vector<description::Name>& names);
+  [[nodiscard]] bool holds(const StructureParameter& parameter) const;
+  [[nodiscard]] std::vector<std::string> all_names() const;
+  void add_target(const description::Name& name, UnknownParameter& unknown);
+  void add_linear(const std::vector<StructureParameter>& targets, const UnknownParameter& unknown);
+
+  const Study& study_;
+  const PresentValues& present_;
+  Parts& parts_;
+  ObserverSetup& setup_;
+  IssueList& issues_;
+};
+
+}  // namespace kalfem
