@@ -12,8 +12,9 @@ using Eigen::VectorXd;
 
 enum class Damping { dense, low_rank };
 
-/// A chain of twenty masses held at one end and joined to a wheel by a saturating suspension; four of its modes damped.
-LocallyNonlinearSystem damped_chain(Damping kind, double dashpot, const std::vector<InputDescription>& inputs) {
+/// A chain of twenty masses held at one end and joined to a wheel by a saturating suspension; its lowest modes damped.
+LocallyNonlinearSystem damped_chain(Damping kind, double dashpot, const std::vector<InputDescription>& inputs,
+                                    Index count = 4) {
   LumpedSubstructure body;
   body.name = "body";
   for (int i = 1; i <= 20; ++i) {
@@ -25,7 +26,8 @@ LocallyNonlinearSystem damped_chain(Damping kind, double dashpot, const std::vec
   LinearModel model = assemble(body);
   if (dashpot > 0.0) model.damping.coeffRef(7, 7) += dashpot;
   const auto modes = normal_modes(model.mass, model.stiffness);
-  model.modal_damping = {{modes.frequencies.head(4), modes.shapes.leftCols(4)}, Eigen::Vector4d(1.0, 3.0, 4.0, 5.0)};
+  model.modal_damping = {{modes.frequencies.head(count), modes.shapes.leftCols(count)},
+                         VectorXd::LinSpaced(count, 1.0, 5.0)};
   LumpedSubstructure wheel;
   wheel.masses = {{"w", 1.5}};
   wheel.springs = {{"tyre", "ground", "w", 2e4, 5.0}};
@@ -70,12 +72,16 @@ TEST(DampedModeSplit, StepsAsTheDenseDampingMatrixDoes) {
 }
 
 TEST(DampedModeSplit, NewmarkHasThePeriodsOfTheDampedModes) {
-  const auto low_rank = damped_chain(Damping::low_rank, 0.0, road), dense = damped_chain(Damping::dense, 0.0, road);
+  const auto low_rank = damped_chain(Damping::low_rank, 0.0, road, 20),
+             dense = damped_chain(Damping::dense, 0.0, road, 20);
   const auto exact = simulated(dense, Integrator::exact);
-  const auto error = [&](const Trajectory& of) {
-    return (of.displacement - exact.displacement).norm() / exact.displacement.norm();
+  const auto error = [&](const LocallyNonlinearSystem& system) {
+    const auto newmark = simulated(system, Integrator::newmark);
+    return (newmark.displacement - exact.displacement).norm() / exact.displacement.norm();
   };
-  EXPECT_LT(error(simulated(low_rank, Integrator::newmark)), 0.3 * error(simulated(dense, Integrator::newmark)));
+  std::printf("error %.2e with the modes' periods, %.2e with those of average acceleration\n", error(low_rank),
+              error(dense));
+  EXPECT_LT(error(low_rank), 0.5 * error(dense));  // wheel and suspension are no such modes
 }
 
 TEST(DampedModeSplit, ADashpotThatJoinsTheModesFallsBackToWoodbury) {

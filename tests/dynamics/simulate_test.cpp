@@ -126,6 +126,19 @@ protected:
   }
 };
 
+TEST_F(ReferenceOfAChain, IsTheSameFromTwoThreads) {
+  for (const double tolerance : {0.5, 1e-4}) {  // after two solutions, after more than were made ahead
+    ReferenceOptions options{.first_substeps = 1, .tolerance = tolerance};
+    const auto alone = run(options);
+    options.threads = 2;
+    const auto together = run(options);
+    ASSERT_TRUE(alone.converged);
+    EXPECT_EQ(alone.substeps, together.substeps);
+    EXPECT_EQ(alone.sensors, together.sensors);
+    EXPECT_EQ(alone.simulation.trajectory.displacement, together.simulation.trajectory.displacement);
+  }
+}
+
 TEST_F(ReferenceOfAChain, ConvergesAndSaysHowFine) {
   const auto rough = run({.tolerance = 1e-2}), fine = run({.tolerance = 1e-4});
   EXPECT_TRUE(rough.converged);

@@ -130,12 +130,12 @@ void add_unknowns(const Study& study, const PresentValues& present, std::optiona
 }
 
 /// The structure at the first guesses of the linear unknowns in the place of the case's own.
-Parts at_first_guesses(const Study& study, LinearUnknowns& unknowns) {
-  const Index count = static_cast<Index>(unknowns.initial.size());
-  const ParameterisedStructure structure(study, unknowns.bindings, count);
-  unknowns.structure = std::make_shared<const StructureAtParameters>(
-      structure.at(Eigen::Map<const VectorXd>(unknowns.initial.data(), count)));
-  return unknowns.structure->parts;
+Parts at_first_guesses(const Study& study, LinearUnknowns& unknowns, const std::optional<VectorXd>& reduced_at) {
+  const VectorXd initial = VectorXd::Map(unknowns.initial.data(), static_cast<Index>(unknowns.initial.size()));
+  const ParameterisedStructure structure(study, unknowns.bindings, initial.size());
+  unknowns.reduced_at = reduced_at.value_or(initial);
+  unknowns.structure = std::make_shared<const StructureAtParameters>(structure.at(unknowns.reduced_at));
+  return structure.near(*unknowns.structure, initial);
 }
 
 }  // namespace
@@ -158,7 +158,8 @@ std::function<LocallyNonlinearSystem(const VectorXd&)> system_of_linear_unknowns
   };
 }
 
-ObserverSetup make_observer_setup(const Study& study, Parts parts, const PresentValues& present, IssueList& issues) {
+ObserverSetup make_observer_setup(const Study& study, Parts parts, const PresentValues& present, IssueList& issues,
+                                  const std::optional<VectorXd>& reduced_at) {
   const auto& given = *study.given.estimate;
   ObserverSetup setup;
   std::optional<LocalCut> cut;
@@ -166,7 +167,7 @@ ObserverSetup make_observer_setup(const Study& study, Parts parts, const Present
   issues.raise();
   if (!setup.linear_unknowns.empty()) {
     LinearUnknowns linear = std::move(setup.linear_unknowns);
-    parts = at_first_guesses(study, linear);
+    parts = at_first_guesses(study, linear, reduced_at);
     setup = {};
     add_unknowns(study, present, cut, parts, setup, issues);
     setup.linear_unknowns = std::move(linear);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include "kalfem/casefile/unknown_builder.hpp"
 
@@ -10,10 +11,11 @@ PresentValues present_values(const UpdatingSetup& updating, const Eigen::VectorX
 
 /// The observer of the case's `estimate`, made of `parts`: the case's own, or those that an updating has reached.
 /// Values in `present` stand in for the first guesses of unknowns of the same name. Problems go to `issues` with their
-/// place.
-ObserverSetup make_observer_setup(const Study& study, Parts parts, const PresentValues& present, IssueList& issues);
+/// place. `reduced_at`: values of the linear unknowns at which the finite elements are reduced, else the first guesses.
+ObserverSetup make_observer_setup(const Study& study, Parts parts, const PresentValues& present, IssueList& issues,
+                                  const std::optional<Eigen::VectorXd>& reduced_at = {});
 
-/// The parts of the case at values of the linear unknowns of an observer, in the bases of its first guesses.
+/// The parts of the case at values of the linear unknowns of an observer, in the bases of its reduction.
 Parts parts_at(const Study& study, const LinearUnknowns& unknowns, const Eigen::VectorXd& values);
 
 /// The observer's system as a function of its linear unknowns; nothing where it has none. The case must outlive it.

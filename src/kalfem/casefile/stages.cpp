@@ -1,9 +1,12 @@
 #include "kalfem/casefile/stages.hpp"
 
+#include <cmath>
+
 #include "kalfem/base/random.hpp"
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/casefile/estimation_stage.hpp"
 #include "kalfem/casefile/field_series.hpp"
+#include "kalfem/casefile/filter_run.hpp"
 #include "kalfem/casefile/initial_state.hpp"
 #include "kalfem/casefile/modifications.hpp"
 #include "kalfem/casefile/observer_setup.hpp"
@@ -19,6 +22,9 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
+
+/// Degrees of freedom from which a simulation is worth a thread of its own.
+constexpr Index large_model = 2000;
 
 std::vector<MeasurementChain> chains_of(const std::vector<StudySensor>& sensors) {
   std::vector<MeasurementChain> chains;
@@ -64,7 +70,8 @@ SimulationStage simulate_stage(const Study& study, const Progress& progress, std
                                        {.sample_rate = given.sample_rate,
                                         .first_substeps = given.first_substeps,
                                         .max_substeps = given.max_substeps,
-                                        .tolerance = given.tolerance});
+                                        .tolerance = given.tolerance,
+                                        .threads = study.model->system().size() > large_model ? processors() : 1});
   if (stage.reference.simulation.failure)
     failure = "the simulation stopped at " + shortest(stage.reference.simulation.failure->time) +
               " s: " + stage.reference.simulation.failure->reason;
@@ -97,11 +104,46 @@ Updated updated_structure(const Study& study, const ParameterisedStructure& stru
   return {std::move(observer), couple(parts)};
 }
 
-/// The structure as the filter's estimates of its linear unknowns leave it.
-CoupledModel estimated_structure(const Study& study, const EstimationStage& estimation) {
-  const auto& observer = *estimation.observer;
-  const VectorXd last = estimation.result.unknowns.mean.rightCols(1);
-  return couple(parts_at(study, study.observer->linear_unknowns, last(linear_unknowns(observer.options()))));
+/// Relative distance from where the finite elements were reduced beyond which estimates of linear unknowns are made
+/// again: fixed bases err by about its square. And how often that is done.
+constexpr double reduction_reach = 0.02;
+constexpr int most_reductions = 3;
+
+/// The last estimates of the filter's linear unknowns.
+VectorXd linear_estimates(const EstimationStage& estimation) {
+  return estimation.result.unknowns.mean.rightCols(1)(linear_unknowns(estimation.observer->options()), 0);
+}
+
+/// How far values of the linear unknowns are from where the finite elements were reduced, of those that their bases
+/// depend on, relative.
+double distance(const LinearUnknowns& unknowns, const VectorXd& values) {
+  double largest = 0.0;
+  for (const auto& [index, parameter] : unknowns.bindings) {
+    const auto* target = std::get_if<FiniteElementParameter>(&parameter.target);
+    if (!target || target->kind != FiniteElementParameter::Kind::matrix) continue;
+    const double before = unknowns.reduced_at[index];
+    if (before != 0.0) largest = std::max(largest, std::abs(values[index] / before - 1.0));
+  }
+  return largest;
+}
+
+/// Estimates with the observer of `setup`. Where linear unknowns end far from where the finite elements were reduced,
+/// `setup` becomes the observer with these reduced at the estimates, and the record is gone through again.
+EstimationStage estimate_in_bases_of_estimates(const Study& study, ObserverSetup& setup, const StudyResults& results,
+                                               const Progress& progress, std::string& failure) {
+  auto stage = estimate_stage(study, setup, results, progress, failure);
+  if (setup.linear_unknowns.empty()) return stage;
+  for (stage.reductions = 1; stage.reductions < most_reductions && failure.empty();) {
+    const VectorXd values = linear_estimates(stage);
+    if (distance(setup.linear_unknowns, values) < reduction_reach) break;
+    IssueList issues;
+    setup = make_observer_setup(study, study.parts, {}, issues, values);
+    issues.raise();
+    const int reductions = stage.reductions + 1;
+    stage = estimate_stage(study, setup, results, progress, failure);
+    stage.reductions = reductions;
+  }
+  return stage;
 }
 
 /// The last estimates of the filter's unknowns with the structure as the updating finds it.
@@ -131,16 +173,16 @@ StudyResults run_study(const Study& study, Stage last, const RunOptions& options
       updated.emplace(updated_structure(study, *structure, *results.updating));
     }
   }
-  const bool estimates_linear_part = study.observer && !study.observer->linear_unknowns.empty();
-  if (results.usable() && last >= Stage::estimate && study.observer) {
-    results.estimation = estimate_stage(study, updated ? updated->observer : *study.observer, results, options.progress,
-                                        results.failure);
-    if (!updated && !estimates_linear_part)  // else the basis of the pictures is not that of the observer
+  std::optional<ObserverSetup> observer = updated ? updated->observer : study.observer;
+  if (results.usable() && last >= Stage::estimate && observer) {
+    results.estimation = estimate_in_bases_of_estimates(study, *observer, results, options.progress, results.failure);
+    if (!updated && observer->linear_unknowns.empty())  // else the basis of the pictures is not that of the observer
       if (auto series = estimated_fields(study, *results.estimation)) results.fields.push_back(std::move(*series));
   }
   if (results.usable() && last >= Stage::predict && study.given.predict) {
-    const auto estimated =
-        estimates_linear_part ? std::optional(estimated_structure(study, *results.estimation)) : std::nullopt;
+    std::optional<CoupledModel> estimated;
+    if (!observer->linear_unknowns.empty())
+      estimated = couple(parts_at(study, observer->linear_unknowns, linear_estimates(*results.estimation)));
     const CoupledModel& model = updated ? updated->model : estimated ? *estimated : *study.model;
     results.prediction = predict_stage(study, model, results, options.progress);
   }

@@ -67,6 +67,7 @@ struct EstimationStage {
   Eigen::Index settled = 0;  ///< first sample that counts
   std::optional<FrequencyBand> band;  ///< of the excitation, where it has one
   double seconds = 0.0;
+  int reductions = 0;  ///< of the finite elements, each with a run over the record, for the linear unknowns; 0: none
   std::optional<SimulationResult>
       open_loop;                             ///< the record again from the estimated parameters and initial state alone
   Eigen::MatrixXd open_loop_sensors;         ///< samples x sensors

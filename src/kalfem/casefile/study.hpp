@@ -34,7 +34,8 @@ struct StructureAtParameters {
 /// Unknowns of the filter that no connector can carry: numbers of linear substructures.
 struct LinearUnknowns {
   std::vector<StructureBinding> bindings;  ///< where they stand; the index is the place among these unknowns
-  std::vector<double> initial;             ///< first guesses, at which the finite elements are reduced
+  std::vector<double> initial;             ///< first guesses
+  Eigen::VectorXd reduced_at;              ///< values at which the finite elements are reduced
   /// The structure there: its bases serve for all values.
   std::shared_ptr<const StructureAtParameters> structure;
 

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
+#include <map>
 #include <vector>
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/time_series.hpp"
+#include "kalfem/base/worker_pool.hpp"
 
 namespace kalfem {
 namespace {
@@ -98,6 +101,59 @@ void check(const ReferenceOptions& options) {
   issues.raise();
 }
 
+/// Simulations of one system with different steps, some of them made ahead.
+class Simulations {
+public:
+  Simulations(const LocallyNonlinearSystem& system, const std::vector<SignalPtr>& signals, const InitialState& initial,
+              SimulationOptions options, double sample_rate)
+      : system_(system),
+        signals_(signals),
+        initial_(initial),
+        options_(std::move(options)),
+        sample_rate_(sample_rate) {}
+
+  [[nodiscard]] double step(Index substeps) const { return 1.0 / (sample_rate_ * static_cast<double>(substeps)); }
+
+  /// Those with `first`, 2 `first` and 4 `first` steps a sample, the last in a thread of its own.
+  void make_ahead(Index first) {
+    const std::vector<Index> shares[] = {{4 * first}, {first, 2 * first}};
+    for (const auto& share : shares)
+      for (const Index substeps : share) ahead_[substeps];
+    std::exception_ptr thrown[2];
+    WorkerPool(2).run(2, [&](int thread) {
+      try {
+        for (const Index substeps : shares[thread])
+          ahead_.at(substeps) = simulated(substeps, thread == 0 ? options_.progress : Progress{});
+      } catch (...) {
+        thrown[thread] = std::current_exception();
+      }
+    });
+    for (const auto& each : thrown)
+      if (each) std::rethrow_exception(each);
+  }
+
+  SimulationResult take(Index substeps) {
+    const auto made = ahead_.extract(substeps);
+    return made ? std::move(made.mapped()) : simulated(substeps, options_.progress);
+  }
+
+private:
+  [[nodiscard]] SimulationResult simulated(Index substeps, const Progress& progress) const {
+    SimulationOptions options = options_;
+    options.step = step(substeps);
+    options.keep_every = substeps;
+    options.progress = progress;
+    return simulate(system_, signals_, initial_, options);
+  }
+
+  const LocallyNonlinearSystem& system_;
+  const std::vector<SignalPtr>& signals_;
+  const InitialState& initial_;
+  SimulationOptions options_;
+  double sample_rate_;
+  std::map<Index, SimulationResult> ahead_;
+};
+
 }  // namespace
 
 Reference simulate_reference(const LocallyNonlinearSystem& system, const std::vector<SignalPtr>& signals,
@@ -109,18 +165,19 @@ Reference simulate_reference(const LocallyNonlinearSystem& system, const std::ve
   std::vector<Sampled> coarser;
   Movement moved;
   simulation.every_step = sensors;
+  const bool ahead = options.threads > 1 && !simulation.snapshot && sensors.size() > 0 &&
+                     4 * options.first_substeps <= options.max_substeps;
+  Simulations simulations(system, signals, initial, std::move(simulation), options.sample_rate);
+  if (ahead) simulations.make_ahead(options.first_substeps);
   for (Index substeps = options.first_substeps; substeps <= options.max_substeps; substeps *= 2) {
-    simulation.step = 1.0 / (options.sample_rate * static_cast<double>(substeps));
-    simulation.keep_every = substeps;
-    reference = {
-        .simulation = simulate(system, signals, initial, simulation), .substeps = substeps, .last_change = 1.0};
+    reference = {.simulation = simulations.take(substeps), .substeps = substeps, .last_change = 1.0};
     if (reference.simulation.failure) {
       coarser.clear();
       moved = {};
       continue;  // a smaller step may converge
     }
     Sampled plain{std::move(reference.simulation), {}};
-    plain.sensors = record(plain.simulation.every_step, chains, 1.0 / simulation.step, substeps);
+    plain.sensors = record(plain.simulation.every_step, chains, 1.0 / simulations.step(substeps), substeps);
     plain.simulation.every_step.resize(0, 0);
     auto row = extrapolations(std::move(plain), coarser);
     moved = movement(row, coarser, moved.plain);

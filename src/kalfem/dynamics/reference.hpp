@@ -14,6 +14,9 @@ struct ReferenceOptions {
   /// err by a third of it. Extrapolated solutions may change by more, 5 or 21 times, so that they err by as much, once
   /// the plain ones show their order.
   double tolerance = 1e-3;
+  /// With two, the first three solutions are made side by side, the finest of them by one thread (not where snapshots
+  /// are taken). Results do not depend on it; what is not needed in the end has cost nothing but the other's time.
+  int threads = 1;
 };
 
 /// A solution whose step was halved until the sensors' records stopped moving.

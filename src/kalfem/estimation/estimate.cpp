@@ -59,9 +59,14 @@ void check(const Observer& observer, const Record& record, const EstimationOptio
   issues.raise();
 }
 
-/// The unknowns of the linear part are linearised about anew when one has moved by so many of its standard deviations,
-/// or when its deviation has shrunk to such a part: an error of second order in the first, third in the other.
-constexpr double largest_move = 0.3, least_deviation = 0.5;
+/// Whether an unknown of the linear part that is `value` +- `deviation` now is to be linearised about anew after it was
+/// at `before`: what the tangent leaves out grows with the square of the move, a few move^2 / value, and shall be a few
+/// per cent of the deviation; and its neighbours stand where it may be.
+bool outdated(double value, double deviation, double before, double deviation_before) {
+  const double scale = std::max(std::abs(value), deviation), move = std::abs(value - before);
+  const bool wide = deviation_before > 0.01 * scale;
+  return move > 0.1 * std::sqrt(deviation * scale) || (wide && deviation < 0.5 * deviation_before);
+}
 
 /// An observer, its maps and the filter over them.
 struct Apparatus {
@@ -90,7 +95,8 @@ public:
         record_(record),
         options_(options),
         input_stride_(record.inputs.cols() > record.measurements.cols() ? observer.options().substeps : 1),
-        apparatus_(std::make_unique<Apparatus>(std::shared_ptr<const Observer>({}, &observer), options)),
+        apparatus_(
+            std::make_unique<Apparatus>(std::shared_ptr<const Observer>(std::shared_ptr<void>(), &observer), options)),
         linear_unknowns_(linear_unknowns(observer.options())) {
     allocate();
     linearised_ = linear_state();
@@ -264,9 +270,10 @@ private:
   FilterOutcome linearise_where_it_moved(Index k) {
     if (linear_unknowns_.empty()) return FilterOutcome::usable;
     const EstimatedSeries now = linear_state(k);
-    const auto moved = (now.mean - linearised_.mean).array().abs() > largest_move * now.deviation.array();
-    const auto shrunk = now.deviation.array() < least_deviation * linearised_.deviation.array();
-    if (!moved.any() && !shrunk.any()) return FilterOutcome::usable;
+    bool anew = false;
+    for (Index i = 0; i < now.mean.size(); ++i)
+      anew |= outdated(now.mean(i), now.deviation(i), linearised_.mean(i), linearised_.deviation(i));
+    if (!anew) return FilterOutcome::usable;
     try {
       const Gaussian physical{here().physical(apparatus_->filter->mean()),
                               here().physical_covariance(apparatus_->filter->covariance())};

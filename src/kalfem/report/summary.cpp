@@ -122,6 +122,8 @@ Json estimation_summary(const EstimationStage& stage) {
                     {"expected", number(stage.consistency.expected_nis)},
                     {"fraction_in_95", number(stage.consistency.fraction_in_95)}}},
                   {"innovation_to_noise", ratios}};
+  if (stage.result.observer)
+    summary["linear_unknowns"] = {{"linearisations", stage.result.linearisations}, {"reductions", stage.reductions}};
   if (const auto states = errors_by_point(stage.points); !states.empty()) summary["states"] = states;
   if (stage.open_loop) summary["open_loop"] = open_loop_summary(stage);
   return summary;

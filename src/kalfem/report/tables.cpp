@@ -146,6 +146,14 @@ std::string to_text(const Table& table) {
   return text;
 }
 
+/// How the unknowns of the linear part were followed; nothing where there are none.
+std::string linearisation_words(const EstimationStage& stage) {
+  if (!stage.result.observer) return "";
+  return fmt::format(
+      "Linear part: linearised anew {} times{}\n", stage.result.linearisations,
+      stage.reductions > 1 ? fmt::format(", reduced {} times: the last at the estimates", stage.reductions) : "");
+}
+
 std::string console_report(const Study& study, const StudyResults& results) {
   std::string text = study.given.title.empty() ? std::string() : study.given.title + "\n\n";
   for (const auto& elements : study.finite_elements) {
@@ -180,11 +188,11 @@ std::string console_report(const Study& study, const StudyResults& results) {
                         stage.consistency.expected_nis, per_cent(stage.consistency.fraction_in_95));
     text += fmt::format(
         "{} states, {} steps, {:.2f} us a step: {:.3g} x real time (predict {}, update {}; output {} beside it)\n"
-        "Filter {}: {}\n\n",
+        "Filter {}: {}\n{}\n",
         stage.observer->layout().size(), stage.measurements.samples(), 1e6 * time.filter() / samples,
         samples / stage.measurements.sample_rate / time.filter(), per_cent(time.predict / time.filter()),
         per_cent(time.update / time.filter()), per_cent(time.output / time.filter()), name_of(stage.filter),
-        stage.filter_reason);
+        stage.filter_reason, linearisation_words(stage));
     if (const auto table = error_table("", study, stage.points); !table.rows.empty())
       text += fmt::format("Estimated motion, NRMSE after {} s{}\n", four_digits(study.given.estimate->settle),
                           band_words(stage)) +
