@@ -49,6 +49,25 @@ void expect_derivatives(const ParameterisedModel& model, const VectorXd& paramet
   }
 }
 
+/// In a basis of four columns, made at `here`, the model is the projected one at `there` too.
+void expect_projection(const ParameterisedFiniteElements& model, const VectorXd& here, const VectorXd& there) {
+  auto reduced = model.at(here).model;
+  const Index n = reduced.size();
+  MatrixXd basis(n, 4);
+  for (Index i = 0; i < n; ++i)
+    for (Index j = 0; j < 4; ++j) basis(i, j) = std::sin(1.0 + static_cast<double>(i * (j + 2)));
+  const auto project = [&](const SparseMatrix& matrix) {
+    return SparseMatrix(MatrixXd(basis.transpose() * MatrixXd(matrix) * basis).sparseView());
+  };
+  for (auto* matrix : {&reduced.mass, &reduced.damping, &reduced.stiffness}) *matrix = project(*matrix);
+  const auto small = model.in_basis(basis, reduced, here).at(there), large = model.at(there);
+  for (const auto matrix : {&LinearModel::mass, &LinearModel::damping, &LinearModel::stiffness}) {
+    const MatrixXd expected = project(large.model.*matrix);
+    EXPECT_LT((MatrixXd(small.model.*matrix) - expected).norm(), 1e-12 * expected.norm());
+  }
+  EXPECT_EQ(small.modal_ratios, large.modal_ratios);
+}
+
 LumpedSubstructure frame() {
   return {.name = "frame",
           .masses = {{"a", 2.0}, {"b", 3.0}},
@@ -129,6 +148,7 @@ TEST(ParameterisedFiniteElements, DerivativesAgreeWithDifferences) {
   VectorXd values(static_cast<Index>(wanted.size()));
   values << 2.0e11, 7000.0, 1.2, 0.9, 0.4, 2e4, 0.3, 0.015;
   expect_derivatives(model, values);
+  expect_projection(model, values, 1.3 * values);
 
   // At the model's own values it is the model.
   VectorXd own = values;
@@ -144,7 +164,9 @@ TEST(ParameterisedFiniteElements, AShellsThicknessActsOnMembraneAndBendingAlike)
   const auto assembled = std::make_shared<const AssembledModel>(assemble(elements));
   const auto full = std::make_shared<const LinearModel>(linear_model(elements, *assembled, {}, {}));
   const auto bindings = all_of(parameters_of(*assembled, {}), {"plate.thickness"});
-  expect_derivatives(ParameterisedFiniteElements(assembled, full, {}, bindings, 1), VectorXd{{0.012}});
+  const ParameterisedFiniteElements model(assembled, full, FiniteElementDamping{{0.4, 1e-5}, {}}, bindings, 1);
+  expect_derivatives(model, VectorXd{{0.012}});
+  expect_projection(model, VectorXd{{0.012}}, VectorXd{{0.02}});
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ protected:
   std::vector<SignalPtr> signals{
       make_random({.rms = 3e-3, .lower = 0.5, .upper = 30.0, .duration = 4.0, .fade_in = 0.3, .seed = 7}),
       make_random({.rms = 2.0, .lower = 1.0, .upper = 20.0, .duration = 4.0, .fade_in = 0.3, .seed = 8})};
-  const LinearModel& body = model.substructures()[1].model;
+  const LinearModel& body = *model.substructures()[1].model;
 
   [[nodiscard]] Trajectory simulated(double step, double duration, Index keep) const {
     auto start = at_rest(11, 0);
@@ -133,7 +133,7 @@ TEST_F(DrivenBody, BoundaryOfTwoKeepsItsOrder) {
 TEST(BaseDriven, RigidMotionOfTheBoundaryIsFollowedWithoutDrift) {
   // A body held nowhere else rides on its boundary: after 200 s at constant velocity it still lies on it to rounding.
   const auto model = quarter_chain(5, {}, {}, 0.02);
-  const BaseDrivenSubstructure body(model.substructures()[1].model, {0});
+  const BaseDrivenSubstructure body(*model.substructures()[1].model, {0});
   const Index samples = 20001;
   BoundaryMotion boundary{MatrixXd(1, samples), MatrixXd::Constant(1, samples, 0.5), MatrixXd::Zero(1, samples)};
   for (Index k = 0; k < samples; ++k) boundary.displacement(0, k) = 0.5 * 0.01 * static_cast<double>(k);

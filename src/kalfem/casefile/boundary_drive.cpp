@@ -15,12 +15,12 @@ using Place = CoupledModel::Placed;
 /// The boundary of a finite-element substructure, or the degrees of freedom that connectors touch.
 std::vector<Index> boundary_of(const Study& study, const CoupledModel& model, const Place& place) {
   std::vector<Index> boundary;
-  const auto& dofs = place.part.model.dofs;
+  const auto& dofs = place.part.model->dofs;
   for (const auto& elements : study.finite_elements)
     if (elements.part->name == place.part.name)
       for (const auto& name : elements.part->boundary) boundary.push_back(std::ranges::find(dofs, name) - dofs.begin());
   if (!boundary.empty()) return boundary;
-  for (Index i = 0; i < place.part.model.size(); ++i)
+  for (Index i = 0; i < place.part.model->size(); ++i)
     if (std::ranges::any_of(model.system().connectors,
                             [&](const auto& connector) { return connector.deformation[place.offset + i] != 0.0; }))
       boundary.push_back(i);
@@ -29,7 +29,7 @@ std::vector<Index> boundary_of(const Study& study, const CoupledModel& model, co
 
 /// Qualified name under which the motion of a degree of freedom is reported.
 std::string reported_name(const Place& place, Index dof) {
-  const auto& model = place.part.model;
+  const LinearModel& model = *place.part.model;
   const std::string& name = model.dofs[static_cast<std::size_t>(dof)];
   if (model.points_only)
     for (const auto& [point, combination] : model.points)
@@ -46,7 +46,7 @@ std::vector<AppliedInput> applied_inputs(const Study& study, const CoupledModel&
     Input own = inputs[i];
     bool acts = false;
     for (auto* load : {&own.value, &own.rate, &own.acceleration}) {
-      *load = VectorXd(load->segment(place.offset, place.part.model.size()));
+      *load = VectorXd(load->segment(place.offset, place.part.model->size()));
       acts = acts || !load->isZero();
     }
     if (acts) applied.push_back({own, study.signals[i]});
@@ -56,7 +56,7 @@ std::vector<AppliedInput> applied_inputs(const Study& study, const CoupledModel&
 
 /// The substructure with its share of the damping of the whole structure's modes.
 LinearModel damped_part(const CoupledModel& model, const Place& place) {
-  LinearModel part = place.part.model;
+  LinearModel part = *place.part.model;
   const auto& system = model.system();
   part.damping = system.damping.block(place.offset, place.offset, part.size(), part.size());
   part.modal_damping = system.modal_damping;
@@ -69,9 +69,9 @@ std::vector<Index> outside(const CoupledModel& model, const Place& place) {
   std::vector<Index> dofs;
   Index offset = 0;
   for (const auto& part : model.substructures()) {
-    if (part.name != place.part.name && !part.model.points_only)
-      for (Index i = 0; i < part.model.size(); ++i) dofs.push_back(offset + i);
-    offset += part.model.size();
+    if (part.name != place.part.name && !part.model->points_only)
+      for (Index i = 0; i < part.model->size(); ++i) dofs.push_back(offset + i);
+    offset += part.model->size();
   }
   return dofs;
 }
@@ -80,12 +80,12 @@ std::vector<Index> outside(const CoupledModel& model, const Place& place) {
 MatrixXd drag_of(const CoupledModel& model, const Place& place, const std::vector<Index>& dofs) {
   const auto& [modes, rates] = model.system().modal_damping;
   const MatrixXd momenta = model.system().mass * modes.shapes;
-  return momenta.middleRows(place.offset, place.part.model.size()) * rates.asDiagonal() *
+  return momenta.middleRows(place.offset, place.part.model->size()) * rates.asDiagonal() *
          MatrixXd(momenta(dofs, Eigen::all)).transpose();
 }
 
 BaseDrivenSubstructure driven_part(const CoupledModel& model, const Place& place, std::vector<Index> boundary) {
-  if (!model.structure_damping()) return {place.part.model, std::move(boundary)};
+  if (!model.structure_damping()) return {*place.part.model, std::move(boundary)};
   return {damped_part(model, place), std::move(boundary), drag_of(model, place, outside(model, place))};
 }
 

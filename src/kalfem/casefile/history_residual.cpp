@@ -37,7 +37,7 @@ BoundaryMotion motion_from(const MatrixXd& monitored, Index first) {
 /// Rows of the sensors' quantities over the substructure's degrees of freedom.
 SparseRows rows_of(const OutputMap& outputs, const CoupledModel::Placed& place) {
   const SparseRows sum = outputs.displacement + outputs.velocity + outputs.acceleration;  // one of them each
-  return sum.middleCols(place.offset, place.part.model.size());
+  return sum.middleCols(place.offset, place.part.model->size());
 }
 
 /// T_d r + T_v r' + T_a r'': what the sensors see of the base's own motion, samples x sensors.
@@ -104,7 +104,7 @@ HistoryResidual::Estimate HistoryResidual::structure_of(const Parts& parts) cons
 /// The substructure's own part of the augmented state at the first predicted sample.
 void HistoryResidual::set_start(const VectorXd& state, Index velocity, Estimate& estimate) const {
   if (study_.given.estimate->local) return;
-  const Index offset = estimate.drive->place().offset, n = estimate.drive->place().part.model.size();
+  const Index offset = estimate.drive->place().offset, n = estimate.drive->place().part.model->size();
   estimate.start.displacement = state.segment(offset, n);
   estimate.start.velocity = state.segment(velocity + offset, n);
 }

@@ -54,10 +54,10 @@ BoundaryMotion boundary_motion(const Study& study, const EstimationStage& estima
 /// The estimated start of a lumped substructure; a finite-element one starts as its boundary bends it.
 PredictionStart start_of(const EstimationStage& estimation, const Place& place) {
   PredictionStart start{estimation.measurements.start, {}, {}};
-  if (place.part.model.points_only) return start;
-  start.displacement = start.velocity = VectorXd::Zero(place.part.model.size());
-  for (Index i = 0; i < place.part.model.size(); ++i) {
-    const std::string point = place.part.name + "." + place.part.model.dofs[static_cast<std::size_t>(i)];
+  if (place.part.model->points_only) return start;
+  start.displacement = start.velocity = VectorXd::Zero(place.part.model->size());
+  for (Index i = 0; i < place.part.model->size(); ++i) {
+    const std::string point = place.part.name + "." + place.part.model->dofs[static_cast<std::size_t>(i)];
     if (const auto* estimated = find_quantity(estimation.points, point, ObservedQuantity::displacement))
       start.displacement[i] = estimated->mean[0];
     if (const auto* estimated = find_quantity(estimation.points, point, ObservedQuantity::velocity))
@@ -77,12 +77,12 @@ ReportedRows reported_rows(const CoupledModel& model, const Place& place) {
   std::vector<Eigen::Triplet<double>> entries;
   for (const auto& name : model.reported_points()) {
     if (!name.starts_with(place.part.name + ".")) continue;
-    const VectorXd dofs = model.motion(name).dofs.segment(place.offset, place.part.model.size());
+    const VectorXd dofs = model.motion(name).dofs.segment(place.offset, place.part.model->size());
     for (Index i = 0; i < dofs.size(); ++i)
       if (dofs[i] != 0.0) entries.emplace_back(static_cast<Index>(reported.names.size()), i, dofs[i]);
     reported.names.push_back(name);
   }
-  reported.rows.resize(static_cast<Index>(reported.names.size()), place.part.model.size());
+  reported.rows.resize(static_cast<Index>(reported.names.size()), place.part.model->size());
   reported.rows.setFromTriplets(entries.begin(), entries.end());
   return reported;
 }

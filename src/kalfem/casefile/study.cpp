@@ -119,10 +119,12 @@ double Study::sample_rate() const {
   return record ? record->series.sample_rate : given.simulate ? given.simulate->sample_rate : 0.0;
 }
 
-Study load_study(const std::string& file) {
+Study load_study(const std::string& file) { return make_study(read_case(file, d::case_form()), file); }
+
+Study make_study(d::Case given, const std::string& file) {
   Study study;
   study.file = file;
-  study.given = read_case(file, d::case_form());
+  study.given = std::move(given);
   IssueList issues;
   const SourceLocation place{file, 0};
   check_stages(study.given, place, issues);

@@ -87,5 +87,7 @@ struct Study {
 
 /// Reads a case file. Throws InvalidInput with every problem found in it and in the files it names.
 Study load_study(const std::string& file);
+/// The same of a case that was read from `file`.
+Study make_study(description::Case given, const std::string& file);
 
 }  // namespace kalfem

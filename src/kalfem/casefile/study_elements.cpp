@@ -19,6 +19,13 @@ double sensor_bandwidth(const d::Case& given) {
   return widest > 0.0 ? widest : std::numeric_limits<double>::infinity();
 }
 
+/// The reduced model where there is one, else the full one.
+std::shared_ptr<const LinearModel> model_of(const FiniteElementPartPtr& part,
+                                            const std::shared_ptr<const Superelement>& reduced) {
+  if (reduced) return {reduced, &reduced->model};
+  return {part, &part->full};
+}
+
 /// Parameters of a substructure that the case estimates, refines or modifies, by their names in it.
 std::vector<std::string> changing_parameters(const d::Case& given, const std::string& substructure) {
   const std::string prefix = substructure + ".";
@@ -87,7 +94,7 @@ void add_finite_elements(Study& study, IssueList& issues) {
 std::vector<Substructure> reduced_parts(const Study& study) {
   std::vector<Substructure> parts;
   for (const auto& [part, reduced, reference] : study.finite_elements)
-    parts.push_back({part->name, reduced ? reduced->model : part->full});
+    parts.push_back({part->name, model_of(part, reduced)});
   return parts;
 }
 
@@ -95,7 +102,7 @@ Parts reference_parts(const Study& study) {
   Parts parts = study.parts;
   parts.finite_elements.clear();
   for (const auto& [part, reduced, reference] : study.finite_elements)
-    parts.finite_elements.push_back({part->name, reference ? reference->model : part->full});
+    parts.finite_elements.push_back({part->name, model_of(part, reference)});
   return parts;
 }
 

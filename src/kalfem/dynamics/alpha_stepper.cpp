@@ -73,6 +73,9 @@ private:
 ///     K y = s (M* y - (1-a_m) M y) - gamma/(beta h) C y,
 /// so that a_free = M*^-1 [ M (s (1-a_m) y - a_m a0) + C w + P u - a_f B f0 ] - s y, with the predictor y of the
 /// displacement and w = gamma/(beta h) y less the predictor of the velocity: one back-solve and one sparse product.
+///
+/// The scheme's a belongs to a time (a_f - a_m) h earlier than d and v [EBS02]: what is given out is carried forward, to
+/// second order.
 class AlphaStepper final : public Stepper {
 public:
   AlphaStepper(const LocallyNonlinearSystem& system, double step, const AlphaParameters& p,
@@ -108,13 +111,14 @@ public:
     compliance.bottomRows(directions_.cols()) = directions_.transpose() * response;
     const auto outcome = forces_.start(connector_motion(motion, inputs), compliance, motion);
     motion.acceleration += response * motion.force;
+    acceleration_ = motion.acceleration;
     return outcome;
   }
 
   ForceSolveOutcome advance(Motion& motion, const VectorXd& begin, const VectorXd& end) override {
     const auto& [beta, gamma, a_m, a_f] = p_;
     const double s = 1.0 / ((1.0 - a_f) * beta * h_ * h_);
-    const VectorXd& a = motion.acceleration;
+    const VectorXd& a = acceleration_;
     displacement_.noalias() = motion.displacement + (1.0 - a_f) * (h_ * motion.velocity + (0.5 - beta) * h_ * h_ * a);
     inertia_.noalias() = s * (1.0 - a_m) * displacement_ - a_m * a;
     rate_.noalias() = gamma / (beta * h_) * displacement_ - motion.velocity - ((1.0 - a_f) * (1.0 - gamma) * h_) * a;
@@ -127,10 +131,14 @@ public:
 
     motion.displacement += h_ * motion.velocity + h_ * h_ * ((0.5 - beta) * a + beta * free_);
     motion.velocity += h_ * ((1.0 - gamma) * a + gamma * free_);
-    motion.acceleration.swap(free_);
+    previous_.swap(acceleration_);
+    acceleration_.swap(free_);
+    motion.acceleration = acceleration_;
     const auto outcome = forces_.solve(connector_motion(motion, end), compliance_, h_, motion);
     correction_.noalias() = response_ * motion.force;
-    motion.acceleration += correction_;
+    acceleration_ += correction_;
+    motion.acceleration = acceleration_;
+    if (a_f != a_m) motion.acceleration += (a_f - a_m) * (acceleration_ - previous_);
     motion.velocity += gamma * h_ * correction_;
     motion.displacement += beta * h_ * h_ * correction_;
     return outcome;
@@ -161,6 +169,7 @@ private:
   PairedProduct product_;  ///< of M and C
   SparseFactor effective_;
   LowRankSolver solver_;
+  VectorXd acceleration_, previous_;  ///< of the scheme, and a step before
   VectorXd displacement_, inertia_, rate_, load_, input_, free_, correction_;
 };
 

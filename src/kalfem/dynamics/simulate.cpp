@@ -55,19 +55,19 @@ void check(const LocallyNonlinearSystem& system, const std::vector<SignalPtr>& s
                        "at most 10^10 steps and 2 10^9 stored values", "shorten the duration or keep fewer samples");
 }
 
-std::unique_ptr<Stepper> make_stepper(const LocallyNonlinearSystem& system, const SimulationOptions& options) {
+/// Of the schemes of the generalised-alpha family; nothing for exact stepping.
+std::optional<AlphaParameters> alpha_parameters(const SimulationOptions& options) {
   switch (options.integrator) {
     case Integrator::newmark:
-      return make_alpha_stepper(system, options.step, newmark_parameters(), options.forces);
+      return newmark_parameters();
     case Integrator::hht_alpha:
-      return make_alpha_stepper(system, options.step, hht_parameters(options.hht_alpha), options.forces);
+      return hht_parameters(options.hht_alpha);
     case Integrator::generalized_alpha:
-      return make_alpha_stepper(system, options.step, generalized_alpha_parameters(options.spectral_radius),
-                                options.forces);
+      return generalized_alpha_parameters(options.spectral_radius);
     case Integrator::exact:
-      return make_exact_stepper(system, options.step, options.forces);
+      break;
   }
-  return {};
+  return std::nullopt;
 }
 
 /// [r; r'; r''] of all inputs at `count` steps from `first` on, 3 n_u x count.
@@ -183,11 +183,14 @@ AlphaParameters generalized_alpha_parameters(double rho) {
 SimulationResult simulate(const LocallyNonlinearSystem& system, const std::vector<SignalPtr>& signals,
                           const InitialState& initial, const SimulationOptions& options) {
   check(system, signals, initial, options);
-  auto split = options.integrator == Integrator::exact ? std::nullopt : split_damped_modes(system);
-  if (split && options.integrator == Integrator::newmark) match_poles(split->system, system.size(), options.step);
+  const auto scheme = alpha_parameters(options);
+  auto split = scheme ? split_damped_modes(system) : std::nullopt;
+  if (split) match_poles(split->system, system.size(), options.step, *scheme);
   const auto in_coordinates = [&](const VectorXd& motion) { return split ? split->split(motion) : motion; };
   const auto steps = static_cast<Index>(std::llround(options.duration / options.step));
-  const auto stepper = make_stepper(split ? split->system : system, options);
+  const auto& stepped = split ? split->system : system;
+  const auto stepper = scheme ? make_alpha_stepper(stepped, options.step, *scheme, options.forces)
+                              : make_exact_stepper(stepped, options.step, options.forces);
   SimulationResult result;
   Recorder recorder(system, options, split ? &*split : nullptr, steps, result);
   Motion motion{in_coordinates(initial.displacement), in_coordinates(initial.velocity),

@@ -47,8 +47,8 @@ struct SimulationOptions {
 };
 
 /// Transient of the system under its inputs (one signal an input). The state at time 0 is stored first.
-/// Modal damping is stepped in the coordinates of DampedModeSplit where that can be, by newmark with the damped modes'
-/// own periods and decay (match_poles()).
+/// Modal damping is stepped in the coordinates of DampedModeSplit where that can be, with the damped modes' own periods
+/// and decay (match_poles()).
 /// Throws InvalidInput on unsuitable options; a diverging or non-converging solve is a failure in the result.
 SimulationResult simulate(const LocallyNonlinearSystem& system, const std::vector<SignalPtr>& signals,
                           const InitialState& initial, const SimulationOptions& options);

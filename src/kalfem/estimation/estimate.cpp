@@ -6,7 +6,7 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/estimation/consistency.hpp"
-#include "kalfem/estimation/observer_maps.hpp"
+#include "kalfem/estimation/filter_apparatus.hpp"
 
 namespace kalfem {
 
@@ -59,34 +59,6 @@ void check(const Observer& observer, const Record& record, const EstimationOptio
   issues.raise();
 }
 
-/// Whether an unknown of the linear part that is `value` +- `deviation` now is to be linearised about anew after it was
-/// at `before`: what the tangent leaves out grows with the square of the move, a few move^2 / value, and shall be a few
-/// per cent of the deviation; and its neighbours stand where it may be.
-bool outdated(double value, double deviation, double before, double deviation_before) {
-  const double scale = std::max(std::abs(value), deviation), move = std::abs(value - before);
-  const bool wide = deviation_before > 0.01 * scale;
-  return move > 0.1 * std::sqrt(deviation * scale) || (wide && deviation < 0.5 * deviation_before);
-}
-
-/// An observer, its maps and the filter over them.
-struct Apparatus {
-  Apparatus(std::shared_ptr<const Observer> of, const EstimationOptions& options)
-      : observer(std::move(of)),
-        transition(*observer),
-        filter(make_filter(options.filter, options.unscented, &transition, options.threads)),
-        measurement(*observer, sensor_outputs) {
-    if (options.monitored.size() > 0)
-      monitored.emplace(*observer,
-                        [&](const Observer& each) { return each.observer_form().outputs(options.monitored); });
-  }
-
-  std::shared_ptr<const Observer> observer;
-  TransitionMap transition;
-  std::unique_ptr<Filter> filter;
-  InstantMap measurement;
-  std::optional<InstantMap> monitored;
-};
-
 /// One pass of a filter over a record: predict, update, keep.
 class Pass {
 public:
@@ -95,11 +67,11 @@ public:
         record_(record),
         options_(options),
         input_stride_(record.inputs.cols() > record.measurements.cols() ? observer.options().substeps : 1),
-        apparatus_(
-            std::make_unique<Apparatus>(std::shared_ptr<const Observer>(std::shared_ptr<void>(), &observer), options)),
+        apparatus_(std::make_unique<FilterApparatus>(
+            std::shared_ptr<const Observer>(std::shared_ptr<void>(), &observer), options)),
         linear_unknowns_(linear_unknowns(observer.options())) {
     allocate();
-    linearised_ = linear_state();
+    linearised_about_ = linear_estimate();
   }
 
   EstimationResult run(const Gaussian& prior) {
@@ -253,49 +225,41 @@ private:
     return outcome;
   }
 
-  /// Mean and deviation of the unknowns of the linear part, one column.
-  EstimatedSeries linear_state(std::optional<Index> k = std::nullopt) const {
+  /// The unknowns of the linear part at sample k, before the first one by their prior.
+  LinearEstimate linear_estimate(std::optional<Index> k = std::nullopt) const {
     const auto count = static_cast<Index>(linear_unknowns_.size());
-    EstimatedSeries state{MatrixXd(count, 1), MatrixXd(count, 1)};
+    LinearEstimate estimate{VectorXd(count), VectorXd(count)};
     for (Index i = 0; i < count; ++i) {
       const Index at = linear_unknowns_[static_cast<std::size_t>(i)];
       const auto& unknown = observer_.options().unknowns[static_cast<std::size_t>(at)];
-      state.mean(i, 0) = k ? result_.unknowns.mean(at, *k) : unknown.initial;
-      state.deviation(i, 0) = k ? result_.unknowns.deviation(at, *k) : unknown.deviation;
+      estimate.values[i] = k ? result_.unknowns.mean(at, *k) : unknown.initial;
+      estimate.deviations[i] = k ? result_.unknowns.deviation(at, *k) : unknown.deviation;
     }
-    return state;
+    return estimate;
   }
 
-  /// Takes the estimate over to an observer about the present values of the unknowns of the linear part.
   FilterOutcome linearise_where_it_moved(Index k) {
     if (linear_unknowns_.empty()) return FilterOutcome::usable;
-    const EstimatedSeries now = linear_state(k);
-    bool anew = false;
-    for (Index i = 0; i < now.mean.size(); ++i)
-      anew |= outdated(now.mean(i), now.deviation(i), linearised_.mean(i), linearised_.deviation(i));
-    if (!anew) return FilterOutcome::usable;
+    auto now = linear_estimate(k);
+    if (!now.outdates(linearised_about_)) return FilterOutcome::usable;
     try {
-      const Gaussian physical{here().physical(apparatus_->filter->mean()),
-                              here().physical_covariance(apparatus_->filter->covariance())};
-      apparatus_ = std::make_unique<Apparatus>(
-          std::make_shared<const Observer>(observer_.about(now.mean, now.deviation)), options_);
-      apparatus_->filter->reset({here().own(physical.mean), here().own_covariance(physical.covariance)});
-      apparatus_->measurement.select_rows(rows_);
-      linearised_ = now;
-      ++result_.linearisations;
-      return FilterOutcome::usable;
+      apparatus_ = linearised_anew(observer_, now, *apparatus_, options_);
     } catch (const InvalidInput&) {
       return FilterOutcome::linear_part_impossible;
     }
+    apparatus_->measurement.select_rows(rows_);
+    linearised_about_ = std::move(now);
+    ++result_.linearisations;
+    return FilterOutcome::usable;
   }
 
   const Observer& observer_;
   const Record& record_;
   const EstimationOptions& options_;
   Index input_stride_;  ///< columns of the inputs per sample
-  std::unique_ptr<Apparatus> apparatus_;
+  std::unique_ptr<FilterApparatus> apparatus_;
   std::vector<Index> linear_unknowns_;
-  EstimatedSeries linearised_;  ///< the unknowns of the linear part, one column, where the observer was linearised
+  LinearEstimate linearised_about_;
   Innovation innovation_;
   std::vector<Index> rows_, present_;
   MatrixXd noise_;

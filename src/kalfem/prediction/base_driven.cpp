@@ -165,7 +165,7 @@ PredictedMotion BaseDrivenSubstructure::predict(const SparseRows& points, const 
   const bool exact = driven.size() <= options.exact_up_to;
   const Index substeps = exact ? 1 : options.newmark_substeps, samples = boundary.acceleration.cols();
   SimulationOptions simulation;
-  simulation.integrator = exact ? Integrator::exact : Integrator::newmark;
+  simulation.integrator = exact ? Integrator::exact : Integrator::generalized_alpha;
   simulation.step = 1.0 / (options.sample_rate * static_cast<double>(substeps));
   simulation.duration = static_cast<double>(samples - 1) / options.sample_rate;
   simulation.keep_every = substeps;

@@ -20,8 +20,8 @@ SparseMatrix block_diagonal(const std::vector<Substructure>& parts, SparseMatrix
   Triplets triplets;
   Eigen::Index offset = 0;
   for (const auto& part : parts) {
-    append_block(triplets, part.model.*matrix, offset);
-    offset += part.model.size();
+    append_block(triplets, (*part.model).*matrix, offset);
+    offset += part.model->size();
   }
   SparseMatrix result(offset, offset);
   result.setFromTriplets(triplets.begin(), triplets.end());
@@ -41,16 +41,16 @@ void require_unique(const std::vector<Named>& items, const std::string& what, Is
 /// Damped modes of all substructures, each zero outside its own.
 ModalDamping joined_modal_damping(const std::vector<Substructure>& parts, Eigen::Index dofs) {
   Eigen::Index modes = 0, row = 0, column = 0;
-  for (const auto& part : parts) modes += part.model.modal_damping.rates.size();
+  for (const auto& part : parts) modes += part.model->modal_damping.rates.size();
   if (modes == 0) return {};
   ModalDamping joined{{Eigen::VectorXd(modes), Eigen::MatrixXd::Zero(dofs, modes)}, Eigen::VectorXd(modes)};
   for (const auto& part : parts) {
-    const auto& own = part.model.modal_damping;
+    const auto& own = part.model->modal_damping;
     const Eigen::Index count = own.rates.size();
     joined.modes.frequencies.segment(column, count) = own.modes.frequencies;
     joined.rates.segment(column, count) = own.rates;
-    if (count > 0) joined.modes.shapes.block(row, column, part.model.size(), count) = own.modes.shapes;
-    row += part.model.size();
+    if (count > 0) joined.modes.shapes.block(row, column, part.model->size(), count) = own.modes.shapes;
+    row += part.model->size();
     column += count;
   }
   return joined;
@@ -99,7 +99,7 @@ CoupledModel::CoupledModel(std::vector<Substructure> substructures, const std::v
 
 void CoupledModel::assemble_linear_part() {
   for (const auto& part : substructures_)
-    for (const auto& dof : part.model.dofs) {
+    for (const auto& dof : part.model->dofs) {
       dof_indices_.emplace(part.name + "." + dof, system_.size());
       system_.dofs.push_back(part.name + "." + dof);
     }
@@ -108,9 +108,9 @@ void CoupledModel::assemble_linear_part() {
   system_.stiffness = block_diagonal(substructures_, &LinearModel::stiffness);
   coordinate_scale_ = Eigen::VectorXd::Ones(system_.size());
   for (Eigen::Index offset = 0; const auto& part : substructures_) {
-    if (part.model.coordinate_scale.size() > 0)
-      coordinate_scale_.segment(offset, part.model.size()) = part.model.coordinate_scale;
-    offset += part.model.size();
+    if (part.model->coordinate_scale.size() > 0)
+      coordinate_scale_.segment(offset, part.model->size()) = part.model->coordinate_scale;
+    offset += part.model->size();
   }
   system_.modal_damping = joined_modal_damping(substructures_, system_.size());
 }
@@ -127,13 +127,13 @@ void CoupledModel::add_input(const InputDescription& description, std::size_t in
     Eigen::Index offset = 0;
     bool found = false;
     for (const auto& part : substructures_) {
-      for (const auto& ground : part.model.grounds)
+      for (const auto& ground : part.model->grounds)
         if (part.name + "." + ground.ground == description.target) {
           found = true;
-          input.value.segment(offset, part.model.size()) = ground.stiffness;
-          input.rate.segment(offset, part.model.size()) = ground.damping;
+          input.value.segment(offset, part.model->size()) = ground.stiffness;
+          input.rate.segment(offset, part.model->size()) = ground.damping;
         }
-      offset += part.model.size();
+      offset += part.model->size();
     }
     if (!found)
       throw InvalidInput("base displacement '" + description.name + "' moves '" + description.target +
@@ -179,12 +179,12 @@ PointMotion CoupledModel::motion(const std::string& point) const {
     return motion;
   }
   for (const auto& part : substructures_) {
-    for (const auto& [name, combination] : part.model.points)
+    for (const auto& [name, combination] : part.model->points)
       if (part.name + "." + name == point) {
         for (const auto& [dof, coefficient] : combination) motion.dofs[dof_index(part.name + "." + dof)] += coefficient;
         return motion;
       }
-    for (const auto& ground : part.model.grounds)
+    for (const auto& ground : part.model->grounds)
       if (part.name + "." + ground.ground == point) {
         for (std::size_t i = 0; i < inputs_.size(); ++i)
           if (inputs_[i].kind == InputKind::base_displacement && inputs_[i].target == point)
@@ -201,12 +201,12 @@ std::vector<std::string> CoupledModel::reported_points() const {
   std::vector<std::string> names;
   const auto add = [&](const Substructure& part, const std::string& name) { names.push_back(part.name + "." + name); };
   for (const auto& part : substructures_)
-    if (!part.model.points_only)
-      for (const auto& dof : part.model.dofs) add(part, dof);
+    if (!part.model->points_only)
+      for (const auto& dof : part.model->dofs) add(part, dof);
   for (const auto& part : substructures_) {
-    for (const auto& [name, combination] : part.model.points) add(part, name);
-    if (part.model.size() == 0)
-      for (const auto& ground : part.model.grounds) add(part, ground.ground);
+    for (const auto& [name, combination] : part.model->points) add(part, name);
+    if (part.model->size() == 0)
+      for (const auto& ground : part.model->grounds) add(part, ground.ground);
   }
   return names;
 }
@@ -214,8 +214,8 @@ std::vector<std::string> CoupledModel::reported_points() const {
 std::vector<std::string> CoupledModel::point_names() const {
   std::vector<std::string> names = system_.dofs;
   for (const auto& part : substructures_) {
-    for (const auto& [name, combination] : part.model.points) names.push_back(part.name + "." + name);
-    for (const auto& ground : part.model.grounds) names.push_back(part.name + "." + ground.ground);
+    for (const auto& [name, combination] : part.model->points) names.push_back(part.name + "." + name);
+    for (const auto& ground : part.model->grounds) names.push_back(part.name + "." + ground.ground);
   }
   return names;
 }
@@ -224,7 +224,7 @@ CoupledModel::Placed CoupledModel::find_substructure(const std::string& name) co
   std::vector<std::string> known;
   for (Eigen::Index offset = 0; const auto& part : substructures_) {
     if (part.name == name) return {part, offset};
-    offset += part.model.size();
+    offset += part.model->size();
     known.push_back(part.name);
   }
   throw InvalidInput("there is no substructure '" + name + "'" + did_you_mean(name, known), "",

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "kalfem/base/invalid_input.hpp"
@@ -12,8 +14,13 @@ namespace kalfem {
 
 /// A linear substructure under the name that qualifies its points: "wheel.w".
 struct Substructure {
+  Substructure(std::string name_, LinearModel model_)
+      : Substructure(std::move(name_), std::make_shared<const LinearModel>(std::move(model_))) {}
+  Substructure(std::string name_, std::shared_ptr<const LinearModel> model_)
+      : name(std::move(name_)), model(std::move(model_)) {}
+
   std::string name;
-  LinearModel model;
+  std::shared_ptr<const LinearModel> model;  ///< shared by all that hold it: a full model is large
 };
 
 /// A connector as the user describes it: a law between two qualified points.
