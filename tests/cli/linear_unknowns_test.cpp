@@ -64,6 +64,7 @@ TEST(LinearUnknowns, WithTheOtherFilters) {
     const auto outcome =
         run_command("estimate " + written(folder, text).string() + " --out " + folder.string(), folder);
     ASSERT_EQ(outcome.code, 0) << outcome.errors;
+    EXPECT_EQ(outcome.errors, "");
     EXPECT_LT(z_score(read_summary(folder)["parameters"]["body.damping.modal"]), 3.5) << filter;
   }
 }

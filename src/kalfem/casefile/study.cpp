@@ -105,12 +105,16 @@ void warn(Study& study) {
   if (study.given.estimate && study.given.simulate && study.given.estimate->settle >= study.given.simulate->duration)
     study.warnings.push_back(
         "estimate.settle is no shorter than the record: errors and NIS are of its last sample alone");
-  for (const auto& [name, unknown] : study.given.estimate ? study.given.estimate->unknown : Named<d::Unknown>{})
-    if (unknown.std && unknown.initial.value.value != 0.0 && !unknown.transform && !unknown.bounds &&
-        std::abs(unknown.std->value.value) > 0.6 * std::abs(unknown.initial.value.value) && !unknown.std->value.bare)
-      study.warnings.push_back("unknown '" + name +
+  if (!study.observer) return;
+  for (const auto& unknown : study.observer->options.unknowns) {
+    const auto& given = std::ranges::find(study.given.estimate->unknown, unknown.name,
+                                          &std::pair<std::string, d::Unknown>::first)->second;
+    if (unknown.transform.kind == TransformKind::none && given.std && !given.std->value.bare &&
+        unknown.initial != 0.0 && unknown.deviation > 0.6 * std::abs(unknown.initial))
+      study.warnings.push_back("unknown '" + unknown.name +
                                "' has a wide prior and no transform: sigma points may become negative; "
                                "set transform: log");
+  }
 }
 
 }  // namespace

@@ -96,7 +96,7 @@ public:
         options_.progress("estimate", static_cast<double>(k) / static_cast<double>(samples));
     }
     result_.final_covariance = here().physical_covariance(apparatus_->filter->covariance());
-    if (!linear_unknowns_.empty()) result_.observer = apparatus_->observer;
+    if (result_.linearisations > 0) result_.observer = apparatus_->observer;
     return std::move(result_);
   }
 

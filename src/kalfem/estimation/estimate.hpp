@@ -71,8 +71,8 @@ struct EstimationResult {
   Eigen::MatrixXd final_covariance;  ///< of the augmented state
   std::optional<EstimationFailure> failure;
   EstimationTime time;
-  /// About the last values of the unknowns of the linear part, and how often it was linearised anew; empty where there
-  /// are none.
+  /// About the last values of the unknowns of the linear part, and how often it was linearised anew; empty where it
+  /// never was.
   std::shared_ptr<const Observer> observer;
   int linearisations = 0;
 };
