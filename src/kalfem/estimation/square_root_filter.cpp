@@ -30,9 +30,13 @@ const MatrixXd& SquareRootFilter::root_of(const MatrixXd& noise, MatrixXd& kept,
 bool SquareRootFilter::split_scatter(const PartiallyLinearMap& map) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(transform_.scatter());
   if (eigen.info() != Eigen::Success) return false;
-  const VectorXd roots = eigen.eigenvalues().cwiseAbs().cwiseSqrt();
+  const auto& values = eigen.eigenvalues();
+  // Negative ones that are rounding are none: a state that is known exactly could not be downdated by them.
+  const double rounding = values.size() > 0 ? 1e-12 * values.cwiseAbs().maxCoeff() : 0.0;
+  const Index negative = (values.array() < -rounding).count();
+  VectorXd roots = values.cwiseMax(0.0).cwiseSqrt();
+  roots.head(negative) = (-values.head(negative)).cwiseSqrt();
   const MatrixXd columns = map.gain * eigen.eigenvectors() * roots.asDiagonal();
-  const Index negative = (eigen.eigenvalues().array() < 0.0).count();
   removed_ = columns.leftCols(negative);
   added_ = columns.rightCols(columns.cols() - negative);
   return true;
