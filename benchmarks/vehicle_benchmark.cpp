@@ -154,7 +154,9 @@ Study with_whole_boundary(const std::string& file) {
   auto& frame = std::ranges::find_if(given.substructures, [](const auto& each) {
                   return each.second.finite_elements.has_value();
                 })->second;
-  frame.reduction = description::Reduction{.modes = 60, .truncation_vectors = false};
+  frame.reduction.emplace();
+  frame.reduction->modes = 60;
+  frame.reduction->truncation_vectors = false;
   for (const std::string point : {"p1", "p2", "p3", "p4"})
     for (const char* direction : {".x", ".y", ".z", ".rx", ".ry", ".rz"})
       frame.reduction->boundary.push_back({point + direction, {}, ""});
