@@ -92,6 +92,14 @@ INSTANTIATE_TEST_SUITE_P(
                     Mistake{"OfTwoKinds",
                             chain_with("    both: {initial: 1, applies_to: [suspension.mu_c1, body.damping.modal]}\n"),
                             "applies to parameters of connectors and of linear substructures"},
+                    Mistake{"OfTwoUnits",
+                            chain_with("    both: {initial: 1, applies_to: [body.damping.modal, "
+                                       "body.damping.mass_factor]}\n"),
+                            "applies to numbers in - and in 1/s"},
+                    Mistake{"GivenTwice",
+                            chain_with("    body.damping.modal: {initial: 1 %}\n"
+                                       "    again: {initial: 1 %, applies_to: [body.damping.modal]}\n"),
+                            "'body.damping.modal' is an unknown already"},
                     Mistake{
                         "WhileUpdating",
                         changed(short_chain(), "  unknown:\n", "  unknown:\n    body.damping.modal: {initial: 1 %}\n"),

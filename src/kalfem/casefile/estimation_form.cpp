@@ -86,7 +86,8 @@ Form<Estimation> estimation() {
           .inlined(&Estimation::unscented, unscented)
           .optional("unknown", &Estimation::unknown, named(unknown(), NameRule::dotted),
                     "unknown parameters: connector.parameter, substructure.spring.stiffness, ....damping, "
-                    "substructure.mass.mass, or a name with applies_to")
+                    "substructure.mass.mass, any number of a linear substructure that `update` could refine, or a name "
+                    "with applies_to")
           .optional("initial_state", &Estimation::initial_state, named(located(mapping(prior)), NameRule::dotted),
                     "degrees of freedom that do not surely start at rest at zero; `all` for every one")
           .optional("initial_state_from_record", &Estimation::initial_state_from_record, boolean(),

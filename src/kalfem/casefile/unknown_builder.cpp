@@ -86,8 +86,9 @@ std::optional<UnknownBuilder::Targets> UnknownBuilder::found(const std::string& 
                                                              const std::vector<d::Name>& names) {
   Targets targets;
   for (const auto& name : names) {
-    if (find_parameter(parts_, name.value)) {
-      targets.of_connectors.push_back(*find_parameter(study_.parts, name.value));
+    const auto reference = find_parameter(study_.parts, name.value);
+    if (reference && find_parameter(parts_, name.value)) {
+      targets.of_connectors.push_back(*reference);
     } else if (auto parameter = find_structure_parameter(study_, name.value); parameter && holds(*parameter)) {
       targets.of_linear_part.push_back(std::move(*parameter));
     } else {
@@ -129,7 +130,17 @@ void UnknownBuilder::add_linear(const std::vector<StructureParameter>& targets, 
                        "while the structure is being updated the filter cannot estimate its numbers too",
                        "refine it under update.parameters");
   auto& linear = setup_.linear_unknowns;
-  for (const auto& target : targets) linear.bindings.push_back({static_cast<Index>(linear.initial.size()), target});
+  for (const auto& target : targets) {
+    if (target.unit != unknown.unit)
+      throw InvalidInput(
+          "estimate.unknown." + unknown.name + " applies to numbers in " + unknown.unit + " and in " + target.unit,
+          "they share one value", "give parameters of one kind");
+    const auto same = [&](const auto& binding) { return binding.target.name == target.name; };
+    if (std::ranges::any_of(linear.bindings, same))
+      throw InvalidInput("estimate.unknown." + unknown.name + ": '" + target.name + "' is an unknown already",
+                         "a parameter has one value", "take one of them out");
+    linear.bindings.push_back({static_cast<Index>(linear.initial.size()), target});
+  }
   linear.initial.push_back(unknown.initial);
 }
 
