@@ -26,13 +26,15 @@ kalfem_precompiled(kalfem_rim_headers SETTINGS kalfem_rim_settings
 kalfem_precompiled(kalfem_case_headers SETTINGS kalfem_rim_settings
                    HEADERS ${KALFEM_COMMON_HEADERS} ${PROJECT_SOURCE_DIR}/src/kalfem/casefile/study.hpp)
 
-# kalfem_stage(<folder> SOURCES ... [USES <stage> ...] [LIBRARIES <target> ...] [RIM | CASE])
+option(KALFEM_GROUPED "compile stages of many small files eight at a time: two thirds of the time from scratch" ON)
+
+# kalfem_stage(<folder> SOURCES ... [USES <stage> ...] [LIBRARIES <target> ...] [RIM | CASE] [GROUPED])
 #
 # One static library for one folder of src/kalfem. A stage is linked only to the stages it names, so a call against the
 # direction of the data flow does not link. LIBRARIES are third-party targets. RIM: compiled with the settings of the rim;
-# CASE: with these and the precompiled header of what deals with a case.
+# CASE: with these and the precompiled header of what deals with a case. GROUPED: many small files, compiled eight at a time.
 function(kalfem_stage name)
-  cmake_parse_arguments(ARG "RIM;CASE" "" "SOURCES;USES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ARG "RIM;CASE;GROUPED" "" "SOURCES;USES;LIBRARIES" ${ARGN})
   set(settings stage)
   set(headers stage)
   if(ARG_RIM OR ARG_CASE)
@@ -51,6 +53,9 @@ function(kalfem_stage name)
   target_link_libraries(${target} PUBLIC kalfem_flags ${ARG_USES} ${ARG_LIBRARIES}
                         PRIVATE $<BUILD_INTERFACE:kalfem_${settings}_settings>)
   target_precompile_headers(${target} REUSE_FROM kalfem_${headers}_headers)
+  if(KALFEM_GROUPED AND ARG_GROUPED)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+  endif()
   set_property(GLOBAL APPEND PROPERTY KALFEM_STAGES ${target})
 endfunction()
 

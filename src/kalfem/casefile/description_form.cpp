@@ -24,7 +24,6 @@ Form<Points> points(const std::string& short_name) {
 
 namespace {
 
-Bounds positive() { return Bounds::positive(); }
 Bounds nonnegative() { return Bounds::nonnegative(); }
 
 Form<Connector> connector() {
@@ -53,16 +52,17 @@ Form<std::vector<ChainStage>> measurement_chain() {
     std::optional<ResonanceStage> resonance;
     std::optional<double> gain;
   };
-  const auto filter = mapping(Fields<Filter>()
-                                  .optional("order", &Filter::order, integer(1, 12), "of the low-pass prototype")
-                                  .optional("low_pass", &Filter::low_pass, number("Hz", positive()), "cut-off, -3 dB")
-                                  .optional("high_pass", &Filter::high_pass, number("Hz", positive()), "cut-off, -3 dB")
-                                  .optional("band_pass", &Filter::band_pass, tuple<2>(number("Hz", positive())),
-                                            "lower and upper edge, -3 dB"));
+  const auto filter =
+      mapping(Fields<Filter>()
+                  .optional("order", &Filter::order, integer(1, 12), "of the low-pass prototype")
+                  .optional("low_pass", &Filter::low_pass, number("Hz", Bounds::positive()), "cut-off, -3 dB")
+                  .optional("high_pass", &Filter::high_pass, number("Hz", Bounds::positive()), "cut-off, -3 dB")
+                  .optional("band_pass", &Filter::band_pass, tuple<2>(number("Hz", Bounds::positive())),
+                            "lower and upper edge, -3 dB"));
   const auto resonance =
       mapping(Fields<ResonanceStage>()
-                  .required("frequency", &ResonanceStage::frequency, number("Hz", positive()), "resonance")
-                  .optional("damping", &ResonanceStage::damping, number("-", positive()), "ratio to critical"));
+                  .required("frequency", &ResonanceStage::frequency, number("Hz", Bounds::positive()), "resonance")
+                  .optional("damping", &ResonanceStage::damping, number("-", Bounds::positive()), "ratio to critical"));
   const auto stage = mapping(Fields<Stage>()
                                  .optional("butterworth", &Stage::butterworth, filter, "maximally flat filter")
                                  .optional("bessel", &Stage::bessel, filter, "filter of constant delay")
@@ -139,14 +139,15 @@ Form<Record> record() {
   const auto free_response =
       Fields<FreeResponse>()
           .optional("delay", &FreeResponse::delay, number("s", nonnegative()), "begin so long after the release")
-          .optional("threshold", &FreeResponse::threshold, number("m", positive()),
+          .optional("threshold", &FreeResponse::threshold, number("m", Bounds::positive()),
                     "the filter stops when no channel is further from rest")
           .optional("margin", &FreeResponse::margin, number("s", nonnegative()), "and so much later");
 
   return mapping(
       Fields<Record>()
           .required("file", &Record::file, path(), "measured record: .csv, .lvm or .h5")
-          .optional("sample_rate", &Record::sample_rate, number("Hz", positive()), "where the file does not say it")
+          .optional("sample_rate", &Record::sample_rate, number("Hz", Bounds::positive()),
+                    "where the file does not say it")
           .optional("unit", &Record::unit, text(), "unit of the columns, default SI")
           .optional("dataset", &Record::group, text(), "in an .h5 file: the dataset whose columns are the channels")
           .optional("start", &Record::start, number("s"), "time in the file where the case begins")
@@ -165,8 +166,8 @@ Form<Simulation> simulation() {
                          .optional("velocity", &PointStart::velocity, number("m/s"), "at time 0");
   return mapping(
       Fields<Simulation>()
-          .required("duration", &Simulation::duration, number("s", positive()), "length of the record")
-          .required("sample_rate", &Simulation::sample_rate, number("Hz", positive()), "of the record")
+          .required("duration", &Simulation::duration, number("s", Bounds::positive()), "length of the record")
+          .required("sample_rate", &Simulation::sample_rate, number("Hz", Bounds::positive()), "of the record")
           .optional("integrator", &Simulation::integrator,
                     choice<Integrator>({{"newmark", Integrator::newmark, "average acceleration"},
                                         {"hht_alpha", Integrator::hht_alpha, "with high-frequency dissipation"},
@@ -176,13 +177,13 @@ Form<Simulation> simulation() {
           .optional("hht_alpha", &Simulation::hht_alpha, number("-", Bounds::between(-1.0 / 3.0, 0.0)), "of hht_alpha")
           .optional("spectral_radius", &Simulation::spectral_radius, number("-", Bounds::between(0, 1)),
                     "of generalized_alpha, at infinite frequency")
-          .optional("tolerance", &Simulation::tolerance, number("-", positive()),
+          .optional("tolerance", &Simulation::tolerance, number("-", Bounds::positive()),
                     "the step is halved until no sensor's record changes by more than this part of its rms")
           .optional("reference", &Simulation::superelements,
                     choice<bool>({{"full", false, "every degree of freedom"},
                                   {"superelement", true, "reduced, with many modes"}}),
                     "model of finite-element substructures")
-          .optional("modes_up_to", &Simulation::modes_up_to, number("Hz", positive()),
+          .optional("modes_up_to", &Simulation::modes_up_to, number("Hz", Bounds::positive()),
                     "fixed-interface modes of reference: superelement")
           .optional("first_substeps", &Simulation::first_substeps, integer(1, 65536),
                     "steps per sample of the first solution")
@@ -195,9 +196,10 @@ Form<Simulation> simulation() {
 }  // namespace
 
 Form<Case> case_form() {
-  const auto fields = Fields<Pictures>()
-                          .required("substructure", &Pictures::substructure, name(), "finite-element substructure")
-                          .optional("every", &Pictures::every, number("s", positive()), "time between two pictures");
+  const auto fields =
+      Fields<Pictures>()
+          .required("substructure", &Pictures::substructure, name(), "finite-element substructure")
+          .optional("every", &Pictures::every, number("s", Bounds::positive()), "time between two pictures");
   const auto report =
       Fields<Report>()
           .optional("fields", &Report::fields, mapping(fields),
@@ -213,7 +215,7 @@ Form<Case> case_form() {
                          {"op4", MatrixFormat::op4, "Nastran OUTPUT4, binary"},
                          {"hdf5", MatrixFormat::hdf5, "with the basis"}})),
                     "write the reduced substructures for other codes")
-          .optional("zoom", &Report::zoom, number("s", positive()), "length of the zoomed pictures");
+          .optional("zoom", &Report::zoom, number("s", Bounds::positive()), "length of the zoomed pictures");
   const auto prediction = Fields<Prediction>()
                               .required("substructure", &Prediction::substructure, name(),
                                         "linear substructure to drive by its estimated boundary motion")
@@ -224,7 +226,7 @@ Form<Case> case_form() {
           .required("modal", &StructureDamping::modal, one_or_list(number("-", Bounds::between(0, 0.999))),
                     "ratio to critical of every mode, or of each in turn (the last holds for the rest)")
           .optional(
-              "up_to", &StructureDamping::up_to, number("Hz", positive()),
+              "up_to", &StructureDamping::up_to, number("Hz", Bounds::positive()),
               "with finite elements: modes up to here have their own ratio, all above it the rate of the last one");
   return mapping(
       Fields<Case>()

@@ -7,8 +7,6 @@ using namespace form;
 
 namespace {
 
-Bounds positive() { return Bounds::positive(); }
-
 Form<UpdatedParameter> updated_parameter() {
   return mapping(
       Fields<UpdatedParameter>()
@@ -27,7 +25,7 @@ Form<Frequencies> frequencies() {
                                   .required("file", &TableColumn::file, path(), "text table")
                                   .required("column", &TableColumn::column, text(), "its column of frequencies [Hz]")
                                   .optional("first", &TableColumn::first, integer(1, 100000), "so many rows"));
-  const auto values = list(number("Hz", positive()), 1);
+  const auto values = list(number("Hz", Bounds::positive()), 1);
   const auto read = [=](const Cursor& cursor) -> std::optional<Frequencies> {
     if (cursor.node().kind == YamlNode::Kind::list) {
       if (auto given = values.read(cursor)) return Frequencies(*given);
@@ -47,7 +45,7 @@ kalfem::Case<ModalData> modal_data() {
   const auto shapes = Fields<ShapeTable>()
                           .required("file", &ShapeTable::file, path(), "text table: one row a point, one column a mode")
                           .required("points", &ShapeTable::points, list(name(), 1), "of the rows, in order")
-                          .optional("deviation", &ShapeTable::deviation, number("-", positive()),
+                          .optional("deviation", &ShapeTable::deviation, number("-", Bounds::positive()),
                                     "standard deviation of an entry, as a part of the shape's largest");
   return when(
       Fields<ModalData>()
@@ -70,9 +68,10 @@ kalfem::Case<FrfData> frf_data() {
       Fields<FrfRecordSource>()
           .required("record", &FrfRecordSource::file, located(path()), "time record from which H1 is estimated")
           .required("input", &FrfRecordSource::input, text(), "its column of the input")
-          .optional("segment", &FrfRecordSource::segment, number("s", positive()), "length of the averaged pieces")
+          .optional("segment", &FrfRecordSource::segment, number("s", Bounds::positive()),
+                    "length of the averaged pieces")
           .optional("dataset", &FrfRecordSource::dataset, text(), "in an .h5 file")
-          .optional("sample_rate", &FrfRecordSource::sample_rate, number("Hz", positive()),
+          .optional("sample_rate", &FrfRecordSource::sample_rate, number("Hz", Bounds::positive()),
                     "where the file does not say it");
   const auto force = convert<FrfForce, Name>(
       name(), [](const Name& point) { return FrfForce{point}; }, [](const FrfForce& given) { return given.point; });
@@ -102,7 +101,7 @@ kalfem::Case<FrfData> frf_data() {
                     choice<FrfComparison>({{"logarithm", FrfComparison::logarithm, "magnitude and phase"},
                                            {"difference", FrfComparison::difference, "real and imaginary parts"}}),
                     "what is compared")
-          .optional("deviation", &FrfData::deviation, number("-", positive()),
+          .optional("deviation", &FrfData::deviation, number("-", Bounds::positive()),
                     "standard deviation relative to each value")
           .optional("floor", &FrfData::floor, number("-", Bounds::nonnegative()),
                     "and relative to the rms of the lines that are used, where the data have none of their own")
@@ -116,7 +115,7 @@ kalfem::Case<StaticData> static_data() {
                   .required("loads", &StaticData::loads, named(located(number("N")), NameRule::dotted), "by point")
                   .required("displacements", &StaticData::displacements, named(located(number("m")), NameRule::dotted),
                             "measured, by point")
-                  .optional("deviation", &StaticData::deviation, number("-", positive()),
+                  .optional("deviation", &StaticData::deviation, number("-", Bounds::positive()),
                             "standard deviation, as a part of the largest displacement"));
 }
 

@@ -56,7 +56,7 @@ std::optional<Complex> parse_complex(std::string_view cell, char decimal) {
 }
 
 /// "name [unit]" taken apart.
-Channel channel_of(std::string_view title) {
+Channel title_of(std::string_view title) {
   const std::size_t open = title.rfind('[');
   if (open == std::string_view::npos || open == 0 || !title.ends_with(']')) return {std::string(title), ""};
   return {std::string(trimmed(title.substr(0, open))), std::string(title.substr(open + 1, title.size() - open - 2))};
@@ -88,7 +88,7 @@ Table table_of(const std::vector<TextLine>& lines, const FrfTableOptions& option
   const bool header = std::ranges::any_of(first, [&](auto cell) { return !parse_complex(cell, table.decimal); });
   if (header) {
     table.header_line = lines.front().number;
-    for (const auto cell : first) table.titles.push_back(channel_of(cell));
+    for (const auto cell : first) table.titles.push_back(title_of(cell));
   }
   for (std::size_t i = header ? 1 : 0; i < lines.size(); ++i) {
     table.rows.push_back(cells_of(lines[i], separator, first.size()));
@@ -190,9 +190,9 @@ void select(std::vector<FrfColumns>& frfs, const std::vector<std::string>& wante
 }
 
 /// The numbers of the cells, with the problems of those that are none.
-class Cells {
+class TableCells {
 public:
-  Cells(const Table& table, FileProblems& problems) : table_(table), problems_(problems) {}
+  TableCells(const Table& table, FileProblems& problems) : table_(table), problems_(problems) {}
 
   [[nodiscard]] Complex complex(std::size_t row, std::size_t column) const {
     const std::string_view cell = table_.rows[row][column];
@@ -225,7 +225,7 @@ private:
   FileProblems& problems_;
 };
 
-Complex value_of(const Cells& cells, const FrfColumns& frf, std::size_t row) {
+Complex value_of(const TableCells& cells, const FrfColumns& frf, std::size_t row) {
   const auto& parts = frf.parts;
   if (parts.contains(Part::complex)) return cells.complex(row, parts.at(Part::complex));
   if (parts.contains(Part::real))
@@ -260,7 +260,7 @@ std::pair<std::size_t, double> frequency_of(const Table& table, const std::strin
   return {column, 1.0};
 }
 
-Eigen::VectorXd read_lines(const Cells& cells, const Table& table, std::size_t column, double unit,
+Eigen::VectorXd read_lines(const TableCells& cells, const Table& table, std::size_t column, double unit,
                            FileProblems& problems) {
   Eigen::VectorXd lines(Index(table.rows.size()));
   for (Index k = 0; k < lines.size(); ++k) {
@@ -297,7 +297,7 @@ FrequencyResponse read_frf_table(const std::filesystem::path& path, const FrfTab
   check_phases(frfs, table.header_line, problems);
   problems.raise();
 
-  const Cells cells(table, problems);
+  const TableCells cells(table, problems);
   FrequencyResponse response;
   response.lines = read_lines(cells, table, frequency, unit, problems);
   const Index rows = response.lines.size(), columns = Index(frfs.size());

@@ -1,9 +1,12 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <numbers>
 #include <optional>
 
 namespace kalfem::abaqus {
+
+inline constexpr double degree = std::numbers::pi / 180.0;  ///< [rad]
 
 /// Right-handed orthonormal axes as columns: x along the first vector, y in the plane of both on the side of the
 /// second; nothing where they lie on one line.

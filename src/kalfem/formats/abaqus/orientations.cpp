@@ -10,8 +10,6 @@ namespace kalfem::abaqus {
 
 namespace {
 
-constexpr double degree = std::numbers::pi / 180.0;
-
 /// A frame whose z axis runs from a to b.
 std::optional<Eigen::Matrix3d> polar_axes(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   const Eigen::Vector3d polar = b - a;

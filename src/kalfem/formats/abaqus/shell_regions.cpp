@@ -10,8 +10,6 @@ namespace kalfem::abaqus {
 
 namespace {
 
-constexpr double degree = std::numbers::pi / 180.0;
-
 /// Makes the property of one section of shells.
 class ShellRegion {
 public:

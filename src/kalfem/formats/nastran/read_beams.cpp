@@ -89,16 +89,16 @@ void read_conrod(const Card& card, const Reading& in) {
   in.bulk.conrods.try_emplace(id, PropertyCard{"CONROD", section, card.place});
 }
 
-constexpr auto readers = std::to_array<CardReader>({{"CBAR", read_beam},
-                                                    {"CBEAM", read_beam},
-                                                    {"BAROR", read_baror},
-                                                    {"BEAMOR", read_beamor},
-                                                    {"CROD", read_rod},
-                                                    {"CTUBE", read_tube},
-                                                    {"CONROD", read_conrod}});
+constexpr auto beam_readers = std::to_array<CardReader>({{"CBAR", read_beam},
+                                                         {"CBEAM", read_beam},
+                                                         {"BAROR", read_baror},
+                                                         {"BEAMOR", read_beamor},
+                                                         {"CROD", read_rod},
+                                                         {"CTUBE", read_tube},
+                                                         {"CONROD", read_conrod}});
 
 }  // namespace
 
-std::span<const CardReader> beam_cards() { return readers; }
+std::span<const CardReader> beam_cards() { return beam_readers; }
 
 }  // namespace kalfem::nastran

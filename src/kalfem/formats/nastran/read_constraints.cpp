@@ -136,19 +136,19 @@ void read_rbe3(const Card& card, const Reading& in) {
   in.bulk.weighted.push_back(std::move(link));
 }
 
-constexpr auto readers = std::to_array<CardReader>({{"SPC", read_spc},
-                                                    {"SPC1", read_spc1},
-                                                    {"SPCADD", read_spcadd},
-                                                    {"MPC", read_mpc},
-                                                    {"MPCADD", read_mpcadd},
-                                                    {"RBE2", read_rbe2},
-                                                    {"RBAR", read_rbar},
-                                                    {"RROD", read_rrod},
-                                                    {"RBE1", read_rbe1},
-                                                    {"RBE3", read_rbe3}});
+constexpr auto constraint_readers = std::to_array<CardReader>({{"SPC", read_spc},
+                                                               {"SPC1", read_spc1},
+                                                               {"SPCADD", read_spcadd},
+                                                               {"MPC", read_mpc},
+                                                               {"MPCADD", read_mpcadd},
+                                                               {"RBE2", read_rbe2},
+                                                               {"RBAR", read_rbar},
+                                                               {"RROD", read_rrod},
+                                                               {"RBE1", read_rbe1},
+                                                               {"RBE3", read_rbe3}});
 
 }  // namespace
 
-std::span<const CardReader> constraint_cards() { return readers; }
+std::span<const CardReader> constraint_cards() { return constraint_readers; }
 
 }  // namespace kalfem::nastran

@@ -62,11 +62,11 @@ void read_mat9(const Card& card, const Reading& in) {
   add_material(card, in, law);
 }
 
-constexpr auto readers =
+constexpr auto material_readers =
     std::to_array<CardReader>({{"MAT1", read_mat1}, {"MAT2", read_mat2}, {"MAT8", read_mat8}, {"MAT9", read_mat9}});
 
 }  // namespace
 
-std::span<const CardReader> material_cards() { return readers; }
+std::span<const CardReader> material_cards() { return material_readers; }
 
 }  // namespace kalfem::nastran

@@ -49,10 +49,10 @@ void read_param(const Card& card, const Reading& in) {
   }
 }
 
-constexpr auto readers = std::to_array<CardReader>({{"DMIG", read_dmig}, {"PARAM", read_param}});
+constexpr auto matrix_readers = std::to_array<CardReader>({{"DMIG", read_dmig}, {"PARAM", read_param}});
 
 }  // namespace
 
-std::span<const CardReader> matrix_cards() { return readers; }
+std::span<const CardReader> matrix_cards() { return matrix_readers; }
 
 }  // namespace kalfem::nastran

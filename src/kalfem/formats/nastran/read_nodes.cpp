@@ -62,18 +62,18 @@ void read_cord1(const Card& card, const Reading& in) {
   }
 }
 
-constexpr auto readers = std::to_array<CardReader>({{"GRID", read_grid},
-                                                    {"GRDSET", read_grdset},
-                                                    {"SPOINT", read_spoint},
-                                                    {"CORD1R", read_cord1<SystemKind::rectangular>},
-                                                    {"CORD1C", read_cord1<SystemKind::cylindrical>},
-                                                    {"CORD1S", read_cord1<SystemKind::spherical>},
-                                                    {"CORD2R", read_cord2<SystemKind::rectangular>},
-                                                    {"CORD2C", read_cord2<SystemKind::cylindrical>},
-                                                    {"CORD2S", read_cord2<SystemKind::spherical>}});
+constexpr auto node_readers = std::to_array<CardReader>({{"GRID", read_grid},
+                                                         {"GRDSET", read_grdset},
+                                                         {"SPOINT", read_spoint},
+                                                         {"CORD1R", read_cord1<SystemKind::rectangular>},
+                                                         {"CORD1C", read_cord1<SystemKind::cylindrical>},
+                                                         {"CORD1S", read_cord1<SystemKind::spherical>},
+                                                         {"CORD2R", read_cord2<SystemKind::rectangular>},
+                                                         {"CORD2C", read_cord2<SystemKind::cylindrical>},
+                                                         {"CORD2S", read_cord2<SystemKind::spherical>}});
 
 }  // namespace
 
-std::span<const CardReader> node_cards() { return readers; }
+std::span<const CardReader> node_cards() { return node_readers; }
 
 }  // namespace kalfem::nastran

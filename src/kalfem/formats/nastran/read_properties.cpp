@@ -155,21 +155,21 @@ void read_pmass(const Card& card, const Reading& in) {
     if (!card.blank(first)) add_value(in.bulk.scalar_mass, card, first, "M");
 }
 
-constexpr auto readers = std::to_array<CardReader>({{"PSHELL", read_pshell},
-                                                    {"PCOMP", read_pcomp},
-                                                    {"PCOMPG", read_pcompg},
-                                                    {"PSOLID", read_psolid},
-                                                    {"PROD", read_prod},
-                                                    {"PTUBE", read_ptube},
-                                                    {"PBUSH", read_pbush},
-                                                    {"PBUSH1D", read_pbush1d},
-                                                    {"PVISC", read_pvisc},
-                                                    {"PELAS", read_pelas},
-                                                    {"PDAMP", read_pdamp},
-                                                    {"PMASS", read_pmass}});
+constexpr auto property_readers = std::to_array<CardReader>({{"PSHELL", read_pshell},
+                                                             {"PCOMP", read_pcomp},
+                                                             {"PCOMPG", read_pcompg},
+                                                             {"PSOLID", read_psolid},
+                                                             {"PROD", read_prod},
+                                                             {"PTUBE", read_ptube},
+                                                             {"PBUSH", read_pbush},
+                                                             {"PBUSH1D", read_pbush1d},
+                                                             {"PVISC", read_pvisc},
+                                                             {"PELAS", read_pelas},
+                                                             {"PDAMP", read_pdamp},
+                                                             {"PMASS", read_pmass}});
 
 }  // namespace
 
-std::span<const CardReader> property_cards() { return readers; }
+std::span<const CardReader> property_cards() { return property_readers; }
 
 }  // namespace kalfem::nastran

@@ -123,26 +123,26 @@ void read_conm2(const Card& card, const Reading& in) {
   in.bulk.masses.push_back(mass);
 }
 
-constexpr auto readers = std::to_array<CardReader>({{"CELAS1", read_with_property<Kind::spring>},
-                                                    {"CELAS2", read_with_value<Kind::spring>},
-                                                    {"CELAS3", read_points_with_property<Kind::spring>},
-                                                    {"CELAS4", read_points_with_value<Kind::spring>},
-                                                    {"CDAMP1", read_with_property<Kind::dashpot>},
-                                                    {"CDAMP2", read_with_value<Kind::dashpot>},
-                                                    {"CDAMP3", read_points_with_property<Kind::dashpot>},
-                                                    {"CDAMP4", read_points_with_value<Kind::dashpot>},
-                                                    {"CMASS1", read_with_property<Kind::mass>},
-                                                    {"CMASS2", read_with_value<Kind::mass>},
-                                                    {"CMASS3", read_points_with_property<Kind::mass>},
-                                                    {"CMASS4", read_points_with_value<Kind::mass>},
-                                                    {"CBUSH", read_bush},
-                                                    {"CBUSH1D", read_bush1d},
-                                                    {"CVISC", read_visc},
-                                                    {"CONM1", read_conm1},
-                                                    {"CONM2", read_conm2}});
+constexpr auto scalar_readers = std::to_array<CardReader>({{"CELAS1", read_with_property<Kind::spring>},
+                                                           {"CELAS2", read_with_value<Kind::spring>},
+                                                           {"CELAS3", read_points_with_property<Kind::spring>},
+                                                           {"CELAS4", read_points_with_value<Kind::spring>},
+                                                           {"CDAMP1", read_with_property<Kind::dashpot>},
+                                                           {"CDAMP2", read_with_value<Kind::dashpot>},
+                                                           {"CDAMP3", read_points_with_property<Kind::dashpot>},
+                                                           {"CDAMP4", read_points_with_value<Kind::dashpot>},
+                                                           {"CMASS1", read_with_property<Kind::mass>},
+                                                           {"CMASS2", read_with_value<Kind::mass>},
+                                                           {"CMASS3", read_points_with_property<Kind::mass>},
+                                                           {"CMASS4", read_points_with_value<Kind::mass>},
+                                                           {"CBUSH", read_bush},
+                                                           {"CBUSH1D", read_bush1d},
+                                                           {"CVISC", read_visc},
+                                                           {"CONM1", read_conm1},
+                                                           {"CONM2", read_conm2}});
 
 }  // namespace
 
-std::span<const CardReader> scalar_cards() { return readers; }
+std::span<const CardReader> scalar_cards() { return scalar_readers; }
 
 }  // namespace kalfem::nastran

@@ -131,11 +131,11 @@ void read_pbeaml(const Card& card, const Reading& in) {
   add_section(card, in, section);
 }
 
-constexpr auto readers = std::to_array<CardReader>(
+constexpr auto section_readers = std::to_array<CardReader>(
     {{"PBAR", read_pbar}, {"PBEAM", read_pbeam}, {"PBARL", read_pbarl}, {"PBEAML", read_pbeaml}});
 
 }  // namespace
 
-std::span<const CardReader> section_cards() { return readers; }
+std::span<const CardReader> section_cards() { return section_readers; }
 
 }  // namespace kalfem::nastran

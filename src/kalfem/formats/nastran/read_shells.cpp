@@ -68,20 +68,20 @@ void read_penta(const Card& card, const Reading& in) { read_solid(card, in, Cell
 void read_tetra(const Card& card, const Reading& in) { read_solid(card, in, CellShape::tetrahedron4, 4, 10); }
 void read_pyramid(const Card& card, const Reading& in) { read_solid(card, in, CellShape::tetrahedron4, 5, 13, true); }
 
-constexpr auto readers = std::to_array<CardReader>({{"CQUAD4", read_quad4},
-                                                    {"CQUADR", read_quad4},
-                                                    {"CQUAD8", read_quad8},
-                                                    {"CTRIA3", read_tria3},
-                                                    {"CTRIAR", read_tria3},
-                                                    {"CTRIA6", read_tria6},
-                                                    {"CHEXA", read_hexa},
-                                                    {"CPENTA", read_penta},
-                                                    {"CTETRA", read_tetra},
-                                                    {"CPYRAM", read_pyramid},
-                                                    {"CPYRA", read_pyramid}});
+constexpr auto shell_readers = std::to_array<CardReader>({{"CQUAD4", read_quad4},
+                                                          {"CQUADR", read_quad4},
+                                                          {"CQUAD8", read_quad8},
+                                                          {"CTRIA3", read_tria3},
+                                                          {"CTRIAR", read_tria3},
+                                                          {"CTRIA6", read_tria6},
+                                                          {"CHEXA", read_hexa},
+                                                          {"CPENTA", read_penta},
+                                                          {"CTETRA", read_tetra},
+                                                          {"CPYRAM", read_pyramid},
+                                                          {"CPYRA", read_pyramid}});
 
 }  // namespace
 
-std::span<const CardReader> shell_cards() { return readers; }
+std::span<const CardReader> shell_cards() { return shell_readers; }
 
 }  // namespace kalfem::nastran
