@@ -26,15 +26,23 @@ kalfem_precompiled(kalfem_rim_headers SETTINGS kalfem_rim_settings
 kalfem_precompiled(kalfem_case_headers SETTINGS kalfem_rim_settings
                    HEADERS ${KALFEM_COMMON_HEADERS} ${PROJECT_SOURCE_DIR}/src/kalfem/casefile/study.hpp)
 
-option(KALFEM_GROUPED "compile stages of many small files eight at a time: two thirds of the time from scratch" ON)
+option(KALFEM_GROUPED "compile files eight at a time: half of the time from scratch; OFF to work on one file at a time" ON)
 
-# kalfem_stage(<folder> SOURCES ... [USES <stage> ...] [LIBRARIES <target> ...] [RIM | CASE] [GROUPED])
+# kalfem_grouped(<target> [ALONE <source> ...]): eight files are compiled as one, except those that stay alone: large or
+# tuned ones, and those that include what others must not see.
+function(kalfem_grouped target)
+  cmake_parse_arguments(ARG "" "" "ALONE" ${ARGN})
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${KALFEM_GROUPED} UNITY_BUILD_BATCH_SIZE 8)
+  set_source_files_properties(${ARG_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
+
+# kalfem_stage(<folder> SOURCES ... [USES <stage> ...] [LIBRARIES <target> ...] [RIM | CASE] [ALONE <source> ...])
 #
 # One static library for one folder of src/kalfem. A stage is linked only to the stages it names, so a call against the
 # direction of the data flow does not link. LIBRARIES are third-party targets. RIM: compiled with the settings of the rim;
-# CASE: with these and the precompiled header of what deals with a case. GROUPED: many small files, compiled eight at a time.
+# CASE: with these and the precompiled header of what deals with a case. ALONE: sources not compiled with others.
 function(kalfem_stage name)
-  cmake_parse_arguments(ARG "RIM;CASE;GROUPED" "" "SOURCES;USES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ARG "RIM;CASE" "" "SOURCES;USES;LIBRARIES;ALONE" ${ARGN})
   set(settings stage)
   set(headers stage)
   if(ARG_RIM OR ARG_CASE)
@@ -53,9 +61,7 @@ function(kalfem_stage name)
   target_link_libraries(${target} PUBLIC kalfem_flags ${ARG_USES} ${ARG_LIBRARIES}
                         PRIVATE $<BUILD_INTERFACE:kalfem_${settings}_settings>)
   target_precompile_headers(${target} REUSE_FROM kalfem_${headers}_headers)
-  if(KALFEM_GROUPED AND ARG_GROUPED)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
-  endif()
+  kalfem_grouped(${target} ALONE ${ARG_ALONE})
   set_property(GLOBAL APPEND PROPERTY KALFEM_STAGES ${target})
 endfunction()
 
@@ -70,13 +76,18 @@ function(kalfem_test_headers)
                      HEADERS <gtest/gtest.h> ${KALFEM_EIGEN_INSTANCES} <Eigen/Sparse> <string> <vector> <map> <optional> <algorithm>)
 endfunction()
 
-# kalfem_test(<name> USES <stage> ... [SOURCES ...] [LIBRARIES ...] [LABELS ...] [TIMEOUT s]): a GoogleTest program of
-# tests/<folder>, sources default to <name>_test.cpp. Every TEST in it becomes a ctest entry unless it is labelled.
+# kalfem_test(<name> USES <stage> ... [OF <stem> ...] [ALONE <stem> ...] [SOURCES ...] [LIBRARIES ...] [LABELS ...]
+#             [TIMEOUT s])
+#
+# A GoogleTest program <name>_test in tests/<folder> of the files <stem>_test.cpp, of <name>_test.cpp without any; files
+# under ALONE are not compiled with others. Every TEST in it becomes a ctest entry.
 function(kalfem_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;USES;LIBRARIES;LABELS" ${ARGN})
-  if(NOT ARG_SOURCES)
-    set(ARG_SOURCES ${name}_test.cpp)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "OF;ALONE;SOURCES;USES;LIBRARIES;LABELS" ${ARGN})
+  if(NOT ARG_OF AND NOT ARG_ALONE)
+    set(ARG_OF ${name})
   endif()
+  list(TRANSFORM ARG_OF APPEND _test.cpp)
+  list(TRANSFORM ARG_ALONE APPEND _test.cpp)
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
@@ -84,7 +95,8 @@ function(kalfem_test name)
   if("slow" IN_LIST ARG_LABELS)
     set(cost 100)  # started first, so that no long one is left alone at the end
   endif()
-  add_executable(${name}_test ${ARG_SOURCES})
+  add_executable(${name}_test ${ARG_OF} ${ARG_ALONE} ${ARG_SOURCES})
+  kalfem_grouped(${name}_test ALONE ${ARG_ALONE})
   list(TRANSFORM ARG_USES PREPEND kalfem_)
   target_include_directories(${name}_test PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   target_link_libraries(${name}_test PRIVATE ${ARG_USES} ${ARG_LIBRARIES} GTest::gtest_main kalfem_test_settings)

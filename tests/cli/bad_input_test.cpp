@@ -19,14 +19,14 @@ simulate: {duration: 2 s, sample_rate: 1 kHz}
 estimate: {unknown: {suspension.k: {initial: 4 kN/m, std: 20 %}}, settle: 0.1 s}
 )";
 
-struct Mistake {
+struct CaseMistake {
   const char* name;
   std::string from, to;               ///< what is changed in the sound case
   std::vector<std::string> messages;  ///< pieces that the errors must hold
   int code = 2;
 };
 
-class BadInput : public testing::TestWithParam<Mistake> {};
+class BadInput : public testing::TestWithParam<CaseMistake> {};
 
 TEST_P(BadInput, IsOneClearMessageAndNothingIsLeft) {
   const auto& mistake = GetParam();
@@ -47,45 +47,45 @@ TEST_P(BadInput, IsOneClearMessageAndNothingIsLeft) {
 
 INSTANTIATE_TEST_SUITE_P(
     Mistakes, BadInput,
-    testing::Values(Mistake{"UnknownKey",
-                            "simulate: {duration",
-                            "simulate: {durations",
-                            {"case.yaml:11", "durations", "did you mean 'duration'"}},
-                    Mistake{"WrongUnit", "rms: 3 mm", "rms: 3 kg", {"case.yaml:8", "3 kg", "excitation.road"}},
-                    Mistake{"WrongParameterUnit", "k: 5 kN/m, c", "k: 5 kN, c", {"case.yaml:6", "N/m"}},
-                    Mistake{"NegativeMass", "w: 1.5 kg", "w: -1.5 kg", {"case.yaml:3", "-1.5"}},
-                    Mistake{"NotANumber", "w: 1.5 kg", "w: nan", {"case.yaml:3", "nan"}},
-                    Mistake{"MissingFile",
-                            "random: {rms: 3 mm, band: [0.5, 30 Hz]}",
-                            "file: nowhere.csv, channel: r",
-                            {"case.yaml:8", "nowhere.csv"}},
-                    Mistake{"SensorWithoutDof",
-                            "acceleration: body.2",
-                            "acceleration: body.3",
-                            {"case.yaml:10", "body.3", "did you mean"}},
-                    Mistake{"ConnectorWithoutPoint",
-                            "to: body.1",
-                            "to: bodi.1",
-                            {"case.yaml:6", "bodi.1", "did you mean 'body.1'"}},
-                    Mistake{"DampedTwice",
-                            "connectors:",
-                            "damping: {modal: 2 %}\nconnectors:",
-                            {"case.yaml:5", "damped twice", "'body'"}},
-                    Mistake{"UnknownLaw", "law: linear", "law: liner", {"case.yaml:6", "did you mean 'linear'"}},
-                    Mistake{"MissingParameter",
-                            "law: linear, parameters: {k: 5 kN/m, c: 10 N s/m}",
-                            "law: saturating, parameters: {k: 5 kN/m}",
-                            {"case.yaml:6", "'mu_k1' is missing"}},
-                    Mistake{"UnknownUnknown",
-                            "suspension.k: {",
-                            "suspension.kk: {",
-                            {"case.yaml:12", "suspension.kk", "did you mean 'suspension.k'"}},
-                    Mistake{"NoNoise", "noise: 15 %", "noise: 0 %", {"case.yaml:10", "noise"}},
-                    Mistake{"TwoAtOnce",
-                            "simulate: {duration: 2 s, sample_rate: 1 kHz}",
-                            "simulate: {duration: -1 s, sample_rate: 1 m}",
-                            {"duration", "sample_rate"}},
-                    Mistake{"NoSyntax", "kalfem: 1", "kalfem: [1", {"case.yaml"}}),
+    testing::Values(CaseMistake{"UnknownKey",
+                                "simulate: {duration",
+                                "simulate: {durations",
+                                {"case.yaml:11", "durations", "did you mean 'duration'"}},
+                    CaseMistake{"WrongUnit", "rms: 3 mm", "rms: 3 kg", {"case.yaml:8", "3 kg", "excitation.road"}},
+                    CaseMistake{"WrongParameterUnit", "k: 5 kN/m, c", "k: 5 kN, c", {"case.yaml:6", "N/m"}},
+                    CaseMistake{"NegativeMass", "w: 1.5 kg", "w: -1.5 kg", {"case.yaml:3", "-1.5"}},
+                    CaseMistake{"NotANumber", "w: 1.5 kg", "w: nan", {"case.yaml:3", "nan"}},
+                    CaseMistake{"MissingFile",
+                                "random: {rms: 3 mm, band: [0.5, 30 Hz]}",
+                                "file: nowhere.csv, channel: r",
+                                {"case.yaml:8", "nowhere.csv"}},
+                    CaseMistake{"SensorWithoutDof",
+                                "acceleration: body.2",
+                                "acceleration: body.3",
+                                {"case.yaml:10", "body.3", "did you mean"}},
+                    CaseMistake{"ConnectorWithoutPoint",
+                                "to: body.1",
+                                "to: bodi.1",
+                                {"case.yaml:6", "bodi.1", "did you mean 'body.1'"}},
+                    CaseMistake{"DampedTwice",
+                                "connectors:",
+                                "damping: {modal: 2 %}\nconnectors:",
+                                {"case.yaml:5", "damped twice", "'body'"}},
+                    CaseMistake{"UnknownLaw", "law: linear", "law: liner", {"case.yaml:6", "did you mean 'linear'"}},
+                    CaseMistake{"MissingParameter",
+                                "law: linear, parameters: {k: 5 kN/m, c: 10 N s/m}",
+                                "law: saturating, parameters: {k: 5 kN/m}",
+                                {"case.yaml:6", "'mu_k1' is missing"}},
+                    CaseMistake{"UnknownUnknown",
+                                "suspension.k: {",
+                                "suspension.kk: {",
+                                {"case.yaml:12", "suspension.kk", "did you mean 'suspension.k'"}},
+                    CaseMistake{"NoNoise", "noise: 15 %", "noise: 0 %", {"case.yaml:10", "noise"}},
+                    CaseMistake{"TwoAtOnce",
+                                "simulate: {duration: 2 s, sample_rate: 1 kHz}",
+                                "simulate: {duration: -1 s, sample_rate: 1 m}",
+                                {"duration", "sample_rate"}},
+                    CaseMistake{"NoSyntax", "kalfem: 1", "kalfem: [1", {"case.yaml"}}),
     [](const auto& each) { return std::string(each.param.name); });
 
 TEST(Command, SoundCaseRuns) {

@@ -35,7 +35,7 @@ $Elements
 $EndElements
 )";
 
-const std::string sound_case = R"(kalfem: 1
+const std::string sound_deck_case = R"(kalfem: 1
 substructures:
   wheel: {masses: {z: 3 kg}, springs: [{from: ground, to: z, stiffness: 1e5}]}
   plate:
@@ -55,14 +55,14 @@ sensors:
 simulate: {duration: 0.2 s, sample_rate: 1 kHz}
 )";
 
-struct Mistake {
+struct DeckMistake {
   const char* name;
   std::string from, to;               ///< what is changed, in the mesh where it is found there, else in the case
   std::vector<std::string> messages;  ///< pieces that the errors must hold
 };
 
-Outcome run_with(const Mistake& mistake, const std::string& verb, const std::filesystem::path& folder) {
-  std::string mesh = sound_mesh, text = sound_case;
+Outcome run_with(const DeckMistake& mistake, const std::string& verb, const std::filesystem::path& folder) {
+  std::string mesh = sound_mesh, text = sound_deck_case;
   std::string& changed = mesh.find(mistake.from) != std::string::npos ? mesh : text;
   const auto place = changed.find(mistake.from);
   EXPECT_NE(place, std::string::npos);
@@ -122,7 +122,7 @@ TEST(FiniteElements, ModesVerbListsThemAndWritesTheirShapes) {
   EXPECT_NE(file.find("mode 01"), std::string::npos);
 }
 
-class BadModel : public testing::TestWithParam<Mistake> {};
+class BadModel : public testing::TestWithParam<DeckMistake> {};
 
 TEST_P(BadModel, IsOneClearMessageAndNothingIsLeft) {
   const auto& mistake = GetParam();
@@ -139,25 +139,25 @@ TEST_P(BadModel, IsOneClearMessageAndNothingIsLeft) {
 INSTANTIATE_TEST_SUITE_P(
     Mistakes, BadModel,
     testing::Values(
-        Mistake{"NoMesh", "mesh: plate.msh", "mesh: plaet.msh", {"plaet.msh", "case.yaml:6"}},
-        Mistake{"TruncatedMesh", "$Elements\n5\n1 3 2 1 1 1 2 5 4", "$Elements\n5\n", {"plate.msh:"}},
-        Mistake{"NotAMesh", "$MeshFormat\n2.2 0 8", "hello", {"plate.msh:1"}},
-        Mistake{"InvertedElement", "1 3 2 1 1 1 2 5 4", "1 3 2 1 1 1 5 2 4", {"quadrilateral 1 of region 'plate'"}},
-        Mistake{"MissingProperty", "regions: {plate: {", "regions: {plaet: {", {"plaet", "case.yaml:8"}},
-        Mistake{"RegionWithoutProperty", "1 3 2 1 1 1 2 5 4", "1 3 2 9 1 1 2 5 4", {"physical9", "property"}},
-        Mistake{"NoDensity", ", density: 7850 kg/m^3", "", {"density", "case.yaml:7"}},
-        Mistake{"UnknownMaterial", "{material: steel", "{material: steal", {"steal", "did you mean 'steel'"}},
-        Mistake{"UnknownNode", "c: corner", "c: korner", {"korner", "case.yaml:9"}},
-        Mistake{"UnknownPoint", "plate.f.z", "plate.g.z", {"plate.g.z"}},
-        Mistake{"UnknownBoundary", "modes: 4,", "modes: 4, boundary: [c, q],", {"'q'", "case.yaml:11"}},
-        Mistake{"PicturesOfAWheel",
-                "sample_rate: 1 kHz}",
-                "sample_rate: 1 kHz}\nreport: {fields: {substructure: wheel}}",
-                {"no finite-element substructure 'wheel'", "case.yaml:19"}},
-        Mistake{"ShellOnLines",
-                "regions: {plate:",
-                "regions: {edge: {material: steel, shell: {thickness: 1 mm}}, plate:",
-                {"edge", "line"}}),
+        DeckMistake{"NoMesh", "mesh: plate.msh", "mesh: plaet.msh", {"plaet.msh", "case.yaml:6"}},
+        DeckMistake{"TruncatedMesh", "$Elements\n5\n1 3 2 1 1 1 2 5 4", "$Elements\n5\n", {"plate.msh:"}},
+        DeckMistake{"NotAMesh", "$MeshFormat\n2.2 0 8", "hello", {"plate.msh:1"}},
+        DeckMistake{"InvertedElement", "1 3 2 1 1 1 2 5 4", "1 3 2 1 1 1 5 2 4", {"quadrilateral 1 of region 'plate'"}},
+        DeckMistake{"MissingProperty", "regions: {plate: {", "regions: {plaet: {", {"plaet", "case.yaml:8"}},
+        DeckMistake{"RegionWithoutProperty", "1 3 2 1 1 1 2 5 4", "1 3 2 9 1 1 2 5 4", {"physical9", "property"}},
+        DeckMistake{"NoDensity", ", density: 7850 kg/m^3", "", {"density", "case.yaml:7"}},
+        DeckMistake{"UnknownMaterial", "{material: steel", "{material: steal", {"steal", "did you mean 'steel'"}},
+        DeckMistake{"UnknownNode", "c: corner", "c: korner", {"korner", "case.yaml:9"}},
+        DeckMistake{"UnknownPoint", "plate.f.z", "plate.g.z", {"plate.g.z"}},
+        DeckMistake{"UnknownBoundary", "modes: 4,", "modes: 4, boundary: [c, q],", {"'q'", "case.yaml:11"}},
+        DeckMistake{"PicturesOfAWheel",
+                    "sample_rate: 1 kHz}",
+                    "sample_rate: 1 kHz}\nreport: {fields: {substructure: wheel}}",
+                    {"no finite-element substructure 'wheel'", "case.yaml:19"}},
+        DeckMistake{"ShellOnLines",
+                    "regions: {plate:",
+                    "regions: {edge: {material: steel, shell: {thickness: 1 mm}}, plate:",
+                    {"edge", "line"}}),
     [](const auto& mistake) { return std::string(mistake.param.name); });
 
 }  // namespace

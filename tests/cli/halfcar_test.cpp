@@ -39,29 +39,32 @@ protected:
   }
 };
 
-TEST_P(HalfCar, OpenLoopReproducesTheRecord) {
-  const auto summary = estimate(GetParam());
+void expect_reproduced(const nlohmann::json& summary, const Run& run) {
   const auto& open_loop = summary["estimation"]["open_loop"];
   for (const char* side : {"LH", "RH"}) {
     const auto &sprung = open_loop[std::string("sprung_") + side],
                &unsprung = open_loop[std::string("unsprung_") + side];
-    EXPECT_LE(sprung["nrmse"].get<double>(), GetParam().sprung_limit) << side;
-    EXPECT_LE(unsprung["nrmse"].get<double>(), GetParam().unsprung_limit) << side;
-    EXPECT_LE(std::abs(sprung["rest_error"].get<double>()), 2e-3) << side;
+    EXPECT_LE(sprung["nrmse"].get<double>(), run.sprung_limit) << run.key << side;
+    EXPECT_LE(unsprung["nrmse"].get<double>(), run.unsprung_limit) << run.key << side;
+    EXPECT_LE(std::abs(sprung["rest_error"].get<double>()), 2e-3) << run.key << side;
   }
 }
 
+TEST_P(HalfCar, OpenLoopReproducesTheRecord) { expect_reproduced(estimate(GetParam()), GetParam()); }
+
 INSTANTIATE_TEST_SUITE_P(Runs, HalfCar,
-                         testing::Values(Run{"Centre_p0000_m000_t1.1_r1", 0.07, 0.20},
-                                         Run{"Centre_p0000_m200_t5_r1", 0.07, 0.20, true},
+                         testing::Values(Run{"Centre_p0000_m200_t5_r1", 0.07, 0.20, true},
                                          Run{"Centre_p1000_m000_t3_r1", 0.12, 0.20},
                                          Run{"LHS_p0000_m000_t16_r1", 0.12, 0.20},
                                          Run{"LHS_p2000_m000_t20_r1", 0.12, 0.20}));
 
 class HalfCarRepeats : public HalfCar {};
 
-TEST_P(HalfCarRepeats, StiffnessAgrees) {
-  const auto first = estimate({"Centre_p0000_m000_t1.1_r1", 0.0, 0.0}), second = estimate(GetParam());
+TEST_P(HalfCarRepeats, AreReproducedWithTheSameStiffness) {
+  const Run first_run{"Centre_p0000_m000_t1.1_r1", 0.07, 0.20};
+  const auto first = estimate(first_run), second = estimate(GetParam());
+  expect_reproduced(first, first_run);
+  expect_reproduced(second, GetParam());
   for (const char* name :
        {"car.strut_L.stiffness", "car.strut_R.stiffness", "car.tyre_L.stiffness", "car.tyre_R.stiffness"}) {
     const double a = first["parameters"][name]["estimate"], b = second["parameters"][name]["estimate"];

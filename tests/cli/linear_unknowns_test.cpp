@@ -69,13 +69,13 @@ TEST(LinearUnknowns, WithTheOtherFilters) {
   }
 }
 
-struct Mistake {
+struct UnknownMistake {
   const char* name;
   std::string text;
   std::string message;
 };
 
-class LinearUnknownMistake : public testing::TestWithParam<Mistake> {};
+class LinearUnknownMistake : public testing::TestWithParam<UnknownMistake> {};
 
 TEST_P(LinearUnknownMistake, IsOneClearMessage) {
   const auto folder = fresh_folder(std::string("linear-unknown-") + GetParam().name);
@@ -87,23 +87,23 @@ TEST_P(LinearUnknownMistake, IsOneClearMessage) {
 
 INSTANTIATE_TEST_SUITE_P(
     Mistakes, LinearUnknownMistake,
-    testing::Values(Mistake{"Misspelt", chain_with("    body.damping.model: {initial: 1 %}\n"),
-                            "there is no parameter 'body.damping.model' (did you mean 'body.damping.modal'?)"},
-                    Mistake{"OfTwoKinds",
-                            chain_with("    both: {initial: 1, applies_to: [suspension.mu_c1, body.damping.modal]}\n"),
-                            "applies to parameters of connectors and of linear substructures"},
-                    Mistake{"OfTwoUnits",
-                            chain_with("    both: {initial: 1, applies_to: [body.damping.modal, "
-                                       "body.damping.mass_factor]}\n"),
-                            "applies to numbers in - and in 1/s"},
-                    Mistake{"GivenTwice",
-                            chain_with("    body.damping.modal: {initial: 1 %}\n"
-                                       "    again: {initial: 1 %, applies_to: [body.damping.modal]}\n"),
-                            "'body.damping.modal' is an unknown already"},
-                    Mistake{
-                        "WhileUpdating",
-                        changed(short_chain(), "  unknown:\n", "  unknown:\n    body.damping.modal: {initial: 1 %}\n"),
-                        "while the structure is being updated the filter cannot estimate its numbers too"}),
+    testing::Values(
+        UnknownMistake{"Misspelt", chain_with("    body.damping.model: {initial: 1 %}\n"),
+                       "there is no parameter 'body.damping.model' (did you mean 'body.damping.modal'?)"},
+        UnknownMistake{"OfTwoKinds",
+                       chain_with("    both: {initial: 1, applies_to: [suspension.mu_c1, body.damping.modal]}\n"),
+                       "applies to parameters of connectors and of linear substructures"},
+        UnknownMistake{"OfTwoUnits",
+                       chain_with("    both: {initial: 1, applies_to: [body.damping.modal, "
+                                  "body.damping.mass_factor]}\n"),
+                       "applies to numbers in - and in 1/s"},
+        UnknownMistake{"GivenTwice",
+                       chain_with("    body.damping.modal: {initial: 1 %}\n"
+                                  "    again: {initial: 1 %, applies_to: [body.damping.modal]}\n"),
+                       "'body.damping.modal' is an unknown already"},
+        UnknownMistake{"WhileUpdating",
+                       changed(short_chain(), "  unknown:\n", "  unknown:\n    body.damping.modal: {initial: 1 %}\n"),
+                       "while the structure is being updated the filter cannot estimate its numbers too"}),
     [](const auto& each) { return each.param.name; });
 
 }  // namespace

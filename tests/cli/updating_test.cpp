@@ -70,13 +70,13 @@ TEST(Updating, EveryMethodFindsTheSame) {
   }
 }
 
-struct Mistake {
+struct UpdateMistake {
   const char* name;
   std::string from, to;
   std::vector<std::string> messages;
 };
 
-class UpdatingMistake : public testing::TestWithParam<Mistake> {};
+class UpdatingMistake : public testing::TestWithParam<UpdateMistake> {};
 
 TEST_P(UpdatingMistake, IsOneClearMessage) {
   const auto& mistake = GetParam();
@@ -95,29 +95,30 @@ TEST_P(UpdatingMistake, IsOneClearMessage) {
 INSTANTIATE_TEST_SUITE_P(
     Mistakes, UpdatingMistake,
     testing::Values(
-        Mistake{"UnknownParameter",
-                "frame.s2.stiffness: {}",
-                "frame.s4.stiffness: {}",
-                {"case.yaml:12", "frame.s4.stiffness", "did you mean"}},
-        Mistake{"NamedTwice",
-                "frame.s2.stiffness: {}",
-                "twice: {applies_to: [frame.s1.stiffness]}",
-                {"case.yaml:12", "frame.s1.stiffness", "already"}},
-        Mistake{"BoundsExcludeTheStart",
-                "[0.2 kN/m, 5 kN/m]",
-                "[2 kN/m, 5 kN/m]",
-                {"case.yaml:11", "1300", "outside its bounds"}},
-        Mistake{"BoundsTheWrongWay", "[0.2 kN/m, 5 kN/m]", "[5 kN/m, 0.2 kN/m]", {"case.yaml:11", "lower bound"}},
-        Mistake{"WrongUnit", "[0.2 kN/m, 5 kN/m]", "[0.2 kg, 5 kN/m]", {"case.yaml:11", "N/m"}},
-        Mistake{"NothingDependsOnIt",
-                "frame.s2.stiffness: {}",
-                "frame.damping.mass_factor: {initial: 1}",
-                {"frame.damping.mass_factor"}},
-        Mistake{"UnknownSubstructure", "{modes: frame,", "{modes: frame2,", {"case.yaml:15", "did you mean 'frame'"}},
-        Mistake{"MoreModesThanThereAre", "9.0690107]", "9.0690107, 15, 20]", {"case.yaml:15", "15"}},
-        Mistake{"UnknownPoint", "displacements: {1: 10 mm,", "displacements: {4: 10 mm,", {"case.yaml:16", "4"}},
-        Mistake{"UnknownModification", "3.mass: 2 kg", "4.mass: 2 kg", {"case.yaml:19", "frame.4.mass"}},
-        Mistake{
+        UpdateMistake{"UnknownParameter",
+                      "frame.s2.stiffness: {}",
+                      "frame.s4.stiffness: {}",
+                      {"case.yaml:12", "frame.s4.stiffness", "did you mean"}},
+        UpdateMistake{"NamedTwice",
+                      "frame.s2.stiffness: {}",
+                      "twice: {applies_to: [frame.s1.stiffness]}",
+                      {"case.yaml:12", "frame.s1.stiffness", "already"}},
+        UpdateMistake{"BoundsExcludeTheStart",
+                      "[0.2 kN/m, 5 kN/m]",
+                      "[2 kN/m, 5 kN/m]",
+                      {"case.yaml:11", "1300", "outside its bounds"}},
+        UpdateMistake{"BoundsTheWrongWay", "[0.2 kN/m, 5 kN/m]", "[5 kN/m, 0.2 kN/m]", {"case.yaml:11", "lower bound"}},
+        UpdateMistake{"WrongUnit", "[0.2 kN/m, 5 kN/m]", "[0.2 kg, 5 kN/m]", {"case.yaml:11", "N/m"}},
+        UpdateMistake{"NothingDependsOnIt",
+                      "frame.s2.stiffness: {}",
+                      "frame.damping.mass_factor: {initial: 1}",
+                      {"frame.damping.mass_factor"}},
+        UpdateMistake{
+            "UnknownSubstructure", "{modes: frame,", "{modes: frame2,", {"case.yaml:15", "did you mean 'frame'"}},
+        UpdateMistake{"MoreModesThanThereAre", "9.0690107]", "9.0690107, 15, 20]", {"case.yaml:15", "15"}},
+        UpdateMistake{"UnknownPoint", "displacements: {1: 10 mm,", "displacements: {4: 10 mm,", {"case.yaml:16", "4"}},
+        UpdateMistake{"UnknownModification", "3.mass: 2 kg", "4.mass: 2 kg", {"case.yaml:19", "frame.4.mass"}},
+        UpdateMistake{
             "NeedsARecord",
             "push: {static: frame, loads: {3: 10 N}, displacements: {1: 10 mm, 2: 20 mm, 3: 30 mm}, deviation: 0.1 %}",
             "push: {time_history: frame}",

@@ -13,7 +13,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-const DampedOscillator body{1.2, 6.0, 5e3};
+const DampedOscillator rider{1.2, 6.0, 5e3};
 constexpr auto no_law = [](double, double) { return 0.0; };
 
 OutputMap sensor(const CoupledModel& model, ObservedQuantity quantity) {
@@ -23,7 +23,7 @@ OutputMap sensor(const CoupledModel& model, ObservedQuantity quantity) {
 TEST(FirstOrderForm, IntegratedAccelerationReproducesThePrescribedGroundMotion) {
   // r = b t^3: r'' = 6 b t is straight, so the integrated input is exact at any step.
   const double b = 0.4, h = 0.05;
-  const auto model = oscillator(body.m, body.c, body.k, {}, {{"road", InputKind::base_displacement, "body.ground"}});
+  const auto model = oscillator(rider.m, rider.c, rider.k, {}, {{"road", InputKind::base_displacement, "body.ground"}});
   const FirstOrderForm form(model.system(), sensor(model, ObservedQuantity::acceleration), {},
                             {{.model = InputModel::integrated}});
   ASSERT_EQ(form.size(), 4);
@@ -36,17 +36,17 @@ TEST(FirstOrderForm, IntegratedAccelerationReproducesThePrescribedGroundMotion) 
   const double T = 20 * h;
   EXPECT_NEAR(x[2], b * T * T * T, 1e-11);
   EXPECT_NEAR(x[3], 3 * b * T * T, 1e-11);
-  const auto pull = [&](double t) { return body.k * b * t * t * t + body.c * 3 * b * t * t; };
-  const auto expected = runge_kutta(body, pull, no_law, 0.0, 0.0, T, 40000);
+  const auto pull = [&](double t) { return rider.k * b * t * t * t + rider.c * 3 * b * t * t; };
+  const auto expected = runge_kutta(rider, pull, no_law, 0.0, 0.0, T, 40000);
   EXPECT_NEAR(x[0], expected[0], 1e-9);  // Runge-Kutta: (omega h)^4 = 7e-12 of the motion
   EXPECT_NEAR(x[1], expected[1], 1e-8);
   const double y = (form.outputs().state * x + form.outputs().input * input(T))[0];
-  EXPECT_NEAR(y, (pull(T) - body.c * x[1] - body.k * x[0]) / body.m, 1e-8);
+  EXPECT_NEAR(y, (pull(T) - rider.c * x[1] - rider.k * x[0]) / rider.m, 1e-8);
 }
 
 TEST(FirstOrderForm, IntegratedInputMovesTheConnectorsGround) {
   const auto model =
-      oscillator(body.m, 0.0, 0.0, {{"strut", "body.ground", "body.x", make_law("linear"), values({1.0, 1.0})}},
+      oscillator(rider.m, 0.0, 0.0, {{"strut", "body.ground", "body.x", make_law("linear"), values({1.0, 1.0})}},
                  {{"road", InputKind::base_displacement, "body.ground"}});
   const FirstOrderForm form(model.system(), sensor(model, ObservedQuantity::displacement), {},
                             {{.model = InputModel::integrated}});
@@ -59,7 +59,7 @@ TEST(FirstOrderForm, IntegratedInputMovesTheConnectorsGround) {
 
 TEST(FirstOrderForm, MarkovForceDecaysAndDrives) {
   const double tau = 0.3, h = 0.02;
-  const auto model = oscillator(body.m, body.c, body.k);
+  const auto model = oscillator(rider.m, rider.c, rider.k);
   const FirstOrderForm form(model.system(), sensor(model, ObservedQuantity::acceleration), {},
                             {{.model = InputModel::first_order_markov, .correlation_time = tau}});
   ASSERT_EQ(form.size(), 3);
@@ -69,13 +69,13 @@ TEST(FirstOrderForm, MarkovForceDecaysAndDrives) {
   const double T = 25 * h;
   EXPECT_NEAR(x[2], 50.0 * std::exp(-T / tau), 1e-11);
   const auto expected = runge_kutta(
-      body, [&](double t) { return 50.0 * std::exp(-t / tau); }, no_law, 0.0, 0.0, T, 40000);
+      rider, [&](double t) { return 50.0 * std::exp(-t / tau); }, no_law, 0.0, 0.0, T, 40000);
   EXPECT_NEAR(x[0], expected[0], 1e-10);
-  EXPECT_NEAR((form.outputs().state * x)[0], (x[2] - body.c * x[1] - body.k * x[0]) / body.m, 1e-9);
+  EXPECT_NEAR((form.outputs().state * x)[0], (x[2] - rider.c * x[1] - rider.k * x[0]) / rider.m, 1e-9);
 }
 
 TEST(FirstOrderForm, InfiniteCorrelationTimeIsARandomWalk) {
-  const auto model = oscillator(body.m, body.c, body.k);
+  const auto model = oscillator(rider.m, rider.c, rider.k);
   const FirstOrderForm form(model.system(), sensor(model, ObservedQuantity::displacement), {},
                             {{InputModel::first_order_markov, std::numeric_limits<double>::infinity()}});
   EXPECT_EQ(form.dynamics()(2, 2), 0.0);
@@ -118,7 +118,7 @@ TEST(FirstOrderForm, SensorStatesEqualFilteringAfterwards) {
 }
 
 TEST(FirstOrderForm, UnsuitableTreatmentsAndChainsAreRefused) {
-  const auto model = oscillator(body.m, body.c, body.k);
+  const auto model = oscillator(rider.m, rider.c, rider.k);
   const auto outputs = sensor(model, ObservedQuantity::displacement);
   for (const double tau : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()})
     EXPECT_THROW(FirstOrderForm(model.system(), outputs, {}, {{InputModel::first_order_markov, tau}}), InvalidInput);

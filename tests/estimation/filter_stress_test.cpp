@@ -10,12 +10,12 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-struct Setting {
+struct StressSetting {
   FilterKind kind;
   UnscentedOptions options;
 };
 
-class AnyFilter : public testing::TestWithParam<Setting> {};
+class AnyFilter : public testing::TestWithParam<StressSetting> {};
 
 /// Maps that are bent far harder than a sigma point can see.
 std::vector<FunctionMap::Function> hard_functions() {
@@ -72,15 +72,15 @@ TEST_P(AnyFilter, NeverGivesWhatIsNotANumberWithoutANamedOutcome) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Spread, AnyFilter,
-                         testing::Values(Setting{FilterKind::unscented, {}},
-                                         Setting{FilterKind::unscented, {.alpha = 1e-3}},
-                                         Setting{FilterKind::unscented, {.alpha = 0.3}},
-                                         Setting{FilterKind::unscented_square_root, {}},
-                                         Setting{FilterKind::unscented_square_root, {.alpha = 1e-3}},
-                                         Setting{FilterKind::unscented_square_root, {.alpha = 0.1}},
-                                         Setting{FilterKind::unscented_square_root, {.alpha = 0.5}},
-                                         Setting{FilterKind::unscented_square_root, {.alpha = 1.0, .beta = -3.0}},
-                                         Setting{FilterKind::extended, {}}));
+                         testing::Values(StressSetting{FilterKind::unscented, {}},
+                                         StressSetting{FilterKind::unscented, {.alpha = 1e-3}},
+                                         StressSetting{FilterKind::unscented, {.alpha = 0.3}},
+                                         StressSetting{FilterKind::unscented_square_root, {}},
+                                         StressSetting{FilterKind::unscented_square_root, {.alpha = 1e-3}},
+                                         StressSetting{FilterKind::unscented_square_root, {.alpha = 0.1}},
+                                         StressSetting{FilterKind::unscented_square_root, {.alpha = 0.5}},
+                                         StressSetting{FilterKind::unscented_square_root, {.alpha = 1.0, .beta = -3.0}},
+                                         StressSetting{FilterKind::extended, {}}));
 
 TEST(Filters, SensorWithoutNoiseOrVarianceIsNamed) {
   RandomStream random(22, "noiseless");

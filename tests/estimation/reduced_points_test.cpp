@@ -13,7 +13,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-VectorXd bent(const VectorXd& w) {
+VectorXd quadratic(const VectorXd& w) {
   VectorXd phi(2);
   phi << w[0] / (0.3 + std::abs(w[0])) + w[1] * w[2], std::exp(0.3 * w[1]) * w[0] + w[2] * w[2];
   return phi;
@@ -209,7 +209,7 @@ TEST(ReducedPoints, ScatterIsThatOfTheCurvaturesAndHasNoNegativeDirection) {
     VectorXd sum = VectorXd::Zero(2);
     for (Index i = 0; i < q; ++i) {
       const VectorXd step = std::sqrt(c) * L.col(i);
-      const VectorXd curvature = 0.5 * (bent(centre + step) + bent(centre - step)) - bent(centre);
+      const VectorXd curvature = 0.5 * (quadratic(centre + step) + quadratic(centre - step)) - quadratic(centre);
       expected += curvature * curvature.transpose() / c;
       sum += curvature / c;
     }

@@ -17,10 +17,10 @@ constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 // Around the edges of tiles of 1 to 24 rows and 1 to 8 columns, of the narrow Cholesky (64), of the change from direct
 // to packed products (160, at depth 321) and of the blocks of the packed ones (192 rows, depth 256).
-const std::vector<Index> sizes = {1,   2,   3,   4,   5,   6,   7,   8,   9,   11,  12,  13,  15,  16,
-                                  17,  18,  23,  24,  25,  30,  31,  33,  40,  47,  48,  49,  63,  64,
-                                  65,  66,  71,  79,  80,  81,  127, 128, 129, 130, 135, 159, 160, 161,
-                                  167, 184, 191, 192, 193, 217, 255, 256, 257, 263, 321, 322, 390};
+const std::vector<Index> edge_sizes = {1,   2,   3,   4,   5,   6,   7,   8,   9,   11,  12,  13,  15,  16,
+                                       17,  18,  23,  24,  25,  30,  31,  33,  40,  47,  48,  49,  63,  64,
+                                       65,  66,  71,  79,  80,  81,  127, 128, 129, 130, 135, 159, 160, 161,
+                                       167, 184, 191, 192, 193, 217, 255, 256, 257, 263, 321, 322, 390};
 
 MatrixXd random_matrix(Index rows, Index columns, unsigned seed = 1) {
   std::mt19937_64 random(seed + static_cast<unsigned>(1000 * rows + columns));
@@ -112,7 +112,7 @@ std::vector<Index> places(Index n) {
 }
 
 TEST(SmallKernels, SquareProductsAtAllEdges) {
-  for (const Index n : sizes) {
+  for (const Index n : edge_sizes) {
     check_products(n, n, n);
     check_lower_factor(n, n);
     check_symmetric(n, n);
@@ -144,7 +144,7 @@ TEST(SmallKernels, EmptyProducts) {
 
 // |P - L L^T| <= (n + 1) units in the last place of |L| |L^T| [Higham 2002, theorem 10.3].
 TEST(SmallKernels, CholeskyAtAllEdges) {
-  for (const Index n : sizes) {
+  for (const Index n : edge_sizes) {
     const MatrixXd p = covariance_of(well_conditioned_root(n));
     MatrixXd lower = MatrixXd::Constant(n, n, nan);
     ASSERT_TRUE(cholesky(p, 1e-13, lower)) << n;

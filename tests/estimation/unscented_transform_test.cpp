@@ -13,12 +13,12 @@ Eigen::VectorXd bent(const Eigen::VectorXd& w) {
   return phi;
 }
 
-struct Setting {
+struct PointSetting {
   UnscentedOptions options;
   double tolerance;  ///< relative
 };
 
-class TableOne : public testing::TestWithParam<Setting> {};
+class TableOne : public testing::TestWithParam<PointSetting> {};
 
 TEST_P(TableOne, EqualsTheSumOverAllPoints) {
   const auto& [options, tolerance] = GetParam();
@@ -44,9 +44,9 @@ TEST_P(TableOne, EqualsTheSumOverAllPoints) {
 
 // Centre weights: 0, negative, positive, negative through kappa, and of the size 1e4, which costs four digits.
 INSTANTIATE_TEST_SUITE_P(Weights, TableOne,
-                         testing::Values(Setting{{1.0, 2.0, 0.0}, 1e-12}, Setting{{0.5, 2.0, 0.0}, 1e-12},
-                                         Setting{{1.0, 0.0, 3.0}, 1e-12}, Setting{{1.0, 2.0, -3.0}, 1e-12},
-                                         Setting{{0.7, 1.0, -2.0}, 1e-12}, Setting{{1e-2, 2.0, 0.0}, 1e-8}));
+                         testing::Values(PointSetting{{1.0, 2.0, 0.0}, 1e-12}, PointSetting{{0.5, 2.0, 0.0}, 1e-12},
+                                         PointSetting{{1.0, 0.0, 3.0}, 1e-12}, PointSetting{{1.0, 2.0, -3.0}, 1e-12},
+                                         PointSetting{{0.7, 1.0, -2.0}, 1e-12}, PointSetting{{1e-2, 2.0, 0.0}, 1e-8}));
 
 TEST(UnscentedTransform, CovarianceIsAddedToWhatIsThere) {
   RandomStream random(8, "added");

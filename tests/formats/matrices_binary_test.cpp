@@ -10,8 +10,6 @@
 namespace kalfem {
 namespace {
 
-const Eigen::Matrix3d expected = (Eigen::Matrix3d() << 4.5, -1, 0, -1, 3, -0.25, 0, -0.25, 2).finished();
-
 /// Values one after the other in an order of bytes.
 class Bytes {
 public:
@@ -82,7 +80,7 @@ std::string op4(const Kind& kind, Columns columns, std::int64_t type = 0) {
                                              : kind.whole({column + 1, 0, words + (bigmat ? 2 : 1)});
     if (columns == Columns::short_strings) record.add(kind.whole({65536 * (words + 1) + first + 1}).text);
     if (bigmat) record.add(kind.whole({words + 1, first + 1}).text);
-    for (int row = first; row < first + count; ++row) kind.number(record, expected(row, column));
+    for (int row = first; row < first + count; ++row) kind.number(record, common_matrix(row, column));
     file.record(record);
   }
   Bytes last = kind.whole({4, 1, 1});
@@ -124,7 +122,7 @@ std::string op2(const Kind& kind, bool with_label) {
     const int first = column == 2 ? 1 : 0, count = column == 1 ? 3 : 2;
     key(1 + count * kind.words());
     Bytes record = kind.whole({first + 1});
-    for (int row = first; row < first + count; ++row) kind.number(record, expected(row, column));
+    for (int row = first; row < first + count; ++row) kind.number(record, common_matrix(row, column));
     file.record(record);
     keys({-4 - column, 1, column < 2 ? 1 : 0});
   }
@@ -137,8 +135,8 @@ TEST(MatrixBinary, Outputs4InEveryKind) {
     for (const auto columns : {Columns::dense, Columns::short_strings, Columns::long_strings}) {
       const auto matrices = parse_matrices(op4(kind, columns) + op4(kind, Columns::dense), "x");
       ASSERT_EQ(matrices.size(), 2u);
-      EXPECT_EQ(dense(matrices[0]), expected);
-      EXPECT_EQ(dense(matrices[1]), expected);
+      EXPECT_EQ(dense(matrices[0]), common_matrix);
+      EXPECT_EQ(dense(matrices[1]), common_matrix);
       EXPECT_EQ(matrices[0].name, "KAA");
       if (kind.big_endian == kind.long_words) expect_no_crash(op4(kind, columns), "x.op4");
     }
@@ -152,7 +150,7 @@ TEST(MatrixBinary, Outputs2InEveryKind) {
     for (const bool with_label : {true, false}) {
       const auto matrices = parse_matrices(op2(kind, with_label), "x");
       ASSERT_EQ(matrices.size(), 1u);
-      EXPECT_EQ(dense(matrices[0]), expected);
+      EXPECT_EQ(dense(matrices[0]), common_matrix);
       EXPECT_EQ(matrices[0].name, "KAA");
       if (kind.big_endian == kind.long_words) expect_no_crash(op2(kind, with_label), "x.op2");
     }
@@ -183,7 +181,7 @@ std::string matlab(bool big_endian, bool complex = false) {
   array(sparse);
   Bytes full = head(6, "F");
   full.add(std::uint32_t{9}).add(std::uint32_t{72});
-  for (int i = 0; i < 9; ++i) full.add(expected(i % 3, i / 3));
+  for (int i = 0; i < 9; ++i) full.add(common_matrix(i % 3, i / 3));
   array(full);
   return file.text;
 }
@@ -193,8 +191,8 @@ TEST(MatrixBinary, MatlabFilesPlainAndCompressed) {
     const std::string plain = matlab(big);
     const auto matrices = parse_matrices(plain, "x");
     ASSERT_EQ(matrices.size(), 2u);
-    EXPECT_EQ(dense(matrices[0]), expected);
-    EXPECT_EQ(dense(matrices[1]), expected);
+    EXPECT_EQ(dense(matrices[0]), common_matrix);
+    EXPECT_EQ(dense(matrices[1]), common_matrix);
     EXPECT_EQ(matrices[1].name.substr(0, 1), "F");
     expect_no_crash(plain, "x.mat");
 
@@ -207,7 +205,7 @@ TEST(MatrixBinary, MatlabFilesPlainAndCompressed) {
     packed.resize(size);
     Bytes file(big);
     file.add(plain.substr(0, 128)).add(std::uint32_t{15}).add(static_cast<std::uint32_t>(size)).add(packed);
-    EXPECT_EQ(dense(parse_matrices(file.text, "x")[0]), expected);
+    EXPECT_EQ(dense(parse_matrices(file.text, "x")[0]), common_matrix);
     expect_no_crash(file.text, "x.mat");
   }
   EXPECT_NE(refusal(matlab(false, true), "x").find("is complex"), std::string::npos);
@@ -257,7 +255,7 @@ std::string netcdf(int version) {
   variable("Kr", 0, 6, begin);
   variable("cbmap", 1, 4, begin + 72);
   file.text.resize(begin, '\0');
-  for (int i = 0; i < 9; ++i) file.add(expected(i / 3, i % 3));
+  for (int i = 0; i < 9; ++i) file.add(common_matrix(i / 3, i % 3));
   for (const std::int32_t number : {0, 0, 7, 1, 7, 6}) file.add(number);
   return file.text;
 }
@@ -266,7 +264,7 @@ TEST(MatrixBinary, NetcdfSuperelements) {
   for (const int version : {1, 2, 5}) {
     const auto matrices = parse_matrices(netcdf(version), "x");
     ASSERT_EQ(matrices.size(), 1u);
-    EXPECT_EQ(dense(matrices[0]), expected);
+    EXPECT_EQ(dense(matrices[0]), common_matrix);
     EXPECT_EQ(matrices[0].dofs, (std::vector<MatrixDof>{{1, -1}, {7, 0}, {7, 5}}));
     EXPECT_EQ(parse_dof_map(netcdf(version), "x"), matrices[0].dofs);
     expect_no_crash(netcdf(version), "x.nc");
@@ -274,13 +272,13 @@ TEST(MatrixBinary, NetcdfSuperelements) {
 }
 
 TEST(MatrixBinary, Hdf5GroupsAndDatasets) {
-  const Eigen::SparseMatrix<double> sparse = expected.sparseView();
+  const Eigen::SparseMatrix<double> sparse = common_matrix.sparseView();
   auto file = Hdf5File::create_in_memory("x");
   const Eigen::Index count = sparse.nonZeros();
   const Eigen::VectorXd values = Eigen::Map<const Eigen::VectorXd>(sparse.valuePtr(), count);
   const Eigen::VectorXd inner = Eigen::Map<const Eigen::VectorXi>(sparse.innerIndexPtr(), count).cast<double>();
   const Eigen::VectorXd outer = Eigen::Map<const Eigen::VectorXi>(sparse.outerIndexPtr(), 4).cast<double>();
-  file.write_matrix("/a_full", expected);
+  file.write_matrix("/a_full", common_matrix);
   for (const std::string group : {"/b", "/c", "/d"}) {
     file.write(group + "/data", values);
     file.write(group + (group == "/c" ? "/ir" : "/indices"), inner);
@@ -293,7 +291,7 @@ TEST(MatrixBinary, Hdf5GroupsAndDatasets) {
   file.write("/e/cols", (Eigen::VectorXd(7) << 1, 1, 2, 2, 2, 3, 3).finished());
   const auto matrices = parse_matrices(file.bytes(), "x");
   ASSERT_EQ(matrices.size(), 5u);
-  for (const auto& matrix : matrices) EXPECT_EQ(dense(matrix), expected) << matrix.name;
+  for (const auto& matrix : matrices) EXPECT_EQ(dense(matrix), common_matrix) << matrix.name;
 }
 
 TEST(MatrixBinary, CompressedFilesAndWhatIsWrongWithThem) {

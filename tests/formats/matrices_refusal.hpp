@@ -7,6 +7,9 @@
 
 namespace kalfem {
 
+/// The same matrix in each of the formats.
+inline const Eigen::Matrix3d common_matrix{{4.5, -1.0, 0.0}, {-1.0, 3.0, -0.25}, {0.0, -0.25, 2.0}};
+
 /// What is said about a file of matrices that cannot be read; "" where it can.
 inline std::string refusal(const std::string& bytes, const std::string& source,
                            MatrixFormat format = MatrixFormat::automatic) {

@@ -10,11 +10,11 @@ namespace kalfem {
 namespace {
 
 using nastran::section_of_shape;
+using test::aluminium;
 using test::displacements;
 using test::frequencies;
 
 constexpr double e = 7e10, g = e / 2.6, rho = 2700.0;
-const std::string material = "MAT1,1,7.E10,,.3,2700.\n";
 
 std::string number(double value) {
   char text[40];
@@ -28,7 +28,7 @@ using Coordinates = std::function<Eigen::Vector3d(const Eigen::Vector3d&)>;
 /// Ten bars of 0.1 from the origin along x, clamped at node 1, I1 = 4e-9 and I2 = 1e-9.
 std::string cantilever(const std::string& systems, const std::string& cp, const std::string& cd, const Coordinates& of,
                        const std::string& orientation = "0.,1.,0.") {
-  std::string text = material + systems + "PBAR,1,1,1.E-4,4.E-9,1.E-9,2.E-9\nSPC1,1,123456,1\n";
+  std::string text = aluminium + systems + "PBAR,1,1,1.E-4,4.E-9,1.E-9,2.E-9\nSPC1,1,123456,1\n";
   for (int i = 0; i <= 10; ++i) {
     const Eigen::Vector3d x = of({0.1 * i, 0.0, 0.0});
     text += "GRID," + std::to_string(i + 1) + "," + cp + "," + number(x[0]) + "," + number(x[1]) + "," + number(x[2]) +
@@ -117,7 +117,7 @@ TEST(NastranFrames, TurnSupports) {
 
 /// Two bars of 0.5, clamped at both ends, the last end hinged by PB: 7 P L^3 / (768 E I) at the middle.
 TEST(NastranBeams, HaveHinges) {
-  const std::string text = material +
+  const std::string text = aluminium +
                            "PBAR,1,1,1.E-4,4.E-9,1.E-9,2.E-9\nSPC1,1,123456,1,3\n"
                            "GRID,1\nGRID,2,,.5\nGRID,3,,1.\nCBAR,1,1,1,2,0.,1.,0.\n";
   const auto hinged = test::nastran(text + "CBAR,2,1,2,3,0.,1.,0.,GGG\n,,56\n");
@@ -133,7 +133,7 @@ TEST(NastranBeams, HaveHinges) {
 
 /// A pull at the node of an eccentric cantilever bends it by P e: its tip moves by P e L^2 / (2 E I).
 TEST(NastranBeams, HaveOffsetsAndNeutralAxes) {
-  const std::string head = material + "SPC1,1,123456,1\nGRID,1\nGRID,2,,1.\n";
+  const std::string head = aluminium + "SPC1,1,123456,1\nGRID,1\nGRID,2,,1.\n";
   const std::string plain = "PBEAM,1,1,1.E-4,4.E-9,1.E-9,,2.E-9\n,,,,,,,,\n,0.,0.\n";
   const double pull = 100.0, arm = 0.02;
   const auto tip = [&](const std::string& cards) {
@@ -157,7 +157,7 @@ TEST(NastranBeams, HaveOffsetsAndNeutralAxes) {
 
 TEST(NastranBeams, AreFlexibleInShearByPbeam) {
   // K1 = K2 = 1 without a word, 0 is rigid: delta = L^3 / (3 E I) + L / (K G A).
-  const std::string head = material + "SPC1,1,123456,1\nGRID,1\nGRID,2,,1.\nCBEAM,1,1,1,2,0.,1.,0.\n";
+  const std::string head = aluminium + "SPC1,1,123456,1\nGRID,1\nGRID,2,,1.\nCBEAM,1,1,1,2,0.,1.,0.\n";
   const auto tip = [&](const std::string& cards) {
     return displacements(test::nastran(head + cards).model, {{{1, 1}, 1.0}})[7];
   };
@@ -183,7 +183,7 @@ TEST(NastranBeams, KeepAShearModulusOfTheirOwn) {
 
 /// Two rods at 45 degrees hold a node: P L / (E A) / (2 sin^2). What the rods do not stiffen is held.
 TEST(NastranRods, MakeATruss) {
-  const auto deck = test::nastran(material +
+  const auto deck = test::nastran(aluminium +
                                   "PROD,1,1,1.E-4\nSPC1,1,123456,1,2\nGRID,1,,-1.,1.\nGRID,2,,1.,1.\nGRID,3\n"
                                   "CROD,1,1,1,3\nCONROD,2,2,3,1,1.E-4\n");
   const auto moved = displacements(deck.model, {{{2, 1}, -1000.0}});
@@ -196,7 +196,7 @@ TEST(NastranRods, MakeATruss) {
 
 TEST(NastranRods, TwistByJ) {
   const auto deck =
-      test::nastran(material + "PROD,1,1,1.E-4,3.E-9\nSPC1,1,123456,1\nGRID,1\nGRID,2,,2.\nCROD,1,1,1,2\n");
+      test::nastran(aluminium + "PROD,1,1,1.E-4,3.E-9\nSPC1,1,123456,1\nGRID,1\nGRID,2,,2.\nCROD,1,1,1,2\n");
   EXPECT_NEAR(displacements(deck.model, {{{1, 3}, 1.0}})[9] * g * 3e-9, 2.0, 1e-9);
 }
 
@@ -250,14 +250,14 @@ TEST(NastranSections, OfOpenWallsHaveTheirShearCentres) {
 }
 
 TEST(NastranSections, AreToldWhereUnknownOrImpossible) {
-  const std::string text = material + "GRID,1\nGRID,2,,1.\nCBAR,1,1,1,2,0.,1.,0.\n";
+  const std::string text = aluminium + "GRID,1\nGRID,2,,1.\nCBAR,1,1,1,2,0.,1.,0.\n";
   EXPECT_NE(test::nastran_problem(text + "PBARL,1,1,,DBOX\n,1.,2.\n").find("'DBOX' is not known"), std::string::npos);
   EXPECT_NE(test::nastran_problem(text + "PBARL,1,1,,TUBE\n,1.,2.\n").find("do not make up"), std::string::npos);
   EXPECT_NE(test::nastran_problem(text + "PBARL,1,1,,BOX\n,4.,4.,2.,1.\n").find("do not make up"), std::string::npos);
 }
 
 TEST(NastranBeams, AreToldWhereTheyHaveNoPlane) {
-  const std::string text = material + "PBAR,1,1,1.E-4,4.E-9,1.E-9,2.E-9\nGRID,1\nGRID,2,,1.\n";
+  const std::string text = aluminium + "PBAR,1,1,1.E-4,4.E-9,1.E-9,2.E-9\nGRID,1\nGRID,2,,1.\n";
   EXPECT_NE(test::nastran_problem(text + "CBAR,1,1,1,2,1.,0.,0.\n").find("parallel to its axis"), std::string::npos);
   EXPECT_NE(test::nastran_problem(text + "CBAR,1,1,1,1,0.,1.,0.\n").find("no length"), std::string::npos);
   EXPECT_NE(test::nastran_problem(text + "CBAR,1,1,1,2,0.,1.,0.,XYZ\n").find("OFFT"), std::string::npos);

@@ -2,14 +2,16 @@
 
 #include <cmath>
 #include <map>
-#include <numbers>
 
 #include "kalfem/formats/nastran.hpp"
-#include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/model/assembly.hpp"
 #include "kalfem/model/mass_properties.hpp"
+#include "model/fe_models.hpp"
 
 namespace kalfem::test {
+
+/// Material 1 of most decks.
+inline const std::string aluminium = "MAT1,1,7.E10,,.3,2700.\n";
 
 inline Deck nastran(const std::string& text) { return parse_nastran(text, "deck.bdf"); }
 
@@ -27,14 +29,6 @@ inline bool has_note(const Deck& deck, const std::string& part) {
   for (const auto& note : deck.notes)
     if ((note.what + ": " + note.consequence).find(part) != std::string::npos) return true;
   return false;
-}
-
-/// Lowest natural frequencies [Hz] in the deck's units.
-inline Eigen::VectorXd frequencies(const FiniteElementModel& model, Eigen::Index count) {
-  const auto assembled = assemble(model);
-  const auto modes = lowest_modes(evaluate(assembled.stiffness, assembled.parameters),
-                                  evaluate(assembled.mass, assembled.parameters), {.count = count});
-  return modes.values.cwiseMax(0.0).cwiseSqrt() / (2.0 * std::numbers::pi);
 }
 
 /// Static displacements, six a node, under loads at nodal degrees of freedom.

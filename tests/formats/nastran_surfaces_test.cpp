@@ -6,10 +6,9 @@
 namespace kalfem {
 namespace {
 
+using test::aluminium;
 using test::displacements;
 using test::frequencies;
-
-const std::string material = "MAT1,1,7.E10,,.3,2700.\n";
 
 /// A strip 1 x 0.2 of ten quadrilaterals, clamped at x = 0.
 std::string strip(const std::string& fields = "") {
@@ -25,7 +24,7 @@ std::string strip(const std::string& fields = "") {
 }
 
 TEST(NastranShells, HaveMassAndStiffnessOfPshell) {
-  const auto deck = test::nastran(material + strip() + "PSHELL,1,1,.01,1,,1,,5.\n");
+  const auto deck = test::nastran(aluminium + strip() + "PSHELL,1,1,.01,1,,1,,5.\n");
   ASSERT_TRUE(std::holds_alternative<ShellProperty>(deck.model.properties.at("pshell1")));
   EXPECT_NEAR(test::masses(deck.model).mass, 0.2 * (27.0 + 5.0), 1e-9);
   // A narrow plate in bending: between the beam (E) and the strip in plane strain (E / (1 - nu^2)).
@@ -36,17 +35,18 @@ TEST(NastranShells, HaveMassAndStiffnessOfPshell) {
 }
 
 TEST(NastranShells, AreTheSameByPlies) {
-  const auto shell = frequencies(test::nastran(material + strip() + "PSHELL,1,1,.01,1,,1\n").model, 5);
-  const auto one = frequencies(test::nastran(material + strip() + "PCOMP,1\n,1,.01,0.\n").model, 5);
+  const auto shell = frequencies(test::nastran(aluminium + strip() + "PSHELL,1,1,.01,1,,1\n").model, 5);
+  const auto one = frequencies(test::nastran(aluminium + strip() + "PCOMP,1\n,1,.01,0.\n").model, 5);
   EXPECT_NEAR((one - shell).norm(), 0.0, 1e-3 * shell.norm());
-  const auto half = frequencies(test::nastran(material + strip() + "PCOMP,1,,,,,,,SYM\n,1,.0025,0.,,,,30.\n").model, 5);
+  const auto half =
+      frequencies(test::nastran(aluminium + strip() + "PCOMP,1,,,,,,,SYM\n,1,.0025,0.,,,,30.\n").model, 5);
   EXPECT_NEAR((half - shell).norm(), 0.0, 1e-3 * shell.norm());
   const auto global =
-      frequencies(test::nastran(material + strip() + "PCOMPG,1\n,101,1,.004,0.\n,102,1,.006,45.\n").model, 5);
+      frequencies(test::nastran(aluminium + strip() + "PCOMPG,1\n,101,1,.004,0.\n,102,1,.006,45.\n").model, 5);
   EXPECT_NEAR((global - shell).norm(), 0.0, 1e-3 * shell.norm());
   // Separate bending material and ratio: the same numbers by another way.
-  const auto separate =
-      frequencies(test::nastran(material + "MAT1,2,3.5E10,,.3,2700.\n" + strip() + "PSHELL,1,1,.01,2,2.,1\n").model, 5);
+  const auto separate = frequencies(
+      test::nastran(aluminium + "MAT1,2,3.5E10,,.3,2700.\n" + strip() + "PSHELL,1,1,.01,2,2.,1\n").model, 5);
   EXPECT_NEAR((separate - shell).norm(), 0.0, 1e-3 * shell.norm());
 }
 
@@ -65,16 +65,16 @@ TEST(NastranShells, HaveMaterialAxes) {
 
 TEST(NastranShells, StandOffTheirNodes) {
   // A pull at the nodes of an eccentric strip bends it upwards: P e L^2 / (2 E I).
-  const auto deck = test::nastran(material + strip(",,.005") + "PSHELL,1,1,.01,1,,1\n");
+  const auto deck = test::nastran(aluminium + strip(",,.005") + "PSHELL,1,1,.01,1,,1\n");
   const double tip = displacements(deck.model, {{{10, 0}, 500.0}, {{21, 0}, 500.0}})[62];
   const double beam = 1000.0 * 0.005 / (2.0 * 7e10 * 0.2 * 1e-6 / 12.0);
   EXPECT_NEAR(tip, beam, 0.1 * beam);
-  const auto plies = test::nastran(material + strip() + "PCOMP,1,0.\n,1,.01,0.\n");
+  const auto plies = test::nastran(aluminium + strip() + "PCOMP,1,0.\n,1,.01,0.\n");
   EXPECT_NEAR(displacements(plies.model, {{{10, 0}, 500.0}, {{21, 0}, 500.0}})[62], tip, 1e-3 * tip);
 }
 
 TEST(NastranShells, ThatDifferAreRegionsOfTheirOwn) {
-  auto text = material + strip() + "PSHELL,1,1,.01,1,,1\n";
+  auto text = aluminium + strip() + "PSHELL,1,1,.01,1,,1\n";
   text +=
       "GRID,23,,0.,-.1\nCTRIA3,11,1,1,2,23\n,,,.02,.02,.02\nCTRIA3,12,1,2,3,23\n,,1,3.,3.,3.\nCTRIA3,13,1,3,4,23\n,,,."
       "01,.02,.03\n";
@@ -88,7 +88,7 @@ TEST(NastranShells, ThatDifferAreRegionsOfTheirOwn) {
 
 TEST(NastranShells, OfSecondOrderBecomeLinear) {
   const auto deck = test::nastran(
-      material +
+      aluminium +
       "PSHELL,1,1,.1,1,,1\nGRID,1\nGRID,2,,2.\nGRID,3,,2.,2.\nGRID,4,,0.,2.\nGRID,5,,1.\nGRID,6,,2.,1.\nGRID,7,,1.,2."
       "\nGRID,8,,0.,1.\n"
       "GRID,9,,3.,1.\nGRID,10,,2.5,.5\nGRID,11,,2.5,1.5\nCQUAD8,1,1,1,2,3,4,5,6\n,7,8\nCTRIA6,2,1,2,9,3,10,11,6\n");
@@ -99,7 +99,7 @@ TEST(NastranShells, OfSecondOrderBecomeLinear) {
 
 /// A unit cube by each kind of solid: its mass, its centre and six motions without strain, the next stiff.
 void expect_cube(const std::string& cells, double volume) {
-  std::string text = material + "PSOLID,1,1\n";
+  std::string text = aluminium + "PSOLID,1,1\n";
   for (int i = 0; i < 27; ++i)
     text += "GRID," + std::to_string(i + 1) + ",," + std::to_string(0.5 * (i % 3)) + "," +
             std::to_string(0.5 * (i / 3 % 3)) + "," + std::to_string(0.5 * (i / 9)) + "\n";
@@ -139,7 +139,7 @@ TEST(NastranSolids, MayBeAnisotropic) {
       "GRID,1\nGRID,2,,1.\nGRID,3,,1.,1.\nGRID,4,,0.,1.\nGRID,5,,0.,0.,1.\nGRID,6,,1.,0.,1.\nGRID,7,,1.,1.,1.\nGRID,8,,"
       "0.,1.,1.\n"
       "CHEXA,1,1,1,2,3,4,5,6\n,7,8\nCORD2R,3,0,0.,0.,0.,1.,1.,1.\n,1.,0.,0.\n";
-  const auto isotropic = frequencies(test::nastran(material + nodes + "PSOLID,1,1\n").model, 12);
+  const auto isotropic = frequencies(test::nastran(aluminium + nodes + "PSOLID,1,1\n").model, 12);
   const auto turned = frequencies(test::nastran(mat9 + nodes + "PSOLID,1,2,3\n").model, 12);
   EXPECT_NEAR((isotropic - turned).norm(), 0.0, 1e-6 * isotropic.norm());
 }
@@ -147,7 +147,7 @@ TEST(NastranSolids, MayBeAnisotropic) {
 /// Turns about the normal of a plate are held by PARAM K6ROT alone: a shaft that stands on it turns almost freely.
 TEST(NastranShells, HardlyHoldTurnsAboutTheirNormal) {
   const auto turn = [](const std::string& factor) {
-    const auto deck = test::nastran(material + strip() +
+    const auto deck = test::nastran(aluminium + strip() +
                                     "PSHELL,1,1,.01,1,,1\nGRID,99,,.5,0.,.3\nPBAR,2,1,1.E-4,1.E-9,1.E-9,2.E-9\n" +
                                     "CBAR,99,2,99,6,1.,0.,0.\nPARAM,K6ROT," + factor + "\n");
     EXPECT_TRUE(test::has_note(deck, "K6ROT"));
@@ -162,11 +162,11 @@ TEST(NastranShells, HardlyHoldTurnsAboutTheirNormal) {
 
 TEST(NastranShells, AreToldWhatTheyLack) {
   const std::string nodes = "GRID,1\nGRID,2,,1.\nGRID,3,,1.,1.\nCTRIA3,1,1,1,2,3\n";
-  EXPECT_NE(test::nastran_problem(nodes + "PSHELL,1,1,,1,,1\n" + material).find("no positive thickness"),
+  EXPECT_NE(test::nastran_problem(nodes + "PSHELL,1,1,,1,,1\n" + aluminium).find("no positive thickness"),
             std::string::npos);
-  EXPECT_NE(test::nastran_problem(nodes + "PSHELL,1,,.1\n" + material).find("neither MID1 nor MID2"),
+  EXPECT_NE(test::nastran_problem(nodes + "PSHELL,1,,.1\n" + aluminium).find("neither MID1 nor MID2"),
             std::string::npos);
-  EXPECT_NE(test::nastran_problem(nodes + "PROD,1,1,.1\n" + material).find("has a PROD as its property"),
+  EXPECT_NE(test::nastran_problem(nodes + "PROD,1,1,.1\n" + aluminium).find("has a PROD as its property"),
             std::string::npos);
   EXPECT_NE(test::nastran_problem(nodes + "PCOMP,1\n").find("no plies"), std::string::npos);
 }

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 /// Two decaying oscillations of 1.5 and 2.2 Hz and a small one of 9 Hz.
 double motion(Index channel, double time) {
@@ -103,8 +103,8 @@ TEST(FindSplice, IgnoresChannelsThatSayNothingAndMissingSamples) {
   auto record = record_with(400, 4.0);
   record.values.conservativeResize(Eigen::NoChange, 4);
   record.values.col(3).setConstant(0.7);
-  record.values.row(120).setConstant(nan);
-  record.values(405, 1) = nan;
+  record.values.row(120).setConstant(no_value);
+  record.values(405, 1) = no_value;
   const auto splice = find_splice(record);
   ASSERT_TRUE(splice);
   EXPECT_EQ(splice->inserted, 4);
@@ -115,7 +115,7 @@ TEST(FindSplice, SurvivesDegenerateRecords) {
   EXPECT_FALSE(find_splice(record));
   record.values = MatrixXd::Zero(500, 2);
   EXPECT_FALSE(find_splice(record));
-  record.values.setConstant(nan);
+  record.values.setConstant(no_value);
   EXPECT_FALSE(find_splice(record));
   record.values.setConstant(std::numeric_limits<double>::infinity());
   EXPECT_FALSE(find_splice(record));
@@ -123,7 +123,7 @@ TEST(FindSplice, SurvivesDegenerateRecords) {
 
 TEST(FindSplice, RefusesOptionsOutOfRange) {
   const auto record = record_with(400, 4.0);
-  EXPECT_THROW((void)find_splice(record, {.noise_ratio = nan}), InvalidInput);
+  EXPECT_THROW((void)find_splice(record, {.noise_ratio = no_value}), InvalidInput);
   EXPECT_THROW((void)find_splice(record, {.shortest = 0}), InvalidInput);
   EXPECT_THROW((void)find_splice(record, {.before = 2}), InvalidInput);
   EXPECT_THROW((void)find_splice(record, {.degree = 0}), InvalidInput);

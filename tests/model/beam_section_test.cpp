@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "kalfem/model/elements/beam.hpp"
-#include "model/fe_models.hpp"
+#include "model/beam_models.hpp"
 
 // Sections of general position: bending planes that are coupled, a centroid off the shear centre, offsets of the ends,
 // hinges and nonstructural mass, against closed forms.
@@ -14,8 +14,7 @@ namespace kalfem {
 namespace {
 
 using namespace test;
-constexpr double pi = std::numbers::pi;
-using Ends = Eigen::Matrix<double, 3, 2>;
+using std::numbers::pi;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 /// An unequal angle: no axis of symmetry.
@@ -48,15 +47,6 @@ BeamSection any_section() {
   section.shear_factor_z = 0.6;
   section.centroid = {0.02, -0.035};
   return section;
-}
-
-/// Motion of the last node of beams along x, clamped at the first, under a load at the last.
-Vector6 tip_motion(FiniteElementModel model, const Vector6& load) {
-  model.fixed = {{.name = "clamp", .nodes = {0}}};
-  const auto assembled = assemble(model);
-  Eigen::VectorXd force = Eigen::VectorXd::Zero(assembled.size());
-  force.tail(6) = load;
-  return stiffness_of(assembled).ldlt().solve(force).tail(6);
 }
 
 /// [I_z, I_yz; I_yz, I_y], which joins the loads [Y Z] with the curvatures of [v w].
@@ -187,12 +177,6 @@ void hinge(FiniteElementModel& model, std::size_t cell, int local_motion) {
   auto& beam = std::get<BeamProperty>(model.properties["line"]);
   beam.placements.resize(model.mesh.regions.at("line").size(), beam.placements.front());
   beam.placements[cell].released[static_cast<std::size_t>(local_motion)] = true;
-}
-
-BeamSection slender() {
-  auto section = rectangular_section(0.02, 0.03);
-  section.shear_factor_y = section.shear_factor_z = 0.0;
-  return section;
 }
 
 TEST(BeamHinges, HingedEndsOfAClampedBeamAreSimpleSupports) {

@@ -5,32 +5,16 @@
 #include <numbers>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "model/fe_models.hpp"
+#include "model/beam_models.hpp"
 
 namespace kalfem {
 namespace {
 
 using namespace test;
-constexpr double pi = std::numbers::pi;
-using Ends = Eigen::Matrix<double, 3, 2>;
+using std::numbers::pi;
 
 ElementMatrices beam(const Ends& ends, const BeamProperty& property, double poissons_ratio, MassKind mass_kind) {
   return kalfem::beam(ends, property, property.placements[0], poissons_ratio, mass_kind);
-}
-
-BeamSection slender() {
-  auto section = rectangular_section(0.02, 0.03);
-  section.shear_factor_y = section.shear_factor_z = 0.0;
-  return section;
-}
-
-/// Displacement of the last node of a beam clamped at its first under a load at the last.
-Eigen::VectorXd tip_motion(FiniteElementModel model, const Eigen::Matrix<double, 6, 1>& load) {
-  model.fixed = {{.name = "clamp", .nodes = {0}}};
-  const auto assembled = assemble(model);
-  Eigen::VectorXd force = Eigen::VectorXd::Zero(assembled.size());
-  force.tail(6) = load;
-  return stiffness_of(assembled).ldlt().solve(force).tail(6);
 }
 
 /// Natural frequencies [rad/s] of motion in the x-z plane only.

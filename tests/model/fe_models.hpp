@@ -1,13 +1,16 @@
 #pragma once
 
 #include <cmath>
+#include <numbers>
 
+#include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/model/assembly.hpp"
 #include "kalfem/model/mass_properties.hpp"
 
 namespace kalfem::test {
 
 inline const IsotropicMaterial steel{.youngs_modulus = 2.1e11, .poissons_ratio = 0.3, .density = 7850.0};
+inline const IsotropicMaterial nafems_steel{.youngs_modulus = 200e9, .poissons_ratio = 0.3, .density = 8000.0};
 
 /// All issues of a model as one text.
 inline std::string issues_of(const FiniteElementModel& model) {
@@ -92,6 +95,14 @@ inline Eigen::MatrixXd stiffness_of(const AssembledModel& model) {
 }
 inline Eigen::MatrixXd mass_of(const AssembledModel& model) {
   return Eigen::MatrixXd(evaluate(model.mass, model.parameters));
+}
+
+/// Lowest natural frequencies [Hz], ascending.
+inline Eigen::VectorXd frequencies(const FiniteElementModel& model, Eigen::Index count) {
+  const auto assembled = assemble(model);
+  const auto modes = lowest_modes(evaluate(assembled.stiffness, assembled.parameters),
+                                  evaluate(assembled.mass, assembled.parameters), {.count = count});
+  return modes.values.cwiseMax(0.0).cwiseSqrt() / (2.0 * std::numbers::pi);
 }
 
 /// Relative difference in the Frobenius norm.

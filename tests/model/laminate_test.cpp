@@ -11,6 +11,7 @@
 #include "kalfem/model/elements/shell4.hpp"
 #include "kalfem/model/lamination.hpp"
 #include "kalfem/model/mass_properties.hpp"
+#include "model/element_helpers.hpp"
 #include "shell_models.hpp"
 
 // Shells of any cross-section and their offsets: the laws of every shell element, lamination theory by hand, and simply
@@ -20,7 +21,13 @@
 namespace kalfem {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using test::points;
+using test::scaled_difference;
+using test::Shape;
+using test::some_turn;
+using test::turned;
+
+using std::numbers::pi;
 
 /// A graphite-epoxy of many published examples, per unit E2: E1 = 25, G12 = G13 = 0.5, G23 = 0.2, nu12 = 0.25 [Red04].
 const OrthotropicSheet graphite{.youngs_modulus_1 = 25e9,
@@ -41,24 +48,6 @@ std::vector<Ply> stack(const std::vector<double>& degrees, double thickness, con
 /// Of no symmetry at all.
 LaminateProperty any_laminate(double thickness) { return laminated(stack({20, -50, 75}, thickness), -0.5 * thickness); }
 
-Eigen::Matrix3d some_turn() {
-  return Eigen::AngleAxisd(1.1, Eigen::Vector3d(1.0, -2.0, 0.5).normalized()).toRotationMatrix();
-}
-
-struct Shape {
-  const char* name;
-  Eigen::Matrix3Xd corners;
-  bool flat = true;
-};
-std::ostream& operator<<(std::ostream& out, const Shape& shape) { return out << shape.name; }
-
-Eigen::Matrix3Xd points(std::initializer_list<Eigen::Vector3d> list) {
-  Eigen::Matrix3Xd corners(3, static_cast<Eigen::Index>(list.size()));
-  Eigen::Index column = 0;
-  for (const auto& point : list) corners.col(column++) = point;
-  return corners;
-}
-
 std::vector<Shape> shapes() {
   const auto irregular = points({{0, 0, 0}, {1.3, 0.1, 0}, {0.9, 1.2, 0}, {-0.2, 0.7, 0}});
   const auto warped = points({{0, 0, 0.1}, {1.3, 0.1, -0.1}, {0.9, 1.2, 0.15}, {-0.2, 0.7, -0.1}});
@@ -68,18 +57,6 @@ std::vector<Shape> shapes() {
           {"warped", warped, false},
           {"right", points({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}})},
           {"obtuse_tilted", some_turn() * obtuse}};
-}
-
-/// Difference of two matrices, each entry against the sizes of its diagonal ones.
-double scaled_difference(const Eigen::MatrixXd& one, const Eigen::MatrixXd& other) {
-  const Eigen::VectorXd scale = other.diagonal().cwiseSqrt().cwiseInverse();
-  return (scale.asDiagonal() * (one - other) * scale.asDiagonal()).cwiseAbs().maxCoeff();
-}
-
-Eigen::MatrixXd turned(const Eigen::MatrixXd& matrix, const Eigen::Matrix3d& turn) {
-  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(matrix.rows(), matrix.cols());
-  for (Eigen::Index i = 0; i < matrix.rows(); i += 3) all.block<3, 3>(i, i) = turn;
-  return all * matrix * all.transpose();
 }
 
 ElementMatrices isotropic(const Eigen::Matrix3Xd& corners, double nu, const ShellProperty& property, MassKind kind) {

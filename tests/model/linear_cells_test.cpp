@@ -43,13 +43,6 @@ FiniteElementModel quadratic_plate(double a, int n, CellShape shape) {
   return model;
 }
 
-Eigen::ArrayXd frequencies(const FiniteElementModel& model, int count) {
-  const auto assembled = assemble(model);
-  const auto modes = lowest_modes(evaluate(assembled.stiffness, assembled.parameters),
-                                  evaluate(assembled.mass, assembled.parameters), {.count = count});
-  return modes.values.array().cwiseMax(0.0).sqrt() / (2.0 * std::numbers::pi);
-}
-
 std::vector<Eigen::Index> nodes_of(const Mesh& mesh, Eigen::Index cell) {
   const auto nodes = mesh.nodes_of(mesh.cells[static_cast<std::size_t>(cell)]);
   return {nodes.begin(), nodes.end()};

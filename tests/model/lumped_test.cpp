@@ -13,7 +13,7 @@ LumpedSubstructure pair_between_grounds(double mass, double k, double k_middle) 
           .springs = {{"left", "ground", "a", k}, {"middle", "a", "b", k_middle}, {"right", "b", "ground", k}}};
 }
 
-std::string issues_of(const LumpedSubstructure& substructure) {
+std::string problems_of(const LumpedSubstructure& substructure) {
   std::string all;
   for (const auto& issue : validate(substructure)) all += to_string(issue) + "\n";
   return all;
@@ -128,7 +128,7 @@ TEST(Lumped, EveryMistakeIsNamedAtOnce) {
                            .points = {{"p", {{"q", 1.0}}}},
                            .modal_damping = {1.5, nan},
                            .rayleigh = {-1.0, 0.0}};
-  const auto issues = issues_of(wrong);
+  const auto issues = problems_of(wrong);
   for (const char* part : {"'body.a' is -1", "'body.b' is given twice", "'body.wheel' is 0", "did you mean 'wheel'",
                            "joins 'a' to itself", "'body.s3' has the value -5", "'body.s4' has the value",
                            "'body.s5' has the value inf", "point 'body.p' uses 'q'", "modal damping ratio", "Rayleigh"})
@@ -142,7 +142,7 @@ TEST(Lumped, DoubledNamesOfPointsAndGroundsAndBadCoefficientsAreNamed) {
                            .masses = {{"a", 1.0}, {"ground", 1.0}},
                            .springs = {{"s", "ground", "a", 1.0}},
                            .points = {{"a", {{"a", 2.0}}}, {"p", {{"a", nan}}}}};
-  const auto issues = issues_of(wrong);
+  const auto issues = problems_of(wrong);
   for (const char* part : {"'body.ground'", "'body.a'", "coefficient"})
     EXPECT_NE(issues.find(part), std::string::npos) << part << "\n" << issues;
 }

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "kalfem/linalg/lowest_modes.hpp"
-#include "model/fe_models.hpp"
+#include "model/beam_models.hpp"
 #include "shell_models.hpp"
 
 // Published values of beams and shells that are not in shell_benchmarks_test.cpp, on finer and finer meshes.
@@ -17,16 +17,7 @@ namespace kalfem {
 namespace {
 
 using namespace test;
-constexpr double pi = std::numbers::pi;
-const IsotropicMaterial nafems_steel{.youngs_modulus = 200e9, .poissons_ratio = 0.3, .density = 8000.0};
-
-/// f [Hz], ascending.
-Eigen::VectorXd frequencies(const FiniteElementModel& model, int count) {
-  const auto assembled = assemble(model);
-  const auto modes = lowest_modes(evaluate(assembled.stiffness, assembled.parameters),
-                                  evaluate(assembled.mass, assembled.parameters), {.count = count});
-  return modes.values.cwiseMax(0.0).cwiseSqrt() / (2.0 * pi);
-}
+using std::numbers::pi;
 
 /// Values over the published ones, mesh by mesh: the worst within `tolerance` on the finest, and there no worse than on
 /// the coarsest.
@@ -53,11 +44,6 @@ void expect_convergence(const std::vector<int>& meshes, const std::vector<double
 }
 
 // Beams -------------------------------------------------------------------------------------------------------------
-
-BeamSection slender(BeamSection section) {
-  section.shear_factor_y = section.shear_factor_z = 0.0;
-  return section;
-}
 
 /// Eight arms of 5 m in the x-y plane from one point, tips pinned, `count` beams each.
 FiniteElementModel double_cross(int count) {

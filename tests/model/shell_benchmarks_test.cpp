@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "kalfem/linalg/lowest_modes.hpp"
+#include "model/fe_models.hpp"
 #include "shell_models.hpp"
 
 // Problems with published values, by quadrilaterals and triangles on even and on distorted meshes. [MH85]: MacNeal and
@@ -14,9 +15,11 @@
 namespace kalfem {
 namespace {
 
+using std::numbers::pi;
 using test::Cut;
+using test::frequencies;
+using test::nafems_steel;
 using test::ShellProblem;
-constexpr double pi = std::numbers::pi;
 
 struct Kind {
   CellShape shape;
@@ -175,18 +178,8 @@ TEST_P(ShellBenchmarks, TwistedStripThin) {
 
 // Natural frequencies -----------------------------------------------------------------------------------------------
 
-const IsotropicMaterial nafems_steel{.youngs_modulus = 200e9, .poissons_ratio = 0.3, .density = 8000.0};
-
 ShellProblem plate(const Cut& cut, double a, double b, double thickness) {
   return {cut, [=](double u, double v) { return Eigen::Vector3d(a * u, b * v, 0.0); }, nafems_steel, thickness};
-}
-
-/// f [Hz], ascending.
-Eigen::VectorXd frequencies(const FiniteElementModel& model, int count) {
-  const auto assembled = assemble(model);
-  const auto modes = lowest_modes(evaluate(assembled.stiffness, assembled.parameters),
-                                  evaluate(assembled.mass, assembled.parameters), {.count = count});
-  return modes.values.cwiseMax(0.0).cwiseSqrt() / (2.0 * pi);
 }
 
 void expect_frequencies(const Eigen::VectorXd& found, const std::vector<double>& published, double tolerance) {

@@ -6,10 +6,17 @@
 
 #include "kalfem/model/elements/shell3.hpp"
 #include "kalfem/model/elements/shell4.hpp"
+#include "model/element_helpers.hpp"
 #include "shell_models.hpp"
 
 namespace kalfem {
 namespace {
+
+using test::points;
+using test::scaled_difference;
+using test::Shape;
+using test::some_turn;
+using test::turned;
 
 constexpr double nu = 0.3;
 
@@ -26,27 +33,6 @@ Eigen::MatrixXd sum(const std::vector<ElementTerm>& terms, double thickness) {
   Eigen::MatrixXd total = Eigen::MatrixXd::Zero(terms.front().matrix.rows(), terms.front().matrix.cols());
   for (const auto& term : terms) total += std::pow(thickness, term.powers.thickness) * term.matrix;
   return total;
-}
-
-struct Shape {
-  const char* name;
-  Eigen::Matrix3Xd corners;  ///< [m]
-  bool flat = true;
-
-  [[nodiscard]] double size() const { return (corners.rowwise().maxCoeff() - corners.rowwise().minCoeff()).norm(); }
-  [[nodiscard]] double thickness() const { return 0.05 * size(); }
-};
-std::ostream& operator<<(std::ostream& out, const Shape& shape) { return out << shape.name; }
-
-Eigen::Matrix3Xd points(std::initializer_list<Eigen::Vector3d> list) {
-  Eigen::Matrix3Xd corners(3, static_cast<Eigen::Index>(list.size()));
-  Eigen::Index column = 0;
-  for (const auto& point : list) corners.col(column++) = point;
-  return corners;
-}
-
-Eigen::Matrix3d some_turn() {
-  return Eigen::AngleAxisd(1.1, Eigen::Vector3d(1.0, -2.0, 0.5).normalized()).toRotationMatrix();
 }
 
 std::vector<Shape> shapes() {
@@ -87,20 +73,6 @@ Eigen::VectorXd nodal(const Eigen::Matrix3Xd& corners, const Field& field) {
 
 Eigen::Matrix<double, 6, 1> both(const Eigen::Vector3d& displacement, const Eigen::Vector3d& rotation) {
   return (Eigen::Matrix<double, 6, 1>() << displacement, rotation).finished();
-}
-
-/// The same matrix for degrees of freedom that are turned by Q.
-Eigen::MatrixXd turned(const Eigen::MatrixXd& matrix, const Eigen::Matrix3d& turn) {
-  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(matrix.rows(), matrix.cols());
-  for (Eigen::Index i = 0; i < matrix.rows(); i += 3) all.block<3, 3>(i, i) = turn;
-  return all * matrix * all.transpose();
-}
-
-/// Difference of two matrices, each entry against the sizes of its diagonal ones: displacements and rotations of
-/// elements of any size weigh alike.
-double scaled_difference(const Eigen::MatrixXd& one, const Eigen::MatrixXd& other) {
-  const Eigen::VectorXd scale = other.diagonal().cwiseSqrt().cwiseInverse();
-  return (scale.asDiagonal() * (one - other) * scale.asDiagonal()).cwiseAbs().maxCoeff();
 }
 
 class ShellLaws : public testing::TestWithParam<Shape> {

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "kalfem/model/elements/solid.hpp"
+#include "model/element_helpers.hpp"
 #include "solid_models.hpp"
 
 namespace kalfem {
@@ -12,6 +13,9 @@ namespace {
 
 using Eigen::Index;
 using test::name_of;
+using test::scaled_difference;
+using test::some_turn;
+using test::turned;
 
 constexpr double nu = 0.3;
 
@@ -42,10 +46,6 @@ Matrix6 some_orthotropy() {
 enum class Form { even, distorted, curved, slender, tiny, far };
 constexpr std::array forms = {Form::even, Form::distorted, Form::curved, Form::slender, Form::tiny, Form::far};
 constexpr const char* form_names[] = {"even", "distorted", "curved", "slender", "tiny", "far"};
-
-Eigen::Matrix3d some_turn() {
-  return Eigen::AngleAxisd(1.1, Eigen::Vector3d(1.0, -2.0, 0.5).normalized()).toRotationMatrix();
-}
 
 /// Nodes of an element: the natural ones, its corners shifted without a pattern, its middle nodes between them.
 Eigen::Matrix3Xd element_nodes(CellShape shape, Form form) {
@@ -110,17 +110,6 @@ Eigen::VectorXd scaled_eigenvalues(const Eigen::MatrixXd& matrix) {
   const Eigen::VectorXd scale = matrix.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * matrix * scale.asDiagonal();
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues();
-}
-
-double scaled_difference(const Eigen::MatrixXd& one, const Eigen::MatrixXd& other) {
-  const Eigen::VectorXd scale = other.diagonal().cwiseSqrt().cwiseInverse();
-  return (scale.asDiagonal() * (one - other) * scale.asDiagonal()).cwiseAbs().maxCoeff();
-}
-
-Eigen::MatrixXd turned(const Eigen::MatrixXd& matrix, const Eigen::Matrix3d& turn) {
-  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(matrix.rows(), matrix.cols());
-  for (Index i = 0; i < matrix.rows(); i += 3) all.block<3, 3>(i, i) = turn;
-  return all * matrix * all.transpose();
 }
 
 class SolidLaws : public testing::TestWithParam<Case> {

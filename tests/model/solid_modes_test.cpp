@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "kalfem/linalg/lowest_modes.hpp"
+#include "model/fe_models.hpp"
 #include "solid_models.hpp"
 
 namespace kalfem {
@@ -10,13 +11,7 @@ namespace {
 
 using Eigen::Index;
 using Eigen::Vector3d;
-
-Eigen::VectorXd frequencies(const FiniteElementModel& model, Index count) {
-  const auto assembled = assemble(model);
-  const auto modes = lowest_modes(evaluate(assembled.stiffness, assembled.parameters),
-                                  evaluate(assembled.mass, assembled.parameters), {.count = count});
-  return modes.values.cwiseSqrt() / (2.0 * std::numbers::pi);
-}
+using test::frequencies;
 
 /// NAFEMS FV52: plate 10 x 10 x 1 m, w = 0 along the lower edges of its four sides.
 test::SolidProblem thick_plate(int along, int through, CellShape shape, SolidKind kind) {

@@ -6,6 +6,7 @@
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/model/modal_damping.hpp"
 #include "kalfem/reduction/superelement.hpp"
+#include "reduction/frequencies.hpp"
 #include "reduction/lattice.hpp"
 
 namespace kalfem {
@@ -14,16 +15,8 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-VectorXd frequencies(const LinearModel& model, Index count) {
-  return lowest_modes(model.stiffness, model.mass, {.count = count}).values.cwiseSqrt() / (2.0 * std::numbers::pi);
-}
-
-std::vector<std::string> edge(Index column, Index rows, const std::string& prefix = {}) {
-  std::vector<std::string> names;
-  for (Index y = 0; y < rows; ++y) names.push_back(prefix + std::to_string(column) + "_" + std::to_string(y));
-  return names;
-}
+using lattice::edge;
+using test::frequencies;
 
 const std::vector<std::string> corners = {"0_0", "0_9", "9_0", "9_9"};
 

@@ -8,6 +8,7 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/model/modal_damping.hpp"
+#include "reduction/frequencies.hpp"
 #include "reduction/lattice.hpp"
 
 namespace kalfem {
@@ -16,19 +17,10 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using lattice::edge;
+using test::frequencies;
 
 using Names = std::vector<std::string>;
-
-VectorXd frequencies(const LinearModel& model, Index count) {
-  return lowest_modes(model.stiffness, model.mass, {.count = count}).values.cwiseMax(0.0).cwiseSqrt() /
-         (2.0 * std::numbers::pi);
-}
-
-Names edge(Index column, Index rows) {
-  Names names;
-  for (Index y = 0; y < rows; ++y) names.push_back(std::to_string(column) + "_" + std::to_string(y));
-  return names;
-}
 
 Superelement reduced(const LinearModel& model, const Names& boundary, Index modes,
                      FreeInterfaceKind kind = FreeInterfaceKind::rubin) {

@@ -87,4 +87,11 @@ inline LinearModel beam(Eigen::Index elements) {
   return model;
 }
 
+/// Names of the nodes of a column.
+inline std::vector<std::string> edge(Eigen::Index column, Eigen::Index rows, const std::string& prefix = {}) {
+  std::vector<std::string> names;
+  for (Eigen::Index y = 0; y < rows; ++y) names.push_back(prefix + std::to_string(column) + "_" + std::to_string(y));
+  return names;
+}
+
 }  // namespace kalfem::lattice

@@ -15,6 +15,7 @@
 #include "kalfem/reduction/superelement.hpp"
 #include "kalfem/system/output_map.hpp"
 #include "kalfem/system/signals/pulse.hpp"
+#include "reduction/frequencies.hpp"
 
 // Solid parts a and c and their assembly ac by a production code, with its Craig-Bampton model of a.
 
@@ -24,6 +25,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using test::frequencies;
 
 std::filesystem::path folder() {
   const char* variable = std::getenv("KALFEM_DATA");
@@ -55,11 +57,6 @@ std::vector<Index> places(const LinearModel& model, const std::vector<std::strin
 }
 
 double largest(const SparseMatrix& matrix) { return matrix.nonZeros() > 0 ? matrix.coeffs().abs().maxCoeff() : 0.0; }
-
-VectorXd frequencies(const LinearModel& model, Index count) {
-  const auto modes = lowest_modes(model.stiffness, model.mass, {.count = count});
-  return modes.values.cwiseSqrt() / (2.0 * std::numbers::pi);
-}
 
 /// Column `name` of the production code's table of frequencies [Hz]; shorter columns end early.
 VectorXd published(const std::string& name) {

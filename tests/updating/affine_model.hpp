@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -104,6 +105,10 @@ inline AffineModel fe_affine_model(const FiniteElementModel& model, std::vector<
   const AssembledModel assembled = assemble(model);
   return {linear_model(model, assembled, {}, {}), assembled.stiffness, assembled.mass, std::move(varied),
           assembled.parameters};
+}
+
+inline std::shared_ptr<const AffineModel> shared(AffineModel model) {
+  return std::make_shared<const AffineModel>(std::move(model));
 }
 
 /// Derivative of a function of one number by central differences, extrapolated once: exact to the fourth power of h.

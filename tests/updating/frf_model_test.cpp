@@ -28,7 +28,7 @@ MatrixXcd direct_receptance(const ModelAtParameters& at, Complex s) {
   return (MatrixXd(model.stiffness) + s * damping + s * s * MatrixXd(model.mass)).inverse();
 }
 
-/// Three floors, dashpots that are not proportional, ratios that differ, a parameter of each kind.
+/// Three floor_names, dashpots that are not proportional, ratios that differ, a parameter of each kind.
 std::shared_ptr<ChainModel> small_chain() {
   auto chain = std::make_shared<ChainModel>();
   chain->masses = {2.0, 3.0, 1.0};
@@ -42,12 +42,12 @@ std::shared_ptr<ChainModel> small_chain() {
 
 VectorXd small_values() { return (VectorXd(7) << 4000.0, 2500.0, 3.0, 5.0, 1.0, 0.01, 0.03).finished(); }
 
-const std::vector<std::string> floors = {"floor1", "floor2", "floor3"};
+const std::vector<std::string> floor_names = {"floor1", "floor2", "floor3"};
 
 TEST(FrfModel, IsTheDynamicFlexibility) {
   const auto chain = small_chain();
   const std::vector<FrfSet> sets = {
-      {FrfInput::force, "floor2", floors, ResponseQuantity::displacement},
+      {FrfInput::force, "floor2", floor_names, ResponseQuantity::displacement},
       {FrfInput::force, "floor3", {"floor1"}, ResponseQuantity::velocity},
       {FrfInput::force, "floor1", {"floor3", "floor1"}, ResponseQuantity::acceleration},
   };
@@ -79,9 +79,10 @@ TEST(FrfModel, IsTheClosedFormOfOneMass) {
 //     z = H (k_g + s c_g) r = r - H M 1 s^2 r,   H without ratios and with.
 TEST(FrfModel, BaseExcitationIsForceExcitation) {
   auto chain = small_chain();
-  std::vector<FrfSet> sets = {{FrfInput::ground_acceleration, "base", floors, ResponseQuantity::acceleration},
-                              {FrfInput::ground_displacement, "base", floors, ResponseQuantity::displacement}};
-  for (const auto& floor : floors) sets.push_back({FrfInput::force, floor, floors, ResponseQuantity::displacement});
+  std::vector<FrfSet> sets = {{FrfInput::ground_acceleration, "base", floor_names, ResponseQuantity::acceleration},
+                              {FrfInput::ground_displacement, "base", floor_names, ResponseQuantity::displacement}};
+  for (const auto& floor : floor_names)
+    sets.push_back({FrfInput::force, floor, floor_names, ResponseQuantity::displacement});
   for (const bool with_ratios : {false, true}) {
     if (!with_ratios) chain->ratios = {0.0, 0.0};
     VectorXd values = small_values();
@@ -125,8 +126,8 @@ double derivative_error(const FrfModel& model, const VectorXd& values, std::size
 // derivative, which near resonances is (1 / zeta)^2 = 1e4 larger.
 TEST(FrfModel, DerivativesAreThoseOfDifferences) {
   const FrfModel model(small_chain(),
-                       {{FrfInput::force, "floor2", floors, ResponseQuantity::acceleration},
-                        {FrfInput::ground_acceleration, "base", floors, ResponseQuantity::acceleration},
+                       {{FrfInput::force, "floor2", floor_names, ResponseQuantity::acceleration},
+                        {FrfInput::ground_acceleration, "base", floor_names, ResponseQuantity::acceleration},
                         {FrfInput::ground_displacement, "base", {"floor3"}, ResponseQuantity::velocity}},
                        15.0, small_values());
   for (std::size_t set = 0; set < 3; ++set)

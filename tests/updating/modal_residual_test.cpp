@@ -18,8 +18,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 using ModelPtr = std::shared_ptr<const AffineModel>;
-ModelPtr shared(AffineModel model) { return std::make_shared<const AffineModel>(std::move(model)); }
-
 /// Ten masses of 2 kg between springs of 1 kN/m and so, the first one to the ground.
 ModelPtr chain() {
   std::vector<ChainSpring> springs;

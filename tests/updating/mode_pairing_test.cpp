@@ -59,7 +59,7 @@ TEST(ModePairing, MacKnowsNeitherSignNorScale) {
 
 TEST(ModePairing, MassWeightMakesModesOrthogonal) {
   const Eigen::Matrix2d K{{3.0, -1.0}, {-1.0, 1.0}}, M{{5.0, 0.0}, {0.0, 0.4}};
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix2d> pairs(K, M);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> pairs(K, M);
   const SparseMatrix mass = MatrixXd(M).sparseView();
   EXPECT_LT((mac_matrix(pairs.eigenvectors(), pairs.eigenvectors(), &mass) - MatrixXd::Identity(2, 2)).norm(), 1e-14);
   EXPECT_GT(mac_matrix(pairs.eigenvectors(), pairs.eigenvectors())(0, 1), 0.01);

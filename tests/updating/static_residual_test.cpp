@@ -14,10 +14,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-std::shared_ptr<const AffineModel> shared(AffineModel model) {
-  return std::make_shared<const AffineModel>(std::move(model));
-}
-
 /// A cantilever of 1 m, 20 mm wide and 10 mm high.
 std::shared_ptr<const AffineModel> cantilever() {
   auto model = beam_model({1.0, 0.0, 0.0}, 8, rectangular_section(0.02, 0.01));

@@ -111,9 +111,9 @@ Form<std::vector<ChainStage>> measurement_chain() {
 }
 
 template <ObservedQuantity Q>
-kalfem::Case<Observed<Q>> observing(const std::string& key, const std::string& target, const std::string& meaning) {
+kalfem::Case<Observed<Q>> observing(std::string_view key, std::string_view target, std::string_view meaning) {
   const auto form = convert<Observed<Q>, Points>(
-      points(target), [](const Points& given) { return Observed<Q>{given}; },
+      points(std::string(target)), [](const Points& given) { return Observed<Q>{given}; },
       [](const Observed<Q>& observed) { return observed.points; });
   return when(key, form, meaning);
 }

@@ -11,7 +11,7 @@ Form<double> seconds() { return number("s", Bounds::nonnegative()); }
 Form<double> hertz() { return number("Hz", Bounds::nonnegative()); }
 
 template <class T>
-kalfem::Case<T> target(const std::string& key, Name T::*member, const std::string& meaning) {
+kalfem::Case<T> target(std::string_view key, Name T::*member, std::string_view meaning) {
   return when(key,
               convert<T, Name>(
                   name(),

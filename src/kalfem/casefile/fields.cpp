@@ -79,25 +79,27 @@ std::vector<std::string> all_keys(const std::vector<BoundKeys>& parts) {
 
 }  // namespace
 
-const YamlEntry* find_field(const Cursor& map, const FieldWords& words, const FormSchema& schema) {
-  const auto* entry = map.node().find(words.key);
-  if (!entry && words.required)
-    map.issue("'" + words.key + "' is missing (" + words.meaning + ")", "",
-              "add '" + words.key + ": " + schema.written() + "'");
-  return entry;
-}
-
-BoundKeys bind_field(const FieldWords& words, const FormSchema& schema, const YamlNodePtr& default_value,
-                     std::function<void(const Cursor&, void*)> read,
-                     std::function<void(const void*, std::vector<YamlEntry>&)> write) {
-  const auto describe = [=](Json& object) {
-    Json property = schema.json();
-    property["description"] = words.meaning;
-    if (default_value) property["default"] = to_json(*default_value);
-    object["properties"][words.key] = std::move(property);
-    if (words.required) object["required"].push_back(words.key);
+BoundKeys bind_field(const FieldWords& words, const BoundForm& form, const Place& place,
+                     const YamlNodePtr& default_value) {
+  const std::string key(words.key), meaning(words.meaning);
+  const bool required = words.required;
+  const auto read = [=](const Cursor& map, void* object) {
+    if (const auto* entry = map.node().find(key))
+      form.read(map.at(*entry), const_cast<void*>(place(object)));
+    else if (required)
+      map.issue("'" + key + "' is missing (" + meaning + ")", "", "add '" + key + ": " + form.schema.written() + "'");
   };
-  return {{words.key}, std::move(read), std::move(write), describe};
+  const auto write = [=](const void* object, std::vector<YamlEntry>& entries) {
+    if (auto value = form.write(place(object))) entries.push_back({key, 0, std::move(value)});
+  };
+  const auto describe = [=](Json& object) {
+    Json property = form.schema.json();
+    property["description"] = meaning;
+    if (default_value) property["default"] = to_json(*default_value);
+    object["properties"][key] = std::move(property);
+    if (required) object["required"].push_back(key);
+  };
+  return {{key}, read, write, describe};
 }
 
 BoundKeys bind_one_of(std::vector<std::string> names, std::vector<BoundKeys> cases, bool needed) {

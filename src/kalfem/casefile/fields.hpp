@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string_view>
 #include <variant>
 
 #include "kalfem/casefile/form.hpp"
@@ -17,9 +18,32 @@ struct BoundKeys {
       describe;  ///< adds to properties, required and allOf of the map's
 };
 
+/// A form for a value whose type only its maker knows.
+struct BoundForm {
+  std::function<void(const Cursor&, void* value)> read;  ///< leaves the value as it is where the text is not usable
+  std::function<YamlNodePtr(const void* value)> write;   ///< null for an empty value
+  FormSchema schema;
+};
+
+/// The form of an M for a `Value` that is an M or may hold one.
+template <class Value, class M>
+BoundForm bind_form(const Form<M>& form) {
+  return {[read = form.read](const Cursor& cursor, void* value) {
+            if (auto given = read(cursor)) *static_cast<Value*>(value) = std::move(*given);
+          },
+          [write = form.write](const void* value) -> YamlNodePtr {
+            const auto& held = *static_cast<const Value*>(value);
+            if constexpr (std::is_same_v<Value, M>)
+              return write(held);
+            else
+              return held ? write(*held) : nullptr;
+          },
+          form.schema};
+}
+
 /// A key in words.
 struct FieldWords {
-  std::string key, meaning;
+  std::string_view key, meaning;
   bool required = false;
 };
 
@@ -30,12 +54,12 @@ struct Case {
   BoundKeys fields;  ///< of a U
 };
 
-/// Null where the key is not there; adds an issue where it is required.
-const YamlEntry* find_field(const Cursor& map, const FieldWords& words, const FormSchema& schema);
+/// Where a value stands in an object.
+using Place = std::function<const void*(const void* object)>;
+
 /// One key, bound; `default_value` is shown in the reference.
-BoundKeys bind_field(const FieldWords& words, const FormSchema& schema, const YamlNodePtr& default_value,
-                     std::function<void(const Cursor&, void*)> read,
-                     std::function<void(const void*, std::vector<YamlEntry>&)> write);
+BoundKeys bind_field(const FieldWords& words, const BoundForm& form, const Place& place,
+                     const YamlNodePtr& default_value);
 /// Exactly one of several cases; none or one where it is not `needed`.
 BoundKeys bind_one_of(std::vector<std::string> names, std::vector<BoundKeys> cases, bool needed);
 /// All fields of an object together, and then its checks, where each field is right.
@@ -53,21 +77,20 @@ class Fields {
 public:
   /// A key that must be there.
   template <class M>
-  Fields& required(const std::string& key, M T::*member, const Form<M>& form, const std::string& meaning) {
-    return add_field({key, meaning, true}, member, form, nullptr);
+  Fields& required(std::string_view key, M T::*member, const Form<M>& form, std::string_view meaning) {
+    return add_field({key, meaning, true}, member, bind_form<M>(form), nullptr);
   }
 
   /// A key that may be left out; then the member keeps the default of T{}.
   template <class M>
-  Fields& optional(const std::string& key, M T::*member, const Form<M>& form, const std::string& meaning) {
-    return add_field({key, meaning}, member, form, form.write(T{}.*member));
+  Fields& optional(std::string_view key, M T::*member, const Form<M>& form, std::string_view meaning) {
+    return add_field({key, meaning}, member, bind_form<M>(form), form.write(defaults_.*member));
   }
 
   /// A key that may be left out; then the member stays empty.
   template <class M>
-  Fields& optional(const std::string& key, std::optional<M> T::*member, const Form<M>& form,
-                   const std::string& meaning) {
-    return add_field({key, meaning}, member, form, nullptr);
+  Fields& optional(std::string_view key, std::optional<M> T::*member, const Form<M>& form, std::string_view meaning) {
+    return add_field({key, meaning}, member, bind_form<std::optional<M>>(form), nullptr);
   }
 
   /// Exactly one of the alternatives when() is there: its key says which type the variant holds. At most one for a
@@ -102,21 +125,12 @@ public:
   [[nodiscard]] BoundKeys bound_keys() const { return bind_all(fields_, checks_); }
 
 private:
-  template <class Member, class M>
-  Fields& add_field(const FieldWords& words, Member T::*member, const Form<M>& form, const YamlNodePtr& default_value) {
-    const auto read = [=](const Cursor& map, void* object) {
-      const auto* entry = find_field(map, words, form.schema);
-      if (!entry) return;
-      if (auto value = form.read(map.at(*entry))) static_cast<T*>(object)->*member = std::move(*value);
+  template <class M>
+  Fields& add_field(const FieldWords& words, M T::*member, const BoundForm& form, const YamlNodePtr& default_value) {
+    const auto place = [member](const void* object) -> const void* {
+      return &(static_cast<const T*>(object)->*member);
     };
-    const auto write = [=](const void* object, std::vector<YamlEntry>& entries) {
-      const Member& value = static_cast<const T*>(object)->*member;
-      if constexpr (std::is_same_v<Member, M>)
-        entries.push_back({words.key, 0, form.write(value)});
-      else if (value)
-        entries.push_back({words.key, 0, form.write(*value)});
-    };
-    fields_.push_back(bind_field(words, form.schema, default_value, read, write));
+    fields_.push_back(bind_field(words, form, place, default_value));
     return *this;
   }
 
@@ -145,24 +159,16 @@ private:
       return std::get_if<U>(&value);
   }
 
+  T defaults_{};
   std::vector<BoundKeys> fields_;
   std::vector<std::function<std::vector<Issue>(const void*)>> checks_;
 };
 
 /// The alternative `key: ...` whose value is written in the given form:  random: {rms: 3 mm, band: [0.5, 30]}.
 template <class U>
-Case<U> when(const std::string& key, const Form<U>& form, const std::string& meaning) {
-  const FieldWords words{key, meaning, true};
-  return {key, bind_field(
-                   words, form.schema, nullptr,
-                   [=](const Cursor& map, void* object) {
-                     const auto* entry = find_field(map, words, form.schema);
-                     if (!entry) return;
-                     if (auto value = form.read(map.at(*entry))) *static_cast<U*>(object) = std::move(*value);
-                   },
-                   [=](const void* object, std::vector<YamlEntry>& entries) {
-                     entries.push_back({key, 0, form.write(*static_cast<const U*>(object))});
-                   })};
+Case<U> when(std::string_view key, const Form<U>& form, std::string_view meaning) {
+  const auto itself = [](const void* object) { return object; };
+  return {std::string(key), bind_field({key, meaning, true}, bind_form<U>(form), itself, nullptr)};
 }
 
 /// The alternative whose fields stand beside one another in the map; the first key selects it:  file: road.csv,

@@ -82,7 +82,8 @@ void require_name(const std::string& name, NameRule rule) {
 
 namespace form {
 
-Form<double> number(const std::string& unit, const Bounds& bounds) {
+Form<double> number(std::string_view given_unit, const Bounds& bounds) {
+  const std::string unit(given_unit);
   const auto parse = [=](const std::string& text) { return checked_number(text, unit, bounds); };
   auto form = scalar<double>(number_words(unit, bounds), parse, shortest, true);
   form.write = [=](double value) { return yaml_literal(shortest(value), unit_comment(unit)); };
@@ -173,10 +174,19 @@ bool require_size(const Cursor& list, std::size_t least, std::size_t most) {
   return false;
 }
 
+void refuse_word(const std::string& word, const std::vector<std::string>& known, const FormSchema& schema) {
+  throw InvalidInput("'" + word + "' is not known" + did_you_mean(word, known), "", "write one of " + schema.written());
+}
+
 Form<std::string> word(const std::vector<std::string>& known) {
-  std::vector<Choice<std::string>> choices;
-  for (const auto& each : known) choices.push_back({each, each});
-  return choice(choices);
+  const FormSchema schema = choice_schema(known, std::vector<std::string>(known.size()));
+  const auto parse = [=](const std::string& word) -> std::string {
+    if (std::find(known.begin(), known.end(), word) == known.end()) refuse_word(word, known, schema);
+    return word;
+  };
+  auto form = scalar<std::string>(schema.written(), parse, [](const std::string& word) { return word; });
+  form.schema = schema;
+  return form;
 }
 
 }  // namespace form

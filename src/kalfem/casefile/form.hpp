@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -73,12 +74,12 @@ enum class NameRule { name, dotted };
 /// Throws InvalidInput when the name does not follow the rule.
 void require_name(const std::string& name, NameRule rule);
 
-/// A fixed set of words for an enumeration or the kinds that a registry knows.
+/// A word for a value of an enumeration; both texts are literals, which outlive every form.
 template <class T>
 struct Choice {
-  std::string word;
+  std::string_view word;
   T value;
-  std::string meaning{};
+  std::string_view meaning{};
 };
 
 /// Forms, combined freely: list(number("Hz")), named(mapping(fields)).
@@ -103,7 +104,7 @@ Form<T> scalar(const std::string& written, std::function<T(const std::string&)> 
 }
 
 /// A number with a unit; a bare one is SI.
-Form<double> number(const std::string& unit, const Bounds& bounds = {});
+Form<double> number(std::string_view unit, const Bounds& bounds = {});
 /// A whole number.
 Form<int> integer(int low = std::numeric_limits<int>::min(), int high = std::numeric_limits<int>::max());
 /// A seed: a whole number from 0 to 2^64 - 1.
@@ -115,25 +116,27 @@ Form<Quantity> quantity();
 /// A path relative to the case file; becomes absolute. `existing` files must be there.
 Form<std::filesystem::path> path(bool existing = true);
 
+/// Throws InvalidInput for a word that is none of the known ones.
+[[noreturn]] void refuse_word(const std::string& word, const std::vector<std::string>& known, const FormSchema& schema);
+
 /// One of a few words.
 template <class T>
 Form<T> choice(const std::vector<Choice<T>>& choices) {
   std::vector<std::string> words, meanings;
   for (const auto& each : choices) {
-    words.push_back(each.word);
-    meanings.push_back(each.meaning);
+    words.emplace_back(each.word);
+    meanings.emplace_back(each.meaning);
   }
   const FormSchema schema = choice_schema(words, meanings);
   const auto parse = [=](const std::string& word) -> T {
     for (const auto& each : choices)
       if (each.word == word) return each.value;
-    throw InvalidInput("'" + word + "' is not known" + did_you_mean(word, words), "",
-                       "write one of " + schema.written());
+    refuse_word(word, words, schema);
   };
   const auto print = [=](const T& value) {
     const auto found =
         std::find_if(choices.begin(), choices.end(), [&](const auto& each) { return each.value == value; });
-    return found == choices.end() ? std::string() : found->word;
+    return found == choices.end() ? std::string() : std::string(found->word);
   };
   auto form = scalar<T>(schema.written(), parse, print);
   form.schema = schema;

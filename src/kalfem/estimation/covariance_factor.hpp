@@ -4,6 +4,10 @@
 
 namespace kalfem {
 
+/// The difference P - J J^T is wrong by rounding in proportion to P. Widening the variances by a little more than that
+/// keeps it positive semi-definite where a measurement leaves almost nothing of them.
+inline constexpr double rounding_allowance = 1e-13;
+
 /// Lower triangular S with S S^T = P of a symmetric positive semi-definite matrix (lower triangle read): Cholesky, and
 /// where P is singular (states known exactly) a pivoted Cholesky of its correlation matrix, which drops directions of
 /// no variance. False where P has a negative variance beyond rounding (smaller than -1e-9 of the correlation matrix) or

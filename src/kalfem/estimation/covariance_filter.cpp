@@ -4,13 +4,6 @@
 #include "kalfem/estimation/small_kernels.hpp"
 
 namespace kalfem {
-namespace {
-
-/// The difference P - J J^T is wrong by rounding in proportion to P. Widening the variances by a little more than that
-/// keeps it positive semi-definite where a measurement leaves almost nothing of them.
-constexpr double rounding_allowance = 1e-13;
-
-}  // namespace
 
 void CovarianceFilter::reset(const Gaussian& estimate) { estimate_ = estimate; }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kalfem/estimation/covariance_factor.hpp"
 #include "kalfem/estimation/vector_lanes.hpp"
 
 namespace kalfem {
@@ -12,7 +13,6 @@ using Eigen::MatrixXd;
 
 namespace {
 
-constexpr double rounding_allowance = 1e-13;
 constexpr Index divided_from = 48;  ///< tile rows, n = 384: a pass then takes many times what it costs to share it
 constexpr int parts = 4;
 constexpr double negligible = 1e-15;  ///< of the standard deviations' product: what rounding leaves of a zero

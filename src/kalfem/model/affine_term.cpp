@@ -18,12 +18,14 @@ double affine_factor(const AffineTerm& term, const std::map<std::string, double>
   return product;
 }
 
+void add_to(SparseMatrix& sum, const SparseMatrix& matrix) {
+  if (matrix.size() == 0) return;
+  sum = sum.size() == 0 ? matrix : SparseMatrix(sum + matrix);
+}
+
 SparseMatrix evaluate(const std::vector<AffineTerm>& terms, const std::map<std::string, double>& parameters) {
   SparseMatrix sum;
-  for (const auto& term : terms) {
-    const double factor = affine_factor(term, parameters);
-    sum = sum.size() == 0 ? SparseMatrix(factor * term.matrix) : SparseMatrix(sum + factor * term.matrix);
-  }
+  for (const auto& term : terms) add_to(sum, affine_factor(term, parameters) * term.matrix);
   return sum;
 }
 

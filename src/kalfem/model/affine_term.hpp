@@ -17,6 +17,9 @@ struct AffineTerm {
 /// prod_p value_p^power_p. Throws InvalidInput for a parameter without a value.
 double affine_factor(const AffineTerm& term, const std::map<std::string, double>& parameters);
 
+/// sum += matrix; a matrix of 0 x 0 stands for zero.
+void add_to(SparseMatrix& sum, const SparseMatrix& matrix);
+
 /// Sum of terms at the given parameter values, n x n; 0 x 0 without terms.
 /// Throws InvalidInput for a parameter without a value.
 SparseMatrix evaluate(const std::vector<AffineTerm>& terms, const std::map<std::string, double>& parameters);

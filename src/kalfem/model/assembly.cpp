@@ -21,7 +21,7 @@ using Terms = std::map<Powers, SparseMatrix>;
 using Values = std::map<std::string, double>;
 
 /// Of more problems of one kind than this, only the number is told.
-constexpr std::size_t most_told = 20;
+constexpr std::size_t most_cells_told = 20;
 
 template <int columns>
 Eigen::Matrix<double, 3, columns> corners(const Mesh& mesh, const Cell& cell) {
@@ -245,12 +245,13 @@ void Assembler::report(const std::vector<std::pair<Eigen::Index, std::string>>& 
                        IssueList& issues) const {
   const SourceLocation file{model_.mesh.source, 0};
   const std::string title = " of region '" + region + "' cannot be integrated";
-  for (std::size_t i = 0; i < std::min(bad.size(), most_told); ++i) {
+  for (std::size_t i = 0; i < std::min(bad.size(), most_cells_told); ++i) {
     const auto& [index, why] = bad[i];
     issues.add(file, to_string(cell(index).shape) + " " + std::to_string(cell(index).id) + title, why,
                "mend the mesh there");
   }
-  if (bad.size() > most_told) issues.add(file, std::to_string(bad.size() - most_told) + " more cells" + title);
+  if (bad.size() > most_cells_told)
+    issues.add(file, std::to_string(bad.size() - most_cells_told) + " more cells" + title);
 }
 
 void Assembler::add_masses() {

@@ -117,7 +117,7 @@ private:
     Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(6, 6);
     solver.setThreshold(1e-9);
     solver.compute(normal);
-    const Matrix6 determined = solver.solve(Eigen::MatrixXd(normal));
+    const Eigen::MatrixXd determined = solver.solve(Eigen::MatrixXd(normal));
     const Eigen::MatrixXd motion = scale.asDiagonal() * solver.solve(fit);
     for (int direction = 0; direction < 6; ++direction) {
       if (!link.tied[static_cast<std::size_t>(direction)]) continue;

@@ -11,10 +11,10 @@ namespace kalfem {
 namespace {
 
 using Eigen::Vector3d;
-using Places = Eigen::Matrix3Xd;
+using Corners = Eigen::Matrix3Xd;
 
 constexpr double coinciding = 1e9;  ///< aspect ratio where a side has no length
-constexpr std::size_t most_told = 5;
+constexpr std::size_t worst_cells_told = 5;
 
 double degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
 
@@ -173,7 +173,7 @@ RegionQuality region_quality(const Mesh& mesh, const std::string& region, const 
   for (std::size_t m = 0; m < bad.size(); ++m) {
     auto& of = quality.measures[m];
     if (quality.measured > 0) of.mean /= static_cast<double>(quality.measured);
-    const auto told = std::min(most_told, bad[m].size());
+    const auto told = std::min(worst_cells_told, bad[m].size());
     std::ranges::partial_sort(bad[m], bad[m].begin() + static_cast<std::ptrdiff_t>(told));
     for (std::size_t i = 0; i < told; ++i) of.worst_cells.push_back(bad[m][i].second);
   }

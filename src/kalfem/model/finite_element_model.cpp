@@ -9,8 +9,6 @@
 namespace kalfem {
 namespace {
 
-bool is_positive(double value) { return value > 0.0 && std::isfinite(value); }
-
 template <typename Map>
 std::vector<std::string> names_of(const Map& map) {
   std::vector<std::string> names;

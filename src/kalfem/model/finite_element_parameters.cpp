@@ -6,14 +6,9 @@
 namespace kalfem {
 
 using Eigen::Index;
-using Kind = FiniteElementParameter::Kind;
+using FeKind = FiniteElementParameter::Kind;
 
 namespace {
-
-void add_to(SparseMatrix& sum, const SparseMatrix& matrix) {
-  if (matrix.size() == 0) return;
-  sum = sum.size() == 0 ? matrix : SparseMatrix(sum + matrix);
-}
 
 /// d/dp of a sum of terms; 0 x 0 where p is in none of them.
 SparseMatrix derivative_of(const std::vector<AffineTerm>& terms, const std::map<std::string, double>& values,
@@ -46,10 +41,10 @@ std::vector<AffineTerm> projected(const std::vector<AffineTerm>& terms, const st
 }
 
 void apply(FiniteElementDamping& damping, const FiniteElementParameter& parameter, double value) {
-  if (parameter.kind == Kind::mass_factor) damping.rayleigh.mass_factor = value;
-  if (parameter.kind == Kind::stiffness_factor) damping.rayleigh.stiffness_factor = value;
-  if (parameter.kind == Kind::modal_ratio) damping.modal_ratios[parameter.ratio] = value;
-  if (parameter.kind == Kind::all_modal_ratios) std::ranges::fill(damping.modal_ratios, value);
+  if (parameter.kind == FeKind::mass_factor) damping.rayleigh.mass_factor = value;
+  if (parameter.kind == FeKind::stiffness_factor) damping.rayleigh.stiffness_factor = value;
+  if (parameter.kind == FeKind::modal_ratio) damping.modal_ratios[parameter.ratio] = value;
+  if (parameter.kind == FeKind::all_modal_ratios) std::ranges::fill(damping.modal_ratios, value);
 }
 
 bool ends_with_any(const std::string& name, const std::vector<std::string>& ends) {
@@ -61,19 +56,19 @@ bool ends_with_any(const std::string& name, const std::vector<std::string>& ends
 std::vector<std::pair<std::string, FiniteElementParameter>> parameters_of(const AssembledModel& assembled,
                                                                           const FiniteElementDamping& damping) {
   std::vector<std::pair<std::string, FiniteElementParameter>> all;
-  for (const auto& [name, value] : assembled.parameters) all.push_back({name, {Kind::matrix, name, 0}});
-  if (!damping.modal_ratios.empty()) all.push_back({"damping.modal", {Kind::all_modal_ratios, "", 0}});
+  for (const auto& [name, value] : assembled.parameters) all.push_back({name, {FeKind::matrix, name, 0}});
+  if (!damping.modal_ratios.empty()) all.push_back({"damping.modal", {FeKind::all_modal_ratios, "", 0}});
   for (std::size_t i = 0; i < damping.modal_ratios.size(); ++i)
-    all.push_back({"damping.modal." + std::to_string(i + 1), {Kind::modal_ratio, "", i}});
-  all.push_back({"damping.mass_factor", {Kind::mass_factor, "", 0}});
-  all.push_back({"damping.stiffness_factor", {Kind::stiffness_factor, "", 0}});
+    all.push_back({"damping.modal." + std::to_string(i + 1), {FeKind::modal_ratio, "", i}});
+  all.push_back({"damping.mass_factor", {FeKind::mass_factor, "", 0}});
+  all.push_back({"damping.stiffness_factor", {FeKind::stiffness_factor, "", 0}});
   return all;
 }
 
 std::string unit_of(const FiniteElementParameter& parameter) {
-  if (parameter.kind == Kind::mass_factor) return "1/s";
-  if (parameter.kind == Kind::stiffness_factor) return "s";
-  if (parameter.kind != Kind::matrix) return "-";
+  if (parameter.kind == FeKind::mass_factor) return "1/s";
+  if (parameter.kind == FeKind::stiffness_factor) return "s";
+  if (parameter.kind != FeKind::matrix) return "-";
   if (parameter.name.ends_with(".youngs_modulus")) return "Pa";
   if (parameter.name.ends_with(".density")) return "kg/m^3";
   if (parameter.name.ends_with(".thickness")) return "m";
@@ -84,9 +79,9 @@ std::string unit_of(const FiniteElementParameter& parameter) {
 
 double value_of(const AssembledModel& assembled, const FiniteElementDamping& damping,
                 const FiniteElementParameter& parameter) {
-  if (parameter.kind == Kind::mass_factor) return damping.rayleigh.mass_factor;
-  if (parameter.kind == Kind::stiffness_factor) return damping.rayleigh.stiffness_factor;
-  if (parameter.kind != Kind::matrix) return damping.modal_ratios[parameter.ratio];
+  if (parameter.kind == FeKind::mass_factor) return damping.rayleigh.mass_factor;
+  if (parameter.kind == FeKind::stiffness_factor) return damping.rayleigh.stiffness_factor;
+  if (parameter.kind != FeKind::matrix) return damping.modal_ratios[parameter.ratio];
   return assembled.parameters.at(parameter.name);
 }
 
@@ -104,7 +99,7 @@ ParameterisedFiniteElements::ParameterisedFiniteElements(std::shared_ptr<const A
 std::map<std::string, double> ParameterisedFiniteElements::values_at(const Eigen::VectorXd& parameters) const {
   auto values = assembled_->parameters;
   for (const auto& [index, target] : bindings_)
-    if (target.kind == Kind::matrix) values[target.name] = parameters[index];
+    if (target.kind == FeKind::matrix) values[target.name] = parameters[index];
   return values;
 }
 
@@ -138,21 +133,21 @@ std::vector<ModelDerivative> ParameterisedFiniteElements::derivatives(const Eige
   std::vector<ModelDerivative> all(static_cast<std::size_t>(count_));
   for (const auto& [index, target] : bindings_) {
     auto& derivative = all[static_cast<std::size_t>(index)];
-    if (target.kind == Kind::matrix) {
+    if (target.kind == FeKind::matrix) {
       const SparseMatrix stiffness = derivative_of(assembled_->stiffness, values, target.name),
                          mass = derivative_of(assembled_->mass, values, target.name);
       add_to(derivative.stiffness, stiffness);
       add_to(derivative.mass, mass);
       if (alpha != 0.0) add_to(derivative.damping, SparseMatrix(alpha * mass));
       if (beta != 0.0) add_to(derivative.damping, SparseMatrix(beta * stiffness));
-    } else if (target.kind == Kind::mass_factor) {
+    } else if (target.kind == FeKind::mass_factor) {
       add_to(derivative.damping, evaluate(assembled_->mass, values));
-    } else if (target.kind == Kind::stiffness_factor) {
+    } else if (target.kind == FeKind::stiffness_factor) {
       add_to(derivative.damping, evaluate(assembled_->stiffness, values));
     } else {
       derivative.modal_ratios.resize(damping.modal_ratios.size(), 0.0);
       for (std::size_t i = 0; i < damping.modal_ratios.size(); ++i)
-        if (target.kind == Kind::all_modal_ratios || i == target.ratio) derivative.modal_ratios[i] = 1.0;
+        if (target.kind == FeKind::all_modal_ratios || i == target.ratio) derivative.modal_ratios[i] = 1.0;
     }
   }
   return all;
@@ -163,7 +158,7 @@ ParameterisedFiniteElements ParameterisedFiniteElements::in_basis(const Eigen::M
                                                                   const Eigen::VectorXd& parameters) const {
   std::set<std::string> changing;
   for (const auto& [index, target] : bindings_)
-    if (target.kind == Kind::matrix) changing.insert(target.name);
+    if (target.kind == FeKind::matrix) changing.insert(target.name);
   AssembledModel small;
   small.parameters = values_at(parameters);
   small.stiffness = projected(assembled_->stiffness, small.parameters, changing, basis, reduced.stiffness);

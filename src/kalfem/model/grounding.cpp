@@ -9,10 +9,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double rounding = 1e-10;  ///< of a row's force against what cancels in it
+constexpr double strain_rounding = 1e-10;  ///< of a row's force against what cancels in it
 constexpr double stray = 1e-6;
 constexpr double dependent = 1e-9;  ///< of motions that are combinations of others
-constexpr std::size_t most_told = 10;
+constexpr std::size_t most_forces_told = 10;
 
 /// sum_j |K_ij| m_j.
 VectorXd absolute_product(const SparseMatrix& matrix, const VectorXd& magnitudes) {
@@ -72,7 +72,7 @@ Grounding check_grounding(const SparseMatrix& stiffness, const MatrixXd& rigid_m
     auto& motion = grounding.motions[static_cast<std::size_t>(d)];
     motion.exists = sizes[d] > dependent * largest;
     if (motion.exists) motion.largest = relative_forces(stiffness, rigid_motions.col(d)).cwiseAbs().maxCoeff();
-    motion.strained = motion.largest > rounding;
+    motion.strained = motion.largest > strain_rounding;
   }
   const MatrixXd scaled =
       rigid_motions * (sizes.array() > dependent * largest).select(sizes.cwiseInverse(), 0.0).matrix().asDiagonal();
@@ -83,13 +83,13 @@ Grounding check_grounding(const SparseMatrix& stiffness, const MatrixXd& rigid_m
   const MatrixXd basis = qr.householderQ() * MatrixXd::Identity(n, qr.rank());
   const MatrixXd forces = relative_forces(stiffness, basis);
   const Eigen::JacobiSVD<MatrixXd> combinations(triangle(forces));
-  grounding.free = static_cast<int>((combinations.singularValues().array() < rounding).count());
+  grounding.free = static_cast<int>((combinations.singularValues().array() < strain_rounding).count());
   for (Index i = 0; i < n; ++i)
     if (const double ratio = forces.row(i).cwiseAbs().maxCoeff(); ratio > stray && !held[static_cast<std::size_t>(i)])
       grounding.stray.push_back({i, ratio});
   grounding.stray_count = static_cast<Index>(grounding.stray.size());
   std::ranges::sort(grounding.stray, std::greater{}, &StrayForce::ratio);
-  if (grounding.stray.size() > most_told) grounding.stray.resize(most_told);
+  if (grounding.stray.size() > most_forces_told) grounding.stray.resize(most_forces_told);
   return grounding;
 }
 

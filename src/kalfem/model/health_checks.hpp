@@ -4,6 +4,9 @@
 
 namespace kalfem::health {
 
+/// So many names are listed in a finding.
+inline constexpr std::size_t most_named = 8;
+
 /// Number in the form in which findings tell it: "2.1e+11".
 std::string told(double value);
 /// "a, b, c and 17 more" of the first few of `count` names.

@@ -14,7 +14,6 @@ using Topic = HealthTopic;
 
 constexpr double least_size = 5e-3, most_size = 500.0;  ///< of a structure that is tested for vibration [m]
 constexpr double much_stiffer = 1e6;
-constexpr std::size_t most_named = 8;
 
 struct KindName {
   std::string operator()(const ShellProperty&) const { return "shell"; }

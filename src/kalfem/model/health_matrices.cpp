@@ -15,7 +15,7 @@ using Topic = HealthTopic;
 
 constexpr double visible_asymmetry = 1e-9;
 constexpr double small_part = 1e-10;  ///< of the diagonal, added so that a singular matrix counts as semi-definite
-constexpr std::size_t most_told = 5;
+constexpr std::size_t most_dofs_told = 5;
 constexpr std::array motion_names = {"along x", "along y", "along z", "about x", "about y", "about z"};
 
 double largest_entry(const SparseMatrix& matrix) {
@@ -38,7 +38,7 @@ std::string told(double value) {
 
 std::string listed(const std::vector<std::string>& names, Index count) {
   std::string text;
-  const std::size_t first = std::min(names.size(), most_told);
+  const std::size_t first = std::min(names.size(), most_dofs_told);
   for (std::size_t i = 0; i < first; ++i) text += (i == 0 ? "" : ", ") + names[i];
   if (const auto more = count - static_cast<Index>(first); more > 0) text += " and " + std::to_string(more) + " more";
   return text;
@@ -90,7 +90,7 @@ MatrixHealth check_matrix(const SparseMatrix& matrix, const std::string& name, H
   for (Index i = 0; i < diagonal.size(); ++i) {
     if (diagonal[i] == 0.0) ++health.empty_diagonal;
     if (diagonal[i] >= 0.0) continue;
-    if (negative.size() < most_told) negative.push_back(dofs[static_cast<std::size_t>(i)]);
+    if (negative.size() < most_dofs_told) negative.push_back(dofs[static_cast<std::size_t>(i)]);
     ++health.negative_diagonal;
   }
   if (health.negative_diagonal > 0) {

@@ -14,7 +14,7 @@ using Eigen::Index;
 using Severity = HealthSeverity;
 using Topic = HealthTopic;
 
-constexpr std::size_t most_shown = 1000, most_named = 8;
+constexpr std::size_t most_shown = 1000;
 
 std::string node_name(const Mesh& mesh, Index node) {
   return "n" + std::to_string(mesh.node_ids[static_cast<std::size_t>(node)]);

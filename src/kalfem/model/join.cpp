@@ -11,21 +11,21 @@ namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
-using Places = std::vector<Index>;  ///< of a part's degrees of freedom in the assembly
+using Positions = std::vector<Index>;  ///< of a part's degrees of freedom in the assembly
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
 /// The names of the assembly, and where each part's degrees of freedom are in it.
 struct Numbering {
   std::vector<std::string> names;
   std::unordered_map<std::string, Index> places;
-  std::vector<Places> of_part;
+  std::vector<Positions> of_part;
 };
 
 Numbering numbered(const std::vector<const LinearModel*>& parts) {
   Numbering numbering;
   IssueList issues;
   for (const LinearModel* part : parts) {
-    Places places;
+    Positions places;
     std::vector<bool> met(numbering.names.size() + part->dofs.size(), false);
     for (const auto& name : part->dofs) {
       const auto [found, added] = numbering.places.emplace(name, static_cast<Index>(numbering.names.size()));
@@ -41,7 +41,7 @@ Numbering numbered(const std::vector<const LinearModel*>& parts) {
   return numbering;
 }
 
-void add(const SparseMatrix& matrix, const Places& places, Triplets& sum) {
+void add(const SparseMatrix& matrix, const Positions& places, Triplets& sum) {
   for (Index column = 0; column < matrix.outerSize(); ++column)
     for (SparseMatrix::InnerIterator it(matrix, column); it; ++it)
       sum.emplace_back(places[static_cast<std::size_t>(it.row())], places[static_cast<std::size_t>(column)],
@@ -74,7 +74,7 @@ void add_modal_damping_of_parts(const std::vector<const LinearModel*>& parts, co
   joined.damping += damping;
 }
 
-VectorXd placed(const VectorXd& values, const Places& places, Index size) {
+VectorXd placed(const VectorXd& values, const Positions& places, Index size) {
   VectorXd all = VectorXd::Zero(size);
   for (Index i = 0; i < values.size(); ++i) all[places[static_cast<std::size_t>(i)]] = values[i];
   return all;

@@ -9,7 +9,6 @@
 namespace kalfem {
 namespace {
 
-bool is_positive(double value) { return value > 0.0 && std::isfinite(value); }
 bool is_modulus_or_default(double value) { return value >= 0.0 && std::isfinite(value); }
 
 void check(const OrthotropicSheet& sheet, const std::string& title, IssueList& issues) {

@@ -2,16 +2,14 @@
 
 #include <algorithm>
 
+#include "kalfem/model/affine_term.hpp"
+
 namespace kalfem {
 
 using Eigen::Index;
 using Kind = LumpedParameter::Kind;
 
 namespace {
-
-void add_to(SparseMatrix& sum, const SparseMatrix& matrix) {
-  sum = sum.size() == 0 ? matrix : SparseMatrix(sum + matrix);
-}
 
 /// The substructure with nothing in it but the parameter, at 1: its matrices are the derivatives.
 LumpedSubstructure unit_substructure(LumpedSubstructure substructure, const LumpedParameter& parameter) {

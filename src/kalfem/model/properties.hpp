@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <variant>
@@ -10,6 +11,9 @@
 #include "kalfem/model/elements/element.hpp"
 
 namespace kalfem {
+
+/// What a modulus, a thickness or a mass has to be; not true of NaN and infinity.
+inline bool is_positive(double value) { return value > 0.0 && std::isfinite(value); }
 
 /// Linear elastic, the same in all directions.
 struct IsotropicMaterial {

@@ -8,7 +8,7 @@ namespace kalfem {
 namespace {
 
 /// A coefficient below this share of the equation's largest is rounding.
-constexpr double rounding = 1e-11;
+constexpr double coefficient_rounding = 1e-11;
 
 double largest(const std::map<NodalDof, double>& terms) {
   double value = 0.0;
@@ -36,7 +36,7 @@ bool ReducedEquations::add(const std::string& name, const Terms& given, std::opt
     for (const auto& [other, share] : rows_[earlier->second].terms) terms[other] -= coefficient * share;
     terms.erase(dof);
   }
-  drop_below(terms, rounding * scale);
+  drop_below(terms, coefficient_rounding * scale);
   if (terms.empty()) return false;
 
   const double top = largest(terms);
@@ -49,7 +49,7 @@ bool ReducedEquations::add(const std::string& name, const Terms& given, std::opt
             })->first;
   const double divisor = terms.at(pivot);
   for (auto& [dof, coefficient] : terms) coefficient /= divisor;
-  drop_below(terms, rounding * largest(terms));
+  drop_below(terms, coefficient_rounding * largest(terms));
 
   const std::size_t index = rows_.size();
   for (const std::size_t row : rows_with_[pivot]) {
@@ -62,7 +62,7 @@ bool ReducedEquations::add(const std::string& name, const Terms& given, std::opt
       rows_with_[dof].push_back(row);
     }
     others.erase(pivot);
-    drop_below(others, rounding * largest(others));
+    drop_below(others, coefficient_rounding * largest(others));
   }
   for (const auto& [dof, coefficient] : terms) rows_with_[dof].push_back(index);
   row_of_pivot_[pivot] = index;

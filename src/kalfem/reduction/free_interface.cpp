@@ -22,7 +22,7 @@ namespace {
 constexpr double same_motion = 1e-9;     ///< a rigid-body motion that moves the boundary less than this moves it not
 constexpr double no_flexibility = 1e-9;  ///< of the residual flexibility scaled to a unit diagonal
 
-void check(const ModeSelection& selection) {
+void require_free_modes(const ModeSelection& selection) {
   IssueList issues;
   if (selection.effective_mass)
     issues.add({}, "a free-interface reduction is to keep modes for a part of the mass",
@@ -150,7 +150,7 @@ double comparison_band(const ReductionEvidence& evidence, const FreeInterfaceOpt
 Superelement free_interface(const LinearModel& model, const std::vector<std::string>& boundary,
                             const FreeInterfaceOptions& options) {
   const Stopwatch watch;
-  check(options.modes);
+  require_free_modes(options.modes);
   const std::vector<std::string> names = joined(boundary, options.also_kept);
   const Partition parts = partition(model, names);
   const FreeModes free = free_modes(model, options.modes);

@@ -13,8 +13,6 @@ using Eigen::VectorXd;
 
 constexpr Index curve_points = 201;
 
-std::vector<double> values(const VectorXd& vector) { return {vector.begin(), vector.end()}; }
-
 /// Force of a law without memory at given deformations and rates.
 VectorXd force(const ConnectorLaw& law, const VectorXd& parameters, const VectorXd& deformation, const VectorXd& rate) {
   const Index n = deformation.size();

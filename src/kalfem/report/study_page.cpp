@@ -18,8 +18,6 @@ using Eigen::VectorXd;
 
 constexpr double band_probability = 0.95;
 
-std::vector<double> values(const VectorXd& vector) { return {vector.begin(), vector.end()}; }
-
 std::vector<double> times(const TimeSeries& series) {
   std::vector<double> t(static_cast<std::size_t>(series.samples()));
   for (std::size_t k = 0; k < t.size(); ++k) t[k] = series.time(static_cast<Index>(k));

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "kalfem/base/version.hpp"
+#include "kalfem/report/json_number.hpp"
 #include "kalfem/report/updating_summary.hpp"
 
 namespace kalfem {
@@ -11,9 +12,6 @@ namespace kalfem {
 using Json = nlohmann::ordered_json;
 
 namespace {
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
 
 Json reduction_summary(const Superelement& superelement) {
   const auto& evidence = superelement.evidence;

@@ -10,8 +10,6 @@
 namespace kalfem {
 namespace {
 
-std::string per_cent(double ratio) { return std::isfinite(ratio) ? fmt::format("{:.2f} %", 100.0 * ratio) : "-"; }
-
 const char* short_name(ObservedQuantity quantity) {
   switch (quantity) {
     case ObservedQuantity::displacement:
@@ -53,6 +51,8 @@ bool shown(const Study& study, const std::string& point) {
   return !of_elements || wanted.empty() ||
          std::ranges::any_of(wanted, [&](const auto& name) { return name.value == point; });
 }
+
+std::string per_cent(double ratio) { return std::isfinite(ratio) ? fmt::format("{:.2f} %", 100.0 * ratio) : "-"; }
 
 std::string four_digits(double value) { return std::isfinite(value) ? fmt::format("{:.4g}", value) : "-"; }
 

@@ -28,5 +28,7 @@ std::string to_text(const Table& table);
 
 /// Four significant digits.
 std::string four_digits(double value);
+/// A ratio with two decimals, "-" where it is not finite.
+std::string per_cent(double ratio);
 
 }  // namespace kalfem

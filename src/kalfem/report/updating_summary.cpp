@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "kalfem/report/json_number.hpp"
 #include "kalfem/report/updating_tables.hpp"
 
 namespace kalfem {
@@ -10,9 +11,6 @@ using Eigen::Index;
 using Json = nlohmann::ordered_json;
 
 namespace {
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
 
 Json numbers(const Eigen::Ref<const Eigen::VectorXd>& values) {
   Json list = Json::array();

@@ -12,7 +12,6 @@ using Eigen::Index;
 
 namespace {
 
-std::string per_cent(double ratio) { return std::isfinite(ratio) ? fmt::format("{:.2f} %", 100.0 * ratio) : "-"; }
 std::string signed_per_cent(double ratio) {
   return std::isfinite(ratio) ? fmt::format("{:+.2f} %", 100.0 * ratio) : "-";
 }

@@ -143,7 +143,8 @@ MatrixXd nearest_orthonormal(const MatrixXd& columns) {
 VectorXd fit_derivative(const MatrixXd& A, const MatrixXd& dA, const VectorXd& coefficients, const VectorXd& misfit) {
   const auto gram = (A.transpose() * A).completeOrthogonalDecomposition();
   const VectorXd moved = dA * coefficients;
-  return moved - A * gram.solve(A.transpose() * moved + dA.transpose() * misfit);
+  const VectorXd change = gram.solve(VectorXd(A.transpose() * moved + dA.transpose() * misfit));
+  return moved - A * change;
 }
 
 }  // namespace

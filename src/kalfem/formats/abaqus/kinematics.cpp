@@ -33,7 +33,7 @@ Eigen::MatrixXd mean_motion(const Mesh& mesh, const WeightedLink& link, Kinemati
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(6, 6);
   solver.setThreshold(1e-9);
   solver.compute(normal);
-  const Matrix6 determined = solver.solve(Eigen::MatrixXd(normal));
+  const Eigen::MatrixXd determined = solver.solve(Eigen::MatrixXd(normal));
   for (Index d = 0; d < 6; ++d) open[static_cast<std::size_t>(d)] = std::abs(determined(d, d) - 1.0) > 1e-6;
   return scale.asDiagonal() * solver.solve(fit);
 }

@@ -186,13 +186,21 @@ struct Sums {
   Eigen::Matrix4d shares = Eigen::Matrix4d::Zero();  ///< int N_i N_j dA
 };
 
+/// The rotation that carries a unit vector into another, not the opposite one, about the normal of both:
+///     R = I + [w] + [w]^2 / (1 + from . to),   w = from x to.
+Eigen::Matrix3d shortest_turn(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  const Eigen::Vector3d w = from.cross(to);
+  const Eigen::Matrix3d cross{{0.0, -w.z(), w.y()}, {w.z(), 0.0, -w.x()}, {-w.y(), w.x(), 0.0}};
+  return Eigen::Matrix3d::Identity() + cross + cross * cross / (1.0 + from.dot(to));
+}
+
 /// Orthonormal axes in the tangent plane of the centre; those of another place are turned the shortest way from these.
 struct Frame {
   Eigen::Vector3d normal;
   Axes axes;
 
   [[nodiscard]] Axes at(const Eigen::Vector3d& other_normal) const {
-    return Eigen::Quaterniond::FromTwoVectors(normal, other_normal).toRotationMatrix() * axes;
+    return shortest_turn(normal, other_normal) * axes;
   }
 };
 
@@ -218,7 +226,7 @@ public:
     mixed_ += area * modes.transpose() * stresses;
     modal_ += area * modes.transpose() * section_.membrane * modes;
   }
-  [[nodiscard]] Matrix24 condensed() const { return nodal_ - mixed_.transpose() * modal_.ldlt().solve(mixed_); }
+  [[nodiscard]] Matrix24 condensed() const { return nodal_ - mixed_.transpose() * modal_.llt().solve(mixed_); }
 
 private:
   const ShellStiffness& section_;

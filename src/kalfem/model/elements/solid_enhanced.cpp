@@ -79,7 +79,8 @@ Eigen::MatrixXd condensed(const std::vector<EnhancedPoint>& points, const Matrix
     coupling.noalias() += point.modes.transpose() * stresses;
     inner.noalias() += point.modes.transpose() * (point.volume * elasticity * point.modes);
   }
-  return stiffness - coupling.transpose() * inner.llt().solve(coupling);
+  const Eigen::MatrixXd amounts = inner.llt().solve(coupling);
+  return stiffness - coupling.transpose() * amounts;
 }
 
 /// Tangents at the centre of gravity of the natural shape.

@@ -11,7 +11,7 @@ struct WeightedPlace {
   Eigen::Vector3d place;
   double weight = 0.0;
 };
-using Places = std::vector<WeightedPlace>;
+using Points = std::vector<WeightedPlace>;
 
 /// Gauss points on -1 <= t <= 1.
 std::vector<std::pair<double, double>> gauss(int count) {
@@ -31,15 +31,15 @@ std::vector<std::pair<double, double>> gauss(int count) {
 }
 
 /// Three points at (b, b), (a, b) and (b, a) with a = 1 - 2 b.
-void add_triple(Places& places, double b, double weight) {
+void add_triple(Points& places, double b, double weight) {
   const double a = 1.0 - 2.0 * b;
   for (const auto& [r, s] : {std::pair{b, b}, std::pair{a, b}, std::pair{b, a}})
     places.push_back({{r, s, 0.0}, weight});
 }
 
 /// Points of degree 1, 2 or 5 on the triangle.
-Places triangle(int count) {
-  Places places;
+Points triangle_points(int count) {
+  Points places;
   if (count == 3) {
     add_triple(places, 1.0 / 6.0, 1.0 / 6.0);
     return places;
@@ -54,15 +54,15 @@ Places triangle(int count) {
 
 /// Four points near the corners (or, for b above a quarter, near the faces), each with three of its volume coordinates
 /// equal to b.
-void add_quadruple(Places& places, double b, double weight) {
+void add_quadruple(Points& places, double b, double weight) {
   const double a = 1.0 - 3.0 * b;
   for (const auto& place : {Eigen::Vector3d(b, b, b), {a, b, b}, {b, a, b}, {b, b, a}})
     places.push_back({place, weight});
 }
 
 /// Points of degree 1, 2 or 5 on the tetrahedron.
-Places tetrahedron(int count) {
-  Places places;
+Points tetrahedron_points(int count) {
+  Points places;
   if (count == 4) {
     add_quadruple(places, (5.0 - std::sqrt(5.0)) / 20.0, 1.0 / 24.0);
     return places;
@@ -78,47 +78,47 @@ Places tetrahedron(int count) {
   return places;
 }
 
-Places wedge(int in_triangle, int along) {
-  Places places;
+Points wedge_points(int in_triangle, int along) {
+  Points places;
   for (const auto& [t, weight] : gauss(along))
-    for (const auto& point : triangle(in_triangle))
+    for (const auto& point : triangle_points(in_triangle))
       places.push_back({{point.place.x(), point.place.y(), t}, weight * point.weight});
   return places;
 }
 
-Places hexahedron(int along) {
-  Places places;
+Points hexahedron_points(int along) {
+  Points places;
   for (const auto& [t, weight_t] : gauss(along))
     for (const auto& [s, weight_s] : gauss(along))
       for (const auto& [r, weight_r] : gauss(along)) places.push_back({{r, s, t}, weight_r * weight_s * weight_t});
   return places;
 }
 
-Places corners_of(CellShape shape) {
-  Places places;
+Points corner_points(CellShape shape) {
+  Points places;
   const auto nodes = natural_nodes(shape);
   for (int i = 0; i < corner_count(shape); ++i) places.push_back({nodes.col(i), 0.0});
   return places;
 }
 
-Places places_of(CellShape shape, RulePurpose purpose) {
-  if (purpose == RulePurpose::corners) return corners_of(shape);
+Points places_of(CellShape shape, RulePurpose purpose) {
+  if (purpose == RulePurpose::corners) return corner_points(shape);
   const auto pick = [&](int strain, int reduced, int mass) {
     return purpose == RulePurpose::strain ? strain : purpose == RulePurpose::reduced_strain ? reduced : mass;
   };
   switch (shape) {
     case CellShape::tetrahedron4:
-      return tetrahedron(pick(1, 1, 4));
+      return tetrahedron_points(pick(1, 1, 4));
     case CellShape::tetrahedron10:
-      return tetrahedron(pick(4, 4, 15));
+      return tetrahedron_points(pick(4, 4, 15));
     case CellShape::wedge6:
-      return wedge(pick(3, 1, 7), pick(2, 2, 3));
+      return wedge_points(pick(3, 1, 7), pick(2, 2, 3));
     case CellShape::wedge15:
-      return wedge(pick(3, 3, 7), pick(3, 2, 4));
+      return wedge_points(pick(3, 3, 7), pick(3, 2, 4));
     case CellShape::hexahedron8:
-      return hexahedron(pick(2, 1, 3));
+      return hexahedron_points(pick(2, 1, 3));
     default:
-      return hexahedron(pick(3, 2, 4));
+      return hexahedron_points(pick(3, 2, 4));
   }
 }
 

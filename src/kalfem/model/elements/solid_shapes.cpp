@@ -1,8 +1,8 @@
 #include "kalfem/model/elements/solid_shapes.hpp"
 
 #include <array>
-#include <span>
-#include <utility>
+
+#include "kalfem/model/cell_corners.hpp"
 
 namespace kalfem {
 namespace {
@@ -21,14 +21,6 @@ Function operator*(const Function& a, const Function& b) {
   return {a.value * b.value, a.value * b.slope + b.value * a.slope};
 }
 
-using Side = std::pair<int, int>;
-
-// Sides with a middle node, by their corners.
-constexpr std::array<Side, 6> tetrahedron_sides = {{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}};
-constexpr std::array<Side, 9> wedge_sides = {{{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}}};
-constexpr std::array<Side, 12> hexahedron_sides = {
-    {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6}, {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
-
 /// Natural coordinates of a place as functions.
 std::array<Function, 3> coordinates(const Eigen::Vector3d& place) {
   return {{{place[0], Eigen::Vector3d::UnitX()},
@@ -41,7 +33,7 @@ Function tetrahedron_function(const Eigen::Vector3d& place, int node, bool quadr
   const std::array<Function, 4> volumes = {1.0 - (r + s + t), r, s, t};
   const auto volume = [&](int corner) { return volumes[static_cast<std::size_t>(corner)]; };
   if (node >= 4) {
-    const auto [a, b] = tetrahedron_sides[static_cast<std::size_t>(node - 4)];
+    const auto [a, b] = corner_sides(CellShape::tetrahedron10)[static_cast<std::size_t>(node - 4)];
     return 4.0 * volume(a) * volume(b);
   }
   return quadratic ? volume(node) * (-1.0 + 2.0 * volume(node)) : volume(node);
@@ -56,7 +48,7 @@ Function wedge_function(const Eigen::Vector3d& place, int node, bool quadratic) 
     const Function linear = 0.5 * (area(node) * toward(node));
     return quadratic ? linear * (-3.0 + 2.0 * area(node) + toward(node)) : linear;
   }
-  const auto [a, b] = wedge_sides[static_cast<std::size_t>(node - 6)];
+  const auto [a, b] = corner_sides(CellShape::wedge15)[static_cast<std::size_t>(node - 6)];
   return node < 12 ? 2.0 * area(a) * area(b) * toward(a) : area(a) * (1.0 - t * t);
 }
 
@@ -90,7 +82,7 @@ Function shape_function(CellShape shape, const Eigen::Vector3d& place, int node)
   }
 }
 
-SolidNodes corners_of(CellShape shape) {
+SolidNodes corner_nodes(CellShape shape) {
   SolidNodes corners(3, corner_count(shape));
   switch (corner_count(shape)) {
     case 4:
@@ -104,19 +96,6 @@ SolidNodes corners_of(CellShape shape) {
       break;
   }
   return corners;
-}
-
-std::span<const Side> sides_of(CellShape shape) {
-  switch (shape) {
-    case CellShape::tetrahedron10:
-      return tetrahedron_sides;
-    case CellShape::wedge15:
-      return wedge_sides;
-    case CellShape::hexahedron20:
-      return hexahedron_sides;
-    default:
-      return {};
-  }
 }
 
 }  // namespace
@@ -133,11 +112,12 @@ ShapeFunctions solid_shape_functions(CellShape shape, const Eigen::Vector3d& pla
 }
 
 SolidNodes natural_nodes(CellShape shape) {
-  const SolidNodes corners = corners_of(shape);
+  const SolidNodes corners = corner_nodes(shape);
   SolidNodes nodes(3, node_count(shape));
   nodes.leftCols(corners.cols()) = corners;
   Eigen::Index column = corners.cols();
-  for (const auto& [a, b] : sides_of(shape)) nodes.col(column++) = 0.5 * (corners.col(a) + corners.col(b));
+  if (nodes.cols() > column)  // middle nodes
+    for (const auto& [a, b] : corner_sides(shape)) nodes.col(column++) = 0.5 * (corners.col(a) + corners.col(b));
   return nodes;
 }
 

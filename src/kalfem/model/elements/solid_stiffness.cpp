@@ -19,7 +19,7 @@ double softest_modulus(const Matrix6& elasticity) {
   const double root = std::sqrt(2.0);
   const auto scale = (Vector6() << 1.0, 1.0, 1.0, root, root, root).finished();
   const Matrix6 tensor = scale.asDiagonal() * elasticity * scale.asDiagonal();
-  return Eigen::SelfAdjointEigenSolver<Matrix6>(tensor, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(tensor, Eigen::EigenvaluesOnly).eigenvalues()[0];
 }
 
 /// du/dx + dv/dy + dw/dz per nodal motion.
