@@ -13,13 +13,13 @@ std::filesystem::path data_folder() {
   return given ? std::filesystem::path(given) : std::filesystem::path(KALFEM_SOURCE_DIR) / ".." / "shared" / "data";
 }
 
-struct Run {
+struct RigRun {
   const char* key;
   double sprung_limit, unsprung_limit;
   bool loaded = false;
 };
 
-nlohmann::json estimate(const Run& run) {
+nlohmann::json estimate(const RigRun& run) {
   const auto folder = fresh_folder(std::string("halfcar-") + run.key);
   setenv("HALFCAR_RUN", run.key, 1);
   setenv("BODY_MASS", run.loaded ? "473.77" : "433", 1);
@@ -30,7 +30,7 @@ nlohmann::json estimate(const Run& run) {
   return read_summary(folder / "out");
 }
 
-class HalfCar : public testing::TestWithParam<Run> {
+class HalfCar : public testing::TestWithParam<RigRun> {
 protected:
   void SetUp() override {
     if (!std::filesystem::exists(data_folder() / "halfcar-rig" / "halfcar_500Hz.h5"))
@@ -39,7 +39,7 @@ protected:
   }
 };
 
-void expect_reproduced(const nlohmann::json& summary, const Run& run) {
+void expect_reproduced(const nlohmann::json& summary, const RigRun& run) {
   const auto& open_loop = summary["estimation"]["open_loop"];
   for (const char* side : {"LH", "RH"}) {
     const auto &sprung = open_loop[std::string("sprung_") + side],
@@ -53,15 +53,15 @@ void expect_reproduced(const nlohmann::json& summary, const Run& run) {
 TEST_P(HalfCar, OpenLoopReproducesTheRecord) { expect_reproduced(estimate(GetParam()), GetParam()); }
 
 INSTANTIATE_TEST_SUITE_P(Runs, HalfCar,
-                         testing::Values(Run{"Centre_p0000_m200_t5_r1", 0.07, 0.20, true},
-                                         Run{"Centre_p1000_m000_t3_r1", 0.12, 0.20},
-                                         Run{"LHS_p0000_m000_t16_r1", 0.12, 0.20},
-                                         Run{"LHS_p2000_m000_t20_r1", 0.12, 0.20}));
+                         testing::Values(RigRun{"Centre_p0000_m200_t5_r1", 0.07, 0.20, true},
+                                         RigRun{"Centre_p1000_m000_t3_r1", 0.12, 0.20},
+                                         RigRun{"LHS_p0000_m000_t16_r1", 0.12, 0.20},
+                                         RigRun{"LHS_p2000_m000_t20_r1", 0.12, 0.20}));
 
 class HalfCarRepeats : public HalfCar {};
 
 TEST_P(HalfCarRepeats, AreReproducedWithTheSameStiffness) {
-  const Run first_run{"Centre_p0000_m000_t1.1_r1", 0.07, 0.20};
+  const RigRun first_run{"Centre_p0000_m000_t1.1_r1", 0.07, 0.20};
   const auto first = estimate(first_run), second = estimate(GetParam());
   expect_reproduced(first, first_run);
   expect_reproduced(second, GetParam());
@@ -72,7 +72,7 @@ TEST_P(HalfCarRepeats, AreReproducedWithTheSameStiffness) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Runs, HalfCarRepeats, testing::Values(Run{"Centre_p0000_m000_t1.1_r2", 0.07, 0.20}));
+INSTANTIATE_TEST_SUITE_P(Runs, HalfCarRepeats, testing::Values(RigRun{"Centre_p0000_m000_t1.1_r2", 0.07, 0.20}));
 
 }  // namespace
 }  // namespace kalfem::test
