@@ -31,10 +31,8 @@ target_link_libraries(kalfem_flags INTERFACE Eigen3::Eigen)
 # A fixed alignment keeps Eigen's types the same in the library and in programs compiled with other processor flags.
 target_compile_definitions(kalfem_flags INTERFACE EIGEN_MAX_ALIGN_BYTES=64)
 
-# Files that are compiled together see one another's names, which no local one hides by mistake: GCC is asked about locals.
 add_library(kalfem_private_flags INTERFACE)
-target_compile_options(kalfem_private_flags INTERFACE -Wall -Wextra -Wpedantic $<IF:$<CXX_COMPILER_ID:GNU>,-Wshadow=local,-Wshadow> -Wno-deprecated-enum-enum-conversion -Wno-uninitialized -Wno-maybe-uninitialized -Wno-stringop-overflow -Wno-array-bounds -Wno-restrict -Wno-stringop-overread
-                       -Wno-free-nonheap-object
+target_compile_options(kalfem_private_flags INTERFACE -Wall -Wextra -Wpedantic -Wno-deprecated-enum-enum-conversion -Wno-uninitialized -Wno-maybe-uninitialized -Wno-stringop-overflow -Wno-array-bounds -Wno-restrict -Wno-stringop-overread
                        -fno-math-errno -fPIC)
 if(KALFEM_NATIVE AND NOT KALFEM_SANITIZE)
   target_compile_options(kalfem_private_flags INTERFACE -march=native)

@@ -15,9 +15,10 @@ set(KALFEM_EIGEN_INSTANCES ${PROJECT_SOURCE_DIR}/src/kalfem/base/eigen_instances
 # Settings of the stages that compute, and of the rim, which reads and writes and is compiled for a short build.
 add_library(kalfem_stage_settings INTERFACE)
 target_link_libraries(kalfem_stage_settings INTERFACE kalfem_flags kalfem_private_flags)
+target_compile_options(kalfem_stage_settings INTERFACE -Wshadow)
 add_library(kalfem_rim_settings INTERFACE)
 target_link_libraries(kalfem_rim_settings INTERFACE kalfem_flags kalfem_private_flags)
-target_compile_options(kalfem_rim_settings INTERFACE $<$<CONFIG:Release>:-O1>)
+target_compile_options(kalfem_rim_settings INTERFACE -Wshadow $<$<CONFIG:Release>:-O1>)
 set(KALFEM_COMMON_HEADERS ${KALFEM_EIGEN_INSTANCES} <Eigen/Sparse> <string> <vector> <map> <memory> <optional> <functional> <algorithm>)
 kalfem_precompiled(kalfem_stage_headers SETTINGS kalfem_stage_settings HEADERS ${KALFEM_COMMON_HEADERS})
 kalfem_precompiled(kalfem_rim_headers SETTINGS kalfem_rim_settings
@@ -26,7 +27,7 @@ kalfem_precompiled(kalfem_rim_headers SETTINGS kalfem_rim_settings
 kalfem_precompiled(kalfem_case_headers SETTINGS kalfem_rim_settings
                    HEADERS ${KALFEM_COMMON_HEADERS} ${PROJECT_SOURCE_DIR}/src/kalfem/casefile/study.hpp)
 
-option(KALFEM_GROUPED "compile files eight at a time: half of the time from scratch; OFF to work on one file at a time" ON)
+option(KALFEM_GROUPED "compile files eight at a time, for a short build from scratch; OFF to work on one file at a time" ON)
 
 # kalfem_grouped(<target> [ALONE <source> ...]): eight files are compiled as one, except those that stay alone: large or
 # tuned ones, and those that include what others must not see.
@@ -69,7 +70,9 @@ endfunction()
 function(kalfem_test_headers)
   add_library(kalfem_test_settings INTERFACE)
   target_link_libraries(kalfem_test_settings INTERFACE kalfem_flags kalfem_private_flags GTest::gtest)
-  target_compile_options(kalfem_test_settings INTERFACE $<$<CONFIG:Release>:-O1>)
+  # A test's local name may be that of a constant of another test compiled with it: GCC is asked about locals only.
+  target_compile_options(kalfem_test_settings INTERFACE $<IF:$<CXX_COMPILER_ID:GNU>,-Wshadow=local,-Wshadow>
+                                                        $<$<CONFIG:Release>:-O1>)
   target_compile_definitions(kalfem_test_settings INTERFACE KALFEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                                             KALFEM_COMMAND="${CMAKE_BINARY_DIR}/bin/kalfem")
   kalfem_precompiled(kalfem_test_headers SETTINGS kalfem_test_settings

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "kalfem/report/series_values.hpp"
+
 namespace kalfem {
 namespace {
 
@@ -59,9 +61,9 @@ public:
     const VectorXd width =
         normal_quantile(0.975) * ((slope * covariance_).cwiseProduct(slope)).rowwise().sum().cwiseMax(0.0).cwiseSqrt();
     return {.label = "identified, 95 %",
-            .y = values(mean),
-            .lower = values(mean - width),
-            .upper = values(mean + width),
+            .y = series_values(mean),
+            .lower = series_values(mean - width),
+            .upper = series_values(mean + width),
             .role = Role::estimate};
   }
 
@@ -97,12 +99,13 @@ Chart characteristic(const Study& study, const EstimationStage& stage, Index ind
               .caption = over_rate ? "At zero deformation." : "At rest.",
               .x_label = over_rate ? "deformation rate [m/s]" : "deformation [m]",
               .y_label = "force [N]",
-              .x = values(x),
+              .x = series_values(x),
               .series = {IdentifiedConnector(stage, index).curve(deformation, rate)},
               .half_width = true};
   if (const auto* truth = true_connector(study, connector.name))
-    chart.series.push_back(
-        {.label = "true", .y = values(force(*truth->law, truth->parameters, deformation, rate)), .role = Role::truth});
+    chart.series.push_back({.label = "true",
+                            .y = series_values(force(*truth->law, truth->parameters, deformation, rate)),
+                            .role = Role::truth});
   return chart;
 }
 
@@ -117,15 +120,15 @@ Chart path(const EstimationStage& stage, const std::string& name) {
               .x_label = "deformation [m]",
               .y_label = "force [N]",
               .series = {{.label = "estimated",
-                          .y = values(force_history->mean.tail(count)),
+                          .y = series_values(force_history->mean.tail(count)),
                           .role = Role::estimate,
-                          .x = values(deformation->mean.tail(count))}},
+                          .x = series_values(deformation->mean.tail(count))}},
               .scatter = true};
   if (force_history->truth.size() > 0 && deformation->truth.size() > 0)
     chart.series.push_back({.label = "true",
-                            .y = values(force_history->truth.tail(count)),
+                            .y = series_values(force_history->truth.tail(count)),
                             .role = Role::truth,
-                            .x = values(deformation->truth.tail(count))});
+                            .x = series_values(deformation->truth.tail(count))});
   return chart;
 }
 

@@ -9,7 +9,4 @@ namespace kalfem {
 /// (identified with its 95 % band, and true) where the law has no memory, and the path that it went.
 Section connectors_section(const Study& study, const EstimationStage& stage);
 
-/// The entries of a vector, as a series holds them.
-inline std::vector<double> values(const Eigen::VectorXd& vector) { return {vector.begin(), vector.end()}; }
-
 }  // namespace kalfem

@@ -6,6 +6,7 @@
 
 #include "kalfem/report/connector_charts.hpp"
 #include "kalfem/report/health_section.hpp"
+#include "kalfem/report/series_values.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/report/updating_section.hpp"
 #include "kalfem/report/updating_tables.hpp"
@@ -25,11 +26,11 @@ std::vector<double> times(const TimeSeries& series) {
 }
 
 Series with_band(const std::string& label, const VectorXd& mean, const VectorXd& deviation, Role role) {
-  Series series{.label = label, .y = values(mean), .role = role};
+  Series series{.label = label, .y = series_values(mean), .role = role};
   if (deviation.size() == 0) return series;
   const double width = normal_quantile(0.5 * (1.0 + band_probability));
-  series.lower = values(mean - width * deviation);
-  series.upper = values(mean + width * deviation);
+  series.lower = series_values(mean - width * deviation);
+  series.upper = series_values(mean + width * deviation);
   return series;
 }
 
@@ -40,7 +41,7 @@ Section parameters_section(const Study& study, const EstimationStage& stage) {
     const auto index = static_cast<std::size_t>(i);
     const auto& unknown = stage.observer->options().unknowns[index];
     Series estimate{
-        .label = "estimate", .y = values(stage.result.unknowns.mean.row(i).transpose()), .role = Role::estimate};
+        .label = "estimate", .y = series_values(stage.result.unknowns.mean.row(i).transpose()), .role = Role::estimate};
     for (Index k = 0; k < stage.result.unknowns.mean.cols(); ++k) {
       const auto interval =
           confidence_interval(unknown.transform, stage.result.state.mean(layout.unknown() + i, k),
@@ -87,7 +88,7 @@ Chart motion_chart(const Study& study, const EstimationStage& stage, const Point
               .x = times(stage.measurements),
               .series = {with_band("estimate", point.mean, point.deviation, Role::estimate)}};
   if (point.truth.size() > 0)
-    chart.series.push_back({.label = "simulated", .y = values(point.truth), .role = Role::truth});
+    chart.series.push_back({.label = "simulated", .y = series_values(point.truth), .role = Role::truth});
   if (point.nrmse)
     chart.caption =
         fmt::format("NRMSE {:.3f} % after {} s.", 100.0 * *point.nrmse, four_digits(study.given.estimate->settle));
@@ -122,10 +123,10 @@ Section prediction_section(const Study& study, const EstimationStage& estimation
                 .x_label = "time [s]",
                 .y_label = "acceleration [m/s^2]",
                 .x = times(estimation.measurements),
-                .series = {{.label = "predicted", .y = values(point.mean), .role = Role::predicted}},
+                .series = {{.label = "predicted", .y = series_values(point.mean), .role = Role::predicted}},
                 .half_width = true};
     if (point.truth.size() > 0)
-      chart.series.push_back({.label = "simulated", .y = values(point.truth), .role = Role::truth});
+      chart.series.push_back({.label = "simulated", .y = series_values(point.truth), .role = Role::truth});
     if (point.nrmse) chart.caption = fmt::format("NRMSE {:.2f} %.", 100.0 * *point.nrmse);
     if (from < chart.x.back())
       chart.x_window = AxisRange{from, std::min(from + study.given.report.zoom, chart.x.back())};
@@ -168,17 +169,19 @@ Section consistency_section(const EstimationStage& stage) {
     const auto row = static_cast<Index>(i);
     const auto& channel = stage.measurements.channels[i];
     const VectorXd zero = VectorXd::Zero(stage.result.innovation.cols());
-    section.items.emplace_back(Chart{
-        .id = "innovation-" + channel.name,
-        .title = "Innovation of " + channel.name,
-        .caption = fmt::format("RMS / noise = {:.3f}.", stage.consistency.innovation_to_noise[row]),
-        .x_label = "time [s]",
-        .y_label = "innovation [" + channel.unit + "]",
-        .x = times(stage.measurements),
-        .series =
-            {{.label = "innovation", .y = values(stage.result.innovation.row(row).transpose()), .role = Role::measured},
-             with_band("expected 95 %", zero, stage.result.innovation_deviation.row(row).transpose(), Role::limit)},
-        .half_width = true});
+    section.items.emplace_back(
+        Chart{.id = "innovation-" + channel.name,
+              .title = "Innovation of " + channel.name,
+              .caption = fmt::format("RMS / noise = {:.3f}.", stage.consistency.innovation_to_noise[row]),
+              .x_label = "time [s]",
+              .y_label = "innovation [" + channel.unit + "]",
+              .x = times(stage.measurements),
+              .series = {{.label = "innovation",
+                          .y = series_values(stage.result.innovation.row(row).transpose()),
+                          .role = Role::measured},
+                         with_band("expected 95 %", zero, stage.result.innovation_deviation.row(row).transpose(),
+                                   Role::limit)},
+              .half_width = true});
   }
   return section;
 }
@@ -196,8 +199,9 @@ Section open_loop_section(const EstimationStage& stage) {
         .x_label = "time [s]",
         .y_label = "[" + channel.unit + "]",
         .x = times(stage.measurements),
-        .series = {{.label = "measured", .y = values(stage.measurements.values.col(column)), .role = Role::measured},
-                   {.label = "simulated", .y = values(stage.open_loop_sensors.col(column)), .role = Role::predicted}}});
+        .series = {
+            {.label = "measured", .y = series_values(stage.measurements.values.col(column)), .role = Role::measured},
+            {.label = "simulated", .y = series_values(stage.open_loop_sensors.col(column)), .role = Role::predicted}}});
   }
   return section;
 }
@@ -230,8 +234,9 @@ Section simulation_section(const SimulationStage& stage) {
         .x_label = "time [s]",
         .y_label = "[" + channel.unit + "]",
         .x = times(stage.measurements),
-        .series = {{.label = "recorded", .y = values(stage.measurements.values.col(column)), .role = Role::measured},
-                   {.label = "without noise", .y = values(stage.reference.sensors.col(column)), .role = Role::truth}},
+        .series =
+            {{.label = "recorded", .y = series_values(stage.measurements.values.col(column)), .role = Role::measured},
+             {.label = "without noise", .y = series_values(stage.reference.sensors.col(column)), .role = Role::truth}},
         .half_width = true});
   }
   return section;

@@ -105,7 +105,9 @@ MatrixXd blind_directions(const Linearised& problem, double widening, const Para
     const bool null = sigma <= options.rank_tolerance * svd.singularValues()[0];
     const bool below_prior = prior > options.poor_ratio * std::hypot(told, prior);
     const bool below_scale = std::hypot(told, prior) * options.poor_deviation < 1.0;
-    if (null || below_prior || below_scale) found(seen, blind++) = svd.matrixV().col(k);
+    if (!null && !below_prior && !below_scale) continue;
+    for (std::size_t i = 0; i < seen.size(); ++i) found(seen[i], blind) = svd.matrixV()(static_cast<Index>(i), k);
+    ++blind;
   }
   found.conservativeResize(Eigen::NoChange, blind);
   make_sparse(found);
