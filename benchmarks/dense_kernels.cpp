@@ -1,6 +1,7 @@
 #include "dense_kernels.hpp"
 
 #include "blas_copy.hpp"
+#include "kalfem/base/independent.hpp"
 #include "kalfem/estimation/small_kernels.hpp"
 
 namespace kalfem::benchmarks {
@@ -80,7 +81,7 @@ void scale_quarters(VectorXd& buffer) {
   const double factor = one;
   const Index quarter = buffer.size() / 4;
   double *a = buffer.data(), *b = a + quarter, *c = b + quarter, *d = c + quarter;
-#pragma GCC ivdep
+KALFEM_INDEPENDENT
   for (Index i = 0; i < quarter; ++i) {
     a[i] *= factor;
     b[i] *= factor;

@@ -15,7 +15,7 @@ set(KALFEM_EIGEN_INSTANCES ${PROJECT_SOURCE_DIR}/src/kalfem/base/eigen_instances
 # Settings of the stages that compute, and of the rim, which reads and writes and is compiled for a short build.
 add_library(kalfem_stage_settings INTERFACE)
 target_link_libraries(kalfem_stage_settings INTERFACE kalfem_flags kalfem_private_flags)
-target_compile_options(kalfem_stage_settings INTERFACE -Wshadow)
+target_compile_options(kalfem_stage_settings INTERFACE -Wshadow $<$<CONFIG:Release>:-O2>)
 add_library(kalfem_rim_settings INTERFACE)
 target_link_libraries(kalfem_rim_settings INTERFACE kalfem_flags kalfem_private_flags)
 target_compile_options(kalfem_rim_settings INTERFACE -Wshadow $<$<CONFIG:Release>:-O1>)
@@ -70,8 +70,8 @@ endfunction()
 function(kalfem_test_headers)
   add_library(kalfem_test_settings INTERFACE)
   target_link_libraries(kalfem_test_settings INTERFACE kalfem_flags kalfem_private_flags GTest::gtest)
-  # A test's local name may be that of a constant of another test compiled with it: GCC is asked about locals only.
-  target_compile_options(kalfem_test_settings INTERFACE $<IF:$<CXX_COMPILER_ID:GNU>,-Wshadow=local,-Wshadow>
+  # A test's local name may be that of a constant of another test compiled with it: GCC is asked about locals only, clang not.
+  target_compile_options(kalfem_test_settings INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wshadow=local>
                                                         $<$<CONFIG:Release>:-O1>)
   target_compile_definitions(kalfem_test_settings INTERFACE KALFEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                                             KALFEM_COMMAND="${CMAKE_BINARY_DIR}/bin/kalfem")
@@ -80,12 +80,13 @@ function(kalfem_test_headers)
 endfunction()
 
 # kalfem_test(<name> USES <stage> ... [OF <stem> ...] [ALONE <stem> ...] [SOURCES ...] [LIBRARIES ...] [LABELS ...]
-#             [TIMEOUT s])
+#             [TIMEOUT s] [WHOLE])
 #
 # A GoogleTest program <name>_test in tests/<folder> of the files <stem>_test.cpp, of <name>_test.cpp without any; files
-# under ALONE are not compiled with others. Every TEST in it becomes a ctest entry.
+# under ALONE are not compiled with others. Every TEST in it becomes a ctest entry; WHOLE: the program is one, for a
+# thousand tests that are each over before a process has started. BLAS keeps to one thread, as tests run side by side.
 function(kalfem_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "OF;ALONE;SOURCES;USES;LIBRARIES;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "WHOLE" "TIMEOUT" "OF;ALONE;SOURCES;USES;LIBRARIES;LABELS" ${ARGN})
   if(NOT ARG_OF AND NOT ARG_ALONE)
     set(ARG_OF ${name})
   endif()
@@ -105,6 +106,12 @@ function(kalfem_test name)
   target_link_libraries(${name}_test PRIVATE ${ARG_USES} ${ARG_LIBRARIES} GTest::gtest_main kalfem_test_settings)
   target_precompile_headers(${name}_test REUSE_FROM kalfem_test_headers)
   set_target_properties(${name}_test PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
-  gtest_discover_tests(${name}_test DISCOVERY_MODE PRE_TEST NO_PRETTY_VALUES PROPERTIES TIMEOUT ${ARG_TIMEOUT} COST ${cost}
-                       LABELS "${ARG_LABELS}")
+  set(properties TIMEOUT ${ARG_TIMEOUT} COST ${cost} ENVIRONMENT OPENBLAS_NUM_THREADS=1)
+  if(ARG_WHOLE)
+    add_test(NAME ${name} COMMAND ${name}_test)
+    set_tests_properties(${name} PROPERTIES ${properties} LABELS "${ARG_LABELS}")
+  else()
+    gtest_discover_tests(${name}_test DISCOVERY_MODE PRE_TEST NO_PRETTY_VALUES
+                         PROPERTIES ${properties} LABELS "${ARG_LABELS}")
+  endif()
 endfunction()

@@ -18,6 +18,12 @@ TEST(Spectrum, ErrorOutsideTheBandDoesNotCount) {
   EXPECT_GT(nrmse_in_band(estimate, reference, 1000.0, {0.5, 200.0}), 2.0);
 }
 
+/// 3,989 is a prime: the transform is taken at 4,000.
+TEST(Spectrum, LengthDoesNotMatter) {
+  const Eigen::VectorXd reference = sine(2.0, 20.3).head(3989), estimate = reference + sine(0.1, 30.7).head(3989);
+  EXPECT_NEAR(nrmse_in_band(estimate, reference, 1000.0, {0.5, 40.0}), 0.05, 1e-5);
+}
+
 TEST(Spectrum, NothingInTheBandIsNoNumber) {
   EXPECT_TRUE(std::isnan(nrmse_in_band(sine(1.0, 20.0), Eigen::VectorXd::Zero(4000), 1000.0, {1.0, 40.0})));
 }

@@ -43,6 +43,6 @@ struct Matrices {
   }
 };
 
-inline const std::string deck_steel = "*MATERIAL, NAME=steel\n*ELASTIC\n2.1e11, 0.3\n*DENSITY\n7850.\n";
+const std::string deck_steel = "*MATERIAL, NAME=steel\n*ELASTIC\n2.1e11, 0.3\n*DENSITY\n7850.\n";
 
 }  // namespace kalfem

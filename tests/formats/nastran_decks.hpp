@@ -11,7 +11,7 @@
 namespace kalfem::test {
 
 /// Material 1 of most decks.
-inline const std::string aluminium = "MAT1,1,7.E10,,.3,2700.\n";
+const std::string aluminium = "MAT1,1,7.E10,,.3,2700.\n";
 
 inline Deck nastran(const std::string& text) { return parse_nastran(text, "deck.bdf"); }
 

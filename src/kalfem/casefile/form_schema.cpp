@@ -5,7 +5,9 @@
 
 namespace kalfem {
 
+namespace {
 using Json = nlohmann::ordered_json;
+}
 
 FormSchema::FormSchema() : FormSchema(Json::object()) {}
 FormSchema::FormSchema(Json json) : json_(std::make_shared<const Json>(std::move(json))) {}

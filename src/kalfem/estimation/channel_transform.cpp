@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "kalfem/base/independent.hpp"
+
 namespace kalfem {
 
 using Eigen::Index;
@@ -48,7 +50,7 @@ void ChannelTransform::place_points(const VectorXd& centre, const MatrixXd& dire
     const double middle = in_(0, j) = centre[j];
     const double* deviation = directions.data() + j;
     double *plus = &in_(0, j) + 1, *minus = plus + k;
-#pragma GCC ivdep
+    KALFEM_INDEPENDENT
     for (Index i = 0; i < k; ++i) {
       plus[i] = middle + spread * deviation[i * q];
       minus[i] = middle - spread * deviation[i * q];
@@ -65,11 +67,10 @@ void ChannelTransform::gather(const UnscentedWeights& weights) {
   for (Index j = 0; j < p; ++j) {
     const double *up = &out_(0, j) + 1, *down = up + k;
     double sum = 0.0;
-#pragma GCC ivdep
     for (Index i = 0; i < 2 * k; ++i) sum += up[i];
     const double centre = mean_[j] = weights.mean_centre * out_(0, j) + weights.other * sum;
     double *delta = delta_.data() + j * k, *sigma = &sigma_(0, j);
-#pragma GCC ivdep
+    KALFEM_INDEPENDENT
     for (Index i = 0; i < k; ++i) {
       delta[i] = (up[i] - down[i]) * difference;
       sigma[i] = (0.5 * (up[i] + down[i]) - centre) * root;

@@ -7,13 +7,13 @@
 
 namespace kalfem {
 
+namespace {
+
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Severity = HealthSeverity;
 using Topic = HealthTopic;
-
-namespace {
 
 constexpr double same_mass = 1e-3;
 

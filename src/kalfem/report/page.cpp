@@ -94,7 +94,7 @@ private:
   std::string html(const Section& section) {
     const std::string id = "section-" + std::to_string(++sections_);
     std::string items;
-    for (const auto& item : section.items) items += std::visit([this](const auto& it) { return html(it); }, item);
+    for (const auto& item : section.items) items += std::visit([this](const auto& it) { return this->html(it); }, item);
     return element("section", "id=\"" + id + "\" aria-labelledby=\"" + id + "-heading\"",
                    text_element("h2", "id=\"" + id + "-heading\"", section.heading) + paragraphs(section.text) +
                        element("div", "class=\"items\"", items));

@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "kalfem/base/independent.hpp"
 #include "kalfem/system/connector_response.hpp"
 #include "kalfem/system/force_correction.hpp"
 
@@ -39,7 +40,7 @@ void add_scaled(double factor, const ArrayXXd& from, Index from_column, ArrayXXd
   if (factor == 0.0) return;
   const double* in = &from(0, from_column);
   double* out = &to(0, to_column);
-#pragma GCC ivdep
+  KALFEM_INDEPENDENT
   for (Index i = 0; i < to.rows(); ++i) out[i] += factor * in[i];
 }
 

@@ -16,8 +16,8 @@ struct GapKernel {
     const double over = in.d - gap_upper, under = -in.d - gap_lower;
     const double push_upper = k_stop * (over > 0.0 ? over : 0.0) + c_stop * in.v;
     const double push_lower = k_stop * (under > 0.0 ? under : 0.0) - c_stop * in.v;
-    const double upper = (over > 0.0) & (push_upper > 0.0) ? 1.0 : 0.0;
-    const double lower = (under > 0.0) & (push_lower > 0.0) ? 1.0 : 0.0;
+    const double upper = ((over > 0.0) & (push_upper > 0.0)) ? 1.0 : 0.0;
+    const double lower = ((under > 0.0) & (push_lower > 0.0)) ? 1.0 : 0.0;
     return {.force = k * in.d + c * in.v + upper * push_upper - lower * push_lower,
             .stiffness = k + (upper + lower) * k_stop,
             .damping = c + (upper + lower) * c_stop,

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "kalfem/base/independent.hpp"
 #include "kalfem/system/connector_law.hpp"
 
 namespace kalfem {
@@ -84,7 +85,7 @@ private:
            *inertance = out.inertance.data();
     const double duration = in.duration;
     const Kernel kernel = kernel_;  // a copy of its own cannot alias the outputs
-#pragma GCC ivdep
+    KALFEM_INDEPENDENT
     for (Eigen::Index i = 0; i < count; ++i) {
       const KernelOutput<S> answer =
           kernel(KernelInput<P, S>{.p = {p[i + static_cast<Eigen::Index>(j) * p_stride]...},
