@@ -81,7 +81,7 @@ void scale_quarters(VectorXd& buffer) {
   const double factor = one;
   const Index quarter = buffer.size() / 4;
   double *a = buffer.data(), *b = a + quarter, *c = b + quarter, *d = c + quarter;
-KALFEM_INDEPENDENT
+  KALFEM_INDEPENDENT
   for (Index i = 0; i < quarter; ++i) {
     a[i] *= factor;
     b[i] *= factor;

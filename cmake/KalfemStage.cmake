@@ -83,8 +83,9 @@ endfunction()
 #             [TIMEOUT s] [WHOLE])
 #
 # A GoogleTest program <name>_test in tests/<folder> of the files <stem>_test.cpp, of <name>_test.cpp without any; files
-# under ALONE are not compiled with others. Every TEST in it becomes a ctest entry; WHOLE: the program is one, for a
-# thousand tests that are each over before a process has started. BLAS keeps to one thread, as tests run side by side.
+# under ALONE are not compiled with others. Every TEST in it becomes a ctest entry; WHOLE: the program is one entry,
+# for a thousand tests that are each over before a process has started, or for tests that share a long set-up. BLAS keeps
+# to one thread, as tests run side by side.
 function(kalfem_test name)
   cmake_parse_arguments(ARG "WHOLE" "TIMEOUT" "OF;ALONE;SOURCES;USES;LIBRARIES;LABELS" ${ARGN})
   if(NOT ARG_OF AND NOT ARG_ALONE)
