@@ -66,28 +66,42 @@ function(kalfem_stage name)
   set_property(GLOBAL APPEND PROPERTY KALFEM_STAGES ${target})
 endfunction()
 
+# kalfem_tested_library(): all stages in one shared library, to which tests are linked. It keeps to its own copies of
+# templates: without that, those of a test that is compiled for a short build would take the place of the library's.
+function(kalfem_tested_library)
+  get_property(stages GLOBAL PROPERTY KALFEM_STAGES)
+  add_library(kalfem_tested SHARED)
+  foreach(stage ${stages})
+    target_sources(kalfem_tested PRIVATE $<TARGET_OBJECTS:${stage}>)
+  endforeach()
+  set_target_properties(kalfem_tested PROPERTIES LINKER_LANGUAGE CXX)
+  target_link_libraries(kalfem_tested PUBLIC kalfem_flags PRIVATE ${stages})
+  target_include_directories(kalfem_tested PUBLIC ${PROJECT_SOURCE_DIR}/src)
+  target_link_options(kalfem_tested PRIVATE -Wl,-Bsymbolic)
+endfunction()
+
 # kalfem_test_headers(): the one precompiled header of all tests, and the settings that they share with it.
 function(kalfem_test_headers)
   add_library(kalfem_test_settings INTERFACE)
   target_link_libraries(kalfem_test_settings INTERFACE kalfem_flags kalfem_private_flags GTest::gtest)
   # A test's local name may be that of a constant of another test compiled with it: GCC is asked about locals only, clang not.
-  target_compile_options(kalfem_test_settings INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wshadow=local>
-                                                        $<$<CONFIG:Release>:-O1>)
+  target_compile_options(kalfem_test_settings INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wshadow=local>)
   target_compile_definitions(kalfem_test_settings INTERFACE KALFEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                                             KALFEM_COMMAND="${CMAKE_BINARY_DIR}/bin/kalfem")
   kalfem_precompiled(kalfem_test_headers SETTINGS kalfem_test_settings
                      HEADERS <gtest/gtest.h> ${KALFEM_EIGEN_INSTANCES} <Eigen/Sparse> <string> <vector> <map> <optional> <algorithm>)
+  target_compile_options(kalfem_test_headers PRIVATE $<$<CONFIG:Release>:-O0>)
 endfunction()
 
 # kalfem_test(<name> USES <stage> ... [OF <stem> ...] [ALONE <stem> ...] [SOURCES ...] [LIBRARIES ...] [LABELS ...]
-#             [TIMEOUT s] [WHOLE])
+#             [TIMEOUT s] [WHOLE] [OPTIMISED])
 #
 # A GoogleTest program <name>_test in tests/<folder> of the files <stem>_test.cpp, of <name>_test.cpp without any; files
 # under ALONE are not compiled with others. Every TEST in it becomes a ctest entry; WHOLE: the program is one entry,
-# for a thousand tests that are each over before a process has started, or for tests that share a long set-up. BLAS keeps
-# to one thread, as tests run side by side.
+# for a thousand tests that are each over before a process has started, or for tests that share a long set-up.
+# OPTIMISED: the tests compute for long themselves. BLAS keeps to one thread, as tests run side by side.
 function(kalfem_test name)
-  cmake_parse_arguments(ARG "WHOLE" "TIMEOUT" "OF;ALONE;SOURCES;USES;LIBRARIES;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "WHOLE;OPTIMISED" "TIMEOUT" "OF;ALONE;SOURCES;USES;LIBRARIES;LABELS" ${ARGN})
   if(NOT ARG_OF AND NOT ARG_ALONE)
     set(ARG_OF ${name})
   endif()
@@ -102,10 +116,14 @@ function(kalfem_test name)
   endif()
   add_executable(${name}_test ${ARG_OF} ${ARG_ALONE} ${ARG_SOURCES})
   kalfem_grouped(${name}_test ALONE ${ARG_ALONE})
-  list(TRANSFORM ARG_USES PREPEND kalfem_)
   target_include_directories(${name}_test PRIVATE ${PROJECT_SOURCE_DIR}/tests)
-  target_link_libraries(${name}_test PRIVATE ${ARG_USES} ${ARG_LIBRARIES} GTest::gtest_main kalfem_test_settings)
-  target_precompile_headers(${name}_test REUSE_FROM kalfem_test_headers)
+  target_link_libraries(${name}_test PRIVATE kalfem_tested ${ARG_LIBRARIES} GTest::gtest_main kalfem_test_settings)
+  if(ARG_OPTIMISED)
+    target_compile_options(${name}_test PRIVATE $<$<CONFIG:Release>:-O1>)
+  else()
+    target_compile_options(${name}_test PRIVATE $<$<CONFIG:Release>:-O0>)
+    target_precompile_headers(${name}_test REUSE_FROM kalfem_test_headers)
+  endif()
   set_target_properties(${name}_test PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   set(properties TIMEOUT ${ARG_TIMEOUT} COST ${cost} ENVIRONMENT OPENBLAS_NUM_THREADS=1)
   if(ARG_WHOLE)

@@ -1,5 +1,6 @@
 #include "kalfem/base/worker_pool.hpp"
 
+#include <gtest/gtest.h>
 #include <numeric>
 
 namespace kalfem {

@@ -1,5 +1,7 @@
 #include "kalfem/dynamics/damped_mode_split.hpp"
 
+#include <gtest/gtest.h>
+
 #include "dynamics/closed_forms.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
 

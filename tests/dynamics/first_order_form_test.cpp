@@ -1,5 +1,6 @@
 #include "kalfem/dynamics/first_order_form.hpp"
 
+#include <gtest/gtest.h>
 #include <limits>
 
 #include "dynamics/closed_forms.hpp"

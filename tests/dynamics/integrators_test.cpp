@@ -1,3 +1,5 @@
+#include <gtest/gtest.h>
+
 #include "dynamics/closed_forms.hpp"
 #include "kalfem/system/signals/harmonic.hpp"
 

@@ -1,5 +1,7 @@
 #include "kalfem/dynamics/matched_poles.hpp"
 
+#include <gtest/gtest.h>
+
 #include "dynamics/closed_forms.hpp"
 
 namespace kalfem {

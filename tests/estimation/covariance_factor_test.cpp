@@ -1,5 +1,6 @@
 #include "kalfem/estimation/covariance_factor.hpp"
 
+#include <gtest/gtest.h>
 #include <limits>
 
 #include "estimation/brute_force.hpp"

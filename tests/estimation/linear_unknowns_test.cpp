@@ -1,3 +1,5 @@
+#include <gtest/gtest.h>
+
 #include "estimation/chain_model.hpp"
 #include "kalfem/estimation/filter_choice.hpp"
 #include "kalfem/estimation/observer_maps.hpp"

@@ -1,5 +1,7 @@
 #include "kalfem/estimation/partially_linear_filter.hpp"
 
+#include <gtest/gtest.h>
+
 #include "estimation/brute_force.hpp"
 #include "estimation/chain_model.hpp"
 #include "kalfem/estimation/covariance_filter.hpp"

@@ -1,3 +1,5 @@
+#include <gtest/gtest.h>
+
 #include "estimation/brute_force.hpp"
 #include "estimation/kalman_filter.hpp"
 #include "estimation/linear_chain.hpp"

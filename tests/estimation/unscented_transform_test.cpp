@@ -1,5 +1,6 @@
 #include "kalfem/estimation/unscented_transform.hpp"
 
+#include <gtest/gtest.h>
 #include <cmath>
 
 #include "estimation/brute_force.hpp"

@@ -1,5 +1,6 @@
 #include "kalfem/formats/free_response.hpp"
 
+#include <gtest/gtest.h>
 #include <cmath>
 #include <limits>
 #include <random>

@@ -1,5 +1,6 @@
 #include "kalfem/formats/hdf5_file.hpp"
 
+#include <gtest/gtest.h>
 #include <filesystem>
 #include <fstream>
 #include <limits>

@@ -1,5 +1,6 @@
 #include "kalfem/formats/record_splice.hpp"
 
+#include <gtest/gtest.h>
 #include <cmath>
 #include <limits>
 #include <random>

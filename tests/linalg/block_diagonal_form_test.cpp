@@ -1,5 +1,7 @@
 #include "kalfem/linalg/block_diagonal_form.hpp"
 
+#include <gtest/gtest.h>
+
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/random.hpp"
 

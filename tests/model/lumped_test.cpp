@@ -1,5 +1,6 @@
 #include "kalfem/model/lumped.hpp"
 
+#include <gtest/gtest.h>
 #include <cmath>
 #include <limits>
 

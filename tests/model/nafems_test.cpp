@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <sstream>
 
@@ -158,10 +160,13 @@ Mesh sphere_octant(int n, CellShape shape) {
   const Eigen::Vector3d middle = (x + y + z).normalized();
   Mesh mesh;
   mesh.source = "octant";
+  std::map<std::array<long, 3>, Eigen::Index> node_of;  // of places in millionths of the radius
   const auto node_at = [&](const Eigen::Vector3d& place) {
-    for (Eigen::Index i = 0; i < mesh.node_count(); ++i)
-      if ((mesh.nodes.col(i) - place).norm() < 1e-6) return i;
-    return add_node(mesh, place);
+    const std::array<long, 3> rounded{std::lround(1e6 * place.x()), std::lround(1e6 * place.y()),
+                                      std::lround(1e6 * place.z())};
+    const auto [known, is_new] = node_of.try_emplace(rounded);
+    if (is_new) known->second = add_node(mesh, place);
+    return known->second;
   };
   for (const auto& [a, b, c] : {std::tuple{x, y, z}, std::tuple{y, z, x}, std::tuple{z, x, y}}) {
     const Eigen::Vector3d ab = (a + b).normalized(), ac = (a + c).normalized();

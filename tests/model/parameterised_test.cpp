@@ -1,3 +1,5 @@
+#include <gtest/gtest.h>
+
 #include <cmath>
 
 #include "kalfem/model/finite_element_parameters.hpp"

@@ -1,5 +1,7 @@
 #include "kalfem/prediction/base_driven.hpp"
 
+#include <gtest/gtest.h>
+
 #include "dynamics/closed_forms.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
 

@@ -1,5 +1,6 @@
 #include "kalfem/report/page.hpp"
 
+#include <gtest/gtest.h>
 #include <sys/wait.h>
 
 #include <array>

@@ -1,5 +1,6 @@
 #include "kalfem/system/connector_forces.hpp"
 
+#include <gtest/gtest.h>
 #include <cmath>
 #include <limits>
 

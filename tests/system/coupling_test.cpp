@@ -1,5 +1,6 @@
 #include "kalfem/system/coupling.hpp"
 
+#include <gtest/gtest.h>
 #include <cmath>
 #include <limits>
 

@@ -1,5 +1,7 @@
 #include "kalfem/system/output_map.hpp"
 
+#include <gtest/gtest.h>
+
 #include "kalfem/base/random.hpp"
 #include "system/small_systems.hpp"
 

@@ -1,5 +1,6 @@
 #include "kalfem/updating/evolution.hpp"
 
+#include <gtest/gtest.h>
 #include <cmath>
 #include <numbers>
 

@@ -1,5 +1,6 @@
 #include "kalfem/updating/gauss_newton.hpp"
 
+#include <gtest/gtest.h>
 #include <cmath>
 #include <random>
 #include <set>

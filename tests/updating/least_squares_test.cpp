@@ -1,5 +1,7 @@
 #include "kalfem/updating/least_squares.hpp"
 
+#include <gtest/gtest.h>
+
 #include "updating/nist_problems.hpp"
 
 namespace kalfem {

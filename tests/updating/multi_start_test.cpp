@@ -1,5 +1,6 @@
 #include "kalfem/updating/multi_start.hpp"
 
+#include <gtest/gtest.h>
 #include <cmath>
 #include <set>
 

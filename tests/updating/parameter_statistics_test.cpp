@@ -1,5 +1,6 @@
 #include "kalfem/updating/parameter_statistics.hpp"
 
+#include <gtest/gtest.h>
 #include <cmath>
 
 #include "kalfem/base/invalid_input.hpp"

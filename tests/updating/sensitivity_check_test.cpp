@@ -1,5 +1,6 @@
 #include "kalfem/updating/sensitivity_check.hpp"
 
+#include <gtest/gtest.h>
 #include <cmath>
 
 #include "updating/nist_problems.hpp"
