@@ -26,7 +26,7 @@ void print_laws() {
 }  // namespace
 
 ExitCode schema(bool as_json, bool laws) {
-  const auto document = json_schema(description::case_form().schema, "kalfem case file");
+  const auto document = json_schema(description::case_form().schema(), "kalfem case file");
   if (laws)
     print_laws();
   else if (as_json)

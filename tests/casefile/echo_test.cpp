@@ -43,7 +43,7 @@ TEST(Echo, NumbersKeepEveryBit) {
 }
 
 TEST(Schema, IsAJsonSchemaOfTheTable) {
-  const auto schema = nlohmann::ordered_json::parse(json_schema(study_form().schema, "kalfem case").dump());
+  const auto schema = nlohmann::ordered_json::parse(json_schema(study_form().schema(), "kalfem case").dump());
   EXPECT_EQ(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
   EXPECT_EQ(schema["required"], nlohmann::ordered_json({"substructures"}));
   EXPECT_EQ(schema["additionalProperties"], false);
@@ -65,7 +65,7 @@ TEST(Schema, IsAJsonSchemaOfTheTable) {
 }
 
 TEST(Schema, ReferenceTextNamesEveryKeyWithItsMeaning) {
-  const std::string text = reference_text(study_form().schema.json());
+  const std::string text = reference_text(study_form().schema().json());
   for (const char* part : {"simulate:", "  duration: number [s] > 0 (required)", "length of the record",
                            "(default 1000)", "<name>:", "random: (one of random | file)", "channel: text (with file)",
                            "iterations: whole number in [1, 100] (default 10)", "list of 2: number [Hz]", "= newmark",

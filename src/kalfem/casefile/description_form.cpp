@@ -10,15 +10,13 @@ Form<Name> name() { return located(text()); }
 Form<Value> value() { return located(quantity()); }
 
 Form<Points> points(const std::string& short_name) {
-  auto single = convert<Named<double>, std::string>(
-      text(),
+  const auto single = convert<Named<double>>(
+      written_as(short_name, text()),
       [](const std::string& point) {
         return Named<double>{{point, 1.0}};
       },
       [](const Named<double>& points) { return points.front().first; });
-  single.schema = single.schema.written_as(short_name);
-  auto sum = named(number("-"), NameRule::dotted);
-  sum.schema = sum.schema.written_as("{" + short_name + ": weight, ...}");
+  const auto sum = written_as("{" + short_name + ": weight, ...}", named(number("-"), NameRule::dotted));
   return located(either(single, sum));
 }
 
@@ -107,12 +105,12 @@ Form<std::vector<ChainStage>> measurement_chain() {
     }
     return written;
   };
-  return convert<std::vector<ChainStage>, std::vector<Stage>>(list(stage), to, from);
+  return convert<std::vector<ChainStage>>(list(stage), to, from);
 }
 
 template <ObservedQuantity Q>
 kalfem::Case<Observed<Q>> observing(std::string_view key, std::string_view target, std::string_view meaning) {
-  const auto form = convert<Observed<Q>, Points>(
+  const auto form = convert<Observed<Q>>(
       points(std::string(target)), [](const Points& given) { return Observed<Q>{given}; },
       [](const Observed<Q>& observed) { return observed.points; });
   return when(key, form, meaning);

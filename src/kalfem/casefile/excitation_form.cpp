@@ -13,7 +13,7 @@ Form<double> hertz() { return number("Hz", Bounds::nonnegative()); }
 template <class T>
 kalfem::Case<T> target(std::string_view key, Name T::*member, std::string_view meaning) {
   return when(key,
-              convert<T, Name>(
+              convert<T>(
                   name(),
                   [=](const Name& given) {
                     T t;
@@ -26,7 +26,7 @@ kalfem::Case<T> target(std::string_view key, Name T::*member, std::string_view m
 
 kalfem::Case<BaseAcceleration> base_acceleration() {
   return when("base_acceleration",
-              convert<BaseAcceleration, Points>(
+              convert<BaseAcceleration>(
                   points("all"), [](const Points& given) { return BaseAcceleration{given}; },
                   [](const BaseAcceleration& target) { return target.direction; }),
               "accelerate the whole ground: `all` degrees of freedom alike, or a weight each; displacements are then "
@@ -66,7 +66,7 @@ Form<Excitation> excitation() {
                     choice<PulseShape>({{"half_sine", PulseShape::half_sine, "for forces"},
                                         {"smooth", PulseShape::smooth, "for base displacements"}}),
                     "of the pulse");
-  const auto road_class = convert<char, std::string>(
+  const auto road_class = convert<char>(
       word({"A", "B", "C", "D", "E", "F", "G", "H"}), [](const std::string& word) { return word.front(); },
       [](const char& letter) { return std::string(1, letter); });
   const auto road =
@@ -91,7 +91,7 @@ Form<Excitation> excitation() {
           .required("input", &Trailing::input, name(), "input of the axle ahead")
           .required("wheelbase", &Trailing::wheelbase, number("m", Bounds::positive()), "distance of the axles")
           .required("speed", &Trailing::speed, number("m/s", Bounds::positive()), "of the vehicle");
-  const auto constant = convert<Constant, Value>(
+  const auto constant = convert<Constant>(
       value(), [](const Value& given) { return Constant{given}; }, [](const Constant& c) { return c.value; });
   return mapping(
       Fields<Excitation>()

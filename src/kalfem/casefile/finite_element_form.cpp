@@ -73,22 +73,20 @@ Form<Region> region() {
 
 /// A group or node number, or the coordinates of a place.
 Form<NodePlace> node_place() {
-  auto group = convert<NodePlace, std::string>(
-      text(),
-      [](const std::string& word) {
-        return NodePlace{word, {}};
-      },
-      [](const NodePlace& place) { return place.group; });
-  group.schema = group.schema.written_as("group | number");
-  const auto place = convert<NodePlace, std::array<double, 3>>(
-      tuple<3>(number("m")),
-      [](const std::array<double, 3>& at) {
-        return NodePlace{"", at};
-      },
-      [](const NodePlace& given) { return given.at; });
-  auto both = either(group, place);
-  both.write = [=](const NodePlace& given) { return given.group.empty() ? place.write(given) : group.write(given); };
-  return both;
+  const auto group = written_as("group | number", text());
+  const auto place = tuple<3>(number("m"));
+  const auto read = [=](const Cursor& cursor) -> std::optional<NodePlace> {
+    if (cursor.node().kind == YamlNode::Kind::scalar) {
+      if (auto word = group.read(cursor)) return NodePlace{*word, {}};
+    } else if (auto at = place.read(cursor)) {
+      return NodePlace{"", *at};
+    }
+    return std::nullopt;
+  };
+  const auto write = [=](const NodePlace& given) {
+    return given.group.empty() ? place.write(given.at) : group.write(given.group);
+  };
+  return make_form<NodePlace>(read, write, either_schema(group.schema(), place.schema()));
 }
 
 Form<NodeMass> node_mass() {

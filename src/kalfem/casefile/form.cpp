@@ -28,8 +28,8 @@ std::string number_words(const std::string& unit, const Bounds& bounds) {
   return range.empty() ? words : words + " " + range;
 }
 
-nlohmann::ordered_json whole_number(const FormSchema& scalar) {
-  nlohmann::ordered_json json = scalar.json();
+nlohmann::ordered_json whole_number(const std::string& words) {
+  nlohmann::ordered_json json = scalar_schema(words).json();
   json["type"] = "integer";
   return json;
 }
@@ -84,43 +84,37 @@ namespace form {
 
 Form<double> number(std::string_view given_unit, const Bounds& bounds) {
   const std::string unit(given_unit);
-  const auto parse = [=](const std::string& text) { return checked_number(text, unit, bounds); };
-  auto form = scalar<double>(number_words(unit, bounds), parse, shortest, true);
-  form.write = [=](double value) { return yaml_literal(shortest(value), unit_comment(unit)); };
-  nlohmann::ordered_json json = form.schema.json();
+  nlohmann::ordered_json json = scalar_schema(number_words(unit, bounds)).json();
   json["type"] = {"number", "string"};
   if (!unit_comment(unit).empty()) json["x-unit"] = unit;
   if (std::isfinite(bounds.low)) json[bounds.low_open ? "exclusiveMinimum" : "minimum"] = bounds.low;
   if (std::isfinite(bounds.high)) json[bounds.high_open ? "exclusiveMaximum" : "maximum"] = bounds.high;
-  form.schema = FormSchema(std::move(json));
-  return form;
+  return scalar<double>(
+      FormSchema(std::move(json)), [=](const std::string& text) { return checked_number(text, unit, bounds); },
+      [=](double value) { return yaml_literal(shortest(value), unit_comment(unit)); });
 }
 
 Form<int> integer(int low, int high) {
-  const auto parse = [=](const std::string& text) { return parse_whole(text, low, high); };
   const Bounds bounds{low == std::numeric_limits<int>::min() ? -std::numeric_limits<double>::infinity() : low,
                       high == std::numeric_limits<int>::max() ? std::numeric_limits<double>::infinity() : high};
   const std::string range = bounds.describe();
-  auto form = scalar<int>(
-      "whole number" + (range.empty() ? "" : " " + range), parse,
-      [](const int& value) { return std::to_string(value); }, true);
-  nlohmann::ordered_json json = whole_number(form.schema);
+  nlohmann::ordered_json json = whole_number("whole number" + (range.empty() ? "" : " " + range));
   if (low != std::numeric_limits<int>::min()) json["minimum"] = low;
   if (high != std::numeric_limits<int>::max()) json["maximum"] = high;
-  form.schema = FormSchema(std::move(json));
-  return form;
+  return scalar<int>(
+      FormSchema(std::move(json)), [=](const std::string& text) { return parse_whole(text, low, high); },
+      [](int value) { return yaml_literal(std::to_string(value)); });
 }
 
 Form<std::uint64_t> seed() {
-  const auto parse = [](const std::string& text) {
-    return parse_whole<std::uint64_t>(text, 0, std::numeric_limits<std::uint64_t>::max());
-  };
-  auto form = scalar<std::uint64_t>(
-      "whole number", parse, [](const std::uint64_t& value) { return std::to_string(value); }, true);
-  nlohmann::ordered_json json = whole_number(form.schema);
+  nlohmann::ordered_json json = whole_number("whole number");
   json["minimum"] = 0;
-  form.schema = FormSchema(std::move(json));
-  return form;
+  return scalar<std::uint64_t>(
+      FormSchema(std::move(json)),
+      [](const std::string& text) {
+        return parse_whole<std::uint64_t>(text, 0, std::numeric_limits<std::uint64_t>::max());
+      },
+      [](std::uint64_t value) { return yaml_literal(std::to_string(value)); });
 }
 
 Form<bool> boolean() {
@@ -128,31 +122,29 @@ Form<bool> boolean() {
     if (text != "true" && text != "false") throw InvalidInput("'" + text + "' given", "", "write true or false");
     return text == "true";
   };
-  auto form = scalar<bool>(
-      "true | false", parse, [](const bool& value) { return std::string(value ? "true" : "false"); }, true);
-  nlohmann::ordered_json json = form.schema.json();
+  nlohmann::ordered_json json = scalar_schema("true | false").json();
   json["type"] = "boolean";
-  form.schema = FormSchema(std::move(json));
-  return form;
+  return scalar<bool>(FormSchema(std::move(json)), parse,
+                      [](bool value) { return yaml_literal(value ? "true" : "false"); });
 }
 
 Form<std::string> text() {
-  const auto same = [](const std::string& text) { return text; };
-  return scalar<std::string>("text", same, same);
+  return scalar<std::string>(
+      scalar_schema("text"), [](const std::string& text) { return text; },
+      [](const std::string& text) { return yaml_text(text); });
 }
 
 Form<Quantity> quantity() {
-  const auto print = [](const Quantity& given) {
-    return shortest(given.value) + (given.bare ? "" : " " + si_unit(given.dimension));
+  const auto write = [](const Quantity& given) {
+    return yaml_literal(shortest(given.value) + (given.bare ? "" : " " + si_unit(given.dimension)));
   };
   return scalar<Quantity>(
-      "number with its unit", [](const std::string& text) { return parse_quantity(text); }, print, true);
+      scalar_schema("number with its unit"), [](const std::string& text) { return parse_quantity(text); }, write);
 }
 
 Form<std::filesystem::path> path(bool existing) {
   namespace fs = std::filesystem;
-  Form<fs::path> form;
-  form.read = [=](const Cursor& cursor) -> std::optional<fs::path> {
+  const auto read = [=](const Cursor& cursor) -> std::optional<fs::path> {
     if (!cursor.require(YamlNode::Kind::scalar, "a file name")) return std::nullopt;
     std::error_code error;
     const fs::path file = fs::absolute(cursor.folder() / cursor.node().text, error).lexically_normal();
@@ -160,9 +152,9 @@ Form<std::filesystem::path> path(bool existing) {
     cursor.issue("no file '" + file.string() + "'", "", "paths are relative to the case file");
     return std::nullopt;
   };
-  form.write = [](const fs::path& file) { return yaml_text(file.string()); };
-  form.schema = FormSchema({{"type", "string"}, {"x-written", "file name"}});
-  return form;
+  return make_form<fs::path>(
+      read, [](const fs::path& file) { return yaml_text(file.string()); },
+      FormSchema({{"type", "string"}, {"x-written", "file name"}}));
 }
 
 bool require_size(const Cursor& list, std::size_t least, std::size_t most) {
@@ -174,19 +166,28 @@ bool require_size(const Cursor& list, std::size_t least, std::size_t most) {
   return false;
 }
 
-void refuse_word(const std::string& word, const std::vector<std::string>& known, const FormSchema& schema) {
-  throw InvalidInput("'" + word + "' is not known" + did_you_mean(word, known), "", "write one of " + schema.written());
+Form<std::size_t> one_of_words(const std::vector<std::string>& words, const std::vector<std::string>& meanings) {
+  const FormSchema schema = choice_schema(words, meanings);
+  const auto parse = [=](const std::string& word) {
+    const auto found = std::find(words.begin(), words.end(), word);
+    if (found == words.end())
+      throw InvalidInput("'" + word + "' is not known" + did_you_mean(word, words), "",
+                         "write one of " + schema.written());
+    return static_cast<std::size_t>(found - words.begin());
+  };
+  return scalar<std::size_t>(schema, parse,
+                             [=](std::size_t i) { return yaml_text(i < words.size() ? words[i] : std::string()); });
 }
 
 Form<std::string> word(const std::vector<std::string>& known) {
-  const FormSchema schema = choice_schema(known, std::vector<std::string>(known.size()));
-  const auto parse = [=](const std::string& word) -> std::string {
-    if (std::find(known.begin(), known.end(), word) == known.end()) refuse_word(word, known, schema);
-    return word;
+  const auto number = one_of_words(known, std::vector<std::string>(known.size()));
+  const auto read = [=](const Cursor& cursor) -> std::optional<std::string> {
+    const auto chosen = number.read(cursor);
+    if (!chosen) return std::nullopt;
+    return known[*chosen];
   };
-  auto form = scalar<std::string>(schema.written(), parse, [](const std::string& word) { return word; });
-  form.schema = schema;
-  return form;
+  return make_form<std::string>(
+      read, [](const std::string& word) { return yaml_text(word); }, number.schema());
 }
 
 }  // namespace form

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -16,18 +16,76 @@
 
 namespace kalfem {
 
-/// How a T is written in a case file: the one description from which it is read, echoed and documented.
+/// How a value is written in a case file: the one description from which it is read, echoed and documented. The type of
+/// the value is known only to those who made the form: what all maps have in common is so compiled once (fields.cpp).
+/// Immutable.
+class AnyForm {
+public:
+  explicit AnyForm(FormSchema schema) : schema(std::move(schema)) {}
+  AnyForm(const AnyForm&) = delete;
+  AnyForm& operator=(const AnyForm&) = delete;
+  virtual ~AnyForm() = default;
+
+  /// Leaves the value as it is where the text is not usable; then an issue was added.
+  virtual void read_into(const Cursor& cursor, void* value) const = 0;
+  /// Null for an empty value.
+  virtual YamlNodePtr write_from(const void* value) const = 0;
+
+  const FormSchema schema;
+};
+
+using AnyFormPtr = std::shared_ptr<const AnyForm>;
+
+/// The form of a T.
 template <class T>
-struct Form {
+class FormOf : public AnyForm {
+public:
+  using AnyForm::AnyForm;
+
+  virtual std::optional<T> read(const Cursor& cursor) const = 0;
+  virtual YamlNodePtr write(const T& value) const = 0;
+
+  void read_into(const Cursor& cursor, void* value) const override {
+    if (auto given = read(cursor)) *static_cast<T*>(value) = std::move(*given);
+  }
+  YamlNodePtr write_from(const void* value) const override { return write(*static_cast<const T*>(value)); }
+};
+
+/// A form of a T, shared by all copies.
+template <class T>
+class Form {
+public:
   using Value = T;
 
-  /// Nothing when the value is not usable; then an issue was added.
-  std::function<std::optional<T>(const Cursor&)> read;
-  std::function<YamlNodePtr(const T&)> write;
-  FormSchema schema;
+  explicit Form(std::shared_ptr<const FormOf<T>> form) : form_(std::move(form)) {}
 
-  [[nodiscard]] std::string written() const { return schema.written(); }
+  /// Nothing when the value is not usable; then an issue was added.
+  [[nodiscard]] std::optional<T> read(const Cursor& cursor) const { return form_->read(cursor); }
+  [[nodiscard]] YamlNodePtr write(const T& value) const { return form_->write(value); }
+  [[nodiscard]] const FormSchema& schema() const { return form_->schema; }
+  [[nodiscard]] std::string written() const { return schema().written(); }
+  [[nodiscard]] const std::shared_ptr<const FormOf<T>>& shared() const { return form_; }
+
+private:
+  std::shared_ptr<const FormOf<T>> form_;
 };
+
+/// The form that reads with std::optional<T> read(const Cursor&) and writes with YamlNodePtr write(const T&).
+template <class T, class Read, class Write>
+Form<T> make_form(Read read, Write write, FormSchema schema) {
+  class Made final : public FormOf<T> {
+  public:
+    Made(Read read, Write write, FormSchema schema)
+        : FormOf<T>(std::move(schema)), read_(std::move(read)), write_(std::move(write)) {}
+    std::optional<T> read(const Cursor& cursor) const override { return read_(cursor); }
+    YamlNodePtr write(const T& value) const override { return write_(value); }
+
+  private:
+    Read read_;
+    Write write_;
+  };
+  return Form<T>(std::make_shared<const Made>(std::move(read), std::move(write), std::move(schema)));
+}
 
 /// Named values in file order.
 template <class T>
@@ -85,13 +143,12 @@ struct Choice {
 /// Forms, combined freely: list(number("Hz")), named(mapping(fields)).
 namespace form {
 
-/// A scalar with a parser and a writer of its own; `parse` throws InvalidInput, `written` says what is expected. Set
-/// `literal` when the text is a number or a word of yours, so that it is echoed without quotes.
-template <class T>
-Form<T> scalar(const std::string& written, std::function<T(const std::string&)> parse,
-               std::function<std::string(const T&)> print, bool literal = false) {
-  const auto read = [=](const Cursor& cursor) -> std::optional<T> {
-    if (!cursor.require(YamlNode::Kind::scalar, written)) return std::nullopt;
+/// A scalar with a parser T parse(const std::string&), which throws InvalidInput, and a writer YamlNodePtr write(const
+/// T&).
+template <class T, class Parse, class Write>
+Form<T> scalar(FormSchema schema, Parse parse, Write write) {
+  const auto read = [parse = std::move(parse), schema](const Cursor& cursor) -> std::optional<T> {
+    if (!cursor.require(YamlNode::Kind::scalar, schema.written())) return std::nullopt;
     try {
       return parse(cursor.node().text);
     } catch (const InvalidInput& error) {
@@ -99,8 +156,14 @@ Form<T> scalar(const std::string& written, std::function<T(const std::string&)> 
       return std::nullopt;
     }
   };
-  const auto write = [=](const T& value) { return literal ? yaml_literal(print(value)) : yaml_text(print(value)); };
-  return {read, write, scalar_schema(written)};
+  return make_form<T>(read, std::move(write), std::move(schema));
+}
+
+/// The same in other words.
+template <class T>
+Form<T> written_as(const std::string& words, const Form<T>& form) {
+  return make_form<T>([form](const Cursor& cursor) { return form.read(cursor); },
+                      [form](const T& value) { return form.write(value); }, form.schema().written_as(words));
 }
 
 /// A number with a unit; a bare one is SI.
@@ -116,31 +179,29 @@ Form<Quantity> quantity();
 /// A path relative to the case file; becomes absolute. `existing` files must be there.
 Form<std::filesystem::path> path(bool existing = true);
 
-/// Throws InvalidInput for a word that is none of the known ones.
-[[noreturn]] void refuse_word(const std::string& word, const std::vector<std::string>& known, const FormSchema& schema);
+/// One of a few words, by its number among them.
+Form<std::size_t> one_of_words(const std::vector<std::string>& words, const std::vector<std::string>& meanings);
 
 /// One of a few words.
 template <class T>
 Form<T> choice(const std::vector<Choice<T>>& choices) {
   std::vector<std::string> words, meanings;
+  std::vector<T> values;
   for (const auto& each : choices) {
     words.emplace_back(each.word);
     meanings.emplace_back(each.meaning);
+    values.push_back(each.value);
   }
-  const FormSchema schema = choice_schema(words, meanings);
-  const auto parse = [=](const std::string& word) -> T {
-    for (const auto& each : choices)
-      if (each.word == word) return each.value;
-    refuse_word(word, words, schema);
+  const Form<std::size_t> number = one_of_words(words, meanings);
+  const auto read = [=](const Cursor& cursor) -> std::optional<T> {
+    const auto chosen = number.read(cursor);
+    if (!chosen) return std::nullopt;
+    return values[*chosen];
   };
-  const auto print = [=](const T& value) {
-    const auto found =
-        std::find_if(choices.begin(), choices.end(), [&](const auto& each) { return each.value == value; });
-    return found == choices.end() ? std::string() : std::string(found->word);
+  const auto write = [=](const T& value) {
+    return number.write(static_cast<std::size_t>(std::find(values.begin(), values.end(), value) - values.begin()));
   };
-  auto form = scalar<T>(schema.written(), parse, print);
-  form.schema = schema;
-  return form;
+  return make_form<T>(read, write, number.schema());
 }
 
 /// A word out of names that are known at run time (laws, filters of a registry).
@@ -153,7 +214,7 @@ bool require_size(const Cursor& list, std::size_t least, std::size_t most);
 template <class T>
 Form<std::vector<T>> list(const Form<T>& item, std::size_t least = 0,
                           std::size_t most = std::numeric_limits<std::size_t>::max()) {
-  const FormSchema schema = list_schema(item.schema, least, most);
+  const FormSchema schema = list_schema(item.schema(), least, most);
   const auto read = [=](const Cursor& cursor) -> std::optional<std::vector<T>> {
     if (!cursor.require(YamlNode::Kind::list, schema.written())) return std::nullopt;
     const std::size_t size = cursor.node().items.size();
@@ -167,9 +228,9 @@ Form<std::vector<T>> list(const Form<T>& item, std::size_t least = 0,
   const auto write = [=](const std::vector<T>& values) {
     std::vector<YamlNodePtr> items;
     for (const auto& value : values) items.push_back(item.write(value));
-    return yaml_list(items, item.schema.unit());
+    return yaml_list(items, item.schema().unit());
   };
-  return {read, write, schema};
+  return make_form<std::vector<T>>(read, write, schema);
 }
 
 /// Exactly N values, such as a band or a point.
@@ -184,7 +245,8 @@ Form<std::array<T, N>> tuple(const Form<T>& item) {
     return array;
   };
   const auto write = [=](const std::array<T, N>& array) { return values.write({array.begin(), array.end()}); };
-  return {read, write, values.schema.written_as("list of " + std::to_string(N) + ": " + item.written())};
+  return make_form<std::array<T, N>>(
+      read, write, values.schema().written_as("list of " + std::to_string(N) + ": " + item.written()));
 }
 
 /// A form and a shorter one for the same thing: `modal: 1 %` for `modal: [1 %]`. The short form is the one taken for a
@@ -194,13 +256,15 @@ Form<T> either(const Form<T>& short_form, const Form<T>& full_form) {
   const auto read = [=](const Cursor& cursor) {
     return cursor.node().kind == YamlNode::Kind::scalar ? short_form.read(cursor) : full_form.read(cursor);
   };
-  return {read, full_form.write, either_schema(short_form.schema, full_form.schema)};
+  return make_form<T>(
+      read, [=](const T& value) { return full_form.write(value); },
+      either_schema(short_form.schema(), full_form.schema()));
 }
 
 /// Another C++ type for the same text: `to` after reading (throws InvalidInput when it cannot be), `from` before
 /// writing.
-template <class U, class T>
-Form<U> convert(const Form<T>& form, std::function<U(const T&)> to, std::function<T(const U&)> from) {
+template <class U, class T, class To, class From>
+Form<U> convert(const Form<T>& form, To to, From from) {
   const auto read = [=](const Cursor& cursor) -> std::optional<U> {
     const auto value = form.read(cursor);
     if (!value) return std::nullopt;
@@ -211,7 +275,8 @@ Form<U> convert(const Form<T>& form, std::function<U(const T&)> to, std::functio
       return std::nullopt;
     }
   };
-  return {read, [=](const U& value) { return form.write(from(value)); }, form.schema};
+  return make_form<U>(
+      read, [=](const U& value) { return form.write(from(value)); }, form.schema());
 }
 
 /// One value or a list of them.
@@ -224,13 +289,15 @@ Form<std::vector<T>> one_or_list(const Form<T>& item) {
     if (!value) return std::nullopt;
     return std::vector<T>{std::move(*value)};
   };
-  return {read, several.write, either_schema(item.schema, several.schema)};
+  return make_form<std::vector<T>>(
+      read, [=](const std::vector<T>& values) { return several.write(values); },
+      either_schema(item.schema(), several.schema()));
 }
 
 /// A map from names that the user chooses, in file order.
 template <class T>
 Form<Named<T>> named(const Form<T>& item, NameRule rule = NameRule::name) {
-  const FormSchema schema = named_schema(item.schema);
+  const FormSchema schema = named_schema(item.schema());
   const auto read = [=](const Cursor& cursor) -> std::optional<Named<T>> {
     if (!cursor.require(YamlNode::Kind::map, schema.written())) return std::nullopt;
     const std::size_t before = cursor.issue_count();
@@ -252,7 +319,7 @@ Form<Named<T>> named(const Form<T>& item, NameRule rule = NameRule::name) {
     for (const auto& [name, value] : values) entries.push_back({name, 0, item.write(value)});
     return yaml_map(entries);
   };
-  return {read, write, schema};
+  return make_form<Named<T>>(read, write, schema);
 }
 
 /// The value with the place where it was given.
@@ -263,7 +330,8 @@ Form<Located<T>> located(const Form<T>& form) {
     if (!value) return std::nullopt;
     return Located<T>{std::move(*value), cursor.location(), cursor.path()};
   };
-  return {read, [=](const Located<T>& located) { return form.write(located.value); }, form.schema};
+  return make_form<Located<T>>(
+      read, [=](const Located<T>& located) { return form.write(located.value); }, form.schema());
 }
 
 }  // namespace form

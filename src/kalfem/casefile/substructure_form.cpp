@@ -9,18 +9,19 @@ namespace {
 
 /// Mass of a node: one number, or one a direction.
 Form<Named<double>> mass() {
-  const auto single = convert<Named<double>, double>(
-      number("kg", Bounds::positive()),
-      [](const double& value) {
-        return Named<double>{{"", value}};
-      },
-      [](const Named<double>& masses) { return masses.front().second; });
-  auto form = either(single, named(number("kg", Bounds::positive())));
-  const auto full = form.write;
-  form.write = [=](const Named<double>& masses) {
-    return masses.size() == 1 && masses.front().first.empty() ? single.write(masses) : full(masses);
+  const auto single = number("kg", Bounds::positive());
+  const auto full = named(single);
+  const auto read = [=](const Cursor& cursor) -> std::optional<Named<double>> {
+    if (cursor.node().kind != YamlNode::Kind::scalar) return full.read(cursor);
+    const auto mass = single.read(cursor);
+    if (!mass) return std::nullopt;
+    return Named<double>{{"", *mass}};
   };
-  return form;
+  const auto write = [=](const Named<double>& masses) {
+    const bool one = masses.size() == 1 && masses.front().first.empty();
+    return one ? single.write(masses.front().second) : full.write(masses);
+  };
+  return make_form<Named<double>>(read, write, either_schema(single.schema(), full.schema()));
 }
 
 Form<Spring> spring() {

@@ -38,7 +38,7 @@ Form<Frequencies> frequencies() {
     const auto* listed = std::get_if<std::vector<double>>(&given);
     return listed ? values.write(*listed) : column.write(std::get<TableColumn>(given));
   };
-  return {read, write, either_schema(values.schema, column.schema)};
+  return make_form<Frequencies>(read, write, either_schema(values.schema(), column.schema()));
 }
 
 kalfem::Case<ModalData> modal_data() {
@@ -73,9 +73,9 @@ kalfem::Case<FrfData> frf_data() {
           .optional("dataset", &FrfRecordSource::dataset, text(), "in an .h5 file")
           .optional("sample_rate", &FrfRecordSource::sample_rate, number("Hz", Bounds::positive()),
                     "where the file does not say it");
-  const auto force = convert<FrfForce, Name>(
+  const auto force = convert<FrfForce>(
       name(), [](const Name& point) { return FrfForce{point}; }, [](const FrfForce& given) { return given.point; });
-  const auto ground = convert<FrfGround, Name>(
+  const auto ground = convert<FrfGround>(
       name(), [](const Name& moving) { return FrfGround{moving}; },
       [](const FrfGround& given) { return given.ground; });
   const auto input = mapping(
