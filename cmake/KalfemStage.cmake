@@ -11,6 +11,7 @@ endfunction()
 
 # Eigen's decompositions, compiled once in the base stage and known to all that use a precompiled header.
 set(KALFEM_EIGEN_INSTANCES ${PROJECT_SOURCE_DIR}/src/kalfem/base/eigen_instances.hpp)
+set(KALFEM_EIGEN_EXPRESSIONS ${PROJECT_SOURCE_DIR}/cmake/eigen_expressions.hpp)
 
 # Settings of the stages that compute, and of the rim, which reads and writes and is compiled for a short build.
 add_library(kalfem_stage_settings INTERFACE)
@@ -20,7 +21,8 @@ add_library(kalfem_rim_settings INTERFACE)
 target_link_libraries(kalfem_rim_settings INTERFACE kalfem_flags kalfem_private_flags)
 target_compile_options(kalfem_rim_settings INTERFACE -Wshadow $<$<CONFIG:Release>:-O1>)
 set(KALFEM_COMMON_HEADERS ${KALFEM_EIGEN_INSTANCES} <Eigen/Sparse> <string> <vector> <map> <memory> <optional> <functional> <algorithm>)
-kalfem_precompiled(kalfem_stage_headers SETTINGS kalfem_stage_settings HEADERS ${KALFEM_COMMON_HEADERS})
+kalfem_precompiled(kalfem_stage_headers SETTINGS kalfem_stage_settings
+                   HEADERS ${KALFEM_COMMON_HEADERS} ${KALFEM_EIGEN_EXPRESSIONS})
 kalfem_precompiled(kalfem_rim_headers SETTINGS kalfem_rim_settings
                    HEADERS ${KALFEM_COMMON_HEADERS} ${PROJECT_SOURCE_DIR}/src/kalfem/model/finite_element_model.hpp)
 # What all files see that deal with a case.
@@ -89,7 +91,8 @@ function(kalfem_test_headers)
   target_compile_definitions(kalfem_test_settings INTERFACE KALFEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                                             KALFEM_COMMAND="${CMAKE_BINARY_DIR}/bin/kalfem")
   kalfem_precompiled(kalfem_test_headers SETTINGS kalfem_test_settings
-                     HEADERS <gtest/gtest.h> ${KALFEM_EIGEN_INSTANCES} <Eigen/Sparse> <string> <vector> <map> <optional> <algorithm>)
+                     HEADERS <gtest/gtest.h> ${KALFEM_EIGEN_INSTANCES} ${KALFEM_EIGEN_EXPRESSIONS}
+                             <string> <vector> <map> <optional> <algorithm>)
   target_compile_options(kalfem_test_headers PRIVATE $<$<CONFIG:Release>:-O0>)
 endfunction()
 
