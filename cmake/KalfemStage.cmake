@@ -41,8 +41,8 @@ endfunction()
 
 # kalfem_stage(<folder> SOURCES ... [USES <stage> ...] [LIBRARIES <target> ...] [RIM | CASE] [ALONE <source> ...])
 #
-# One static library for one folder of src/kalfem. A stage is linked only to the stages it names, so a call against the
-# direction of the data flow does not link. LIBRARIES are third-party targets. RIM: compiled with the settings of the rim;
+# One static library for one folder of src/kalfem, with what it needs of those above it in the data flow (the test "layers"
+# sees to that). LIBRARIES are third-party targets. RIM: compiled with the settings of the rim;
 # CASE: with these and the precompiled header of what deals with a case. ALONE: sources not compiled with others.
 function(kalfem_stage name)
   cmake_parse_arguments(ARG "RIM;CASE" "" "SOURCES;USES;LIBRARIES;ALONE" ${ARGN})
@@ -79,7 +79,7 @@ function(kalfem_tested_library)
   set_target_properties(kalfem_tested PROPERTIES LINKER_LANGUAGE CXX)
   target_link_libraries(kalfem_tested PUBLIC kalfem_flags PRIVATE ${stages})
   target_include_directories(kalfem_tested PUBLIC ${PROJECT_SOURCE_DIR}/src)
-  target_link_options(kalfem_tested PRIVATE -Wl,-Bsymbolic)
+  target_link_options(kalfem_tested PRIVATE $<$<CONFIG:Release>:-Wl,-Bsymbolic>)
 endfunction()
 
 # kalfem_test_headers(): the one precompiled header of all tests, and the settings that they share with it.
@@ -96,15 +96,28 @@ function(kalfem_test_headers)
   target_compile_options(kalfem_test_headers PRIVATE $<$<CONFIG:Release>:-O0>)
 endfunction()
 
-# kalfem_test(<name> USES <stage> ... [OF <stem> ...] [ALONE <stem> ...] [SOURCES ...] [LIBRARIES ...] [LABELS ...]
-#             [TIMEOUT s] [WHOLE] [OPTIMISED])
+# kalfem_suites(<program> <property> <value> ...): one ctest entry for each suite of a GoogleTest program.
+function(kalfem_suites program)
+  string(REPLACE ";" " " properties "${ARGN}")
+  set(entries ${CMAKE_CURRENT_BINARY_DIR}/${program}_suites.cmake)
+  add_custom_command(TARGET ${program} POST_BUILD BYPRODUCTS ${entries} VERBATIM
+                     COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${program}> -DENTRIES=${entries} -DPROPERTIES=${properties}
+                             -P ${PROJECT_SOURCE_DIR}/cmake/ListSuites.cmake)
+  set(included ${CMAKE_CURRENT_BINARY_DIR}/${program}_included.cmake)
+  file(WRITE ${included} "if(EXISTS \"${entries}\")\n  include(\"${entries}\")\nelse()\n  add_test(${program} NOT_BUILT)\nendif()\n")
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${included})
+endfunction()
+
+# kalfem_test(<name> [OF <stem> ...] [ALONE <stem> ...] [SOURCES ...] [LIBRARIES ...] [LABELS ...]
+#             [TIMEOUT s] [EACH | WHOLE] [OPTIMISED])
 #
 # A GoogleTest program <name>_test in tests/<folder> of the files <stem>_test.cpp, of <name>_test.cpp without any; files
-# under ALONE are not compiled with others. Every TEST in it becomes a ctest entry; WHOLE: the program is one entry,
-# for a thousand tests that are each over before a process has started, or for tests that share a long set-up.
-# OPTIMISED: the tests compute for long themselves. BLAS keeps to one thread, as tests run side by side.
+# under ALONE are not compiled with others. Every suite in it is a ctest entry, as most tests are over before a process
+# has started. EACH: every test is one, for tests that run for long or may be skipped; WHOLE: the program is one, for
+# suites that share a long set-up. OPTIMISED: the tests compute for long themselves. BLAS keeps to one thread, as tests run
+# side by side.
 function(kalfem_test name)
-  cmake_parse_arguments(ARG "WHOLE;OPTIMISED" "TIMEOUT" "OF;ALONE;SOURCES;USES;LIBRARIES;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "EACH;WHOLE;OPTIMISED" "TIMEOUT" "OF;ALONE;SOURCES;LIBRARIES;LABELS" ${ARGN})
   if(NOT ARG_OF AND NOT ARG_ALONE)
     set(ARG_OF ${name})
   endif()
@@ -129,11 +142,15 @@ function(kalfem_test name)
   endif()
   set_target_properties(${name}_test PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   set(properties TIMEOUT ${ARG_TIMEOUT} COST ${cost} ENVIRONMENT OPENBLAS_NUM_THREADS=1)
+  if(ARG_LABELS)
+    list(APPEND properties LABELS ${ARG_LABELS})
+  endif()
   if(ARG_WHOLE)
     add_test(NAME ${name} COMMAND ${name}_test)
-    set_tests_properties(${name} PROPERTIES ${properties} LABELS "${ARG_LABELS}")
+    set_tests_properties(${name} PROPERTIES ${properties})
+  elseif(ARG_EACH)
+    gtest_discover_tests(${name}_test DISCOVERY_MODE PRE_TEST NO_PRETTY_VALUES PROPERTIES ${properties})
   else()
-    gtest_discover_tests(${name}_test DISCOVERY_MODE PRE_TEST NO_PRETTY_VALUES
-                         PROPERTIES ${properties} LABELS "${ARG_LABELS}")
+    kalfem_suites(${name}_test ${properties})
   endif()
 endfunction()

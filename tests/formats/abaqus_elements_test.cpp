@@ -16,7 +16,7 @@ struct ElementCase {
   double mass;
 };
 
-constexpr double rho = 7850.0;
+constexpr double steel = 7850.0;  ///< its density [kg/m^3]
 const std::string solid = "*SOLID SECTION, ELSET=e, MATERIAL=steel\n";
 const std::string shell = "*SHELL SECTION, ELSET=e, MATERIAL=steel\n0.01\n";
 const std::string beam = "*BEAM SECTION, ELSET=e, MATERIAL=steel, SECTION=RECT\n0.1, 0.2\n0., 1., 0.\n";
@@ -59,20 +59,21 @@ TEST_P(AbaqusElement, HasItsMassAndMovesWithoutForce) {
 INSTANTIATE_TEST_SUITE_P(
     Types, AbaqusElement,
     testing::Values(
-        ElementCase{"C3D4", "tetrahedron", 4, solid, rho / 6}, ElementCase{"C3D10", "tetrahedron", 10, solid, rho / 6},
-        ElementCase{"C3D10M", "tetrahedron", 10, solid, rho / 6}, ElementCase{"C3D6", "wedge", 6, solid, rho / 2},
-        ElementCase{"C3D15", "wedge", 15, solid, rho / 2}, ElementCase{"C3D8", "cube", 8, solid, rho},
-        ElementCase{"C3D8I", "cube", 8, solid, rho}, ElementCase{"C3D8R", "cube", 8, solid, rho},
-        ElementCase{"C3D8H", "cube", 8, solid, rho}, ElementCase{"C3D20", "cube", 20, solid, rho},
-        ElementCase{"C3D20R", "cube", 20, solid, rho}, ElementCase{"S3", "triangle", 3, shell, rho * 0.005},
-        ElementCase{"S3R", "triangle", 3, shell, rho * 0.005}, ElementCase{"S6", "triangle", 6, shell, rho * 0.005},
-        ElementCase{"STRI65", "triangle", 6, shell, rho * 0.005}, ElementCase{"S4", "square", 4, shell, rho * 0.01},
-        ElementCase{"S4R", "square", 4, shell, rho * 0.01}, ElementCase{"S8", "square", 8, shell, rho * 0.01},
-        ElementCase{"S8R", "square", 8, shell, rho * 0.01}, ElementCase{"S8R5", "square", 8, shell, rho * 0.01},
-        ElementCase{"M3D4", "square", 4, "*MEMBRANE SECTION, ELSET=e, MATERIAL=steel\n0.01\n", rho * 0.01},
-        ElementCase{"B31", "line", 2, beam, rho * 0.04}, ElementCase{"B33", "line", 2, beam, rho * 0.04},
-        ElementCase{"B31H", "line", 2, beam, rho * 0.04}, ElementCase{"B32", "line3", 3, beam, rho * 0.04},
-        ElementCase{"B32R", "line3", 3, beam, rho * 0.04}, ElementCase{"PIPE31", "line", 2, beam, rho * 0.04}),
+        ElementCase{"C3D4", "tetrahedron", 4, solid, steel / 6},
+        ElementCase{"C3D10", "tetrahedron", 10, solid, steel / 6},
+        ElementCase{"C3D10M", "tetrahedron", 10, solid, steel / 6}, ElementCase{"C3D6", "wedge", 6, solid, steel / 2},
+        ElementCase{"C3D15", "wedge", 15, solid, steel / 2}, ElementCase{"C3D8", "cube", 8, solid, steel},
+        ElementCase{"C3D8I", "cube", 8, solid, steel}, ElementCase{"C3D8R", "cube", 8, solid, steel},
+        ElementCase{"C3D8H", "cube", 8, solid, steel}, ElementCase{"C3D20", "cube", 20, solid, steel},
+        ElementCase{"C3D20R", "cube", 20, solid, steel}, ElementCase{"S3", "triangle", 3, shell, steel * 0.005},
+        ElementCase{"S3R", "triangle", 3, shell, steel * 0.005}, ElementCase{"S6", "triangle", 6, shell, steel * 0.005},
+        ElementCase{"STRI65", "triangle", 6, shell, steel * 0.005}, ElementCase{"S4", "square", 4, shell, steel * 0.01},
+        ElementCase{"S4R", "square", 4, shell, steel * 0.01}, ElementCase{"S8", "square", 8, shell, steel * 0.01},
+        ElementCase{"S8R", "square", 8, shell, steel * 0.01}, ElementCase{"S8R5", "square", 8, shell, steel * 0.01},
+        ElementCase{"M3D4", "square", 4, "*MEMBRANE SECTION, ELSET=e, MATERIAL=steel\n0.01\n", steel * 0.01},
+        ElementCase{"B31", "line", 2, beam, steel * 0.04}, ElementCase{"B33", "line", 2, beam, steel * 0.04},
+        ElementCase{"B31H", "line", 2, beam, steel * 0.04}, ElementCase{"B32", "line3", 3, beam, steel * 0.04},
+        ElementCase{"B32R", "line3", 3, beam, steel * 0.04}, ElementCase{"PIPE31", "line", 2, beam, steel * 0.04}),
     [](const auto& each) { return each.param.type; });
 
 TEST(AbaqusElements, SolidsOfSeveralKindsGetRegionsOfTheirOwn) {
@@ -98,7 +99,7 @@ TEST(AbaqusElements, TrussIsASpringWithHalfItsMassAtEachEnd) {
   ASSERT_EQ(matrices.model.size(), 3);
   EXPECT_NEAR(matrices.stiffness.coeff(0, 0), 2.1e11 * 1e-4 / 2.0, 1.0);
   EXPECT_NEAR(matrices.stiffness.coeff(1, 1), 2.1e11 * 1e-4, 1.0);
-  EXPECT_NEAR(matrices.mass.coeff(0, 0), rho * 1e-4 * 2.0, 1e-12);
+  EXPECT_NEAR(matrices.mass.coeff(0, 0), steel * 1e-4 * 2.0, 1e-12);
 }
 
 TEST(AbaqusElements, SpringsAndDashpotsOfEveryKind) {
