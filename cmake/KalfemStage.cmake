@@ -9,9 +9,11 @@ function(kalfem_precompiled target)
   target_precompile_headers(${target} PRIVATE ${ARG_HEADERS})
 endfunction()
 
-# Eigen's decompositions, compiled once in the base stage and known to all that use a precompiled header.
+# What precompiled headers hold: Eigen's decompositions, which are compiled once in the base stage; its common expressions;
+# finite-element models.
 set(KALFEM_EIGEN_INSTANCES ${PROJECT_SOURCE_DIR}/src/kalfem/base/eigen_instances.hpp)
 set(KALFEM_EIGEN_EXPRESSIONS ${PROJECT_SOURCE_DIR}/cmake/eigen_expressions.hpp)
+set(KALFEM_MODEL_HEADER ${PROJECT_SOURCE_DIR}/src/kalfem/model/finite_element_model.hpp)
 
 # Settings of the stages that compute, and of the rim, which reads and writes and is compiled for a short build.
 add_library(kalfem_stage_settings INTERFACE)
@@ -24,7 +26,7 @@ set(KALFEM_COMMON_HEADERS ${KALFEM_EIGEN_INSTANCES} <Eigen/Sparse> <string> <vec
 kalfem_precompiled(kalfem_stage_headers SETTINGS kalfem_stage_settings
                    HEADERS ${KALFEM_COMMON_HEADERS} ${KALFEM_EIGEN_EXPRESSIONS})
 kalfem_precompiled(kalfem_rim_headers SETTINGS kalfem_rim_settings
-                   HEADERS ${KALFEM_COMMON_HEADERS} ${PROJECT_SOURCE_DIR}/src/kalfem/model/finite_element_model.hpp)
+                   HEADERS ${KALFEM_COMMON_HEADERS} ${KALFEM_EIGEN_EXPRESSIONS} ${KALFEM_MODEL_HEADER})
 # What all files see that deal with a case.
 kalfem_precompiled(kalfem_case_headers SETTINGS kalfem_rim_settings
                    HEADERS ${KALFEM_COMMON_HEADERS} ${PROJECT_SOURCE_DIR}/src/kalfem/casefile/study.hpp)
@@ -91,8 +93,9 @@ function(kalfem_test_headers)
   target_compile_definitions(kalfem_test_settings INTERFACE KALFEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                                             KALFEM_COMMAND="${CMAKE_BINARY_DIR}/bin/kalfem")
   kalfem_precompiled(kalfem_test_headers SETTINGS kalfem_test_settings
-                     HEADERS <gtest/gtest.h> ${KALFEM_EIGEN_INSTANCES} ${KALFEM_EIGEN_EXPRESSIONS}
-                             <string> <vector> <map> <optional> <algorithm>)
+                     HEADERS <gtest/gtest.h> ${KALFEM_EIGEN_INSTANCES} ${KALFEM_EIGEN_EXPRESSIONS} ${KALFEM_MODEL_HEADER}
+                             <algorithm> <filesystem> <fstream> <iostream> <map> <numbers> <optional> <random> <sstream>
+                             <string> <vector>)
   target_compile_options(kalfem_test_headers PRIVATE $<$<CONFIG:Release>:-O0>)
 endfunction()
 
