@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "casefile/sample_case.hpp"
+#include "kalfem/casefile/fields.hpp"
 
 namespace kalfem::sample {
 namespace {

@@ -2,6 +2,7 @@
 
 #include <variant>
 
+#include "kalfem/casefile/bounds.hpp"
 #include "kalfem/casefile/case_reader.hpp"
 
 /// A small study with every kind of field, on which the case-file machinery is tested.

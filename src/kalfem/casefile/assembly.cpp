@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "kalfem/casefile/bounds.hpp"
 #include "kalfem/system/law_library.hpp"
 
 namespace kalfem {

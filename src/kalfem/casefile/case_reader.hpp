@@ -16,15 +16,15 @@ template <class T>
 T read_case_text(const std::string& text, const std::string& file, const Form<T>& form,
                  const Environment& environment = process_environment()) {
   Reading reading{file, std::filesystem::path(file).parent_path(), {}};
-  std::optional<T> value;
+  T value{};
   try {
     const YamlNodePtr root = parse_yaml(text, file, environment, reading.issues);
-    value = form.read(Cursor(reading, root, "", root->line));
+    form.read(Cursor(reading, root, "", root->line), value);
   } catch (const InvalidInput& error) {
     reading.issues.add(error, {file, 0});
   }
   raise_in_line_order(reading.issues);
-  return std::move(*value);
+  return value;
 }
 
 /// Reads a case file; see read_case_text().

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kalfem/casefile/bounds.hpp"
 #include "kalfem/casefile/history_residual.hpp"
 #include "kalfem/casefile/record_file.hpp"
 #include "kalfem/casefile/simulation_residual.hpp"

@@ -10,6 +10,7 @@
 #include "kalfem/casefile/finite_element_description.hpp"
 #include "kalfem/casefile/form.hpp"
 #include "kalfem/casefile/update_description.hpp"
+#include "kalfem/casefile/values.hpp"
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/estimation/filter.hpp"
 #include "kalfem/estimation/parameter_transform.hpp"

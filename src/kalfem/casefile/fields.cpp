@@ -94,13 +94,13 @@ public:
 
   void read(const Cursor& map, void* object) const override {
     if (const auto* entry = map.node().find(key_))
-      form_->read_into(map.at(*entry), at(place_, object));
+      form_->read(map.at(*entry), at(place_, object));
     else if (required_)
       map.issue("'" + key_ + "' is missing (" + meaning_ + ")", "",
                 "add '" + key_ + ": " + form_->schema.written() + "'");
   }
   void write(const void* object, std::vector<YamlEntry>& entries) const override {
-    if (auto value = form_->write_from(at(place_, object))) entries.push_back({key_, 0, std::move(value)});
+    if (auto value = form_->write(at(place_, object))) entries.push_back({key_, 0, std::move(value)});
   }
   void describe(Json& schema) const override {
     Json property = form_->schema.json();
@@ -200,6 +200,34 @@ private:
   std::vector<FieldTable::Check> checks_;
 };
 
+FormSchema map_schema(const BoundKeys& keys) {
+  Json json{{"type", "object"}, {"additionalProperties", false}, {"x-written", "{" + join(keys.keys, ", ") + "}"}};
+  keys.describe(json);
+  return FormSchema(std::move(json));
+}
+
+class MapForm final : public AnyForm {
+public:
+  explicit MapForm(BoundKeysPtr keys) : AnyForm(map_schema(*keys)), keys_(std::move(keys)) {}
+
+  bool read(const Cursor& cursor, void* object) const override {
+    if (cursor.node().kind != YamlNode::Kind::null && !cursor.require(YamlNode::Kind::map, schema.written()))
+      return false;
+    const std::size_t before = cursor.issue_count();
+    report_unknown_keys(cursor, keys_->keys);
+    keys_->read(cursor, object);
+    return cursor.issue_count() == before;
+  }
+  YamlNodePtr write(const void* object) const override {
+    std::vector<YamlEntry> entries;
+    keys_->write(object, entries);
+    return yaml_map(entries);
+  }
+
+private:
+  BoundKeysPtr keys_;
+};
+
 }  // namespace
 
 BoundKeysPtr bind_field(const FieldWords& words, const AnyFormPtr& form, Place place,
@@ -228,25 +256,6 @@ BoundKeysPtr FieldTable::bound_keys() const { return std::make_shared<const AllK
 void FieldTable::add(BoundKeysPtr keys) { fields_.push_back(std::move(keys)); }
 void FieldTable::add(Check check) { checks_.push_back(std::move(check)); }
 
-bool read_map(const Cursor& cursor, const BoundKeys& fields, const FormSchema& schema, void* object) {
-  if (cursor.node().kind != YamlNode::Kind::null && !cursor.require(YamlNode::Kind::map, schema.written()))
-    return false;
-  const std::size_t before = cursor.issue_count();
-  report_unknown_keys(cursor, fields.keys);
-  fields.read(cursor, object);
-  return cursor.issue_count() == before;
-}
-
-YamlNodePtr write_map(const BoundKeys& fields, const void* object) {
-  std::vector<YamlEntry> entries;
-  fields.write(object, entries);
-  return yaml_map(entries);
-}
-
-FormSchema map_schema(const BoundKeys& fields) {
-  Json json{{"type", "object"}, {"additionalProperties", false}, {"x-written", "{" + join(fields.keys, ", ") + "}"}};
-  fields.describe(json);
-  return FormSchema(std::move(json));
-}
+AnyFormPtr map_form(const BoundKeysPtr& keys) { return std::make_shared<const MapForm>(keys); }
 
 }  // namespace kalfem

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <variant>
 
-#include "kalfem/casefile/form.hpp"
+#include "kalfem/casefile/forms.hpp"
 
 namespace kalfem {
 
@@ -77,20 +77,18 @@ private:
   std::vector<Check> checks_;
 };
 
-/// False where the node is no map or a field or check has added an issue.
-bool read_map(const Cursor& cursor, const BoundKeys& fields, const FormSchema& schema, void* object);
-YamlNodePtr write_map(const BoundKeys& fields, const void* object);
-FormSchema map_schema(const BoundKeys& fields);
+/// The form of an object with these keys and no other ones; nothing after the colon is an empty map.
+AnyFormPtr map_form(const BoundKeysPtr& keys);
 
 /// A form of a value that may be empty.
 template <class M>
 class OptionalForm final : public AnyForm {
 public:
   explicit OptionalForm(Form<M> form) : AnyForm(form.schema()), form_(std::move(form)) {}
-  void read_into(const Cursor& cursor, void* value) const override {
-    if (auto given = form_.read(cursor)) *static_cast<std::optional<M>*>(value) = std::move(given);
+  bool read(const Cursor& cursor, void* value) const override {
+    return form_.read(cursor, static_cast<std::optional<M>*>(value)->emplace());
   }
-  YamlNodePtr write_from(const void* value) const override {
+  YamlNodePtr write(const void* value) const override {
     const auto& held = *static_cast<const std::optional<M>*>(value);
     return held ? form_.write(*held) : nullptr;
   }
@@ -131,14 +129,14 @@ public:
   /// A key that must be there.
   template <class M>
   Fields& required(std::string_view key, M T::*member, const Form<M>& form, std::string_view meaning) {
-    add(bind_field({key, meaning, true}, form.shared(), place_of(member), nullptr));
+    add(bind_field({key, meaning, true}, form.any(), place_of(member), nullptr));
     return *this;
   }
 
   /// A key that may be left out; then the member keeps the default of T{}.
   template <class M>
   Fields& optional(std::string_view key, M T::*member, const Form<M>& form, std::string_view meaning) {
-    add(bind_field({key, meaning}, form.shared(), place_of(member), form.write(defaults_.*member)));
+    add(bind_field({key, meaning}, form.any(), place_of(member), form.write(defaults_.*member)));
     return *this;
   }
 
@@ -184,7 +182,7 @@ private:
 /// The alternative `key: ...` whose value is written in the given form:  random: {rms: 3 mm, band: [0.5, 30]}.
 template <class U>
 Case<U> when(std::string_view key, const Form<U>& form, std::string_view meaning) {
-  return {std::string(key), bind_field({key, meaning, true}, form.shared(), Place{0}, nullptr)};
+  return {std::string(key), bind_field({key, meaning, true}, form.any(), Place{0}, nullptr)};
 }
 
 /// The alternative whose fields stand beside one another in the map; the first key selects it:  file: road.csv,
@@ -200,15 +198,7 @@ namespace form {
 /// A map with the given fields and no other keys; nothing after the colon is an empty map.
 template <class T>
 Form<T> mapping(const Fields<T>& fields) {
-  const BoundKeysPtr bound = fields.bound_keys();
-  const FormSchema schema = map_schema(*bound);
-  const auto read = [=](const Cursor& cursor) -> std::optional<T> {
-    T object{};
-    if (!read_map(cursor, *bound, schema, &object)) return std::nullopt;
-    return object;
-  };
-  return make_form<T>(
-      read, [=](const T& object) { return write_map(*bound, &object); }, schema);
+  return Form<T>(map_form(fields.bound_keys()));
 }
 
 }  // namespace form

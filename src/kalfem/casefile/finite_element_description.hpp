@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "kalfem/casefile/form.hpp"
+#include "kalfem/casefile/values.hpp"
 #include "kalfem/formats/read_deck.hpp"
 #include "kalfem/model/properties.hpp"
 #include "kalfem/model/unit_system.hpp"

@@ -75,13 +75,10 @@ Form<Region> region() {
 Form<NodePlace> node_place() {
   const auto group = written_as("group | number", text());
   const auto place = tuple<3>(number("m"));
-  const auto read = [=](const Cursor& cursor) -> std::optional<NodePlace> {
-    if (cursor.node().kind == YamlNode::Kind::scalar) {
-      if (auto word = group.read(cursor)) return NodePlace{*word, {}};
-    } else if (auto at = place.read(cursor)) {
-      return NodePlace{"", *at};
-    }
-    return std::nullopt;
+  const auto read = [=](const Cursor& cursor, NodePlace& given) {
+    given = {};
+    return cursor.node().kind == YamlNode::Kind::scalar ? group.read(cursor, given.group)
+                                                        : place.read(cursor, given.at);
   };
   const auto write = [=](const NodePlace& given) {
     return given.group.empty() ? place.write(given.at) : group.write(given.group);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "kalfem/casefile/bounds.hpp"
 #include "kalfem/casefile/parameterised_structure.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 

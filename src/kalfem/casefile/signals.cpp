@@ -1,5 +1,6 @@
 #include <map>
 
+#include "kalfem/casefile/bounds.hpp"
 #include "kalfem/casefile/assembly.hpp"
 #include "kalfem/casefile/record_file.hpp"
 #include "kalfem/system/signals/harmonic.hpp"

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "kalfem/casefile/bounds.hpp"
 #include "kalfem/casefile/case_reader.hpp"
 #include "kalfem/casefile/modifications.hpp"
 #include "kalfem/casefile/observer_setup.hpp"

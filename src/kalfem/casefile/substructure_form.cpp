@@ -11,11 +11,10 @@ namespace {
 Form<Named<double>> mass() {
   const auto single = number("kg", Bounds::positive());
   const auto full = named(single);
-  const auto read = [=](const Cursor& cursor) -> std::optional<Named<double>> {
-    if (cursor.node().kind != YamlNode::Kind::scalar) return full.read(cursor);
-    const auto mass = single.read(cursor);
-    if (!mass) return std::nullopt;
-    return Named<double>{{"", *mass}};
+  const auto read = [=](const Cursor& cursor, Named<double>& masses) {
+    if (cursor.node().kind != YamlNode::Kind::scalar) return full.read(cursor, masses);
+    masses = {{"", 0.0}};
+    return single.read(cursor, masses.front().second);
   };
   const auto write = [=](const Named<double>& masses) {
     const bool one = masses.size() == 1 && masses.front().first.empty();

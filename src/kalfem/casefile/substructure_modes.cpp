@@ -1,20 +1,8 @@
 #include "kalfem/casefile/substructure_modes.hpp"
 
-#include <numbers>
-
-#include "kalfem/linalg/lowest_modes.hpp"
+#include "kalfem/model/modal_damping.hpp"
 
 namespace kalfem {
-namespace {
-
-NormalModes lowest_normal_modes(const LinearModel& model, Eigen::Index count) {
-  const auto& damped = model.modal_damping.modes;
-  if (damped.frequencies.size() >= count) return {damped.frequencies.head(count), damped.shapes.leftCols(count)};
-  const auto lowest = lowest_modes(model.stiffness, model.mass, {.count = std::min(count, model.size())});
-  return {lowest.values.cwiseMax(0.0).cwiseSqrt() / (2.0 * std::numbers::pi), lowest.vectors};
-}
-
-}  // namespace
 
 std::vector<SubstructureModes> substructure_modes(const Study& study, Eigen::Index count) {
   std::vector<SubstructureModes> all;

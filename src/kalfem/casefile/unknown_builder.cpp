@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kalfem/casefile/bounds.hpp"
 #include "kalfem/casefile/parameterised_structure.hpp"
 #include "kalfem/casefile/unknown_targets.hpp"
 

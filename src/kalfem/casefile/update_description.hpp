@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "kalfem/casefile/finite_element_description.hpp"
-#include "kalfem/casefile/form.hpp"
+#include "kalfem/casefile/values.hpp"
 
 /// The updating of a case as its file says it, see description.hpp.
 namespace kalfem::description {

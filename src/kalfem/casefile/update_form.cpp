@@ -26,13 +26,9 @@ Form<Frequencies> frequencies() {
                                   .required("column", &TableColumn::column, text(), "its column of frequencies [Hz]")
                                   .optional("first", &TableColumn::first, integer(1, 100000), "so many rows"));
   const auto values = list(number("Hz", Bounds::positive()), 1);
-  const auto read = [=](const Cursor& cursor) -> std::optional<Frequencies> {
-    if (cursor.node().kind == YamlNode::Kind::list) {
-      if (auto given = values.read(cursor)) return Frequencies(*given);
-    } else if (auto given = column.read(cursor)) {
-      return Frequencies(*given);
-    }
-    return std::nullopt;
+  const auto read = [=](const Cursor& cursor, Frequencies& given) {
+    return cursor.node().kind == YamlNode::Kind::list ? values.read(cursor, given.emplace<std::vector<double>>())
+                                                      : column.read(cursor, given.emplace<TableColumn>());
   };
   const auto write = [=](const Frequencies& given) {
     const auto* listed = std::get_if<std::vector<double>>(&given);

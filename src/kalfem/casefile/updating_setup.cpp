@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "kalfem/casefile/bounds.hpp"
 #include "kalfem/casefile/comparisons.hpp"
 #include "kalfem/casefile/parameterised_structure.hpp"
 

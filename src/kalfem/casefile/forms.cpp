@@ -1,4 +1,4 @@
-#include "kalfem/casefile/form.hpp"
+#include "kalfem/casefile/forms.hpp"
 
 #include <cctype>
 #include <charconv>
@@ -34,38 +34,35 @@ nlohmann::ordered_json whole_number(const std::string& words) {
   return json;
 }
 
-double require_within(double value, const std::string& shown, const Bounds& bounds) {
-  if (!bounds.contain(value)) throw InvalidInput(shown + " given", "it must be " + bounds.describe(), "");
-  return value;
-}
+/// A form that says the same in other words.
+class RestatedForm final : public AnyForm {
+public:
+  RestatedForm(AnyFormPtr form, const std::string& words)
+      : AnyForm(form->schema.written_as(words)), form_(std::move(form)) {}
+  bool read(const Cursor& cursor, void* value) const override { return form_->read(cursor, value); }
+  YamlNodePtr write(const void* value) const override { return form_->write(value); }
+
+private:
+  AnyFormPtr form_;
+};
+
+/// A form for scalars and one for all else.
+class ShortOrFullForm final : public AnyForm {
+public:
+  ShortOrFullForm(AnyFormPtr short_form, AnyFormPtr full_form)
+      : AnyForm(either_schema(short_form->schema, full_form->schema)),
+        short_(std::move(short_form)),
+        full_(std::move(full_form)) {}
+  bool read(const Cursor& cursor, void* value) const override {
+    return (cursor.node().kind == YamlNode::Kind::scalar ? short_ : full_)->read(cursor, value);
+  }
+  YamlNodePtr write(const void* value) const override { return full_->write(value); }
+
+private:
+  AnyFormPtr short_, full_;
+};
 
 }  // namespace
-
-bool Bounds::contain(double x) const { return (low_open ? x > low : x >= low) && (high_open ? x < high : x <= high); }
-
-std::string Bounds::describe() const {
-  const bool below = std::isfinite(low), above = std::isfinite(high);
-  if (below && above)
-    return std::string("in ") + (low_open ? "(" : "[") + shortest(low) + ", " + shortest(high) +
-           (high_open ? ")" : "]");
-  if (below) return (low_open ? "> " : ">= ") + shortest(low);
-  if (above) return (high_open ? "< " : "<= ") + shortest(high);
-  return "";
-}
-
-double checked_number(const std::string& text, const std::string& unit, const Bounds& bounds) {
-  return require_within(to_si(text, unit), text, bounds);
-}
-
-double checked_number(const Located<Quantity>& given, const std::string& unit, const Bounds& bounds) {
-  try {
-    return require_within(to_si(given.value, unit), shortest(given.value.value), bounds);
-  } catch (const InvalidInput& error) {
-    std::vector<Issue> issues;
-    for (const auto& each : error.issues()) issues.push_back(given.issue(each.what, each.why, each.fix));
-    throw InvalidInput(std::move(issues));
-  }
-}
 
 void require_name(const std::string& name, NameRule rule) {
   const auto belongs = [&](char c) {
@@ -144,17 +141,25 @@ Form<Quantity> quantity() {
 
 Form<std::filesystem::path> path(bool existing) {
   namespace fs = std::filesystem;
-  const auto read = [=](const Cursor& cursor) -> std::optional<fs::path> {
-    if (!cursor.require(YamlNode::Kind::scalar, "a file name")) return std::nullopt;
+  const auto read = [=](const Cursor& cursor, fs::path& file) {
+    if (!cursor.require(YamlNode::Kind::scalar, "a file name")) return false;
     std::error_code error;
-    const fs::path file = fs::absolute(cursor.folder() / cursor.node().text, error).lexically_normal();
-    if (!cursor.node().text.empty() && (!existing || fs::is_regular_file(file, error))) return file;
+    file = fs::absolute(cursor.folder() / cursor.node().text, error).lexically_normal();
+    if (!cursor.node().text.empty() && (!existing || fs::is_regular_file(file, error))) return true;
     cursor.issue("no file '" + file.string() + "'", "", "paths are relative to the case file");
-    return std::nullopt;
+    return false;
   };
   return make_form<fs::path>(
       read, [](const fs::path& file) { return yaml_text(file.string()); },
       FormSchema({{"type", "string"}, {"x-written", "file name"}}));
+}
+
+AnyFormPtr restated(const AnyFormPtr& form, const std::string& words) {
+  return std::make_shared<const RestatedForm>(form, words);
+}
+
+AnyFormPtr short_or_full(const AnyFormPtr& short_form, const AnyFormPtr& full_form) {
+  return std::make_shared<const ShortOrFullForm>(short_form, full_form);
 }
 
 bool require_size(const Cursor& list, std::size_t least, std::size_t most) {
@@ -181,10 +186,11 @@ Form<std::size_t> one_of_words(const std::vector<std::string>& words, const std:
 
 Form<std::string> word(const std::vector<std::string>& known) {
   const auto number = one_of_words(known, std::vector<std::string>(known.size()));
-  const auto read = [=](const Cursor& cursor) -> std::optional<std::string> {
-    const auto chosen = number.read(cursor);
-    if (!chosen) return std::nullopt;
-    return known[*chosen];
+  const auto read = [=](const Cursor& cursor, std::string& word) {
+    std::size_t chosen = 0;
+    if (!number.read(cursor, chosen)) return false;
+    word = known[chosen];
+    return true;
   };
   return make_form<std::string>(
       read, [](const std::string& word) { return yaml_text(word); }, number.schema());

@@ -1,0 +1,41 @@
+#include "kalfem/casefile/bounds.hpp"
+
+#include <cmath>
+
+namespace kalfem {
+namespace {
+
+double require_within(double value, const std::string& shown, const Bounds& bounds) {
+  if (!bounds.contain(value)) throw InvalidInput(shown + " given", "it must be " + bounds.describe(), "");
+  return value;
+}
+
+}  // namespace
+
+bool Bounds::contain(double x) const { return (low_open ? x > low : x >= low) && (high_open ? x < high : x <= high); }
+
+std::string Bounds::describe() const {
+  const bool below = std::isfinite(low), above = std::isfinite(high);
+  if (below && above)
+    return std::string("in ") + (low_open ? "(" : "[") + shortest(low) + ", " + shortest(high) +
+           (high_open ? ")" : "]");
+  if (below) return (low_open ? "> " : ">= ") + shortest(low);
+  if (above) return (high_open ? "< " : "<= ") + shortest(high);
+  return "";
+}
+
+double checked_number(const std::string& text, const std::string& unit, const Bounds& bounds) {
+  return require_within(to_si(text, unit), text, bounds);
+}
+
+double checked_number(const Located<Quantity>& given, const std::string& unit, const Bounds& bounds) {
+  try {
+    return require_within(to_si(given.value, unit), shortest(given.value.value), bounds);
+  } catch (const InvalidInput& error) {
+    std::vector<Issue> issues;
+    for (const auto& each : error.issues()) issues.push_back(given.issue(each.what, each.why, each.fix));
+    throw InvalidInput(std::move(issues));
+  }
+}
+
+}  // namespace kalfem

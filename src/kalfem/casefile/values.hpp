@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/units.hpp"
+
+namespace kalfem {
+
+/// Named values in file order.
+template <class T>
+using Named = std::vector<std::pair<std::string, T>>;
+
+/// A value and where it was given, for problems that show only when the parts of a case are put together.
+template <class T>
+struct Located {
+  T value{};
+  SourceLocation location{};
+  std::string path{};
+
+  /// An issue about the value, with its place.
+  [[nodiscard]] Issue issue(const std::string& what, std::string why = {}, std::string fix = {}) const {
+    return {location, path + ": " + what, std::move(why), std::move(fix)};
+  }
+  /// Equal values; the place does not matter.
+  bool operator==(const Located& other) const { return value == other.value; }
+};
+
+}  // namespace kalfem
