@@ -31,13 +31,13 @@ kalfem_precompiled(kalfem_rim_headers SETTINGS kalfem_rim_settings
 kalfem_precompiled(kalfem_case_headers SETTINGS kalfem_rim_settings
                    HEADERS ${KALFEM_COMMON_HEADERS} ${PROJECT_SOURCE_DIR}/src/kalfem/casefile/study.hpp)
 
-option(KALFEM_GROUPED "compile files eight at a time, for a short build from scratch; OFF to work on one file at a time" ON)
+option(KALFEM_GROUPED "compile sixteen files at a time, for a short build from scratch; OFF to work on one file at a time" ON)
 
-# kalfem_grouped(<target> [ALONE <source> ...]): eight files are compiled as one, except those that stay alone: large or
+# kalfem_grouped(<target> [ALONE <source> ...]): sixteen files are compiled as one, except those that stay alone: large or
 # tuned ones, and those that include what others must not see.
 function(kalfem_grouped target)
   cmake_parse_arguments(ARG "" "" "ALONE" ${ARGN})
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${KALFEM_GROUPED} UNITY_BUILD_BATCH_SIZE 8)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${KALFEM_GROUPED} UNITY_BUILD_BATCH_SIZE 16)
   set_source_files_properties(${ARG_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 

@@ -35,18 +35,20 @@ struct DampedOscillator {
 template <typename Force, typename Law>
 Eigen::Vector2d runge_kutta(const DampedOscillator& body, const Force& applied, const Law& law, double d, double v,
                             double T, int steps) {
-  const auto rate = [&](double t, const Eigen::Vector2d& x) {
-    return Eigen::Vector2d(x[1], (applied(t) - body.c * x[1] - body.k * x[0] - law(x[0], x[1])) / body.m);
+  const auto acceleration = [&](double t, double d, double v) {
+    return (applied(t) - body.c * v - body.k * d - law(d, v)) / body.m;
   };
-  Eigen::Vector2d x(d, v);
   const double h = T / steps;
   for (int i = 0; i < steps; ++i) {
     const double t = i * h;
-    const Eigen::Vector2d k1 = rate(t, x), k2 = rate(t + h / 2, x + h / 2 * k1), k3 = rate(t + h / 2, x + h / 2 * k2),
-                          k4 = rate(t + h, x + h * k3);
-    x += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+    const double v1 = v, a1 = acceleration(t, d, v1);
+    const double v2 = v + h / 2 * a1, a2 = acceleration(t + h / 2, d + h / 2 * v1, v2);
+    const double v3 = v + h / 2 * a2, a3 = acceleration(t + h / 2, d + h / 2 * v2, v3);
+    const double v4 = v + h * a3, a4 = acceleration(t + h, d + h * v3, v4);
+    d += h / 6 * (v1 + 2 * v2 + 2 * v3 + v4);
+    v += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
   }
-  return x;
+  return {d, v};
 }
 
 inline SignalPtr straight_lines(const Eigen::VectorXd& samples, double sample_rate) {

@@ -68,17 +68,17 @@ TEST_P(AlphaFamily, AccelerationConvergesWithOrderTwo) {
 
 TEST_P(EveryIntegrator, SaturatingConnectorConvergesWithOrderTwo) {
   const DampedOscillator body{1.0, 0.5, 300.0};
-  const auto p = saturating_parameters();
-  const auto law = [&](double d, double v) {
+  const auto parameters = saturating_parameters();
+  const auto law = [p = parameters.data()](double d, double v) {
     return p[0] * d + p[1] * d / (p[2] + std::abs(d)) + p[3] * v + p[4] * v / (p[5] + std::abs(v));
   };
   const SineOptions sine{.amplitude = 60.0, .frequency = 4.3, .phase = 0.4};
   const auto applied = [&](double t) { return sine.amplitude * std::sin(2 * M_PI * sine.frequency * t + sine.phase); };
   const double T = 0.83;
   // 2 10^6 steps: the kinks of the law at 0 reduce Runge-Kutta to order 2-3, some 1e-12 of the amplitude
-  const double reference = runge_kutta(body, applied, law, 0.0, 0.0, T, 2000000)[0];
-  const auto model = oscillator(body.m, body.c, body.k,
-                                {{"strut", "body.ground", "body.x", make_law("saturating"), saturating_parameters()}});
+  static const double reference = runge_kutta(body, applied, law, 0.0, 0.0, T, 2000000)[0];
+  const auto model =
+      oscillator(body.m, body.c, body.k, {{"strut", "body.ground", "body.x", make_law("saturating"), parameters}});
   std::vector<double> steps, errors;
   for (const int count : {500, 1000, 2000, 4000, 8000}) {
     steps.push_back(T / count);

@@ -328,8 +328,15 @@ TEST(ModalDamping, GivesEachModeItsRatioAndTheRestTheLastRate) {
     EXPECT_EQ(open.damping.norm(), 0.0);
     EXPECT_NEAR(open.modal_damping.rates[11], 0.1 * omega[11], 1e-9 * omega[11]);
     LinearModel limited = undamped;
-    add_modal_damping(limited, {0.05}, {.up_to = 0.5 * (omega[4] + omega[5]) / (2.0 * std::numbers::pi)});
+    const double limit = 0.5 * (omega[4] + omega[5]) / (2.0 * std::numbers::pi);
+    add_modal_damping(limited, {0.05}, {.up_to = limit});
     EXPECT_EQ(limited.modal_damping.rates.size(), 5);
+    const NormalModes known = lowest_normal_modes(model, 12), computed = lowest_normal_modes(undamped, 12);
+    EXPECT_LT((known.frequencies - computed.frequencies).norm(), 1e-9 * computed.frequencies[11]);
+    EXPECT_EQ(lowest_normal_modes(model, 14).shapes.cols(), 14);
+    EXPECT_EQ(lowest_normal_modes(model, 12, limit).shapes.cols(), 5);
+    EXPECT_EQ(lowest_normal_modes(limited, 12, limit).shapes.cols(), 5);
+    EXPECT_EQ(lowest_normal_modes(limited, 3, limit).shapes.cols(), 3);
     EXPECT_THROW(add_modal_damping(limited, {0.05}, {.count = 2}), InvalidInput);
     EXPECT_THROW(add_modal_damping(open, {-0.05}, {}), InvalidInput);
   }

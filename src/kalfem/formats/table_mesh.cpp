@@ -46,9 +46,9 @@ Title title_of(const std::string& text) {
 }
 
 /// The lines of a file as rows of the wanted columns.
-class Table {
+class MeshTable {
 public:
-  Table(const std::filesystem::path& path, std::vector<Column> columns)
+  MeshTable(const std::filesystem::path& path, std::vector<Column> columns)
       : problems(path.string()), columns_(std::move(columns)), text_(read_text(path)), lines_(split_lines(text_)) {
     std::erase_if(lines_, [](const TextLine& line) {
       const auto content = trimmed(line.text);
@@ -175,7 +175,7 @@ double metres(const Column& column, const TableMeshOptions& options, FileProblem
 }
 
 void read_nodes(const std::filesystem::path& path, const TableMeshOptions& options, Mesh& mesh) {
-  Table table(path, {{{"node", "id", "node_id", "number", "point"}}, {{"x"}}, {{"y"}}, {{"z"}}});
+  MeshTable table(path, {{{"node", "id", "node_id", "number", "point"}}, {{"x"}}, {{"y"}}, {{"z"}}});
   Eigen::Vector3d scale;
   for (std::size_t i = 0; i < 3; ++i)
     scale[static_cast<Eigen::Index>(i)] = metres(table.column(i + 1), options, table.problems);
@@ -251,7 +251,7 @@ private:
     return name;
   }
 
-  Table table_;
+  MeshTable table_;
   Mesh& mesh_;
   NodeFinder finder_;
   std::map<std::int64_t, int> seen_;

@@ -12,15 +12,17 @@ namespace {
 /// What is smaller than this against the operator's image is rounding, not a new direction.
 constexpr double no_direction = 1e-14;
 
-/// Makes the columns M-orthonormal, W = W' T with the columns of W' returned in place of W; directions shorter than
-/// `shortest` are dropped, so that T is r x k.
-MatrixXd normalise(const Eigen::SparseMatrix<double>& mass, double shortest, MatrixXd& block) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> gram(block.transpose() * (mass * block));
+/// Makes the columns M-orthonormal, W = W' T with the columns of W' in place of W and those of M W' in place of its
+/// `momenta` M W; directions shorter than `shortest` are dropped, so that T is r x k.
+MatrixXd normalise(double shortest, MatrixXd& block, MatrixXd& momenta) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> gram(block.transpose() * momenta);
   const Index dropped = (gram.eigenvalues().array() <= shortest * shortest).count();  // ascending: the first ones
   const Index kept = block.cols() - dropped;
   const Eigen::VectorXd lengths = gram.eigenvalues().tail(kept).cwiseSqrt();
   const MatrixXd directions = gram.eigenvectors().rightCols(kept);
-  block = block * (directions * lengths.cwiseInverse().asDiagonal());
+  const MatrixXd scaled = directions * lengths.cwiseInverse().asDiagonal();
+  block = block * scaled;
+  momenta = momenta * scaled;
   return lengths.asDiagonal() * directions.transpose();
 }
 
@@ -30,28 +32,28 @@ BlockLanczos::BlockLanczos(const SparseFactor& factor, const Eigen::SparseMatrix
                            Index capacity)
     : factor_(factor), mass_(mass), width_(width), basis_(mass.rows(), capacity) {}
 
-MatrixXd BlockLanczos::apply(const MatrixXd& vectors) {
-  MatrixXd image = mass_ * vectors;
-  factor_.solve(image, image);
-  solves_ += vectors.cols();
-  return image;
+MatrixXd BlockLanczos::image_of(const MatrixXd& momenta) {
+  solves_ += momenta.cols();
+  return factor_.solve(momenta);
 }
 
 /// Splits the block as Q projections + Q' triangle and puts Q' behind the first `columns` of the basis. The first pass
 /// takes the part in the columns from `near` on, where there is any but rounding; the second, after the normalisation,
 /// what rounding and cancellation have left in all of them.
 void BlockLanczos::attach(MatrixXd block, Index near, Index columns, MatrixXd& projections, MatrixXd& triangle) {
-  const MatrixXd momenta = mass_ * block;
-  const double scale = std::sqrt(block.cwiseProduct(momenta).colwise().sum().maxCoeff());
+  momenta_ = mass_ * block;
+  const double scale = std::sqrt(block.cwiseProduct(momenta_).colwise().sum().maxCoeff());
   const auto close = basis_.middleCols(near, columns - near), basis = basis_.leftCols(columns);
   projections.setZero(columns, block.cols());
-  projections.bottomRows(columns - near).noalias() = close.transpose() * momenta;
+  projections.bottomRows(columns - near).noalias() = close.transpose() * momenta_;
   block.noalias() -= close * projections.bottomRows(columns - near);
-  triangle = normalise(mass_, no_direction * scale, block);
-  const MatrixXd remainder = basis.transpose() * (mass_ * block);
+  momenta_ = mass_ * block;
+  triangle = normalise(no_direction * scale, block, momenta_);
+  const MatrixXd remainder = basis.transpose() * momenta_;
   block.noalias() -= basis * remainder;
+  momenta_ = mass_ * block;
   projections += remainder * triangle;
-  triangle = normalise(mass_, 0.5, block) * triangle;  // nothing that is left had length 1: it lay in the basis
+  triangle = normalise(0.5, block, momenta_) * triangle;  // nothing that is left had length 1: it lay in the basis
   last_ = block.cols();
   basis_.middleCols(columns, last_) = block;
 }
@@ -59,7 +61,7 @@ void BlockLanczos::attach(MatrixXd block, Index near, Index columns, MatrixXd& p
 bool BlockLanczos::step() {
   if (last_ == 0) return false;
   const Index columns = size_ + last_;
-  const MatrixXd image = apply(basis_.middleCols(size_, last_));
+  const MatrixXd image = image_of(momenta_);
   const Index begin = size_, width = last_;
   MatrixXd projections, triangle;
   attach(image, coupled_, columns, projections, triangle);
@@ -77,7 +79,7 @@ bool BlockLanczos::step() {
 bool BlockLanczos::restart_at_random() {
   MatrixXd block(basis_.rows(), width_);
   for (double& value : block.reshaped()) value = std::ldexp(random_(), -31) - 1.0;
-  block = apply(block);
+  block = image_of(mass_ * block);
   MatrixXd projections, triangle;
   attach(block, 0, size_, projections, triangle);
   coupling_.setZero(last_, size_);

@@ -39,7 +39,7 @@ public:
   [[nodiscard]] Eigen::Index solves() const { return solves_; }
 
 private:
-  Eigen::MatrixXd apply(const Eigen::MatrixXd& vectors);
+  Eigen::MatrixXd image_of(const Eigen::MatrixXd& momenta);  ///< A^-1 M V of vectors V with the momenta M V
   void attach(Eigen::MatrixXd block, Eigen::Index near, Eigen::Index columns, Eigen::MatrixXd& projections,
               Eigen::MatrixXd& triangle);
 
@@ -50,6 +50,7 @@ private:
   Eigen::Index last_ = 0;  ///< width of the last block
   Eigen::Index solves_ = 0;
   Eigen::MatrixXd basis_;      ///< n x capacity, M-orthonormal
+  Eigen::MatrixXd momenta_;    ///< M Q of the last block, n x last_
   Eigen::MatrixXd projected_;  ///< Q^T M A^-1 M Q, of the first `size_` columns
   Eigen::Index coupled_ = 0;   ///< first column of the basis with which the last block is coupled
   Eigen::MatrixXd coupling_;   ///< last_ x size_: A^-1 M Q = Q projected + Q_last coupling

@@ -6,6 +6,12 @@ using Eigen::Index;
 using Eigen::VectorXd;
 using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
+namespace {
+
+constexpr double dense_fill = 0.25;  ///< part of all entries from which on dense products are faster
+
+}  // namespace
+
 PairedProduct::PairedProduct(const Eigen::SparseMatrix<double>& a, const Eigen::SparseMatrix<double>& b)
     : rows_(a.rows()) {
   const RowMatrix rows_a(a), rows_b(b);
@@ -25,20 +31,32 @@ PairedProduct::PairedProduct(const Eigen::SparseMatrix<double>& a, const Eigen::
     }
     start_.push_back(static_cast<int>(column_.size()));
   }
+  if (static_cast<double>(column_.size()) > dense_fill * static_cast<double>(a.rows() * a.cols())) {
+    dense_a_ = a;
+    if (both) dense_b_ = b;
+    start_.clear(), column_.clear(), a_.clear(), b_.clear();
+  }
 }
 
 void PairedProduct::multiply(const VectorXd& u, const VectorXd& v, VectorXd& y) const {
-  y.resize(rows_);
-  const double* x = u.data();
-  const double* z = v.data();
+  if (dense_a_.size() > 0) {
+    y.noalias() = dense_a_ * u;
+    if (dense_b_.size() > 0) y.noalias() += dense_b_ * v;
+  } else {
+    y.resize(rows_);
+    sweep(u.data(), v.data(), y.data());
+  }
+}
+
+void PairedProduct::sweep(const double* u, const double* v, double* y) const {
   for (Index row = 0; row < rows_; ++row) {
     double sum = 0.0;
     const auto first = static_cast<std::size_t>(start_[static_cast<std::size_t>(row)]);
     const auto last = static_cast<std::size_t>(start_[static_cast<std::size_t>(row) + 1]);
     if (single())
-      for (std::size_t k = first; k < last; ++k) sum += a_[k] * x[column_[k]];
+      for (std::size_t k = first; k < last; ++k) sum += a_[k] * u[column_[k]];
     else
-      for (std::size_t k = first; k < last; ++k) sum += a_[k] * x[column_[k]] + b_[k] * z[column_[k]];
+      for (std::size_t k = first; k < last; ++k) sum += a_[k] * u[column_[k]] + b_[k] * v[column_[k]];
     y[row] = sum;
   }
 }

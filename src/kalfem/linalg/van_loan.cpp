@@ -11,7 +11,7 @@ namespace kalfem {
 
 namespace {
 
-void check(const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::Ref<const Eigen::MatrixXd>& Qc, double h) {
+void check_density(const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::Ref<const Eigen::MatrixXd>& Qc, double h) {
   IssueList issues;
   if (A.rows() != A.cols() || Qc.rows() != A.rows() || Qc.cols() != A.cols())
     issues.add({},
@@ -57,7 +57,7 @@ int halvings_until_short(double norm) {
 
 Eigen::MatrixXd process_noise_covariance(const Eigen::Ref<const Eigen::MatrixXd>& A,
                                          const Eigen::Ref<const Eigen::MatrixXd>& Qc, double h) {
-  check(A, Qc, h);
+  check_density(A, Qc, h);
   if (A.size() == 0 || Qc.isZero(0.0)) return Eigen::MatrixXd::Zero(A.rows(), A.cols());
 
   const Eigen::VectorXd d = balancing_scale(A);

@@ -33,22 +33,24 @@ void check(const LinearModel& model, const std::vector<double>& ratios, const Mo
   issues.raise();
 }
 
-LowestModes damped_modes(const LinearModel& model, const ModalDampingOptions& options) {
+LowestModes lowest(const LinearModel& model, std::optional<Index> count, std::optional<double> up_to) {
   LowestModesOptions wanted;
-  if (options.count) wanted.count = std::min(*options.count, (model.mass.diagonal().array() > 0.0).count());
-  if (options.up_to) wanted.below = std::pow(2.0 * std::numbers::pi * *options.up_to, 2);
+  if (count) wanted.count = std::min(*count, (model.mass.diagonal().array() > 0.0).count());
+  if (up_to) wanted.below = std::pow(2.0 * std::numbers::pi * *up_to, 2);
   return lowest_modes(model.stiffness, model.mass, wanted);
 }
+
+VectorXd frequencies_of(const LowestModes& modes) { return modes.values.cwiseSqrt() / (2.0 * std::numbers::pi); }
 
 }  // namespace
 
 void add_modal_damping(LinearModel& model, const std::vector<double>& ratios, const ModalDampingOptions& options) {
   check(model, ratios, options);
   if (ratios.empty()) return;
-  LowestModes modes = damped_modes(model, options);
+  LowestModes modes = lowest(model, options.count, options.up_to);
   const Index count = modes.values.size();
   if (count == 0) return;
-  const VectorXd frequencies = modes.values.cwiseSqrt() / (2.0 * std::numbers::pi);
+  const VectorXd frequencies = frequencies_of(modes);
   VectorXd rates = damping_rates(frequencies, ratios);
   if (options.damp_the_rest && modes.next) {
     const double alpha = rates[count - 1];
@@ -56,6 +58,15 @@ void add_modal_damping(LinearModel& model, const std::vector<double>& ratios, co
     rates.array() -= alpha;
   }
   model.modal_damping = {{frequencies, std::move(modes.vectors)}, rates};
+}
+
+NormalModes lowest_normal_modes(const LinearModel& model, Index count, std::optional<double> up_to) {
+  const auto& [frequencies, shapes] = model.modal_damping.modes;
+  const Index in_range = up_to ? (frequencies.array() <= *up_to).count() : frequencies.size();
+  const Index wanted = std::min(count, in_range);
+  if (wanted == count || in_range < frequencies.size()) return {frequencies.head(wanted), shapes.leftCols(wanted)};
+  LowestModes modes = lowest(model, count, up_to);
+  return {frequencies_of(modes), std::move(modes.vectors)};
 }
 
 }  // namespace kalfem

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "kalfem/linalg/lowest_modes.hpp"
+#include "kalfem/model/modal_damping.hpp"
 
 namespace kalfem {
 
@@ -37,19 +38,19 @@ double residual(const LinearModel& full, const VectorXd& shape, double value) {
 
 std::vector<ModeComparison> compare_modes(const LinearModel& full, const LinearModel& reduced, const MatrixXd& basis,
                                           double up_to) {
-  const double limit = std::pow(2.0 * std::numbers::pi * up_to, 2);
-  const LowestModes exact = lowest_modes(full.stiffness, full.mass, {.count = reduced.size(), .below = limit});
+  const NormalModes exact = lowest_normal_modes(full, reduced.size(), up_to);
   const Index finite = (reduced.mass.diagonal().array() > 0.0).count();
   // Beyond the band as well, so that each full mode finds its own and those of the same frequency.
-  LowestModes own = lowest_modes(reduced.stiffness, reduced.mass, {.count = std::min(finite, exact.values.size() + 8)});
+  LowestModes own =
+      lowest_modes(reduced.stiffness, reduced.mass, {.count = std::min(finite, exact.frequencies.size() + 8)});
   const MatrixXd shapes = basis * own.vectors;
   // Small as it is, the reduced stiffness does not show how large the energies are that cancel in a rigid-body mode.
   for (Index i = 0; i < own.values.size() && moves_rigidly(full.stiffness, shapes.col(i)); ++i) own.values[i] = 0.0;
   std::vector<ModeComparison> modes;
-  for (Index i = 0; i < std::min(exact.values.size(), own.values.size()); ++i)
-    modes.push_back({.full = frequency(exact.values[i]),
+  for (Index i = 0; i < std::min(exact.frequencies.size(), own.values.size()); ++i)
+    modes.push_back({.full = exact.frequencies[i],
                      .reduced = frequency(own.values[i]),
-                     .mac = captured(full.mass * exact.vectors.col(i), shapes, own.values, i),
+                     .mac = captured(full.mass * exact.shapes.col(i), shapes, own.values, i),
                      .residual = residual(full, shapes.col(i), own.values[i])});
   return modes;
 }
