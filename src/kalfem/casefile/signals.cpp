@@ -1,7 +1,7 @@
 #include <map>
 
-#include "kalfem/casefile/bounds.hpp"
 #include "kalfem/casefile/assembly.hpp"
+#include "kalfem/casefile/bounds.hpp"
 #include "kalfem/casefile/record_file.hpp"
 #include "kalfem/system/signals/harmonic.hpp"
 #include "kalfem/system/signals/pulse.hpp"
