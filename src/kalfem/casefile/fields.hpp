@@ -17,7 +17,7 @@ using Place = std::ptrdiff_t;
 /// common is so compiled once (fields.cpp). Immutable.
 class BoundKeys {
 public:
-  explicit BoundKeys(std::vector<std::string> keys) : keys(std::move(keys)) {}
+  explicit BoundKeys(std::vector<std::string> names) : keys(std::move(names)) {}
   BoundKeys(const BoundKeys&) = delete;
   BoundKeys& operator=(const BoundKeys&) = delete;
   virtual ~BoundKeys() = default;

@@ -13,7 +13,7 @@ namespace kalfem {
 /// the value is known only to those who made the form: what does not depend on it is so compiled once. Immutable.
 class AnyForm {
 public:
-  explicit AnyForm(FormSchema schema) : schema(std::move(schema)) {}
+  explicit AnyForm(FormSchema given) : schema(std::move(given)) {}
   AnyForm(const AnyForm&) = delete;
   AnyForm& operator=(const AnyForm&) = delete;
   virtual ~AnyForm() = default;
@@ -52,8 +52,8 @@ template <class T, class Read, class Write>
 Form<T> make_form(Read read, Write write, FormSchema schema) {
   class Made final : public AnyForm {
   public:
-    Made(Read read, Write write, FormSchema schema)
-        : AnyForm(std::move(schema)), read_(std::move(read)), write_(std::move(write)) {}
+    Made(Read read, Write write, FormSchema given)
+        : AnyForm(std::move(given)), read_(std::move(read)), write_(std::move(write)) {}
     bool read(const Cursor& cursor, void* value) const override { return read_(cursor, *static_cast<T*>(value)); }
     YamlNodePtr write(const void* value) const override { return write_(*static_cast<const T*>(value)); }
 
