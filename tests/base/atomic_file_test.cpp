@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "base/scratch_folder.hpp"
 #include "kalfem/base/invalid_input.hpp"
 
 namespace kalfem {
@@ -15,14 +16,6 @@ namespace fs = std::filesystem;
 
 class AtomicFile : public testing::Test {
 protected:
-  void SetUp() override {
-    folder = fs::temp_directory_path() /
-             ("kalfem_atomic_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    fs::remove_all(folder);
-    fs::create_directories(folder);
-  }
-  void TearDown() override { fs::remove_all(folder); }
-
   [[nodiscard]] auto files() const { return std::distance(fs::directory_iterator(folder), fs::directory_iterator()); }
 
   static std::string read(const fs::path& path) {
@@ -30,7 +23,7 @@ protected:
     return {std::istreambuf_iterator<char>(file), {}};
   }
 
-  fs::path folder;
+  ScratchFolder folder{"atomic"};
 };
 
 TEST_F(AtomicFile, ReplacesTheWholeFileAndLeavesNothingElse) {

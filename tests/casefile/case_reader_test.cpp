@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "base/scratch_folder.hpp"
 #include "casefile/sample_case.hpp"
 #include "kalfem/casefile/fields.hpp"
 
@@ -189,14 +190,12 @@ TEST(CaseReader, FilesThatCannotBeRead) {
 }
 
 TEST(CaseReader, PathsAreRelativeToTheCaseFile) {
-  const auto folder = std::filesystem::temp_directory_path() / "kalfem_case_paths";
-  std::filesystem::create_directories(folder);
+  const ScratchFolder folder("case-paths");
   std::ofstream(folder / "road.csv") << "x";
   const auto form = form::list(form::path());
   EXPECT_EQ(read_case_text("[./road.csv]", (folder / "case.yaml").string(), form).front(), folder / "road.csv");
   EXPECT_THROW(read_case_text("[rod.csv]", (folder / "case.yaml").string(), form), InvalidInput);
   EXPECT_THROW(read_case_text("['']", (folder / "case.yaml").string(), form), InvalidInput);
-  std::filesystem::remove_all(folder);
 }
 
 TEST(Environment, ExpandsVariablesAndNestedDefaults) {

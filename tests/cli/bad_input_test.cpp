@@ -30,7 +30,7 @@ class BadInput : public testing::TestWithParam<CaseMistake> {};
 
 TEST_P(BadInput, IsOneClearMessageAndNothingIsLeft) {
   const auto& mistake = GetParam();
-  const auto folder = fresh_folder(std::string("bad-") + mistake.name);
+  const ScratchFolder folder(std::string("bad-") + mistake.name);
   std::string text = sound_case;
   const auto place = text.find(mistake.from);
   ASSERT_NE(place, std::string::npos);
@@ -89,7 +89,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& each) { return std::string(each.param.name); });
 
 TEST(Command, SoundCaseRuns) {
-  const auto folder = fresh_folder("sound");
+  const ScratchFolder folder("sound");
   std::ofstream(folder / "case.yaml") << sound_case;
   const auto outcome = run_command("run " + (folder / "case.yaml").string(), folder);
   EXPECT_EQ(outcome.code, 0) << outcome.errors;
@@ -98,14 +98,14 @@ TEST(Command, SoundCaseRuns) {
 }
 
 TEST(Command, MissingCaseFileIsTheUsersToMend) {
-  const auto folder = fresh_folder("missing");
+  const ScratchFolder folder("missing");
   const auto outcome = run_command("run " + (folder / "none.yaml").string(), folder);
   EXPECT_EQ(outcome.code, 2);
   EXPECT_NE(outcome.errors.find("none.yaml"), std::string::npos);
 }
 
 TEST(Command, FolderThatCannotBeMadeIsNamed) {
-  const auto folder = fresh_folder("folder");
+  const ScratchFolder folder("folder");
   std::ofstream(folder / "case.yaml") << sound_case;
   const auto outcome =
       run_command("run " + (folder / "case.yaml").string() + " --out " + (folder / "case.yaml" / "x").string(), folder);
@@ -114,14 +114,14 @@ TEST(Command, FolderThatCannotBeMadeIsNamed) {
 }
 
 TEST(Command, SchemaIsJson) {
-  const auto folder = fresh_folder("schema");
+  const ScratchFolder folder("schema");
   const auto outcome = run_command("schema --json", folder);
   EXPECT_EQ(outcome.code, 0);
   EXPECT_TRUE(nlohmann::json::parse(outcome.output).contains("properties"));
 }
 
 TEST(Command, ResponseWithoutBoundIsNotUsable) {
-  const auto folder = fresh_folder("unstable");
+  const ScratchFolder folder("unstable");
   std::string text = sound_case;
   const std::string law = "law: linear, parameters: {k: 5 kN/m, c: 10 N s/m}";
   text.replace(text.find(law), law.size(), "law: expression, force: \"k*x^3 - c*v\", parameters: {k: -5e9, c: 1e5}");

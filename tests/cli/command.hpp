@@ -9,6 +9,8 @@
 #include <sstream>
 #include <string>
 
+#include "base/scratch_folder.hpp"
+
 /// Runs the command as a user does, and reads what it left.
 namespace kalfem::test {
 
@@ -21,14 +23,6 @@ inline std::string read(const std::filesystem::path& file) {
   std::ostringstream text;
   text << std::ifstream(file).rdbuf();
   return text.str();
-}
-
-/// A folder of its own for each test, empty at its start.
-inline std::filesystem::path fresh_folder(const std::string& name) {
-  const auto folder = std::filesystem::temp_directory_path() / ("kalfem-test-" + std::to_string(getpid()) + "-" + name);
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
-  return folder;
 }
 
 inline Outcome run_command(const std::string& arguments, const std::filesystem::path& folder) {

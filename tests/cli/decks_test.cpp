@@ -33,7 +33,7 @@ double first_frequency(const std::filesystem::path& folder, const std::string& s
 }
 
 TEST(Decks, CheckSaysWhatADeckHolds) {
-  const auto folder = fresh_folder("check-deck");
+  const ScratchFolder folder("check-deck");
   write(folder / "bar.inp", brick_deck());
   const auto outcome = run_command(
       "check " + (folder / "bar.inp").string() + " --units mm t s --page " + (folder / "health.html").string(), folder);
@@ -44,14 +44,14 @@ TEST(Decks, CheckSaysWhatADeckHolds) {
 }
 
 TEST(Decks, UnitsThatWereNotDeclaredAreNoticed) {
-  const auto folder = fresh_folder("check-units");
+  const ScratchFolder folder("check-units");
   write(folder / "bar.inp", brick_deck());
   const auto outcome = run_command("check " + (folder / "bar.inp").string(), folder);
   EXPECT_NE(outcome.output.find("mm, t, s"), std::string::npos) << outcome.output;
 }
 
 TEST(Decks, DeckOfBricksHasTheFrequenciesOfABeam) {
-  const auto folder = fresh_folder("deck-modes");
+  const ScratchFolder folder("deck-modes");
   write(folder / "bar.inp", brick_deck());
   write(folder / "case.yaml",
         "kalfem: 1\nsubstructures:\n  bar:\n    finite_elements:\n      deck: bar.inp\n"
@@ -67,7 +67,7 @@ TEST(Decks, DeckOfBricksHasTheFrequenciesOfABeam) {
 }
 
 TEST(Decks, NastranPlateIsAsTheSamePlateFromAMesh) {
-  const auto folder = fresh_folder("deck-nastran");
+  const ScratchFolder folder("deck-nastran");
   write(folder / "plate.bdf",
         "SOL 103\nCEND\nSPC = 1\nBEGIN BULK\nPARAM,COUPMASS,1\n"
         "GRID,1,,0.,0.,0.\nGRID,2,,.5,0.,0.\nGRID,3,,1.,0.,0.\nGRID,4,,0.,.4,0.\nGRID,5,,.5,.4,0.\nGRID,6,,1.,.4,0.\n"
@@ -89,7 +89,7 @@ TEST(Decks, NastranPlateIsAsTheSamePlateFromAMesh) {
 }
 
 TEST(Decks, WhatWasReducedIsReadBackFromEachFormat) {
-  const auto folder = fresh_folder("export");
+  const ScratchFolder folder("export");
   write(folder / "bar.inp", brick_deck());
   write(folder / "case.yaml",
         "kalfem: 1\nsubstructures:\n  bar:\n    finite_elements:\n      deck: bar.inp\n"
@@ -145,7 +145,7 @@ nlohmann::json run_chain(const std::filesystem::path& folder, const std::string&
 }
 
 TEST(Matrices, OfAChainHaveItsFrequencies) {
-  const auto folder = fresh_folder("matrices");
+  const ScratchFolder folder("matrices");
   write(folder / "K.mtx",
         "%%MatrixMarket matrix coordinate real symmetric\n3 3 5\n1 1 3e4\n2 1 -3e4\n2 2 6e4\n3 2 -3e4\n3 3 3e4\n");
   write(folder / "M.mtx", "%%MatrixMarket matrix coordinate real symmetric\n3 3 3\n1 1 2\n2 2 2\n3 3 2\n");
@@ -162,7 +162,7 @@ TEST(Matrices, OfAChainHaveItsFrequencies) {
 }
 
 TEST(Matrices, MistakesAreNamedTogether) {
-  const auto folder = fresh_folder("matrix-mistakes");
+  const ScratchFolder folder("matrix-mistakes");
   write(folder / "K.mtx", "%%MatrixMarket matrix coordinate real symmetric\n2 2 1\n1 1 3e4\n");
   write(folder / "M.mtx", "%%MatrixMarket matrix coordinate real general\n2 3 1\n1 1 3e4\n");
   write(folder / "case.yaml",

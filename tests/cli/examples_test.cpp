@@ -26,7 +26,7 @@ double normalised_error(const nlohmann::json& parameter) {
 }
 
 TEST(Examples, ChainReachesTheFiguresOfThePaper) {
-  const auto folder = fresh_folder("chain");
+  const ScratchFolder folder("chain");
   const auto summary = run_example("chain/chain.yaml", folder);
   for (const char* name : {"suspension.mu_k1", "suspension.mu_c1"}) {
     EXPECT_LT(relative_error(summary["parameters"][name]), 0.01) << name;
@@ -41,7 +41,7 @@ TEST(Examples, ChainReachesTheFiguresOfThePaper) {
 }
 
 TEST(Examples, ResultsFileHoldsTheContract) {
-  const auto folder = fresh_folder("contract");
+  const ScratchFolder folder("contract");
   run_example("chain/expression.yaml", folder);
   const auto file = Hdf5File::open((folder / "out" / "results.h5").string());
   for (const char* name :
@@ -57,14 +57,14 @@ TEST(Examples, ResultsFileHoldsTheContract) {
 }
 
 TEST(Examples, ClusteredSensors) {
-  const auto summary = run_example("chain/clustered.yaml", fresh_folder("clustered"));
+  const auto summary = run_example("chain/clustered.yaml", ScratchFolder("clustered"));
   for (const auto& [name, parameter] : summary["parameters"].items())
     EXPECT_LT(normalised_error(parameter), 3.5) << name;
   EXPECT_NEAR(summary["estimation"]["nis"]["mean"].get<double>(), 4.0, 0.08);
 }
 
 TEST(Examples, BoucWenSuspension) {
-  const auto summary = run_example("chain/bouc_wen.yaml", fresh_folder("bouc-wen"));
+  const auto summary = run_example("chain/bouc_wen.yaml", ScratchFolder("bouc-wen"));
   for (const auto& [name, parameter] : summary["parameters"].items()) {
     EXPECT_LT(relative_error(parameter), 0.02) << name;
     EXPECT_LT(normalised_error(parameter), 3.5) << name;
@@ -72,13 +72,13 @@ TEST(Examples, BoucWenSuspension) {
 }
 
 TEST(Examples, ExpressionLaw) {
-  const auto summary = run_example("chain/expression.yaml", fresh_folder("expression"));
+  const auto summary = run_example("chain/expression.yaml", ScratchFolder("expression"));
   for (const auto& [name, parameter] : summary["parameters"].items())
     EXPECT_LT(normalised_error(parameter), 3.5) << name;
 }
 
 TEST(Examples, LocalObserver) {
-  const auto summary = run_example("chain/local.yaml", fresh_folder("local"));
+  const auto summary = run_example("chain/local.yaml", ScratchFolder("local"));
   for (const auto& [name, parameter] : summary["parameters"].items()) {
     EXPECT_LT(relative_error(parameter), 0.05) << name;
     EXPECT_LT(normalised_error(parameter), 3.5) << name;
@@ -86,7 +86,7 @@ TEST(Examples, LocalObserver) {
 }
 
 TEST(Examples, TheResolvedCaseRunsAgainWithTheSameResult) {
-  const auto folder = fresh_folder("resolved");
+  const ScratchFolder folder("resolved");
   std::filesystem::create_directories(folder / "again");
   const auto first = run_example("chain/local.yaml", folder);
   const auto outcome = run_command(

@@ -79,7 +79,7 @@ damping: {modal: 5 %, up_to: 60 Hz}
 estimate: {unknown: {mount.k: {initial: 11 kN/m, std: 1 kN/m}}, settle: 1 s}
 predict: {substructure: plate})";
   for (const std::string reference : {"full", "superelement"}) {
-    const auto folder = fresh_folder("damped-plate-" + reference);
+    const ScratchFolder folder("damped-plate-" + reference);
     std::string text = estimated;
     text.replace(text.find('@'), 1, reference);
     const auto outcome = run_with({"", "simulate: {duration: 0.2 s, sample_rate: 1 kHz}", text, {}}, "run", folder);
@@ -92,14 +92,14 @@ predict: {substructure: plate})";
 }
 
 TEST(FiniteElements, FreeInterfaceReductionRunsAsTheOthersDo) {
-  const auto folder = fresh_folder("rubin");
+  const ScratchFolder folder("rubin");
   const auto outcome =
       run_with({"Rubin", "{modes: 4, truncation_vectors: false}", "{method: rubin, modes: 6}", {}}, "simulate", folder);
   EXPECT_EQ(outcome.code, 0) << outcome.errors;
 }
 
 TEST(FiniteElements, SoundCaseRunsAtFullAndReducedOrder) {
-  const auto folder = fresh_folder("plate");
+  const ScratchFolder folder("plate");
   for (const std::string reference : {"full", "superelement"}) {
     const auto outcome =
         run_with({"", "sample_rate: 1 kHz", "sample_rate: 1 kHz, reference: " + reference, {}}, "simulate", folder);
@@ -113,7 +113,7 @@ TEST(FiniteElements, SoundCaseRunsAtFullAndReducedOrder) {
 }
 
 TEST(FiniteElements, ModesVerbListsThemAndWritesTheirShapes) {
-  const auto folder = fresh_folder("modes");
+  const ScratchFolder folder("modes");
   const auto outcome = run_with({"", "kalfem: 1", "kalfem: 1", {}}, "modes", folder);
   EXPECT_EQ(outcome.code, 0) << outcome.errors;
   EXPECT_NE(outcome.output.find("MAC"), std::string::npos) << outcome.output;
@@ -126,7 +126,7 @@ class BadModel : public testing::TestWithParam<DeckMistake> {};
 
 TEST_P(BadModel, IsOneClearMessageAndNothingIsLeft) {
   const auto& mistake = GetParam();
-  const auto folder = fresh_folder(std::string("bad-model-") + mistake.name);
+  const ScratchFolder folder(std::string("bad-model-") + mistake.name);
   for (const std::string verb : {"check", "simulate"}) {
     const auto outcome = run_with(mistake, verb, folder);
     EXPECT_EQ(outcome.code, 2) << outcome.errors;

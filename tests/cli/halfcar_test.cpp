@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
+#include "base/data_folder.hpp"
 #include "command.hpp"
 
 // The half-car rig: measured free responses of a real vehicle model with dry friction. Limits: open-loop NRMSE about
@@ -8,11 +11,6 @@
 namespace kalfem::test {
 namespace {
 
-std::filesystem::path data_folder() {
-  const char* given = std::getenv("KALFEM_DATA");
-  return given ? std::filesystem::path(given) : std::filesystem::path(KALFEM_SOURCE_DIR) / ".." / "shared" / "data";
-}
-
 struct RigRun {
   const char* key;
   double sprung_limit, unsprung_limit;
@@ -20,7 +18,7 @@ struct RigRun {
 };
 
 nlohmann::json estimate(const RigRun& run) {
-  const auto folder = fresh_folder(std::string("halfcar-") + run.key);
+  const ScratchFolder folder(std::string("halfcar-") + run.key);
   setenv("HALFCAR_RUN", run.key, 1);
   setenv("BODY_MASS", run.loaded ? "473.77" : "433", 1);
   setenv("BODY_INERTIA", run.loaded ? "105.63" : "82.7", 1);
@@ -33,7 +31,7 @@ nlohmann::json estimate(const RigRun& run) {
 class HalfCar : public testing::TestWithParam<RigRun> {
 protected:
   void SetUp() override {
-    if (!std::filesystem::exists(data_folder() / "halfcar-rig" / "halfcar_500Hz.h5"))
+    if (!std::filesystem::exists(data_folder("halfcar-rig") / "halfcar_500Hz.h5"))
       GTEST_SKIP()
           << "the measured half-car records are not here: set KALFEM_DATA to the folder that holds halfcar-rig";
   }

@@ -17,7 +17,7 @@ double z_score(const nlohmann::json& parameter) {
 /// Three seconds of the vehicle on its coarse mesh: Young's modulus of two regions, 12 and 14 % off, beside the
 /// suspension. Each is found to 1 %, as the frame's bases are made again at the estimates.
 TEST(LinearUnknowns, YoungsModulusOfTwoRegionsOfTheVehicle) {
-  const auto folder = fresh_folder("stiffness");
+  const ScratchFolder folder("stiffness");
   const auto outcome = run_vehicle("run", "vehicle/stiffness.yaml", "DURATION=3 MESH=small.msh", folder);
   ASSERT_EQ(outcome.code, 0) << outcome.errors;
   const auto summary = read_summary(folder / "out");
@@ -44,9 +44,10 @@ std::string chain_with(const std::string& unknowns) {
 
 /// The damping of all modes is no dashpot's, so that no connector can carry it.
 TEST(LinearUnknowns, DampingOfAllModesOfTheChain) {
-  const auto folder = fresh_folder("modal-damping");
+  const ScratchFolder folder("modal-damping");
   const auto text = chain_with("    body.damping.modal: {initial: 1.6 %, std: 30 %}\n");
-  const auto outcome = run_command("run " + written(folder, text).string() + " --out " + folder.string(), folder);
+  const auto outcome =
+      run_command("run " + written(folder, text).string() + " --out " + folder.path().string(), folder);
   ASSERT_EQ(outcome.code, 0) << outcome.errors;
   const auto summary = read_summary(folder);
   const auto& ratio = summary["parameters"]["body.damping.modal"];
@@ -58,11 +59,11 @@ TEST(LinearUnknowns, DampingOfAllModesOfTheChain) {
 /// Every filter takes them.
 TEST(LinearUnknowns, WithTheOtherFilters) {
   for (const std::string filter : {"ukf", "ukf_square_root", "partially_linear_ukf_square_root", "ekf"}) {
-    const auto folder = fresh_folder("modal-damping-" + filter);
+    const ScratchFolder folder("modal-damping-" + filter);
     const auto text = changed(chain_with("    body.damping.modal: {initial: 1.2 %, std: 30 %}\n"), "filter: auto",
                               "filter: " + filter);
     const auto outcome =
-        run_command("estimate " + written(folder, text).string() + " --out " + folder.string(), folder);
+        run_command("estimate " + written(folder, text).string() + " --out " + folder.path().string(), folder);
     ASSERT_EQ(outcome.code, 0) << outcome.errors;
     EXPECT_EQ(outcome.errors, "");
     EXPECT_LT(z_score(read_summary(folder)["parameters"]["body.damping.modal"]), 3.5) << filter;
@@ -78,7 +79,7 @@ struct UnknownMistake {
 class LinearUnknownMistake : public testing::TestWithParam<UnknownMistake> {};
 
 TEST_P(LinearUnknownMistake, IsOneClearMessage) {
-  const auto folder = fresh_folder(std::string("linear-unknown-") + GetParam().name);
+  const ScratchFolder folder(std::string("linear-unknown-") + GetParam().name);
   const auto outcome = run_command("check " + written(folder, GetParam().text).string(), folder);
   EXPECT_EQ(outcome.code, 2);
   EXPECT_NE(outcome.errors.find(GetParam().message), std::string::npos) << outcome.errors;

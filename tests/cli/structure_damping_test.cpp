@@ -25,7 +25,7 @@ predict: {substructure: body}
 )";
 
 TEST(StructureDamping, IsInTheSimulationTheFilterAndThePrediction) {
-  const auto folder = fresh_folder("structure-damping");
+  const ScratchFolder folder("structure-damping");
   std::ofstream(folder / "case.yaml") << damped_case;
   const auto outcome = run_command("run " + (folder / "case.yaml").string(), folder);
   ASSERT_EQ(outcome.code, 0) << outcome.errors;

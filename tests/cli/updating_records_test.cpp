@@ -8,8 +8,9 @@ namespace kalfem::test {
 namespace {
 
 TEST(UpdatingByRecords, TheChainIsRefinedByItsOwnRecord) {
-  const auto folder = fresh_folder("update-chain");
-  const auto outcome = run_command("update " + example("chain/update.yaml") + " --out " + folder.string(), folder);
+  const ScratchFolder folder("update-chain");
+  const auto outcome =
+      run_command("update " + example("chain/update.yaml") + " --out " + folder.path().string(), folder);
   ASSERT_EQ(outcome.code, 0) << outcome.errors;
   const auto summary = read_summary(folder);
   const auto& refined = summary["updating"]["parameters"];
@@ -32,7 +33,7 @@ TEST(UpdatingByRecords, TheChainIsRefinedByItsOwnRecord) {
 
 /// Both ways of differentiating the boundary's motion end at the same place, one in fewer stages.
 TEST(UpdatingByRecords, HeldGainsFindWhatFilterPassesFind) {
-  const auto folder = fresh_folder("update-gains");
+  const ScratchFolder folder("update-gains");
   const auto text = changed(short_chain(), "body.7-8.stiffness: {initial: 24 kN/m}\n    ", "");
   const auto passes = updated(folder, text)["updating"];
   const auto held = updated(
@@ -46,7 +47,7 @@ TEST(UpdatingByRecords, HeldGainsFindWhatFilterPassesFind) {
 }
 
 TEST(UpdatingByRecords, TheSimulationOfTheWholeRefinesTheSameModel) {
-  const auto folder = fresh_folder("update-simulation");
+  const ScratchFolder folder("update-simulation");
   const auto summary = updated(folder, changed(short_chain(), "{time_history: body}", "{simulation: all}"));
   for (const auto& [name, parameter] : summary["updating"]["parameters"].items())
     EXPECT_LT(relative_error(parameter), name == "body.damping.modal" ? 0.05 : 0.01) << name;
@@ -55,7 +56,7 @@ TEST(UpdatingByRecords, TheSimulationOfTheWholeRefinesTheSameModel) {
 
 /// The filter begins at what the loop has found, so that the two do not pull against each other.
 TEST(UpdatingByRecords, AParameterMayBeUnknownInTheFilterAndInTheLoop) {
-  const auto folder = fresh_folder("update-both");
+  const ScratchFolder folder("update-both");
   const auto text = changed(short_chain(), "    suspension.mu_c1: {initial: 16 N, std: 50 %}\n",
                             "    suspension.mu_c1: {initial: 16 N, std: 50 %}\n"
                             "    body.3-4.stiffness: {initial: 36 kN/m, std: 3 %}\n");
@@ -69,7 +70,7 @@ TEST(UpdatingByRecords, AParameterMayBeUnknownInTheFilterAndInTheLoop) {
 
 /// The base is shaken as a whole: motion is relative to it, sensors see the sum.
 TEST(UpdatingByRecords, OverAnAcceleratedBaseTheTruthLeavesTheNoise) {
-  const auto folder = fresh_folder("update-base");
+  const ScratchFolder folder("update-base");
   const auto text = changed(changed(short_chain(), "base_displacement: wheel.ground", "base_acceleration: all"),
                             "random: {rms: 3 mm,", "random: {rms: 3 m/s^2,");
   const auto summary = updated(folder, text);
@@ -79,7 +80,7 @@ TEST(UpdatingByRecords, OverAnAcceleratedBaseTheTruthLeavesTheNoise) {
 }
 
 TEST(UpdatingByRecords, ARunThatWasKilledGoesOnWhereItStood) {
-  const auto folder = fresh_folder("update-killed");
+  const ScratchFolder folder("update-killed");
   const auto file = written(folder, changed(short_chain(), "duration: 6 s", "duration: 3 s")).string();
   const auto whole = run_command("update " + file + " --out " + (folder / "whole").string(), folder);
   ASSERT_EQ(whole.code, 0) << whole.errors;
@@ -100,7 +101,7 @@ TEST(UpdatingByRecords, ARunThatWasKilledGoesOnWhereItStood) {
 }
 
 TEST(UpdatingByRecords, ADamagedCheckpointIsNotUsed) {
-  const auto folder = fresh_folder("update-damaged");
+  const ScratchFolder folder("update-damaged");
   auto text = changed(changed(short_chain(), "body.7-8.stiffness: {initial: 24 kN/m}\n    ", ""),
                       "{time_history: body}", "{simulation: all}");
   text = changed(text, "duration: 6 s", "duration: 3 s");
@@ -112,7 +113,7 @@ TEST(UpdatingByRecords, ADamagedCheckpointIsNotUsed) {
 
 /// E and wall of two regions of the coarse vehicle; the one of the examples is the same on a finer mesh.
 TEST(UpdatingByRecords, AShellFrameIsRefinedThroughItsSuperelements) {
-  const auto folder = fresh_folder("update-vehicle");
+  const ScratchFolder folder("update-vehicle");
   auto text = changed(read(example("vehicle/update.yaml")), "${MESH:-frame.msh}", example("vehicle/small.msh"));
   text = changed(changed(text, "${DURATION:-5} s", "4 s"), "tolerance: 1e-3", "tolerance: 1e-2");
   const auto summary = updated(folder, text);

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "base/data_folder.hpp"
 #include "updating_case.hpp"
 
 // `kalfem update` as a user runs it.
@@ -31,9 +32,9 @@ modifications:
 )";
 
 TEST(Updating, FrequenciesAndAStaticTestGiveTheSpringsBack) {
-  const auto folder = fresh_folder("update-modal");
+  const ScratchFolder folder("update-modal");
   const auto outcome =
-      run_command("update " + written(folder, modal_case).string() + " --out " + folder.string(), folder);
+      run_command("update " + written(folder, modal_case).string() + " --out " + folder.path().string(), folder);
   ASSERT_EQ(outcome.code, 0) << outcome.errors;
   const auto updating = read_summary(folder)["updating"];
   for (const std::string spring : {"frame.s1.stiffness", "frame.s2.stiffness", "frame.s3.stiffness"}) {
@@ -55,14 +56,15 @@ TEST(Updating, FrequenciesAndAStaticTestGiveTheSpringsBack) {
 }
 
 TEST(Updating, EveryMethodFindsTheSame) {
-  const auto folder = fresh_folder("update-methods");
+  const ScratchFolder folder("update-methods");
   std::string text = modal_case;
   text.replace(text.find("    frame.s2.stiffness: {}"), 26, "    frame.s2.stiffness: {bounds: [0.2 kN/m, 5 kN/m]}");
   text.replace(text.find("    frame.s3.stiffness: {}"), 26, "    frame.s3.stiffness: {bounds: [0.2 kN/m, 5 kN/m]}");
   for (const std::string method : {"method: cma_es", "starts: 5"}) {
     std::string other = text;
     other.replace(other.find("check_sensitivities: true"), 25, method);
-    const auto outcome = run_command("update " + written(folder, other).string() + " --out " + folder.string(), folder);
+    const auto outcome =
+        run_command("update " + written(folder, other).string() + " --out " + folder.path().string(), folder);
     ASSERT_EQ(outcome.code, 0) << outcome.errors;
     const auto parameters = read_summary(folder)["updating"]["parameters"];
     for (const auto& [name, parameter] : parameters.items())
@@ -80,7 +82,7 @@ class UpdatingMistake : public testing::TestWithParam<UpdateMistake> {};
 
 TEST_P(UpdatingMistake, IsOneClearMessage) {
   const auto& mistake = GetParam();
-  const auto folder = fresh_folder(std::string("update-bad-") + mistake.name);
+  const ScratchFolder folder(std::string("update-bad-") + mistake.name);
   std::string text = modal_case;
   const auto place = text.find(mistake.from);
   ASSERT_NE(place, std::string::npos);
@@ -127,20 +129,17 @@ INSTANTIATE_TEST_SUITE_P(
 
 class UpdatingOnData : public testing::Test {
 protected:
-  static std::filesystem::path data() {
-    const char* variable = std::getenv("KALFEM_DATA");
-    return variable ? std::filesystem::path(variable) : std::filesystem::path(KALFEM_SOURCE_DIR) / "../shared/data";
-  }
   static nlohmann::json run(const std::string& name) {
-    const auto folder = fresh_folder("update-data");
-    const auto outcome = run_command("run " + example(name) + " --out " + folder.string(), folder);
+    const ScratchFolder folder("update-data");
+    const auto outcome = run_command("run " + example(name) + " --out " + folder.path().string(), folder);
     EXPECT_EQ(outcome.code, 0) << outcome.errors;
     return read_summary(folder);
   }
 };
 
 TEST_F(UpdatingOnData, GarteurFitsTenFrequenciesToOnePerCentAndPredictsTwoModifications) {
-  if (!std::filesystem::exists(data() / "garteur/nodes.csv")) GTEST_SKIP() << "no GARTEUR tables in " << data();
+  if (!std::filesystem::exists(data_folder("garteur/nodes.csv")))
+    GTEST_SKIP() << "no GARTEUR tables in " << data_folder();
   const auto summary = run("garteur/garteur.yaml");
   const auto& frequencies = summary["updating"]["comparisons"]["frequencies"];
   EXPECT_LT(frequencies["mean_frequency_error_final"].get<double>(), 0.01);
@@ -154,7 +153,8 @@ TEST_F(UpdatingOnData, GarteurFitsTenFrequenciesToOnePerCentAndPredictsTwoModifi
 }
 
 TEST_F(UpdatingOnData, SouthamptonFrequenciesAreTheMeasuredPeaks) {
-  if (!std::filesystem::exists(data() / "southampton-3storey")) GTEST_SKIP() << "no southampton-3storey in " << data();
+  if (!std::filesystem::exists(data_folder("southampton-3storey")))
+    GTEST_SKIP() << "no southampton-3storey in " << data_folder();
   const auto parameters = run("southampton/southampton.yaml")["updating"]["parameters"];
   // Frequencies of three equal masses on these springs against the peaks of the measured responses.
   Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();

@@ -10,7 +10,7 @@ namespace {
 /// What the sensors see of the full model and of the superelement that stands for it.
 TEST(VehicleReference, SuperelementEqualsTheFullModelInTheSensorsBand) {
   const auto record = [](const std::string& reference) {
-    const auto folder = fresh_folder("reference-" + reference);
+    const ScratchFolder folder("reference-" + reference);
     const auto outcome =
         run_vehicle("simulate", "vehicle/vehicle.yaml", "DURATION=0.6 TOLERANCE=0.01 REFERENCE=" + reference, folder);
     EXPECT_EQ(outcome.code, 0) << outcome.errors;

@@ -11,7 +11,7 @@ double error_of(const nlohmann::json& parameter) {
 
 /// Four seconds of the vehicle, the record made from a superelement with modes to 1,200 Hz.
 TEST(Vehicle, ShortenedRunReachesItsFigures) {
-  const auto folder = fresh_folder("vehicle");
+  const ScratchFolder folder("vehicle");
   const auto outcome = run_vehicle("run", "vehicle/vehicle.yaml", "DURATION=4 REFERENCE=superelement", folder);
   ASSERT_EQ(outcome.code, 0) << outcome.errors;
   EXPECT_EQ(outcome.errors, "");
@@ -39,7 +39,7 @@ TEST(Vehicle, ShortenedRunReachesItsFigures) {
 
 /// Sensors wider than the reduced model: the bias is there, and so are the warning and the NIS that tell of it.
 TEST(Vehicle, WideBandSensorsBiasAndTheProgramSaysSo) {
-  const auto folder = fresh_folder("wide-band");
+  const ScratchFolder folder("wide-band");
   const auto outcome = run_vehicle("run", "vehicle/wide_band.yaml", "", folder);
   ASSERT_EQ(outcome.code, 0) << outcome.errors;
   EXPECT_NE(outcome.errors.find("three times the sensors' bandwidth"), std::string::npos) << outcome.errors;

@@ -3,11 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <random>
 
+#include "base/data_folder.hpp"
+#include "base/scratch_folder.hpp"
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/formats/lvm.hpp"
 
@@ -18,18 +18,12 @@ namespace fs = std::filesystem;
 
 class CsvFiles : public testing::Test {
 protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("kalfem_csv_" + std::to_string(std::random_device{}()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   fs::path file(const std::string& text, const std::string& name = "record.csv") const {
     std::ofstream(folder_ / name, std::ios::binary) << text;
     return folder_ / name;
   }
 
-  fs::path folder_;
+  ScratchFolder folder_{"csv"};
 };
 
 template <typename Read>
@@ -205,9 +199,7 @@ TEST_F(CsvFiles, LabViewFilesThatAreNoRecordAreRefused) {
 }
 
 TEST(HalfCarRig, DecimatedLabViewFileEqualsTheCsv) {
-  const char* variable = std::getenv("KALFEM_DATA");
-  const fs::path folder =
-      (variable ? fs::path(variable) : fs::path(KALFEM_SOURCE_DIR) / "../shared/data") / "halfcar-rig";
+  const fs::path folder = data_folder("halfcar-rig");
   if (!fs::exists(folder / "Centre_p0000_t1.1_r1.lvm"))
     GTEST_SKIP() << "the measured half-car records are absent; set KALFEM_DATA to the folder that holds halfcar-rig";
   const auto lvm = read_lvm(folder / "Centre_p0000_t1.1_r1.lvm");

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 #include <numbers>
-#include <random>
 
+#include "base/scratch_folder.hpp"
 #include "kalfem/base/invalid_input.hpp"
 
 namespace kalfem {
@@ -18,12 +18,6 @@ using Complex = std::complex<double>;
 
 class FrfTables : public testing::Test {
 protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("kalfem_frf_" + std::to_string(std::random_device{}()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   FrequencyResponse read(const std::string& text, const FrfTableOptions& options = {}) const {
     std::ofstream(folder_ / "frf.csv", std::ios::binary) << text;
     return read_frf_table(folder_ / "frf.csv", options);
@@ -38,7 +32,7 @@ protected:
     return {};
   }
 
-  fs::path folder_;
+  ScratchFolder folder_{"frf"};
 };
 
 TEST_F(FrfTables, ReadsComplexNumbersWithoutHeader) {

@@ -10,6 +10,7 @@
 #include <random>
 #include <string>
 
+#include "base/scratch_folder.hpp"
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/formats/gmsh_builder.hpp"
 
@@ -138,18 +139,12 @@ std::string refusal(const std::string& text) {
 
 class GmshFiles : public testing::Test {
 protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("kalfem_gmsh_" + std::to_string(std::random_device{}()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   fs::path file(const std::string& text, const std::string& name = "mesh.msh") const {
     std::ofstream(folder_ / name, std::ios::binary) << text;
     return folder_ / name;
   }
 
-  fs::path folder_;
+  ScratchFolder folder_{"gmsh"};
 };
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {

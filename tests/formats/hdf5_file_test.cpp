@@ -5,6 +5,7 @@
 #include <fstream>
 #include <limits>
 
+#include "base/scratch_folder.hpp"
 #include "kalfem/base/invalid_input.hpp"
 
 namespace kalfem {
@@ -12,11 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A file name of its own for each test, removed afterwards.
 class Hdf5FileTest : public testing::Test {
 protected:
-  ~Hdf5FileTest() override { fs::remove(path_); }
-
   template <class Action>
   std::string message(Action action) {
     try {
@@ -27,10 +25,8 @@ protected:
     return "nothing was thrown";
   }
 
-  const std::string path_ = (fs::temp_directory_path() /
-                             (std::string("kalfem_") + testing::UnitTest::GetInstance()->current_test_info()->name() +
-                              "_" + std::to_string(testing::UnitTest::GetInstance()->random_seed()) + ".h5"))
-                                .string();
+  const ScratchFolder folder_{"hdf5"};
+  const std::string path_ = (folder_ / "record.h5").string();
 };
 
 TEST_F(Hdf5FileTest, VectorsAndMatricesComeBackBitByBit) {

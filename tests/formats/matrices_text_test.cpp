@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 
+#include "base/scratch_folder.hpp"
 #include "formats/matrices_refusal.hpp"
 
 namespace kalfem {
@@ -174,12 +174,10 @@ TEST(DofMap, SaysWhatIsWrong) {
 }
 
 TEST(MatrixText, CalculixMapBesideTheMatrices) {
-  const auto folder = std::filesystem::temp_directory_path() / ("kalfem-sti-" + std::to_string(::getpid()));
-  std::filesystem::create_directories(folder);
+  const ScratchFolder folder("sti");
   std::ofstream(folder / "job.sti") << "1 1 4.5\n1 2 -1\n2 2 3\n";
   std::ofstream(folder / "job.dof") << "7.1\n7.6\n12.3\n";
   const auto matrices = read_matrices(folder / "job.sti");
-  std::filesystem::remove_all(folder);
   EXPECT_EQ(matrices[0].dofs, expected_dofs);
   EXPECT_EQ(matrices[0].matrix.rows(), 3);  // the last row holds no entry
 }

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <random>
 
+#include "base/scratch_folder.hpp"
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/formats/hdf5_file.hpp"
 #include "kalfem/formats/matrices/matrix_model.hpp"
@@ -32,12 +33,6 @@ SparseMatrix random_matrix(Index rows, Index columns, bool symmetric, unsigned s
 
 class MatrixFiles : public testing::Test {
 protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("kalfem_matrices_" + std::to_string(std::random_device{}()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   /// Largest difference, relative to each entry.
   static double difference(const SparseMatrix& one, const SparseMatrix& other) {
     if (one.rows() != other.rows() || one.cols() != other.cols()) return 1.0;
@@ -45,7 +40,7 @@ protected:
     return ((a - b).abs() / b.abs().max(1e-300)).maxCoeff();
   }
 
-  fs::path folder_;
+  ScratchFolder folder_{"matrices-written"};
 };
 
 TEST_F(MatrixFiles, EveryFormatGivesTheMatricesBack) {

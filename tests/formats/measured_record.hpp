@@ -1,10 +1,10 @@
 #pragma once
 
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "base/data_folder.hpp"
 #include "kalfem/formats/csv.hpp"
 #include "kalfem/formats/hdf5_file.hpp"
 
@@ -18,11 +18,7 @@ struct MeasuredRun {
   TimeSeries record;
 };
 
-inline std::filesystem::path measured_runs_folder() {
-  const char* variable = std::getenv("KALFEM_DATA");
-  const std::filesystem::path root = variable ? variable : std::filesystem::path(KALFEM_SOURCE_DIR) / "../shared/data";
-  return root / "halfcar-rig";
-}
+inline std::filesystem::path measured_runs_folder() { return data_folder("halfcar-rig"); }
 
 inline std::vector<MeasuredRun> measured_runs() {
   const auto folder = measured_runs_folder();

@@ -4,8 +4,8 @@
 
 #include <filesystem>
 #include <fstream>
-#include <random>
 
+#include "base/scratch_folder.hpp"
 #include "kalfem/base/invalid_input.hpp"
 
 namespace kalfem {
@@ -15,12 +15,6 @@ namespace fs = std::filesystem;
 
 class TableMesh : public testing::Test {
 protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("kalfem_table_mesh_" + std::to_string(std::random_device{}()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   Mesh read(const std::string& nodes, const std::string& elements, const TableMeshOptions& options = {}) const {
     std::ofstream(folder_ / "nodes.csv", std::ios::binary) << nodes;
     std::ofstream(folder_ / "elements.csv", std::ios::binary) << elements;
@@ -37,7 +31,7 @@ protected:
     return "";
   }
 
-  fs::path folder_;
+  ScratchFolder folder_{"table-mesh"};
 };
 
 const std::string two_nodes = "node,x,y,z\n1,0,0,0\n2,1,0,0\n";

@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <random>
 #include <string>
 
+#include "base/scratch_folder.hpp"
 #include "kalfem/base/invalid_input.hpp"
 
 namespace kalfem {
@@ -18,18 +18,12 @@ namespace fs = std::filesystem;
 
 class VtuFiles : public testing::Test {
 protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("kalfem_vtu_" + std::to_string(std::random_device{}()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   static std::string content(const fs::path& path) {
     std::ifstream stream(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(stream), {}};
   }
 
-  fs::path folder_;
+  ScratchFolder folder_{"vtu"};
 };
 
 /// A quadrilateral, a triangle, a line and a point on five nodes; the line belongs to two regions, the point to none.

@@ -1,17 +1,17 @@
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
 #include <sstream>
 
+#include "base/data_folder.hpp"
+#include "base/scratch_folder.hpp"
 #include "kalfem/formats/abaqus.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/model/assembly.hpp"
-#include "model/inp_writer.hpp"
+#include "model/calculix.hpp"
 
 // Decks of CalculiX's own test suite with their reference output, and decks made here that CalculiX (ccx) solves beside
 // kalfem where it is installed.
@@ -38,11 +38,7 @@ void expect_close(const std::vector<double>& ours, const std::vector<double>& th
   for (std::size_t i = 0; i < count; ++i) EXPECT_NEAR(ours[i], theirs[i], tolerance * theirs[i]) << "mode " << i + 1;
 }
 
-std::filesystem::path decks_folder() {
-  const char* variable = std::getenv("KALFEM_DATA");
-  const std::filesystem::path root = variable ? variable : std::filesystem::path(KALFEM_SOURCE_DIR) / "../shared/data";
-  return root / "calculix-decks";
-}
+std::filesystem::path decks_folder() { return data_folder("calculix-decks"); }
 
 /// Compares a deck of the suite with its reference output.
 void expect_reference(const std::string& name, double tolerance, std::size_t count) {
@@ -89,20 +85,18 @@ TEST_F(CalculixSuite, CantileverOfQuadraticShellsOfVaryingThickness) {
 class Calculix : public testing::Test {
 protected:
   void SetUp() override {
-    if (std::system("command -v ccx >/dev/null 2>&1") != 0) GTEST_SKIP() << "CalculiX (ccx) is not installed";
+    if (!has_calculix()) GTEST_SKIP() << "CalculiX (ccx) is not installed";
   }
 
   /// Solves a deck here and by ccx and compares the lowest frequencies.
   static void expect_same(const std::string& deck, std::size_t count, double tolerance,
                           const std::string& step = "*STEP\n") {
-    const auto folder = std::filesystem::temp_directory_path() / ("kalfem-decks-" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder);
+    const ScratchFolder folder("decks");
     std::ofstream(folder / "deck.inp") << deck << step << "*FREQUENCY\n" << count << "\n*END STEP\n";
-    const int code = std::system(("cd " + folder.string() + " && ccx deck > deck.log 2>&1").c_str());
+    const bool ran = run_calculix(folder, "deck");
     const auto theirs = frequencies_in(folder / "deck.dat");
     const auto read = read_abaqus(folder / "deck.inp");
-    std::filesystem::remove_all(folder);
-    ASSERT_EQ(code, 0);
+    ASSERT_TRUE(ran);
     expect_close(frequencies_of(read.model, static_cast<Index>(count)), theirs, tolerance, count);
   }
 };

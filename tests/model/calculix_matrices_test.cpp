@@ -2,9 +2,12 @@
 
 #include <numbers>
 
+#include "base/data_folder.hpp"
+#include "base/scratch_folder.hpp"
 #include "kalfem/formats/matrices/matrix_model.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/model/join.hpp"
+#include "model/calculix.hpp"
 #include "model/inp_writer.hpp"
 
 namespace kalfem {
@@ -12,11 +15,7 @@ namespace {
 
 using Eigen::Index;
 
-std::filesystem::path decks() {
-  const char* variable = std::getenv("KALFEM_DATA");
-  const std::filesystem::path root = variable ? variable : std::filesystem::path(KALFEM_SOURCE_DIR) / "../shared/data";
-  return root / "calculix-decks";
-}
+std::filesystem::path decks() { return data_folder("calculix-decks"); }
 
 Eigen::VectorXd frequencies(const LinearModel& model, Index count) {
   return lowest_modes(model.stiffness, model.mass, {.count = count}).values.cwiseSqrt() / (2.0 * std::numbers::pi);
@@ -44,30 +43,30 @@ std::string content(const std::filesystem::path& file) {
 
 TEST(CalculixMatrices, VehicleFrameHasCalculixsOwnFrequencies) {
   if (!has_calculix()) GTEST_SKIP() << "CalculiX (ccx) is not installed";
-  const CalculixFolder folder("calculix-matrices");
+  const ScratchFolder folder("calculix-matrices");
   auto model = frame("small.msh");
   // The file's 14 digits of the stiffest entries, 1e14 N/m, would drown soft springs.
   for (auto& spring : model.springs) spring.stiffness = 1e7;
-  write_deck(model, folder.path / "modes.inp");
-  write_deck(model, folder.path / "frame.inp", 18, "MATRIXSTORAGE");
-  ASSERT_TRUE(folder.run("modes"));
-  (void)folder.run("frame");  // it ends with a word, and a code, that no modes were computed
-  const MatrixModel imported = read_superelement({folder.path / "frame.sti", folder.path / "frame.mas"});
+  write_deck(model, folder / "modes.inp");
+  write_deck(model, folder / "frame.inp", 18, "MATRIXSTORAGE");
+  ASSERT_TRUE(run_calculix(folder, "modes"));
+  (void)run_calculix(folder, "frame");  // it ends with a word, and a code, that no modes were computed
+  const MatrixModel imported = read_superelement({folder / "frame.sti", folder / "frame.mas"});
   ASSERT_EQ(imported.dofs.size(), static_cast<std::size_t>(imported.model.size()));
   // Two nodes of the expanded shell share the number of a node of the mesh: its motion is their mean.
   EXPECT_FALSE(imported.notes.empty());
   EXPECT_FALSE(imported.model.points.empty());
-  expect_equal(frequencies(imported.model, 16), frequencies_in(folder.path / "modes.dat"));
+  expect_equal(frequencies(imported.model, 16), frequencies_in(folder / "modes.dat"));
 }
 
 TEST(CalculixMatrices, SolidBeamHasThePublishedFrequencies) {
   if (!has_calculix()) GTEST_SKIP() << "CalculiX (ccx) is not installed";
   if (!std::filesystem::exists(decks())) GTEST_SKIP() << "the decks are not at " << decks();
-  const CalculixFolder folder("calculix-beam");
-  std::ofstream(folder.path / "beam.inp")
-      << with_keyword(content(decks() / "beamf.inp"), "*FREQUENCY", "*FREQUENCY, SOLVER=MATRIXSTORAGE");
-  (void)folder.run("beam");
-  const MatrixModel imported = read_superelement({folder.path / "beam.sti", folder.path / "beam.mas"});
+  const ScratchFolder folder("calculix-beam");
+  std::ofstream(folder / "beam.inp") << with_keyword(content(decks() / "beamf.inp"), "*FREQUENCY",
+                                                     "*FREQUENCY, SOLVER=MATRIXSTORAGE");
+  (void)run_calculix(folder, "beam");
+  const MatrixModel imported = read_superelement({folder / "beam.sti", folder / "beam.mas"});
   expect_equal(frequencies(imported.model, 10), frequencies_in(decks() / "beamf.dat.ref"));
 }
 
@@ -78,13 +77,13 @@ TEST(CalculixMatrices, SuperelementOfASolidJoinsWithTheRest) {
   EXPECT_EQ(element.model.size(), 60);  // the 20 nodes of one solid element
   EXPECT_NE(std::ranges::find(element.model.dofs, "n258.x"), element.model.dofs.end());
 
-  const CalculixFolder folder("calculix-super");
+  const ScratchFolder folder("calculix-super");
   std::string deck = content(decks() / "beamfsuper.inp");
   deck = with_keyword(deck, "*MATRIX ASSEMBLE", "** without the superelement");
   deck = with_keyword(deck, "*FREQUENCY", "*FREQUENCY, SOLVER=MATRIXSTORAGE");
-  std::ofstream(folder.path / "rest.inp") << deck;
-  (void)folder.run("rest");
-  const MatrixModel rest = read_superelement({folder.path / "rest.sti", folder.path / "rest.mas"});
+  std::ofstream(folder / "rest.inp") << deck;
+  (void)run_calculix(folder, "rest");
+  const MatrixModel rest = read_superelement({folder / "rest.sti", folder / "rest.mas"});
   expect_equal(frequencies(join({&rest.model, &element.model}), 10), frequencies_in(decks() / "beamfsuper.dat.ref"));
 }
 

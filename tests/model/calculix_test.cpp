@@ -2,8 +2,10 @@
 
 #include <numbers>
 
+#include "base/scratch_folder.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/model/assembly.hpp"
+#include "model/calculix.hpp"
 #include "model/inp_writer.hpp"
 
 namespace kalfem {
@@ -15,10 +17,10 @@ TEST(CalculiX, VehicleFrameHasTheSameFirstTenElasticFrequencies) {
   if (!has_calculix()) GTEST_SKIP() << "CalculiX (ccx) is not installed";
   const auto model = frame();
   const auto assembled = assemble(model);
-  const CalculixFolder folder("calculix");
-  write_deck(model, folder.path / "frame.inp");
-  ASSERT_TRUE(folder.run("frame"));
-  const auto theirs = frequencies_in(folder.path / "frame.dat");
+  const ScratchFolder folder("calculix");
+  write_deck(model, folder / "frame.inp");
+  ASSERT_TRUE(run_calculix(folder, "frame"));
+  const auto theirs = frequencies_in(folder / "frame.dat");
   ASSERT_EQ(theirs.size(), 18u);
   const auto modes = lowest_modes(evaluate(assembled.stiffness, assembled.parameters),
                                   evaluate(assembled.mass, assembled.parameters), {.count = 16});

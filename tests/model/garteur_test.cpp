@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
+#include "base/data_folder.hpp"
 #include "kalfem/model/fe_linear_model.hpp"
 #include "model/fe_models.hpp"
 
@@ -17,11 +17,7 @@ namespace {
 using test::add_cell;
 using test::add_node;
 
-std::filesystem::path garteur_folder() {
-  const char* variable = std::getenv("KALFEM_DATA");
-  const std::filesystem::path root = variable ? variable : std::filesystem::path(KALFEM_SOURCE_DIR) / "../shared/data";
-  return root / "garteur";
-}
+std::filesystem::path garteur_folder() { return data_folder("garteur"); }
 
 /// Fields of the lines after the first, as text.
 std::vector<std::vector<std::string>> table(const std::string& name) {

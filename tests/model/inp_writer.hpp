@@ -1,19 +1,14 @@
 #pragma once
 
-#include <unistd.h>
-
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <sstream>
 #include <string>
-#include <vector>
 
 #include "kalfem/formats/gmsh.hpp"
 #include "kalfem/model/finite_element_model.hpp"
 
-// The vehicle's frame as a CalculiX input deck, and what CalculiX answers.
+// The vehicle's frame, and the same as a CalculiX input deck.
 
 namespace kalfem {
 
@@ -70,44 +65,5 @@ inline void write_deck(const FiniteElementModel& model, const std::filesystem::p
          << std::scientific << spring.stiffness << std::defaultfloat << ",\n";
   deck << "*STEP\n*FREQUENCY" << (solver.empty() ? "" : ", SOLVER=" + solver) << "\n" << modes << "\n*END STEP\n";
 }
-
-/// Frequencies [Hz] of CalculiX's table of eigenvalues.
-inline std::vector<double> frequencies_in(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  std::vector<double> frequencies;
-  std::string line;
-  while (std::getline(stream, line) && line.find("P A R T I C I P A T I O N") == std::string::npos) {
-    std::istringstream words(line);
-    int mode = 0;
-    double value = 0.0, circular = 0.0, frequency = 0.0;
-    if (words >> mode >> value >> circular >> frequency && mode == static_cast<int>(frequencies.size()) + 1)
-      frequencies.push_back(frequency);
-  }
-  return frequencies;
-}
-
-/// Whether CalculiX can be called.
-inline bool has_calculix() { return std::system("command -v ccx >/dev/null 2>&1") == 0; }
-
-/// A folder of its own that is removed in the end.
-class CalculixFolder {
-public:
-  explicit CalculixFolder(const std::string& name)
-      : path(std::filesystem::temp_directory_path() / ("kalfem-" + name + "-" + std::to_string(getpid()))) {
-    std::filesystem::create_directories(path);
-  }
-  CalculixFolder(const CalculixFolder&) = delete;
-  CalculixFolder& operator=(const CalculixFolder&) = delete;
-  ~CalculixFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-  /// Runs a deck of this folder, named without its end.
-  [[nodiscard]] bool run(const std::string& deck) const {
-    return std::system(("cd " + path.string() + " && ccx " + deck + " > " + deck + ".log 2>&1").c_str()) == 0;
-  }
-
-  const std::filesystem::path path;
-};
 
 }  // namespace kalfem

@@ -3,12 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <map>
 #include <numbers>
 #include <sstream>
 
+#include "base/data_folder.hpp"
 #include "kalfem/formats/nastran.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/model/assembly.hpp"
@@ -17,11 +17,7 @@
 namespace kalfem {
 namespace {
 
-std::filesystem::path folder() {
-  const char* variable = std::getenv("KALFEM_DATA");
-  const std::filesystem::path root = variable ? variable : std::filesystem::path(KALFEM_SOURCE_DIR) / "../shared/data";
-  return root / "pazy-wing";
-}
+std::filesystem::path folder() { return data_folder("pazy-wing"); }
 
 /// What the printed output of Nastran holds.
 struct Printed {

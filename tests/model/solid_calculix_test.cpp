@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <Eigen/LU>
 #include <cstdlib>
@@ -9,7 +8,9 @@
 #include <optional>
 #include <sstream>
 
+#include "base/scratch_folder.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
+#include "model/calculix.hpp"
 #include "solid_models.hpp"
 
 namespace kalfem {
@@ -92,14 +93,11 @@ Result read_result(const std::filesystem::path& file, Index nodes) {
   return result;
 }
 
-std::optional<Result> run_calculix(const Block& block, const std::string& type) {
-  const auto folder =
-      std::filesystem::temp_directory_path() / ("kalfem-solid-" + type + "-" + std::to_string(getpid()));
-  std::filesystem::create_directories(folder);
+std::optional<Result> solved_by_calculix(const Block& block, const std::string& type) {
+  const ScratchFolder folder("solid-" + type);
   write_deck(block, type, folder / "block.inp");
-  const bool ran = std::system(("cd '" + folder.string() + "' && ccx block > block.log 2>&1").c_str()) == 0;
+  const bool ran = run_calculix(folder, "block");
   const auto result = read_result(folder / "block.dat", block.problem.box.cube.cols());
-  std::filesystem::remove_all(folder);
   if (!ran) return {};
   return result;
 }
@@ -142,10 +140,10 @@ struct Pair {
 class SolidCalculix : public testing::TestWithParam<Pair> {};
 
 TEST_P(SolidCalculix, BlockHasTheSameDisplacementsAndFrequencies) {
-  if (std::system("command -v ccx >/dev/null 2>&1") != 0) GTEST_SKIP() << "CalculiX (ccx) is not installed";
+  if (!has_calculix()) GTEST_SKIP() << "CalculiX (ccx) is not installed";
   const auto& [type, shape, kind, mass, displacements, frequency] = GetParam();
   const Block block(shape, kind);
-  const auto theirs = run_calculix(block, type);
+  const auto theirs = solved_by_calculix(block, type);
   ASSERT_TRUE(theirs) << "CalculiX failed";
   const Eigen::VectorXd ours = test::solve(block.problem);
   EXPECT_LT((ours - theirs->displacements).norm(), displacements * ours.norm());

@@ -1,11 +1,11 @@
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
 #include <sstream>
 
+#include "base/data_folder.hpp"
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/formats/matrices/matrix_model.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
@@ -27,11 +27,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using test::frequencies;
 
-std::filesystem::path folder() {
-  const char* variable = std::getenv("KALFEM_DATA");
-  const std::filesystem::path root = variable ? variable : std::filesystem::path(KALFEM_SOURCE_DIR) / "../shared/data";
-  return root / "sandia-substructures";
-}
+std::filesystem::path folder() { return data_folder("sandia-substructures"); }
 
 LinearModel part(const std::string& name) {
   const std::string block = "block_" + name;

@@ -6,11 +6,11 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "base/scratch_folder.hpp"
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/report/decimate.hpp"
 #include "kalfem/report/page_data.hpp"
@@ -18,8 +18,6 @@
 
 namespace kalfem {
 namespace {
-
-namespace fs = std::filesystem;
 
 Page page_of(std::variant<Chart, Table, Picture> item) {
   return {.title = "t", .sections = {{.heading = "h", .items = {item}}}};
@@ -177,17 +175,14 @@ Outcome run(const std::string& command) {
 
 /// The document as it stands after its scripts ran in headless Chromium.
 Outcome dom_of(const std::string& html) {
-  std::string folder = (fs::temp_directory_path() / "kalfem_report_XXXXXX").string();
-  if (!mkdtemp(folder.data())) return {};
-  std::ofstream(folder + "/report.html") << html;
-  const Outcome result =
-      run("timeout 60 chromium --headless --no-sandbox --disable-gpu --disable-quic --no-first-run "
-          "--disable-background-networking --disable-component-update --disable-sync --user-data-dir='" +
-          folder + "/profile' --window-size=1400,1000 --virtual-time-budget=4000 --dump-dom 'file://" + folder +
-          "/report.html' 2>/dev/null");
-  std::error_code ignored;
-  fs::remove_all(folder, ignored);
-  return result;
+  const ScratchFolder scratch("report");
+  std::ofstream(scratch / "report.html") << html;
+  const std::string folder = scratch.path().string();
+  return run(
+      "timeout 60 chromium --headless --no-sandbox --disable-gpu --disable-quic --no-first-run "
+      "--disable-background-networking --disable-component-update --disable-sync --user-data-dir='" +
+      folder + "/profile' --window-size=1400,1000 --virtual-time-budget=4000 --dump-dom 'file://" + folder +
+      "/report.html' 2>/dev/null");
 }
 
 class ReportInBrowser : public testing::Test {

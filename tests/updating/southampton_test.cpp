@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 
+#include "base/data_folder.hpp"
 #include "kalfem/formats/frf_table.hpp"
 #include "kalfem/updating/frf_residual.hpp"
 #include "kalfem/updating/least_squares.hpp"
@@ -23,11 +23,7 @@ using Kind = ChainModel::Kind;
 constexpr double storey_mass = 5.201;
 const std::vector<std::string> floors = {"floor1", "floor2", "floor3"};
 
-std::filesystem::path folder() {
-  const char* variable = std::getenv("KALFEM_DATA");
-  const std::filesystem::path root = variable ? variable : std::filesystem::path(KALFEM_SOURCE_DIR) / "../shared/data";
-  return root / "southampton-3storey";
-}
+std::filesystem::path folder() { return data_folder("southampton-3storey"); }
 
 double stiffness_of_beam_theory() {
   const double inertia = 0.025 * std::pow(0.003, 3) / 12.0;
