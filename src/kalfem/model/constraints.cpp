@@ -5,10 +5,10 @@
 #include <set>
 #include <unordered_map>
 
+#include "kalfem/model/mean_motion.hpp"
+
 namespace kalfem {
 namespace {
-
-using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 struct Term {
   Eigen::Index dof;
@@ -43,6 +43,14 @@ void combine(std::vector<Term>& terms) {
   terms.resize(kept);
 }
 
+/// The same by position among all degrees of freedom.
+std::vector<Term> terms_of(const DofSum& sum) {
+  std::vector<Term> terms;
+  for (const auto& [dof, coefficient] : sum) terms.push_back({all_index(dof), coefficient});
+  combine(terms);
+  return terms;
+}
+
 std::vector<bool> fixed_dofs(const FiniteElementModel& model) {
   std::vector<bool> fixed(static_cast<std::size_t>(6 * model.mesh.node_count()), false);
   for (const auto& support : model.fixed)
@@ -75,90 +83,37 @@ private:
       const Eigen::Vector3d arm = model_.mesh.nodes.col(slave) - model_.mesh.nodes.col(link.master);
       for (int direction = 0; direction < 6; ++direction)
         if (link.tied[static_cast<std::size_t>(direction)])
-          add({all_index({slave, direction}), &link.name, rigid_motion(link.master, direction, arm)});
+          add({all_index({slave, direction}), &link.name, terms_of(led_motion(link.master, direction, arm))});
     }
   }
 
-  /// Row `direction` of u_s = u_m + theta_m x arm, theta_s = theta_m.
-  static std::vector<Term> rigid_motion(Eigen::Index master, int direction, const Eigen::Vector3d& arm) {
-    std::vector<Term> terms = {{all_index({master, direction}), 1.0}};
-    if (direction < 3) {
-      const int next = (direction + 1) % 3, last = (direction + 2) % 3;
-      terms.push_back({all_index({master, 3 + next}), arm[last]});
-      terms.push_back({all_index({master, 3 + last}), -arm[next]});
-    }
-    combine(terms);
-    return terms;
-  }
-
-  /// q = (sum S_i^T W_i S_i)^+ sum S_i^T W_i z_i; a direction in which the shares leave the motion open is an issue.
+  /// A direction in which the shares leave the follower's motion open is an issue.
   void add_weighted_link(const WeightedLink& link) {
-    const auto& nodes = model_.mesh.nodes;
-    double distance = 0.0;
-    for (const auto& share : link.shares) distance += (nodes.col(share.node) - nodes.col(link.follower)).norm();
-    distance = distance > 0.0 ? distance / static_cast<double>(link.shares.size()) : 1.0;
-    // Rotations times the distance make all entries of one unit.
-    const Vector6 scale = (Vector6() << 1, 1, 1, 1 / distance, 1 / distance, 1 / distance).finished();
-    Matrix6 normal = Matrix6::Zero();
-    Eigen::MatrixXd fit(6, 6 * static_cast<Eigen::Index>(link.shares.size()));
-    for (std::size_t i = 0; i < link.shares.size(); ++i) {
-      const auto& share = link.shares[i];
-      const Eigen::Vector3d arm = nodes.col(share.node) - nodes.col(link.follower);
-      Matrix6 rigid = Matrix6::Identity();
-      rigid.topRightCorner<3, 3>() << 0, arm.z(), -arm.y(), -arm.z(), 0, arm.x(), arm.y(), -arm.x(), 0;
-      Vector6 weights = Vector6::Zero();
-      for (int d = 0; d < 6; ++d)
-        if (share.directions[static_cast<std::size_t>(d)])
-          weights[d] = share.weight * (d < 3 ? 1.0 : distance * distance);
-      const Matrix6 weighted = scale.asDiagonal() * rigid.transpose() * weights.asDiagonal();
-      normal += weighted * rigid * scale.asDiagonal();
-      fit.middleCols<6>(6 * static_cast<Eigen::Index>(i)) = weighted;
-    }
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(6, 6);
-    solver.setThreshold(1e-9);
-    solver.compute(normal);
-    const Eigen::MatrixXd determined = solver.solve(Eigen::MatrixXd(normal));
-    const Eigen::MatrixXd motion = scale.asDiagonal() * solver.solve(fit);
+    const MeanMotion mean(model_.mesh, link);
     for (int direction = 0; direction < 6; ++direction) {
       if (!link.tied[static_cast<std::size_t>(direction)]) continue;
-      if (std::abs(determined(direction, direction) - 1.0) > 1e-6) {
-        issues_.add({},
-                    "weighted link '" + link.name + "' leaves " +
-                        name_of(model_, all_index({link.follower, direction})) + " open",
+      const NodalDof follower{link.follower, direction};
+      if (mean.determines(direction))
+        add({all_index(follower), &link.name, terms_of(mean.follower_motion(direction))});
+      else
+        issues_.add({}, "weighted link '" + link.name + "' leaves " + name_of(model_, all_index(follower)) + " open",
                     "the nodes that it follows do not determine that motion",
                     "add nodes off their line, or their rotations, or leave that direction out");
-        continue;
-      }
-      std::vector<Term> terms;
-      for (Eigen::Index column = 0; column < motion.cols(); ++column)
-        if (const double coefficient = motion(direction, column);
-            std::abs(coefficient) > 1e-14 * std::max(1.0, 1.0 / distance))
-          terms.push_back(
-              {all_index({link.shares[static_cast<std::size_t>(column / 6)].node, static_cast<int>(column % 6)}),
-               coefficient});
-      combine(terms);
-      add({all_index({link.follower, direction}), &link.name, std::move(terms)});
     }
   }
 
   void add_constraint(const MultiPointConstraint& constraint) {
-    std::vector<Term> terms;
-    bool finite = true;
-    for (const auto& [dof, coefficient] : constraint.terms) {
-      terms.push_back({all_index(dof), coefficient});
-      finite = finite && std::isfinite(coefficient);
-    }
-    if (!finite) {
+    if (!std::ranges::all_of(constraint.terms, [](const auto& term) { return std::isfinite(term.second); })) {
       issues_.add({}, "constraint '" + constraint.name + "' has a coefficient that is not finite",
                   "it is a weighted sum of displacements");
       return;
     }
-    if (terms.empty()) {
+    if (constraint.terms.empty()) {
       issues_.add({}, "constraint '" + constraint.name + "' has no terms", "it constrains nothing");
       return;
     }
-    const Eigen::Index dependent = terms.front().dof;
-    combine(terms);
+    const Eigen::Index dependent = all_index(constraint.terms.front().first);
+    auto terms = terms_of(constraint.terms);
     const auto leading = std::ranges::find(terms, dependent, &Term::dof);
     if (leading == terms.end()) {
       issues_.add(

@@ -24,6 +24,8 @@ struct NodalDof {
   int direction = 0;  ///< 0 .. 5
   friend auto operator<=>(const NodalDof&, const NodalDof&) = default;
 };
+/// sum_i coefficient_i z_i.
+using DofSum = std::vector<std::pair<NodalDof, double>>;
 
 /// Mass and inertia at a node, its centre moved from the node by `offset`.
 struct PointMass {
@@ -88,7 +90,7 @@ struct WeightedLink {
 /// sum_i coefficient_i z_i = 0; the first degree of freedom follows from the others.
 struct MultiPointConstraint {
   std::string name;
-  std::vector<std::pair<NodalDof, double>> terms;
+  DofSum terms;
 };
 
 /// Degrees of freedom that do not move.

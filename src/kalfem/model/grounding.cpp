@@ -30,7 +30,7 @@ MatrixXd relative_forces(const SparseMatrix& stiffness, const MatrixXd& motions)
 }
 
 /// R of F = Q R, with the singular values of F, which may have fewer rows than columns.
-MatrixXd triangle(const MatrixXd& forces) {
+MatrixXd triangular_factor(const MatrixXd& forces) {
   const Index columns = forces.cols();
   MatrixXd padded = MatrixXd::Zero(std::max(forces.rows(), columns), columns);
   padded.topRows(forces.rows()) = forces;
@@ -39,25 +39,6 @@ MatrixXd triangle(const MatrixXd& forces) {
 }
 
 }  // namespace
-
-Eigen::Matrix<double, 1, 6> rigid_motion(const PlacedDof& dof, const RigidFrame& frame) {
-  Eigen::Matrix<double, 1, 6> row = Eigen::Matrix<double, 1, 6>::Zero();
-  const int direction = dof.direction;
-  if (direction < 0) return row;
-  row[direction] = direction < 3 ? 1.0 : 1.0 / frame.radius;
-  if (direction >= 3) return row;
-  const Eigen::Vector3d arm = (dof.place - frame.centre) / frame.radius;
-  const int next = (direction + 1) % 3, last = (direction + 2) % 3;
-  row[3 + next] = arm[last];
-  row[3 + last] = -arm[next];
-  return row;
-}
-
-MatrixXd rigid_motions(const std::vector<PlacedDof>& dofs, const RigidFrame& frame) {
-  MatrixXd motions(static_cast<Index>(dofs.size()), 6);
-  for (std::size_t i = 0; i < dofs.size(); ++i) motions.row(static_cast<Index>(i)) = rigid_motion(dofs[i], frame);
-  return motions;
-}
 
 Grounding check_grounding(const SparseMatrix& stiffness, const MatrixXd& rigid_motions, const std::vector<bool>& held) {
   Grounding grounding;
@@ -82,7 +63,7 @@ Grounding check_grounding(const SparseMatrix& stiffness, const MatrixXd& rigid_m
   if (grounding.existing == 0) return grounding;
   const MatrixXd basis = qr.householderQ() * MatrixXd::Identity(n, qr.rank());
   const MatrixXd forces = relative_forces(stiffness, basis);
-  const Eigen::JacobiSVD<MatrixXd> combinations(triangle(forces));
+  const Eigen::JacobiSVD<MatrixXd> combinations(triangular_factor(forces));
   grounding.free = static_cast<int>((combinations.singularValues().array() < strain_rounding).count());
   for (Index i = 0; i < n; ++i)
     if (const double ratio = forces.row(i).cwiseAbs().maxCoeff(); ratio > stray && !held[static_cast<std::size_t>(i)])

@@ -5,26 +5,9 @@
 #include <vector>
 
 #include "kalfem/model/linear_model.hpp"
+#include "kalfem/model/rigid_motion.hpp"
 
 namespace kalfem {
-
-/// Where a degree of freedom stands.
-struct PlacedDof {
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< [m]
-  int direction = -1;                               ///< 0 .. 5; -1: a generalised coordinate, which has no place
-};
-
-/// Axes of rigid-body motions: translations by 1 along x, y, z, and rotations about axes through `centre` by the angle
-/// that moves a point at the distance `radius` by 1.
-struct RigidFrame {
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  double radius = 1.0;
-};
-
-/// What a degree of freedom does in each of the six motions.
-Eigen::Matrix<double, 1, 6> rigid_motion(const PlacedDof& dof, const RigidFrame& frame);
-/// The same of many, n x 6.
-Eigen::MatrixXd rigid_motions(const std::vector<PlacedDof>& dofs, const RigidFrame& frame);
 
 /// One of the six rigid-body motions of a structure: along x, y, z, and about axes through its middle.
 struct RigidMotion {

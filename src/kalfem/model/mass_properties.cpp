@@ -1,5 +1,6 @@
 #include "kalfem/model/mass_properties.hpp"
 
+#include "kalfem/model/rigid_motion.hpp"
 #include "kalfem/model/scalar_points.hpp"
 
 namespace kalfem {
@@ -13,16 +14,10 @@ std::vector<Eigen::Index> nodes_of_set(const Mesh& mesh, const std::string& name
 }  // namespace
 
 Eigen::MatrixXd rigid_body_modes(const FiniteElementModel& model, const AssembledModel& assembled) {
-  Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(assembled.size(), 6);
+  Eigen::MatrixXd modes(assembled.size(), 6);
   for (Eigen::Index i = 0; i < assembled.size(); ++i) {
     const auto& [node, direction] = assembled.dofs[static_cast<std::size_t>(i)];
-    modes(i, direction) = 1.0;
-    if (direction >= 3) continue;
-    // omega x place
-    const Eigen::Vector3d place = model.mesh.nodes.col(node);
-    const int next = (direction + 1) % 3, last = (direction + 2) % 3;
-    modes(i, 3 + next) = place[last];
-    modes(i, 3 + last) = -place[next];
+    modes.row(i) = rigid_row(direction, model.mesh.nodes.col(node));
   }
   for (const auto node : nodes_of_set(model.mesh, scalar_points))
     if (const auto place = assembled.find({node, 0}); place >= 0) modes.row(place).setZero();

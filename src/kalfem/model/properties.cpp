@@ -1,6 +1,7 @@
 #include "kalfem/model/properties.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <numbers>
@@ -113,5 +114,21 @@ std::string material_of(const RegionProperty& property) {
 }
 
 int motions_per_node(const RegionProperty& property) { return std::holds_alternative<SolidProperty>(property) ? 3 : 6; }
+
+Matrix6 in_global_axes(const Matrix6& elasticity, const Eigen::Matrix3d& axes) {
+  constexpr std::array<std::pair<int, int>, 6> pairs = {{{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}}};
+  Matrix6 rotation;
+  for (int local = 0; local < 6; ++local)
+    for (int global = 0; global < 6; ++global) {
+      const auto [i, j] = pairs[static_cast<std::size_t>(local)];
+      const auto [k, l] = pairs[static_cast<std::size_t>(global)];
+      // e_ij = sum_kl a_ki a_lj e_kl; engineering shear strains are twice the components.
+      double value = axes(k, i) * axes(l, j);
+      if (k != l) value = 0.5 * (value + axes(l, i) * axes(k, j));
+      rotation(local, global) = i == j ? value : 2.0 * value;
+    }
+  const Matrix6 turned = rotation.transpose() * elasticity * rotation;
+  return 0.5 * (turned + turned.transpose());
+}
 
 }  // namespace kalfem

@@ -114,6 +114,9 @@ enum class SolidKind {
 
 /// Stress per strain, [xx yy zz xy yz xz] with engineering shear strains.
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
+/// In global axes what is given in local ones, the columns of `axes`: R^T D R with the local strains R e of global
+/// ones.
+Matrix6 in_global_axes(const Matrix6& elasticity, const Eigen::Matrix3d& axes);
 
 /// A region of tetrahedra, wedges and hexahedra.
 struct SolidProperty {

@@ -15,7 +15,7 @@ namespace kalfem {
 /// degree of freedom, its pivot, that stands in no other equation.
 class ReducedEquations {
 public:
-  using Terms = std::vector<std::pair<NodalDof, double>>;
+  using Terms = DofSum;
 
   /// sum_i coefficient_i z_i = 0. The pivot is `preferred` unless its coefficient vanishes in the reduction, otherwise
   /// the largest one. Returns false where the equation follows from the earlier ones.

@@ -63,8 +63,7 @@ void couple_in_axes(PlacedDeck& deck, const std::string& name, Index master, con
         const double share = local(a, d - block);
         if (share == 0.0) continue;
         terms.push_back({{node, block + a}, -share});
-        for (const auto& [dof, factor] : Kinematics::rigid_motion(master, block + a, arm))
-          terms.push_back({dof, share * factor});
+        for (const auto& [dof, factor] : led_motion(master, block + a, arm)) terms.push_back({dof, share * factor});
       }
       motions.add_equation(name, std::move(terms));
     }

@@ -5,51 +5,6 @@
 
 namespace kalfem::abaqus {
 
-namespace {
-
-/// The follower's motion by that of the shares, q = (sum S^T W S)^+ sum S^T W z; `open` are directions that they do not
-/// determine.
-Eigen::MatrixXd mean_motion(const Mesh& mesh, const WeightedLink& link, Kinematics::Directions& open) {
-  double distance = 0.0;
-  for (const auto& share : link.shares) distance += (mesh.nodes.col(share.node) - mesh.nodes.col(link.follower)).norm();
-  distance = distance > 0.0 ? distance / static_cast<double>(link.shares.size()) : 1.0;
-  Eigen::Matrix<double, 6, 1> scale;  // rotations times the distance make all entries of one unit
-  scale << 1.0, 1.0, 1.0, 1.0 / distance, 1.0 / distance, 1.0 / distance;
-  Matrix6 normal = Matrix6::Zero();
-  Eigen::MatrixXd fit(6, 6 * static_cast<Index>(link.shares.size()));
-  for (std::size_t i = 0; i < link.shares.size(); ++i) {
-    const auto& share = link.shares[i];
-    const Eigen::Vector3d arm = mesh.nodes.col(share.node) - mesh.nodes.col(link.follower);
-    Matrix6 rigid = Matrix6::Identity();
-    rigid.topRightCorner<3, 3>() << 0, arm.z(), -arm.y(), -arm.z(), 0, arm.x(), arm.y(), -arm.x(), 0;
-    Eigen::Matrix<double, 6, 1> weights = Eigen::Matrix<double, 6, 1>::Zero();
-    for (Index d = 0; d < 6; ++d)
-      if (share.directions[static_cast<std::size_t>(d)])
-        weights[d] = share.weight * (d < 3 ? 1.0 : distance * distance);
-    const Matrix6 weighted = scale.asDiagonal() * rigid.transpose() * weights.asDiagonal();
-    normal += weighted * rigid * scale.asDiagonal();
-    fit.middleCols<6>(6 * static_cast<Index>(i)) = weighted;
-  }
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(6, 6);
-  solver.setThreshold(1e-9);
-  solver.compute(normal);
-  const Eigen::MatrixXd determined = solver.solve(Eigen::MatrixXd(normal));
-  for (Index d = 0; d < 6; ++d) open[static_cast<std::size_t>(d)] = std::abs(determined(d, d) - 1.0) > 1e-6;
-  return scale.asDiagonal() * solver.solve(fit);
-}
-
-}  // namespace
-
-Kinematics::Terms Kinematics::rigid_motion(Index master, int direction, const Eigen::Vector3d& arm) {
-  Terms terms = {{{master, direction}, 1.0}};
-  if (direction < 3) {
-    const int next = (direction + 1) % 3, last = (direction + 2) % 3;
-    if (arm[last] != 0.0) terms.push_back({{master, 3 + next}, arm[last]});
-    if (arm[next] != 0.0) terms.push_back({{master, 3 + last}, -arm[next]});
-  }
-  return terms;
-}
-
 /// Whether a node follows the target, through any number of links.
 bool Kinematics::leads_to(Index node, Index target) const {
   if (node == target) return true;
@@ -84,7 +39,7 @@ void Kinematics::add_link(const std::string& name, Index master, const std::vect
       }
       // What follows already is tied by an equation.
       Terms terms = {{dof, -1.0}};
-      const auto motion = rigid_motion(master, d, model_.mesh.nodes.col(slave) - model_.mesh.nodes.col(master));
+      const auto motion = led_motion(master, d, model_.mesh.nodes.col(slave) - model_.mesh.nodes.col(master));
       terms.insert(terms.end(), motion.begin(), motion.end());
       add_equation(name, std::move(terms));
     }
@@ -103,15 +58,15 @@ void Kinematics::add_weighted_link(WeightedLink link, const Where& where) {
                   "give its surface nodes");
     return;
   }
-  Directions open{};
-  Eigen::MatrixXd motion = mean_motion(model_.mesh, link, open);
-  for (std::size_t d = 0; d < 6; ++d) {
-    if (link.tied[d] && open[d])
-      notes_.add(problems_.location(where), "coupling '" + link.name + "', direction " + std::to_string(d + 1),
-                 "its nodes do not determine that motion of the reference node, which is left free");
-    link.tied[d] = link.tied[d] && !open[d];
+  MeanMotion mean(model_.mesh, link);
+  for (int d = 0; d < 6; ++d) {
+    bool& tied = link.tied[static_cast<std::size_t>(d)];
+    if (!tied || mean.determines(d)) continue;
+    notes_.add(problems_.location(where), "coupling '" + link.name + "', direction " + std::to_string(d + 1),
+               "its nodes do not determine that motion of the reference node, which is left free");
+    tied = false;
   }
-  weighted_.push_back({std::move(link), std::move(motion)});
+  weighted_.push_back({std::move(link), std::move(mean)});
 }
 
 void Kinematics::hold(const std::string& name, Index node, int direction) {
@@ -149,7 +104,7 @@ void Kinematics::expand(const NodalDof& dof, double factor, std::map<NodalDof, d
     return;
   }
   const Eigen::Vector3d arm = model_.mesh.nodes.col(dof.node) - model_.mesh.nodes.col(leader->second);
-  for (const auto& [next, share] : rigid_motion(leader->second, dof.direction, arm))
+  for (const auto& [next, share] : led_motion(leader->second, dof.direction, arm))
     expand(next, factor * share, terms, depth + 1);
 }
 
@@ -187,11 +142,8 @@ void Kinematics::write_weighted_links(ReducedEquations& rows) {
   for (const auto& equation : equations_)
     for (const auto& [dof, coefficient] : expanded(equation.terms)) used.insert(dof);
   const auto terms_of = [&](const Weighted& weighted, int direction) {
-    Terms terms = {{{weighted.link.follower, direction}, -1.0}};
-    for (Index column = 0; column < weighted.motion.cols(); ++column)
-      if (const double share = weighted.motion(direction, column); share != 0.0)
-        terms.push_back(
-            {{weighted.link.shares[static_cast<std::size_t>(column / 6)].node, static_cast<int>(column % 6)}, share});
+    Terms terms = weighted.mean.follower_motion(direction);
+    terms.insert(terms.begin(), {{weighted.link.follower, direction}, -1.0});
     return terms;
   };
   for (bool changed = true; changed;) {

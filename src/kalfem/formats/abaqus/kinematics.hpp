@@ -4,6 +4,7 @@
 #include <unordered_map>
 
 #include "kalfem/formats/abaqus/placed_deck.hpp"
+#include "kalfem/model/mean_motion.hpp"
 #include "kalfem/model/reduced_equations.hpp"
 
 namespace kalfem::abaqus {
@@ -31,9 +32,6 @@ public:
   /// Writes all of it to the model.
   void store();
 
-  /// Row `direction` of the motion of a point at `arm` from a node that leads it rigidly.
-  static Terms rigid_motion(Index master, int direction, const Eigen::Vector3d& arm);
-
 private:
   struct Equation {
     std::string name;
@@ -47,7 +45,7 @@ private:
   };
   struct Weighted {
     WeightedLink link;
-    Eigen::MatrixXd motion;  ///< 6 x 6 shares: the follower's motion by that of the nodes
+    MeanMotion mean;
     bool as_equations = false;
   };
 

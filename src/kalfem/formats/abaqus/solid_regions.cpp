@@ -8,23 +8,6 @@ namespace kalfem::abaqus {
 
 namespace {
 
-/// Strains in local axes from those in global ones, [xx yy zz xy yz xz] with engineering shear strains; columns of
-/// `axes` are the local axes.
-Matrix6 strain_rotation(const Eigen::Matrix3d& axes) {
-  constexpr std::array<std::pair<Index, Index>, 6> pairs = {{{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}}};
-  Matrix6 rotation;
-  for (Index local = 0; local < 6; ++local)
-    for (Index global = 0; global < 6; ++global) {
-      const auto [i, j] = pairs[static_cast<std::size_t>(local)];
-      const auto [k, l] = pairs[static_cast<std::size_t>(global)];
-      // e_ij = sum Q_ki Q_lj e_kl; engineering shear strains are twice the components.
-      double value = axes(k, i) * axes(l, j);
-      if (k != l) value = (value + axes(l, i) * axes(k, j)) / 2.0;
-      rotation(local, global) = i == j ? value : 2.0 * value;
-    }
-  return rotation;
-}
-
 /// Cells whose axes agree to about 1e-6.
 using AxesKey = std::array<long, 9>;
 AxesKey key_of(const Eigen::Matrix3d& axes) {
@@ -63,9 +46,8 @@ void add_solid_region(PlacedDeck& deck, Materials& materials, const RegionDraft&
     const Eigen::Matrix3d local = axes.at(centre_of(model.mesh, cell));
     const auto [place, is_new] = group_of.try_emplace(key_of(local), groups.size());
     if (is_new) {
-      const Matrix6 rotation = strain_rotation(local);
       groups.emplace_back();
-      stiffness.push_back(rotation.transpose() * *material->solid * rotation);
+      stiffness.push_back(in_global_axes(*material->solid, local));
     }
     groups[place->second].push_back(cell);
   }
@@ -76,9 +58,8 @@ void add_solid_region(PlacedDeck& deck, Materials& materials, const RegionDraft&
       name = number == 1 ? draft.name : draft.name + "." + std::to_string(number);
       ++number;
     } while (model.mesh.regions.contains(name));
-    const Matrix6 symmetric = 0.5 * (stiffness[i] + stiffness[i].transpose());
     model.mesh.regions[name] = std::move(groups[i]);
-    model.properties[name] = SolidProperty{material->name, draft.kind, symmetric};
+    model.properties[name] = SolidProperty{material->name, draft.kind, stiffness[i]};
   }
 }
 

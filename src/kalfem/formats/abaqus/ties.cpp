@@ -170,8 +170,7 @@ void TieMaker::tie_node(const std::string& name, Index node, const Face& face, c
       const auto column = static_cast<Index>(i);
       const double share = projection.shares[column];
       if (masters_turn) {
-        for (const auto& [dof, factor] : Kinematics::rigid_motion(face.nodes[i], d, gap))
-          terms.push_back({dof, share * factor});
+        for (const auto& [dof, factor] : led_motion(face.nodes[i], d, gap)) terms.push_back({dof, share * factor});
         continue;
       }
       terms.push_back({{face.nodes[i], d}, share});

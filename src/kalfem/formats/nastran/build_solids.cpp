@@ -52,21 +52,6 @@ private:
   std::map<std::string, bool> sound_;
 };
 
-/// Rows of the strains [xx yy zz xy yz xz] in local axes from those in global ones (Bond); columns of `axes` are local.
-Eigen::Matrix<double, 6, 6> strain_rotation(const Eigen::Matrix3d& axes) {
-  constexpr std::array<std::pair<int, int>, 6> pairs = {{{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}}};
-  Eigen::Matrix<double, 6, 6> rotation;
-  for (int row = 0; row < 6; ++row)
-    for (int column = 0; column < 6; ++column) {
-      const auto [i, j] = pairs[static_cast<std::size_t>(row)];
-      const auto [k, l] = pairs[static_cast<std::size_t>(column)];
-      // Local strain e_ij = a_ki a_lj E_kl; engineering shears count twice.
-      const double one = axes(k, i) * axes(l, j), other = axes(l, i) * axes(k, j);
-      rotation(row, column) = k == l ? (i == j ? one : 2.0 * one) : (i == j ? one : one + other);
-    }
-  return rotation;
-}
-
 bool SolidBuilder::make_region(const SolidCard& card, const PsolidCard& solid, const std::string& region,
                                const std::string& title) {
   const MaterialCard* material = materials_.find(solid.material, title, card.where);
@@ -79,8 +64,7 @@ bool SolidBuilder::make_region(const SolidCard& card, const PsolidCard& solid, c
     if (solid.axes < 0 || frame->kind != SystemKind::rectangular)
       building_.note(card.where, "CORDM of a PSOLID with MAT9 that turns from element to element",
                      "its stiffness is read in the axes at the system's origin");
-    const auto rotation = strain_rotation(frame->axes);
-    property.elasticity = rotation.transpose() * law->stiffness * rotation;
+    property.elasticity = in_global_axes(law->stiffness, frame->axes);
     property.material = "mat" + std::to_string(solid.material);
     // E and nu of the material serve no element then; the mean stiffness keeps its place.
     building_.model.materials[property.material] = {law->stiffness.topLeftCorner<3, 3>().diagonal().mean(), 0.3,

@@ -14,7 +14,7 @@ namespace kalfem::nastran {
 /// Matrices between degrees of freedom as they come in, entry by entry.
 class MatrixGather {
 public:
-  using Terms = std::vector<std::pair<NodalDof, double>>;
+  using Terms = DofSum;
   enum Kind { stiffness, mass, damping };
   /// Adds value (row^T z) (column^T z): both triangles where row and column differ are the caller's.
   void add(Kind kind, const Terms& row, const Terms& column, double value);

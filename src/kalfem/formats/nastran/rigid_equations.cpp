@@ -2,22 +2,15 @@
 
 #include <algorithm>
 
+#include "kalfem/model/mean_motion.hpp"
+
 namespace kalfem::nastran {
 namespace {
 
-using Row6 = Eigen::Matrix<double, 1, 6>;
-
-/// A component of a node by the rigid motion about `centre`: a . (t + r x arm), or a . r.
-Row6 rigid_row(const Building& building, const NodalDof& component, const Eigen::Vector3d& centre) {
+/// A component of a node, in its own axes, by the rigid motion about `centre`.
+RigidRow row_of(const Building& building, const NodalDof& component, const Eigen::Vector3d& centre) {
   const Eigen::Vector3d axis = building.motion_axes(component.node).col(component.direction % 3);
-  Row6 row = Row6::Zero();
-  if (component.direction < 3) {
-    row.head<3>() = axis.transpose();
-    row.tail<3>() = (building.place(component.node) - centre).cross(axis).transpose();
-  } else {
-    row.tail<3>() = axis.transpose();
-  }
-  return row;
+  return component.direction < 3 ? displacement_row(axis, building.place(component.node) - centre) : rotation_row(axis);
 }
 
 std::vector<NodalDof> listed(const NodeComponents& nodes) {
@@ -33,7 +26,7 @@ Eigen::Matrix<double, Eigen::Dynamic, 6> rigid_rows_of(const Building& building,
                                                        const Eigen::Vector3d& centre) {
   Eigen::Matrix<double, Eigen::Dynamic, 6> rows(static_cast<Eigen::Index>(components.size()), 6);
   for (std::size_t i = 0; i < components.size(); ++i)
-    rows.row(static_cast<Eigen::Index>(i)) = rigid_row(building, components[i], centre);
+    rows.row(static_cast<Eigen::Index>(i)) = row_of(building, components[i], centre);
   return rows;
 }
 
@@ -53,7 +46,7 @@ std::vector<DependentRow> rigid_rows(const Building& building, const NodeCompone
   if (lead.size() != 6) return {};
   const Eigen::Vector3d centre = building.place(lead.front().node);
   const double length = typical_length(building, lead, centre);
-  Row6 scale;
+  RigidRow scale;
   scale << 1.0, 1.0, 1.0, 1.0 / length, 1.0 / length, 1.0 / length;
   const Eigen::Matrix<double, 6, 6> leading = rigid_rows_of(building, lead, centre) * scale.asDiagonal();
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(leading);
@@ -91,44 +84,21 @@ std::optional<DependentRow> rod_row(const Building& building, const NodeComponen
 
 std::vector<DependentRow> weighted_rows(const Building& building, const WeightedLink& link,
                                         const NodeComponents& moved) {
-  const Eigen::Vector3d centre = building.place(link.follower);
-  std::vector<NodalDof> sources;
-  std::vector<double> weights;
-  double distance = 0.0;
-  for (const auto& share : link.shares) distance += (building.place(share.node) - centre).norm();
-  distance /= std::max<double>(1.0, static_cast<double>(link.shares.size()));
-  for (const auto& share : link.shares)
-    for (int i = 0; i < 6; ++i)
-      if (share.directions[static_cast<std::size_t>(i)]) {
-        sources.push_back({share.node, i});
-        weights.push_back(share.weight * (i < 3 ? 1.0 : distance * distance));
-      }
-  if (sources.empty()) return {};
-  const double length = distance > 0.0 ? distance : 1.0;
-  Row6 scale;
-  scale << 1.0, 1.0, 1.0, 1.0 / length, 1.0 / length, 1.0 / length;
-  const Eigen::MatrixXd motions = rigid_rows_of(building, sources, centre) * scale.asDiagonal();
-  const Eigen::VectorXd weight =
-      Eigen::Map<const Eigen::VectorXd>(weights.data(), static_cast<Eigen::Index>(weights.size()));
-  const Eigen::Matrix<double, 6, 6> normal = motions.transpose() * weight.asDiagonal() * motions;
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(6, 6);
-  solver.setThreshold(1e-12);
-  solver.compute(normal);
-  const Eigen::MatrixXd fit =
-      scale.asDiagonal() * solver.solve(Eigen::MatrixXd(motions.transpose() * weight.asDiagonal()));
-
+  const MeanMotion mean(building.model.mesh, link, [&](Eigen::Index node) { return building.motion_axes(node); });
   unsigned reference = 0;
   for (std::size_t i = 0; i < 6; ++i) reference |= link.tied[i] ? 1u << i : 0u;
   const auto followers = listed({{link.follower, reference}});
-  const Eigen::MatrixXd shares = rigid_rows_of(building, followers, centre) * fit;
-  // A motion of the follower that the shares do not show is not determined by them.
-  const Eigen::MatrixXd seen = shares * motions,
-                        wanted = rigid_rows_of(building, followers, centre) * scale.asDiagonal();
-  if (!((seen - wanted).cwiseAbs().maxCoeff() < 1e-9)) return {};
+  const auto& sources = mean.components();
+  const auto count = static_cast<Eigen::Index>(followers.size());
+  Eigen::MatrixXd shares(count, static_cast<Eigen::Index>(sources.size()));
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto row = row_of(building, followers[static_cast<std::size_t>(i)], building.place(link.follower));
+    if (!mean.determines(row)) return {};
+    shares.row(i) = mean.shares(row);
+  }
   // Equations over [followers, sources], then solved for the components that depend.
   std::vector<NodalDof> all = followers;
   all.insert(all.end(), sources.begin(), sources.end());
-  const auto count = static_cast<Eigen::Index>(followers.size());
   Eigen::MatrixXd equations(count, static_cast<Eigen::Index>(all.size()));
   equations << Eigen::MatrixXd::Identity(count, count), -shares;
   auto dependent = followers;
