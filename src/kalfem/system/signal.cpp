@@ -59,6 +59,13 @@ void require_signal(IssueList& issues, const SignalPtr& signal) {
 
 }  // namespace
 
+SignalSamples FormulaSignal::sample(double start, double step, Eigen::Index count) const {
+  check_sampling(start, step, count);
+  SignalSamples samples(count, 3);
+  for (Eigen::Index k = 0; k < count; ++k) samples.row(k) = at(start + static_cast<double>(k) * step);
+  return samples;
+}
+
 void check_sampling(double start, double step, Eigen::Index count) {
   IssueList issues;
   require_finite(issues, "start time of the samples", start);

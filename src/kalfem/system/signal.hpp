@@ -27,6 +27,16 @@ public:
   }
 };
 
+/// A signal by a formula that gives each instant by itself.
+class FormulaSignal : public Signal {
+public:
+  [[nodiscard]] SignalSamples sample(double start, double step, Eigen::Index count) const final;
+
+private:
+  /// Value, first and second derivative.
+  [[nodiscard]] virtual Eigen::Array<double, 1, 3> at(double time) const = 0;
+};
+
 using SignalPtr = std::shared_ptr<const Signal>;
 
 /// Throws InvalidInput unless start is finite, step is positive and finite, and count >= 0.

@@ -12,16 +12,9 @@ namespace kalfem {
 
 namespace {
 
-class SweptSine final : public Signal {
+class SweptSine final : public FormulaSignal {
 public:
   explicit SweptSine(const SweptSineOptions& options) : options_(options) {}
-
-  SignalSamples sample(double start, double step, Eigen::Index count) const override {
-    check_sampling(start, step, count);
-    SignalSamples samples(count, 3);
-    for (Eigen::Index k = 0; k < count; ++k) samples.row(k) = at(start + static_cast<double>(k) * step);
-    return samples;
-  }
 
 private:
   /// Turned cycles, frequency [Hz] and its rate [Hz/s].
@@ -46,7 +39,7 @@ private:
     return p;
   }
 
-  Eigen::Array<double, 1, 3> at(double time) const {
+  Eigen::Array<double, 1, 3> at(double time) const override {
     constexpr double turn = 2.0 * std::numbers::pi;
     const auto [cycles, frequency, rate] = phase(time);
     const double s = options_.amplitude * std::sin(turn * (cycles - std::round(cycles)));

@@ -9,27 +9,20 @@ namespace kalfem {
 
 namespace {
 
-class Pulse final : public Signal {
+class Pulse final : public FormulaSignal {
 public:
   explicit Pulse(const PulseOptions& options) : options_(options) {}
 
-  SignalSamples sample(double start, double step, Eigen::Index count) const override {
-    check_sampling(start, step, count);
-    SignalSamples samples = SignalSamples::Zero(count, 3);
-    for (Eigen::Index k = 0; k < count; ++k) {
-      const double elapsed = start + static_cast<double>(k) * step - options_.start;
-      if (elapsed >= 0.0 && elapsed <= options_.duration) samples.row(k) = options_.amplitude * inside(elapsed);
-    }
-    return samples;
-  }
-
 private:
-  Eigen::Array<double, 1, 3> inside(double elapsed) const {
+  Eigen::Array<double, 1, 3> at(double time) const override {
+    const double elapsed = time - options_.start;
+    if (elapsed < 0.0 || elapsed > options_.duration) return {0.0, 0.0, 0.0};
     const double w = std::numbers::pi / options_.duration;
-    const double s = std::sin(w * elapsed);
-    const double c = std::cos(w * elapsed);
-    if (options_.shape == PulseShape::half_sine) return {s, w * c, -w * w * s};
-    return {s * s * s * s, 4.0 * w * s * s * s * c, 4.0 * w * w * s * s * (3.0 * c * c - s * s)};
+    const double s = std::sin(w * elapsed), c = std::cos(w * elapsed);
+    const double height = options_.amplitude;
+    if (options_.shape == PulseShape::half_sine) return {height * s, height * w * c, -height * w * w * s};
+    return {height * s * s * s * s, height * 4.0 * w * s * s * s * c,
+            height * 4.0 * w * w * s * s * (3.0 * c * c - s * s)};
   }
 
   PulseOptions options_;

@@ -9,19 +9,12 @@ namespace kalfem {
 
 namespace {
 
-class Step final : public Signal {
+class Step final : public FormulaSignal {
 public:
   explicit Step(const StepOptions& options) : options_(options) {}
 
-  SignalSamples sample(double start, double step, Eigen::Index count) const override {
-    check_sampling(start, step, count);
-    SignalSamples samples(count, 3);
-    for (Eigen::Index k = 0; k < count; ++k) samples.row(k) = at(start + static_cast<double>(k) * step);
-    return samples;
-  }
-
 private:
-  Eigen::Array<double, 1, 3> at(double time) const {
+  Eigen::Array<double, 1, 3> at(double time) const override {
     const double T = options_.duration;
     const double x = std::clamp((time - options_.start) / T, 0.0, 1.0);
     const double height = options_.after - options_.before;
