@@ -78,7 +78,7 @@ TEST(MatchedPoles, HoldsForTheWholeFamily) {
         std::pair{Integrator::generalized_alpha, generalized_alpha_parameters(0.8)}}) {
     auto system = oscillators({omega * omega}, {2.0 * ratio * omega});
     match_poles(system, 0, 1e-3, scheme);
-    const auto q = simulated(system, start, 0.0, 400, integrator).displacement.rightCols(300);
+    const Eigen::MatrixXd q = simulated(system, start, 0.0, 400, integrator).displacement.rightCols(300);
     EXPECT_LT(departure(q.row(0), omega, ratio, 1e-3), 1e-11);
   }
 }

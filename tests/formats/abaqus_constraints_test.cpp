@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <Eigen/QR>
+#include <random>
 #include <set>
 
 #include "formats/abaqus_decks.hpp"
@@ -74,6 +76,36 @@ TEST(ReducedEquations, EquationsThatFollowFromOthersAreLeftOut) {
   equations.store(model);
   EXPECT_EQ(model.constraints.size(), 2u);
   EXPECT_TRUE(constraint_issues(model).empty());
+}
+
+/// Forty equations of sixty degrees of freedom, each of which stands in several, a third of them sums of others: what
+/// the constraints leave free is the null space of them all.
+TEST(ReducedEquations, LeaveFreeWhatAllEquationsLeaveFree) {
+  std::mt19937 random(11);
+  const auto any = [&](Index below) { return static_cast<Index>(random() % static_cast<unsigned>(below)); };
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(40, 60);
+  for (Index row = 0; row < 40; ++row) {
+    if (row % 3 == 2)
+      matrix.row(row) = 2.0 * matrix.row(any(row)) - matrix.row(any(row));
+    else
+      for (int term = 0; term < 6; ++term) matrix(row, any(20)) = static_cast<double>(1 + any(9)) - 4.5;
+  }
+  ReducedEquations equations;
+  Index added = 0;
+  for (Index row = 0; row < 40; ++row) {
+    DofSum terms;
+    for (Index i = 0; i < 60; ++i)
+      if (matrix(row, i) != 0.0) terms.push_back({{i / 6, static_cast<int>(i % 6)}, matrix(row, i)});
+    if (equations.add("any", terms)) ++added;
+  }
+  const Index rank = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(matrix).rank();
+  EXPECT_EQ(added, rank);
+  auto model = bare_model();
+  equations.store(model);
+  const auto free = eliminate(model, std::vector<bool>(60, true));
+  EXPECT_EQ(static_cast<Index>(free.dofs.size()), 60 - rank);
+  const Eigen::MatrixXd motions(free.transform);
+  EXPECT_LT((matrix * motions).norm(), 1e-11 * matrix.norm() * motions.norm());
 }
 
 /// A block of n x n x m C3D8I between two heights, numbers from `start` on; sets: NAMEbottom, NAMEtop.

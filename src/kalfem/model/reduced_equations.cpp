@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace kalfem {
 
@@ -52,16 +53,17 @@ bool ReducedEquations::add(const std::string& name, const Terms& given, std::opt
   drop_below(terms, coefficient_rounding * largest(terms));
 
   const std::size_t index = rows_.size();
-  for (const std::size_t row : rows_with_[pivot]) {
+  for (const std::size_t row : std::exchange(rows_with_[pivot], {})) {
     auto& others = rows_[row].terms;
     const auto held = others.find(pivot);
     if (held == others.end()) continue;
     const double factor = held->second;
+    others.erase(held);
     for (const auto& [dof, coefficient] : terms) {
+      if (dof == pivot) continue;
       others[dof] -= factor * coefficient;
       rows_with_[dof].push_back(row);
     }
-    others.erase(pivot);
     drop_below(others, coefficient_rounding * largest(others));
   }
   for (const auto& [dof, coefficient] : terms) rows_with_[dof].push_back(index);
