@@ -12,6 +12,8 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr double equal_rates = 1e-8;  ///< relative to the largest: the eigenvectors that belong to them are arbitrary
+/// Curvature by K - lambda M against that by K + s M, below which a mode of the group is not among the computed ones.
+constexpr double flat = 1e-9;
 constexpr double rotation_end = 1e-14;
 constexpr int most_sweeps = 60;
 
@@ -52,12 +54,14 @@ public:
     VectorXd energy = column_products(residual, direction);
     MatrixXd solution = MatrixXd::Zero(forces.rows(), forces.cols());
     for (int i = 0; i < options.most_iterations && (energy.array() > end.array()).any(); ++i) {
-      const MatrixXd image = problem_.stiffness * direction - lambda * (problem_.mass * direction);
+      const MatrixXd massed = problem_.mass * direction;
+      const MatrixXd image = problem_.stiffness * direction - lambda * massed;
       const VectorXd curvature = column_products(direction, image);
+      const VectorXd size = curvature + (lambda + problem_.shifted.shift) * column_products(direction, massed);
       VectorXd step = VectorXd::Zero(energy.size());
       for (Index j = 0; j < energy.size(); ++j) {
         if (energy[j] <= end[j]) continue;
-        if (!(curvature[j] > 0.0)) return {};
+        if (!(curvature[j] > flat * size[j])) return {};
         step[j] = energy[j] / curvature[j];
       }
       solution += direction * step.asDiagonal();
