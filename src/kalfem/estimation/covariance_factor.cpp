@@ -13,7 +13,7 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr double negative_variance_tolerance = 1e-9;
-constexpr double rounding = 1e-13;  ///< a pivot that lost all digits: the matrix is singular
+constexpr double least_pivot = 1e-13;  ///< one below it has lost all digits: the matrix is singular
 
 /// Cholesky with diagonal pivoting on the correlation matrix, Higham, Accuracy and Stability of Numerical Algorithms,
 /// section 10.3: columns until what is left of every variance is rounding; then made triangular.
@@ -29,7 +29,7 @@ bool semidefinite_factor(const MatrixXd& covariance, MatrixXd& factor) {
   factor.setZero(n, n);
   for (Index k = 0; k < n; ++k) {
     Index pivot = 0;
-    if (left.maxCoeff(&pivot) <= rounding) break;
+    if (left.maxCoeff(&pivot) <= least_pivot) break;
     factor.col(k) = correlation.col(pivot) - factor.leftCols(k) * factor.row(pivot).head(k).transpose();
     factor.col(k) /= std::sqrt(left[pivot]);
     left -= factor.col(k).cwiseAbs2();
@@ -44,7 +44,7 @@ bool semidefinite_factor(const MatrixXd& covariance, MatrixXd& factor) {
 }  // namespace
 
 bool covariance_factor(const MatrixXd& covariance, MatrixXd& factor) {
-  return cholesky(covariance, rounding, factor) || semidefinite_factor(covariance, factor);
+  return cholesky(covariance, least_pivot, factor) || semidefinite_factor(covariance, factor);
 }
 
 void triangularise(MatrixXd& array, MatrixXd& lower) {
