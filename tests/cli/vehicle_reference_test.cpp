@@ -24,8 +24,5 @@ TEST(VehicleReference, SuperelementEqualsTheFullModelInTheSensorsBand) {
   }
 }
 
-/// The case as it is shipped; the daily test has it on the coarse mesh.
-TEST(VehicleReference, WideBandSensorsBias) { expect_wide_band_bias(""); }
-
 }  // namespace
 }  // namespace kalfem::test
