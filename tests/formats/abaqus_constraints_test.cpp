@@ -29,7 +29,7 @@ void hold_in_axes(FiniteElementModel& model, Index node, const Eigen::Matrix3d& 
   ReducedEquations equations;
   for (int d = 0; d < 6; ++d) {
     if (!held[static_cast<std::size_t>(d)]) continue;
-    ReducedEquations::Terms terms;
+    DofSum terms;
     for (int a = 0; a < 3; ++a) terms.push_back({NodalDof{node, d / 3 * 3 + a}, axes(a, d % 3)});
     equations.add("support", terms);
   }

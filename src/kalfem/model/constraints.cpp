@@ -83,7 +83,7 @@ private:
       const Eigen::Vector3d arm = model_.mesh.nodes.col(slave) - model_.mesh.nodes.col(link.master);
       for (int direction = 0; direction < 6; ++direction)
         if (link.tied[static_cast<std::size_t>(direction)])
-          add({all_index({slave, direction}), &link.name, terms_of(led_motion(link.master, direction, arm))});
+          add({all_index({slave, direction}), &link.name, terms_of(slave_motion(link.master, direction, arm))});
     }
   }
 

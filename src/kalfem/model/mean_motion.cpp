@@ -30,9 +30,8 @@ MeanMotion::MeanMotion(const Mesh& mesh, const WeightedLink& link, const Axes& a
     const Eigen::Matrix3d own = axes ? axes(share.node) : Eigen::Matrix3d::Identity();
     for (int d = 0; d < 6; ++d) {
       if (!share.directions[static_cast<std::size_t>(d)]) continue;
-      const Eigen::Vector3d axis = own.col(d % 3);
       components_.push_back({share.node, d});
-      rows.push_back(in_one_unit(d < 3 ? displacement_row(axis, arm) : rotation_row(axis), length_));
+      rows.push_back(in_one_unit(rigid_row(d, arm, own), length_));
       weights.push_back(share.weight * (d < 3 ? 1.0 : length_ * length_));
     }
   }
@@ -47,14 +46,14 @@ MeanMotion::MeanMotion(const Mesh& mesh, const WeightedLink& link, const Axes& a
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(6, 6);
   solver.setThreshold(1e-9);
   solver.compute(normal);
-  shown_ = solver.solve(Eigen::MatrixXd(normal));
+  resolution_ = solver.solve(Eigen::MatrixXd(normal));
   fit_ = solver.solve(Eigen::MatrixXd(weighted));
   fit_.bottomRows<3>() /= length_;
 }
 
 bool MeanMotion::determines(const RigidRow& row) const {
   const RigidRow wanted = in_one_unit(row, length_);
-  return (wanted * shown_ - wanted).cwiseAbs().maxCoeff() < 1e-6 * wanted.norm();
+  return (wanted * resolution_ - wanted).cwiseAbs().maxCoeff() < 1e-6 * wanted.norm();
 }
 
 DofSum MeanMotion::follower_motion(int direction) const {

@@ -19,9 +19,9 @@ public:
 
   /// Components that the follower follows; a direction is along the axes of its node.
   [[nodiscard]] const std::vector<NodalDof>& components() const { return components_; }
-  /// What `row` shows of q, by those components.
+  /// The component `row` q of a point that moves with the follower, by those components.
   [[nodiscard]] Eigen::RowVectorXd shares(const RigidRow& row) const { return row * fit_; }
-  /// Whether they tell that: nodes on one line do not tell the rotation about it.
+  /// Whether they determine it: nodes on one line do not tell the rotation about it.
   [[nodiscard]] bool determines(const RigidRow& row) const;
   /// The same of the follower's own motion in a global direction; parts that are rounding are left out.
   [[nodiscard]] DofSum follower_motion(int direction) const;
@@ -33,7 +33,7 @@ private:
   double length_;  ///< mean distance of the nodes from the follower; 1 where all lie there [m]
   std::vector<NodalDof> components_;
   Eigen::Matrix<double, 6, Eigen::Dynamic> fit_;
-  Matrix6 shown_;  ///< projector onto what the components show, of rotations times the length
+  Matrix6 resolution_;  ///< projector onto what the components show, of rotations times the length
 };
 
 }  // namespace kalfem

@@ -23,7 +23,7 @@ void drop_below(std::map<NodalDof, double>& terms, double limit) {
 
 }  // namespace
 
-bool ReducedEquations::add(const std::string& name, const Terms& given, std::optional<NodalDof> preferred) {
+bool ReducedEquations::add(const std::string& name, const DofSum& given, std::optional<NodalDof> preferred) {
   std::map<NodalDof, double> terms;
   double scale = 0.0;
   for (const auto& [dof, coefficient] : given) {

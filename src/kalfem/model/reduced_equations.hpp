@@ -15,11 +15,9 @@ namespace kalfem {
 /// degree of freedom, its pivot, that stands in no other equation.
 class ReducedEquations {
 public:
-  using Terms = DofSum;
-
   /// sum_i coefficient_i z_i = 0. The pivot is `preferred` unless its coefficient vanishes in the reduction, otherwise
   /// the largest one. Returns false where the equation follows from the earlier ones.
-  bool add(const std::string& name, const Terms& terms, std::optional<NodalDof> preferred = std::nullopt);
+  bool add(const std::string& name, const DofSum& terms, std::optional<NodalDof> preferred = std::nullopt);
 
   /// Appends to the model: fixed degrees of freedom where an equation has one term, else constraints, pivot first.
   void store(FiniteElementModel& model) const;

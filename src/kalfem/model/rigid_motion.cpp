@@ -14,12 +14,12 @@ RigidRow rotation_row(const Eigen::Vector3d& axis) {
   return row;
 }
 
-RigidRow rigid_row(int direction, const Eigen::Vector3d& arm) {
-  const Eigen::Vector3d axis = Eigen::Vector3d::Unit(direction % 3);
+RigidRow rigid_row(int direction, const Eigen::Vector3d& arm, const Eigen::Matrix3d& axes) {
+  const Eigen::Vector3d axis = axes.col(direction % 3);
   return direction < 3 ? displacement_row(axis, arm) : rotation_row(axis);
 }
 
-DofSum led_motion(Eigen::Index master, int direction, const Eigen::Vector3d& arm) {
+DofSum slave_motion(Eigen::Index master, int direction, const Eigen::Vector3d& arm) {
   const RigidRow row = rigid_row(direction, arm);
   DofSum terms;
   for (int d = 0; d < 6; ++d)

@@ -16,11 +16,12 @@ using RigidRow = Eigen::Matrix<double, 1, 6>;
 RigidRow displacement_row(const Eigen::Vector3d& axis, const Eigen::Vector3d& arm);
 /// Rotation about `axis`: axis . r.
 RigidRow rotation_row(const Eigen::Vector3d& axis);
-/// Either of them in a global direction 0 .. 5.
-RigidRow rigid_row(int direction, const Eigen::Vector3d& arm);
+/// Either of them in a direction 0 .. 5 along the columns of `axes`.
+RigidRow rigid_row(int direction, const Eigen::Vector3d& arm,
+                   const Eigen::Matrix3d& axes = Eigen::Matrix3d::Identity());
 
-/// The motion in a global direction of a point that a node at the centre leads, as a sum over that node's.
-DofSum led_motion(Eigen::Index master, int direction, const Eigen::Vector3d& arm);
+/// The motion in a global direction of a rigid link's slave at `arm` from its master, as a sum over the master's.
+DofSum slave_motion(Eigen::Index master, int direction, const Eigen::Vector3d& arm);
 
 /// Where a degree of freedom stands.
 struct PlacedDof {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double equal_rates = 1e-8;  ///< relative to the largest: the eigenvectors that belong to them are arbitrary
 /// Curvature by K - lambda M against that by K + s M, below which a mode of the group is not among the computed ones.
-constexpr double flat = 1e-9;
+constexpr double least_curvature = 1e-9;
 constexpr double rotation_end = 1e-14;
 constexpr int most_sweeps = 60;
 
@@ -61,7 +61,7 @@ public:
       VectorXd step = VectorXd::Zero(energy.size());
       for (Index j = 0; j < energy.size(); ++j) {
         if (energy[j] <= end[j]) continue;
-        if (!(curvature[j] > flat * size[j])) return {};
+        if (!(curvature[j] > least_curvature * size[j])) return {};
         step[j] = energy[j] / curvature[j];
       }
       solution += direction * step.asDiagonal();

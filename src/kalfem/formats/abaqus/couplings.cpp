@@ -58,12 +58,12 @@ void couple_in_axes(PlacedDeck& deck, const std::string& name, Index master, con
     for (int d = 0; d < 6; ++d) {
       if (!tied[static_cast<std::size_t>(d)]) continue;
       const int block = d < 3 ? 0 : 3;
-      Kinematics::Terms terms;
+      DofSum terms;
       for (int a = 0; a < 3; ++a) {
         const double share = local(a, d - block);
         if (share == 0.0) continue;
         terms.push_back({{node, block + a}, -share});
-        for (const auto& [dof, factor] : led_motion(master, block + a, arm)) terms.push_back({dof, share * factor});
+        for (const auto& [dof, factor] : slave_motion(master, block + a, arm)) terms.push_back({dof, share * factor});
       }
       motions.add_equation(name, std::move(terms));
     }

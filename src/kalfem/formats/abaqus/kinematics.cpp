@@ -38,8 +38,8 @@ void Kinematics::add_link(const std::string& name, Index master, const std::vect
         continue;
       }
       // What follows already is tied by an equation.
-      Terms terms = {{dof, -1.0}};
-      const auto motion = led_motion(master, d, model_.mesh.nodes.col(slave) - model_.mesh.nodes.col(master));
+      DofSum terms = {{dof, -1.0}};
+      const auto motion = slave_motion(master, d, model_.mesh.nodes.col(slave) - model_.mesh.nodes.col(master));
       terms.insert(terms.end(), motion.begin(), motion.end());
       add_equation(name, std::move(terms));
     }
@@ -85,14 +85,14 @@ void Kinematics::hold(const std::string& name, Index node, const Eigen::Matrix3d
         hold(name, node, block + (all ? i : static_cast<int>(along)));
         continue;
       }
-      Terms terms;
+      DofSum terms;
       for (int a = 0; a < 3; ++a) terms.push_back({{node, block + a}, axes(a, i)});
       add_equation(name, std::move(terms));
     }
   }
 }
 
-void Kinematics::add_equation(const std::string& name, Terms terms, std::optional<NodalDof> dependent) {
+void Kinematics::add_equation(const std::string& name, DofSum terms, std::optional<NodalDof> dependent) {
   equations_.push_back({name, std::move(terms), dependent});
 }
 
@@ -104,11 +104,11 @@ void Kinematics::expand(const NodalDof& dof, double factor, std::map<NodalDof, d
     return;
   }
   const Eigen::Vector3d arm = model_.mesh.nodes.col(dof.node) - model_.mesh.nodes.col(leader->second);
-  for (const auto& [next, share] : led_motion(leader->second, dof.direction, arm))
+  for (const auto& [next, share] : slave_motion(leader->second, dof.direction, arm))
     expand(next, factor * share, terms, depth + 1);
 }
 
-std::map<NodalDof, double> Kinematics::expanded(const Terms& given) const {
+std::map<NodalDof, double> Kinematics::expanded(const DofSum& given) const {
   std::map<NodalDof, double> terms;
   double largest = 0.0;
   for (const auto& [dof, coefficient] : given) expand(dof, coefficient, terms);
@@ -126,7 +126,7 @@ void Kinematics::store() {
   ReducedEquations rows;
   write_weighted_links(rows);
   for (const auto& equation : equations_) {
-    Terms terms;
+    DofSum terms;
     for (const auto& [dof, coefficient] : expanded(equation.terms))
       if (!fixed_.contains(dof)) terms.emplace_back(dof, coefficient);
     if (!terms.empty()) rows.add(equation.name, terms, equation.dependent);
@@ -142,7 +142,7 @@ void Kinematics::write_weighted_links(ReducedEquations& rows) {
   for (const auto& equation : equations_)
     for (const auto& [dof, coefficient] : expanded(equation.terms)) used.insert(dof);
   const auto terms_of = [&](const Weighted& weighted, int direction) {
-    Terms terms = weighted.mean.follower_motion(direction);
+    DofSum terms = weighted.mean.follower_motion(direction);
     terms.insert(terms.begin(), {{weighted.link.follower, direction}, -1.0});
     return terms;
   };
@@ -171,7 +171,7 @@ void Kinematics::write_weighted_links(ReducedEquations& rows) {
     }
     for (int d = 0; d < 6; ++d) {
       if (!weighted.link.tied[static_cast<std::size_t>(d)]) continue;
-      Terms terms;
+      DofSum terms;
       for (const auto& [dof, coefficient] : expanded(terms_of(weighted, d)))
         if (!fixed_.contains(dof)) terms.emplace_back(dof, coefficient);
       if (!terms.empty()) rows.add(weighted.link.name, terms, NodalDof{weighted.link.follower, d});

@@ -14,7 +14,6 @@ namespace kalfem::abaqus {
 /// what leads them, and reduced to equations that do not depend on each other.
 class Kinematics {
 public:
-  using Terms = ReducedEquations::Terms;
   using Directions = std::array<bool, 6>;
 
   Kinematics(FiniteElementModel& model, DeckNotes& notes, Problems& problems)
@@ -27,7 +26,7 @@ public:
   /// Holds directions of a node in axes of its own (columns).
   void hold(const std::string& name, Index node, const Eigen::Matrix3d& axes, const Directions& directions);
   /// sum coefficient z = 0, solved for `dependent` where that can be.
-  void add_equation(const std::string& name, Terms terms, std::optional<NodalDof> dependent = std::nullopt);
+  void add_equation(const std::string& name, DofSum terms, std::optional<NodalDof> dependent = std::nullopt);
 
   /// Writes all of it to the model.
   void store();
@@ -35,7 +34,7 @@ public:
 private:
   struct Equation {
     std::string name;
-    Terms terms;
+    DofSum terms;
     std::optional<NodalDof> dependent;
   };
   struct Link {
@@ -51,7 +50,7 @@ private:
 
   bool leads_to(Index node, Index target) const;
   void expand(const NodalDof& dof, double factor, std::map<NodalDof, double>& terms, int depth = 0) const;
-  [[nodiscard]] std::map<NodalDof, double> expanded(const Terms& terms) const;
+  [[nodiscard]] std::map<NodalDof, double> expanded(const DofSum& terms) const;
   void collect_rows();
   void write_weighted_links(ReducedEquations& rows);
   void store_links();

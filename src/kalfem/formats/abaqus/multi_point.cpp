@@ -119,7 +119,7 @@ void MultiPointReader::equal(Index dependent, Index leader, int first, int last)
 void MultiPointReader::keep_distance(Index dependent, Index leader) {
   const Eigen::Vector3d along = at(dependent) - at(leader);
   if (along.norm() == 0.0) return equal(dependent, leader, 0, 3);
-  Kinematics::Terms terms;
+  DofSum terms;
   for (int a = 0; a < 3; ++a) {
     const double share = along[a] / along.norm();
     if (share == 0.0) continue;
@@ -141,7 +141,7 @@ void MultiPointReader::keep_on_line(const std::vector<Index>& nodes, const Where
   for (std::size_t i = 2; i < nodes.size(); ++i) {
     const double s = tangent.dot(at(nodes[i]) - at(nodes[0])) / along.norm();
     for (const Eigen::Vector3d& normal : {first, second}) {
-      Kinematics::Terms terms;
+      DofSum terms;
       for (int a = 0; a < 3; ++a) {
         terms.push_back({{nodes[i], a}, normal[a]});
         terms.push_back({{nodes[0], a}, -(1.0 - s) * normal[a]});
@@ -166,7 +166,7 @@ void MultiPointReader::keep_in_plane(const std::vector<Index>& nodes, const Wher
   for (std::size_t i = 3; i < nodes.size(); ++i) {
     const Eigen::Vector3d r = at(nodes[i]) - at(nodes[0]);
     const double s = normal.dot(r.cross(q)) / cross.norm(), t = normal.dot(p.cross(r)) / cross.norm();
-    Kinematics::Terms terms;
+    DofSum terms;
     for (int a = 0; a < 3; ++a) {
       terms.push_back({{nodes[i], a}, normal[a]});
       terms.push_back({{nodes[0], a}, -(1.0 - s - t) * normal[a]});
@@ -187,7 +187,7 @@ void MultiPointReader::interpolate(Index node, const std::vector<Index>& leaders
       leaders.size() == 2 ? std::vector<double>{1.0 - s, s}
                           : std::vector<double>{(1.0 - s) * (1.0 - 2.0 * s), 4.0 * s * (1.0 - s), s * (2.0 * s - 1.0)};
   for (int d = 0; d < 6; ++d) {
-    Kinematics::Terms terms = {{{node, d}, 1.0}};
+    DofSum terms = {{{node, d}, 1.0}};
     for (std::size_t i = 0; i < leaders.size(); ++i)
       if (shares[i] != 0.0) terms.push_back({{leaders[i], d}, -shares[i]});
     motions_.add_equation(name(), std::move(terms), NodalDof{node, d});

@@ -50,7 +50,7 @@ std::optional<Directions> read_directions(PlacedDeck& deck, const DataLine& line
 }
 
 /// Terms of a direction of a node, in its own axes where it has some.
-void append_direction(const NodeAxes& axes, Index node, int direction, double factor, Kinematics::Terms& terms) {
+void append_direction(const NodeAxes& axes, Index node, int direction, double factor, DofSum& terms) {
   const auto own = axes.find(node);
   if (own == axes.end()) {
     terms.push_back({{node, direction}, factor});
@@ -166,7 +166,7 @@ void read_equations(PlacedDeck& deck, const NodeAxes& axes, Kinematics& motions)
           good = false;
         }
       for (std::size_t k = 0; good && k < size; ++k) {
-        Kinematics::Terms equation;
+        DofSum equation;
         for (const auto& term : terms)
           append_direction(axes, term.nodes.size() == 1 ? term.nodes.front() : term.nodes[k], term.direction,
                            term.coefficient, equation);

@@ -165,12 +165,12 @@ void TieMaker::tie_node(const std::string& name, Index node, const Face& face, c
       std::ranges::all_of(face.nodes, [&](Index master) { return turns_[static_cast<std::size_t>(master)]; });
   const double height = gap.dot(projection.normal);
   for (int d = 0; d < 3; ++d) {
-    Kinematics::Terms terms = {{{node, d}, -1.0}};
+    DofSum terms = {{{node, d}, -1.0}};
     for (std::size_t i = 0; i < face.nodes.size(); ++i) {
       const auto column = static_cast<Index>(i);
       const double share = projection.shares[column];
       if (masters_turn) {
-        for (const auto& [dof, factor] : led_motion(face.nodes[i], d, gap)) terms.push_back({dof, share * factor});
+        for (const auto& [dof, factor] : slave_motion(face.nodes[i], d, gap)) terms.push_back({dof, share * factor});
         continue;
       }
       terms.push_back({{face.nodes[i], d}, share});
@@ -181,7 +181,7 @@ void TieMaker::tie_node(const std::string& name, Index node, const Face& face, c
   }
   if (!rotations || !masters_turn || !turns_[static_cast<std::size_t>(node)]) return;
   for (int d = 3; d < 6; ++d) {
-    Kinematics::Terms terms = {{{node, d}, -1.0}};
+    DofSum terms = {{{node, d}, -1.0}};
     for (std::size_t i = 0; i < face.nodes.size(); ++i)
       terms.push_back({{face.nodes[i], d}, projection.shares[static_cast<Index>(i)]});
     motions_.add_equation(name, std::move(terms), NodalDof{node, d});

@@ -57,7 +57,7 @@ public:
 private:
   void hold(const std::string& name, Eigen::Index node, unsigned components);
   void hold_ranges(const SpcCard& card);
-  void add_equation(const std::string& name, const MatrixGather::Terms& terms, Eigen::Index node, int component);
+  void add_equation(const std::string& name, const DofSum& terms, Eigen::Index node, int component);
   bool is_simple(Eigen::Index node, unsigned components) const;
   std::optional<std::vector<std::pair<Eigen::Index, unsigned>>> indices(
       const std::vector<std::pair<Id, unsigned>>& nodes, const std::string& title, const Place& where);
@@ -78,8 +78,7 @@ bool ConstraintBuilder::is_simple(Eigen::Index node, unsigned components) const 
   return !building_.is_turned(node) || (whole(components & 7u) && whole(components >> 3));
 }
 
-void ConstraintBuilder::add_equation(const std::string& name, const MatrixGather::Terms& terms, Eigen::Index node,
-                                     int component) {
+void ConstraintBuilder::add_equation(const std::string& name, const DofSum& terms, Eigen::Index node, int component) {
   NodalDof preferred{node, component};
   if (building_.is_turned(node)) {
     int strongest = 0;
@@ -100,7 +99,7 @@ void ConstraintBuilder::hold(const std::string& name, Eigen::Index node, unsigne
     held_[node] |= components;
     for (int i = 0; i < 6; ++i)
       if (((fresh >> i) & 1u) != 0) {
-        MatrixGather::Terms terms;
+        DofSum terms;
         building_.append(terms, node, i, 1.0);
         add_equation(name, terms, node, i);
       }
@@ -159,7 +158,7 @@ void ConstraintBuilder::add_mpcs() {
     ++number;
     if (!sets.contains(card.set)) continue;
     const auto name = "mpc" + std::to_string(card.set) + "." + std::to_string(number);
-    MatrixGather::Terms terms;
+    DofSum terms;
     Eigen::Index first = -1;
     bool sound = true;
     for (const auto& term : card.terms) {

@@ -79,7 +79,7 @@ bool add_direct(Building& building, MatrixGather& gather, MatrixGather::Kind kin
     const auto row = building.node(entry.row, title, entry.where),
                column = building.node(entry.column, title, entry.where);
     if (row < 0 || column < 0) return false;
-    MatrixGather::Terms left, right;
+    DofSum left, right;
     building.append(left, row, entry.row_direction, 1.0);
     building.append(right, column, entry.column_direction, 1.0);
     gather.add(kind, left, right, factor * entry.value);

@@ -5,8 +5,6 @@
 namespace kalfem::nastran {
 namespace {
 
-using Terms = MatrixGather::Terms;
-
 /// Springs of their own name are parameters of the model; more than these are one matrix, which costs less.
 constexpr std::size_t most_named_springs = 500;
 
@@ -25,8 +23,8 @@ std::optional<double> value_of(Building& building, const ScalarCard& card, const
 }
 
 /// d = u1 - u2 of the two components, the ground standing still.
-std::optional<Terms> deformation(Building& building, const ScalarCard& card, const std::string& title) {
-  Terms terms;
+std::optional<DofSum> deformation(Building& building, const ScalarCard& card, const std::string& title) {
+  DofSum terms;
   for (std::size_t end = 0; end < 2; ++end) {
     if (card.nodes[end] == 0) continue;
     const auto node = building.node(card.nodes[end], title, card.where);
@@ -43,8 +41,8 @@ struct Bushing {
   std::array<Eigen::Vector3d, 2> arms = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
 
   /// Relative motion of the two ends at the point along or about an axis: a . (u + theta x arm).
-  [[nodiscard]] Terms deformation(int component) const {
-    Terms terms;
+  [[nodiscard]] DofSum deformation(int component) const {
+    DofSum terms;
     const Eigen::Vector3d a = axes.col(component % 3);
     for (std::size_t end = 0; end < 2; ++end) {
       if (nodes[end] < 0) continue;

@@ -60,7 +60,7 @@ void add_beam(NodalStiffening& stiffening, const FiniteElementModel& model, cons
   }
 }
 
-void add_terms(NodalStiffening& stiffening, const MatrixGather::Terms& terms, bool stiff) {
+void add_terms(NodalStiffening& stiffening, const DofSum& terms, bool stiff) {
   std::map<std::pair<Eigen::Index, int>, Eigen::Vector3d> parts;
   for (const auto& [dof, coefficient] : terms)
     parts.try_emplace({dof.node, dof.direction / 3}, Eigen::Vector3d::Zero()).first->second[dof.direction % 3] +=
@@ -144,7 +144,7 @@ void hold_singular_motions(Building& building) {
     for (int i = 0; i < 3; ++i) {
       if (solver.eigenvalues()[i] > weakest) continue;
       const Eigen::Vector3d direction = solver.eigenvectors().col(i);
-      ReducedEquations::Terms terms;
+      DofSum terms;
       for (int k = 0; k < 3; ++k)
         if (std::abs(direction[k]) > 1e-9) terms.push_back({NodalDof{node, 3 * block + k}, direction[k]});
       equations.add("autospc.n" + std::to_string(model.mesh.node_ids[static_cast<std::size_t>(node)]) + "." +

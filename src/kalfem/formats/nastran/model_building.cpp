@@ -6,7 +6,7 @@ int MatrixGather::index_of(const NodalDof& dof) {
   return index_.try_emplace(dof, static_cast<int>(index_.size())).first->second;
 }
 
-void MatrixGather::add(Kind kind, const Terms& row, const Terms& column, double value) {
+void MatrixGather::add(Kind kind, const DofSum& row, const DofSum& column, double value) {
   for (const auto& [i, left] : row)
     for (const auto& [j, right] : column) entries_[kind].emplace_back(index_of(i), index_of(j), value * left * right);
 }
@@ -51,7 +51,7 @@ Eigen::Matrix3d Building::motion_axes(Eigen::Index index) const {
   return frame != nullptr ? frame->directions(place(index)) : Eigen::Matrix3d::Identity();
 }
 
-void Building::append(MatrixGather::Terms& terms, Eigen::Index index, int component, double factor) const {
+void Building::append(DofSum& terms, Eigen::Index index, int component, double factor) const {
   if (!is_turned(index)) {
     terms.push_back({NodalDof{index, component}, factor});
     return;

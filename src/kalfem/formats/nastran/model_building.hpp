@@ -14,10 +14,9 @@ namespace kalfem::nastran {
 /// Matrices between degrees of freedom as they come in, entry by entry.
 class MatrixGather {
 public:
-  using Terms = DofSum;
   enum Kind { stiffness, mass, damping };
   /// Adds value (row^T z) (column^T z): both triangles where row and column differ are the caller's.
-  void add(Kind kind, const Terms& row, const Terms& column, double value);
+  void add(Kind kind, const DofSum& row, const DofSum& column, double value);
   [[nodiscard]] bool empty() const { return index_.empty(); }
   [[nodiscard]] NodalMatrices finish(const std::string& name) const;
 
@@ -49,7 +48,7 @@ struct Building {
   [[nodiscard]] bool is_turned(Eigen::Index node) const;
   [[nodiscard]] bool is_scalar(Eigen::Index node) const;
   /// A component of a node by global degrees of freedom, times a factor, appended to the terms.
-  void append(MatrixGather::Terms& terms, Eigen::Index node, int component, double factor) const;
+  void append(DofSum& terms, Eigen::Index node, int component, double factor) const;
 };
 
 /// Materials as regions need them, of the cards and with PARAM WTMASS applied.

@@ -143,7 +143,7 @@ void release_drilling(Building& building) {
     mesh.node_ids.push_back(largest + static_cast<std::int64_t>(places.size()));
     const Eigen::Vector3d normal = surface.normal.normalized();
     tie(model, node, own[i], normal);
-    MatrixGather::Terms turn;
+    DofSum turn;
     for (int k = 0; k < 3; ++k)
       if (std::abs(normal[k]) > 1e-9) {
         turn.push_back({{own[i], 3 + k}, normal[k]});

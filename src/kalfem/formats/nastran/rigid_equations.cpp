@@ -9,8 +9,7 @@ namespace {
 
 /// A component of a node, in its own axes, by the rigid motion about `centre`.
 RigidRow row_of(const Building& building, const NodalDof& component, const Eigen::Vector3d& centre) {
-  const Eigen::Vector3d axis = building.motion_axes(component.node).col(component.direction % 3);
-  return component.direction < 3 ? displacement_row(axis, building.place(component.node) - centre) : rotation_row(axis);
+  return rigid_row(component.direction, building.place(component.node) - centre, building.motion_axes(component.node));
 }
 
 std::vector<NodalDof> listed(const NodeComponents& nodes) {

@@ -7,7 +7,7 @@ namespace kalfem::nastran {
 /// sum of the terms = 0, of which a component of a node, in its own axes, depends.
 struct DependentRow {
   NodalDof dependent;  ///< direction in the node's displacement axes
-  MatrixGather::Terms terms;
+  DofSum terms;
 };
 using NodeComponents = std::vector<std::pair<Eigen::Index, unsigned>>;
 
