@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <functional>
 
 #include "kalfem/base/random.hpp"
@@ -26,6 +27,13 @@ public:
 private:
   Function phi_;
 };
+
+/// Two nonlinear functions of three arguments: saturation, products, an exponential.
+inline Eigen::VectorXd bent(const Eigen::VectorXd& w) {
+  Eigen::VectorXd phi(2);
+  phi << w[0] / (0.3 + std::abs(w[0])) + w[1] * w[2], std::exp(0.3 * w[1]) * w[0] + w[2] * w[2];
+  return phi;
+}
 
 inline Eigen::MatrixXd random_matrix(RandomStream& random, Eigen::Index rows, Eigen::Index columns) {
   return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return random.normal(); });

@@ -15,12 +15,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-VectorXd quadratic(const VectorXd& w) {
-  VectorXd phi(2);
-  phi << w[0] / (0.3 + std::abs(w[0])) + w[1] * w[2], std::exp(0.3 * w[1]) * w[0] + w[2] * w[2];
-  return phi;
-}
-
 /// Mean, covariance and cross covariance S D^T of the transform, and its scatter.
 struct Transformed : Moments {
   MatrixXd scatter;
@@ -211,7 +205,7 @@ TEST(ReducedPoints, ScatterIsThatOfTheCurvaturesAndHasNoNegativeDirection) {
     VectorXd sum = VectorXd::Zero(2);
     for (Index i = 0; i < q; ++i) {
       const VectorXd step = std::sqrt(c) * L.col(i);
-      const VectorXd curvature = 0.5 * (quadratic(centre + step) + quadratic(centre - step)) - quadratic(centre);
+      const VectorXd curvature = 0.5 * (bent(centre + step) + bent(centre - step)) - bent(centre);
       expected += curvature * curvature.transpose() / c;
       sum += curvature / c;
     }

@@ -8,12 +8,6 @@
 namespace kalfem {
 namespace {
 
-Eigen::VectorXd bent(const Eigen::VectorXd& w) {
-  Eigen::VectorXd phi(2);
-  phi << w[0] / (0.3 + std::abs(w[0])) + w[1] * w[2], std::exp(0.3 * w[1]) * w[0] + w[2] * w[2];
-  return phi;
-}
-
 struct PointSetting {
   UnscentedOptions options;
   double tolerance;  ///< relative
