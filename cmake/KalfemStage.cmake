@@ -34,23 +34,13 @@ kalfem_precompiled(kalfem_rim_headers SETTINGS kalfem_rim_settings
 kalfem_precompiled(kalfem_case_headers SETTINGS kalfem_rim_settings
                    HEADERS ${KALFEM_COMMON_HEADERS} ${PROJECT_SOURCE_DIR}/src/kalfem/casefile/study.hpp)
 
-option(KALFEM_GROUPED "compile sixteen files at a time, for a short build from scratch; OFF to work on one file at a time" ON)
-
-# kalfem_grouped(<target> [ALONE <source> ...]): sixteen files are compiled as one, except those that stay alone: large or
-# tuned ones, and those that include what others must not see.
-function(kalfem_grouped target)
-  cmake_parse_arguments(ARG "" "" "ALONE" ${ARGN})
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${KALFEM_GROUPED} UNITY_BUILD_BATCH_SIZE 16)
-  set_source_files_properties(${ARG_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-endfunction()
-
-# kalfem_stage(<folder> SOURCES ... [USES <stage> ...] [LIBRARIES <target> ...] [RIM | CASE] [ALONE <source> ...])
+# kalfem_stage(<folder> SOURCES ... [USES <stage> ...] [LIBRARIES <target> ...] [RIM | CASE])
 #
 # One static library for one folder of src/kalfem, with what it needs of those above it in the data flow (the test "layers"
 # sees to that). LIBRARIES are third-party targets. RIM: compiled with the settings of the rim;
-# CASE: with these and the precompiled header of what deals with a case. ALONE: sources not compiled with others.
+# CASE: with these and the precompiled header of what deals with a case.
 function(kalfem_stage name)
-  cmake_parse_arguments(ARG "RIM;CASE" "" "SOURCES;USES;LIBRARIES;ALONE" ${ARGN})
+  cmake_parse_arguments(ARG "RIM;CASE" "" "SOURCES;USES;LIBRARIES" ${ARGN})
   set(settings stage)
   set(headers stage)
   if(ARG_RIM OR ARG_CASE)
@@ -69,7 +59,6 @@ function(kalfem_stage name)
   target_link_libraries(${target} PUBLIC kalfem_flags ${ARG_USES} ${ARG_LIBRARIES}
                         PRIVATE $<BUILD_INTERFACE:kalfem_${settings}_settings>)
   target_precompile_headers(${target} REUSE_FROM kalfem_${headers}_headers)
-  kalfem_grouped(${target} ALONE ${ARG_ALONE})
   set_property(GLOBAL APPEND PROPERTY KALFEM_STAGES ${target})
 endfunction()
 
@@ -91,7 +80,6 @@ endfunction()
 function(kalfem_test_headers)
   add_library(kalfem_test_settings INTERFACE)
   target_link_libraries(kalfem_test_settings INTERFACE kalfem_flags kalfem_private_flags GTest::gtest)
-  # A test's local name may be that of a constant of another test compiled with it: GCC is asked about locals only, clang not.
   target_compile_options(kalfem_test_settings INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wshadow=local>)
   target_compile_definitions(kalfem_test_settings INTERFACE KALFEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                                             KALFEM_COMMAND="${CMAKE_BINARY_DIR}/bin/kalfem")
@@ -114,21 +102,19 @@ function(kalfem_suites program)
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${included})
 endfunction()
 
-# kalfem_test(<name> [OF <stem> ...] [ALONE <stem> ...] [SOURCES ...] [LIBRARIES ...] [LABELS ...]
+# kalfem_test(<name> [OF <stem> ...] [SOURCES ...] [LIBRARIES ...] [LABELS ...]
 #             [TIMEOUT s] [EACH | WHOLE] [OPTIMISED])
 #
-# A GoogleTest program <name>_test in tests/<folder> of the files <stem>_test.cpp, of <name>_test.cpp without any; files
-# under ALONE are not compiled with others. Every suite in it is a ctest entry, as most tests are over before a process
+# A GoogleTest program <name>_test in tests/<folder> of the files <stem>_test.cpp, of <name>_test.cpp without any. Every suite in it is a ctest entry, as most tests are over before a process
 # has started. EACH: every test is one, for tests that run for long or may be skipped; WHOLE: the program is one, for
 # suites that share a long set-up. OPTIMISED: the tests compute for long themselves. BLAS keeps to one thread, as tests run
 # side by side.
 function(kalfem_test name)
-  cmake_parse_arguments(ARG "EACH;WHOLE;OPTIMISED" "TIMEOUT" "OF;ALONE;SOURCES;LIBRARIES;LABELS" ${ARGN})
-  if(NOT ARG_OF AND NOT ARG_ALONE)
+  cmake_parse_arguments(ARG "EACH;WHOLE;OPTIMISED" "TIMEOUT" "OF;SOURCES;LIBRARIES;LABELS" ${ARGN})
+  if(NOT ARG_OF)
     set(ARG_OF ${name})
   endif()
   list(TRANSFORM ARG_OF APPEND _test.cpp)
-  list(TRANSFORM ARG_ALONE APPEND _test.cpp)
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
@@ -139,8 +125,7 @@ function(kalfem_test name)
   if("slow" IN_LIST ARG_LABELS)
     set(cost 100)  # started first, so that no long one is left alone at the end
   endif()
-  add_executable(${name}_test ${ARG_OF} ${ARG_ALONE} ${ARG_SOURCES})
-  kalfem_grouped(${name}_test ALONE ${ARG_ALONE})
+  add_executable(${name}_test ${ARG_OF} ${ARG_SOURCES})
   target_include_directories(${name}_test PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   target_link_libraries(${name}_test PRIVATE kalfem_tested ${ARG_LIBRARIES} GTest::gtest_main kalfem_test_settings)
   if(ARG_OPTIMISED)
