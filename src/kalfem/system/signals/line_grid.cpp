@@ -8,16 +8,16 @@ namespace kalfem {
 
 namespace {
 
-constexpr double most_lines = 200'000.0;
+constexpr double most_lines = 2e6;       ///< about 100 bytes each
 constexpr double edge_tolerance = 1e-9;  // of a line spacing: an edge that is a multiple but for rounding belongs to it
 
-double first_line(const LineGrid& grid) { return std::ceil(grid.lower * grid.duration - edge_tolerance); }
+double lowest_line(const LineGrid& grid) { return std::ceil(grid.lower * grid.duration - edge_tolerance); }
 double last_line(const LineGrid& grid) { return std::floor(grid.upper * grid.duration + edge_tolerance); }
 
 }  // namespace
 
 void require_lines(IssueList& issues, const std::string& signal, const LineGrid& grid) {
-  const double count = last_line(grid) - first_line(grid) + 1.0;
+  const double count = last_line(grid) - lowest_line(grid) + 1.0;
   const std::string band = "[" + shown(grid.lower) + ", " + shown(grid.upper) + "] Hz";
   if (!(count >= 1.0))
     issues.add({}, signal + ": no multiple of 1/duration = " + shown(1.0 / grid.duration) + " Hz lies in " + band,
@@ -27,9 +27,11 @@ void require_lines(IssueList& issues, const std::string& signal, const LineGrid&
                "at most " + shown(most_lines) + " are computed", "narrow the band or shorten the duration");
 }
 
+std::int64_t first_line(const LineGrid& grid) { return static_cast<std::int64_t>(lowest_line(grid)); }
+
 std::vector<double> line_frequencies(const LineGrid& grid) {
   std::vector<double> frequencies;
-  for (double line = first_line(grid); line <= last_line(grid); ++line) frequencies.push_back(line / grid.duration);
+  for (double line = lowest_line(grid); line <= last_line(grid); ++line) frequencies.push_back(line / grid.duration);
   return frequencies;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,9 @@ struct LineGrid {
 
 /// Adds an issue when the band holds no line, or more than fit in memory.
 void require_lines(IssueList& issues, const std::string& signal, const LineGrid& grid);
+
+/// Number of the lowest line: its frequency is this / duration. The grid must have passed require_lines.
+std::int64_t first_line(const LineGrid& grid);
 
 /// Frequencies of the lines [Hz], rising. The grid must have passed require_lines.
 std::vector<double> line_frequencies(const LineGrid& grid);

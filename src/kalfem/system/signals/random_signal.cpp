@@ -6,8 +6,8 @@
 #include "kalfem/base/random.hpp"
 #include "kalfem/system/option_checks.hpp"
 #include "kalfem/system/signals/line_grid.hpp"
+#include "kalfem/system/signals/line_series.hpp"
 #include "kalfem/system/signals/smooth_step.hpp"
-#include "kalfem/system/signals/spectral_lines.hpp"
 
 namespace kalfem {
 
@@ -29,12 +29,12 @@ IssueList validate(const RandomSignalOptions& options) {
 SignalPtr make_random(const RandomSignalOptions& options) {
   validate(options).raise();
   RandomStream stream(options.seed, options.name);
-  const auto frequencies = line_frequencies({options.lower, options.upper, options.duration});
-  const double amplitude = options.rms * std::sqrt(2.0 / static_cast<double>(frequencies.size()));
-  std::vector<SpectralLine> lines;
-  for (const double frequency : frequencies)
-    lines.push_back({amplitude, frequency, 2.0 * std::numbers::pi * stream.uniform()});
-  return faded_in(make_spectral_lines(std::move(lines)), options.fade_in);
+  const LineGrid grid{options.lower, options.upper, options.duration};
+  const auto lines = line_frequencies(grid).size();
+  LineSeries series{options.duration, first_line(grid), {}, {}};
+  series.amplitude.assign(lines, options.rms * std::sqrt(2.0 / static_cast<double>(lines)));
+  for (std::size_t l = 0; l < lines; ++l) series.phase.push_back(2.0 * std::numbers::pi * stream.uniform());
+  return faded_in(make_line_series(std::move(series)), options.fade_in);
 }
 
 }  // namespace kalfem

@@ -6,8 +6,8 @@
 #include "kalfem/base/random.hpp"
 #include "kalfem/system/option_checks.hpp"
 #include "kalfem/system/signals/line_grid.hpp"
+#include "kalfem/system/signals/line_series.hpp"
 #include "kalfem/system/signals/smooth_step.hpp"
-#include "kalfem/system/signals/spectral_lines.hpp"
 
 namespace kalfem {
 
@@ -43,12 +43,13 @@ SignalPtr make_road_profile(const RoadProfileOptions& options) {
   validate(options).raise();
   RandomStream stream(options.seed, options.name);
   const double spacing = 1.0 / (options.speed * options.duration);
-  std::vector<SpectralLine> lines;
-  for (const double frequency : line_frequencies(temporal_lines(options))) {
-    const double amplitude = std::sqrt(2.0 * road_spectrum(options.road_class, frequency / options.speed) * spacing);
-    lines.push_back({amplitude, frequency, 2.0 * std::numbers::pi * stream.uniform()});
+  const LineGrid grid = temporal_lines(options);
+  LineSeries series{options.duration, first_line(grid), {}, {}};
+  for (const double frequency : line_frequencies(grid)) {
+    series.amplitude.push_back(std::sqrt(2.0 * road_spectrum(options.road_class, frequency / options.speed) * spacing));
+    series.phase.push_back(2.0 * std::numbers::pi * stream.uniform());
   }
-  return faded_in(make_spectral_lines(std::move(lines)), options.fade_in);
+  return faded_in(make_line_series(std::move(series)), options.fade_in);
 }
 
 }  // namespace kalfem
