@@ -20,7 +20,10 @@ void simulate_open_loop(const Study& study, const ObserverSetup& setup, Estimati
   const auto& observer = *stage.observer;
   const auto& layout = observer.layout();
   const Index last = stage.result.state.mean.cols() - 1;
-  LocallyNonlinearSystem system = observer.system();
+  const auto linear = linear_unknowns(observer.options());
+  LocallyNonlinearSystem system = linear.empty() ? observer.system()
+                                                 : observer.options().system_at(
+                                                       stage.result.unknowns.mean.col(last)(linear));
   for (Index i = 0; i < layout.unknowns; ++i)
     for (const auto& target : observer.options().unknowns[static_cast<std::size_t>(i)].targets)
       system.connectors[static_cast<std::size_t>(target.connector)].parameters[target.parameter] =

@@ -5,6 +5,7 @@
 #include "kalfem/casefile/local_cut.hpp"
 #include "kalfem/casefile/parameterised_structure.hpp"
 #include "kalfem/casefile/unknown_builder.hpp"
+#include "kalfem/casefile/unknown_targets.hpp"
 
 namespace kalfem {
 namespace {
@@ -141,7 +142,27 @@ Parts at_first_guesses(const Study& study, LinearUnknowns& unknowns, const std::
 }  // namespace
 
 Parts parts_at(const Study& study, const LinearUnknowns& unknowns, const VectorXd& values) {
+  if (unknowns.bindings.empty()) return *unknowns.parts;
   return ParameterisedStructure(study, unknowns.bindings, values.size()).near(*unknowns.structure, values);
+}
+
+bool set_unknowns(const Study& study, const std::string& substructure, const VectorXd& values, Parts& parts) {
+  const auto counts = [&](const ParameterReference& reference) {
+    return parts.damping || (reference.kind != ParameterReference::Kind::connector &&
+                             parts.substructures[reference.part].name == substructure);
+  };
+  bool any = false;
+  Index i = 0;
+  for (const auto& [name, unknown] : study.given.estimate->unknown) {
+    for (const auto& target : names_of(name, unknown)) {
+      const auto reference = find_parameter(parts, target.value);
+      if (!reference || !counts(*reference)) continue;  // those of finite elements are set with their matrices
+      set_parameter(parts, *reference, values[i]);
+      any = true;
+    }
+    ++i;
+  }
+  return any;
 }
 
 std::function<LocallyNonlinearSystem(const VectorXd&)> system_of_linear_unknowns(const Study& study,
@@ -149,10 +170,12 @@ std::function<LocallyNonlinearSystem(const VectorXd&)> system_of_linear_unknowns
   if (setup.linear_unknowns.empty()) return {};
   return [&study, linear = setup.linear_unknowns](const VectorXd& values) {
     Parts parts = parts_at(study, linear, values);
+    PresentValues present = linear.present;  // elements are released at these values: nothing is left to their connectors
+    for (std::size_t i = 0; i < linear.names.size(); ++i) present[linear.names[i]] = values[static_cast<Index>(i)];
     IssueList issues;
     ObserverSetup scratch;
     std::optional<LocalCut> cut;
-    add_unknowns(study, {}, cut, parts, scratch, issues);
+    add_unknowns(study, present, cut, parts, scratch, issues);
     issues.raise();
     return couple(parts).system();
   };
@@ -163,13 +186,18 @@ ObserverSetup make_observer_setup(const Study& study, Parts parts, const Present
   const auto& given = *study.given.estimate;
   ObserverSetup setup;
   std::optional<LocalCut> cut;
+  auto given_parts = std::make_shared<const Parts>(parts);
   add_unknowns(study, present, cut, parts, setup, issues);
   issues.raise();
   if (!setup.linear_unknowns.empty()) {
     LinearUnknowns linear = std::move(setup.linear_unknowns);
-    parts = at_first_guesses(study, linear, reduced_at);
-    setup = {};
-    add_unknowns(study, present, cut, parts, setup, issues);
+    linear.present = present;
+    linear.parts = std::move(given_parts);
+    if (!linear.bindings.empty()) {
+      parts = at_first_guesses(study, linear, reduced_at);
+      setup = {};
+      add_unknowns(study, present, cut, parts, setup, issues);
+    }
     setup.linear_unknowns = std::move(linear);
   }
 

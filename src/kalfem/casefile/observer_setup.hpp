@@ -15,8 +15,12 @@ PresentValues present_values(const UpdatingSetup& updating, const Eigen::VectorX
 ObserverSetup make_observer_setup(const Study& study, Parts parts, const PresentValues& present, IssueList& issues,
                                   const std::optional<Eigen::VectorXd>& reduced_at = {});
 
-/// The parts of the case at values of the linear unknowns of an observer, in the bases of its reduction.
+/// The parts of an observer at values of its linear unknowns that no connector carries, in the bases of its reduction.
 Parts parts_at(const Study& study, const LinearUnknowns& unknowns, const Eigen::VectorXd& values);
+
+/// Sets the springs, dashpots and masses of a substructure that are unknowns of the filter to `values`, one an unknown of
+/// the case; of a structure whose modes are damped as a whole, every element and connector. Says whether there are any.
+bool set_unknowns(const Study& study, const std::string& substructure, const Eigen::VectorXd& values, Parts& parts);
 
 /// The observer's system as a function of its linear unknowns; nothing where it has none. The case must outlive it.
 std::function<LocallyNonlinearSystem(const Eigen::VectorXd&)> system_of_linear_unknowns(const Study& study,

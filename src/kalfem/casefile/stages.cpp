@@ -12,6 +12,7 @@
 #include "kalfem/casefile/observer_setup.hpp"
 #include "kalfem/casefile/prediction_stage.hpp"
 #include "kalfem/casefile/reported_quantities.hpp"
+#include "kalfem/casefile/study_elements.hpp"
 #include "kalfem/casefile/substructure_modes.hpp"
 #include "kalfem/casefile/updating_stage.hpp"
 
@@ -93,7 +94,7 @@ SimulationStage simulate_stage(const Study& study, const Progress& progress, std
 /// The structure that the updating ended at: the observer's, and the one to predict from.
 struct Updated {
   ObserverSetup observer;
-  CoupledModel model;
+  Parts parts;
 };
 
 Updated updated_structure(const Study& study, const ParameterisedStructure& structure, const UpdatingStage& updating) {
@@ -101,7 +102,7 @@ Updated updated_structure(const Study& study, const ParameterisedStructure& stru
   IssueList issues;
   ObserverSetup observer = make_observer_setup(study, parts, present_values(*study.updating, updating.values), issues);
   issues.raise();
-  return {std::move(observer), couple(parts)};
+  return {std::move(observer), parts};
 }
 
 /// Relative distance from where the finite elements were reduced beyond which estimates of linear unknowns are made
@@ -112,6 +113,24 @@ constexpr int most_reductions = 3;
 /// The last estimates of the filter's linear unknowns.
 VectorXd linear_estimates(const EstimationStage& estimation) {
   return estimation.result.unknowns.mean.rightCols(1)(linear_unknowns(estimation.observer->options()), 0);
+}
+
+/// The structure to predict from, at the estimates of the filter's unknowns; nothing where it is the case's own, and
+/// where the estimates make none.
+std::optional<CoupledModel> estimated_model(const Study& study, const ObserverSetup& observer,
+                                            const std::optional<Updated>& updated, const EstimationStage& estimation,
+                                            std::string& failure) try {
+  const bool bound = !observer.linear_unknowns.bindings.empty();
+  Parts parts = updated ? updated->parts
+                : bound ? parts_at(study, observer.linear_unknowns, linear_estimates(estimation))
+                        : reference_parts(study);
+  const bool changed = set_unknowns(study, study.given.predict->substructure.value,
+                                    estimation.result.unknowns.mean.rightCols(1), parts);
+  if (!changed && !updated && !bound) return std::nullopt;
+  return couple(parts);
+} catch (const InvalidInput& error) {
+  failure = "the estimates make no structure to predict from: " + error.issues().front().what;
+  return std::nullopt;
 }
 
 /// How far values of the linear unknowns are from where the finite elements were reduced, of those that their bases
@@ -132,7 +151,7 @@ double distance(const LinearUnknowns& unknowns, const VectorXd& values) {
 EstimationStage estimate_in_bases_of_estimates(const Study& study, ObserverSetup& setup, const StudyResults& results,
                                                const Progress& progress, std::string& failure) {
   auto stage = estimate_stage(study, setup, results, progress, failure);
-  if (setup.linear_unknowns.empty()) return stage;
+  if (setup.linear_unknowns.bindings.empty()) return stage;
   for (stage.reductions = 1; stage.reductions < most_reductions && failure.empty();) {
     const VectorXd values = linear_estimates(stage);
     if (distance(setup.linear_unknowns, values) < reduction_reach) break;
@@ -176,15 +195,13 @@ StudyResults run_study(const Study& study, Stage last, const RunOptions& options
   std::optional<ObserverSetup> observer = updated ? updated->observer : study.observer;
   if (results.usable() && last >= Stage::estimate && observer) {
     results.estimation = estimate_in_bases_of_estimates(study, *observer, results, options.progress, results.failure);
-    if (!updated && observer->linear_unknowns.empty())  // else the basis of the pictures is not that of the observer
+    if (!updated && observer->linear_unknowns.bindings.empty())  // else the basis of the pictures is not that of the observer
       if (auto series = estimated_fields(study, *results.estimation)) results.fields.push_back(std::move(*series));
   }
   if (results.usable() && last >= Stage::predict && study.given.predict) {
-    std::optional<CoupledModel> estimated;
-    if (!observer->linear_unknowns.empty())
-      estimated = couple(parts_at(study, observer->linear_unknowns, linear_estimates(*results.estimation)));
-    const CoupledModel& model = updated ? updated->model : estimated ? *estimated : *study.model;
-    results.prediction = predict_stage(study, model, results, options.progress);
+    const auto estimated = estimated_model(study, *observer, updated, *results.estimation, results.failure);
+    if (results.usable())
+      results.prediction = predict_stage(study, estimated ? *estimated : *study.model, results, options.progress);
   }
   if (results.usable() && last >= Stage::predict)
     results.modifications = predict_modifications(study, results.updating);

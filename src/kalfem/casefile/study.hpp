@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 
 #include "kalfem/casefile/assembly.hpp"
@@ -31,15 +32,20 @@ struct StructureAtParameters {
   std::vector<std::shared_ptr<const ParameterisedModel>> in_basis;
 };
 
-/// Unknowns of the filter that no connector can carry: numbers of linear substructures.
+/// Unknowns of the filter on which the observer's linear part depends. Some are numbers of linear substructures that no
+/// connector can carry. Others are carried by connectors, but the linear part's damping or loads follow them: a released
+/// spring of a substructure with modal damping.
 struct LinearUnknowns {
-  std::vector<StructureBinding> bindings;  ///< where they stand; the index is the place among these unknowns
+  std::vector<std::string> names;          ///< one an unknown
   std::vector<double> initial;             ///< first guesses
+  std::vector<StructureBinding> bindings;  ///< of those that no connector carries; the index is the place among all
+  std::map<std::string, double> present;   ///< values that stood in for first guesses when the observer was made
+  std::shared_ptr<const Parts> parts;      ///< from which the observer was made, before anything was released
   Eigen::VectorXd reduced_at;              ///< values at which the finite elements are reduced
-  /// The structure there: its bases serve for all values.
+  /// The structure there: its bases serve for all values. Nothing where there are no bindings.
   std::shared_ptr<const StructureAtParameters> structure;
 
-  [[nodiscard]] bool empty() const { return initial.empty(); }
+  [[nodiscard]] bool empty() const { return names.empty(); }
 };
 
 /// What the observer is made of: its own model, which may be a part of the structure and holds the guesses of unknowns

@@ -37,13 +37,12 @@ ParameterTransform transform_of(const d::Unknown& given, const std::string& unit
   return transform;
 }
 
-/// The names that an unknown applies to: its own where it does not say.
+}  // namespace
+
 std::vector<d::Name> names_of(const std::string& name, const d::Unknown& given) {
   if (!given.applies_to.empty()) return given.applies_to;
   return {{name, given.initial.location, "estimate.unknown." + name}};
 }
-
-}  // namespace
 
 /// What an unknown stands for: parameters of connectors and lumped elements, or of linear substructures.
 struct UnknownBuilder::Targets {
@@ -52,6 +51,14 @@ struct UnknownBuilder::Targets {
 
   [[nodiscard]] const std::string& unit() const {
     return of_connectors.empty() ? of_linear_part.front().unit : of_connectors.front().unit;
+  }
+  /// Numbers of finite elements, and springs and masses among the lumped elements: sigma points near a stiffness of zero
+  /// would pull the first estimates away. A dashpot may be nothing, and a law's parameter of either sign.
+  [[nodiscard]] bool positive_by_nature() const {
+    using Kind = ParameterReference::Kind;
+    return std::ranges::all_of(of_connectors, [](const auto& reference) {
+      return reference.kind == Kind::spring_stiffness || reference.kind == Kind::mass;
+    });
   }
   [[nodiscard]] double value() const {
     return of_connectors.empty() ? of_linear_part.back().value : of_connectors.back().value;
@@ -65,11 +72,12 @@ void UnknownBuilder::add(const std::string& name, const d::Unknown& given) {
   try {
     const std::string unit = targets->unit();
     const double initial = checked_number(given.initial, unit);
-    const bool linear = targets->of_connectors.empty();
-    UnknownParameter unknown{name, unit, {}, transform_of(given, unit, linear && initial > 0.0), initial, 0.0, 0.0};
+    const bool positive = targets->positive_by_nature() && initial > 0.0;
+    UnknownParameter unknown{name, unit, {}, transform_of(given, unit, positive), initial, 0.0, 0.0};
     unknown.deviation = given.std ? absolute(*given.std, unit, unknown.initial) : 0.5 * std::abs(unknown.initial);
     unknown.random_walk = given.random_walk ? absolute(*given.random_walk, unit, unknown.initial) : 0.0;
     if (const auto value = present_.find(name); value != present_.end()) unknown.initial = value->second;
+    unknown.in_linear_part = linear_part_follows(*targets);
     for (std::size_t i = 0; i < targets->of_connectors.size(); ++i) add_target(names[i], unknown);
     add_linear(targets->of_linear_part, unknown);
     std::optional<double> truth;
@@ -124,13 +132,23 @@ void UnknownBuilder::add_target(const d::Name& name, UnknownParameter& unknown) 
   parts_.connectors[target.part].parameters[static_cast<Index>(target.element)] = unknown.initial;
 }
 
+/// Whether damping or loads of the linear part change with these parameters.
+bool UnknownBuilder::linear_part_follows(const Targets& targets) const {
+  return std::ranges::any_of(targets.of_connectors,
+                             [&](const auto& reference) { return kalfem::linear_part_follows(study_.parts, reference); });
+}
+
+/// Records the unknown as one of the linear part, and where it stands if no connector carries it.
 void UnknownBuilder::add_linear(const std::vector<StructureParameter>& targets, const UnknownParameter& unknown) {
+  if (targets.empty() && !unknown.in_linear_part) return;
+  auto& linear = setup_.linear_unknowns;
+  linear.names.push_back(unknown.name);
+  linear.initial.push_back(unknown.initial);
   if (targets.empty()) return;
   if (study_.given.update)
     throw InvalidInput("estimate.unknown." + unknown.name + ": a number of a linear substructure, and the case updates",
                        "while the structure is being updated the filter cannot estimate its numbers too",
                        "refine it under update.parameters");
-  auto& linear = setup_.linear_unknowns;
   for (const auto& target : targets) {
     if (target.unit != unknown.unit)
       throw InvalidInput(
@@ -140,9 +158,8 @@ void UnknownBuilder::add_linear(const std::vector<StructureParameter>& targets, 
     if (std::ranges::any_of(linear.bindings, same))
       throw InvalidInput("estimate.unknown." + unknown.name + ": '" + target.name + "' is an unknown already",
                          "a parameter has one value", "take one of them out");
-    linear.bindings.push_back({static_cast<Index>(linear.initial.size()), target});
+    linear.bindings.push_back({static_cast<Index>(linear.names.size()) - 1, target});
   }
-  linear.initial.push_back(unknown.initial);
 }
 
 }  // namespace kalfem

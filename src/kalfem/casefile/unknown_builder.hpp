@@ -12,6 +12,9 @@ namespace kalfem {
 /// Values that parameters have reached, by their names and by the names of all that they apply to.
 using PresentValues = std::map<std::string, double>;
 
+/// The names that an unknown applies to: its own where it does not say.
+std::vector<description::Name> names_of(const std::string& name, const description::Unknown& given);
+
 /// Builds the unknowns of an observer and releases the lumped elements among them from its parts.
 class UnknownBuilder {
 public:
@@ -28,6 +31,7 @@ private:
   [[nodiscard]] bool holds(const StructureParameter& parameter) const;
   [[nodiscard]] std::vector<std::string> all_names() const;
   void add_target(const description::Name& name, UnknownParameter& unknown);
+  [[nodiscard]] bool linear_part_follows(const Targets& targets) const;
   void add_linear(const std::vector<StructureParameter>& targets, const UnknownParameter& unknown);
 
   const Study& study_;

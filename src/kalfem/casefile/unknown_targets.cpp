@@ -54,7 +54,47 @@ ConnectorDescription& connector_at(Parts& parts, const std::string& place, const
   return parts.connectors.emplace_back(ConnectorDescription{place, from, to, nullptr, Eigen::VectorXd::Zero(3)});
 }
 
+/// Whether the law's stiffness at rest, and with it the modes of the whole structure, changes with a parameter.
+bool shapes_modes(const ConnectorDescription& connector, std::size_t parameter) {
+  const auto at = static_cast<Eigen::Index>(parameter);
+  Eigen::VectorXd moved = connector.parameters;
+  moved[at] = moved[at] == 0.0 ? 1.0 : 1.1 * moved[at];
+  return stiffness_at_rest(*connector.law, connector.parameters) != stiffness_at_rest(*connector.law, moved);
+}
+
+bool base_accelerates(const Parts& parts) {
+  return std::ranges::any_of(parts.inputs,
+                             [](const auto& input) { return input.kind == InputKind::base_acceleration; });
+}
+
 }  // namespace
+
+bool linear_part_follows(const Parts& parts, const ParameterReference& element) {
+  if (element.kind == Kind::spring_damping) return false;
+  if (element.kind == Kind::connector)
+    return parts.damping && shapes_modes(parts.connectors[element.part], element.element);
+  const auto& part = parts.substructures[element.part];
+  const auto& [mass_factor, stiffness_factor] = part.rayleigh;
+  if (parts.damping || !part.modal_damping.empty() || mass_factor > 0.0) return true;
+  return element.kind == Kind::mass ? base_accelerates(parts) : stiffness_factor > 0.0;
+}
+
+void set_parameter(Parts& parts, const ParameterReference& element, double value) {
+  switch (element.kind) {
+    case Kind::connector:
+      parts.connectors[element.part].parameters[static_cast<Eigen::Index>(element.element)] = value;
+      break;
+    case Kind::spring_stiffness:
+      parts.substructures[element.part].springs[element.element].stiffness = value;
+      break;
+    case Kind::spring_damping:
+      parts.substructures[element.part].springs[element.element].damping = value;
+      break;
+    case Kind::mass:
+      parts.substructures[element.part].masses[element.element].mass = value;
+      break;
+  }
+}
 
 std::optional<ParameterReference> find_parameter(const Parts& parts, const std::string& name) {
   std::optional<ParameterReference> found;
@@ -76,25 +116,24 @@ std::vector<std::string> parameter_names(const Parts& parts) {
 
 ParameterReference release_linear_element(Parts& parts, const ParameterReference& element, double nominal) {
   if (element.kind == Kind::connector) return element;
-  auto& part = parts.substructures[element.part];
+  const auto& part = parts.substructures[element.part];
   std::string from, to, place;
   std::size_t parameter = 0;  // of linear_change: stiffness, damping, inertance
   if (element.kind == Kind::mass) {
-    auto& mass = part.masses[element.element];
-    mass.mass = nominal;
+    const auto& mass = part.masses[element.element];
     parameter = 2;
     place = to = part.name + "." + mass.dof;
     place += ".mass";
     from = inertial_point(parts);
   } else {
-    auto& spring = part.springs[element.element];
+    const auto& spring = part.springs[element.element];
     const bool stiffness = element.kind == Kind::spring_stiffness;
-    (stiffness ? spring.stiffness : spring.damping) = nominal;
     parameter = stiffness ? 0 : 1;
     place = part.name + "." + spring.name;
     from = part.name + "." + spring.from;
     to = part.name + "." + spring.to;
   }
+  set_parameter(parts, element, nominal);
   auto& connector = connector_at(parts, place, from, to);
   connector.parameters[static_cast<Eigen::Index>(parameter)] = nominal;
   connector.law = linear_change_law({connector.parameters[0], connector.parameters[1], connector.parameters[2]});

@@ -25,6 +25,14 @@ std::optional<ParameterReference> find_parameter(const Parts& parts, const std::
 /// All names that find_parameter() knows.
 std::vector<std::string> parameter_names(const Parts& parts);
 
+/// Whether damping or loads of the linear part depend on a parameter that a connector carries: modal and Rayleigh
+/// damping of its substructure follow the stiffness of a spring and a mass, damping of the whole structure's modes every
+/// element and every law that is stiffer at rest with it, and an accelerated base pulls at the mass.
+bool linear_part_follows(const Parts& parts, const ParameterReference& element);
+
+/// Sets an element or a connector's parameter.
+void set_parameter(Parts& parts, const ParameterReference& element, double value);
+
 /// Makes an element of a linear substructure a connector parameter: its value in the substructure becomes `nominal`,
 /// and a connector that carries the departure from it is added at the same place. Returns the reference to that
 /// connector's parameter. Masses hang on the inertial frame, a substructure of no degree of freedom that is added when

@@ -12,13 +12,15 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// A partially linear map at one point, y = A x + G phi(N x + e) + b.
+/// A map of an observer at one point, y = A x + G phi(N x + e) + b.
+template <class Map>
 class PointMap {
 public:
-  explicit PointMap(PartiallyLinearMap& map) : map_(map) {}
+  explicit PointMap(Map& map) : map_(map) {}
 
   /// Nothing changes where phi cannot be evaluated.
   bool apply(const VectorXd& x, VectorXd& y) {
+    map_.set_mean(x);
     channels_.noalias() = map_.selection * x;
     channels_ += map_.input_offset;
     in_ = channels_.transpose().array();
@@ -32,7 +34,7 @@ public:
   }
 
 private:
-  PartiallyLinearMap& map_;
+  Map& map_;
   VectorXd channels_, response_;
   Eigen::ArrayXXd in_, out_;
 };
@@ -54,7 +56,8 @@ std::optional<FixedGainMeans> run_with_gains(const Observer& observer, const Rec
   TransitionMap transition(observer);
   InstantMap measurement(observer, sensor_outputs);
   InstantMap watched(observer, [&](const Observer& each) { return each.observer_form().outputs(monitored); });
-  PointMap predict(transition), measure(measurement), watch(watched);
+  PointMap predict(transition);
+  PointMap<InstantMap> measure(measurement), watch(watched);
   FixedGainMeans means{Eigen::MatrixXd(monitored.size(), samples), {}};
   VectorXd state = observer.prior().mean, predicted = state, output, innovation, values;
   for (Index k = 0; k < samples; ++k) {

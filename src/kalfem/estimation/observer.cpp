@@ -65,7 +65,7 @@ ObserverOptions checked(ObserverOptions options) {
 std::vector<Index> linear_unknowns(const ObserverOptions& options) {
   std::vector<Index> places;
   for (std::size_t i = 0; i < options.unknowns.size(); ++i)
-    if (options.unknowns[i].targets.empty()) places.push_back(static_cast<Index>(i));
+    if (options.unknowns[i].targets.empty() || options.unknowns[i].in_linear_part) places.push_back(static_cast<Index>(i));
   return places;
 }
 
@@ -125,6 +125,9 @@ void Observer::check() const {
     check_unknown(unknown, system_, issues);
     if (unknown.targets.empty() && !options_.system_at)
       issues.add({}, "unknown '" + unknown.name + "' changes nothing", "name a parameter of a connector");
+    else if (unknown.in_linear_part && !options_.system_at)
+      issues.add({}, "unknown '" + unknown.name + "' is in the linear part, which is not given as a function of it",
+                 "set ObserverOptions::system_at");
   }
   const auto& prior = options_.prior;
   const auto& noise = options_.process_noise;

@@ -20,15 +20,17 @@ struct ParameterTarget {
   Eigen::Index parameter = 0;
 };
 
-/// An unknown that the filter estimates: of connectors, several of which may share it, or of the linear part.
+/// An unknown that the filter estimates: of connectors, several of which may share it, of the linear part, or of both.
 struct UnknownParameter {
   std::string name;
   std::string unit;
-  std::vector<ParameterTarget> targets;  ///< none: the linear part depends on it, see ObserverOptions::system_at
+  std::vector<ParameterTarget> targets;  ///< none: only the linear part depends on it, see ObserverOptions::system_at
   ParameterTransform transform;
   double initial = 0.0;      ///< prior mean [unit] (median under log and logit)
   double deviation = 0.0;    ///< prior standard deviation [unit]
   double random_walk = 0.0;  ///< drift that is allowed [unit/sqrt(s)]
+  /// The linear part depends on it beside its connectors: modal damping follows the stiffness of a released spring.
+  bool in_linear_part = false;
 };
 
 /// Continuous-time noise, as densities so that nothing depends on the sampling rate.
@@ -52,8 +54,10 @@ struct StatePrior {
 /// What an observer is made of, beside the system and its sensors.
 struct ObserverOptions {
   std::vector<UnknownParameter> unknowns;
-  /// The system at values of the unknowns without targets, in their order [their units]: what no connector can carry,
-  /// such as Young's modulus of a region. Its degrees of freedom, connectors and inputs are the same for all values.
+  /// The system at values of the unknowns of the linear part, in their order [their units]: what no connector can
+  /// carry, such as Young's modulus of a region. Its degrees of freedom, the ends of its connectors and its inputs are
+  /// the same for all values. Connectors read their parameters from the state, so that the laws must give the same
+  /// total force for all values: a released spring's law carries the departure from the value in the linear part.
   std::function<LocallyNonlinearSystem(const Eigen::VectorXd& values)> system_at = {};
   ProcessNoise process_noise;
   StatePrior prior;
@@ -67,7 +71,7 @@ struct ObserverOptions {
   StateCoordinates coordinates = StateCoordinates::physical;
 };
 
-/// Places of the unknowns of the linear part among all.
+/// Places of the unknowns of the linear part among all: those without targets, and those that are in both.
 std::vector<Eigen::Index> linear_unknowns(const ObserverOptions& options);
 
 /// Where the parts of the augmented state stand: [x; s; theta; x(0); s(0)].

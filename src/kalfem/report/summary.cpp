@@ -120,7 +120,7 @@ Json estimation_summary(const EstimationStage& stage) {
                     {"expected", number(stage.consistency.expected_nis)},
                     {"fraction_in_95", number(stage.consistency.fraction_in_95)}}},
                   {"innovation_to_noise", ratios}};
-  if (stage.reductions > 0)
+  if (stage.reductions > 0 || stage.result.linearisations > 0)
     summary["linear_unknowns"] = {{"linearisations", stage.result.linearisations}, {"reductions", stage.reductions}};
   if (const auto states = errors_by_point(stage.points); !states.empty()) summary["states"] = states;
   if (stage.open_loop) summary["open_loop"] = open_loop_summary(stage);

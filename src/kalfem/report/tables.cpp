@@ -148,7 +148,7 @@ std::string to_text(const Table& table) {
 
 /// How the unknowns of the linear part were followed; nothing where there are none.
 std::string linearisation_words(const EstimationStage& stage) {
-  if (stage.reductions == 0) return "";
+  if (stage.reductions == 0 && stage.result.linearisations == 0) return "";
   return fmt::format(
       "Linear part: linearised anew {} times{}\n", stage.result.linearisations,
       stage.reductions > 1 ? fmt::format(", reduced {} times: the last at the estimates", stage.reductions) : "");

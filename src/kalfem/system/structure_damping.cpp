@@ -16,26 +16,19 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// df/dd where nothing moves.
-double stiffness_at_rest(const Connector& connector) {
-  const auto states = static_cast<Index>(connector.law->states().size());
-  const ArrayXd zero = ArrayXd::Zero(1);
-  const ArrayXXd parameters = connector.parameters.transpose(), no_states = ArrayXXd::Zero(1, states);
-  ArrayXd force(1), stiffness(1), damping(1), inertance(1);
-  ArrayXXd end_states(1, states);
-  connector.law->respond({0.0, parameters, zero, zero, no_states, zero, zero, zero},
-                         {force, stiffness, damping, inertance, end_states});
-  if (!std::isfinite(stiffness[0]))
+double checked_stiffness(const Connector& connector) {
+  const double stiffness = stiffness_at_rest(*connector.law, connector.parameters);
+  if (!std::isfinite(stiffness))
     throw InvalidInput("connector '" + connector.name + "' has no stiffness at rest",
                        "damping of the whole structure's modes needs one of each connector",
                        "give the substructures damping of their own");
-  return stiffness[0];
+  return stiffness;
 }
 
 VectorXd stiffnesses_at_rest(const LocallyNonlinearSystem& system) {
   VectorXd stiffnesses(system.connector_count());
   for (Index j = 0; j < stiffnesses.size(); ++j)
-    stiffnesses[j] = stiffness_at_rest(system.connectors[static_cast<std::size_t>(j)]);
+    stiffnesses[j] = checked_stiffness(system.connectors[static_cast<std::size_t>(j)]);
   return stiffnesses;
 }
 
@@ -56,6 +49,17 @@ MatrixXd carried_shapes(const LocallyNonlinearSystem& system, const SparseMatrix
 }
 
 }  // namespace
+
+double stiffness_at_rest(const ConnectorLaw& law, const VectorXd& parameters) {
+  const auto states = static_cast<Index>(law.states().size());
+  const ArrayXd zero = ArrayXd::Zero(1);
+  const ArrayXXd values = parameters.transpose(), no_states = ArrayXXd::Zero(1, states);
+  ArrayXd force(1), stiffness(1), damping(1), inertance(1);
+  ArrayXXd end_states(1, states);
+  law.respond({0.0, values, zero, zero, no_states, zero, zero, zero},
+              {force, stiffness, damping, inertance, end_states});
+  return stiffness[0];
+}
 
 SparseMatrix stiffness_at_rest(const LocallyNonlinearSystem& system) {
   const VectorXd stiffnesses = stiffnesses_at_rest(system);

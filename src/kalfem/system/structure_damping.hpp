@@ -13,6 +13,9 @@ struct StructureDamping {
   std::optional<double> up_to{};  ///< modes up to here have their own ratio, see add_modal_damping() [Hz]; empty: all
 };
 
+/// df/dd of a law where nothing moves [N/m]; not finite where it has no stiffness there.
+double stiffness_at_rest(const ConnectorLaw& law, const Eigen::VectorXd& parameters);
+
 /// K with every connector as stiff as at rest, K + sum_j (df_j/dd_j)(0) b_j b_j^T.
 SparseMatrix stiffness_at_rest(const LocallyNonlinearSystem& system);
 

@@ -1,0 +1,101 @@
+#include "casefile/damping_of_unknowns.hpp"
+
+// Damping that is formed from modes, or from M and K, follows the stiffness and the mass that the filter estimates. The
+// first guess of these must not show in the estimates.
+
+namespace kalfem::test {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+/// Estimates from each text's first guesses on the record of the first.
+std::vector<LastEstimates> from_each(const std::vector<std::string>& texts, VectorXd& truth) {
+  std::vector<LastEstimates> all;
+  StudyResults record;
+  for (const auto& text : texts) {
+    const Study study = study_of(text);
+    if (all.empty()) {
+      record = run_study(study, Stage::simulate);
+      truth = truth_of(study);
+    }
+    all.push_back(estimates_of(study, record));
+  }
+  return all;
+}
+
+/// The same estimates from every first guess, near the truth, with an NIS that is right.
+void expect_no_trace_of_first_guesses(const std::vector<std::string>& texts, double nis_tolerance = 0.15) {
+  VectorXd truth;
+  const auto all = from_each(texts, truth);
+  for (std::size_t g = 0; g < all.size(); ++g) {
+    EXPECT_NEAR(all[g].nis, 4.0, nis_tolerance) << "guess " << g;
+    for (Index i = 0; i < truth.size(); ++i) {
+      EXPECT_NEAR(all[g].values[i], all[0].values[i], 0.3 * all[0].deviations[i]) << "guess " << g << ", unknown " << i;
+      EXPECT_NEAR(all[g].values[i], truth[i], 4.0 * all[g].deviations[i]) << "guess " << g << ", unknown " << i;
+    }
+    std::printf("guess %d: linearised anew %d times, NIS %.3f;", int(g), all[g].linearisations, all[g].nis);
+    for (Index i = 0; i < truth.size(); ++i)
+      std::printf(" %.6g +- %.2g (%+.2f from guess 0, %+.2f from the truth)", all[g].values[i], all[g].deviations[i],
+                  (all[g].values[i] - all[0].values[i]) / all[0].deviations[i],
+                  (all[g].values[i] - truth[i]) / all[g].deviations[i]);
+    std::printf("\n");
+  }
+}
+
+std::string spring(const std::string& kilonewtons) {
+  return "    body.3-4.stiffness: {initial: " + kilonewtons + " kN/m, std: 30 %}\n";
+}
+
+const std::string ratio = "    body.damping.modal: {initial: 1.5 %, std: 50 %}\n";
+
+TEST(DampingOfUnknowns, ModalDampingFollowsASpring) {
+  expect_no_trace_of_first_guesses({chain_case("8 s", spring("30") + ratio), chain_case("8 s", spring("36") + ratio),
+                                    chain_case("8 s", spring("45") + ratio)});
+}
+
+TEST(DampingOfUnknowns, ModalDampingFollowsAMass) {
+  const auto mass = [](const std::string& kg) { return "    body.5.mass: {initial: " + kg + " kg, std: 30 %}\n"; };
+  expect_no_trace_of_first_guesses({chain_case("5 s", mass("1") + ratio), chain_case("5 s", mass("1.4") + ratio)});
+}
+
+TEST(DampingOfUnknowns, RayleighDampingFollowsASpring) {
+  const auto text = [](const std::string& kilonewtons) {
+    return with(chain_case("5 s", spring(kilonewtons) + "    body.damping.stiffness_factor: {initial: 0.3 ms, std: 50 %}\n"),
+                "modal: 1 %", "stiffness_factor: 0.2 ms, mass_factor: 0.5 1/s");
+  };
+  expect_no_trace_of_first_guesses({text("30"), text("40")});
+}
+
+/// Modes of the whole structure follow its connectors as well: the slope of the suspension at rest is k + mu_k1 / mu_k2.
+TEST(DampingOfUnknowns, DampingOfTheWholeStructureFollowsSpringsAndConnectors) {
+  const auto text = [](const std::string& kilonewtons, const std::string& mu_k1) {
+    const auto whole = with(chain_case("5 s", spring(kilonewtons)), "    damping: {modal: 1 %}\n", "");
+    return with(with(whole, "connectors:", "damping: {modal: 1 %}\n\nconnectors:"), "mu_k1: {initial: 10 N",
+                "mu_k1: {initial: " + mu_k1 + " N");
+  };
+  expect_no_trace_of_first_guesses({text("30", "20"), text("40", "10")});
+}
+
+/// An accelerated base pulls at a mass with -m a: not at the first guess of it.
+TEST(DampingOfUnknowns, TheLoadOfAnAcceleratedBaseFollowsAMass) {
+  const auto text = [](const std::string& kg) {
+    const auto undamped =
+        with(chain_case("5 s", "    body.5.mass: {initial: " + kg + " kg, std: 30 %}\n"), "    damping: {modal: 1 %}\n",
+             "    springs: [{from: 1, to: 10, damping: 5 N s/m}]\n");
+    return with(undamped, "base_displacement: wheel.ground\n    random: {rms: 3 mm,",
+                "base_acceleration: all\n    random: {rms: 5 m/s^2,");
+  };
+  expect_no_trace_of_first_guesses({text("1"), text("1.4")});
+}
+
+/// What does not change the linear part stays with its connector: nothing is linearised anew.
+TEST(DampingOfUnknowns, AnUnknownOfAnUndampedPartIsCarriedByItsConnectorAlone) {
+  const Study study = study_of(chain_case("1 s", "    wheel.k_w.stiffness: {initial: 22 kN/m, std: 30 %}\n"
+                                                 "    body.3-4.damping: {initial: 1 N s/m, std: 100 %}\n"));
+  EXPECT_TRUE(study.observer->linear_unknowns.empty());
+  for (const auto& unknown : study.observer->options.unknowns) EXPECT_FALSE(unknown.in_linear_part) << unknown.name;
+}
+
+}  // namespace
+}  // namespace kalfem::test
