@@ -107,8 +107,7 @@ endfunction()
 #
 # A GoogleTest program <name>_test in tests/<folder> of the files <stem>_test.cpp, of <name>_test.cpp without any. Every suite in it is a ctest entry, as most tests are over before a process
 # has started. EACH: every test is one, for tests that run for long or may be skipped; WHOLE: the program is one, for
-# suites that share a long set-up. OPTIMISED: the tests compute for long themselves. BLAS keeps to one thread, as tests run
-# side by side.
+# suites that share a long set-up. OPTIMISED: the tests compute for long themselves.
 function(kalfem_test name)
   cmake_parse_arguments(ARG "EACH;WHOLE;OPTIMISED" "TIMEOUT" "OF;SOURCES;LIBRARIES;LABELS" ${ARGN})
   if(NOT ARG_OF)
@@ -136,7 +135,7 @@ function(kalfem_test name)
     target_precompile_headers(${name}_test REUSE_FROM kalfem_test_headers)
   endif()
   set_target_properties(${name}_test PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
-  set(properties TIMEOUT ${ARG_TIMEOUT} COST ${cost} ENVIRONMENT OPENBLAS_NUM_THREADS=1)
+  set(properties TIMEOUT ${ARG_TIMEOUT} COST ${cost})
   if(ARG_LABELS)
     list(APPEND properties LABELS ${ARG_LABELS})
   endif()

@@ -76,6 +76,20 @@ std::optional<StructureParameter> find_structure_parameter(const Study& study, c
   return found;
 }
 
+std::optional<Issue> unlike_ratios(const Study& study, const StructureParameter& parameter, const d::Name& name) {
+  if (!parameter.name.ends_with(".damping.modal")) return std::nullopt;
+  const auto& ratios = std::ranges::find(study.given.substructures, parameter.substructure,
+                                         &std::pair<std::string, d::Substructure>::first)
+                           ->second.damping.modal;
+  if (std::ranges::adjacent_find(ratios, std::ranges::not_equal_to{}) == ratios.end()) return std::nullopt;
+  std::string listed;
+  for (const double ratio : ratios) listed += (listed.empty() ? "" : ", ") + shortest(100.0 * ratio) + " %";
+  return name.issue("'" + parameter.name + "' stands for all modal ratios as one number, and the case gives [" + listed +
+                        "]",
+                    "these would all become the same",
+                    "name single ratios, " + parameter.name + ".1 and so on; several share a value by applies_to");
+}
+
 std::vector<std::string> structure_parameter_names(const Study& study) {
   std::vector<std::string> names;
   visit_parameters(study, [&](const std::string& name, StructureParameter&&) { names.push_back(name); });

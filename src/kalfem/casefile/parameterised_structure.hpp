@@ -13,6 +13,11 @@ namespace kalfem {
 std::optional<StructureParameter> find_structure_parameter(const Study& study, const std::string& name);
 std::vector<std::string> structure_parameter_names(const Study& study);
 
+/// What is wrong with `damping.modal` as one parameter where the substructure's ratios differ: it would make them one
+/// number. Nothing for other parameters.
+std::optional<Issue> unlike_ratios(const Study& study, const StructureParameter& parameter,
+                                   const description::Name& name);
+
 /// The linear substructures of a case as functions of theta. The case must outlive it.
 class ParameterisedStructure {
 public:

@@ -99,6 +99,8 @@ std::optional<UnknownBuilder::Targets> UnknownBuilder::found(const std::string& 
     if (reference && find_parameter(parts_, name.value)) {
       targets.of_connectors.push_back(*reference);
     } else if (auto parameter = find_structure_parameter(study_, name.value); parameter && holds(*parameter)) {
+      if (const auto issue = unlike_ratios(study_, *parameter, name))
+        issues_.add(issue->location, issue->what, issue->why, issue->fix);
       targets.of_linear_part.push_back(std::move(*parameter));
     } else {
       issues_.add(name.location,

@@ -44,6 +44,8 @@ private:
           target.path + ": there is no parameter '" + target.value + "'" +
               did_you_mean(target.value, structure_parameter_names(study_)),
           "the updating refines numbers of linear substructures; those of connectors are unknowns of the filter");
+    else if (const auto issue = unlike_ratios(study_, *parameter, target))
+      issues_.add(issue->location, issue->what, issue->why, issue->fix);
     const auto all_ratios = target.value.find(".damping.modal");  // one of them is refined by all of them
     if (all_ratios != std::string::npos) {
       const std::string whole = target.value.substr(0, all_ratios) + ".damping.modal";

@@ -5,6 +5,7 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/linalg/balancing.hpp"
+#include "kalfem/linalg/blas_threads.hpp"
 
 extern "C" {
 void dgees_(const char* jobvs, const char* sort, void* select, const int* n, double* a, const int* lda, int* sdim,
@@ -29,6 +30,7 @@ public:
   SchurSplit(const MatrixXd& A, double magnification)
       : n_(static_cast<int>(A.rows())), magnification_(magnification), s_(A), u_(A.rows(), A.rows()) {
     VectorXd real(n_), imaginary(n_), work(1);
+    keep_blas_to_one_thread();
     int selected = 0, query = -1, info = 0;
     dgees_("V", "N", nullptr, &n_, s_.data(), &n_, &selected, real.data(), imaginary.data(), u_.data(), &n_,
            work.data(), &query, nullptr, &info);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/linalg/blas_threads.hpp"
 
 namespace kalfem {
 
@@ -100,6 +101,7 @@ NotPositiveDefinite::NotPositiveDefinite(Index column)
 
 struct SparseFactor::Workspace {
   Workspace(LowerTriangle given, const EliminationOrder& order) : matrix(std::move(given)) {
+    keep_blas_to_one_thread();
     cholmod_l_start(&common);
     common.print = 0;
     common.try_catch = 1;  // failures are read from the status
