@@ -127,6 +127,9 @@ struct UpdatingStage {
 struct ModificationResult {
   std::string name, substructure;
   Eigen::VectorXd frequencies;  ///< [Hz]
+  /// Standard deviations of `frequencies` [Hz] that the updated parameters leave, see predict_modifications(); infinite
+  /// where the measurements do not determine a parameter that moves the frequency. Empty without an updating.
+  Eigen::VectorXd deviations;
 };
 
 /// What was computed; stages that did not run are empty.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "kalfem/casefile/modifications.hpp"
 #include "kalfem/report/connector_charts.hpp"
 #include "kalfem/report/health_section.hpp"
 #include "kalfem/report/series_values.hpp"
@@ -275,7 +276,8 @@ Page make_page(const Study& study, const StudyResults& results) {
   if (results.updating) page.sections.push_back(updating_section(study, results));
   if (!results.modifications.empty())
     page.sections.push_back({"Modifications",
-                             "Natural frequencies predicted without further updating.",
+                             std::string("Natural frequencies predicted without further updating. ") +
+                                 (results.updating ? deviations_leave_out : ""),
                              {modification_table(results.modifications)}});
   if (results.estimation) {
     const auto& stage = *results.estimation;

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "kalfem/base/version.hpp"
+#include "kalfem/casefile/modifications.hpp"
 #include "kalfem/report/json_number.hpp"
 #include "kalfem/report/updating_summary.hpp"
 
@@ -137,7 +138,12 @@ Json prediction_summary(const StudyResults& results) {
   for (const auto& each : results.modifications) {
     Json frequencies = Json::array();
     for (const double f : each.frequencies) frequencies.push_back(number(f));
-    summary[each.name] = {{"substructure", each.substructure}, {"frequencies_hz", frequencies}};
+    Json& modification = summary[each.name];
+    modification = {{"substructure", each.substructure}, {"frequencies_hz", frequencies}};
+    if (each.deviations.size() == 0) continue;
+    modification["frequencies_std_hz"] = Json::array();
+    for (const double deviation : each.deviations) modification["frequencies_std_hz"].push_back(number(deviation));
+    modification["note"] = deviations_leave_out;
   }
   return summary;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include "kalfem/casefile/modifications.hpp"
 #include "kalfem/report/updating_tables.hpp"
 
 namespace kalfem {
@@ -207,6 +208,7 @@ std::string console_report(const Study& study, const StudyResults& results) {
   if (!results.modifications.empty())
     text +=
         "Natural frequencies after modifications [Hz]\n" + to_text(modification_table(results.modifications)) + "\n";
+  if (!results.modifications.empty() && results.updating) text += std::string(deviations_leave_out) + "\n";
   return text;
 }
 

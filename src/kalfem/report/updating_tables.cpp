@@ -108,6 +108,15 @@ Table sensitivity_table(const UpdatingStage& stage) {
   return table;
 }
 
+/// Empty beyond the last mode.
+static std::string predicted_frequency(const ModificationResult& modification, Index mode) {
+  if (mode >= modification.frequencies.size()) return "";
+  const std::string frequency = fmt::format("{:.2f}", modification.frequencies[mode]);
+  if (modification.deviations.size() == 0) return frequency;
+  const double deviation = modification.deviations[mode];
+  return frequency + (std::isfinite(deviation) ? fmt::format(" +- {:.2f}", deviation) : " +- ?");
+}
+
 Table modification_table(const std::vector<ModificationResult>& modifications) {
   Table table{"Natural frequencies of modifications [Hz]", {"mode"}, {}, {}};
   Index longest = 0;
@@ -117,8 +126,7 @@ Table modification_table(const std::vector<ModificationResult>& modifications) {
   }
   for (Index i = 0; i < longest; ++i) {
     table.rows.push_back({std::to_string(i + 1)});
-    for (const auto& each : modifications)
-      table.rows.back().push_back(i < each.frequencies.size() ? fmt::format("{:.2f}", each.frequencies[i]) : "");
+    for (const auto& each : modifications) table.rows.back().push_back(predicted_frequency(each, i));
   }
   return table;
 }
