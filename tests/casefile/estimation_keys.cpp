@@ -1,0 +1,376 @@
+#include "casefile/probes.hpp"
+#include "kalfem/casefile/filter_run.hpp"
+#include "kalfem/casefile/reported_quantities.hpp"
+#include "kalfem/estimation/estimate.hpp"
+
+/// Keys of the estimation: what the observer and its filter are made of.
+namespace kalfem::wiring {
+namespace {
+
+const std::string at = "estimate.", stiffness_unknown = "unknown: {c.k: {initial: 400 N/m, std: 100 N/m}}";
+
+Study with_estimate(const std::string& text, const Sections& more = {}) {
+  Sections sections{{"estimate", "{" + text + "}"}};
+  for (const auto& [key, value] : more) sections[key] = value;
+  return study_of(estimated_case(sections));
+}
+
+const ObserverOptions& options_of(const Study& study) { return study.observer->options; }
+
+UnknownParameter unknown_of(const std::string& text) {
+  return options_of(with_estimate("unknown: {c.k: {" + text + "}}")).unknowns.at(0);
+}
+
+void first_guesses_and_deviations() {
+  const auto study = with_estimate("unknown: {c.k: {initial: 0.4 N/mm, std: 90 N/m}, c.c: {initial: 2, std: 25 %}}");
+  const auto& unknowns = options_of(study).unknowns;
+  near(unknowns[0].initial, 400.0);
+  near(unknowns[0].deviation, 90.0);
+  EXPECT_EQ(unknowns[0].random_walk, 0.0);
+  near(unknowns[1].deviation, 0.5);
+  near(unknown_of("initial: 400").deviation, 200.0);
+  // The observer's model holds the first guesses, the structure the true values.
+  near(study.observer->model->system().connectors[0].parameters, vector({400.0, 2.0}));
+  near(system_of(study).connectors[0].parameters, vector({500.0, 3.0}));
+  EXPECT_EQ(unknowns[1].targets[0].connector, 0);
+  EXPECT_EQ(unknowns[1].targets[0].parameter, 1);
+}
+
+void transforms() {
+  EXPECT_EQ(unknown_of("initial: 400").transform.kind, TransformKind::none);
+  EXPECT_EQ(unknown_of("initial: 400, transform: none").transform.kind, TransformKind::none);
+  EXPECT_EQ(unknown_of("initial: 400, transform: log").transform.kind, TransformKind::log);
+  const auto bounded = unknown_of("initial: 400, bounds: [0.1 N/mm, 900]").transform;
+  EXPECT_EQ(bounded.kind, TransformKind::logit);
+  near(bounded.lower, 100.0);
+  near(bounded.upper, 900.0);
+  EXPECT_EQ(unknown_of("initial: 400, transform: logit, bounds: [0, 900]").transform.kind, TransformKind::logit);
+  EXPECT_EQ(unknown_of("initial: 400, transform: log, bounds: [0, 900]").transform.kind, TransformKind::log);
+}
+
+void drifts() {
+  near(unknown_of("initial: 400, random_walk: 7 N/m").random_walk, 7.0);
+  near(unknown_of("initial: 400, random_walk: 5 %").random_walk, 20.0);
+}
+
+void truths() {
+  const auto truth = [](const std::string& more, const Sections& sections = {}) {
+    return with_estimate("unknown: {c.k: {initial: 400" + more + "}}", sections).observer->true_parameters.at(0);
+  };
+  near(truth("").value(), 500.0);
+  near(truth(", truth: 0.45 N/mm").value(), 450.0);
+  write_file("record.csv", csv_of(100.0, {{"y", std::vector<double>(20, 1.0)}}));
+  const Sections measured{{"simulate", ""}, {"record", "{file: record.csv}"}};
+  EXPECT_FALSE(truth("", measured));
+  near(truth(", truth: 450", measured).value(), 450.0);
+}
+
+void shared_values() {
+  const auto study = with_estimate("unknown: {both: {initial: 400, applies_to: [c.k, d.k]}}",
+                                   {{"connectors",
+                                     "{c: {from: s.a, to: s.b, law: linear, parameters: {k: 500, c: 3}}, d: "
+                                     "{from: s.ground, to: s.b, law: linear, parameters: {k: 50, c: 1}}}"}});
+  ASSERT_EQ(options_of(study).unknowns.size(), 1u);
+  ASSERT_EQ(options_of(study).unknowns[0].targets.size(), 2u);
+  for (const auto& connector : study.observer->model->system().connectors) near(connector.parameters[0], 400.0);
+}
+
+/// A spring of the linear part: the linear part holds the first guess, and a connector what differs from it.
+void linear_elements_are_released() {
+  const auto study = with_estimate("unknown: {s.k.stiffness: {initial: 700}, s.b.mass: {initial: 2.5}}");
+  near(study.observer->model->system().stiffness.coeff(0, 0), 700.0);
+  near(study.observer->model->system().mass.coeff(1, 1), 2.5);
+  near(*study.observer->true_parameters[0], 800.0);
+  near(*study.observer->true_parameters[1], 3.0);
+}
+
+void initial_states() {
+  const auto prior = [](const std::string& text) {
+    return options_of(with_estimate(stiffness_unknown + ", initial_state: {" + text + "}")).prior;
+  };
+  const auto one = prior("s.b: {displacement: 3 mm, velocity: 2 m/s, displacement_std: 0.5 mm, velocity_std: 0.1}");
+  near(one.mean.displacement, vector({0, 3e-3}));
+  near(one.mean.velocity, vector({0, 2}));
+  near(one.displacement_deviation, vector({0, 5e-4}));
+  near(one.velocity_deviation, vector({0, 0.1}));
+  const auto all = prior("all: {displacement_std: 1 mm}, s.a: {velocity_std: 0.2}");
+  near(all.displacement_deviation, vector({0, 1e-3}));
+  near(all.velocity_deviation, vector({0.2, 0}));
+  EXPECT_EQ(all.mean.displacement.norm(), 0.0);
+}
+
+/// Displacement and velocity at the start of the case from the record's first samples.
+void start_from_the_record() {
+  std::vector<double> a(40), b(40);
+  for (int k = 0; k < 40; ++k) a[std::size_t(k)] = 1e-3 + 0.02 * k / 100, b[std::size_t(k)] = -2e-3 - 0.05 * k / 100;
+  write_file("record.csv", csv_of(100.0, {{"ya", a}, {"yb", b}}));
+  const Sections measured{{"simulate", ""},
+                          {"record", "{file: record.csv, start: 0.1 s}"},
+                          {"sensors", "{yb: {displacement: s.b, noise: 1 mm}, ya: {displacement: s.a, noise: 1 mm}}"}};
+  const auto start = [&](const std::string& text) {
+    const auto study = with_estimate(stiffness_unknown + text, measured);
+    const auto run = make_filter_run(study, *study.observer, full_record(study, {}));
+    return run.choice.observer->options().prior.mean;
+  };
+  const auto found = start(", initial_state_from_record: true");
+  near(found.displacement, vector({3e-3, -7e-3}), 1e-9);
+  near(found.velocity, vector({0.02, -0.05}), 1e-9);
+  EXPECT_EQ(start("").displacement.norm(), 0.0);
+  EXPECT_EQ(start(", initial_state_from_record: false").velocity.norm(), 0.0);
+}
+
+void initial_connector_states() {
+  const auto study = with_estimate(
+      "unknown: {c.k: {initial: 400}}, initial_connector_states: {c.z: {value: 2e-3, std: 1e-4}}",
+      {{"connectors",
+        "{e: {from: s.ground, to: s.b, law: jenkins, parameters: {k_stick: 10, f_slip: 1}}, c: {from: s.a, to: "
+        "s.b, law: bouc_wen, parameters: {k: 500, alpha: 0.3, beta: 250, gamma: 250, n: 1}}}"}});
+  ASSERT_EQ(study.observer->model->system().connector_states(), 2);
+  near(options_of(study).prior.mean.connector_states, vector({0, 2e-3}));
+  near(options_of(study).prior.connector_state_deviation, vector({0, 1e-4}));
+}
+
+void process_noise() {
+  const auto noise = [](const std::string& text) {
+    return options_of(with_estimate(stiffness_unknown + ", process_noise: {" + text + "}")).process_noise.acceleration;
+  };
+  near(noise("acceleration: 0.3"), vector({0.3, 0.3}));
+  near(noise("accelerations: {s.b: 0.7}"), vector({0.0, 0.7}));
+  near(noise("acceleration: 0.3, accelerations: {s.a: 0.7}"), vector({0.7, 0.3}));
+}
+
+Sections local_case(const std::string& interface) {
+  return {{"substructures",
+           "{w: {masses: {w: 1.5}, springs: [{from: ground, to: w, stiffness: 2e3}]}, s: {masses: {a: 2, b: "
+           "3}, springs: [{from: a, to: b, stiffness: 800}]}}"},
+          {"connectors", "{c: {from: w.w, to: s.a, law: linear, parameters: {k: 500, c: 3}}}"},
+          {"excitation", "{f: {force: s.b, sine: {amplitude: 10, frequency: 2}}}"},
+          {"sensors",
+           "{yw: {acceleration: w.w, noise: 0.01}, foot: {acceleration: s.a, noise: 0.02}, yb: {acceleration: "
+           "s.b, noise: 0.03}}"},
+          {"estimate", "{unknown: {c.k: {initial: 400}}, local: {substructures: w, interface: {" + interface + "}}}"}};
+}
+
+void local_observers_move_as_measured() {
+  const auto study = study_of(estimated_case(
+      local_case("s.a: {acceleration: {sensor: foot, displacement_std: 2 mm, velocity_std: 0.05 m/s}}")));
+  const auto& setup = *study.observer;
+  EXPECT_EQ(setup.model->system().dofs, (std::vector<std::string>{"w.w"}));
+  EXPECT_EQ(setup.input_sources, (std::vector<std::string>{"@foot"}));
+  EXPECT_EQ(setup.options.inputs.at(0).model, InputModel::integrated);
+  near(setup.options.prior.input_deviation[0], 2e-3);
+  near(setup.options.prior.input_rate_deviation[0], 0.05);
+  ASSERT_EQ(setup.sensors.size(), 1u);  // not what drives it, nor what lies outside
+  EXPECT_EQ(setup.sensors[0].name, "yw");
+  near(setup.model->system().connectors[0].deformation, vector({-1.0}));
+  // Its own record drives it, and its noise is that of a white signal held over the sample interval: s / sqrt(f).
+  const auto results = run(study, Stage::simulate);
+  const auto filter = make_filter_run(study, setup, full_record(study, results));
+  near(filter.choice.observer->options().process_noise.input, vector({0.02 / std::sqrt(100.0)}));
+  const auto& foot = results.simulation->measurements.values.col(1);
+  near(filter.record.inputs(2, 4), foot[1]);  // four parts a sample
+  near(filter.record.inputs(2, 6), 0.5 * (foot[1] + foot[2]));
+  EXPECT_EQ(filter.record.inputs.topRows(2).norm(), 0.0);
+}
+
+void local_observers_are_pushed_by_unknown_forces() {
+  const auto setup = [](const std::string& text) {
+    auto sections = local_case("w.w: {force: {" + text + "}}");
+    sections["estimate"] =
+        "{unknown: {w.ground-w.stiffness: {initial: 1900}}, local: {substructures: [w], interface: "
+        "{w.w: {force: {" +
+        text + "}}}}}";
+    return *study_of(estimated_case(sections)).observer;
+  };
+  const auto given = setup("std: 5 N, correlation_time: 0.2 s");
+  EXPECT_EQ(given.options.inputs.at(0).model, InputModel::first_order_markov);
+  near(given.options.inputs[0].correlation_time, 0.2);
+  near(given.options.prior.input_deviation[0], 5.0);
+  near(given.options.process_noise.input[0], 5.0 * std::sqrt(2.0 / 0.2));  // stationary: q^2 tau / 2 = std^2
+  near(setup("std: 5 N").options.inputs[0].correlation_time, 0.1);
+  near(given.model->system().inputs[0].value, vector({1.0}));
+}
+
+// --- the filter ------------------------------------------------------------------------------------------------------
+
+/// Strongly nonlinear, so that the spread of the sigma points is seen.
+const Sections nonlinear{{"connectors", "{c: {from: s.a, to: s.b, law: cubic, parameters: {k: 500, k3: 3e5, c: 3}}}"},
+                         {"sensors", "{y: {displacement: s.b, noise: 1 mm}, x: {displacement: s.a, noise: 1 mm}}"}};
+const std::string prior =
+    "unknown: {c.k3: {initial: 2e5, std: 1e5}}, initial_state: {all: {displacement_std: 10 mm, "
+    "velocity_std: 0.1}}, process_noise: {acceleration: 0.1}";
+
+/// The study's own estimation, and what the library's filter finds with these options on the same record.
+std::pair<EstimationResult, EstimationResult> both_filters(const std::string& text, const EstimationOptions& options) {
+  const auto study = with_estimate(prior + text, nonlinear);
+  const auto results = run(study, Stage::estimate);
+  const auto& stage = *results.estimation;
+  EXPECT_EQ(stage.filter, options.filter) << text;
+  const auto filter = make_filter_run(study, *study.observer, full_record(study, results));
+  return {stage.result, estimate(*filter.choice.observer, filter.record, options)};
+}
+
+void filter_kinds() {
+  const std::vector<std::pair<std::string, FilterKind>> kinds{
+      {"auto", FilterKind::partially_linear},
+      {"partially_linear_ukf", FilterKind::partially_linear},
+      {"partially_linear_ukf_square_root", FilterKind::partially_linear_square_root},
+      {"ukf", FilterKind::unscented},
+      {"ukf_square_root", FilterKind::unscented_square_root},
+      {"ekf", FilterKind::extended}};
+  for (const auto& [word, kind] : kinds) {
+    const auto [found, expected] = both_filters(", filter: " + word, {.filter = kind});
+    near(found.log_likelihood, expected.log_likelihood, 1e-9);
+    near(found.unknowns.mean(0, 50), expected.unknowns.mean(0, 50), 1e-9);
+  }
+}
+
+void spreads_of_sigma_points() {
+  const auto found = [](const std::string& text, const UnscentedOptions& options) {
+    const auto [own, expected] =
+        both_filters(", filter: ukf" + text, {.filter = FilterKind::unscented, .unscented = options});
+    near(own.log_likelihood, expected.log_likelihood, 1e-9);
+    return own.log_likelihood;
+  };
+  const double usual = found("", {});
+  EXPECT_GT(std::abs(found(", alpha: 0.3", {.alpha = 0.3}) - usual), 2e-5);
+  EXPECT_GT(std::abs(found(", beta: 0", {.beta = 0.0}) - usual), 2e-5);
+  EXPECT_GT(std::abs(found(", kappa: 2", {.kappa = 2.0}) - usual), 2e-5);
+}
+
+void passes_over_the_record() {
+  const auto study = with_estimate(prior + ", estimate_initial_state: true, passes: 2", nonlinear);
+  EXPECT_TRUE(options_of(study).keep_initial_state);
+  const auto results = run(study, Stage::estimate);
+  const auto& stage = *results.estimation;
+  const auto filter = make_filter_run(study, *study.observer, full_record(study, results));
+  const auto expected = [&](int passes) {
+    return estimate(*filter.choice.observer, filter.record, {.filter = stage.filter, .passes = passes}).log_likelihood;
+  };
+  near(stage.result.log_likelihood, expected(2), 1e-9);
+  EXPECT_GT(std::abs(expected(2) - expected(1)), 1e-3);
+  EXPECT_TRUE(stage.open_loop.has_value());
+  EXPECT_FALSE(options_of(with_estimate(prior, nonlinear)).keep_initial_state);
+}
+
+void sums_begin_after_settling() {
+  for (const auto& [text, first] :
+       std::vector<std::pair<std::string, Eigen::Index>>{{", settle: 0.2 s", 20}, {", settle: 0", 0}}) {
+    const auto results = run(with_estimate(stiffness_unknown + text), Stage::estimate);
+    const auto& stage = *results.estimation;
+    EXPECT_EQ(stage.settled, first);
+    const Eigen::Index count = stage.result.nis.size() - first;
+    near(stage.consistency.mean_nis, stage.result.nis.tail(count).mean());
+    for (const auto& point : stage.points)
+      if (point.quantity == ObservedQuantity::displacement)
+        near(point.nrmse.value(), nrmse(point.mean.tail(count), point.truth.tail(count)));
+  }
+  EXPECT_EQ(run(with_estimate(stiffness_unknown + ", settle: 9 s"), Stage::estimate).estimation->settled, 50);
+  EXPECT_FALSE(with_estimate(stiffness_unknown + ", settle: 9 s").warnings.empty());
+  const auto usual = with_estimate(stiffness_unknown, {{"simulate", "{duration: 3 s, sample_rate: 100 Hz}"}});
+  EXPECT_EQ(run(usual, Stage::estimate).estimation->settled, 200);
+}
+
+void parts_of_an_interval() {
+  const auto study = with_estimate(stiffness_unknown + ", substeps: 7");
+  EXPECT_EQ(options_of(study).substeps, 7);
+  near(options_of(study).step, 0.01);
+  EXPECT_EQ(options_of(with_estimate(stiffness_unknown)).substeps, 4);
+  const auto results = run(study, Stage::simulate);
+  EXPECT_EQ(make_filter_run(study, *study.observer, full_record(study, results)).record.inputs.cols(), 351);
+}
+
+void threads() {
+  EXPECT_EQ(filter_threads(with_estimate(stiffness_unknown + ", threads: 3")), 3);
+  EXPECT_EQ(filter_threads(with_estimate(stiffness_unknown + ", threads: 0")), processors());
+  EXPECT_EQ(filter_threads(with_estimate(stiffness_unknown)), processors());
+}
+
+/// Two substructures joined by a connector; the one that is predicted is named.
+void predictions() {
+  for (const std::string name : {"s", "w"}) {
+    const auto results =
+        run(study_of(estimated_case(
+                {{"substructures",
+                  "{w: {masses: {w: 1.5, v: 1}, springs: [{from: ground, to: w, stiffness: 2e3}, {from: w, to: "
+                  "v, stiffness: 900}]}, s: {masses: {a: 2, b: 3, c: 1}, springs: [{from: a, to: b, stiffness: "
+                  "800}, {from: b, to: c, stiffness: 700}]}}"},
+                 {"connectors", "{c: {from: w.w, to: s.a, law: linear, parameters: {k: 500, c: 3}}}"},
+                 {"predict", "{substructure: " + name + "}"}})),
+            Stage::predict);
+    EXPECT_EQ(results.prediction->substructure, name);
+    for (const auto& point : results.prediction->points)
+      EXPECT_TRUE(point.point.starts_with(name + ".")) << point.point;
+    EXPECT_EQ(results.prediction->points.size(), name == "s" ? 6u : 4u);
+  }
+}
+
+/// A substructure of more than 400 degrees of freedom is stepped by a scheme of second order in its substep.
+void prediction_steps() {
+  std::string nodes = "node,x_m,y_m,z_m\n1,0,0,0\n", elements = "element,node1,node2,region\n";
+  for (int i = 1; i <= 80; ++i) {
+    nodes += std::to_string(i + 1) + "," + std::to_string(i * 0.0125) + ",0,0\n";
+    elements += std::to_string(i) + "," + std::to_string(i) + "," + std::to_string(i + 1) + ",bar\n";
+  }
+  const auto predicted = [&](const std::string& substeps) {
+    const auto part = beam_elements();
+    write_file("fine_nodes.csv", nodes);
+    write_file("fine_elements.csv", elements);
+    auto sections =
+        beam_case({{"substructures",
+                    "{w: {masses: {w: 1}, springs: [{from: ground, to: w, stiffness: 2e3}]}, b: {finite_elements: {" +
+                        part + "}, reduction: {modes: 6}}}"},
+                   {"connectors", "{c: {from: w.w, to: b.tip.z, law: linear, parameters: {k: 3e4}}}"},
+                   {"excitation", "{f: {force: w.w, sine: {amplitude: 10, frequency: 60}}}"},
+                   {"simulate", "{duration: 0.03 s, sample_rate: 1 kHz, tolerance: 1, first_substeps: 1}"},
+                   {"estimate", "{unknown: {c.k: {initial: 3e4, std: 1 %}}, settle: 0, substeps: 1}"},
+                   {"predict", "{substructure: b" + substeps + "}"}});
+    auto& part_text = sections["substructures"];
+    part_text.replace(part_text.find("tip: 3"), 6, "tip: 81");
+    part_text.replace(part_text.find("nodes.csv"), 9, "fine_nodes.csv");
+    part_text.replace(part_text.find("elements.csv"), 12, "fine_elements.csv");
+    const auto results = run(study_of(sections), Stage::predict);
+    return find_quantity(results.prediction->points, "b.mid.z", ObservedQuantity::displacement)->mean;
+  };
+  const Eigen::VectorXd one = predicted(", substeps: 1"), two = predicted(""), four = predicted(", substeps: 4");
+  near(predicted(", substeps: 2"), two);
+  const double first = (one - two).norm(), second = (two - four).norm();
+  EXPECT_GT(first, 2.0 * second);
+  EXPECT_GT(second, 1e-9 * four.norm());
+}
+
+}  // namespace
+
+KeyChecks estimation_keys() {
+  KeyChecks keys;
+  const auto add = [&](const std::string& prefix, const std::vector<std::string>& names, void (*check)()) {
+    for (const auto& name : names) keys[prefix + name] = check;
+  };
+  add(at + "unknown.*.", {"initial", "std"}, first_guesses_and_deviations);
+  add(at + "unknown.*.", {"transform", "bounds"}, transforms);
+  add(at + "unknown.*.", {"random_walk"}, drifts);
+  add(at + "unknown.*.", {"truth"}, truths);
+  add(at + "unknown.*.", {"applies_to"}, [] {
+    shared_values();
+    linear_elements_are_released();
+  });
+  add(at + "initial_state.*.", {"displacement", "velocity", "displacement_std", "velocity_std"}, initial_states);
+  add(at, {"initial_state_from_record"}, start_from_the_record);
+  add(at + "initial_connector_states.*.", {"value", "std"}, initial_connector_states);
+  add(at + "process_noise.", {"acceleration", "accelerations"}, process_noise);
+  add(at + "local.", {"substructures"}, local_observers_move_as_measured);
+  add(at + "local.interface.*.acceleration.", {"sensor", "displacement_std", "velocity_std"},
+      local_observers_move_as_measured);
+  add(at + "local.interface.*.force.", {"std", "correlation_time"}, local_observers_are_pushed_by_unknown_forces);
+  add(at, {"filter"}, filter_kinds);
+  add(at, {"alpha", "beta", "kappa"}, spreads_of_sigma_points);
+  add(at, {"passes", "estimate_initial_state"}, passes_over_the_record);
+  add(at, {"settle"}, sums_begin_after_settling);
+  add(at, {"substeps"}, parts_of_an_interval);
+  add(at, {"threads"}, threads);
+  add("predict.", {"substructure"}, predictions);
+  add("predict.", {"substeps"}, prediction_steps);
+  return keys;
+}
+
+}  // namespace kalfem::wiring

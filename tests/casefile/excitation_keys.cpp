@@ -1,0 +1,154 @@
+#include "casefile/probes.hpp"
+#include "kalfem/system/signals/harmonic.hpp"
+#include "kalfem/system/signals/pulse.hpp"
+#include "kalfem/system/signals/random_signal.hpp"
+#include "kalfem/system/signals/road_profile.hpp"
+#include "kalfem/system/signals/sampled.hpp"
+#include "kalfem/system/signals/smooth_step.hpp"
+
+/// Keys of the excitation: every signal is that of the library with the same options, none of which is a default.
+namespace kalfem::wiring {
+namespace {
+
+const std::string at = "excitation.*.";
+
+Study with_signal(const std::string& text) {
+  return study_of(lumped_case({{"excitation", "{e: {force: s.b, " + text + "}}"}}));
+}
+
+/// The same check for each of these keys.
+KeyChecks all_of(const std::string& prefix, const std::vector<std::string>& keys, const std::function<void()>& check) {
+  KeyChecks checks;
+  for (const auto& key : keys) checks[prefix + key] = check;
+  return checks;
+}
+
+void random_signals() {
+  same_signal(
+      *with_signal("random: {rms: 2 kN, band: [3, 17], duration: 1.5, fade_in: 0.2, seed: 9}").signals[0],
+      *make_random({.rms = 2e3, .lower = 3, .upper = 17, .duration = 1.5, .fade_in = 0.2, .seed = 9, .name = "e"}));
+  // Without them: the simulation's duration as period, half a second, the first seed.
+  same_signal(
+      *with_signal("random: {rms: 2, band: [3, 17]}").signals[0],
+      *make_random({.rms = 2, .lower = 3, .upper = 17, .duration = 0.5, .fade_in = 0.5, .seed = 1, .name = "e"}));
+}
+
+void sines() {
+  same_signal(*with_signal("sine: {amplitude: 3 kN, frequency: 7 Hz, phase: 30 deg, fade_in: 0.2 s}").signals[0],
+              *make_sine({.amplitude = 3e3, .frequency = 7, .phase = 3.14159265358979323846 / 6, .fade_in = 0.2}));
+  same_signal(*with_signal("sine: {amplitude: 3, frequency: 7}").signals[0],
+              *make_sine({.amplitude = 3, .frequency = 7, .phase = 0, .fade_in = 0}));
+}
+
+void sweeps() {
+  same_signal(
+      *with_signal("sweep: {amplitude: 3, from: 2, to: 20, duration: 0.4, kind: logarithmic, fade_in: 0.1}").signals[0],
+      *make_swept_sine(
+          {.amplitude = 3, .from = 2, .to = 20, .duration = 0.4, .sweep = Sweep::logarithmic, .fade_in = 0.1}));
+  same_signal(*with_signal("sweep: {amplitude: 3, from: 2, to: 20}").signals[0],
+              *make_swept_sine({.amplitude = 3, .from = 2, .to = 20, .duration = 0.5, .sweep = Sweep::linear}));
+}
+
+void impulses() {
+  same_signal(*with_signal("impulse: {amplitude: 4, start: 0.1, duration: 0.3, shape: smooth}").signals[0],
+              *make_pulse({.amplitude = 4, .start = 0.1, .duration = 0.3, .shape = PulseShape::smooth}));
+  same_signal(*with_signal("impulse: {amplitude: 4}").signals[0],
+              *make_pulse({.amplitude = 4, .start = 0.0, .duration = 0.01, .shape = PulseShape::half_sine}), 1e-3);
+}
+
+void roads() {
+  const auto road = [](const std::string& text) {
+    return study_of(lumped_case({{"excitation", "{e: {base_displacement: s.ground, road: " + text + "}}"}}));
+  };
+  same_signal(*road("{class: E, speed: 36 km/h, band: [0.1, 2], duration: 3, fade_in: 0.1, seed: 5}").signals[0],
+              *make_road_profile({.road_class = 'E',
+                                  .speed = 10,
+                                  .lower = 0.1,
+                                  .upper = 2,
+                                  .duration = 3,
+                                  .fade_in = 0.1,
+                                  .seed = 5,
+                                  .name = "e"}));
+  same_signal(*road("{class: A, speed: 30}").signals[0], *make_road_profile({.road_class = 'A',
+                                                                             .speed = 30,
+                                                                             .lower = 0.011,
+                                                                             .upper = 2.83,
+                                                                             .duration = 0.5,
+                                                                             .fade_in = 0.5,
+                                                                             .seed = 1,
+                                                                             .name = "e"}));
+}
+
+const std::vector<double> samples{0.0, 1.0, 4.0, 2.0, -1.0, 0.5, 3.0, 1.0};
+
+/// A column of a table with a time axis of its own, and of one without.
+void recorded_signals() {
+  write_file("force.csv", csv_of(10.0, {{"p", samples}, {"q", std::vector<double>(8, 7.0)}}));
+  Eigen::VectorXd values = Eigen::VectorXd::Map(samples.data(), 8);
+  same_signal(*with_signal("file: force.csv, channel: p").signals[0], *make_sampled(values, {.sample_rate = 10.0}));
+  near(signal_at(with_signal("file: force.csv, channel: q"), 0.3)[0], 7.0);
+  same_signal(*with_signal("file: force.csv, channel: p, unit: kN").signals[0],
+              *make_sampled(1e3 * values, {.sample_rate = 10.0}));
+  write_file("bare.csv", "p\n0\n1\n4\n2\n-1\n0.5\n3\n1\n");
+  same_signal(*with_signal("file: bare.csv, channel: p, sample_rate: 5 Hz").signals[0],
+              *make_sampled(values, {.sample_rate = 5.0}));
+  write_file("late.csv", csv_of(10.0, {{"p", samples}}, -0.2));
+  same_signal(*with_signal("file: late.csv, channel: p").signals[0],
+              *make_sampled(values, {.sample_rate = 10.0, .start = -0.2}), 0.01, 40);
+}
+
+/// Inputs that follow the second of two others.
+void delayed_signals() {
+  const auto delay = [](const std::string& text, double seconds) {
+    const auto study = study_of(
+        lumped_case({{"excitation",
+                      "{g: {force: s.a, sine: {amplitude: 5, frequency: 3}}, e: {force: s.a, sine: {amplitude: 2, "
+                      "frequency: 4}}, late: {force: s.b, " +
+                          text + "}}"}}));
+    same_signal(*study.signals[2], *delayed(make_sine({.amplitude = 2, .frequency = 4}), seconds));
+  };
+  delay("delayed: {input: e, delay: 30 ms}", 0.03);
+  delay("trailing_axle: {input: e, wheelbase: 3 m, speed: 72 km/h}", 0.15);
+}
+
+void targets() {
+  const auto force = study_of(lumped_case({{"excitation", "{e: {force: s.b, constant: 2 kN}}"}}));
+  near(system_of(force).inputs[0].value, vector({0.0, 1.0}));
+  EXPECT_EQ(system_of(force).inputs[0].unit, "N");
+  near(signal_at(force, 0.2), Eigen::Vector3d(2e3, 0, 0));
+  const auto ground = study_of(lumped_case({{"excitation", "{e: {base_displacement: s.ground, constant: 2 mm}}"}}));
+  near(system_of(ground).inputs[0].value, vector({800.0, 0.0}));
+  near(system_of(ground).inputs[0].rate, vector({4.0, 0.0}));
+  EXPECT_EQ(system_of(ground).inputs[0].unit, "m");
+  near(signal_at(ground, 0.2)[0], 2e-3);
+  // The whole ground accelerates: inertia forces -M 1, or with a weight for each degree of freedom.
+  const auto all = study_of(lumped_case({{"excitation", "{e: {base_acceleration: all, constant: 0.5 m/s^2}}"}}));
+  near(system_of(all).inputs[0].value, vector({-2.0, -3.0}));
+  near(signal_at(all, 0.2)[0], 0.5);
+  const auto some = study_of(lumped_case({{"excitation", "{e: {base_acceleration: {s.b: 0.5}, constant: 1}}"}}));
+  near(system_of(some).inputs[0].value, vector({0.0, -1.5}));
+  near(some.model->base_accelerations().col(0), vector({0.0, 0.5}));
+}
+
+}  // namespace
+
+KeyChecks excitation_keys() {
+  KeyChecks keys;
+  keys.merge(all_of(at + "random.", {"rms", "band", "duration", "fade_in", "seed"}, random_signals));
+  keys.merge(all_of(at + "sine.", {"amplitude", "frequency", "phase", "fade_in"}, sines));
+  keys.merge(all_of(at + "sweep.", {"amplitude", "from", "to", "duration", "kind", "fade_in"}, sweeps));
+  keys.merge(all_of(at + "impulse.", {"amplitude", "start", "duration", "shape"}, impulses));
+  keys.merge(all_of(at + "road.", {"class", "speed", "band", "duration", "fade_in", "seed"}, roads));
+  keys.merge(all_of(at, {"file", "channel", "sample_rate", "unit"}, recorded_signals));
+  keys.merge(all_of(
+      at, {"delayed.input", "delayed.delay", "trailing_axle.input", "trailing_axle.wheelbase", "trailing_axle.speed"},
+      delayed_signals));
+  keys.merge(all_of(at, {"force", "base_displacement", "base_acceleration", "constant"}, targets));
+  keys[at + "scale"] = [] {
+    same_signal(*with_signal("sine: {amplitude: 3, frequency: 7}, scale: -1.5").signals[0],
+                *make_sine({.amplitude = -4.5, .frequency = 7}));
+  };
+  return keys;
+}
+
+}  // namespace kalfem::wiring

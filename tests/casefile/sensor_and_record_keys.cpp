@@ -1,0 +1,250 @@
+#include <limits>
+
+#include "casefile/probes.hpp"
+#include "kalfem/base/random.hpp"
+#include "kalfem/casefile/filter_run.hpp"
+#include "kalfem/formats/hdf5_file.hpp"
+#include "kalfem/formats/record_splice.hpp"
+
+/// Keys of sensors with their measurement chains, and of measured records.
+namespace kalfem::wiring {
+namespace {
+
+Study with_sensor(const std::string& text) { return study_of(lumped_case({{"sensors", "{y: {" + text + "}}"}})); }
+
+/// Weights of s.a and s.b in what the sensor sees, of displacement, velocity and acceleration.
+Eigen::Matrix<double, 3, 2> seen(const std::string& quantity) {
+  const auto study = with_sensor(quantity + ", noise: 1");
+  const auto map = make_outputs(*study.model, {study.sensors[0].output});
+  Eigen::Matrix<double, 3, 2> rows;
+  rows << Eigen::MatrixXd(map.displacement).row(0), Eigen::MatrixXd(map.velocity).row(0),
+      Eigen::MatrixXd(map.acceleration).row(0);
+  return rows;
+}
+
+void motions() {
+  const Eigen::RowVector2d a(1, 0), difference(-1, 0.5);
+  EXPECT_EQ(seen("displacement: s.a"), (Eigen::Matrix<double, 3, 2>{{1, 0}, {0, 0}, {0, 0}}));
+  EXPECT_EQ(seen("velocity: s.a"), (Eigen::Matrix<double, 3, 2>{{0, 0}, {1, 0}, {0, 0}}));
+  EXPECT_EQ(seen("acceleration: s.a"), (Eigen::Matrix<double, 3, 2>{{0, 0}, {0, 0}, {1, 0}}));
+  EXPECT_EQ(seen("displacement: {s.a: -1, s.b: 0.5}"), (Eigen::Matrix<double, 3, 2>{{-1, 0.5}, {0, 0}, {0, 0}}));
+}
+
+void connector_quantities() {
+  const auto force = with_sensor("force: c, noise: 1");
+  const auto map = make_outputs(*force.model, {force.sensors[0].output});
+  EXPECT_EQ(map.force.rows(), 1);
+  near(map.force(0, 0), 1.0);
+  EXPECT_EQ(seen("deformation: c"), (Eigen::Matrix<double, 3, 2>{{-1, 1}, {0, 0}, {0, 0}}));
+  EXPECT_EQ(seen("rate: c"), (Eigen::Matrix<double, 3, 2>{{0, 0}, {-1, 1}, {0, 0}}));
+}
+
+void relative_to_the_base() {
+  const auto base_part = [](const std::string& more) {
+    const auto study = study_of(lumped_case({{"excitation", "{e: {base_acceleration: all, constant: 1}}"},
+                                             {"sensors", "{y: {acceleration: s.b, noise: 1" + more + "}}"}}));
+    return make_outputs(*study.model, {study.sensors[0].output}).input_value(0, 0);
+  };
+  near(base_part(""), 1.0);
+  near(base_part(", relative: false"), 1.0);
+  EXPECT_EQ(base_part(", relative: true"), 0.0);
+}
+
+void noise_is_absolute_or_a_part_of_the_rms() {
+  const auto absolute = with_sensor("displacement: s.a, noise: 2 mm");
+  near(absolute.sensors[0].deviation(5.0), 2e-3);
+  const auto relative = with_sensor("displacement: s.a, noise: 3 %");
+  near(relative.sensors[0].deviation(5.0), 0.15);
+  // The record that a simulation makes has this noise, the filter expects it, and its level is that of the clean
+  // signal.
+  const auto study = study_of(estimated_case(
+      {{"sensors", "{y: {displacement: s.b, noise: 5 %}}"}, {"simulate", "{duration: 20 s, sample_rate: 100 Hz}"}}));
+  const auto results = run(study, Stage::simulate);
+  const Eigen::VectorXd clean = results.simulation->reference.sensors.col(0);
+  near(results.simulation->noise[0], 0.05 * rms(clean));
+  const Eigen::VectorXd noise = results.simulation->measurements.values.col(0) - clean;
+  // 2001 samples: the rms of the noise is known to 1.6 %, three deviations.
+  near(rms(noise), results.simulation->noise[0], 3.0 / std::sqrt(2.0 * 2001));
+  const auto filter = make_filter_run(study, *study.observer, full_record(study, results));
+  near(filter.record.noise(0, 0), std::pow(results.simulation->noise[0], 2));
+}
+
+std::complex<double> response(const std::string& chain, double frequency) {
+  return with_sensor("displacement: s.a, noise: 1, chain: [" + chain + "]")
+      .sensors[0]
+      .chain.frequency_response(frequency);
+}
+
+/// Butterworth filters by their formula; Bessel ones at the cut-off and by the library.
+void filters() {
+  const auto low = [](int order, double ratio) { return 1.0 / std::sqrt(1.0 + std::pow(ratio, 2 * order)); };
+  near(std::abs(response("{butterworth: {low_pass: 20 Hz}}", 30.0)), low(4, 1.5), 1e-9);
+  near(std::abs(response("{butterworth: {order: 2, low_pass: 20 Hz}}", 30.0)), low(2, 1.5), 1e-9);
+  near(std::abs(response("{butterworth: {order: 3, high_pass: 20 Hz}}", 30.0)), low(3, 1.0 / 1.5), 1e-9);
+  near(std::abs(response("{butterworth: {order: 2, band_pass: [10, 40]}}", 20.0)), 1.0, 1e-9);
+  near(std::abs(response("{butterworth: {order: 2, band_pass: [10, 40]}}", 10.0)), std::sqrt(0.5), 1e-9);
+  near(std::abs(response("{butterworth: {order: 2, band_pass: [10, 40]}}", 40.0)), std::sqrt(0.5), 1e-9);
+  for (const auto band : {FilterBand::low_pass, FilterBand::high_pass, FilterBand::band_pass}) {
+    const std::string text = band == FilterBand::low_pass    ? "low_pass: 20"
+                             : band == FilterBand::high_pass ? "high_pass: 20"
+                                                             : "band_pass: [20, 50]";
+    const MeasurementChain bessel({{FilterStage{FilterFamily::bessel, band, 3, 20.0, 50.0}}});
+    EXPECT_LT(std::abs(response("{bessel: {order: 3, " + text + "}}", 17.0) - bessel.frequency_response(17.0)), 1e-12);
+  }
+}
+
+void other_stages() {
+  const double f = 25.0, omega = 2 * 3.14159265358979323846 * f;
+  EXPECT_LT(std::abs(response("{delay: 4 ms}", f) - std::polar(1.0, -omega * 4e-3)), 1e-6);
+  const auto resonance = [&](double zeta) {
+    return 1.0 / std::complex<double>(1.0 - std::pow(f / 100.0, 2), 2.0 * zeta * f / 100.0);
+  };
+  EXPECT_LT(std::abs(response("{resonance: {frequency: 100 Hz, damping: 0.3}}", f) - resonance(0.3)), 1e-12);
+  EXPECT_LT(std::abs(response("{resonance: {frequency: 100 Hz}}", f) - resonance(0.7)), 1e-12);
+  EXPECT_LT(std::abs(response("{gain: -2.5}", f) + 2.5), 1e-12);
+  EXPECT_LT(std::abs(response("{gain: 2}, {delay: 4 ms}", f) - 2.0 * std::polar(1.0, -omega * 4e-3)), 1e-6);
+}
+
+// --- records ---------------------------------------------------------------------------------------------------------
+
+Study with_record(const std::string& text, const Sections& more = {}) {
+  Sections sections{{"simulate", ""}, {"record", "{" + text + "}"}};
+  for (const auto& [key, value] : more) sections[key] = value;
+  return study_of(lumped_case(sections));
+}
+
+const std::vector<double> ramp{0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
+
+void record_columns() {
+  write_file("record.csv", csv_of(10.0, {{"y", ramp}, {"z", std::vector<double>(10, 3.0)}}, 2.0));
+  const auto own = with_record("file: record.csv");
+  near(own.record->series.sample_rate, 10.0);
+  near(own.record->series.start, 2.0);
+  near(own.record->series.values.col(0), Eigen::VectorXd::LinSpaced(10, 0, 9));
+  EXPECT_EQ(own.record->used, 10);
+  const auto other = with_record("file: record.csv", {{"sensors", "{y: {displacement: s.b, noise: 1, channel: z}}"}});
+  near(other.record->series.values.col(0), Eigen::VectorXd::Constant(10, 3.0));
+  EXPECT_EQ(other.record->series.channels[0].name, "y");
+}
+
+void record_units_and_rates() {
+  write_file("record.csv", csv_of(10.0, {{"y", ramp}}));
+  near(with_record("file: record.csv, unit: mm").record->series.values(9, 0), 9e-3);
+  write_file("bare.csv", "y\n0\n1\n2\n3\n");
+  near(with_record("file: bare.csv, sample_rate: 50 Hz").record->series.sample_rate, 50.0);
+}
+
+void record_datasets() {
+  const auto path = write_file("record.h5", "");
+  {
+    auto file = Hdf5File::create(path.string());
+    file.write_matrix("/run2", Eigen::MatrixXd::Constant(4, 2, 5.0));
+    file.write_matrix("/run1", Eigen::MatrixXd::Constant(4, 2, 6.0));
+  }
+  const auto value = [](const std::string& dataset) {
+    return with_record("file: record.h5, dataset: /" + dataset + ", sample_rate: 20 Hz",
+                       {{"sensors", "{y: {displacement: s.b, noise: 1, channel: '1'}}"}})
+        .record->series.values(0, 0);
+  };
+  near(value("run2"), 5.0);
+  near(value("run1"), 6.0);
+}
+
+void record_window() {
+  write_file("record.csv", csv_of(10.0, {{"y", ramp}}, 2.0));
+  const auto part = with_record("file: record.csv, start: 2.3 s, end: 2.7 s");
+  near(part.record->series.start, 2.3);
+  near(part.record->series.values.col(0), Eigen::VectorXd::LinSpaced(5, 3, 7));
+  EXPECT_EQ(part.record->used, 5);
+}
+
+void missing_samples() {
+  auto record = [] {
+    const auto path = write_file("record.h5", "");
+    auto file = Hdf5File::create(path.string());
+    Eigen::MatrixXd values = Eigen::VectorXd::LinSpaced(10, 0, 9);
+    values(4, 0) = std::numeric_limits<double>::quiet_NaN();
+    file.write_matrix("/d", values);
+  };
+  record();
+  const Sections first{{"sensors", "{y: {displacement: s.b, noise: 1, channel: '0'}}"}};
+  EXPECT_THROW(with_record("file: record.h5, dataset: /d, sample_rate: 10", first), InvalidInput);
+  const auto study = with_record("file: record.h5, dataset: /d, sample_rate: 10, skip_missing: true", first);
+  EXPECT_TRUE(std::isnan(study.record->series.values(4, 0)));
+  near(study.record->series.values(5, 0), 5.0);
+}
+
+/// Two sines that are quiet up to sample 300 and noisy behind it, where 6 samples are missing.
+void splices_are_repaired() {
+  std::vector<double> y(900), z(900);
+  RandomStream random(3, "splice");
+  for (int k = 0; k < 900; ++k) {
+    const double t = (k < 300 ? k : k + 6) / 500.0, noise = k < 300 ? 2e-7 : 1e-5;
+    y[std::size_t(k)] = 0.03 * std::cos(9.4 * t) + noise * random.normal();
+    z[std::size_t(k)] = 0.03 * std::cos(13.8 * t + 0.3) + noise * random.normal();
+  }
+  write_file("record.csv", csv_of(500.0, {{"y", y}, {"z", z}}));
+  const Sections sensors{{"sensors", "{y: {displacement: s.b, noise: 1}, z: {displacement: s.a, noise: 1}}"}};
+  EXPECT_EQ(with_record("file: record.csv", sensors).record->series.samples(), 900);
+  const auto study = with_record("file: record.csv, repair_splice: true", sensors);
+  const auto& series = study.record->series;
+  ASSERT_EQ(series.samples(), 906);
+  ASSERT_EQ(study.record->preparation.size(), 1u);
+  // The six samples, the one behind them and two on either side are missing; behind them the time is right: to 5
+  // deviations of noise.
+  EXPECT_EQ(series.values.col(0).array().isNaN().count(), 11);
+  for (const Eigen::Index k : {297, 309, 500, 905})
+    EXPECT_NEAR(series.values(k, 0), 0.03 * std::cos(9.4 * double(k) / 500.0), 5e-5) << k;
+}
+
+/// Held at 40 mm, released at 0.5 s, at rest at 5 mm from 2.5 s on.
+void free_responses() {
+  std::vector<double> y(1800);
+  for (int k = 0; k < 1800; ++k) {
+    const double since = k / 500.0 - 0.5;
+    y[std::size_t(k)] = since <= 0 ? 0.04 : 0.005 + 0.035 * std::max(0.0, 1.0 - since / 2.0) * std::cos(9.42 * since);
+  }
+  write_file("record.csv", csv_of(500.0, {{"y", y}}));
+  const auto record = [](const std::string& text) {
+    return *with_record("file: record.csv, free_response: {" + text + "}").record;
+  };
+  const auto plain = record("");
+  EXPECT_NEAR(plain.series.start, 0.5, 0.03);
+  near(plain.series.values(10, 0), y[std::size_t(std::llround(plain.series.start * 500)) + 10] - 0.005, 1e-3);
+  EXPECT_NEAR(record("delay: 0.2 s").series.start, plain.series.start + 0.2, 1e-9);
+  // The amplitude 35 mm (1 - t / 2 s) is below 10 mm from 1.93 s after the release on; the record begins up to 30 ms
+  // late.
+  const auto used = [&](const std::string& text) { return double(record(text).used) / 500.0; };
+  EXPECT_NEAR(used("threshold: 10 mm, margin: 0") + plain.series.start, 0.5 + 1.428, 0.4);
+  EXPECT_NEAR(used("threshold: 10 mm, margin: 0.3 s"), used("threshold: 10 mm, margin: 0") + 0.3, 1e-9);
+  EXPECT_NEAR(used("threshold: 10 mm"), used("threshold: 10 mm, margin: 0.5 s"), 1e-9);
+  EXPECT_GT(used("threshold: 1 mm, margin: 0"), used("threshold: 10 mm, margin: 0") + 0.3);
+  EXPECT_EQ(record("").used, record("threshold: 0.5 mm").used);
+}
+
+}  // namespace
+
+KeyChecks sensor_and_record_keys() {
+  KeyChecks keys;
+  const auto add = [&](const std::string& prefix, const std::vector<std::string>& names, void (*check)()) {
+    for (const auto& name : names) keys[prefix + name] = check;
+  };
+  add("sensors.*.", {"displacement", "velocity", "acceleration"}, motions);
+  add("sensors.*.", {"force", "deformation", "rate"}, connector_quantities);
+  add("sensors.*.", {"relative"}, relative_to_the_base);
+  add("sensors.*.", {"noise"}, noise_is_absolute_or_a_part_of_the_rms);
+  for (const std::string family : {"butterworth", "bessel"})
+    add("sensors.*.chain[]." + family + ".", {"order", "low_pass", "high_pass", "band_pass"}, filters);
+  add("sensors.*.chain[].", {"delay", "resonance.frequency", "resonance.damping", "gain"}, other_stages);
+  add("sensors.*.", {"channel"}, record_columns);
+  add("record.", {"file"}, record_columns);
+  add("record.", {"sample_rate", "unit"}, record_units_and_rates);
+  add("record.", {"dataset"}, record_datasets);
+  add("record.", {"start", "end"}, record_window);
+  add("record.", {"skip_missing"}, missing_samples);
+  add("record.", {"repair_splice"}, splices_are_repaired);
+  add("record.free_response.", {"delay", "threshold", "margin"}, free_responses);
+  return keys;
+}
+
+}  // namespace kalfem::wiring

@@ -1,0 +1,530 @@
+#include <complex>
+#include <numbers>
+
+#include "casefile/probes.hpp"
+#include "kalfem/casefile/comparisons.hpp"
+#include "kalfem/casefile/parameterised_structure.hpp"
+#include "kalfem/formats/hdf5_file.hpp"
+#include "kalfem/updating/evolution.hpp"
+#include "kalfem/updating/frf_residual.hpp"
+#include "kalfem/updating/multi_start.hpp"
+
+/// Keys of the updating: residuals against their definition, the search against the library's with the same options.
+namespace kalfem::wiring {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+const std::string at = "update.", compare_at = at + "compare.*.";
+
+/// Two masses in a row from the ground, 2 % modal damping; the first spring is refined.
+Study with_update(const std::string& text, const Sections& more = {}) {
+  Sections sections{
+      {"substructures",
+       "{s: {masses: {a: 2, b: 3}, springs: [{name: k, from: ground, to: a, stiffness: 800}, {name: m, from: a, "
+       "to: b, stiffness: 500}], damping: {modal: 2 %}}}"},
+      {"connectors", ""},
+      {"excitation", ""},
+      {"sensors", ""},
+      {"simulate", ""},
+      {"update", "{" + text + "}"}};
+  for (const auto& [key, value] : more) sections[key] = value;
+  return study_of(lumped_case(sections));
+}
+
+Study with_comparison(const std::string& text, const Sections& more = {}) {
+  return with_update("parameters: {s.k.stiffness: {}}, compare: {first: {" + text + "}}", more);
+}
+
+/// Mass and stiffness of the substructure with its first spring as stiff as given.
+std::pair<MatrixXd, MatrixXd> matrices(double k = 800.0) {
+  return {Eigen::Vector2d(2, 3).asDiagonal(), Eigen::Matrix2d{{k + 500, -500}, {-500, 500}}};
+}
+
+NormalModes modes_at(double k = 800.0) {
+  const auto [m, s] = matrices(k);
+  return normal_modes(m.sparseView(), s.sparseView());
+}
+
+std::vector<ComparisonResidual> residuals_of(const Study& study, const StudyResults& results = {}) {
+  const auto structure = parameterised_structure(study);
+  auto residuals = make_comparisons(study, structure);
+  add_record_comparisons(study, results, structure, residuals);
+  return residuals;
+}
+
+VectorXd residual_at(const Study& study, double k, const StudyResults& results = {}) {
+  return residuals_of(study, results).at(0).rounds.back()->evaluate(VectorXd::Constant(1, k), false)->values;
+}
+
+VectorXd residual_of(const std::string& text, double k = 800.0) { return residual_at(with_comparison(text), k); }
+
+// --- parameters ------------------------------------------------------------------------------------------------------
+
+const std::string frequencies = "compare: {f: {modes: s, frequencies: [1.3, 3.9]}}";
+
+UpdatingParameter parameter_of(const std::string& text) {
+  return with_update("parameters: {s.k.stiffness: {" + text + "}}, " + frequencies).updating->parameters.at(0);
+}
+
+void parameters() {
+  near(parameter_of("").initial, 800.0);
+  near(parameter_of("initial: 0.9 N/mm").initial, 900.0);
+  EXPECT_TRUE(std::isinf(parameter_of("").deviation));
+  near(parameter_of("initial: 900, std: 50 N/m").deviation, 50.0);
+  near(parameter_of("initial: 900, std: 10 %").deviation, 90.0);
+  const auto bounded = parameter_of("bounds: [0.7 N/mm, 1100]");
+  near(bounded.lower, 700.0);
+  near(bounded.upper, 1100.0);
+  EXPECT_EQ(parameter_of("").lower, 0.0);
+  EXPECT_TRUE(std::isinf(parameter_of("").upper));
+}
+
+void parameter_truths() {
+  const auto truth = [](const std::string& text, const Sections& more = {}) {
+    return with_update("parameters: {s.k.stiffness: {" + text + "}}, " + frequencies, more)
+        .updating->true_parameters.at(0);
+  };
+  EXPECT_FALSE(truth(""));
+  near(*truth("truth: 850"), 850.0);
+  near(*truth("initial: 700", {{"simulate", "{duration: 1, sample_rate: 100}"}}), 800.0);
+}
+
+void shared_parameters() {
+  const auto study =
+      with_update("parameters: {all: {initial: 600, applies_to: [s.k.stiffness, s.m.stiffness]}}, " + frequencies);
+  ASSERT_EQ(study.updating->parameters.size(), 1u);
+  ASSERT_EQ(study.updating->bindings.size(), 2u);
+  const auto model = parameterised_structure(study)->model_of("s")->at(VectorXd::Constant(1, 700.0)).model;
+  near(model.stiffness.coeff(0, 0), 1400.0);
+  near(model.stiffness.coeff(1, 1), 700.0);
+}
+
+// --- natural frequencies ---------------------------------------------------------------------------------------------
+
+void natural_frequencies() {
+  const VectorXd f = modes_at().frequencies, stiffer = modes_at(900.0).frequencies;
+  const auto expected = [](const VectorXd& model, double deviation_1, double deviation_2) {
+    return vector({(model[0] - 1.5) / deviation_1, (model[1] - 3.5) / deviation_2});
+  };
+  near(residual_of("modes: s, frequencies: [1.5, 3.5]"), expected(f, 0.015, 0.035), 1e-9);
+  near(residual_of("modes: s, frequencies: [1.5, 3.5]", 900.0), expected(stiffer, 0.015, 0.035), 1e-9);
+  near(residual_of("modes: s, frequencies: [1.5, 3.5], deviation: 2 %"), expected(f, 0.03, 0.07), 1e-9);
+  near(residual_of("modes: s, frequencies: [1.5, 3.5], deviation: 0.1 Hz"), expected(f, 0.1, 0.1), 1e-9);
+  near(residual_of("modes: s, frequencies: [3.5], model_modes: [2]"), vector({(f[1] - 3.5) / 0.035}), 1e-9);
+  near(residual_of("modes: s, frequencies: [3.5], above: 2 Hz"), vector({(f[1] - 3.5) / 0.035}), 1e-9);
+  write_file("frequencies.csv", "number,f\n1,1.5\n2,3.5\n3,9\n");
+  near(residual_of("modes: s, frequencies: {file: frequencies.csv, column: f, first: 2}"), expected(f, 0.015, 0.035),
+       1e-9);
+  EXPECT_THROW(residual_of("modes: s, frequencies: {file: frequencies.csv, column: f}"), InvalidInput);  // a third one
+}
+
+void mode_shapes() {
+  const MatrixXd shapes = modes_at().shapes;
+  MatrixXd measured = shapes * Eigen::Vector2d(-2.0, 0.5).asDiagonal();
+  measured(1, 0) *= 1.1;
+  std::ostringstream text;
+  text.precision(17);
+  text << measured(0, 0) << "," << measured(0, 1) << "\n" << measured(1, 0) << "," << measured(1, 1) << "\n";
+  write_file("shapes.csv", text.str());
+  const auto misfit = [&](const std::string& more) {
+    return VectorXd(
+        residual_of("modes: s, frequencies: [1.5, 3.5], shapes: {file: shapes.csv, points: [a, b]" + more + "}")
+            .tail(4));
+  };
+  // The model's shape times the scale factor that fits the measured one best, against it.
+  const VectorXd m = measured.col(0), p = shapes.col(0), difference = p * (p.dot(m) / p.squaredNorm()) - m;
+  const double largest = m.cwiseAbs().maxCoeff();
+  near(VectorXd(misfit("").head(2)), difference / (0.05 * largest), 1e-8);
+  near(VectorXd(misfit(", deviation: 0.2").head(2)), difference / (0.2 * largest), 1e-8);
+  EXPECT_LT(misfit("").tail(2).norm(), 1e-6);  // the second shape is exact
+  EXPECT_GT(VectorXd(residual_of(
+                         "modes: s, frequencies: [1.5, 3.5], shapes: {file: shapes.csv, points: [b, a]}, minimum_mac: "
+                         "0.01")
+                         .tail(2))
+                .norm(),
+            1.0);
+  // Shapes with a modal assurance criterion of 0.8 are of one mode unless the case asks for more.
+  const double mac = std::pow(p.dot(m), 2) / (p.squaredNorm() * m.squaredNorm());
+  const auto pairs_with = [&](double least) {
+    return residual_of("modes: s, frequencies: [1.5, 3.5], shapes: {file: shapes.csv, points: [a, b]}, minimum_mac: " +
+                       std::to_string(least))
+        .size();
+  };
+  EXPECT_EQ(pairs_with(mac - 0.001), 6);
+  EXPECT_THROW(pairs_with(mac + 0.5 * (1.0 - mac)), InvalidInput);
+}
+
+// --- frequency responses ---------------------------------------------------------------------------------------------
+
+/// H = (i omega)^derivative (K + i omega C - omega^2 M)^-1 e_input at the lines, lines x 2.
+MatrixXcd responses(const VectorXd& lines, int input, int derivative) {
+  const auto [m, k] = matrices();
+  const auto modes = modes_at();
+  const VectorXd rates = 2 * 0.02 * 2 * std::numbers::pi * modes.frequencies;
+  const MatrixXd c = m * modes.shapes * rates.asDiagonal() * modes.shapes.transpose() * m;
+  MatrixXcd h(lines.size(), 2);
+  for (Index i = 0; i < lines.size(); ++i) {
+    const Complex s(0.0, 2 * std::numbers::pi * lines[i]);
+    const MatrixXcd z = m.cast<Complex>() * s * s + c.cast<Complex>() * s + k.cast<Complex>();
+    h.row(i) = (std::pow(s, derivative) * z.inverse().col(input)).transpose();
+  }
+  return h;
+}
+
+const VectorXd lines = VectorXd::LinSpaced(20, 0.5, 5.25);
+
+void write_table(const std::string& name, const MatrixXcd& values) {
+  std::ostringstream text;
+  text.precision(17);
+  text << "f,a_re,a_im,b_re,b_im\n";
+  for (Index i = 0; i < values.rows(); ++i)
+    text << lines[i] << "," << values(i, 0).real() << "," << values(i, 0).imag() << "," << values(i, 1).real() << ","
+         << values(i, 1).imag() << "\n";
+  write_file(name, text.str());
+}
+
+/// Measured: the model's responses 10 % greater and 0.1 rad ahead.
+const Complex error = 1.1 * std::polar(1.0, 0.1);
+
+VectorXd frf_residual(const std::string& more, int derivative = 2, const std::string& outputs = "a, b") {
+  write_table("frf.csv", error * responses(lines, 0, derivative));
+  return residual_of("frf: s, inputs: [{force: a, file: frf.csv}], outputs: [" + outputs + "]" + more);
+}
+
+void frequency_responses() {
+  const double magnitude = -std::log(1.1), phase = -0.1;
+  const auto check = [&](const VectorXd& values, double deviation) {
+    ASSERT_EQ(values.size(), 80);
+    for (Index i = 0; i < values.size(); i += 2) {
+      EXPECT_NEAR(values[i], magnitude / deviation, 1e-6);
+      EXPECT_NEAR(values[i + 1], phase / deviation, 1e-6);
+    }
+  };
+  check(frf_residual(", floor: 0"), 0.05);
+  check(frf_residual(", floor: 0, deviation: 0.2"), 0.2);
+  check(frf_residual(", floor: 0, quantity: acceleration"), 0.05);
+  check(frf_residual(", floor: 0, quantity: velocity", 1), 0.05);
+  check(frf_residual(", floor: 0, quantity: displacement", 0), 0.05);
+  check(frf_residual(", floor: 0, compare: logarithm"), 0.05);
+}
+
+/// With a floor the deviation of a line is (0.05 |H|)^2 + (floor rms)^2; differences are those of the complex values.
+void frequency_response_differences() {
+  const MatrixXcd model = responses(lines, 0, 2), measured = error * model;
+  for (const double floor : {0.05, 0.3}) {
+    const VectorXd values = frf_residual(", compare: difference, floor: " + std::to_string(floor));
+    Index row = 0;
+    for (Index line = 0; line < 20; ++line)
+      for (Index output = 0; output < 2; ++output, row += 2) {
+        const double rms = std::sqrt(measured.col(output).squaredNorm() / 20.0);
+        const double sigma = std::hypot(0.05 * std::abs(measured(line, output)), floor * rms);
+        const Complex difference = (model(line, output) - measured(line, output)) / sigma;
+        EXPECT_NEAR(values[row], difference.real(), 1e-6);
+        EXPECT_NEAR(values[row + 1], difference.imag(), 1e-6);
+      }
+  }
+  near(frf_residual(", compare: difference"), frf_residual(", compare: difference, floor: 0.05"));
+}
+
+void frequency_response_selection() {
+  EXPECT_EQ(frf_residual(", bands: [[1, 2], [3, 3.3]]").size(), 4 * (5 + 2));
+  EXPECT_EQ(frf_residual("").size(), 80);
+  // Columns by name, in the outputs' order.
+  write_table("frf.csv", responses(lines, 1, 2));
+  const auto columns = [](const std::string& text) { return residual_of("frf: s, inputs: [" + text).norm(); };
+  EXPECT_LT(columns("{force: b, file: frf.csv}], outputs: [a, b]"), 1e-5);
+  EXPECT_LT(columns("{force: b, file: frf.csv, columns: [b, a]}], outputs: [b, a]"), 1e-5);
+  EXPECT_LT(columns("{force: b, file: frf.csv, columns: [b]}], outputs: [b]"), 1e-5);
+  EXPECT_GT(columns("{force: b, file: frf.csv, columns: [b, a]}], outputs: [a, b]"), 1.0);
+  EXPECT_GT(columns("{force: a, file: frf.csv}], outputs: [a, b]"), 1.0);
+}
+
+void frequency_responses_to_a_ground() {
+  // z per acceleration of the ground: [K + s C (relative) + s^2 M] (z - 1 r) = -s^2 M 1 r.
+  const auto [m, k] = matrices();
+  const MatrixXcd forces = responses(lines, 0, 0) * 2.0 + responses(lines, 1, 0) * 3.0;  // of M 1
+  MatrixXcd h(lines.size(), 2);
+  for (Index i = 0; i < lines.size(); ++i) {
+    const Complex s(0.0, 2 * std::numbers::pi * lines[i]);
+    h.row(i) = (1.0 - s * s * forces.row(i).array()).matrix();
+  }
+  write_table("frf.csv", h);
+  EXPECT_LT(residual_of("frf: s, inputs: [{ground: ground, file: frf.csv}], outputs: [a, b]").norm(), 1e-4);
+}
+
+void smoothed_frequency_responses() {
+  write_table("frf.csv", responses(lines, 0, 2));
+  const auto rounds = [](const std::string& text) {
+    return residuals_of(with_comparison("frf: s, inputs: [{force: a, file: frf.csv}], outputs: [a, b]" + text))[0]
+        .rounds.size();
+  };
+  EXPECT_EQ(rounds(""), 1u);
+  EXPECT_EQ(rounds(", smoothing: 0.9 Hz"), smoothing_widths(0.9, 0.09).size());
+}
+
+/// A record of noise at one mass: H1 of it is the model's, at lines that the length of the pieces sets.
+void frequency_responses_of_records() {
+  const auto simulated =
+      run(with_update("", {{"update", ""},
+                           {"excitation",
+                            "{f: {force: s.a, random: {rms: 10, band: [0.1, 40], duration: 80, "
+                            "fade_in: 0}}}"},
+                           {"sensors", "{a: {acceleration: s.a, noise: 0}, b: {acceleration: s.b, noise: 0}}"},
+                           {"simulate", "{duration: 80 s, sample_rate: 100 Hz, tolerance: 1e-2}"}}),
+          Stage::simulate);
+  const MatrixXd outputs = simulated.simulation->reference.sensors;
+  const auto column = [&](Index j) { return std::vector<double>(outputs.col(j).begin(), outputs.col(j).end()); };
+  const auto study = with_update("", {{"update", ""},
+                                      {"excitation",
+                                       "{f: {force: s.a, random: {rms: 10, band: [0.1, 40], duration: 80, fade_in: "
+                                       "0}}}"},
+                                      {"simulate", "{duration: 80 s, sample_rate: 100 Hz}"}});
+  const VectorXd force = study.signals[0]->sample(0.0, 0.01, 8001).col(0).matrix();
+  const std::vector<double> input(force.begin(), force.end());
+  write_file("shaker.csv", csv_of(100.0, {{"a", column(0)}, {"b", column(1)}, {"p", input}}));
+  MatrixXd table(8001, 3);
+  table << force, outputs;
+  const auto path = write_file("shaker.h5", "");
+  {
+    auto file = Hdf5File::create(path.string());
+    file.write_matrix("/wrong", 2.0 * MatrixXd::Ones(8001, 3));
+    file.write_matrix("/test", table);
+  }
+  const auto compared = [](const std::string& input_text) {
+    const auto residuals = residuals_of(
+        with_comparison("frf: s, inputs: [{force: a, " + input_text + "}], outputs: [a, b], bands: [[0.4, 6]]"));
+    return dynamic_cast<const FrfResidual&>(*residuals[0].rounds[0]).compared().at(0);
+  };
+  for (const std::string text :
+       {"record: shaker.csv, input: p", "record: shaker.csv, input: p, columns: [a, b]",
+        "record: shaker.h5, dataset: /test, sample_rate: 100, input: '0', columns: ['1', '2']"}) {
+    const auto usual = compared(text), longer = compared(text + ", segment: 20 s");
+    near(usual.lines[1] - usual.lines[0], 0.125, 1e-9);
+    near(longer.lines[1] - longer.lines[0], 0.05, 1e-9);
+    // Away from the resonances, where the window's leakage is small.
+    const auto line = [&](double f) { return Index(std::lround((f - longer.lines[0]) / 0.05)); };
+    for (const double f : {2.5, 5.5}) {
+      const MatrixXcd expected = responses(VectorXd::Constant(1, f), 0, 2);
+      for (Index j : {0, 1})
+        EXPECT_LT(std::abs(longer.values(line(f), j) / expected(0, j) - 1.0), 0.05) << text << " at " << f << " Hz";
+    }
+  }
+  EXPECT_THROW(compared("record: shaker.h5, dataset: /test, input: '0', columns: ['1', '2']"), InvalidInput);
+}
+
+// --- deflections -----------------------------------------------------------------------------------------------------
+
+void deflections() {
+  // 8 N at b: 10 mm at a, 26 mm at b.
+  const auto values = [](const std::string& more) {
+    return residual_of("static: s, loads: {b: 8 N}, displacements: {a: 9 mm, b: 28 mm}" + more);
+  };
+  near(values(""), vector({1e-3 / 0.28e-3, -2e-3 / 0.28e-3}), 1e-9);
+  near(values(", deviation: 0.1"), vector({1e-3 / 2.8e-3, -2e-3 / 2.8e-3}), 1e-9);
+  near(residual_of("static: s, loads: {a: 8 N, b: -4 N}, displacements: {b: 1 mm}"), vector({(-3e-3 - 1e-3) / 1e-5}),
+       1e-9);
+  near(residual_of("static: s, loads: {a: 8 N, b: -4 N}, displacements: {a: 1 mm}"), vector({4e-3 / 1e-5}), 1e-9);
+}
+
+// --- records ---------------------------------------------------------------------------------------------------------
+
+const Sections of_record{
+    {"substructures",
+     "{w: {masses: {w: 1.5}, springs: [{from: ground, to: w, stiffness: 2e3}]}, s: {masses: {a: 2, b: 3}, "
+     "springs: [{name: k, from: a, to: b, stiffness: 800}], damping: {modal: 2 %}}}"},
+    {"connectors", "{c: {from: w.w, to: s.a, law: linear, parameters: {k: 500, c: 3}}}"},
+    {"excitation", "{f: {base_displacement: w.ground, random: {rms: 10 mm, band: [0.5, 10], fade_in: 0.2}}}"},
+    {"sensors",
+     "{yw: {acceleration: w.w, noise: 2 %}, yb: {acceleration: s.b, noise: 2 %}, ya: {acceleration: s.a, noise: 2 "
+     "%}}"},
+    {"simulate", "{duration: 3 s, sample_rate: 100 Hz}"},
+    {"estimate", "{unknown: {c.k: {initial: 450, std: 50}}, settle: 0.5 s}"}};
+
+void driven_histories() {
+  const auto comparison = [](const std::string& text) {
+    const auto study = with_comparison("time_history: s" + text, of_record);
+    const auto results = run(study, Stage::simulate);
+    const auto residuals = residuals_of(study, results);
+    return residuals.at(0).rounds[0]->evaluate(VectorXd::Constant(1, 750.0), true).value();
+  };
+  const auto all = comparison(""), one = comparison(", sensors: yb"), other = comparison(", sensors: [ya]");
+  EXPECT_EQ(all.values.size(), 2 * 251);
+  EXPECT_EQ(one.values.size(), 251);
+  near(VectorXd(all.values.head(251)), one.values, 1e-9);
+  near(VectorXd(all.values.tail(251)), other.values, 1e-9);
+  const auto passes = comparison(", derivatives: filter_passes"), held = comparison(", derivatives: held_gains");
+  near(passes.values, held.values, 1e-9);
+  EXPECT_LT(relative_difference(all.jacobian, passes.jacobian), 1e-12);
+  EXPECT_LT(relative_difference(comparison(", derivatives: auto").jacobian, passes.jacobian), 1e-12);
+  EXPECT_GT(relative_difference(held.jacobian, passes.jacobian), 1e-6);
+}
+
+void simulated_histories() {
+  const auto study = [](const std::string& text) { return with_comparison("simulation: " + text, of_record); };
+  const auto results = run(study("all"), Stage::simulate);
+  EXPECT_EQ(residual_at(study("all"), 800.0, results).size(), 3 * 251);
+  EXPECT_EQ(residual_at(study("[ya, yw]"), 800.0, results).size(), 2 * 251);
+  // At the true parameters what is left is the noise, in its deviations: 502 samples tell its rms to 3 %.
+  EXPECT_NEAR(rms(residual_at(study("[ya, yw]"), 800.0, results)), 1.0, 0.1);
+  EXPECT_GT(rms(residual_at(study("yb"), 700.0, results)), 2.0);
+  const auto& simulation = *results.simulation;
+  const VectorXd noise =
+      (simulation.reference.sensors - simulation.measurements.values).col(1).tail(251) / simulation.noise[1];
+  near(residual_at(study("yb"), 800.0, results), noise, 0.1);  // a coarser step than the reference's
+}
+
+// --- the search ------------------------------------------------------------------------------------------------------
+
+void weights() {
+  const auto run_with = [](const std::string& first, const std::string& second) {
+    return *run(with_update("parameters: {s.k.stiffness: {}}, compare: {one: {modes: s, frequencies: [1.5]" + first +
+                            "}, two: {static: s, loads: {b: 8 N}, displacements: {b: 20 mm}" + second + "}}"),
+                Stage::update)
+                .updating;
+  };
+  const auto plain = run_with("", ""), weighted = run_with(", weight: 4", ", weight: 0.25");
+  const double one = plain.comparisons[0].rms_initial, two = plain.comparisons[1].rms_initial;
+  near(plain.residual_initial, std::sqrt((one * one + two * two) / 2), 1e-9);
+  near(weighted.residual_initial, std::sqrt((4 * one * one + 0.25 * two * two) / 2), 1e-9);
+  near(weighted.comparisons[0].rms_initial, one, 1e-9);  // of the comparison itself, without its weight
+  near(weighted.comparisons[1].rms_initial, two, 1e-9);
+  // The minimum moves towards what counts more.
+  EXPECT_LT(weighted.comparisons[0].rms_final, 0.9 * plain.comparisons[0].rms_final);
+  EXPECT_GT(weighted.comparisons[1].rms_final, plain.comparisons[1].rms_final);
+}
+
+const std::string both =
+    "parameters: {s.k.stiffness: {initial: 500, bounds: [200, 2000]}, s.m.stiffness: {initial: 900, bounds: "
+    "[200, 2000]}}, compare: {f: {modes: s, frequencies: [1.55, 4.2]}}";
+
+UpdatingStage search(const std::string& text) { return *run(with_update(both + text), Stage::update).updating; }
+
+ResidualSum sum_of(const Study& study) { return ResidualSum({{residuals_of(study)[0].rounds[0], 1.0}}); }
+
+GaussNewtonOptions usual_search() {
+  GaussNewtonOptions options;
+  options.max_evaluations = 30;
+  options.step_tolerance = 1e-5;
+  options.cost_floor = 1e-6;
+  return options;
+}
+
+void numbers_of_stages() {
+  const auto one = search(", stages: 1"), three = search(", stages: 3"), usual = search("");
+  EXPECT_EQ(one.evaluations, 1);
+  EXPECT_FALSE(one.converged);
+  EXPECT_EQ(three.evaluations, 3);
+  EXPECT_TRUE(usual.converged) << usual.termination;
+  EXPECT_GT(usual.evaluations, 3);
+  const auto study = with_update(both);
+  const auto outcome =
+      minimise(sum_of(study), study.updating->parameters, {.search = usual_search(), .start = {}, .watch = {}});
+  EXPECT_EQ(usual.evaluations, outcome.evaluations);
+  near(usual.values, outcome.parameters, 1e-9);
+}
+
+void tolerances() {
+  EXPECT_LT(search(", tolerance: 0.1").evaluations, search(", tolerance: 1e-8").evaluations);
+  EXPECT_EQ(search("").evaluations, search(", tolerance: 1e-5").evaluations);
+}
+
+void many_starts() {
+  for (const std::uint64_t seed : {1, 11}) {
+    const auto found = search(", starts: 5, seed: " + std::to_string(seed));
+    const auto study = with_update(both);
+    MultiStartOptions options{.starts = 5, .seed = seed, .search = {}};
+    options.search.search = usual_search();
+    const auto expected = minimise_from_many(sum_of(study), study.updating->parameters, options);
+    EXPECT_EQ(found.evaluations, expected.evaluations);
+    near(found.values, expected.best.parameters, 1e-9);
+    EXPECT_NE(found.method.find("from 5 starts"), std::string::npos) << found.method;
+  }
+  EXPECT_EQ(search(", starts: 5").evaluations, search(", starts: 5, seed: 1").evaluations);
+}
+
+void evolutions() {
+  const auto study = with_update(both);
+  for (const auto& [text, generations, population, seed] :
+       std::vector<std::tuple<std::string, unsigned, unsigned, unsigned>>{
+           {"{generations: 4, population: 9, seed: 5}", 4, 9, 5}, {"{generations: 3}", 3, 8, 1}}) {
+    const auto found = search(", method: cma_es, evolution: " + text);
+    EvolutionOptions options;
+    options.search.generations = generations;
+    options.search.population = population;
+    options.search.seed = seed;
+    options.polishing->search = usual_search();
+    const auto expected = evolve(sum_of(study), study.updating->parameters, options);
+    EXPECT_NE(found.method.find("CMA-ES"), std::string::npos);
+    EXPECT_EQ(found.evaluations, expected.evaluations + expected.polished->evaluations);
+    EXPECT_EQ(found.iterations, int(generations));
+    near(found.values, expected.parameters, 1e-9);
+  }
+  EXPECT_EQ(search(", method: least_squares").method, search("").method);
+  EXPECT_EQ(search("").method.find("CMA-ES"), std::string::npos);
+}
+
+void sensitivity_checks() {
+  EXPECT_EQ(search(", check_sensitivities: true").sensitivities.size(), 2u);
+  EXPECT_TRUE(search("").sensitivities.empty());
+}
+
+// --- modifications ---------------------------------------------------------------------------------------------------
+
+void modifications() {
+  const VectorXd changed = modes_at(1600.0).frequencies;
+  const auto frequencies_of = [](const std::string& text) {
+    return run(with_update("", {{"update", ""}, {"modifications", "{m: {substructure: s, " + text + "}}"}}),
+               Stage::predict)
+        .modifications.at(0);
+  };
+  EXPECT_EQ(frequencies_of("set: {k.stiffness: 1600}").substructure, "s");
+  near(frequencies_of("set: {k.stiffness: 1.6 N/mm}").frequencies, changed, 1e-9);
+  near(frequencies_of("set: {k.stiffness: 1600}, modes: 1").frequencies, vector({changed[0]}), 1e-9);
+  near(frequencies_of("set: {k.stiffness: 1600}, above: 2 Hz").frequencies, vector({changed[1]}), 1e-9);
+}
+
+}  // namespace
+
+KeyChecks updating_keys() {
+  KeyChecks keys;
+  const auto add = [&](const std::string& prefix, const std::vector<std::string>& names, void (*check)()) {
+    for (const auto& name : names) keys[prefix + name] = check;
+  };
+  add(at + "parameters.*.", {"initial", "std", "bounds"}, parameters);
+  add(at + "parameters.*.", {"truth"}, parameter_truths);
+  add(at + "parameters.*.", {"applies_to"}, shared_parameters);
+  add(compare_at, {"modes", "frequencies.file", "frequencies.column", "frequencies.first", "model_modes", "above"},
+      natural_frequencies);
+  add(compare_at, {"shapes.file", "shapes.points", "shapes.deviation", "minimum_mac"}, mode_shapes);
+  add(compare_at, {"deviation"}, [] {
+    natural_frequencies();
+    frequency_responses();
+    deflections();
+  });
+  add(compare_at, {"frf", "quantity"}, frequency_responses);
+  add(compare_at, {"compare", "floor"}, frequency_response_differences);
+  add(compare_at, {"bands", "outputs", "inputs[].file", "inputs[].columns", "inputs[].force"},
+      frequency_response_selection);
+  add(compare_at, {"inputs[].ground"}, frequency_responses_to_a_ground);
+  add(compare_at, {"smoothing"}, smoothed_frequency_responses);
+  add(compare_at, {"inputs[].record", "inputs[].input", "inputs[].segment", "inputs[].dataset", "inputs[].sample_rate"},
+      frequency_responses_of_records);
+  add(compare_at, {"static", "loads", "displacements"}, deflections);
+  add(compare_at, {"time_history", "sensors", "derivatives"}, driven_histories);
+  add(compare_at, {"simulation"}, simulated_histories);
+  add(compare_at, {"weight"}, weights);
+  add(at, {"stages"}, numbers_of_stages);
+  add(at, {"tolerance"}, tolerances);
+  add(at, {"starts", "seed"}, many_starts);
+  add(at, {"method", "evolution.generations", "evolution.population", "evolution.seed"}, evolutions);
+  add(at, {"check_sensitivities"}, sensitivity_checks);
+  add("modifications.*.", {"substructure", "set", "modes", "above"}, modifications);
+  return keys;
+}
+
+}  // namespace kalfem::wiring
