@@ -77,8 +77,11 @@ void check_health_of_parts(const Study& study, const std::string& page_file) {
   for (const auto& elements : study.finite_elements) {
     const auto& part = *elements.part;
     const HealthReport health = health_of(part);
+    const Table places = places_table(part);
     fmt::print("Substructure '{}'\n\n{}", part.name, health_text(health, part.notes));
+    if (!places.rows.empty()) fmt::print("{}\n{}\n", places.title, to_text(places));
     page.sections.push_back(health_section(part.name, part.elements, health, part.notes));
+    if (!places.rows.empty()) page.sections.back().items.emplace_back(places);
   }
   if (!page_file.empty()) write_file_atomically(page_file, render_html(page));
 }

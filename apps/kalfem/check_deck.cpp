@@ -44,7 +44,9 @@ ExitCode check_deck(const std::string& file, const std::vector<std::string>& uni
   const AssembledModel assembled = assemble(deck.model);
   const HealthReport health = check_health(deck.model, assembled);
   fmt::print("{}\n\n{}", file, health_text(health, deck.notes));
-  const bool sound = health.count(HealthSeverity::error) == 0;
+  const bool is_complete =
+      std::ranges::none_of(deck.notes, [](const DeckNote& note) { return note.kind == DeckNoteKind::missing; });
+  const bool sound = is_complete && health.count(HealthSeverity::error) == 0;
   const Table frequencies = sound ? frequency_table(assembled, 16) : Table{};
   if (sound) fmt::print("{}\n{}\n", frequencies.title, to_text(frequencies));
   if (!page_file.empty()) {

@@ -45,7 +45,7 @@ inline Eigen::VectorXd displacements(const FiniteElementModel& model,
 /// All mass of a model that nothing holds.
 inline MassProperties masses(FiniteElementModel model) {
   model.fixed.clear();
-  return mass_properties(model, assemble(model));
+  return mass_properties(assemble(model));
 }
 
 }  // namespace kalfem::test

@@ -255,7 +255,7 @@ TEST(BeamMass, RigidMotionHasTheMassOfBothKindsAtTheirCentres) {
     auto& property = std::get<BeamProperty>(model.properties["line"]);
     property.nonstructural_mass = extra;
     property.nonstructural_centre = {-0.01, 0.06};
-    const auto properties = mass_properties(model, assemble(model));
+    const auto properties = mass_properties(assemble(model));
     const double own = steel.density * section.area * length, added = extra * length, total = own + added;
     EXPECT_NEAR(properties.mass / total, 1.0, 1e-13);
     const Eigen::Vector2d centre = (own * section.centroid + added * property.nonstructural_centre) / total;

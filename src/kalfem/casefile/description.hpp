@@ -46,7 +46,7 @@ struct StructureDamping {
 
 struct Substructure {
   std::optional<FiniteElements> finite_elements;
-  std::optional<Reduction> reduction;
+  std::optional<Located<Reduction>> reduction;
   Named<Named<double>> masses;  ///< node -> direction -> mass; a node with one mass has the direction ""
   std::optional<Chain> chain;
   std::vector<Spring> springs;
@@ -241,7 +241,7 @@ struct Report {
   int modes = 20;
   std::vector<Name> displacements;
   double zoom = 1.0;
-  std::vector<MatrixFormat> superelements;
+  Located<std::vector<MatrixFormat>> superelements;
 };
 
 struct Case {

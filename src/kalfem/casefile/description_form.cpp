@@ -207,11 +207,11 @@ Form<Case> case_form() {
           .optional("displacements", &Report::displacements, one_or_list(name()),
                     "points whose displacement is drawn; default: the first of the predicted part")
           .optional("superelements", &Report::superelements,
-                    one_or_list(choice<MatrixFormat>(
+                    located(one_or_list(choice<MatrixFormat>(
                         {{"matrix_market", MatrixFormat::matrix_market, "K, M and C, and the rows' names beside them"},
                          {"dmig", MatrixFormat::dmig, "Nastran"},
                          {"op4", MatrixFormat::op4, "Nastran OUTPUT4, binary"},
-                         {"hdf5", MatrixFormat::hdf5, "with the basis"}})),
+                         {"hdf5", MatrixFormat::hdf5, "with the basis"}}))),
                     "write the reduced substructures for other codes")
           .optional("zoom", &Report::zoom, number("s", Bounds::positive()), "length of the zoomed pictures");
   const auto prediction = Fields<Prediction>()

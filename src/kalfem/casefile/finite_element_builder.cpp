@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdio>
 
 #include "kalfem/casefile/assembly.hpp"
 #include "kalfem/casefile/matrix_source.hpp"
@@ -40,6 +41,19 @@ RegionProperty property_of(const d::Region& given) {
   const BeamSection section = std::visit([](const auto& each) { return section_of(each); }, beam.section.section);
   const Vector3d offset = vector(beam.offset);
   return BeamProperty{given.material.value, section, {{vector(beam.up), offset.replicate<1, 2>(), {}}}};
+}
+
+std::string metres(double length) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g m", length);
+  return text;
+}
+
+/// "[0.5, 0, 1] m".
+std::string written(const Vector3d& place) {
+  char text[96];
+  std::snprintf(text, sizeof text, "[%.6g, %.6g, %.6g] m", place[0], place[1], place[2]);
+  return text;
 }
 
 std::array<bool, 6> chosen(const std::vector<std::string>& directions) {
@@ -107,16 +121,28 @@ private:
 
   void read(const d::DeckFile& file) {
     Deck deck = read_deck(file.file.value, file.format);
+    accept_missing(deck.notes, file);
     model_ = std::move(deck.model);
     notes_ = std::move(deck.notes);
     to_si(model_, file.units);
+  }
+
+  void accept_missing(std::vector<DeckNote>& notes, const d::DeckFile& file) {
+    std::vector<std::string> accepted;
+    for (const auto& name : file.accept_missing) accepted.push_back(name.value);
+    const auto idle = kalfem::accept_missing(notes, accepted, issues_);
+    for (const auto& name : file.accept_missing)
+      if (std::ranges::find(idle, name.value) != idle.end())
+        issues_.add(name.location, name.path + ": nothing in the deck by the name of '" + name.value + "' is missing",
+                    "what is accepted would hide the next thing of that name", "take it out, or mend the name");
   }
 
   void read(const d::MatrixFiles& files) {
     Deck deck = matrices_as_deck(files);
     model_ = std::move(deck.model);
     notes_ = std::move(deck.notes);
-    if (files.coordinates) return;
+    has_places_ = files.coordinates.has_value();
+    if (has_places_) return;
     for (const auto& [name, place] : fe_.nodes)
       if (place.value.group.empty()) refuse_without_coordinates(place.location, place.path);
     for (const auto& [name, link] : fe_.links) refuse_without_coordinates(link.nodes.location, link.nodes.path);
@@ -150,10 +176,60 @@ private:
   void name_nodes() {
     const NodeFinder finder(model_.mesh);
     for (const auto& [name, place] : fe_.nodes) {
-      const Index node =
-          place.value.group.empty() ? nearest_node(model_.mesh, vector(place.value.at)) : node_of_group(place, finder);
-      if (node >= 0) nodes_.push_back({name, node});
+      if (!place.value.group.empty()) {
+        if (const Index node = node_of_group(place, finder); node >= 0) nodes_.push_back({name, node});
+        continue;
+      }
+      const Vector3d at = vector(place.value.at);
+      const Index node = nearest_node(model_.mesh, at);
+      nodes_.push_back({name, node, (model_.mesh.nodes.col(node) - at).norm()});
     }
+    check_places();
+  }
+
+  [[nodiscard]] const Located<d::NodePlace>& place_of(const std::string& name) const {
+    return std::ranges::find(fe_.nodes, name, &std::pair<std::string, Located<d::NodePlace>>::first)->second;
+  }
+
+  /// A place means a node of the elements around it: it lies nearer to the node than these elements are large, and no
+  /// other place that was given means the same node.
+  void check_places() {
+    if (!has_places_) return;
+    std::vector<Index> found;
+    for (const auto& named : nodes_) found.push_back(named.node);
+    const auto sizes = element_sizes(model_.mesh, found);
+    for (std::size_t i = 0; i < nodes_.size(); ++i)
+      if (nodes_[i].distance && *nodes_[i].distance > sizes[i] * (1.0 + 1e-9) + 1e-12)
+        refuse_far_place(nodes_[i], sizes[i]);
+      else
+        for (std::size_t j = 0; j < i; ++j) refuse_shared_node(nodes_[j], nodes_[i], sizes[i]);
+  }
+
+  [[nodiscard]] std::string title_of(Index node) const {
+    return "node " + std::to_string(model_.mesh.node_ids[static_cast<std::size_t>(node)]) + " at " +
+           written(model_.mesh.nodes.col(node));
+  }
+
+  void refuse_far_place(const NamedNode& named, double size) {
+    const auto& place = place_of(named.name);
+    issues_.add(place.location,
+                place.path + ": the nearest node to " + written(vector(place.value.at)) + " is " +
+                    title_of(named.node) + ", " + metres(*named.distance) + " away",
+                "the elements there are " + metres(size) + " large: the place lies outside of the model",
+                "give coordinates in metres (compare the units of the model), or the number of a node");
+  }
+
+  /// Two different places on one node would be one motion under two names.
+  void refuse_shared_node(const NamedNode& one, const NamedNode& other, double size) {
+    if (one.node != other.node || !one.distance || !other.distance) return;
+    const auto &first = place_of(one.name), &second = place_of(other.name);
+    const Vector3d apart = vector(first.value.at) - vector(second.value.at);
+    if (apart.norm() <= 1e-2 * size) return;
+    issues_.add(second.location,
+                second.path + " " + written(vector(second.value.at)) + " and '" + one.name + "' " +
+                    written(vector(first.value.at)) + " both fall on " + title_of(other.node),
+                "the mesh is too coarse to tell the two places apart: they would be one motion",
+                "refine the mesh there, or give both the number of that node");
   }
 
   Index node_of_group(const Located<d::NodePlace>& place, const NodeFinder& finder) {
@@ -263,6 +339,7 @@ private:
   std::vector<DeckNote> notes_;
   std::vector<NamedNode> nodes_;
   IssueList issues_;
+  bool has_places_ = true;  ///< matrices alone may have none
 };
 
 }  // namespace

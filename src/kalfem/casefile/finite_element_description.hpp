@@ -90,6 +90,7 @@ struct DeckFile {
   Located<std::filesystem::path> file;
   DeckFormat format = DeckFormat::automatic;
   UnitSystem units;
+  std::vector<Name> accept_missing;  ///< cards or keywords with stiffness, mass or connections that are not read
 };
 /// Stiffness, mass and damping in one file or several, by their names or, where a file holds one, by its own.
 struct MatrixSet {

@@ -159,7 +159,10 @@ Form<FiniteElements> finite_elements() {
                                                       {"abaqus", DeckFormat::abaqus, "Abaqus or CalculiX"},
                                                       {"nastran", DeckFormat::nastran, "Nastran bulk data"}}),
                                   "of the deck")
-                        .optional("units", &DeckFile::units, units(), "that its numbers are in; default: SI");
+                        .optional("units", &DeckFile::units, units(), "that its numbers are in; default: SI")
+                        .optional("accept_missing", &DeckFile::accept_missing, one_or_list(name()),
+                                  "cards or keywords of the deck with stiffness, mass or connections that kalfem does "
+                                  "not read and that the model may lack, such as CSHEAR");
   const auto matrices = Fields<MatrixFiles>()
                             .required("matrices", &MatrixFiles::sets, one_or_list(matrix_set()),
                                       "of another code; of several sets equal degrees of freedom are joined")

@@ -18,55 +18,128 @@ namespace d = description;
 /// Sensors' bandwidth where there are none, or none with an upper limit [Hz].
 constexpr double default_bandwidth = 100.0;
 
-/// Names of the free degrees of freedom that a motion of the node in the directions means.
-void add_boundary(const FiniteElementPart& part, Index node, const std::vector<int>& directions,
-                  std::vector<std::string>& boundary) {
-  for (const int direction : directions) {
-    if (part.assembled.find({node, direction}) < 0) continue;
-    const std::string name = dof_name(part.elements.mesh, {node, direction});
-    if (std::ranges::find(boundary, name) == boundary.end()) boundary.push_back(name);
-  }
-}
+/// Motions of a named node that the boundary is to hold, for a place such as "p1" or "p1.rx".
+struct BoundaryPlace {
+  Located<std::string> place;
+  std::vector<NodalDof> dofs;
+};
 
-/// "p1": the translations of the node; "p1.rx": that motion. Returns false where there is no such node.
-bool add_place(const FiniteElementPart& part, const std::string& place, bool whole_node,
-               std::vector<std::string>& boundary) {
+std::vector<NodalDof> translations_of(Index node) { return {{node, 0}, {node, 1}, {node, 2}}; }
+
+/// "p1": the translations of the node; "p1.rx": that motion, and its node's translations where `whole_node` is set.
+/// Empty where there is no such node.
+std::vector<NodalDof> dofs_of(const FiniteElementPart& part, const std::string& place, bool whole_node) {
   const auto dot = place.find('.');
   const auto found = std::ranges::find(part.nodes, place.substr(0, dot), &NamedNode::name);
-  if (found == part.nodes.end()) return false;
-  const int direction = dot == std::string::npos ? -1 : direction_index(place.substr(dot + 1));
-  if (dot != std::string::npos && direction < 0) return false;
-  if (direction < 0 || whole_node) add_boundary(part, found->node, {0, 1, 2}, boundary);
-  if (direction >= 0) add_boundary(part, found->node, {direction}, boundary);
-  return true;
+  if (found == part.nodes.end()) return {};
+  if (dot == std::string::npos) return translations_of(found->node);
+  const int direction = direction_index(place.substr(dot + 1));
+  if (direction < 0) return {};
+  auto dofs = whole_node ? translations_of(found->node) : std::vector<NodalDof>{};
+  if (!whole_node || direction >= 3) dofs.push_back({found->node, direction});
+  return dofs;
 }
 
 /// Each attached node keeps its three translations: forces along one of them alone would leave the rest to move freely
 /// in the fixed-interface modes.
-std::vector<std::string> default_boundary(const FiniteElementPart& part, const d::Substructure& given,
-                                          const std::vector<std::string>& attached) {
-  std::vector<std::string> boundary;
+std::vector<BoundaryPlace> attached_boundary(const FiniteElementPart& part, const d::Substructure& given,
+                                             const std::vector<std::string>& attached) {
+  std::vector<BoundaryPlace> boundary;
+  const auto add = [&](const std::string& place) { boundary.push_back({{place}, dofs_of(part, place, true)}); };
   for (const auto& point : attached) {
     const auto weighted = std::ranges::find(given.points, point, &std::pair<std::string, Named<double>>::first);
     if (weighted == given.points.end())
-      add_place(part, point, true, boundary);
+      add(point);
     else
-      for (const auto& [place, weight] : weighted->second) add_place(part, place, true, boundary);
+      for (const auto& [place, weight] : weighted->second) add(place);
   }
   return boundary;
 }
 
-std::vector<std::string> given_boundary(const FiniteElementPart& part, const d::Reduction& given) {
-  std::vector<std::string> boundary, known;
+std::vector<BoundaryPlace> given_boundary(const FiniteElementPart& part, const d::Reduction& given) {
+  std::vector<std::string> known;
   for (const auto& node : part.nodes) known.push_back(node.name);
+  std::vector<BoundaryPlace> boundary;
   IssueList issues;
-  for (const auto& place : given.boundary)
-    if (!add_place(part, place.value, false, boundary))
+  for (const auto& place : given.boundary) {
+    boundary.push_back({place, dofs_of(part, place.value, false)});
+    if (boundary.back().dofs.empty())
       issues.add(place.location,
                  place.path + ": there is no node '" + place.value + "'" + did_you_mean(place.value, known),
                  "the boundary is made of named nodes", "name one of `nodes`, or node.direction");
+  }
   issues.raise();
   return boundary;
+}
+
+std::vector<NodalDof> all_dofs(const std::vector<BoundaryPlace>& boundary) {
+  std::vector<NodalDof> dofs;
+  for (const auto& each : boundary) dofs.insert(dofs.end(), each.dofs.begin(), each.dofs.end());
+  return dofs;
+}
+
+bool is_held(const FiniteElementModel& model, const NodalDof& dof) {
+  return std::ranges::any_of(model.fixed, [&](const FixedNodes& support) {
+    return support.directions[static_cast<std::size_t>(dof.direction)] &&
+           std::ranges::find(support.nodes, dof.node) != support.nodes.end();
+  });
+}
+
+/// What becomes of the motions that the boundary is to hold.
+class BoundaryMaker {
+public:
+  explicit BoundaryMaker(FiniteElementPart& part) : part_(part), rows_(part.assembled.expansion) {}
+
+  /// `is_given`: by the user, so that each place must be possible; what connectors and forces touch is checked by them.
+  void add(const BoundaryPlace& place, bool is_given, IssueList& issues) {
+    std::vector<std::string> still, following;
+    for (const auto& dof : place.dofs) {
+      const std::string name = dof_name(part_.elements.mesh, dof);
+      if (part_.assembled.find(dof) >= 0) {
+        if (std::ranges::find(part_.boundary, name) == part_.boundary.end()) part_.boundary.push_back(name);
+      } else {
+        (moves(dof) ? following : still).push_back(direction_names[static_cast<std::size_t>(dof.direction)]);
+      }
+    }
+    if (is_given && still.size() == place.dofs.size()) refuse(place, issues);
+    if (is_given && !following.empty())
+      part_.warnings.push_back("the boundary keeps no coordinate of its own for " + place.place.value + " along " +
+                               listed(following) + ": links make it follow exactly from the other boundary nodes");
+    if (is_given && !still.empty() && still.size() < place.dofs.size())
+      part_.warnings.push_back("the boundary node " + place.place.value + " does not move along " + listed(still));
+  }
+
+private:
+  [[nodiscard]] bool moves(const NodalDof& dof) const {
+    return rows_.innerVector(6 * dof.node + dof.direction).nonZeros() > 0;
+  }
+
+  static std::string listed(const std::vector<std::string>& words) {
+    std::string text;
+    for (const auto& word : words) text += (text.empty() ? "" : ", ") + word;
+    return text;
+  }
+
+  void refuse(const BoundaryPlace& place, IssueList& issues) const {
+    const bool held =
+        std::ranges::any_of(place.dofs, [&](const NodalDof& dof) { return is_held(part_.elements, dof); });
+    issues.add(place.place.location, place.place.path + ": '" + place.place.value + "' does not move",
+               held ? "a support holds it, so nothing can act there"
+                    : "no element, spring or mass moves there, or it follows what is held",
+               "name a node or direction that moves");
+  }
+
+  FiniteElementPart& part_;
+  Eigen::SparseMatrix<double, Eigen::RowMajor> rows_;  ///< motion of each nodal degree of freedom by the free ones
+};
+
+/// A reduction that was asked for keeps something at its boundary.
+void require_boundary(const FiniteElementPart& part, const Located<d::Reduction>& reduction) {
+  if (!part.boundary.empty()) return;
+  throw InvalidInput(
+      Issue{reduction.location, reduction.path + ": the reduction of '" + part.name + "' has no boundary",
+            "no connector or force touches the substructure, and `boundary` names no node",
+            "name the nodes to keep under `boundary`, or leave `reduction` out: the full model is used"});
 }
 
 void add_weighted_points(const d::Substructure& given, LinearModel& model) {
@@ -99,7 +172,7 @@ Superelement completed(const FiniteElementPart& part, Superelement superelement)
   const auto boundary = static_cast<Index>(superelement.boundary.size());
   model.points_only = true;
   model.coordinate_scale = Eigen::VectorXd::Ones(model.size());
-  model.coordinate_scale.tail(model.size() - boundary).setConstant(std::sqrt(part.mass.mass));
+  model.coordinate_scale.tail(model.size() - boundary).setConstant(std::sqrt(part.moving_mass.mean()));
   return superelement;
 }
 
@@ -129,11 +202,16 @@ FiniteElementPart make_finite_element_part(const std::string& name, const d::Sub
   part.elements = std::move(elements);
   part.nodes = std::move(nodes);
   part.notes = std::move(notes);
+  const bool is_given = given.reduction && !given.reduction->value.boundary.empty();
+  const auto boundary =
+      is_given ? given_boundary(part, given.reduction->value) : attached_boundary(part, given, attached);
   try {
     require_connected(part.elements);
-    part.assembled = assemble(part.elements, {.parameters = {parameters.begin(), parameters.end()}});
+    part.assembled = assemble(
+        part.elements, {.parameters = {parameters.begin(), parameters.end()}, .independent = all_dofs(boundary)});
     if (!part.elements.mesh.cells.empty()) require_no_mechanism(part.elements, part.assembled);
-    part.mass = mass_properties(part.elements, part.assembled);
+    part.mass = mass_properties(part.assembled);
+    part.moving_mass = moving_mass(part.elements, part.assembled);
     part.full = linear_model(part.elements, part.assembled, part.nodes,
                              {given.damping.mass_factor, given.damping.stiffness_factor});
     part.full.points_only = true;
@@ -145,13 +223,17 @@ FiniteElementPart make_finite_element_part(const std::string& name, const d::Sub
     issues.add(error, given.finite_elements->location());
     issues.raise();
   }
-  part.boundary = given.reduction && !given.reduction->boundary.empty() ? given_boundary(part, *given.reduction)
-                                                                        : default_boundary(part, given, attached);
+  IssueList issues;
+  BoundaryMaker maker(part);
+  for (const auto& place : boundary) maker.add(place, is_given, issues);
+  issues.raise();
+  if (given.reduction) require_boundary(part, *given.reduction);
   return part;
 }
 
-Superelement reduce(const FiniteElementPart& part, const std::optional<d::Reduction>& given, double sensor_bandwidth) {
-  const d::Reduction reduction = given.value_or(d::Reduction{});
+Superelement reduce(const FiniteElementPart& part, const std::optional<Located<d::Reduction>>& given,
+                    double sensor_bandwidth) {
+  const d::Reduction reduction = given ? given->value : d::Reduction{};
   ReductionOptions options;
   options.modes.count = reduction.modes;
   options.modes.cutoff = reduction.up_to;
@@ -163,8 +245,8 @@ Superelement reduce(const FiniteElementPart& part, const std::optional<d::Reduct
 }
 
 Superelement reduce_again(const FiniteElementPart& part, const LinearModel& full,
-                          const std::optional<d::Reduction>& given, const ReductionEvidence& first) {
-  const d::Reduction reduction = given.value_or(d::Reduction{});
+                          const std::optional<Located<d::Reduction>>& given, const ReductionEvidence& first) {
+  const d::Reduction reduction = given ? given->value : d::Reduction{};
   return completed(part, reduce_by(reduction.method, full, part.boundary,
                                    {.modes = {.count = first.interface_frequencies.size()},
                                     .truncation_vectors = reduction.truncation_vectors,

@@ -18,11 +18,13 @@ struct FiniteElementPart {
   std::string name;
   FiniteElementModel elements;
   AssembledModel assembled;
-  MassProperties mass;
+  MassProperties mass;                                    ///< of the whole, also of what is held
+  Eigen::Vector3d moving_mass = Eigen::Vector3d::Zero();  ///< that the free part moves along x, y, z [kg]
   std::vector<NamedNode> nodes;
   LinearModel full;
   std::vector<std::string> boundary;  ///< names of the degrees of freedom that the rest of the structure touches
   std::vector<DeckNote> notes;        ///< what its deck holds that was not used
+  std::vector<std::string> warnings;  ///< on the boundary, in sentences
 };
 using FiniteElementPartPtr = std::shared_ptr<const FiniteElementPart>;
 
@@ -35,13 +37,13 @@ FiniteElementPart make_finite_element_part(const std::string& name, const descri
                                            const std::vector<std::string>& parameters);
 
 /// The superelement with modes as the case asks for; where it does not say, up to three times the sensors' bandwidth.
-Superelement reduce(const FiniteElementPart& part, const std::optional<description::Reduction>& given,
+Superelement reduce(const FiniteElementPart& part, const std::optional<Located<description::Reduction>>& given,
                     double sensor_bandwidth);
 
 /// The superelement of the part at other values of its parameters, with as many fixed-interface modes as `first` has,
 /// in the order of its factor, and without the comparison with the full model.
 Superelement reduce_again(const FiniteElementPart& part, const LinearModel& full,
-                          const std::optional<description::Reduction>& given, const ReductionEvidence& first);
+                          const std::optional<Located<description::Reduction>>& given, const ReductionEvidence& first);
 
 /// The superelement that stands for the full model up to a frequency.
 Superelement reduce_up_to(const FiniteElementPart& part, double frequency);

@@ -18,7 +18,7 @@ FiniteElementDamping damping_of(const Study& study, const std::string& substruct
   return {};
 }
 
-const std::optional<d::Reduction>& reduction_of(const Study& study, const std::string& substructure) {
+const std::optional<Located<d::Reduction>>& reduction_of(const Study& study, const std::string& substructure) {
   return std::ranges::find(study.given.substructures, substructure, &std::pair<std::string, d::Substructure>::first)
       ->second.reduction;
 }

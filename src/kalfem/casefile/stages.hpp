@@ -41,7 +41,7 @@ struct SimulationStage {
 struct SubstructureModes {
   std::string name;
   Eigen::Index dofs = 0;
-  double mass = 0.0;            ///< [kg]
+  double mass = 0.0;            ///< of the whole, also of what is held [kg]
   Eigen::VectorXd frequencies;  ///< [Hz]; of a finite-element model the lowest only
   Eigen::MatrixXd shapes;       ///< dofs x modes, mass-normalised
 };

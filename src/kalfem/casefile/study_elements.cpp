@@ -49,6 +49,35 @@ std::vector<std::string> changing_parameters(const d::Case& given, const std::st
   return names;
 }
 
+/// What may change the model one by one; the rest as a number.
+void warn_of_notes(const FiniteElementPart& part, std::vector<std::string>& warnings) {
+  std::size_t unused = 0;
+  for (const auto& note : part.notes)
+    if (note.kind == DeckNoteKind::unused)
+      ++unused;
+    else
+      warnings.push_back("substructure '" + part.name +
+                         "': " + kalfem::to_string(Issue{note.where, note.what, note.consequence, ""}));
+  if (unused > 0)
+    warnings.push_back("substructure '" + part.name + "': its deck holds " + std::to_string(unused) +
+                       " kinds of things that are not used; `kalfem check` lists them");
+}
+
+/// Files of superelements are written of what is reduced.
+void check_superelement_files(Study& study, IssueList& issues) {
+  const auto& files = study.given.report.superelements;
+  if (files.value.empty() || !issues.empty()) return;
+  const auto is_reduced = [](const StudyElements& elements) { return elements.reduced != nullptr; };
+  if (std::ranges::none_of(study.finite_elements, is_reduced))
+    issues.add(files.location, files.path + ": no substructure of the case is reduced", "there is nothing to write",
+               "give a finite-element substructure `reduction: {boundary: [...]}`");
+  else
+    for (const auto& elements : study.finite_elements)
+      if (!is_reduced(elements))
+        study.warnings.push_back("substructure '" + elements.part->name +
+                                 "' is not reduced, as nothing touches it: no superelement file is written of it");
+}
+
 }  // namespace
 
 std::optional<FrequencyBand> excitation_band(const d::Case& given) {
@@ -73,9 +102,9 @@ void add_finite_elements(Study& study, IssueList& issues) {
       StudyElements elements;
       elements.part = std::make_shared<const FiniteElementPart>(make_finite_element_part(
           name, given, attached_points(study.given, name), changing_parameters(study.given, name)));
-      if (const auto notes = elements.part->notes.size(); notes > 0)
-        study.warnings.push_back("substructure '" + name + "': its deck holds " + std::to_string(notes) +
-                                 " kinds of things that are not used; `kalfem check` lists them");
+      warn_of_notes(*elements.part, study.warnings);
+      for (const auto& warning : elements.part->warnings)
+        study.warnings.push_back("substructure '" + name + "': " + warning);
       if (!elements.part->boundary.empty()) {
         elements.reduced = std::make_shared<const Superelement>(
             reduce(*elements.part, given.reduction, sensor_bandwidth(study.given)));
@@ -88,6 +117,7 @@ void add_finite_elements(Study& study, IssueList& issues) {
       issues.add(error, given.finite_elements->location());
     }
   }
+  check_superelement_files(study, issues);
   study.reduce_seconds = watch.seconds();
 }
 

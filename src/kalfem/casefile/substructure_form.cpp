@@ -53,19 +53,19 @@ Form<Substructure> substructure() {
           .optional("stiffness_factor", &Damping::stiffness_factor, number("s", Bounds::nonnegative()), "Rayleigh beta")
           .optional("modal_up_to", &Damping::modal_up_to, number("Hz", Bounds::positive()),
                     "finite elements: modes up to here have their own ratio, all above it the rate of the last one");
-  return mapping(
-      Fields<Substructure>()
-          .optional("finite_elements", &Substructure::finite_elements, finite_elements(),
-                    "a finite-element model in the place of masses and chain")
-          .optional("masses", &Substructure::masses, named(mass()),
-                    "by name: a mass, or one a direction ({x: 2 kg, rz: 0.1}) named node.direction")
-          .optional("chain", &Substructure::chain, chain(), "equal masses in a row, joined by equal springs")
-          .optional("springs", &Substructure::springs, list(spring()), "springs and dashpots")
-          .optional("grounds", &Substructure::grounds, list(text()), "names of grounds beside `ground`")
-          .optional("points", &Substructure::points, named(named(number("-"), NameRule::dotted)),
-                    "named weighted sums of degrees of freedom: LH: {heave: 1, pitch: -0.75}")
-          .optional("damping", &Substructure::damping, mapping(damping), "beside the dashpots")
-          .optional("reduction", &Substructure::reduction, reduction(), "of a finite-element model in the observer"));
+  return mapping(Fields<Substructure>()
+                     .optional("finite_elements", &Substructure::finite_elements, finite_elements(),
+                               "a finite-element model in the place of masses and chain")
+                     .optional("masses", &Substructure::masses, named(mass()),
+                               "by name: a mass, or one a direction ({x: 2 kg, rz: 0.1}) named node.direction")
+                     .optional("chain", &Substructure::chain, chain(), "equal masses in a row, joined by equal springs")
+                     .optional("springs", &Substructure::springs, list(spring()), "springs and dashpots")
+                     .optional("grounds", &Substructure::grounds, list(text()), "names of grounds beside `ground`")
+                     .optional("points", &Substructure::points, named(named(number("-"), NameRule::dotted)),
+                               "named weighted sums of degrees of freedom: LH: {heave: 1, pitch: -0.75}")
+                     .optional("damping", &Substructure::damping, mapping(damping), "beside the dashpots")
+                     .optional("reduction", &Substructure::reduction, located(reduction()),
+                               "of a finite-element model in the observer"));
 }
 
 }  // namespace kalfem::description

@@ -1,13 +1,63 @@
 #include "kalfem/formats/deck.hpp"
 
-namespace kalfem {
+#include <algorithm>
+#include <cctype>
+#include <set>
 
-void DeckNotes::add(const SourceLocation& where, const std::string& what, const std::string& consequence) {
+namespace kalfem {
+namespace {
+
+/// "*Contact Pair" and "CONTACTPAIR" are one name.
+std::string plain_name(const std::string& name) {
+  std::string plain;
+  for (const char c : name)
+    if (c != ' ' && c != '\t' && c != '*') plain += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return plain;
+}
+
+}  // namespace
+
+const char* to_string(DeckNoteKind kind) {
+  switch (kind) {
+    case DeckNoteKind::missing:
+      return "error";
+    case DeckNoteKind::doubtful:
+      return "warning";
+    case DeckNoteKind::unused:
+      break;
+  }
+  return "not used";
+}
+
+void DeckNotes::add(const SourceLocation& where, const std::string& what, const std::string& consequence,
+                    DeckNoteKind kind) {
   const auto [place, is_new] = index_.try_emplace(what + '\n' + consequence, notes_.size());
   if (is_new)
-    notes_.push_back({where, what, consequence, 1});
+    notes_.push_back({where, what, consequence, 1, kind});
   else
     ++notes_[place->second].count;
+}
+
+std::vector<std::string> accept_missing(std::vector<DeckNote>& notes, const std::vector<std::string>& accepted,
+                                        IssueList& issues) {
+  std::set<std::string> met;
+  for (auto& note : notes) {
+    if (note.kind != DeckNoteKind::missing) continue;
+    const auto same_name = [&](const std::string& name) { return plain_name(name) == plain_name(note.what); };
+    if (const auto found = std::ranges::find_if(accepted, same_name); found != accepted.end()) {
+      met.insert(plain_name(note.what));
+      note.kind = DeckNoteKind::doubtful;
+      continue;
+    }
+    issues.add(note.where,
+               note.what + (note.count > 1 ? " (" + std::to_string(note.count) + " times)" : "") + " is not read",
+               note.consequence,
+               "model it by what is read, or accept that it is missing: accept_missing: [" + note.what + "]");
+  }
+  std::vector<std::string> idle;
+  std::ranges::copy_if(accepted, std::back_inserter(idle),
+                       [&](const std::string& name) { return !met.contains(plain_name(name)); });
+  return idle;
 }
 
 }  // namespace kalfem

@@ -91,7 +91,7 @@ std::int64_t GmshScanner::int64(const char* what) { return binary_ ? bytes<std::
 double GmshScanner::real(const char* what) {
   if (binary_) return bytes<double>(what);
   const std::string_view found = word(what);
-  const char* const begin = found.data() + (found.front() == '+' ? 1 : 0);
+  const char* const begin = found.data() + (found.front() == '+' && !found.starts_with("+-") ? 1 : 0);
   const char* const last = found.data() + found.size();
   double value = 0.0;
   const auto [end, error] = std::from_chars(begin, last, value);

@@ -6,9 +6,9 @@
 
 namespace kalfem {
 
-double affine_factor(const AffineTerm& term, const std::map<std::string, double>& parameters) {
+double affine_factor(const std::map<std::string, int>& powers, const std::map<std::string, double>& parameters) {
   double product = 1.0;
-  for (const auto& [name, power] : term.powers) {
+  for (const auto& [name, power] : powers) {
     const auto value = parameters.find(name);
     if (value == parameters.end())
       throw InvalidInput("the parameter '" + name + "' has no value", "a matrix depends on it",
@@ -16,6 +16,10 @@ double affine_factor(const AffineTerm& term, const std::map<std::string, double>
     product *= std::pow(value->second, power);
   }
   return product;
+}
+
+double affine_factor(const AffineTerm& term, const std::map<std::string, double>& parameters) {
+  return affine_factor(term.powers, parameters);
 }
 
 void add_to(SparseMatrix& sum, const SparseMatrix& matrix) {

@@ -15,6 +15,8 @@ struct AffineTerm {
 };
 
 /// prod_p value_p^power_p. Throws InvalidInput for a parameter without a value.
+double affine_factor(const std::map<std::string, int>& powers, const std::map<std::string, double>& parameters);
+/// The same of a term.
 double affine_factor(const AffineTerm& term, const std::map<std::string, double>& parameters);
 
 /// sum += matrix; a matrix of 0 x 0 stands for zero.

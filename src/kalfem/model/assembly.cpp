@@ -113,7 +113,7 @@ class Assembler {
 public:
   /// `factors`: those by which the stiffness of beam regions is divided.
   Assembler(const FiniteElementModel& model, const Elimination& elimination, const Values& factors)
-      : model_(model), transform_(elimination.transform), factors_(factors) {}
+      : rigid_mass(model.mesh), model_(model), transform_(elimination.transform), factors_(factors) {}
 
   void add_region(const std::string& region, const RegionProperty& property, IssueList& issues);
   void add_masses();
@@ -123,6 +123,7 @@ public:
   Terms stiffness, mass;
   SparseMatrix damping;
   std::vector<GroundCoupling> grounds;
+  RigidMassSum rigid_mass;
 
 private:
   using Triplets = std::vector<Eigen::Triplet<double>>;
@@ -210,6 +211,7 @@ void Assembler::add_region(const std::string& region, const RegionProperty& prop
   const auto pattern = pattern_of(cells, motions);
   const auto parts = asked_parts(region, property);
   Sums stiffness_sums, mass_sums;
+  std::map<PropertyPowers, Matrix6> rigid_sums;
   Scatter scatter;
   std::vector<std::pair<Eigen::Index, std::string>> bad;
   for (std::size_t i = 0; i < cells.size(); ++i) try {
@@ -218,6 +220,9 @@ void Assembler::add_region(const std::string& region, const RegionProperty& prop
       scatter_of(model_.mesh.nodes_of(each), motions, scatter);
       add_terms(pattern, scatter, matrices.stiffness, stiffness_sums);
       add_terms(pattern, scatter, matrices.mass, mass_sums);
+      for (const auto& term : matrices.mass)
+        rigid_sums.try_emplace(term.powers, Matrix6::Zero()).first->second +=
+            rigid_mass.of(model_.mesh.nodes_of(each), motions, term.matrix);
     } catch (const ElementShapeError& error) {
       bad.emplace_back(cells[i], error.what());
     }
@@ -228,6 +233,7 @@ void Assembler::add_region(const std::string& region, const RegionProperty& prop
       add_to(terms, named_powers(powers, region, material_of(property)), pattern.matrix(values));
     }
   };
+  for (const auto& [powers, sum] : rigid_sums) rigid_mass.add(named_powers(powers, region, material_of(property)), sum);
   move_sums(mass_sums, mass);
   move_sums(stiffness_sums, stiffness);
 }
@@ -263,8 +269,13 @@ void Assembler::add_masses() {
     unit.mass = 1.0;
     unit.inertia.setZero();
     inertia.mass = 0.0;
-    append(scatter, point_mass(unit), triplets[{{item.name + ".mass", 1}}]);
-    if (!item.inertia.isZero(0.0)) append(scatter, point_mass(inertia), triplets[{}]);
+    const auto add = [&](const PointMass& part, const Powers& powers) {
+      const Eigen::MatrixXd matrix = point_mass(part);
+      append(scatter, matrix, triplets[powers]);
+      rigid_mass.add(powers, rigid_mass.of(std::array{item.node}, 6, matrix));
+    };
+    add(unit, {{item.name + ".mass", 1}});
+    if (!item.inertia.isZero(0.0)) add(inertia, {});
   }
   for (const auto& [powers, entries] : triplets) add_to(mass, powers, from_triplets(entries));
 }
@@ -312,7 +323,10 @@ void Assembler::add_matrices() {
     rows.setFromTriplets(entries.begin(), entries.end());
     const auto projected = [&](const SparseMatrix& matrix) { return SparseMatrix(rows.transpose() * matrix * rows); };
     if (item.stiffness.size() > 0) add_to(stiffness, {}, projected(item.stiffness));
-    if (item.mass.size() > 0) add_to(mass, {}, projected(item.mass));
+    if (item.mass.size() > 0) {
+      add_to(mass, {}, projected(item.mass));
+      rigid_mass.add({}, rigid_mass.of(item.dofs, item.mass));
+    }
     if (item.damping.size() > 0) damping = SparseMatrix(damping + projected(item.damping));
   }
 }
@@ -370,7 +384,7 @@ Values beam_factors(const FiniteElementModel& model) {
 
 AssembledModel assemble(const FiniteElementModel& model, const AssemblyOptions& options) {
   if (auto issues = validate(model); !issues.empty()) throw InvalidInput(std::move(issues));
-  auto elimination = eliminate(model, touched_dofs(model));
+  auto elimination = eliminate(model, touched_dofs(model), options.independent);
   auto values = present_values(model);
   const auto factors = asked_factors(model, options);
   require_own_names(factors, values, model.mesh.source);
@@ -388,6 +402,7 @@ AssembledModel assemble(const FiniteElementModel& model, const AssemblyOptions& 
           .mass = to_list(std::move(assembler.mass), size),
           .damping = std::move(assembler.damping),
           .grounds = std::move(assembler.grounds),
+          .rigid_mass = assembler.rigid_mass.list(),
           .dofs = std::move(elimination.dofs),
           .expansion = elimination.transform};
 }

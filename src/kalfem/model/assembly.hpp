@@ -7,6 +7,7 @@
 #include "kalfem/model/affine_term.hpp"
 #include "kalfem/model/finite_element_model.hpp"
 #include "kalfem/model/linear_model.hpp"
+#include "kalfem/model/rigid_mass.hpp"
 
 namespace kalfem {
 
@@ -16,6 +17,8 @@ struct AssemblyOptions {
   /// other names have no effect. Of regions that none is named of, the stiffness stays one term with others of its
   /// material: a model of hundreds of beam regions would else be thousands of matrices.
   std::vector<std::string> parameters = {};
+  /// Degrees of freedom that shall be free although links or constraints let them follow others, see eliminate().
+  std::vector<NodalDof> independent = {};
 };
 
 /// Factors that the stiffness of the model's beam regions can be divided by, all 1: "<region>.axial", ".bending_y",
@@ -33,6 +36,7 @@ struct AssembledModel {
   std::vector<AffineTerm> mass;
   SparseMatrix damping;                 ///< of dashpots [N s/m], n x n
   std::vector<GroundCoupling> grounds;  ///< of springs to grounds, at the present values of the parameters
+  std::vector<RigidMass> rigid_mass;    ///< of the whole structure, also where it is held
   std::vector<NodalDof> dofs;           ///< free degrees of freedom, by node and then direction
   SparseMatrix expansion;  ///< 6 nodes x n: displacement of every node's degree of freedom from the free ones
 

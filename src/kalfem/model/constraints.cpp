@@ -15,10 +15,22 @@ struct Term {
   double coefficient;
 };
 
+/// The link or constraint that an equation comes from.
+struct Owner {
+  const std::string* name;
+  const SourceLocation* where;
+};
+
+/// "'rbe2_3'", with its line where it is known.
+std::string to_string(const Owner& owner) {
+  const std::string name = "'" + *owner.name + "'";
+  return owner.where->line > 0 ? name + " (line " + std::to_string(owner.where->line) + ")" : name;
+}
+
 /// One dependent degree of freedom as a sum of others.
 struct Equation {
   Eigen::Index dof;
-  const std::string* owner;  ///< name of its link or constraint
+  Owner owner;
   std::vector<Term> terms;
 };
 
@@ -83,7 +95,9 @@ private:
       const Eigen::Vector3d arm = model_.mesh.nodes.col(slave) - model_.mesh.nodes.col(link.master);
       for (int direction = 0; direction < 6; ++direction)
         if (link.tied[static_cast<std::size_t>(direction)])
-          add({all_index({slave, direction}), &link.name, terms_of(slave_motion(link.master, direction, arm))});
+          add({all_index({slave, direction}),
+               {&link.name, &link.where},
+               terms_of(slave_motion(link.master, direction, arm))});
     }
   }
 
@@ -94,7 +108,7 @@ private:
       if (!link.tied[static_cast<std::size_t>(direction)]) continue;
       const NodalDof follower{link.follower, direction};
       if (mean.determines(direction))
-        add({all_index(follower), &link.name, terms_of(mean.follower_motion(direction))});
+        add({all_index(follower), {&link.name, &link.where}, terms_of(mean.follower_motion(direction))});
       else
         issues_.add({}, "weighted link '" + link.name + "' leaves " + name_of(model_, all_index(follower)) + " open",
                     "the nodes that it follows do not determine that motion",
@@ -125,7 +139,7 @@ private:
     const double divisor = -leading->coefficient;
     terms.erase(leading);
     for (auto& term : terms) term.coefficient /= divisor;
-    add({dependent, &constraint.name, std::move(terms)});
+    add({dependent, {&constraint.name, &constraint.where}, std::move(terms)});
   }
 
   void add(Equation equation) {
@@ -134,10 +148,11 @@ private:
       equations_.list.push_back(std::move(equation));
       return;
     }
-    const std::string& first = *equations_.list[place->second].owner;
-    if (doubled_.insert({equation.dof / 6, first, *equation.owner}).second)
-      issues_.add({},
-                  name_of(model_, equation.dof) + " follows from '" + first + "' and from '" + *equation.owner + "'",
+    const Owner& first = equations_.list[place->second].owner;
+    if (doubled_.insert({equation.dof / 6, *first.name, *equation.owner.name}).second)
+      issues_.add(*equation.owner.where,
+                  name_of(model_, equation.dof) + " follows from " + to_string(first) + " and from " +
+                      to_string(equation.owner),
                   "a degree of freedom can follow from one link or constraint",
                   "leave it out of one of them, or let one follow the other");
   }
@@ -156,8 +171,9 @@ void check_fixed(const FiniteElementModel& model, const Equations& equations, co
                  IssueList& issues) {
   std::set<std::pair<Eigen::Index, std::string>> seen;
   for (const auto& equation : equations.list)
-    if (fixed[static_cast<std::size_t>(equation.dof)] && seen.insert({equation.dof / 6, *equation.owner}).second)
-      issues.add({}, name_of(model, equation.dof) + " is fixed and follows from '" + *equation.owner + "'",
+    if (fixed[static_cast<std::size_t>(equation.dof)] && seen.insert({equation.dof / 6, *equation.owner.name}).second)
+      issues.add(*equation.owner.where,
+                 name_of(model, equation.dof) + " is fixed and follows from " + to_string(equation.owner),
                  "what is fixed cannot follow another",
                  "fix the node that leads, or let another term of the constraint come first");
 }
@@ -188,7 +204,7 @@ void report_rings(const FiniteElementModel& model, const Equations& equations,
                   const std::vector<std::size_t>& left_over, IssueList& issues) {
   if (left_over.empty()) return;
   std::set<std::string> owners;
-  for (const auto i : left_over) owners.insert("'" + *equations.list[i].owner + "'");
+  for (const auto i : left_over) owners.insert(to_string(equations.list[i].owner));
   std::string names;
   for (const auto& owner : owners) names += (names.empty() ? "" : ", ") + owner;
   issues.add({},
@@ -226,6 +242,88 @@ Equations solve(const FiniteElementModel& model, const std::vector<bool>& fixed,
   return equations;
 }
 
+/// Gives wanted degrees of freedom the places of free ones that they follow, see eliminate().
+class PivotExchange {
+public:
+  PivotExchange(const FiniteElementModel& model, const std::vector<bool>& fixed, Equations& equations)
+      : fixed_(fixed), equations_(equations) {
+    // The size that makes rotations and translations comparable.
+    const auto& nodes = model.mesh.nodes;
+    if (nodes.cols() > 0) size_ = (nodes.rowwise().maxCoeff() - nodes.rowwise().minCoeff()).norm();
+    if (!(size_ > 0.0)) size_ = 1.0;
+  }
+
+  void make_independent(const std::vector<NodalDof>& wanted) {
+    for (const auto& dof : wanted) wanted_.insert(all_index(dof));
+    for (const auto& dof : wanted) exchange(all_index(dof));
+  }
+
+private:
+  /// Coefficients that are this much smaller than the largest of their sum are its rounding.
+  static constexpr double rounding = 1e-13, negligible = 1e-8;
+
+  void exchange(Eigen::Index wanted) {
+    const auto found = equations_.of.find(wanted);
+    if (found == equations_.of.end()) return;
+    const std::size_t row = found->second;
+    const Term* pivot = strongest(equations_.list[row].terms);
+    if (pivot == nullptr) return;
+    turn(equations_.list[row], *pivot);
+    equations_.of.erase(found);
+    equations_.of[equations_.list[row].dof] = row;
+    for (std::size_t i = 0; i < equations_.list.size(); ++i)
+      if (i != row) replace(equations_.list[i], equations_.list[row]);
+  }
+
+  /// What a unit of the term moves, rotations by the size of the model.
+  [[nodiscard]] double strength(const Term& term) const {
+    return std::abs(term.coefficient) / (term.dof % 6 < 3 ? 1.0 : size_);
+  }
+
+  /// The term that moves most among those that are neither held nor wanted; null where only these are left.
+  [[nodiscard]] const Term* strongest(const std::vector<Term>& terms) const {
+    double all = 0.0;
+    const Term* best = nullptr;
+    for (const auto& term : terms) {
+      all = std::max(all, strength(term));
+      if (fixed_[static_cast<std::size_t>(term.dof)] || wanted_.contains(term.dof)) continue;
+      if (best == nullptr || strength(term) > strength(*best)) best = &term;
+    }
+    return best != nullptr && strength(*best) > negligible * all ? best : nullptr;
+  }
+
+  /// Solves d = sum c z for the pivot.
+  static void turn(Equation& equation, Term pivot) {
+    std::erase_if(equation.terms, [&](const Term& term) { return term.dof == pivot.dof; });
+    for (auto& term : equation.terms) term.coefficient /= -pivot.coefficient;
+    equation.terms.push_back({equation.dof, 1.0 / pivot.coefficient});
+    equation.dof = pivot.dof;
+    combine(equation.terms);
+  }
+
+  static void replace(Equation& equation, const Equation& by) {
+    const auto held = std::ranges::lower_bound(equation.terms, by.dof, {}, &Term::dof);
+    if (held == equation.terms.end() || held->dof != by.dof) return;
+    const double factor = held->coefficient;
+    equation.terms.erase(held);
+    std::unordered_map<Eigen::Index, double> largest;
+    for (const auto& term : equation.terms) largest[term.dof] = std::abs(term.coefficient);
+    for (const auto& term : by.terms) {
+      const double added = factor * term.coefficient;
+      largest[term.dof] = std::max(largest[term.dof], std::abs(added));
+      equation.terms.push_back({term.dof, added});
+    }
+    combine(equation.terms);
+    std::erase_if(equation.terms,
+                  [&](const Term& term) { return std::abs(term.coefficient) <= rounding * largest[term.dof]; });
+  }
+
+  const std::vector<bool>& fixed_;
+  Equations& equations_;
+  std::set<Eigen::Index> wanted_;
+  double size_ = 0.0;  ///< diagonal of the model's box [m]
+};
+
 /// Column of every independent degree of freedom in T, -1 for one that is not free.
 std::vector<int> number(const Equations& equations, const std::vector<bool>& fixed, const std::vector<bool>& touched,
                         std::vector<NodalDof>& dofs) {
@@ -251,11 +349,13 @@ std::vector<Issue> constraint_issues(const FiniteElementModel& model) {
   return issues.issues();
 }
 
-Elimination eliminate(const FiniteElementModel& model, const std::vector<bool>& touched) {
+Elimination eliminate(const FiniteElementModel& model, const std::vector<bool>& touched,
+                      const std::vector<NodalDof>& independent) {
   const auto fixed = fixed_dofs(model);
   IssueList issues;
-  const Equations equations = solve(model, fixed, issues);
+  Equations equations = solve(model, fixed, issues);
   issues.raise();
+  if (!independent.empty()) PivotExchange(model, fixed, equations).make_independent(independent);
   Elimination result;
   const auto columns = number(equations, fixed, touched, result.dofs);
   auto& transform = result.transform;

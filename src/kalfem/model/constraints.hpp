@@ -26,7 +26,15 @@ std::vector<Issue> constraint_issues(const FiniteElementModel& model);
 /// follows from its others; what depends on dependent ones is substituted, so links may hang on one another in chains.
 /// Free are the independent degrees of freedom that are touched, or that a touched one follows.
 /// `touched`: by position among all, whether an element, spring or mass acts there.
+///
+/// `independent`: degrees of freedom that shall be free although a link or constraint lets them follow others: the
+/// follower of a rigid link, the reference of a weighted one. Each takes the place of a free one that it follows: from
+///     d = sum_j c_j z_j  comes  z_p = (d - sum_(j != p) c_j z_j) / c_p,
+/// with p of the largest |c_p|, of rotations by the size of the model, and z_p is replaced wherever it stands. One that
+/// follows only from other wanted ones and from what is held stays dependent: it is determined by these.
+///
 /// Throws InvalidInput with everything that constraint_issues() finds.
-Elimination eliminate(const FiniteElementModel& model, const std::vector<bool>& touched);
+Elimination eliminate(const FiniteElementModel& model, const std::vector<bool>& touched,
+                      const std::vector<NodalDof>& independent = {});
 
 }  // namespace kalfem

@@ -26,7 +26,7 @@ void check(const FiniteElementModel& model, const std::vector<NamedNode>& points
       issues.add({}, "a Rayleigh factor of '" + model.name + "' is " + std::to_string(factor),
                  "a negative one would feed energy in");
   std::set<std::string> names;
-  for (const auto& [name, node] : points) {
+  for (const auto& [name, node, distance] : points) {
     const std::string title = "point '" + model.name + "." + name + "'";
     if (!names.insert(name).second) issues.add({}, title + " is given twice", "names must be unique");
     if (node < 0 || node >= model.mesh.node_count()) {
@@ -47,7 +47,7 @@ std::map<std::string, DofCombination> named_points(const std::vector<NamedNode>&
   const std::set<std::string> own(dofs.begin(), dofs.end());
   const Eigen::SparseMatrix<double, Eigen::RowMajor> rows = expansion;
   std::map<std::string, DofCombination> combinations;
-  for (const auto& [name, node] : points)
+  for (const auto& [name, node, distance] : points)
     for (int direction = 0; direction < 6; ++direction) {
       const std::string point = name + "." + direction_names[static_cast<std::size_t>(direction)];
       DofCombination combination;

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "kalfem/model/assembly.hpp"
 
 namespace kalfem {
@@ -8,6 +11,7 @@ namespace kalfem {
 struct NamedNode {
   std::string name;
   Eigen::Index node = 0;
+  std::optional<double> distance = {};  ///< of the node from the place that the user gave, where one was given [m]
 };
 
 /// How a finite-element substructure is damped, beside its dashpots: C = C_dashpots + alpha M + beta K.

@@ -35,7 +35,8 @@ public:
     check_supports();
     if (nodes_exist_ && mesh_is_sound_)
       for (auto& issue : constraint_issues(model_))
-        add(std::move(issue.what), std::move(issue.why), std::move(issue.fix));
+        issues_.add(issue.location.file.empty() ? SourceLocation{mesh_.source, 0} : issue.location,
+                    std::move(issue.what), std::move(issue.why), std::move(issue.fix));
     return issues_.issues();
   }
 

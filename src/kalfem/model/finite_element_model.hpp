@@ -69,6 +69,7 @@ struct RigidLink {
   Eigen::Index master = 0;
   std::vector<Eigen::Index> slaves;
   std::array<bool, 6> tied = {true, true, true, true, true, true};  ///< directions of the slaves that follow
+  SourceLocation where = {};                                        ///< in the deck or case, for messages
 };
 
 /// A node that follows others by their weighted mean motion (RBE3): the rigid-body motion q about it that fits theirs
@@ -85,12 +86,14 @@ struct WeightedLink {
     std::array<bool, 6> directions = {true, true, true, false, false, false};
   };
   std::vector<Share> shares;
+  SourceLocation where = {};  ///< in the deck, for messages
 };
 
 /// sum_i coefficient_i z_i = 0; the first degree of freedom follows from the others.
 struct MultiPointConstraint {
   std::string name;
   DofSum terms;
+  SourceLocation where = {};  ///< in the deck, for messages
 };
 
 /// Degrees of freedom that do not move.

@@ -118,8 +118,9 @@ void find_the_mechanisms(const FiniteElementModel& model, const AssembledModel& 
 /// What the assembled matrices say about mass, supports and mechanisms.
 void check_motion(const FiniteElementModel& model, const AssembledModel& assembled, const SparseMatrix& stiffness,
                   const std::vector<std::string>& names, const HealthOptions& options, HealthReport& report) {
-  report.mass = mass_properties(model, assembled);
-  health::tell_mass(*report.mass, report.fixed_dofs == 0, report.lowest, report.highest, report.findings);
+  report.mass = mass_properties(assembled);
+  report.moving_mass = moving_mass(model, assembled);
+  health::tell_mass(*report.mass, *report.moving_mass, report.lowest, report.highest, report.findings);
   const RigidFrame frame = health::frame_of(report);
   const MatrixXd motions = rigid_motions(placed(model, assembled.dofs), frame);
   const auto stays = nodes_that_stay(model, assembled, frame, motions);

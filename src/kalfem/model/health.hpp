@@ -68,10 +68,12 @@ struct HealthReport {
   std::vector<HealthFinding> findings;  ///< errors first
   Eigen::Index nodes = 0, cells = 0, degrees_of_freedom = 0;
   Eigen::Vector3d lowest = Eigen::Vector3d::Zero(), highest = Eigen::Vector3d::Zero();  ///< corners of the box [m]
-  std::optional<MassProperties> mass;   ///< of what moves; empty where the places of the degrees of freedom are unknown
-  std::optional<Grounding> grounding;   ///< likewise
-  std::vector<std::string> stray_dofs;  ///< names of Grounding::stray
-  std::vector<std::string> mechanisms;  ///< as of find_mechanisms(); where it was looked for
+  std::optional<MassProperties> mass;  ///< of the whole; empty where the places of the degrees of freedom are unknown
+  std::optional<Eigen::Vector3d> moving_mass;  ///< part that the free degrees of freedom move along x, y, z [kg]; empty
+                                               ///< of matrices, which do not tell what is held
+  std::optional<Grounding> grounding;          ///< likewise
+  std::vector<std::string> stray_dofs;         ///< names of Grounding::stray
+  std::vector<std::string> mechanisms;         ///< as of find_mechanisms(); where it was looked for
   MatrixHealth stiffness_matrix, mass_matrix;
   Eigen::Index fixed_dofs = 0;        ///< directions of supports
   Eigen::Index grounded_dofs = 0;     ///< degrees of freedom with springs or dashpots to a ground

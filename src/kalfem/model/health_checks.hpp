@@ -34,9 +34,9 @@ MatrixHealth check_matrix(const SparseMatrix& matrix, const std::string& name, H
 std::vector<std::string> tell_grounding(const Grounding& grounding, bool supported,
                                         const std::vector<std::string>& dofs, std::vector<HealthFinding>& findings);
 
-/// Findings on mass; where the `whole` of it moves in all directions, on its centre and inertia too.
-void tell_mass(const MassProperties& mass, bool whole, const Eigen::Vector3d& lowest, const Eigen::Vector3d& highest,
-               std::vector<HealthFinding>& findings);
+/// Findings on the mass of the whole, its centre and inertia, and on the part of it that moves along x, y and z.
+void tell_mass(const MassProperties& mass, const Eigen::Vector3d& moving, const Eigen::Vector3d& lowest,
+               const Eigen::Vector3d& highest, std::vector<HealthFinding>& findings);
 
 /// Materials and dimensions, and findings on units.
 void check_materials(const FiniteElementModel& model, HealthReport& report);

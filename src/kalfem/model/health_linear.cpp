@@ -74,7 +74,9 @@ void check_places(const LinearModel& model, const std::vector<PlacedDof>& places
   health::set_box(nodes.leftCols(count), report);
   const RigidFrame frame = health::frame_of(report);
   report.mass = placed_mass(model.mass, places, frame.centre);
-  if (report.mass) health::tell_mass(*report.mass, true, report.lowest, report.highest, report.findings);
+  if (report.mass)
+    health::tell_mass(*report.mass, Vector3d::Constant(report.mass->mass), report.lowest, report.highest,
+                      report.findings);
   std::vector<bool> held(places.size(), false);
   for (const auto& ground : model.grounds)
     for (Index i = 0; i < model.size(); ++i)

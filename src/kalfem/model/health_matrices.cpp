@@ -153,14 +153,13 @@ std::vector<std::string> tell_grounding(const Grounding& grounding, bool support
   return names;
 }
 
-void tell_mass(const MassProperties& mass, bool whole, const Eigen::Vector3d& lowest, const Eigen::Vector3d& highest,
-               std::vector<HealthFinding>& findings) {
-  if (!(mass.mass > 0.0)) {
+void tell_mass(const MassProperties& mass, const Eigen::Vector3d& moving, const Eigen::Vector3d& lowest,
+               const Eigen::Vector3d& highest, std::vector<HealthFinding>& findings) {
+  if (!(moving.maxCoeff() > 0.0)) {
     findings.push_back({Severity::error, Topic::mass, "nothing that moves has mass", "there are no modes",
                         "give the materials a density, or add masses"});
     return;
   }
-  if (!whole) return;
   const double margin = 0.05 * (highest - lowest).norm();
   if (((mass.centre - lowest).array() < -margin).any() || ((mass.centre - highest).array() > margin).any())
     findings.push_back({Severity::warning, Topic::mass,

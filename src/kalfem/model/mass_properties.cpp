@@ -24,12 +24,17 @@ Eigen::MatrixXd rigid_body_modes(const FiniteElementModel& model, const Assemble
   return modes;
 }
 
-MassProperties mass_properties(const FiniteElementModel& model, const AssembledModel& assembled) {
-  const Eigen::MatrixXd rigid = rigid_body_modes(model, assembled);
-  const Eigen::Matrix<double, 6, 6> matrix =
-      rigid.transpose() * (evaluate(assembled.mass, assembled.parameters) * rigid);
+Eigen::Vector3d moving_mass(const FiniteElementModel& model, const AssembledModel& assembled) {
+  const Eigen::MatrixXd translations = rigid_body_modes(model, assembled).leftCols<3>();
+  return (translations.transpose() * (evaluate(assembled.mass, assembled.parameters) * translations)).diagonal();
+}
+
+MassProperties mass_properties(const AssembledModel& assembled) {
+  Matrix6 matrix = Matrix6::Zero();
+  for (const auto& part : assembled.rigid_mass)
+    matrix += affine_factor(part.powers, assembled.parameters) * part.matrix;
   MassProperties properties;
-  properties.mass = matrix.topLeftCorner<3, 3>().trace() / 3.0;
+  properties.mass = matrix.diagonal().head<3>().maxCoeff();
   if (!(properties.mass > 0.0)) return properties;
   // The coupling block is m [c]^T with the cross-product matrix of the centre.
   const Eigen::Matrix3d coupling = matrix.bottomLeftCorner<3, 3>() / properties.mass;

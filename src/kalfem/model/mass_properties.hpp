@@ -11,9 +11,13 @@ struct MassProperties {
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< about the centre, global axes [kg m^2]
 };
 
-/// From R^T M R with the rigid-body modes R: what moves with the free degrees of freedom. Mass that is lumped at or
-/// carried by fixed degrees of freedom does not count, so an unsupported model gives the whole.
-MassProperties mass_properties(const FiniteElementModel& model, const AssembledModel& assembled);
+/// Of the whole structure, also of what is held: from R^T M R with the rigid-body motions R of every node. Where not
+/// the same mass moves along x, y and z, as in matrices of one direction alone, the largest of the three counts.
+MassProperties mass_properties(const AssembledModel& assembled);
+
+/// Mass that the free degrees of freedom move along x, y and z [kg]: less than the whole where mass is lumped at or
+/// carried by held degrees of freedom.
+Eigen::Vector3d moving_mass(const FiniteElementModel& model, const AssembledModel& assembled);
 
 /// Rigid-body motion of the free degrees of freedom about the origin: translations along x, y, z [m/m], rotations about
 /// x, y, z [m/rad, rad/rad]; n x 6.

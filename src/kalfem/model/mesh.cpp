@@ -1,6 +1,9 @@
 #include "kalfem/model/mesh.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 
 namespace kalfem {
 
@@ -55,6 +58,37 @@ Eigen::Index nearest_node(const Mesh& mesh, const Eigen::Vector3d& place) {
   Eigen::Index nearest = 0;
   (mesh.nodes.colwise() - place).colwise().squaredNorm().minCoeff(&nearest);
   return nearest;
+}
+
+namespace {
+
+double distance_to_nearest(const Mesh& mesh, Eigen::Index node) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (Eigen::Index i = 0; i < mesh.node_count(); ++i)
+    if (const double distance = (mesh.nodes.col(i) - mesh.nodes.col(node)).norm(); distance > 0.0)
+      nearest = std::min(nearest, distance);
+  return std::isfinite(nearest) ? nearest : 0.0;
+}
+
+}  // namespace
+
+std::vector<double> element_sizes(const Mesh& mesh, std::span<const Eigen::Index> nodes) {
+  std::unordered_map<Eigen::Index, double> sizes;
+  for (const auto node : nodes) sizes.emplace(node, 0.0);
+  for (const auto& cell : mesh.cells) {
+    const auto corners = mesh.nodes_of(cell);
+    for (const auto corner : corners) {
+      const auto wanted = sizes.find(corner);
+      if (wanted == sizes.end()) continue;
+      for (const auto other : corners)
+        wanted->second = std::max(wanted->second, (mesh.nodes.col(other) - mesh.nodes.col(corner)).norm());
+    }
+  }
+  for (auto& [node, size] : sizes)
+    if (size == 0.0) size = distance_to_nearest(mesh, node);
+  std::vector<double> result;
+  for (const auto node : nodes) result.push_back(sizes.at(node));
+  return result;
 }
 
 }  // namespace kalfem

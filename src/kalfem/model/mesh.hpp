@@ -74,4 +74,9 @@ private:
 /// The node nearest to a place.
 Eigen::Index nearest_node(const Mesh& mesh, const Eigen::Vector3d& place);
 
+/// Size of the elements at each of the nodes: the largest distance from the node to another node of a cell that it is a
+/// corner or a middle of [m]. A node without such a cell, as of matrices, a mass or the hub of a rigid link, has the
+/// distance to the nearest node at another place. 0 where there is none.
+std::vector<double> element_sizes(const Mesh& mesh, std::span<const Eigen::Index> nodes);
+
 }  // namespace kalfem

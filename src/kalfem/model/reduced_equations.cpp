@@ -23,7 +23,8 @@ void drop_below(std::map<NodalDof, double>& terms, double limit) {
 
 }  // namespace
 
-bool ReducedEquations::add(const std::string& name, const DofSum& given, std::optional<NodalDof> preferred) {
+bool ReducedEquations::add(const std::string& name, const DofSum& given, std::optional<NodalDof> preferred,
+                           const SourceLocation& where) {
   std::map<NodalDof, double> terms;
   double scale = 0.0;
   for (const auto& [dof, coefficient] : given) {
@@ -68,7 +69,7 @@ bool ReducedEquations::add(const std::string& name, const DofSum& given, std::op
   }
   for (const auto& [dof, coefficient] : terms) rows_with_[dof].push_back(index);
   row_of_pivot_[pivot] = index;
-  rows_.push_back({name, std::move(terms), pivot});
+  rows_.push_back({name, std::move(terms), pivot, where});
   return true;
 }
 
@@ -81,7 +82,7 @@ void ReducedEquations::store(FiniteElementModel& model) const {
       model.fixed[place->second].directions[static_cast<std::size_t>(row.pivot.direction)] = true;
       continue;
     }
-    MultiPointConstraint constraint{row.name, {{row.pivot, 1.0}}};
+    MultiPointConstraint constraint{row.name, {{row.pivot, 1.0}}, row.where};
     for (const auto& [dof, coefficient] : row.terms)
       if (dof != row.pivot) constraint.terms.emplace_back(dof, coefficient);
     model.constraints.push_back(std::move(constraint));

@@ -17,7 +17,9 @@ class ReducedEquations {
 public:
   /// sum_i coefficient_i z_i = 0. The pivot is `preferred` unless its coefficient vanishes in the reduction, otherwise
   /// the largest one. Returns false where the equation follows from the earlier ones.
-  bool add(const std::string& name, const DofSum& terms, std::optional<NodalDof> preferred = std::nullopt);
+  /// `where`: of the equation in a deck, for messages.
+  bool add(const std::string& name, const DofSum& terms, std::optional<NodalDof> preferred = std::nullopt,
+           const SourceLocation& where = {});
 
   /// Appends to the model: fixed degrees of freedom where an equation has one term, else constraints, pivot first.
   void store(FiniteElementModel& model) const;
@@ -27,6 +29,7 @@ private:
     std::string name;
     std::map<NodalDof, double> terms;  ///< coefficient of the pivot: 1
     NodalDof pivot;
+    SourceLocation where;
   };
   std::vector<Row> rows_;
   std::map<NodalDof, std::size_t> row_of_pivot_;

@@ -56,6 +56,12 @@ std::vector<PlacedDof> places_of(const FiniteElementPart& part) {
   return places;
 }
 
+/// What speaks against the model first, each kind in the order of the deck.
+std::vector<DeckNote> by_weight(std::vector<DeckNote> notes) {
+  std::ranges::stable_sort(notes, std::greater{}, &DeckNote::kind);
+  return notes;
+}
+
 }  // namespace
 
 HealthReport health_of(const FiniteElementPart& part, const HealthOptions& options) {
@@ -83,6 +89,8 @@ Table properties_table(const HealthReport& health) {
     const auto& [mass, centre, inertia] = *health.mass;
     add("mass [kg]", four_digits(mass));
     add("centre of gravity [m]", vector_text(centre));
+    if (health.moving_mass && health.moving_mass->minCoeff() < (1.0 - 1e-9) * mass)
+      add("mass that is free to move along x, y, z [kg]", vector_text(*health.moving_mass));
     add("inertia about it xx, yy, zz [kg m^2]", vector_text(inertia.diagonal()));
     add("inertia about it xy, yz, xz [kg m^2]", vector_text({inertia(0, 1), inertia(1, 2), inertia(0, 2)}));
   }
@@ -137,24 +145,44 @@ Table quality_table(const HealthReport& health) {
   return table;
 }
 
+Table places_table(const FiniteElementPart& part) {
+  Table table{"Named nodes", {"name", "node", "at x, y, z [m]", "from the place given [m]"}, {}, {}};
+  const auto& mesh = part.elements.mesh;
+  const bool has_places = !mesh.nodes.isZero(0.0);  // matrices may come without
+  for (const auto& [name, node, distance] : part.nodes)
+    table.rows.push_back({name, std::to_string(mesh.node_ids[static_cast<std::size_t>(node)]),
+                          has_places ? vector_text(mesh.nodes.col(node)) : "-",
+                          distance ? four_digits(*distance) : "-"});
+  return table;
+}
+
 Table notes_table(const std::vector<DeckNote>& notes) {
-  Table table{"In the deck and not used", {"what", "first at", "times", "it follows"}, {}, {}};
-  for (const auto& note : notes)
+  Table table{"In the deck and not used", {"", "what", "first at", "times", "it follows"}, {}, {}};
+  for (const auto& note : by_weight(notes))
     table.rows.push_back(
-        {note.what, note.where.line > 0 ? fmt::format("{}:{}", note.where.file, note.where.line) : note.where.file,
+        {to_string(note.kind), note.what,
+         note.where.line > 0 ? fmt::format("{}:{}", note.where.file, note.where.line) : note.where.file,
          std::to_string(note.count), note.consequence});
   return table;
 }
 
 std::string health_text(const HealthReport& health, const std::vector<DeckNote>& notes) {
   std::string text;
+  const auto add_note = [&](const DeckNote& note) {
+    const bool is_missing = note.kind == DeckNoteKind::missing;
+    text += std::string(to_string(note.kind)) + ": " +
+            to_string(Issue{note.where, note.what + (note.count > 1 ? fmt::format(" ({} times)", note.count) : ""),
+                            note.consequence,
+                            is_missing ? "a case that does without it says accept_missing: [" + note.what + "]" : ""}) +
+            "\n";
+  };
+  const auto ordered = by_weight(notes);
+  const auto first_other =
+      std::ranges::find_if(ordered, [](const auto& note) { return note.kind != DeckNoteKind::missing; });
+  std::for_each(ordered.begin(), first_other, add_note);
   for (const auto& finding : health.findings)
     text += to_string(finding.severity) + ": " + to_string(Issue{{}, finding.what, finding.why, finding.fix}) + "\n";
-  for (const auto& note : notes)
-    text += "not used: " +
-            to_string(Issue{note.where, note.what + (note.count > 1 ? fmt::format(" ({} times)", note.count) : ""),
-                            note.consequence, ""}) +
-            "\n";
+  std::for_each(first_other, ordered.end(), add_note);
   if (!text.empty()) text += "\n";
   for (const auto& table :
        {properties_table(health), regions_table(health), materials_table(health), quality_table(health)})

@@ -22,7 +22,9 @@ Table regions_table(const HealthReport& health);
 Table materials_table(const HealthReport& health);
 /// Shapes of the cells of each region: the worst value of each measure, and how many cells are beyond its limit.
 Table quality_table(const HealthReport& health);
-/// What a deck holds that was not used.
+/// The named nodes of a substructure: number, place, and how far it lies from the place that the case gives.
+Table places_table(const FiniteElementPart& part);
+/// What a deck holds that was not used, what may change the model first.
 Table notes_table(const std::vector<DeckNote>& notes);
 
 /// As a person reads it on a terminal: findings and notes as sentences, then the tables.

@@ -247,8 +247,8 @@ Section simulation_section(const SimulationStage& stage) {
 Section model_section(const Study& study, const StudyResults& results) {
   Section section{"Finite-element substructures", "", {modes_table(study, results)}};
   for (const auto& elements : study.finite_elements) {
-    section.text += fmt::format("'{}' has {} degrees of freedom and weighs {} kg. ", elements.part->name,
-                                elements.part->full.size(), four_digits(elements.part->mass.mass));
+    section.text += fmt::format("'{}' has {} degrees of freedom and weighs {}. ", elements.part->name,
+                                elements.part->full.size(), mass_text(*elements.part));
     if (elements.reduced)
       section.text += fmt::format("The observer holds {} coordinates of it: {} of the boundary, {}. ",
                                   elements.reduced->model.size(), elements.reduced->boundary.size(),

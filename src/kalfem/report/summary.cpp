@@ -31,6 +31,10 @@ Json reduction_summary(const Superelement& superelement) {
           {"modes", modes}};
 }
 
+Json vector_json(const Eigen::Vector3d& vector) {
+  return Json::array({number(vector[0]), number(vector[1]), number(vector[2])});
+}
+
 Json model_summary(const Study& study, const StudyResults& results) {
   Json parts = Json::object();
   Eigen::Index dofs = 0;
@@ -39,6 +43,12 @@ Json model_summary(const Study& study, const StudyResults& results) {
     for (const double f : part.frequencies) frequencies.push_back(number(f));
     parts[part.name] = {{"dofs", part.dofs}, {"mass", number(part.mass)}, {"frequencies_hz", frequencies}};
     dofs += part.dofs;
+  }
+  for (const auto& elements : study.finite_elements) {
+    const auto& part = *elements.part;
+    parts[part.name]["moving_mass"] = vector_json(part.moving_mass);
+    if (!part.elements.mesh.nodes.isZero(0.0))  // of matrices without coordinates
+      parts[part.name]["centre_of_gravity"] = vector_json(part.mass.centre);
   }
   for (const auto& elements : study.finite_elements)
     if (elements.reduced) parts[elements.part->name]["reduction"] = reduction_summary(*elements.reduced);

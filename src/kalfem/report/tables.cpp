@@ -155,11 +155,21 @@ std::string linearisation_words(const EstimationStage& stage) {
       stage.reductions > 1 ? fmt::format(", reduced {} times: the last at the estimates", stage.reductions) : "");
 }
 
+std::string mass_text(const FiniteElementPart& part) {
+  const auto& moving = part.moving_mass;
+  std::string text = four_digits(part.mass.mass) + " kg";
+  if (moving.minCoeff() >= (1.0 - 1e-9) * part.mass.mass) return text;
+  if (moving.maxCoeff() - moving.minCoeff() <= 1e-9 * part.mass.mass)
+    return text + fmt::format(" ({} kg of it free to move)", four_digits(moving[0]));
+  return text + fmt::format(" ({}, {}, {} kg of it free to move along x, y, z)", four_digits(moving[0]),
+                            four_digits(moving[1]), four_digits(moving[2]));
+}
+
 std::string console_report(const Study& study, const StudyResults& results) {
   std::string text = study.given.title.empty() ? std::string() : study.given.title + "\n\n";
   for (const auto& elements : study.finite_elements) {
-    text += fmt::format("'{}': {} degrees of freedom, {} kg", elements.part->name, elements.part->full.size(),
-                        four_digits(elements.part->mass.mass));
+    text += fmt::format("'{}': {} degrees of freedom, {}", elements.part->name, elements.part->full.size(),
+                        mass_text(*elements.part));
     if (elements.reduced)
       text += fmt::format("; reduced to {} ({} of the boundary, {})", elements.reduced->model.size(),
                           elements.reduced->boundary.size(), elements.reduced->evidence.reason);

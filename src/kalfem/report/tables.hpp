@@ -23,6 +23,10 @@ Table open_loop_table(const EstimationStage& stage);
 /// Parameters, consistency and errors as a person reads them on a terminal.
 std::string console_report(const Study& study, const StudyResults& results);
 
+/// Mass of a substructure with its unit, and the part that is free to move where some of it is held:
+/// "15.7 kg (11.8 kg of it free to move)".
+std::string mass_text(const FiniteElementPart& part);
+
 /// A table as text with aligned columns.
 std::string to_text(const Table& table);
 

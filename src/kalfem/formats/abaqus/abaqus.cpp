@@ -7,6 +7,7 @@
 #include "kalfem/formats/abaqus/point_elements.hpp"
 #include "kalfem/formats/abaqus/regions.hpp"
 #include "kalfem/formats/abaqus/supports.hpp"
+#include "kalfem/formats/shell_surfaces.hpp"
 #include "kalfem/formats/text_table.hpp"
 #include "kalfem/model/linear_cells.hpp"
 
@@ -43,6 +44,22 @@ void replace_quadratic_cells(PlacedDeck& deck, FiniteElementModel& model) {
   if (any) replace_quadratic(model);
 }
 
+/// Abaqus and CalculiX give shells next to no stiffness against turns about their normal, so that decks may hold these
+/// turns everywhere. Here they follow the turn of the surface, and to hold them would hold the surface itself.
+void release_held_rotations(PlacedDeck& deck, FiniteElementModel& model) {
+  const auto surfaces = nodal_surfaces(model);
+  const auto turned = turned_by_others(model);
+  auto held = held_drilling(model, surfaces);
+  std::erase_if(held, [&](const NodalDof& dof) {
+    return turned[static_cast<std::size_t>(dof.node)] || !is_along_normal(surfaces, dof);
+  });
+  if (held.empty()) return;
+  release(model, held);
+  deck.notes.add(
+      {}, "held rotations of shells about their normal",
+      "at " + std::to_string(held.size()) + " nodes the shells turn freely, as they do in Abaqus and CalculiX");
+}
+
 FiniteElementModel build_model(const RawDeck& raw, DeckNotes& notes, Problems& problems) {
   FiniteElementModel model;
   PlacedDeck deck(raw, model.mesh, notes, problems);
@@ -69,6 +86,7 @@ FiniteElementModel build_model(const RawDeck& raw, DeckNotes& notes, Problems& p
   deck.store_node_sets();
   problems.raise();
   replace_quadratic_cells(deck, model);
+  release_held_rotations(deck, model);
   apply_nodal_thickness(deck, model);
   problems.raise();
   make_names_unique(model.masses);

@@ -43,6 +43,8 @@ bool DeckLines::read_line() {
       line_ = trimmed_field(std::string_view(file.content).substr(file.at, end - file.at));
       file.at = end + 1;
       line_where_ = {file.index, ++file.line};
+      if (end == file.content.size() && !line_.empty() && line_.front() != '*')
+        open_ends_.push_back({line_where_, files_.size() == 1});
       return true;
     }
     closed_ = std::move(files_.back());

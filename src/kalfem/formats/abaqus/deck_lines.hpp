@@ -22,6 +22,12 @@ public:
   bool next_data(std::string_view& line);
   /// The same, with blank lines: they stand for defaults under some keywords.
   bool next_data_or_blank(std::string_view& line);
+  /// A data line that ends its file without a line end, and whether the file is the deck itself.
+  struct OpenEnd {
+    Where where;
+    bool in_deck_itself = false;
+  };
+  [[nodiscard]] const std::vector<OpenEnd>& open_ends() const { return open_ends_; }
   /// Place of the line that was given last.
   [[nodiscard]] const Where& where() const { return where_; }
   /// Puts the content of a file before the next line (the parameter INPUT of some keywords).
@@ -50,6 +56,7 @@ private:
   std::unique_ptr<File> closed_;  ///< its last line may still be in use
   std::string_view line_;
   bool pending_ = false;  ///< line_ has been read and not been given
+  std::vector<OpenEnd> open_ends_;
   Where where_, line_where_;
 };
 

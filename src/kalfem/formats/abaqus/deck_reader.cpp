@@ -50,9 +50,10 @@ private:
   void read_matrix(const Keyword& keyword);
   Block read_block(const Keyword& keyword);
   void end(bool open, const Keyword& keyword);
+  void check_last_lines();
   void check_ends();
-  void note(const Keyword& keyword, const std::string& consequence) {
-    notes_.add(problems_.location(keyword.where), keyword.title, consequence);
+  void note(const Keyword& keyword, const std::string& consequence, DeckNoteKind kind = DeckNoteKind::unused) {
+    notes_.add(problems_.location(keyword.where), keyword.title, consequence, kind);
   }
 
   DeckLines& lines_;
@@ -217,6 +218,12 @@ void DeckReader::read_other(const Keyword& keyword) {
     case KeywordUse::noted:
       note(keyword, consequence);
       break;
+    case KeywordUse::doubtful:
+      note(keyword, consequence, DeckNoteKind::doubtful);
+      break;
+    case KeywordUse::lacking:
+      note(keyword, consequence, DeckNoteKind::missing);
+      break;
     case KeywordUse::missing:
       problems_.add(keyword.where, keyword.title + " is not read", consequence,
                     "write the model without it, or take the keyword out");
@@ -256,12 +263,25 @@ void DeckReader::read_in_step(const Keyword& keyword) {
     mesh_.read_set(deck_.root, keyword, keyword.name == "NSET");
   } else {
     const auto [use, consequence] = classify(keyword.name);
-    const bool known = !consequence.starts_with("this keyword");
-    if (use == KeywordUse::noted && known) note(keyword, consequence);
+    if (use == KeywordUse::noted) note(keyword, consequence);
+    if (use == KeywordUse::doubtful) note(keyword, consequence, DeckNoteKind::doubtful);
   }
 }
 
+/// A data line without a line end is the last of a file that may be cut off inside a number.
+void DeckReader::check_last_lines() {
+  for (const auto& [where, in_deck_itself] : lines_.open_ends())
+    if (in_deck_itself)
+      problems_.add(where, "the deck ends inside a data line, which has no line end",
+                    "it may be cut off: the last number may lack digits",
+                    "write the deck again, or end the line if it is whole");
+    else
+      notes_.add(problems_.location(where), "an included file whose last line has no end",
+                 "if the file is cut off, its last number lacks digits", DeckNoteKind::doubtful);
+}
+
 void DeckReader::check_ends() {
+  check_last_lines();
   const auto open = [&](bool is_open, const char* begin, const char* finish) {
     if (is_open)
       problems_.add(scope_start_, std::string(begin) + " is not ended", "the deck may be cut off",

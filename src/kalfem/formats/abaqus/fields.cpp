@@ -11,8 +11,18 @@ namespace {
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
+bool is_sign(char c) { return c == '+' || c == '-'; }
+
+/// "+-1", "1e+-3": signs stand alone.
+bool has_two_signs(std::string_view field) {
+  for (std::size_t i = 1; i < field.size(); ++i)
+    if (is_sign(field[i]) && is_sign(field[i - 1])) return true;
+  return false;
+}
+
 /// What from_chars does not take: a leading plus, an exponent by D, or one without a letter (1.5-3).
 std::optional<double> unusual_number(std::string_view field) {
+  if (has_two_signs(field)) return {};
   if (field.starts_with('+')) field.remove_prefix(1);
   if (field.empty() || field.size() > 60) return {};
   std::string text(field);
@@ -53,7 +63,10 @@ std::optional<double> to_number(std::string_view field) {
 }
 
 std::optional<std::int64_t> to_integer(std::string_view field) {
-  if (field.starts_with('+')) field.remove_prefix(1);
+  if (field.starts_with('+')) {
+    field.remove_prefix(1);
+    if (field.starts_with('-')) return {};
+  }
   std::int64_t value = 0;
   const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
   if (error != std::errc{} || end != field.data() + field.size()) return {};

@@ -124,10 +124,10 @@ void enter_notes(Table& table) {
          "SPECTRUM",      "CORRELATION",     "LOADCASE",    "DEFORMATIONPLASTICITYLOAD"});
   enter(table, KeywordUse::noted, "initial stresses, temperatures and velocities do not change the linear model",
         {"INITIALCONDITIONS"});
-  enter(table, KeywordUse::noted, "the parts are not joined by contact",
-        {"CONTACTPAIR", "CONTACT", "CONTACTINTERFERENCE", "FRICTION", "GAP", "CONTACTDAMPING", "CONTACTSTABILIZATION",
-         "COHESIVEBEHAVIOR", "SURFACESMOOTHING", "CHANGEFRICTION", "GAPCONDUCTANCE", "GAPHEATGENERATION", "INTERACTION",
-         "PAIR"});
+  enter(table, KeywordUse::lacking, "the parts are not joined by contact", {"CONTACTPAIR", "CONTACT", "GAP"});
+  enter(table, KeywordUse::noted, "contact is not read",
+        {"CONTACTINTERFERENCE", "FRICTION", "CONTACTDAMPING", "CONTACTSTABILIZATION", "COHESIVEBEHAVIOR",
+         "SURFACESMOOTHING", "CHANGEFRICTION", "GAPCONDUCTANCE", "GAPHEATGENERATION", "INTERACTION", "PAIR"});
   enter(table, KeywordUse::noted, "linear elastic behaviour is used",
         {"PLASTIC",
          "HYPERELASTIC",
@@ -197,8 +197,8 @@ void enter_notes(Table& table) {
          "ACOUSTICMEDIUM",
          "SURFACEFLUX",
          "CAVITYDEFINITION"});
-  enter(table, KeywordUse::noted, "directions of shells and beams follow from their nodes and sections", {"NORMAL"});
-  enter(table, KeywordUse::noted, "the whole model is used in its first state", {"MODELCHANGE"});
+  enter(table, KeywordUse::doubtful, "directions of shells and beams follow from their nodes and sections", {"NORMAL"});
+  enter(table, KeywordUse::doubtful, "the whole model is used in its first state", {"MODELCHANGE"});
   enter(table, KeywordUse::noted, "parts of the model that are retained or selected are up to the user of the model",
         {"RETAINEDNODALDOFS", "SUBSTRUCTUREGENERATE", "SUBSTRUCTUREMATRIXOUTPUT", "SELECTEIGENMODES",
          "SELECTCYCLICSYMMETRYMODES", "MATRIXGENERATE", "MATRIXOUTPUT"});
@@ -237,7 +237,7 @@ const Table& table() {
 
 KeywordClass classify(std::string_view name) {
   if (const auto entry = table().find(name); entry != table().end()) return entry->second;
-  return {KeywordUse::noted, "this keyword is not known; the model is read without it"};
+  return {KeywordUse::lacking, "this keyword is not known; the model is read without it"};
 }
 
 }  // namespace kalfem::abaqus

@@ -12,7 +12,9 @@ enum class KeywordUse {
   material_option,  ///< belongs to the material before it
   silent,           ///< output and comments: nothing is lost
   noted,            ///< no part of the result, for a note
-  missing           ///< the model would be incomplete without it
+  doubtful,         ///< may change the model, for a note that warns
+  lacking,          ///< a connection, or not known: the model lacks it, which the user may accept
+  missing           ///< nothing that the model could do without: a problem
 };
 
 struct KeywordClass {

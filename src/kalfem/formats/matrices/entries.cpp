@@ -42,6 +42,7 @@ void refuse_matrix(const std::string& file, int line, std::string what, std::str
 }
 
 std::optional<double> fortran_number(std::string_view text) {
+  if (text.starts_with("+-")) return {};
   if (text.starts_with('+')) text.remove_prefix(1);
   if (text.empty() || text.size() > 60) return {};
   char buffer[64];
@@ -54,6 +55,8 @@ std::optional<double> fortran_number(std::string_view text) {
                (std::isdigit(static_cast<unsigned char>(text[i - 1])) || text[i - 1] == '.')) {
       buffer[size++] = 'e';
       if (c == '-') buffer[size++] = c;
+    } else if ((c == '+' || c == '-') && i > 0 && (text[i - 1] == '+' || text[i - 1] == '-')) {
+      return {};
     } else if (c != '+' || i == 0) {
       buffer[size++] = c;
     }
@@ -73,6 +76,7 @@ std::optional<double> fortran_number(std::string_view text) {
 }
 
 std::optional<std::int64_t> whole_number(std::string_view text) {
+  if (text.starts_with("+-")) return {};
   if (text.starts_with('+')) text.remove_prefix(1);
   std::int64_t value = 0;
   const char* const end = text.data() + text.size();

@@ -32,7 +32,8 @@ std::set<Id> chosen_sets(Building& building, const char* kind, std::optional<Id>
   }
   if (present.empty()) return sets;
   if (has_control) {
-    building.note(first, std::string(kind) + " sets of the bulk data", "the case control chooses none, so none holds");
+    building.note(first, std::string(kind) + " sets of the bulk data", "the case control chooses none, so none holds",
+                  DeckNoteKind::doubtful);
     return sets;
   }
   if (sums.size() == 1) {
@@ -41,9 +42,11 @@ std::set<Id> chosen_sets(Building& building, const char* kind, std::optional<Id>
   }
   if (present.size() > 1)
     building.note(first, std::string(kind) + " sets of the bulk data",
-                  "no case control chooses one of them, so all hold");
+                  "no case control chooses one of them, so all hold", DeckNoteKind::doubtful);
   return present;
 }
+
+std::string title_of(const RigidBodyCard& card) { return std::string(card.kind) + " " + std::to_string(card.id); }
 
 class ConstraintBuilder {
 public:
@@ -55,9 +58,10 @@ public:
   void finish() { equations_.store(building_.model); }
 
 private:
-  void hold(const std::string& name, Eigen::Index node, unsigned components);
+  void hold(const std::string& name, Eigen::Index node, unsigned components, const Place& where);
   void hold_ranges(const SpcCard& card);
-  void add_equation(const std::string& name, const DofSum& terms, Eigen::Index node, int component);
+  void add_equation(const std::string& name, const DofSum& terms, Eigen::Index node, int component, const Place& where);
+  unsigned without_shared(const RigidBodyCard& card, Eigen::Index master, Eigen::Index node, unsigned components);
   bool is_simple(Eigen::Index node, unsigned components) const;
   std::optional<std::vector<std::pair<Eigen::Index, unsigned>>> indices(
       const std::vector<std::pair<Id, unsigned>>& nodes, const std::string& title, const Place& where);
@@ -69,7 +73,12 @@ private:
   ReducedEquations equations_;
   std::vector<std::pair<Id, Eigen::Index>> by_id_;                 ///< all nodes, ascending
   std::map<std::pair<std::string, unsigned>, std::size_t> fixed_;  ///< place in model.fixed by set and components
-  std::map<Eigen::Index, unsigned> held_;                          ///< so that nothing is held twice in turned axes
+  struct Lead {
+    Eigen::Index master;
+    const RigidBodyCard* card;
+  };
+  std::map<NodalDof, Lead> leads_;         ///< of components that follow a master
+  std::map<Eigen::Index, unsigned> held_;  ///< so that nothing is held twice in turned axes
 };
 
 /// Whether components of a node mean the same in its own axes and in global ones.
@@ -78,7 +87,8 @@ bool ConstraintBuilder::is_simple(Eigen::Index node, unsigned components) const 
   return !building_.is_turned(node) || (whole(components & 7u) && whole(components >> 3));
 }
 
-void ConstraintBuilder::add_equation(const std::string& name, const DofSum& terms, Eigen::Index node, int component) {
+void ConstraintBuilder::add_equation(const std::string& name, const DofSum& terms, Eigen::Index node, int component,
+                                     const Place& where) {
   NodalDof preferred{node, component};
   if (building_.is_turned(node)) {
     int strongest = 0;
@@ -87,10 +97,11 @@ void ConstraintBuilder::add_equation(const std::string& name, const DofSum& term
   }
   // Names of constraints are unique.
   const auto id = building_.model.mesh.node_ids[static_cast<std::size_t>(node)];
-  equations_.add(name + ".n" + std::to_string(id) + "." + std::to_string(component + 1), terms, preferred);
+  equations_.add(name + ".n" + std::to_string(id) + "." + std::to_string(component + 1), terms, preferred,
+                 building_.files.location(where));
 }
 
-void ConstraintBuilder::hold(const std::string& name, Eigen::Index node, unsigned components) {
+void ConstraintBuilder::hold(const std::string& name, Eigen::Index node, unsigned components, const Place& where) {
   if (building_.is_scalar(node)) components = components == 0 ? 1u : components & 1u;
   if (components == 0) return;
   building_.model.mesh.node_sets[name].push_back(node);
@@ -101,7 +112,7 @@ void ConstraintBuilder::hold(const std::string& name, Eigen::Index node, unsigne
       if (((fresh >> i) & 1u) != 0) {
         DofSum terms;
         building_.append(terms, node, i, 1.0);
-        add_equation(name, terms, node, i);
+        add_equation(name, terms, node, i, where);
       }
     return;
   }
@@ -119,12 +130,12 @@ void ConstraintBuilder::hold_ranges(const SpcCard& card) {
   for (const auto& range : card.nodes) {
     if (range.single) {
       const auto node = building_.node(range.first, "SPC " + std::to_string(card.set), card.where);
-      if (node >= 0) hold(name, node, card.components);
+      if (node >= 0) hold(name, node, card.components, card.where);
       continue;
     }
     auto place = std::ranges::lower_bound(by_id_, range.first, {}, &std::pair<Id, Eigen::Index>::first);
     for (; place != by_id_.end() && place->first <= range.last; ++place)
-      if ((place->first - range.first) % range.step == 0) hold(name, place->second, card.components);
+      if ((place->first - range.first) % range.step == 0) hold(name, place->second, card.components, card.where);
   }
 }
 
@@ -140,7 +151,8 @@ void ConstraintBuilder::hold_nodes() {
   for (const auto& card : building_.bulk.spcs)
     if (sets.contains(card.set)) hold_ranges(card);
   for (std::size_t i = 0; i < building_.bulk.grids.size(); ++i)
-    if (const auto held = building_.bulk.grids[i].held; held != 0) hold("grid_ps", static_cast<Eigen::Index>(i), held);
+    if (const auto& grid = building_.bulk.grids[i]; grid.held != 0)
+      hold("grid_ps", static_cast<Eigen::Index>(i), grid.held, grid.where);
   for (auto& [name, nodes] : building_.model.mesh.node_sets) {
     std::ranges::sort(nodes);
     nodes.erase(std::ranges::unique(nodes).begin(), nodes.end());
@@ -168,7 +180,7 @@ void ConstraintBuilder::add_mpcs() {
       if (first < 0) first = node;
       building_.append(terms, node, term.direction, term.coefficient);
     }
-    if (sound) add_equation(name, terms, first, card.terms.front().direction);
+    if (sound) add_equation(name, terms, first, card.terms.front().direction, card.where);
   }
 }
 
@@ -190,22 +202,52 @@ std::array<bool, 6> flags(unsigned components) {
   return directions;
 }
 
+/// The components that do not follow the same master by another card already: pre-processors write one rigid body as
+/// several elements that share nodes. Components that follow two masters are a problem.
+unsigned ConstraintBuilder::without_shared(const RigidBodyCard& card, Eigen::Index master, Eigen::Index node,
+                                           unsigned components) {
+  const RigidBodyCard* other = nullptr;
+  unsigned fresh = 0;
+  for (int i = 0; i < 6; ++i) {
+    if (((components >> i) & 1u) == 0) continue;
+    const auto [place, is_new] = leads_.try_emplace(NodalDof{node, i}, Lead{master, &card});
+    if (is_new)
+      fresh |= 1u << i;
+    else if (place->second.master != master)
+      other = place->second.card;
+    else if (place->second.card != &card)
+      building_.note(card.where, std::string(card.kind) + "s of one master that share nodes",
+                     "they are merged into one rigid body");
+  }
+  if (other != nullptr)
+    building_.files.problem(
+        card.where,
+        "grid point " + std::to_string(building_.model.mesh.node_ids[static_cast<std::size_t>(node)]) +
+            " follows from " + title_of(card) + " and from " + title_of(*other) + " in line " +
+            std::to_string(other->where.line),
+        "a motion can follow one master", "leave it out of one of them, or let one master follow the other");
+  return fresh;
+}
+
 /// One node leads with all its motions: rigid links, and equations where components are those of turned axes.
 void ConstraintBuilder::add_links(const RigidBodyCard& card, Eigen::Index master,
                                   const std::vector<std::pair<Eigen::Index, unsigned>>& dependent) {
   std::map<unsigned, RigidLink> links;
   std::string name = upper_case(card.kind) == "RBE2" ? "rbe2_" : "rigid_";
   name += std::to_string(card.id);
-  for (const auto& [node, components] : dependent) {
-    if (node == master || components == 0) continue;
+  for (const auto& [node, given] : dependent) {
+    if (node == master || given == 0) continue;
+    const unsigned components = without_shared(card, master, node, given);
+    if (components == 0) continue;
     if (is_simple(node, components)) {
       auto& link = links[components];
+      link.where = building_.files.location(card.where);
       link.master = master;
       link.tied = flags(components);
       link.slaves.push_back(node);
     } else {
       for (const auto& [component, terms] : rigid_rows(building_, {{master, all_six}}, {{node, components}}))
-        add_equation(name, terms, component.node, component.direction);
+        add_equation(name, terms, component.node, component.direction, card.where);
     }
   }
   int part = 0;
@@ -218,14 +260,15 @@ void ConstraintBuilder::add_links(const RigidBodyCard& card, Eigen::Index master
 }
 
 void ConstraintBuilder::add_rigid_body(const RigidBodyCard& card) {
-  const auto title = std::string(card.kind) + " " + std::to_string(card.id);
+  const auto title = title_of(card);
   const auto independent = indices(card.independent, title, card.where);
   const auto dependent = indices(card.dependent, title, card.where);
   if (!independent || !dependent) return;
   if (title.starts_with("RROD")) {
     const auto row = rod_row(building_, *dependent);
     if (row)
-      add_equation("rigid_" + std::to_string(card.id), row->terms, row->dependent.node, row->dependent.direction);
+      add_equation("rigid_" + std::to_string(card.id), row->terms, row->dependent.node, row->dependent.direction,
+                   card.where);
     else
       building_.files.problem(card.where, title + " needs two nodes apart and one dependent component",
                               "it keeps their distance", "mend GA, GB, CMA and CMB");
@@ -238,7 +281,7 @@ void ConstraintBuilder::add_rigid_body(const RigidBodyCard& card) {
     return building_.files.problem(card.where, title + ": its independent components do not fix a rigid body",
                                    "six of them must determine its motion", "choose others");
   for (const auto& [component, terms] : rows)
-    add_equation("rigid_" + std::to_string(card.id), terms, component.node, component.direction);
+    add_equation("rigid_" + std::to_string(card.id), terms, component.node, component.direction, card.where);
 }
 
 void ConstraintBuilder::add_rigid() {
@@ -252,6 +295,7 @@ void ConstraintBuilder::add_weighted() {
     link.name = "rbe3_" + std::to_string(card.id);
     link.follower = building_.node(card.reference, title, card.where);
     link.tied = flags(card.components);
+    link.where = building_.files.location(card.where);
     bool sound = link.follower >= 0, simple = sound && card.moved.empty() && is_simple(link.follower, card.components);
     for (const auto& group : card.groups)
       for (const Id id : group.nodes) {
@@ -271,7 +315,8 @@ void ConstraintBuilder::add_weighted() {
     if (rows.empty())
       building_.files.problem(card.where, title + ": its nodes and components do not determine the reference's motion",
                               "or those of UM do not depend", "add nodes or components");
-    for (const auto& [component, terms] : rows) add_equation(link.name, terms, component.node, component.direction);
+    for (const auto& [component, terms] : rows)
+      add_equation(link.name, terms, component.node, component.direction, card.where);
   }
 }
 

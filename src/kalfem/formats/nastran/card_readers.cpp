@@ -22,50 +22,80 @@ const std::unordered_map<std::string_view, Read>& all_readers() {
 }
 
 struct UnusedClass {
+  DeckNoteKind kind;
   std::string_view consequence;  ///< empty: no effect on stiffness, mass and damping, passed over
   std::vector<std::string_view> prefixes;
 };
 
+constexpr auto unused = DeckNoteKind::unused;
+constexpr auto doubtful = DeckNoteKind::doubtful;
+constexpr auto missing = DeckNoteKind::missing;
+
 /// Tried from the first on; a name belongs to the first class with a prefix of it.
 const std::vector<UnusedClass>& unused_classes() {
   static const std::vector<UnusedClass> classes = {
-      {"", {"EIG",     "SUPORT",  "PLOTEL", "SET1",   "SET2",   "SET3",    "USET",   "CSET",   "BSET",   "QSET",
-            "SPCD",    "SPCOFF",  "SPCR",   "DVGRID", "FREQ",   "TSTEP",   "TABLE",  "TABDMP", "DLOAD",  "LOADT",
-            "DSCREEN", "DOPTPRM", "DELAY",  "DPHASE", "MDLPRM", "NLPARM",  "NLPCI",  "NLSTEP", "PSET",   "RANDPS",
-            "RANDT",   "PLOTG",   "DTI",    "DMI",    "ECHOON", "ECHOOFF", "TEMPD",  "SESET",  "RADSET", "BDYOR",
-            "VIEW",    "CHBDY",   "PHBDY",  "CONV",   "PCONV",  "MAT4",    "MAT5",   "ACMODL", "OUTPUT", "OUTRCV",
-            "RGYRO",   "ROTOR",   "DYNRED", "NSMADD", "MONPNT", "MONDSP",  "MAT1F",  "ENDT",   "TIC",    "MKAERO",
-            "TRIM",    "AEROS",   "AERO",   "AELIST", "AESURF", "AESTAT",  "AEPARM", "AEFACT", "AELINK", "AECOMP",
-            "FLUTTER", "FLFACT",  "GUST",   "DIVERG", "SPLINE", "CAERO",   "PAERO",  "CSSCHD", "SEQGP",  "PARAMR",
-            "DYPARM",  "SWLDPRM", "BCPARA", "SPBLND"}},
-      {"loads are not read; only the structure itself is",
-       {"FORCE", "MOMENT", "PLOAD", "GRAV",   "LOAD", "RLOAD", "TLOAD",  "ACSRCE", "DAREA", "TEMP",   "RFORCE",
-        "ACCEL", "LSEQ",   "SLOAD", "PRESAX", "QBDY", "QVOL",  "DEFORM", "NOLIN",  "BOLT",  "SLOADN", "LOADCYN"}},
-      {"optimisation is not read; the design is that of the properties as they stand",
+      {unused, "", {"EIG",     "SUPORT", "PLOTEL",  "SET1",    "SET2",    "SET3",    "USET",   "CSET",    "BSET",
+                    "QSET",    "SPCD",   "SPCOFF",  "SPCR",    "DVGRID",  "FREQ",    "TSTEP",  "TABLE",   "TABDMP",
+                    "DLOAD",   "LOADT",  "DSCREEN", "DOPTPRM", "DELAY",   "DPHASE",  "MDLPRM", "NLPARM",  "NLPCI",
+                    "NLSTEP",  "PSET",   "RANDPS",  "RANDT",   "PLOTG",   "DTI",     "DMI",    "ECHOON",  "ECHOOFF",
+                    "TEMPD",   "SESET",  "RAD",     "BDYOR",   "VIEW",    "CHBDY",   "PHBDY",  "CONV",    "PCONV",
+                    "MAT4",    "MAT5",   "ACMODL",  "OUTPUT",  "OUTRCV",  "RGYRO",   "ROTOR",  "DYNRED",  "NSMADD",
+                    "MONPNT",  "MONDSP", "MAT1F",   "ENDT",    "TIC",     "MKAERO",  "TRIM",   "AEROS",   "AERO",
+                    "AELIST",  "AESURF", "AESTAT",  "AEPARM",  "AEFACT",  "AELINK",  "AECOMP", "FLUTTER", "FLFACT",
+                    "GUST",    "DIVERG", "SPLINE",  "CAERO",   "PAERO",   "CSSCHD",  "SEQGP",  "PARAMR",  "DYPARM",
+                    "SWLDPRM", "BCPARA", "SPBLND",  "CBARAO",  "CAMPBLL", "CONTRLT", "RCROSS", "BNDF",    "SEUSET",
+                    "SEQSET",  "SECSET", "SEBSET",  "SESUP"}},
+      {unused,
+       "loads are not read; only the structure itself is",
+       {"FORCE", "MOMENT", "PLOAD",  "GRAV", "LOAD", "RLOAD",  "TLOAD", "ACSRCE", "DAREA",  "TEMP",  "RFORCE", "ACCEL",
+        "LSEQ",  "SLOAD",  "PRESAX", "QBDY", "QVOL", "DEFORM", "NOLIN", "BOLT",   "SLOADN", "CLOAD", "LOADCYN"}},
+      {unused,
+       "optimisation is not read; the design is that of the properties as they stand",
        {"DESVAR", "DVPREL", "DVCREL", "DVMREL", "DRESP", "DCONSTR", "DCONADD", "DEQATN", "DLINK", "DDVAL", "DTABLE",
         "DVSHAP", "DVBSHAP", "TOPVAR", "DOBJ", "DOPT", "BEADVAR", "TOMVAR"}},
-      {"no reduction is made of the deck; it reads as the full model", {"ASET", "OMIT"}},
-      {"superelements of the deck are not formed; their bulk data parts are not read",
-       {"SEBULK", "SECON", "SEEXCLD", "SELABEL", "SELOC", "SEMPLN", "SEELT", "SEB", "SEC", "SEQ", "SES", "SETREE",
-        "RELEASE", "EXTRN", "CSUPER", "CSUPEXT"}},
-      {"this nonstructural mass is missing; give it as NSM of a property or as CONM2", {"NSM"}},
-      {"gaps and contact are not read: the parts are not joined there",
-       {"CGAP", "PGAP", "BCTABLE", "BCBODY", "BCONTACT", "BSURF", "BCONP", "BLSEG", "BFRIC", "BCT", "BGSET", "BCB",
-        "BGADD"}},
-      {"the tie is left out of the model: the parts are not joined there",
-       {"CWELD", "CFAST", "CSEAM", "RSPLINE", "RSSCON", "RTRPLT", "RJOINT", "CINTC", "PWELD", "PFAST", "PSEAM"}},
-      {"the cards of this material law beside the linear one are not read",
+      {unused, "no reduction is made of the deck; it reads as the full model", {"ASET", "OMIT"}},
+      {missing,
+       "superelements of the deck are not read: their stiffness and mass are missing",
+       {"CSUPER", "SEBULK", "SECON", "SEEXCLD", "SELOC", "SEMPLN", "EXTRN"}},
+      {unused,
+       "the deck is read as one structure, without its division into superelements",
+       {"SELABEL", "SEELT", "SEB", "SEC", "SEQ", "SES", "SETREE", "RELEASE"}},
+      {missing, "this nonstructural mass is missing; give it as NSM of a property or as CONM2", {"NSM"}},
+      {missing,
+       "gaps and contact are not read: the parts are not joined there",
+       {"CGAP", "BCTABL", "BCONTACT", "BGSET", "BGADD", "BCTSET", "BCTADD"}},
+      {unused,
+       "gaps and contact are not read",
+       {"PGAP", "BCBODY", "BSURF", "BCONP", "BLSEG", "BFRIC", "BCT", "BCB", "BGPARM", "BCPROP", "BCGRID"}},
+      {missing,
+       "the parts are not joined there",
+       {"CWELD", "CFAST", "CSEAM", "RSPLINE", "RSSCON", "RTRPLT", "RJOINT", "CINTC", "RBAR1", "RBJOINT", "RBJSTIF"}},
+      {missing, "the cyclic symmetry that joins its faces is missing", {"CYJOIN", "CYAX", "CYSYM", "CYSUP"}},
+      {unused,
+       "its elements are not read",
+       {"PWELD", "PFAST", "PSEAM", "PSHEAR", "PBEND", "PBEAM3", "PRAC", "PCONEAX"}},
+      {unused,
+       "the cards of this material law beside the linear one are not read",
        {"MATS1", "MATT", "MATF", "MATEP", "MATHE", "MATVE", "CREEP", "MATTVE"}},
-      {"these matrices are not read", {"GENEL", "DMIJ", "DMIK", "DMIAX", "TF"}},
+      {doubtful,
+       "how these properties change with frequency or deflection is not read; the nominal ones hold",
+       {"PBUSHT", "PELAST", "PDAMPT"}},
+      {unused, "matrices of aerodynamics and fluids are not read", {"DMIJ", "DMIK", "DMIAX"}},
+      {missing, "this stiffness is missing", {"GENEL"}},
+      {missing, "the terms of this transfer function are missing in stiffness, damping and mass", {"TF"}},
+      {doubtful, "this damping is not read", {"HYBDAMP", "DAMPING"}},
   };
   return classes;
 }
 
 /// Elements that are known and have no counterpart here.
 bool is_left_out_element(std::string_view name) {
-  for (const std::string_view known : {"CSHEAR",  "CBEND",  "CBEAM3", "CQUADX", "CTRIAX", "CQUAD",  "CRAC",   "CCONE",
-                                       "CHACAB",  "CHACBR", "CDUM",   "CAXIF",  "CSLOT",  "CFLUID", "CELAS",  "CDAMP5",
-                                       "CBUSH2D", "CHEX",   "CIHEX",  "CTWIST", "CWEDGE", "CTRI",   "CQDMEM", "CTRMEM"})
+  if (name == "CBARAO") return false;
+  for (const std::string_view known :
+       {"CSHEAR", "CBEND",  "CBEAM3", "CQUADX", "CTRIAX", "CQUAD",  "CRAC",   "CCONE",   "CHACAB",
+        "CHACBR", "CDUM",   "CAXIF",  "CSLOT",  "CFLUID", "CELAS",  "CDAMP5", "CBUSH2D", "CHEX",
+        "CIHEX",  "CTWIST", "CWEDGE", "CTRI",   "CQDMEM", "CTRMEM", "CTETR",  "CPENT",   "CPYRA",
+        "CROD",   "CBAR",   "CBEAM",  "CBUSH",  "CMASS",  "CDAMP",  "CONM",   "CONROD",  "CTUBE"})
     if (name.starts_with(known)) return true;
   return false;
 }
@@ -102,18 +132,22 @@ void unused_card(const Card& card, const Reading& reading) {
       unread.try_emplace(static_cast<Id>(id), name);
   }
   if (is_left_out_element(name))
-    return reading.note(card, name, "the element is left out of the structure: its stiffness and mass are missing");
-  for (const auto& [consequence, prefixes] : unused_classes())
+    return reading.note(card, name, "the element is left out of the structure: its stiffness and mass are missing",
+                        missing);
+  for (const auto& [kind, consequence, prefixes] : unused_classes())
     for (const auto prefix : prefixes)
       if (name.starts_with(prefix)) {
-        if (!consequence.empty()) reading.note(card, name, std::string(consequence));
+        if (!consequence.empty()) reading.note(card, name, std::string(consequence), kind);
         return;
       }
   if (name.starts_with("P") || name.starts_with("MAT"))
     return reading.note(card, name, "the card is not read; elements that name it cannot be formed");
   if (name.starts_with("C"))
-    return reading.note(card, name, "the card is not known; if it is an element, its stiffness and mass are missing");
-  reading.note(card, name, "the card is not known and not used; if it is part of the structure, that part is missing");
+    return reading.note(card, name,
+                        "the card is not known; by its name it is an element, whose stiffness and mass are missing",
+                        missing);
+  reading.note(card, name, "the card is not known and not used; if it is part of the structure, that part is missing",
+               doubtful);
 }
 
 }  // namespace kalfem::nastran

@@ -15,8 +15,9 @@ struct Reading {
   DeckNotes& notes;
   DeckFiles& files;
 
-  void note(const Card& card, const std::string& what, const std::string& consequence) const {
-    notes.add(files.location(card.place), what, consequence);
+  void note(const Card& card, const std::string& what, const std::string& consequence,
+            DeckNoteKind kind = DeckNoteKind::unused) const {
+    notes.add(files.location(card.place), what, consequence, kind);
   }
 };
 
@@ -40,8 +41,9 @@ std::span<const CardReader> matrix_cards();  ///< DMIG, PARAM
 /// only ask for results or belong to other analyses; see unused_card().
 void read_card(const Card& card, const Reading& reading);
 
-/// What a card that is not read means for the model; nothing for one that has no effect on K, M and C.
-/// An element that is left out is told as such, a load or table by its class, an unknown card as unknown.
+/// What a card that is not read means for the model; nothing for one that has no effect on K, M and C. Stiffness, mass
+/// and connections are told as missing, a load or table by its class, an unknown card as doubtful, or as missing where
+/// its name is that of an element.
 void unused_card(const Card& card, const Reading& reading);
 
 }  // namespace kalfem::nastran

@@ -51,6 +51,8 @@ public:
   std::optional<DeckLine> next();
   /// Content of the file that the deck begins with.
   [[nodiscard]] std::string_view main_text() const { return texts_.front(); }
+  /// Last lines of included files that have no line end, as those of files that are cut off.
+  [[nodiscard]] const std::vector<Place>& open_ends() const { return open_ends_; }
 
 private:
   struct Open {
@@ -66,6 +68,7 @@ private:
   DeckFiles& files_;
   std::deque<std::string> texts_;
   std::vector<Open> stack_;
+  std::vector<Place> open_ends_;
   std::size_t opened_ = 0;
 };
 

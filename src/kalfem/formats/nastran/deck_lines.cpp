@@ -76,8 +76,10 @@ std::optional<std::string_view> DeckLines::raw_line() {
   if (file.rest.empty()) return std::nullopt;
   const std::size_t end = std::min(file.rest.find('\n'), file.rest.size());
   const auto text = file.rest.substr(0, end);
+  const bool has_end = end < file.rest.size();
   file.rest.remove_prefix(std::min(end + 1, file.rest.size()));
   ++file.place.line;
+  if (!has_end && stack_.size() > 1 && !without_comment(text).empty()) open_ends_.push_back(file.place);
   return text;
 }
 

@@ -37,8 +37,9 @@ struct Building {
   FiniteElementModel& model;
   MatrixGather matrices = {};  ///< of scalar masses, mass matrices and springs without a name of their own
 
-  void note(const Place& place, const std::string& what, const std::string& consequence) {
-    notes.add(files.location(place), what, consequence);
+  void note(const Place& place, const std::string& what, const std::string& consequence,
+            DeckNoteKind kind = DeckNoteKind::unused) {
+    notes.add(files.location(place), what, consequence, kind);
   }
   /// Index of a node; -1, with the problem noted, where there is none.
   Eigen::Index node(Id id, const std::string& title, const Place& where);

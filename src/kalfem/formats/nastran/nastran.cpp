@@ -40,9 +40,19 @@ public:
   void read(DeckLines& lines) {
     const bool has_control = has_line_with(lines.main_text(), "CEND") || has_line_with(lines.main_text(), "BEGIN");
     part_ = has_control ? Part::control : Part::bulk;
-    while (const auto line = lines.next())
-      if (!read(*line)) break;
+    Place last{};
+    bool goes_on = true;
+    while (goes_on) {
+      const auto line = lines.next();
+      if (!line) break;
+      last = line->place;
+      goes_on = read(*line);
+    }
     cards_.finish();
+    if (goes_on && part_ != Part::control) tell_missing_end(has_control, last);
+    for (const auto& place : lines.open_ends())
+      notes_.add(files_.location(place), "an included file whose last line has no end",
+                 "if the file is cut off, its last number and what followed are missing", DeckNoteKind::doubtful);
     if (part_ == Part::control)
       files_.problem({}, "the file has no BEGIN BULK", "the bulk data begin there", "put it before the first card");
   }
@@ -68,6 +78,18 @@ private:
     return true;
   }
 
+  /// A deck with a BEGIN BULK has its ENDDATA unless it is cut off. Bulk data alone, as files that are included
+  /// elsewhere, may do without.
+  void tell_missing_end(bool has_control, const Place& last) {
+    if (has_control)
+      files_.problem(last, "the deck ends without ENDDATA",
+                     "it may be cut off: supports, masses or elements may be missing",
+                     "write the file again, or put ENDDATA behind its last card if it is whole");
+    else
+      notes_.add(files_.location(last), "bulk data without ENDDATA",
+                 "if the file is cut off, supports, masses or elements are missing", DeckNoteKind::doubtful);
+  }
+
   void begin(const DeckLine& line) {
     if (begins_bulk(line.text)) {
       part_ = Part::bulk;
@@ -75,7 +97,7 @@ private:
     }
     part_ = Part::other;
     notes_.add(files_.location(line.place), std::string(trimmed(line.text)),
-               "this part of the bulk data is not read; only the main part is");
+               "this part of the bulk data is not read: its stiffness and mass are missing", DeckNoteKind::missing);
   }
 
   DeckFiles& files_;
@@ -157,9 +179,13 @@ void build_model(Building& building) {
 
 void note_case_control(const CaseControl& control, DeckNotes& notes, const DeckFiles& files) {
   if (control.more_subcases)
-    notes.add(files.location(control.second_subcase), "further SUBCASEs", "the first one chooses SPC and MPC");
-  for (const auto& [command, place] : control.unused)
-    notes.add(files.location(place), command + " of the case control", "it is not read; what it adds is missing");
+    notes.add(files.location(control.second_subcase), "further SUBCASEs", "the first one chooses SPC and MPC",
+              DeckNoteKind::doubtful);
+  for (const auto& [command, place] : control.unused) {
+    if (command == "NSM") continue;  // its cards tell what is missing
+    notes.add(files.location(place), command, "what this command of the case control adds is missing",
+              DeckNoteKind::missing);
+  }
 }
 
 }  // namespace
