@@ -125,6 +125,24 @@ std::vector<ForeignMatrix> wanted(std::vector<ForeignMatrix> all, const std::vec
   return chosen;
 }
 
+/// A text whose last line holds numbers and has no end may be cut off inside the last of them. Compressed files tell
+/// their length themselves.
+void require_last_line_end(std::string_view text, const std::string& source, MatrixFormat given) {
+  if (text.empty() || text.ends_with('\n') || is_gzip(text)) return;
+  const MatrixFormat format = given == MatrixFormat::automatic ? format_of(text, source) : given;
+  if (format != MatrixFormat::matrix_market && format != MatrixFormat::triplets && format != MatrixFormat::nodal &&
+      format != MatrixFormat::dmig)
+    return;
+  const auto last = trimmed(text.substr(text.rfind('\n') + 1));
+  if (last.empty() ||
+      std::string_view(format == MatrixFormat::dmig ? "$" : "%#*").find(last.front()) != std::string_view::npos ||
+      lower_case(last).starts_with("enddata"))
+    return;
+  refuse_matrix(source, static_cast<int>(std::ranges::count(text, '\n')) + 1,
+                "the last line of the file has no line end", "the file may be cut off: its last number may lack digits",
+                "write the file again, or end the line if it is whole");
+}
+
 /// CalculiX writes what the rows are into a file of its own beside the matrices.
 void attach_neighbouring_map(std::vector<ForeignMatrix>& matrices, const std::filesystem::path& path) {
   auto map = path;
@@ -167,7 +185,9 @@ std::vector<ForeignMatrix> parse_matrices(std::string_view bytes, const std::str
 }
 
 std::vector<ForeignMatrix> read_matrices(const std::filesystem::path& path, const MatrixReadOptions& options) {
-  auto matrices = parse_matrices(read_text(path), path.string(), options);
+  const std::string text = read_text(path);
+  require_last_line_end(text, path.string(), options.format);
+  auto matrices = parse_matrices(text, path.string(), options);
   attach_neighbouring_map(matrices, path);
   return matrices;
 }
