@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "console.hpp"
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/casefile/stages.hpp"
 #include "kalfem/casefile/substructure_modes.hpp"
@@ -65,7 +66,7 @@ Table updating_table(const UpdatingSetup& setup) {
 }
 
 void print_table(const Table& table) {
-  if (!table.rows.empty()) fmt::print("{}\n", to_text(table));
+  if (!table.rows.empty()) print("{}\n", to_text(table));
 }
 
 void check_health_of_parts(const Study& study, const std::string& page_file) {
@@ -78,8 +79,8 @@ void check_health_of_parts(const Study& study, const std::string& page_file) {
     const auto& part = *elements.part;
     const HealthReport health = health_of(part);
     const Table places = places_table(part);
-    fmt::print("Substructure '{}'\n\n{}", part.name, health_text(health, part.notes));
-    if (!places.rows.empty()) fmt::print("{}\n{}\n", places.title, to_text(places));
+    print("Substructure '{}'\n\n{}", part.name, health_text(health, part.notes));
+    if (!places.rows.empty()) print("{}\n{}\n", places.title, to_text(places));
     page.sections.push_back(health_section(part.name, part.elements, health, part.notes));
     if (!places.rows.empty()) page.sections.back().items.emplace_back(places);
   }
@@ -90,19 +91,19 @@ void check_health_of_parts(const Study& study, const std::string& page_file) {
 
 ExitCode check(const std::string& case_file, const std::string& page_file) {
   const Study study = load_study(case_file);
-  fmt::print("{}\n\n", study.given.title.empty() ? case_file : study.given.title);
+  print("{}\n\n", study.given.title.empty() ? case_file : study.given.title);
   print_table(substructure_table(study));
   print_table(connector_table(study));
   print_table(sensor_table(study));
   if (study.record)
-    fmt::print("record: {} samples at {} Hz from {} s\n\n", study.record->series.samples(),
-               four_digits(study.sample_rate()), four_digits(study.record->series.start));
+    print("record: {} samples at {} Hz from {} s\n\n", study.record->series.samples(), four_digits(study.sample_rate()),
+          four_digits(study.record->series.start));
   if (study.observer) print_table(unknown_table(*study.observer));
   if (study.updating) print_table(updating_table(*study.updating));
   check_updating(study);
   check_health_of_parts(study, page_file);
-  for (const auto& warning : study.warnings) fmt::print(stderr, "warning: {}\n", warning);
-  fmt::print("No problem found; nothing was run.\n");
+  for (const auto& warning : study.warnings) print_error("warning: {}\n", warning);
+  print("No problem found; nothing was run.\n");
   return done;
 }
 

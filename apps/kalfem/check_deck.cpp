@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <numbers>
 
+#include "console.hpp"
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/formats/read_deck.hpp"
@@ -43,12 +44,12 @@ ExitCode check_deck(const std::string& file, const std::vector<std::string>& uni
   to_si(deck.model, unit_system(units));
   const AssembledModel assembled = assemble(deck.model);
   const HealthReport health = check_health(deck.model, assembled);
-  fmt::print("{}\n\n{}", file, health_text(health, deck.notes));
+  print("{}\n\n{}", file, health_text(health, deck.notes));
   const bool is_complete =
       std::ranges::none_of(deck.notes, [](const DeckNote& note) { return note.kind == DeckNoteKind::missing; });
   const bool sound = is_complete && health.count(HealthSeverity::error) == 0;
   const Table frequencies = sound ? frequency_table(assembled, 16) : Table{};
-  if (sound) fmt::print("{}\n{}\n", frequencies.title, to_text(frequencies));
+  if (sound) print("{}\n{}\n", frequencies.title, to_text(frequencies));
   if (!page_file.empty()) {
     const std::string name = std::filesystem::path(file).filename().string();
     Page page{.title = name,

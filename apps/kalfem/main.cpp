@@ -1,8 +1,10 @@
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <exception>
+#include <sstream>
 
+#include "console.hpp"
 #include "kalfem/base/version.hpp"
+#include "kalfem/base/write_failure.hpp"
 #include "kalfem/formats/read_deck.hpp"
 #include "verbs.hpp"
 
@@ -35,9 +37,39 @@ command::ExitCode execute(const CLI::App& app, const Arguments& arguments) {
   return command::run(arguments.case_file, Stage::update, arguments.folder, app.got_subcommand("update"));
 }
 
+/// Runs a part of the command; what it throws becomes a message and an exit code.
+template <class Part>
+int guarded(const Part& part) {
+  try {
+    return part();
+  } catch (const WriteFailure& error) {
+    command::print_error("{}\n", error.what());
+    return command::cannot_write;
+  } catch (const InvalidInput& error) {
+    command::print_error("{}\n", error.what());
+    return command::mend_the_input;
+  } catch (const std::exception& error) {
+    command::print_error("kalfem: internal error: {}\n", error.what());
+    return command::a_bug;
+  }
+}
+
+/// Help, the version, or what is wrong with the arguments.
+int told(const CLI::App& app, const CLI::ParseError& error) {
+  return guarded([&] {
+    std::ostringstream output, errors;
+    const bool asked_for = app.exit(error, output, errors) == 0;
+    command::print_text(output.str());
+    command::print_error_text(errors.str());
+    command::require_output();
+    return asked_for ? command::done : command::mend_the_input;
+  });
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  command::prepare_streams();
   CLI::App app{"Identifies and updates nonlinear finite-element models of structures from vibration measurements.",
                "kalfem"};
   app.set_version_flag("--version", version);
@@ -60,15 +92,11 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? command::done : command::mend_the_input;
+    return told(app, error);
   }
-  try {
-    return execute(app, arguments);
-  } catch (const InvalidInput& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return command::mend_the_input;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "kalfem: internal error: %s\n", error.what());
-    return command::a_bug;
-  }
+  return guarded([&] {
+    const auto code = execute(app, arguments);
+    command::require_output();
+    return code;
+  });
 }

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "console.hpp"
 #include "kalfem/casefile/description_form.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/system/law_library.hpp"
@@ -14,12 +15,12 @@ namespace {
 
 void print_laws() {
   for (const auto& law : law_library()) {
-    fmt::print("{}: {}\n  {}\n", law.name, law.meaning, law.equation);
+    print("{}: {}\n  {}\n", law.name, law.meaning, law.equation);
     Table table{"", {"parameter", "unit", "default", "meaning"}, {}, {}};
     for (const auto& quantity : law.parameters)
       table.rows.push_back({quantity.name, quantity.unit, four_digits(quantity.default_value), quantity.meaning});
     for (const auto& state : law.states) table.rows.push_back({"(state) " + state.name, state.unit, "", state.meaning});
-    fmt::print("{}\n", table.rows.empty() ? "" : to_text(table));
+    print("{}\n", table.rows.empty() ? "" : to_text(table));
   }
 }
 
@@ -30,9 +31,9 @@ ExitCode schema(bool as_json, bool laws) {
   if (laws)
     print_laws();
   else if (as_json)
-    fmt::print("{}\n", document.dump(2));
+    print("{}\n", document.dump(2));
   else
-    fmt::print("{}\n", reference_text(document));
+    print("{}\n", reference_text(document));
   return done;
 }
 

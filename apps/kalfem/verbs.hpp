@@ -7,7 +7,8 @@
 namespace kalfem::command {
 
 /// Exit codes of the contract.
-enum ExitCode { done = 0, a_bug = 1, mend_the_input = 2, not_usable = 3 };
+/// 1 also where the machine does not take the output: the disk is full, stdout is closed.
+enum ExitCode { done = 0, a_bug = 1, cannot_write = 1, mend_the_input = 2, not_usable = 3 };
 
 /// run, simulate, estimate, predict, update: the stages up to `last`, results into `folder` (empty: <case>.kalfem-out
 /// beside it). `must_update`: a case without `update` is an error.

@@ -1,12 +1,15 @@
 #include "kalfem/base/atomic_file.hpp"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <atomic>
-#include <fstream>
+#include <cerrno>
 #include <random>
 #include <string>
 #include <system_error>
 
-#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/write_failure.hpp"
 
 namespace kalfem {
 namespace {
@@ -16,14 +19,63 @@ namespace fs = std::filesystem;
 /// A name that neither another thread nor another process uses.
 fs::path temporary_beside(const fs::path& path) {
   static std::atomic<unsigned> count{0};
-  static const unsigned process = std::random_device{}();
-  fs::path temporary = path;
-  temporary += "." + std::to_string(process) + "-" + std::to_string(count++) + ".tmp";
-  return temporary;
+  static const unsigned process = std::random_device{}();  // the same number may run on another computer
+  const std::string number = std::to_string(process) + "-" + std::to_string(count++);
+  return path.parent_path() / ("." + path.filename().string() + "." + number + std::string(temporary_ending));
 }
 
-[[noreturn]] void fail(const fs::path& path, const std::string& why) {
-  throw InvalidInput("cannot write '" + path.string() + "'", why, "choose another place or mend the permissions");
+/// A file that is open for writing. Functions return the system's error code, 0 for success.
+class OpenFile {
+public:
+  OpenFile(const fs::path& path, int flags) : descriptor_(open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
+  ~OpenFile() { close(); }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+
+  [[nodiscard]] bool is_open() const { return descriptor_ >= 0; }
+
+  [[nodiscard]] int write(std::string_view bytes) const {
+    while (!bytes.empty()) {
+      const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) return errno;
+      bytes.remove_prefix(static_cast<std::size_t>(written));
+    }
+    return 0;
+  }
+
+  /// File systems that keep nothing on a disk answer EINVAL.
+  [[nodiscard]] int bring_to_disk() const { return fsync(descriptor_) == 0 || errno == EINVAL ? 0 : errno; }
+
+  int close() {
+    const int closed = descriptor_ < 0 ? 0 : ::close(descriptor_);
+    descriptor_ = -1;
+    return closed == 0 ? 0 : errno;
+  }
+
+private:
+  int descriptor_;
+};
+
+int write_new_file(const fs::path& path, std::string_view bytes) {
+  OpenFile file(path, O_WRONLY | O_CREAT | O_EXCL);
+  if (!file.is_open()) return errno;
+  if (const int code = file.write(bytes)) return code;
+  if (const int code = file.bring_to_disk()) return code;
+  return file.close();
+}
+
+int write_in_place(const fs::path& path, std::string_view bytes) {
+  const OpenFile file(path, O_WRONLY);
+  return file.is_open() ? file.write(bytes) : errno;
+}
+
+int replace(const fs::path& path, std::string_view bytes) {
+  const fs::path temporary = temporary_beside(path);
+  int code = write_new_file(temporary, bytes);
+  if (code == 0 && std::rename(temporary.c_str(), path.c_str()) != 0) code = errno;
+  if (code != 0) unlink(temporary.c_str());
+  return code;
 }
 
 }  // namespace
@@ -31,19 +83,22 @@ fs::path temporary_beside(const fs::path& path) {
 void write_file_atomically(const fs::path& path, std::string_view bytes) {
   std::error_code error;
   if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
-  if (error) fail(path, error.message());
+  if (error) fail_to_write(path, error.value());
+  const fs::file_status there = fs::status(path, error);
+  if (fs::is_directory(there)) fail_to_write(path, EISDIR);
+  const bool replaceable = !fs::exists(there) || fs::is_regular_file(there);
+  if (const int code = replaceable ? replace(path, bytes) : write_in_place(path, bytes))
+    fail_to_write(path, code, NeededSpace{bytes.size()});
+}
 
-  const fs::path temporary = temporary_beside(path);
-  std::ofstream file(temporary, std::ios::binary);
-  if (!file) fail(path, "the folder is not writable");
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (!file) error = std::make_error_code(std::errc::no_space_on_device);
-  if (!error) fs::rename(temporary, path, error);
-  if (!error) return;
-  const std::string why = error.message();
-  fs::remove(temporary, error);
-  fail(path, why);
+void bring_to_disk(const fs::path& path) {
+  std::error_code error;
+  const bool folder = fs::is_directory(path, error);
+  const OpenFile file(path, O_RDONLY);
+  const int code = file.is_open() ? file.bring_to_disk() : errno;
+  if (code == 0 || (folder && code != EIO)) return;
+  const auto size = fs::file_size(path, error);
+  fail_to_write(path, code, error ? std::nullopt : std::optional(NeededSpace{size}));
 }
 
 }  // namespace kalfem

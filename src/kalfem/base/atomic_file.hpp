@@ -6,8 +6,16 @@
 namespace kalfem {
 
 /// Replaces the file so that a reader sees the old bytes or all of the new ones, never a part: writes a temporary file
-/// in the same folder (made if it is missing) and renames it. Removes the temporary file on failure. Throws
-/// InvalidInput when the folder or the file cannot be written.
+/// in the same folder (made if it is missing), brings it to the disk and renames it. Removes the temporary file on
+/// failure. What stands at `path` and is no file (a pipe, a terminal) is written to directly. Throws WriteFailure where
+/// the disk takes no more, InvalidInput where the folder or the file cannot be written.
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes);
+
+/// Ending of the temporary files. A process that is killed leaves one.
+inline constexpr std::string_view temporary_ending = ".kalfem-tmp";
+
+/// Waits until a file's bytes, or a folder's entries, have reached the disk. Some file systems report a full disk only
+/// here. Throws like write_file_atomically; folders on file systems that cannot do it are passed over.
+void bring_to_disk(const std::filesystem::path& path);
 
 }  // namespace kalfem

@@ -4,6 +4,8 @@
 #include <numeric>
 #include <utility>
 
+#include "kalfem/base/utf8.hpp"
+
 namespace kalfem {
 namespace {
 
@@ -39,7 +41,7 @@ std::string to_string(const Issue& issue) {
   text += issue.what;
   if (!issue.why.empty()) text += ": " + issue.why;
   if (!issue.fix.empty()) text += "; " + issue.fix;
-  return text;
+  return terminal_safe(text, LineBreaks::escaped);
 }
 
 InvalidInput::InvalidInput(std::vector<Issue> issues) : std::runtime_error(join(issues)), issues_(std::move(issues)) {}

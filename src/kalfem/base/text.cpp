@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "kalfem/base/utf8.hpp"
+
 namespace kalfem {
 
 std::string upper_case(std::string_view text) {
@@ -20,7 +22,7 @@ std::string lower_case(std::string_view text) {
 
 std::string escaped(std::string_view text) {
   std::string safe;
-  for (const char c : text) {
+  for (const char c : valid_utf8(text)) {
     if (c == '&')
       safe += "&amp;";
     else if (c == '<')

@@ -11,7 +11,7 @@ std::string upper_case(std::string_view text);
 std::string lower_case(std::string_view text);
 
 /// Text for the content or a quoted attribute of HTML, SVG and XML: markup characters escaped, control characters that
-/// XML does not allow left out.
+/// XML does not allow left out, bytes that are no UTF-8 replaced by U+FFFD.
 std::string escaped(std::string_view text);
 
 }  // namespace kalfem

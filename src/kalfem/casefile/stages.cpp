@@ -205,7 +205,7 @@ StudyResults run_study(const Study& study, Stage last, const RunOptions& options
   }
   if (results.usable() && last >= Stage::predict)
     results.modifications = predict_modifications(study, results.updating);
-  results.total_seconds = watch.seconds();
+  results.total_seconds = study.reduce_seconds + watch.seconds();
   return results;
 }
 

@@ -84,7 +84,7 @@ UpdatingStep step_from(const Json& json) {
 }  // namespace
 
 UpdatingCheckpoint::UpdatingCheckpoint(const std::filesystem::path& folder, std::string fingerprint, Index parameters)
-    : file_(folder.empty() ? folder : folder / "update.checkpoint.json"),
+    : file_(folder.empty() ? folder : folder / checkpoint_name),
       fingerprint_(std::move(fingerprint)),
       parameters_(parameters) {}
 
@@ -111,11 +111,6 @@ void UpdatingCheckpoint::write(const Content& content) const {
   for (const auto& step : content.trace) trace.push_back(to_json(step));
   const Json json{{"fingerprint", fingerprint_}, {"state", to_json(content.state)}, {"trace", trace}};
   write_file_atomically(file_, json.dump(1) + "\n");
-}
-
-void UpdatingCheckpoint::remove() const {
-  std::error_code ignored;
-  if (!file_.empty()) std::filesystem::remove(file_, ignored);
 }
 
 std::string fingerprint_of(const Study& study, double first_residual) {

@@ -10,6 +10,10 @@
 
 namespace kalfem {
 
+/// Name of the file that UpdatingCheckpoint keeps in the folder of the results. It goes when these are complete: a run
+/// that is killed between its last stage and its results finds it again.
+inline constexpr const char* checkpoint_name = "update.checkpoint.json";
+
 /// Where an updating stands between two stages, in a small file: a run that was killed goes on from there.
 class UpdatingCheckpoint {
 public:
@@ -23,7 +27,6 @@ public:
   /// Nothing where there is no file, it is of another case, or it is damaged.
   [[nodiscard]] std::optional<Content> read() const;
   void write(const Content& content) const;
-  void remove() const;
 
 private:
   std::filesystem::path file_;

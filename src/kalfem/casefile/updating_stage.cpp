@@ -77,7 +77,6 @@ public:
             watch.seconds()});
       checkpoint_.write({search.state(), stage_.trace});
     }
-    checkpoint_.remove();
     return search;
   }
 

@@ -12,6 +12,8 @@
 #include <sstream>
 #include <unordered_set>
 
+#include "kalfem/base/utf8.hpp"
+
 namespace kalfem {
 namespace {
 
@@ -157,20 +159,6 @@ private:
   std::vector<Unfinished> open_;
   std::map<YAML::anchor_t, YamlNodePtr> anchors_;
 };
-
-/// Length of the UTF-8 sequence at `at` (0: not one), overlong forms aside.
-std::size_t utf8_length(const std::string& text, std::size_t at) {
-  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
-  const unsigned first = byte(at);
-  const std::size_t length = first < 0x80                    ? 1
-                             : first >= 0xC2 && first < 0xE0 ? 2
-                             : first >= 0xE0 && first < 0xF0 ? 3
-                             : first >= 0xF0 && first < 0xF5 ? 4
-                                                             : 0;
-  for (std::size_t i = 1; i < length; ++i)
-    if ((byte(at + i) & 0xC0U) != 0x80U) return 0;
-  return length;
-}
 
 void require_text(const std::string& text, const std::string& name) {
   int line = 1;

@@ -13,7 +13,13 @@ namespace {
 
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-void silence_hdf5() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+/// HDF5 prints nothing, and does nothing at the end of the process: there it would write again what the disk did not
+/// take when a file was closed, and crash. Every file is closed by its owner.
+void silence_hdf5() {
+  static const herr_t first = H5dont_atexit();  // before all else, since it is of no use later
+  static_cast<void>(first);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
 
 /// Files that live in memory alone and grow by steps of 1 MB.
 Hdf5Id memory_access() {
@@ -38,7 +44,7 @@ Hdf5File::~Hdf5File() = default;
 Hdf5File Hdf5File::create(const std::string& path) {
   silence_hdf5();
   auto handle = std::make_unique<Handle>(
-      Handle{path, Hdf5Id(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose)});
+      Handle{path, Hdf5Id(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose), 0});
   handle->require(handle->file.valid(), "create this file");
   return Hdf5File(std::move(handle));
 }
@@ -50,7 +56,7 @@ Hdf5File Hdf5File::open(const std::string& path) {
     refuse_hdf5(path, "there is no such file", "an HDF5 file is needed", "check the path");
   }
   auto handle =
-      std::make_unique<Handle>(Handle{path, Hdf5Id(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose)});
+      std::make_unique<Handle>(Handle{path, Hdf5Id(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose), 0});
   handle->require(handle->file.valid(), "open this file as HDF5");
   return Hdf5File(std::move(handle));
 }
@@ -61,7 +67,7 @@ Hdf5File Hdf5File::open_bytes(std::string_view bytes, const std::string& source)
   // HDF5 copies the image; it is not written to.
   H5Pset_file_image(access, const_cast<char*>(bytes.data()), bytes.size());
   auto handle = std::make_unique<Handle>(
-      Handle{source, Hdf5Id(H5Fopen(memory_name().c_str(), H5F_ACC_RDONLY, access), H5Fclose)});
+      Handle{source, Hdf5Id(H5Fopen(memory_name().c_str(), H5F_ACC_RDONLY, access), H5Fclose), 0});
   handle->require(handle->file.valid(), "open this file as HDF5");
   return Hdf5File(std::move(handle));
 }
@@ -69,7 +75,7 @@ Hdf5File Hdf5File::open_bytes(std::string_view bytes, const std::string& source)
 Hdf5File Hdf5File::create_in_memory(const std::string& name) {
   silence_hdf5();
   auto handle = std::make_unique<Handle>(
-      Handle{name, Hdf5Id(H5Fcreate(memory_name().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, memory_access()), H5Fclose)});
+      Handle{name, Hdf5Id(H5Fcreate(memory_name().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, memory_access()), H5Fclose), 0});
   handle->require(handle->file.valid(), "create a file in memory");
   return Hdf5File(std::move(handle));
 }

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
+#include <string_view>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/write_failure.hpp"
 
 namespace kalfem {
 namespace {
@@ -22,6 +25,14 @@ std::string last_cause() {
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, first, &cause);
   H5Eclear2(H5E_DEFAULT);
   return cause.empty() ? "HDF5 gives no reason" : cause;
+}
+
+/// The system's error in "file write failed: ..., errno = 28, error message = ...".
+std::optional<int> error_number(const std::string& cause) {
+  constexpr std::string_view mark = "errno = ";
+  const std::size_t at = cause.find(mark);
+  if (!cause.starts_with("file write failed") || at == std::string::npos) return std::nullopt;
+  return std::stoi(cause.substr(at + mark.size()));
 }
 
 /// Makes the groups on the way to a new object.
@@ -83,7 +94,10 @@ void refuse_hdf5(const std::string& path, std::string what, std::string why, std
 }
 
 void Hdf5File::Handle::require(bool done, const std::string& action) const {
-  if (!done) fail("cannot " + action, last_cause());
+  if (done) return;
+  const std::string cause = last_cause();
+  if (const auto code = error_number(cause)) fail_to_write(path, *code, NeededSpace{asked, true});
+  fail("cannot " + action, cause);
 }
 
 void Hdf5File::Handle::check_name(const std::string& name) const {
@@ -146,6 +160,7 @@ Hdf5Id Hdf5File::Handle::create_dataset(const std::string& name, hid_t type,
 void Hdf5File::Handle::write_numbers(const std::string& name, const std::vector<hsize_t>& lengths,
                                      const double* values) const {
   const Hdf5Id id = create_dataset(name, H5T_NATIVE_DOUBLE, lengths);
+  asked += hdf5_count(lengths) * sizeof(double);
   require(hdf5_count(lengths) == 0 || H5Dwrite(id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0,
           "write '" + name + "'");
 }

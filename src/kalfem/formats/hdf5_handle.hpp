@@ -4,6 +4,7 @@
 
 #include <hdf5.h>
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <utility>
@@ -44,11 +45,12 @@ Hdf5Id hdf5_text_type();
 struct Hdf5File::Handle {
   std::string path;
   Hdf5Id file;
+  mutable std::uintmax_t asked = 0;  ///< bytes of numbers that were given to be written, before compression
 
   [[noreturn]] void fail(std::string what, std::string why, std::string fix = {}) const {
     refuse_hdf5(path, std::move(what), std::move(why), std::move(fix));
   }
-  /// Throws what HDF5 holds against `action` when it failed.
+  /// Throws what HDF5 holds against `action` when it failed; WriteFailure where the disk takes no more.
   void require(bool done, const std::string& action) const;
   void check_name(const std::string& name) const;
   [[nodiscard]] bool contains(const std::string& object) const;

@@ -27,7 +27,6 @@ void write_modes(const fs::path& folder, const FiniteElementPart& part, const Su
 }
 
 void write_series(const fs::path& folder, const FiniteElementPart& part, const FieldSeries& series) {
-  fs::create_directories(folder / series.name);
   std::vector<SeriesEntry> entries;
   for (std::size_t k = 0; k < series.times.size(); ++k) {
     const std::string file = fmt::format("{}/{:05d}.vtu", series.name, k);

@@ -68,7 +68,7 @@ public:
     for (const auto& section : page.sections) sections += html(section);
     return header(page) +
            element("div", "class=\"columns\"", contents(page) + element("main", "id=\"main\"", sections)) +
-           element("footer", "", "Written by kalfem " + std::string(version));
+           element("footer", "", "Written by kalfem " + std::string(version) + run_words(page));
   }
 
 private:
@@ -81,6 +81,8 @@ private:
         text_element("h1", "", page.title) + text_element("p", "class=\"subtitle\"", page.subtitle) +
             element("div", "class=\"verdict\" role=\"status\"", badge + text_element("p", "", page.summary)));
   }
+
+  static std::string run_words(const Page& page) { return page.run.empty() ? "" : ", run " + escaped(page.run); }
 
   static std::string contents(const Page& page) {
     std::string entries;
@@ -149,11 +151,13 @@ std::string render_html(const Page& page) {
   check(page);
   const auto style = [](std::string_view text) { return element("style", "", std::string(text)); };
   const auto script = [](std::string_view text) { return element("script", "", std::string(text)); };
+  const std::string identity =
+      page.run.empty() ? "" : "<meta name=\"kalfem-run\" content=\"" + escaped(page.run) + "\">\n";
   const std::string head =
       "<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<meta name=\"color-scheme\" content=\"light dark\">\n<meta http-equiv=\"Content-Security-Policy\" content=\"" +
-      std::string(content_policy) + "\">\n" + element("title", "", escaped(page.title)) + style(assets::uplot_style()) +
-      style(assets::report_style());
+      std::string(content_policy) + "\">\n" + element("title", "", escaped(page.title)) + identity +
+      style(assets::uplot_style()) + style(assets::report_style());
   const std::string body =
       "<a class=\"skip\" href=\"#main\">Skip to the results</a>\n" + Body().of(page) +
       "<noscript><p class=\"note\">The charts need JavaScript; the tables do not.</p></noscript>\n" +

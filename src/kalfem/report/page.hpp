@@ -78,6 +78,7 @@ struct Page {
   PageStatus status = PageStatus::ok;
   std::string summary = {};  ///< the answer in a sentence or two, beside the status
   std::vector<Section> sections = {};
+  std::string run = {};  ///< identity of the run, see run_identity(); empty: not shown
 };
 
 /// Rows of a chart, and points of a path, that are kept; longer records are thinned so that every peak stays.

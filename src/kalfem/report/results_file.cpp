@@ -32,8 +32,10 @@ QuantityName name_of(ObservedQuantity quantity) {
 /// A file whose series all have the same sampling rate.
 class SeriesFile {
 public:
-  SeriesFile(const std::string& path, double sample_rate) : file_(Hdf5File::create(path)), sample_rate_(sample_rate) {
+  SeriesFile(const std::string& path, double sample_rate, const std::string& run)
+      : file_(Hdf5File::create(path)), sample_rate_(sample_rate) {
     file_.set_attribute("/", "kalfem", version);
+    file_.set_attribute("/", "run", run);
     file_.set_attribute("/", "sample_rate", sample_rate);
   }
 
@@ -126,12 +128,12 @@ void write_updating(SeriesFile& file, const Study& study, const UpdatingStage& s
 
 }  // namespace
 
-void write_results(const std::string& path, const Study& study, const StudyResults& results) {
+void write_results(const std::string& path, const Study& study, const StudyResults& results, const std::string& run) {
   const TimeSeries* record = results.estimation   ? &results.estimation->measurements
                              : results.simulation ? &results.simulation->measurements
                                                   : nullptr;
   if (!record && !results.updating) return;
-  SeriesFile file(path, study.sample_rate());
+  SeriesFile file(path, study.sample_rate(), run);
   if (results.updating) write_updating(file, study, *results.updating);
   if (!record) {
     file.close();

@@ -9,7 +9,9 @@ namespace kalfem {
 /// Writes every time series with names, units and sampling rate into an HDF5 file:
 /// /time, /measurements/<sensor>, /truth/<point>/<quantity>, /estimate/<point>/<quantity>{,_std},
 /// /estimate/parameters/<name>{,_std}, /innovation/{value,deviation,nis}, /prediction/<point>/<quantity>.
-/// Throws InvalidInput where the file cannot be written.
-void write_results(const std::string& path, const Study& study, const StudyResults& results);
+/// No file where there are none. Throws InvalidInput where the file cannot be written, WriteFailure where the disk is
+/// full.
+/// `run`: the identity that the file carries as the attribute `run` of its root, see run_identity().
+void write_results(const std::string& path, const Study& study, const StudyResults& results, const std::string& run);
 
 }  // namespace kalfem

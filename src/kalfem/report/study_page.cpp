@@ -7,6 +7,7 @@
 #include "kalfem/casefile/modifications.hpp"
 #include "kalfem/report/connector_charts.hpp"
 #include "kalfem/report/health_section.hpp"
+#include "kalfem/report/resting_points.hpp"
 #include "kalfem/report/series_values.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/report/updating_section.hpp"
@@ -80,6 +81,19 @@ std::vector<std::string> shown_points(const Study& study, const EstimationStage&
   return names;
 }
 
+/// "NRMSE 0.31 % in the band of the excitation, 0.5 to 30 Hz; 59.9 % of the whole signal, after 2 s."
+std::string error_words(const Study& study, const EstimationStage& stage, const std::vector<PointQuantity>& points,
+                        const PointQuantity& point) {
+  if (RestingPoints(points, stage.settled).rests(point)) return "The reference is at rest there.";
+  if (!point.nrmse) return "";
+  const std::string after = fmt::format(", after {} s.", four_digits(study.given.estimate->settle));
+  if (!point.nrmse_in_band || !stage.band) return "NRMSE " + per_cent(*point.nrmse) + after;
+  return fmt::format("NRMSE {} in the band of the excitation, {} to {} Hz; {} of the whole signal",
+                     per_cent(*point.nrmse_in_band), four_digits(stage.band->from), four_digits(stage.band->to),
+                     per_cent(*point.nrmse)) +
+         after;
+}
+
 Chart motion_chart(const Study& study, const EstimationStage& stage, const PointQuantity& point, bool zoomed) {
   const double from = stage.measurements.time(stage.settled);
   Chart chart{.id = fmt::format("displacement-{}{}", point.point, zoomed ? "-zoom" : ""),
@@ -90,9 +104,7 @@ Chart motion_chart(const Study& study, const EstimationStage& stage, const Point
               .series = {with_band("estimate", point.mean, point.deviation, Role::estimate)}};
   if (point.truth.size() > 0)
     chart.series.push_back({.label = "simulated", .y = series_values(point.truth), .role = Role::truth});
-  if (point.nrmse)
-    chart.caption =
-        fmt::format("NRMSE {:.3f} % after {} s.", 100.0 * *point.nrmse, four_digits(study.given.estimate->settle));
+  chart.caption = error_words(study, stage, stage.points, point);
   if (zoomed) chart.x_window = AxisRange{from, std::min(from + study.given.report.zoom, chart.x.back())};
   return chart;
 }
@@ -105,7 +117,7 @@ Section motion_section(const Study& study, const EstimationStage& stage) {
       if (stage.settled + 1 < stage.measurements.samples())
         section.items.emplace_back(motion_chart(study, stage, *point, true));
     }
-  if (auto table = error_table("NRMSE against the reference", study, stage.points); !table.rows.empty())
+  if (auto table = error_table("NRMSE against the reference", study, stage.points, stage.settled); !table.rows.empty())
     section.items.emplace_back(std::move(table));
   return section;
 }
@@ -128,12 +140,13 @@ Section prediction_section(const Study& study, const EstimationStage& estimation
                 .half_width = true};
     if (point.truth.size() > 0)
       chart.series.push_back({.label = "simulated", .y = series_values(point.truth), .role = Role::truth});
-    if (point.nrmse) chart.caption = fmt::format("NRMSE {:.2f} %.", 100.0 * *point.nrmse);
+    chart.caption = error_words(study, estimation, stage.points, point);
     if (from < chart.x.back())
       chart.x_window = AxisRange{from, std::min(from + study.given.report.zoom, chart.x.back())};
     section.items.emplace_back(std::move(chart));
   }
-  if (auto table = error_table("NRMSE against the whole simulation", study, stage.points); !table.rows.empty())
+  if (auto table = error_table("NRMSE against the whole simulation", study, stage.points, estimation.settled);
+      !table.rows.empty())
     section.items.emplace_back(std::move(table));
   return section;
 }

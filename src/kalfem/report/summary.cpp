@@ -6,6 +6,8 @@
 #include "kalfem/base/version.hpp"
 #include "kalfem/casefile/modifications.hpp"
 #include "kalfem/report/json_number.hpp"
+#include "kalfem/report/resting_points.hpp"
+#include "kalfem/report/run_identity.hpp"
 #include "kalfem/report/updating_summary.hpp"
 
 namespace kalfem {
@@ -95,16 +97,19 @@ const char* quantity_key(ObservedQuantity quantity) {
   return "";
 }
 
-void add_errors(Json& errors, const PointQuantity& point) {
+/// Null for points that do not move.
+void add_errors(Json& errors, const PointQuantity& point, const RestingPoints& resting) {
   const std::string key = quantity_key(point.quantity);
-  errors[key] = number(point.nrmse);
-  if (point.nrmse_in_band) errors[key + "_in_band"] = number(*point.nrmse_in_band);
+  const bool rests = resting.rests(point);
+  errors[key] = rests ? Json(nullptr) : number(point.nrmse);
+  if (point.nrmse_in_band) errors[key + "_in_band"] = rests ? Json(nullptr) : number(*point.nrmse_in_band);
 }
 
-Json errors_by_point(const std::vector<PointQuantity>& points) {
+Json errors_by_point(const EstimationStage& stage) {
+  const RestingPoints resting(stage.points, stage.settled);
   Json errors = Json::object();
-  for (const auto& point : points)
-    if (point.truth.size() > 0) add_errors(errors[point.point], point);
+  for (const auto& point : stage.points)
+    if (point.truth.size() > 0) add_errors(errors[point.point], point, resting);
   return errors;
 }
 
@@ -133,7 +138,7 @@ Json estimation_summary(const EstimationStage& stage) {
                   {"innovation_to_noise", ratios}};
   if (stage.reductions > 0 || stage.result.linearisations > 0)
     summary["linear_unknowns"] = {{"linearisations", stage.result.linearisations}, {"reductions", stage.reductions}};
-  if (const auto states = errors_by_point(stage.points); !states.empty()) summary["states"] = states;
+  if (const auto states = errors_by_point(stage); !states.empty()) summary["states"] = states;
   if (stage.open_loop) summary["open_loop"] = open_loop_summary(stage);
   return summary;
 }
@@ -142,8 +147,9 @@ Json prediction_summary(const StudyResults& results) {
   Json summary = Json::object();
   if (results.prediction) {
     Json& points = summary[results.prediction->substructure];
+    const RestingPoints resting(results.prediction->points, results.estimation->settled);
     for (const auto& point : results.prediction->points)
-      add_errors(points[point.point.substr(point.point.find('.') + 1)], point);
+      add_errors(points[point.point.substr(point.point.find('.') + 1)], point, resting);
   }
   for (const auto& each : results.modifications) {
     Json frequencies = Json::array();
@@ -180,9 +186,13 @@ Json timing_summary(const Study& study, const StudyResults& results) {
 }  // namespace
 
 Json summarise(const Study& study, const StudyResults& results) {
-  Json summary = {{"kalfem", version},          {"case", std::filesystem::path(study.file).filename().string()},
-                  {"title", study.given.title}, {"status", results.usable() ? "ok" : "unusable"},
-                  {"message", results.failure}, {"model", model_summary(study, results)}};
+  Json summary = {{"kalfem", version},
+                  {"run", ""},
+                  {"case", std::filesystem::path(study.file).filename().string()},
+                  {"title", study.given.title},
+                  {"status", results.usable() ? "ok" : "unusable"},
+                  {"message", results.failure},
+                  {"model", model_summary(study, results)}};
   if (!study.warnings.empty()) summary["warnings"] = study.warnings;
   if (results.simulation)
     summary["simulation"] = {{"steps_per_sample", results.simulation->reference.substeps},
@@ -194,6 +204,7 @@ Json summarise(const Study& study, const StudyResults& results) {
   }
   if (results.prediction || !results.modifications.empty()) summary["prediction"] = prediction_summary(results);
   if (results.updating) summary["updating"] = updating_summary(study, *results.updating);
+  summary["run"] = run_identity(study, summary);
   summary["timing"] = timing_summary(study, results);
   return summary;
 }

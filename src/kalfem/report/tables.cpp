@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include "kalfem/casefile/modifications.hpp"
+#include "kalfem/report/resting_points.hpp"
 #include "kalfem/report/updating_tables.hpp"
 
 namespace kalfem {
@@ -93,15 +94,18 @@ Table parameter_table(const Study& study, const EstimationStage& stage) {
   return table;
 }
 
-Table error_table(const std::string& title, const Study& study, const std::vector<PointQuantity>& points) {
+Table error_table(const std::string& title, const Study& study, const std::vector<PointQuantity>& points,
+                  Eigen::Index settled) {
+  const RestingPoints resting(points, settled);
   std::vector<std::string> order;
   std::map<std::string, std::map<std::string, std::string>> cells;
   for (const auto& point : points) {
     if (point.truth.size() == 0 || !shown(study, point.point)) continue;
     if (!cells.contains(point.point)) order.push_back(point.point);
     const std::string quantity = short_name(point.quantity);
-    cells[point.point][quantity] = point.nrmse ? per_cent(*point.nrmse) : "-";
-    if (point.nrmse_in_band) cells[point.point][quantity + " in band"] = per_cent(*point.nrmse_in_band);
+    const bool rests = resting.rests(point);
+    cells[point.point][quantity] = rests ? "at rest" : point.nrmse ? per_cent(*point.nrmse) : "-";
+    if (point.nrmse_in_band && !rests) cells[point.point][quantity + " in band"] = per_cent(*point.nrmse_in_band);
   }
   Table table{title, {"point", "displacement", "velocity", "acceleration", "acceleration in band", "force"}, {}, {}};
   const auto used = [&](const std::string& column) {
@@ -166,7 +170,7 @@ std::string mass_text(const FiniteElementPart& part) {
 }
 
 std::string console_report(const Study& study, const StudyResults& results) {
-  std::string text = study.given.title.empty() ? std::string() : study.given.title + "\n\n";
+  std::string text;
   for (const auto& elements : study.finite_elements) {
     text += fmt::format("'{}': {} degrees of freedom, {}", elements.part->name, elements.part->full.size(),
                         mass_text(*elements.part));
@@ -204,7 +208,7 @@ std::string console_report(const Study& study, const StudyResults& results) {
         samples / stage.measurements.sample_rate / time.filter(), per_cent(time.predict / time.filter()),
         per_cent(time.update / time.filter()), per_cent(time.output / time.filter()), name_of(stage.filter),
         stage.filter_reason, linearisation_words(stage));
-    if (const auto table = error_table("", study, stage.points); !table.rows.empty())
+    if (const auto table = error_table("", study, stage.points, stage.settled); !table.rows.empty())
       text += fmt::format("Estimated motion, NRMSE after {} s{}\n", four_digits(study.given.estimate->settle),
                           band_words(stage)) +
               to_text(table) + "\n";
@@ -212,7 +216,8 @@ std::string console_report(const Study& study, const StudyResults& results) {
       text += "Open loop from the estimated parameters and initial state\n" + to_text(open_loop_table(stage)) + "\n";
   }
   if (results.prediction)
-    if (const auto table = error_table("", study, results.prediction->points); !table.rows.empty())
+    if (const auto table = error_table("", study, results.prediction->points, results.estimation->settled);
+        !table.rows.empty())
       text += "'" + results.prediction->substructure + "' driven by its estimated boundary motion, NRMSE" +
               band_words(*results.estimation) + "\n" + to_text(table) + "\n";
   if (!results.modifications.empty())

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "kalfem/formats/abaqus/point_elements.hpp"
+#include "kalfem/formats/included_text.hpp"
 #include "kalfem/formats/matrices.hpp"
 
 namespace kalfem::abaqus {
@@ -55,7 +56,8 @@ Triplets MatrixFiles::read(const std::string& text, const Where& where, const st
   } catch (const InvalidInput& error) {
     for (const auto& issue : error.issues())
       deck_.problems.add(where,
-                         "line " + std::to_string(issue.location.line) + " of the " + what + " file: " + issue.what,
+                         "line " + std::to_string(issue.location.line) + " of the " + what +
+                             " file: " + without_quotations(issue.what),
                          issue.why, issue.fix);
   }
   return entries;

@@ -1,5 +1,7 @@
 #include "kalfem/formats/abaqus/problems.hpp"
 
+#include "kalfem/formats/included_text.hpp"
+
 namespace kalfem::abaqus {
 
 namespace {
@@ -12,6 +14,10 @@ int Problems::add_file(const std::string& name) {
 }
 
 void Problems::add(const Where& where, std::string what, std::string why, std::string fix) {
+  if (where.file > 0) {
+    what = without_quotations(what);
+    why = without_quotations(why);
+  }
   issues_.add(location(where), std::move(what), std::move(why), std::move(fix));
   if (issues_.issues().size() < most_listed) return;
   issues_.add(location(where), "reading stops here",

@@ -129,25 +129,28 @@ void unused_card(const Card& card, const Reading& reading) {
   if ((name.starts_with("P") || name.starts_with("MAT")) && card.is_integer(1)) {
     auto& unread = name.starts_with("MAT") ? reading.bulk.unread_materials : reading.bulk.unread_properties;
     if (const auto id = card.integer(1, "ID"); id > 0 && id <= 2'147'483'647)
-      unread.try_emplace(static_cast<Id>(id), name);
+      unread.try_emplace(static_cast<Id>(id), card.place.file > 0 ? "a card" : name);
   }
+  // A word at the start of a line makes no card, and a file that is included may be no deck: its words are not shown.
+  const std::string unknown = card.place.file > 0 ? "an unknown card of an included file" : name;
   if (is_left_out_element(name))
     return reading.note(card, name, "the element is left out of the structure: its stiffness and mass are missing",
                         missing);
   for (const auto& [kind, consequence, prefixes] : unused_classes())
     for (const auto prefix : prefixes)
       if (name.starts_with(prefix)) {
-        if (!consequence.empty()) reading.note(card, name, std::string(consequence), kind);
+        const std::string shown = card.place.file > 0 ? std::string(prefix) : name;
+        if (!consequence.empty()) reading.note(card, shown, std::string(consequence), kind);
         return;
       }
   if (name.starts_with("P") || name.starts_with("MAT"))
-    return reading.note(card, name, "the card is not read; elements that name it cannot be formed");
+    return reading.note(card, unknown, "the card is not read; elements that name it cannot be formed");
   if (name.starts_with("C"))
-    return reading.note(card, name,
+    return reading.note(card, unknown,
                         "the card is not known; by its name it is an element, whose stiffness and mass are missing",
                         missing);
-  reading.note(card, name, "the card is not known and not used; if it is part of the structure, that part is missing",
-               doubtful);
+  reading.note(card, unknown,
+               "the card is not known and not used; if it is part of the structure, that part is missing", doubtful);
 }
 
 }  // namespace kalfem::nastran

@@ -50,6 +50,9 @@ void CardStream::line(const DeckLine& text) {
   if (!name.empty() && name != expected && (!expected.empty() || asked_.contains(name))) {
     end_card();
     set_aside(line);
+  } else if (has_card_ && card_.place.file != text.place.file) {
+    files_.problem(text.place, "a continuation that begins a file, or follows an INCLUDE",
+                   "a card ends with the file that it stands in", "put the card and its continuations into one file");
   } else if (has_card_ || orphan_ != nullptr) {
     append(has_card_ ? card_.fields : orphan_->fields, line);
     marker_ = line.marker;

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "kalfem/formats/included_text.hpp"
 #include "kalfem/formats/nastran/card_stream.hpp"
 #include "kalfem/formats/text_table.hpp"
 
@@ -49,7 +50,10 @@ SourceLocation DeckFiles::location(const Place& place) const {
 }
 
 void DeckFiles::problem(const Place& place, const std::string& what, const std::string& why, const std::string& fix) {
-  if (++count_ <= most_told) listed_.add(location(place), what, why, fix);
+  if (++count_ > most_told) return;
+  const bool included = place.file > 0;
+  listed_.add(location(place), included ? without_quotations(what) : what, included ? without_quotations(why) : why,
+              fix);
 }
 
 void DeckFiles::raise() const {

@@ -96,7 +96,8 @@ private:
       return;
     }
     part_ = Part::other;
-    notes_.add(files_.location(line.place), std::string(trimmed(line.text)),
+    const std::string part(line.place.file > 0 ? "BEGIN" : trimmed(line.text));
+    notes_.add(files_.location(line.place), part,
                "this part of the bulk data is not read: its stiffness and mass are missing", DeckNoteKind::missing);
   }
 

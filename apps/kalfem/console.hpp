@@ -1,0 +1,34 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <string_view>
+
+namespace kalfem::command {
+
+/// The standard streams as the command uses them. Control characters of titles, names and messages never reach a
+/// terminal (`terminal_safe`). Where the reader of a pipe has gone the rest of the text is dropped, as it is meant.
+
+/// Before all else: what is closed of the standard streams is opened onto /dev/null, so that no file of the results
+/// takes its number; writing past a size limit or into a broken pipe is an error of the call, not the end of the
+/// process.
+void prepare_streams();
+
+/// Text to stdout. A failure is kept for require_output().
+void print_text(std::string_view text);
+/// Text to stderr.
+void print_error_text(std::string_view text);
+
+template <class... Values>
+void print(fmt::format_string<Values...> format, Values&&... values) {
+  print_text(fmt::format(format, std::forward<Values>(values)...));
+}
+template <class... Values>
+void print_error(fmt::format_string<Values...> format, Values&&... values) {
+  print_error_text(fmt::format(format, std::forward<Values>(values)...));
+}
+
+/// Throws WriteFailure where stdout did not take the text up to here.
+void require_output();
+
+}  // namespace kalfem::command

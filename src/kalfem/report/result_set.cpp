@@ -1,0 +1,168 @@
+#include "kalfem/report/result_set.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "kalfem/base/atomic_file.hpp"
+#include "kalfem/base/write_failure.hpp"
+#include "kalfem/casefile/description_form.hpp"
+#include "kalfem/casefile/updating_checkpoint.hpp"
+#include "kalfem/report/field_files.hpp"
+#include "kalfem/report/results_file.hpp"
+#include "kalfem/report/study_page.hpp"
+#include "kalfem/report/summary.hpp"
+#include "kalfem/report/superelement_files.hpp"
+
+namespace kalfem {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using Names = std::vector<std::string>;
+
+/// In the order in which they are of interest.
+constexpr std::array main_files{"report.html", "summary.json", "results.h5", "case.resolved.yaml"};
+
+bool is_main_file(const std::string& name) { return std::ranges::find(main_files, name) != main_files.end(); }
+
+/// Whether a run may have written a file of that name for one of its substructures. Guards what is removed: a summary
+/// may come from anywhere.
+bool is_of_substructure(const std::string& name) {
+  static const std::regex pattern(
+      "[A-Za-z0-9_-]+(_modes[.]vtu|_reduced(_[KMC])?[.](mtx|dmig|op4|h5|dof)|"
+      "_(simulated|estimated)([.]pvd|/[0-9]+[.]vtu))");
+  return std::regex_match(name, pattern);
+}
+
+std::optional<Json> summary_in(const fs::path& folder) {
+  std::ifstream stream(folder / "summary.json");
+  Json summary = Json::parse(stream, nullptr, false);
+  return summary.is_object() ? std::optional(std::move(summary)) : std::nullopt;
+}
+
+/// Files of the substructures in a summary that does not list its files, as that of an earlier version.
+Names unlisted_files(const fs::path& folder, const Json& summary) {
+  Names names;
+  const auto parts = summary.value(Json::json_pointer("/model/substructures"), Json::object());
+  std::error_code error;
+  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    const std::string name = it->path().lexically_relative(folder).string();
+    const bool known = std::ranges::any_of(parts.items(), [&](const auto& part) {
+      return name.starts_with(part.key() + "_") && is_of_substructure(name);
+    });
+    if (known) names.push_back(name);
+  }
+  return names;
+}
+
+/// What the former run left in the folder.
+Names former_files(const fs::path& folder) {
+  Names names(main_files.begin(), main_files.end());
+  const auto summary = summary_in(folder);
+  if (!summary) return names;
+  if (const auto list = summary->find("files"); list != summary->end() && list->is_array()) {
+    for (const auto& name : *list)
+      if (name.is_string() && is_of_substructure(name.get<std::string>())) names.push_back(name.get<std::string>());
+    return names;
+  }
+  const Names unlisted = unlisted_files(folder, *summary);
+  names.insert(names.end(), unlisted.begin(), unlisted.end());
+  return names;
+}
+
+Names files_in(const fs::path& folder) {
+  Names names;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file()) names.push_back(entry.path().lexically_relative(folder).string());
+  std::ranges::sort(names);
+  return names;
+}
+
+std::string resolved_case(const Study& study, const std::string& run) {
+  return "# run " + run + "\n" + to_yaml(*description::case_form().write(study.given));
+}
+
+/// Writes all files of the run into the staging folder; their names.
+Names write_files(const fs::path& staging, const Study& study, const StudyResults& results, const Stopwatch& run) {
+  Json summary = summarise(study, results);
+  const std::string identity = summary["run"];
+  write_results((staging / "results.h5").string(), study, results, identity);
+  write_fields(staging.string(), study, results);
+  write_superelements(staging, study);
+  write_file_atomically(staging / "case.resolved.yaml", resolved_case(study, identity));
+  Page page = make_page(study, results);
+  page.run = identity;
+  write_file_atomically(staging / "report.html", render_html(page));
+  Names files = files_in(staging);
+  files.insert(std::ranges::lower_bound(files, "summary.json"), "summary.json");
+  summary["files"] = files;
+  summary["timing"]["total_s"] = run.seconds();
+  write_file_atomically(staging / "summary.json", summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  return files;
+}
+
+/// The user knows a file by the name that it would have got, not by that in the staging folder.
+WriteFailure with_final_names(const WriteFailure& failure, const OutputFolder& folder) {
+  auto issues = failure.issues();
+  for (auto& issue : issues)
+    if (const auto at = issue.what.find(folder.staging().string()); at != std::string::npos)
+      issue.what.replace(at, folder.staging().string().size(), folder.path().string());
+  return WriteFailure(std::move(issues));
+}
+
+ResultSet switch_to_files(OutputFolder& folder, const Names& files, bool updated) {
+  Names former = former_files(folder.path());
+  ResultSet set;
+  for (const auto& name : former)
+    if (!std::ranges::binary_search(files, name) && fs::is_regular_file(folder.path() / name))
+      set.removed.push_back(name);
+  std::ranges::sort(set.removed);
+  if (updated) former.emplace_back(checkpoint_name);
+  set.files = folder.replace(former);
+  return set;
+}
+
+}  // namespace
+
+ResultSet write_result_set(OutputFolder& folder, const Study& study, const StudyResults& results,
+                           const Stopwatch& run) {
+  try {
+    const Names files = write_files(folder.staging(), study, results, run);
+    return switch_to_files(folder, files, results.updating.has_value());
+  } catch (const WriteFailure& failure) {
+    throw with_final_names(failure, folder);
+  }
+}
+
+void require_result_places(const fs::path& folder, const Study& study) {
+  Names names(main_files.begin(), main_files.end());
+  if (study.updating) names.emplace_back(checkpoint_name);
+  for (const auto& elements : study.finite_elements) names.push_back(elements.part->name + "_modes.vtu");
+  std::error_code ignored;
+  for (const auto& name : names)
+    if (fs::is_directory(folder / name, ignored)) fail_to_write(folder / name, EISDIR);
+}
+
+std::string listed(const Names& names) {
+  Names items;
+  for (const auto* name : main_files)
+    if (std::ranges::find(names, name) != names.end()) items.emplace_back(name);
+  std::map<std::string, int> folders;
+  for (const auto& name : names)
+    if (const auto slash = name.find('/'); slash != std::string::npos)
+      ++folders[name.substr(0, slash)];
+    else if (!is_main_file(name))
+      items.push_back(name);
+  for (const auto& [name, count] : folders) items.push_back(fmt::format("{}/ ({} files)", name, count));
+  return fmt::format("{}", fmt::join(items, ", "));
+}
+
+}  // namespace kalfem

@@ -1,0 +1,15 @@
+#include "killed_runs.hpp"
+
+namespace kalfem::test {
+namespace {
+
+TEST(KilledRuns, AtAHundredMomentsLeaveTheResultsOfOneRun) {
+  const auto counts = kill_runs(100);
+  EXPECT_GE(counts.killed, 50);
+  EXPECT_GE(counts.took_effect, 1);
+  RecordProperty("killed", counts.killed);
+  RecordProperty("took_effect", counts.took_effect);
+}
+
+}  // namespace
+}  // namespace kalfem::test

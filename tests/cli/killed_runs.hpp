@@ -1,0 +1,86 @@
+#pragma once
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+#include "short_case.hpp"
+
+/// Runs that are killed at any moment leave the results of one run, whole: those before or those of the killed one.
+namespace kalfem::test {
+
+inline pid_t start(const std::vector<std::string>& arguments) {
+  const pid_t child = fork();
+  if (child != 0) return child;
+  const int nowhere = open("/dev/null", O_WRONLY);
+  dup2(nowhere, STDOUT_FILENO);
+  dup2(nowhere, STDERR_FILENO);
+  std::vector<char*> words;
+  for (const auto& word : arguments) words.push_back(const_cast<char*>(word.c_str()));
+  words.push_back(nullptr);
+  execv(words[0], words.data());
+  _exit(127);
+}
+
+struct KilledRuns {
+  int killed = 0, took_effect = 0;
+};
+
+/// Kills `moments` runs, the second half of them while they write their results.
+inline KilledRuns kill_runs(int moments) {
+  namespace fs = std::filesystem;
+  using Clock = std::chrono::steady_clock;
+  const ScratchFolder folder("killed-runs");
+  const fs::path out = folder / "out";
+  const std::array files{write_case(folder, "one.yaml", short_case("A")),
+                         write_case(folder, "two.yaml", short_case("B"))};
+  const auto run = [&](int i) {
+    return std::vector<std::string>{KALFEM_COMMAND, "run", files[static_cast<std::size_t>(i % 2)], "--out",
+                                    out.string()};
+  };
+  const auto wait_for = [](pid_t child) {
+    int status = 0;
+    waitpid(child, &status, 0);
+    return status;
+  };
+  std::array<std::string, 2> identities;
+  double duration = 0.0;
+  for (int i = 0; i < 4; ++i) {
+    const auto begin = Clock::now();
+    EXPECT_EQ(wait_for(start(run(i))), 0);
+    duration = std::chrono::duration<double>(Clock::now() - begin).count();
+    identities[static_cast<std::size_t>(i % 2)] = identity_of(out);
+  }
+  EXPECT_NE(identities[0], identities[1]);
+  std::ofstream(out / "notes.txt") << "mine";
+  KilledRuns counts;
+  std::string last = identity_of(out);
+  for (int i = 0; i < moments; ++i) {
+    const double part = static_cast<double>(i / 2) / static_cast<double>((moments + 1) / 2);
+    const double moment = duration * (i % 2 == 0 ? part : 0.6 + 0.5 * part);
+    const pid_t child = start(run(i));
+    std::this_thread::sleep_for(std::chrono::duration<double>(moment));
+    kill(child, SIGKILL);
+    const int status = wait_for(child);
+    counts.killed += WIFSIGNALED(status) ? 1 : 0;
+    const std::string found = identity_of(out);
+    EXPECT_TRUE(found == last || found == identities[static_cast<std::size_t>(i % 2)])
+        << found << " after moment " << i;
+    EXPECT_EQ(read(out / "notes.txt"), "mine");
+    counts.took_effect += found != last ? 1 : 0;
+    last = found;
+  }
+  // The next run clears up behind all of them.
+  EXPECT_EQ(wait_for(start(run(0))), 0);
+  EXPECT_EQ(identity_of(out), identities[0]);
+  EXPECT_EQ(files_of(out),
+            (std::set<std::string>{"case.resolved.yaml", "notes.txt", "report.html", "results.h5", "summary.json"}));
+  return counts;
+}
+
+}  // namespace kalfem::test
