@@ -100,7 +100,6 @@ ExitCode check(const std::string& case_file, const std::string& page_file) {
           four_digits(study.record->series.start));
   if (study.observer) print_table(unknown_table(*study.observer));
   if (study.updating) print_table(updating_table(*study.updating));
-  check_updating(study);
   check_health_of_parts(study, page_file);
   for (const auto& warning : study.warnings) print_error("warning: {}\n", warning);
   print("No problem found; nothing was run.\n");

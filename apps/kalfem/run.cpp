@@ -1,7 +1,6 @@
 #include <filesystem>
 
 #include "console.hpp"
-#include "kalfem/casefile/case_reader.hpp"
 #include "kalfem/report/result_set.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/report/updating_tables.hpp"
@@ -27,17 +26,29 @@ void print_files(const fs::path& folder, const ResultSet& set) {
   if (!set.removed.empty()) print("Removed there, as of a former run: {}\n", listed(set.removed));
 }
 
+/// A verb that asks for one stage needs its section.
+void require_section(const Study& study, Stage stage) {
+  const auto& given = study.given;
+  const auto require = [&](bool present, const char* section) {
+    if (!present)
+      throw InvalidInput(Issue{given.source.at({}), "the case has no `" + std::string(section) + "`",
+                               "there is nothing to do for `kalfem " + std::string(section) + "`",
+                               "add it, or use another verb"});
+  };
+  if (stage == Stage::simulate) require(given.simulate.has_value(), "simulate");
+  if (stage == Stage::estimate) require(given.estimate.has_value(), "estimate");
+  if (stage == Stage::predict) require(given.predict.has_value() || !given.modifications.empty(), "predict");
+  if (stage == Stage::update) require(given.update.has_value(), "update");
+}
+
 }  // namespace
 
 /// The output folder is taken, and the standard output tried, before anything is computed.
-ExitCode run(const std::string& case_file, Stage last, const std::string& folder_name, bool must_update) {
+ExitCode run(const std::string& case_file, Stage last, const std::string& folder_name, bool by_name) {
   const Stopwatch watch;
-  auto given = read_case(case_file, description::case_form());
   OutputFolder folder(output_folder(case_file, folder_name));
-  const Study study = make_study(std::move(given), case_file);
-  if (must_update && !study.updating)
-    throw InvalidInput(
-        {{case_file, 0}, "the case has no `update`", "there is nothing to refine", "add it, or use another verb"});
+  const Study study = load_study(case_file);
+  if (by_name) require_section(study, last);
   require_result_places(folder.path(), study);
   print_heading(study);
   const StudyResults results = run_study(study, last,

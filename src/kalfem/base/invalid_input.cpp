@@ -9,10 +9,26 @@
 namespace kalfem {
 namespace {
 
+/// A message stays readable: so many problems are told in full, each of them within so many bytes.
+constexpr std::size_t most_told = 15, longest_part = 400, longest_name = 100;
+
 std::string join(const std::vector<Issue>& issues) {
   std::string text;
-  for (const auto& issue : issues) text += (text.empty() ? "" : "\n") + to_string(issue);
+  for (std::size_t i = 0; i < std::min(issues.size(), most_told); ++i)
+    text += (text.empty() ? "" : "\n") + to_string(issues[i]);
+  if (issues.size() > most_told)
+    text += "\nand " + std::to_string(issues.size() - most_told) + " more problems; mend these first";
   return text;
+}
+
+/// The text in one line, cut where it is too long, never inside a UTF-8 sequence.
+std::string in_one_line(const std::string& text) {
+  std::size_t end = std::min(text.size(), longest_part);
+  while (end > 0 && end < text.size() && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
+  std::string line = text.substr(0, end) + (end < text.size() ? " ..." : "");
+  std::ranges::replace_if(
+      line, [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  return line;
 }
 
 /// Levenshtein distance: insertions, deletions and substitutions each cost one.
@@ -38,9 +54,9 @@ std::string to_string(const Issue& issue) {
     if (issue.location.line > 0) text += ":" + std::to_string(issue.location.line);
     text += ": ";
   }
-  text += issue.what;
-  if (!issue.why.empty()) text += ": " + issue.why;
-  if (!issue.fix.empty()) text += "; " + issue.fix;
+  text += in_one_line(issue.what);
+  if (!issue.why.empty()) text += ": " + in_one_line(issue.why);
+  if (!issue.fix.empty()) text += "; " + in_one_line(issue.fix);
   return terminal_safe(text, LineBreaks::escaped);
 }
 
@@ -58,9 +74,13 @@ void IssueList::raise() const {
 }
 
 std::string did_you_mean(const std::string& name, const std::vector<std::string>& known) {
+  if (name.size() > longest_name || std::ranges::find(known, name) != known.end()) return "";
   const std::string* nearest = nullptr;
   std::size_t distance = 1 + std::max<std::size_t>(1, name.size() / 3);
   for (const auto& candidate : known) {
+    const std::size_t longer = std::max(name.size(), candidate.size()),
+                      shorter = std::min(name.size(), candidate.size());
+    if (longer - shorter >= distance) continue;
     const std::size_t d = edit_distance(name, candidate);
     if (d < distance) {
       distance = d;

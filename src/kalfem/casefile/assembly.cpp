@@ -1,6 +1,8 @@
 #include "kalfem/casefile/assembly.hpp"
 
 #include <algorithm>
+#include <map>
+#include <unordered_set>
 
 #include "kalfem/casefile/bounds.hpp"
 #include "kalfem/system/law_library.hpp"
@@ -83,11 +85,39 @@ Eigen::VectorXd parameter_values(const std::string& connector, const description
   return values;
 }
 
+/// Values that the law does not allow, each at its own place.
+void check_ranges(const std::string& connector, const description::Connector& given, const ConnectorLaw& law,
+                  const Eigen::VectorXd& values, IssueList& issues) {
+  for (const auto& issue : validate_parameters(law, values)) {
+    const auto named = [&](const auto& parameter) {
+      return issue.what.starts_with("parameter '" + parameter.first + "'");
+    };
+    const auto found = std::ranges::find_if(given.parameters, named);
+    const auto& place = found == given.parameters.end() ? given.law.location : found->second.location;
+    issues.add(place, "connectors." + connector + ": " + issue.what, issue.why, issue.fix);
+  }
+}
+
+/// `force` and `states` are the user's own law; a law of the library has its own.
+void check_expression_keys(const std::string& name, const description::Connector& given, IssueList& issues) {
+  if (given.law.value == "expression") return;
+  for (const auto& [key, present] : {std::pair{"force", !given.force.empty()}, {"states", !given.states.empty()}})
+    if (present)
+      issues.add(given.law.location,
+                 "connectors." + name + ": `" + key + "` is given beside the law '" + given.law.value + "'",
+                 "the law has its own force, so that it would have no effect",
+                 "remove `" + std::string(key) + "`, or write law: expression");
+}
+
 void add_connector(const std::string& name, const description::Connector& given, Parts& parts, IssueList& issues) {
+  check_expression_keys(name, given, issues);
   try {
     const auto law = make_law(given.law.value, law_arguments(given));
-    const auto values = parameter_values(name, given, *law, issues);
-    parts.connectors.push_back({name, given.from.value, given.to.value, law, values});
+    IssueList own;
+    const auto values = parameter_values(name, given, *law, own);
+    if (own.empty()) check_ranges(name, given, *law, values, own);
+    for (const auto& [location, what, why, fix] : own.issues()) issues.add(location, what, why, fix);
+    parts.connectors.push_back({name, given.from.value, given.to.value, law, values, given.from.location});
   } catch (const InvalidInput& error) {
     for (const auto& issue : error.issues())
       issues.add(given.law.location, "connectors." + name + ": " + issue.what, issue.why, issue.fix);
@@ -96,12 +126,12 @@ void add_connector(const std::string& name, const description::Connector& given,
 
 InputDescription make_input(const std::string& name, const description::Excitation& given) {
   if (const auto* base = std::get_if<description::BaseDisplacement>(&given.target))
-    return {name, InputKind::base_displacement, base->ground.value, {}};
+    return {name, InputKind::base_displacement, base->ground.value, {}, base->ground.location};
   if (const auto* force = std::get_if<description::Force>(&given.target))
-    return {name, InputKind::force, force->point.value, {}};
-  const auto& direction = std::get<description::BaseAcceleration>(given.target).direction.value;
+    return {name, InputKind::force, force->point.value, {}, force->point.location};
+  const auto& [direction, location, path] = std::get<description::BaseAcceleration>(given.target).direction;
   const bool all = direction.size() == 1 && direction.front().first == "all";
-  return {name, InputKind::base_acceleration, "", all ? DofCombination{} : combination(direction)};
+  return {name, InputKind::base_acceleration, "", all ? DofCombination{} : combination(direction), location};
 }
 
 /// Of a lumped structure all modes are damped by their ratios.
@@ -121,18 +151,28 @@ StructureDamping structure_damping(const Case& given, IssueList& issues) {
   return result;
 }
 
-/// Everything that CoupledModel would refuse, with the place in the file.
-void check_places(const Case& given, const Parts& parts, const SourceLocation& file, IssueList& issues) {
-  for (const auto& part : parts.substructures)
-    for (const auto& issue : validate(part)) issues.add(file, issue.what, issue.why, issue.fix);
-  if (!issues.empty()) return;
-  const Parts only_points{parts.substructures, parts.finite_elements, {}, {}};
-  const CoupledModel model = couple(only_points);
-  const auto known = model.point_names();
+/// What the library would refuse of a lumped substructure, with the place in the file.
+void check_substructure(const Case& given, const std::string& name, const LumpedSubstructure& part,
+                        const description::Substructure& described, IssueList& issues) {
+  const auto found = validate(part);
+  if (found.empty()) return;
+  std::map<std::string, SourceLocation> springs;
+  for (const auto& spring : described.springs)
+    springs.emplace("spring '" + name + "." + spring_name(spring) + "'", spring.from.location);
+  const SourceLocation place = given.source.at({"substructures", name});
+  for (const auto& issue : found) {
+    const auto spring = springs.find(issue.what.substr(0, issue.what.find('\'', issue.what.find('\'') + 1) + 1));
+    issues.add(spring == springs.end() ? place : spring->second, issue.what, issue.why, issue.fix);
+  }
+}
+
+/// Points that connectors, forces and moving grounds name and that do not exist.
+void check_places(const Case& given, const std::vector<std::string>& points, IssueList& issues) {
+  const std::unordered_set<std::string> known(points.begin(), points.end());
   const auto check = [&](const description::Name& name) {
-    if (std::ranges::find(known, name.value) == known.end())
+    if (!known.contains(name.value))
       issues.add(name.location,
-                 name.path + ": there is no point '" + name.value + "'" + did_you_mean(name.value, known),
+                 name.path + ": there is no point '" + name.value + "'" + did_you_mean(name.value, points),
                  "points are written substructure.name", "name a mass, point or ground of a substructure");
   };
   for (const auto& [name, connector] : given.connectors) {
@@ -165,8 +205,7 @@ std::vector<std::string> attached_points(const Case& given, const std::string& s
   return points;
 }
 
-Parts make_parts(const Case& given, std::vector<Substructure> finite_elements, const SourceLocation& file,
-                 IssueList& issues) {
+Parts make_parts(const Case& given, std::vector<Substructure> finite_elements, IssueList& issues) {
   Parts parts;
   parts.finite_elements = std::move(finite_elements);
   for (const auto& [name, part] : given.substructures) {
@@ -179,14 +218,26 @@ Parts make_parts(const Case& given, std::vector<Substructure> finite_elements, c
     }
     parts.substructures.push_back(make_substructure(name, part));
     if (parts.substructures.back().masses.empty())
-      issues.add(file, "substructures." + name + " has no masses", "it has no degree of freedom",
-                 "give it `masses`, a `chain` or `finite_elements`");
+      issues.add(given.source.at({"substructures", name}), "substructures." + name + " has no masses",
+                 "it has no degree of freedom", "give it `masses`, a `chain` or `finite_elements`");
+    check_substructure(given, name, parts.substructures.back(), part, issues);
   }
+  const bool points_are_known = issues.empty();
   for (const auto& [name, connector] : given.connectors) add_connector(name, connector, parts, issues);
-  for (const auto& [name, excitation] : given.excitation) parts.inputs.push_back(make_input(name, excitation));
+  parts.inputs = make_inputs(given);
   if (given.damping) parts.damping = structure_damping(given, issues);
-  check_places(given, parts, file, issues);
+  if (points_are_known) check_places(given, point_names(parts), issues);
   return parts;
+}
+
+std::vector<InputDescription> make_inputs(const Case& given) {
+  std::vector<InputDescription> inputs;
+  for (const auto& [name, excitation] : given.excitation) inputs.push_back(make_input(name, excitation));
+  return inputs;
+}
+
+std::vector<std::string> point_names(const Parts& parts) {
+  return couple({parts.substructures, parts.finite_elements, {}, {}}).point_names();
 }
 
 CoupledModel couple(const Parts& parts) {

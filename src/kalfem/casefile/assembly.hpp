@@ -21,8 +21,13 @@ struct Parts {
 
 /// Translates what the case says. Problems go to `issues` with their place; what had one is left out.
 /// `finite_elements`: the case's finite-element substructures.
-Parts make_parts(const description::Case& given, std::vector<Substructure> finite_elements, const SourceLocation& file,
-                 IssueList& issues);
+Parts make_parts(const description::Case& given, std::vector<Substructure> finite_elements, IssueList& issues);
+
+/// The inputs of the case, in its order.
+std::vector<InputDescription> make_inputs(const description::Case& given);
+
+/// Qualified names of all points of the substructures.
+std::vector<std::string> point_names(const Parts& parts);
 
 /// Points of a substructure that connectors and forces touch, without its name.
 std::vector<std::string> attached_points(const description::Case& given, const std::string& substructure);

@@ -1,12 +1,20 @@
 #include "kalfem/casefile/case_reader.hpp"
 
+#include <algorithm>
+#include <limits>
+
 namespace kalfem {
 
 void raise_in_line_order(const IssueList& issues) {
   auto sorted = issues.issues();
-  std::stable_sort(sorted.begin(), sorted.end(),
-                   [](const Issue& a, const Issue& b) { return a.location.line < b.location.line; });
-  if (!sorted.empty()) throw InvalidInput(std::move(sorted));
+  if (sorted.empty()) return;
+  const std::string first_file = sorted.front().location.file;
+  const auto place = [&](const Issue& issue) {
+    const int line = issue.location.line > 0 ? issue.location.line : std::numeric_limits<int>::max();
+    return std::pair(issue.location.file != first_file, line);
+  };
+  std::ranges::stable_sort(sorted, {}, place);
+  throw InvalidInput(std::move(sorted));
 }
 
 }  // namespace kalfem

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "kalfem/casefile/bounds.hpp"
 #include "kalfem/casefile/history_residual.hpp"
+#include "kalfem/casefile/prediction_stage.hpp"
 #include "kalfem/casefile/record_file.hpp"
 #include "kalfem/casefile/simulation_residual.hpp"
 #include "kalfem/formats/csv.hpp"
@@ -58,6 +60,62 @@ DofCombination point_of(const LinearModel& model, const d::Name& name) {
   for (const auto& [point, combination] : model.points) known.push_back(point);
   if (!model.points_only) known.insert(known.end(), model.dofs.begin(), model.dofs.end());
   throw InvalidInput(name.issue("there is no point '" + name.value + "'" + did_you_mean(name.value, known)));
+}
+
+/// Sensors of motion that see points of one substructure only.
+std::vector<std::string> sensors_on(const Study& study, const std::string& substructure) {
+  std::vector<std::string> names;
+  for (const auto& sensor : study.sensors)
+    if (sensor.output.quantity <= ObservedQuantity::acceleration &&
+        std::ranges::all_of(sensor.output.points,
+                            [&](const auto& point) { return point.first.starts_with(substructure + "."); }))
+      names.push_back(sensor.name);
+  return names;
+}
+
+/// Those that the case names, or all on the substructure.
+std::vector<std::string> compared_sensors(const Study& study, const d::DrivenHistory& given) {
+  const auto own = sensors_on(study, given.substructure.value);
+  std::vector<std::string> sensors;
+  IssueList issues;
+  for (const auto& name : given.sensors) {
+    sensors.push_back(name.value);
+    if (std::ranges::find(own, name.value) == own.end())
+      issues.add(name.location,
+                 name.path + ": sensor '" + name.value + "' does not see the motion of '" + given.substructure.value +
+                     "' alone",
+                 "its points must lie there");
+  }
+  issues.raise();
+  if (sensors.empty()) sensors = own;
+  if (sensors.empty())
+    throw InvalidInput(given.substructure.issue("no sensor sees the motion of '" + given.substructure.value + "'",
+                                                "there is nothing to compare"));
+  return sensors;
+}
+
+std::vector<std::string> compared_sensors(const Study& study, const d::SimulatedHistory& given) {
+  std::vector<std::string> sensors;
+  for (const auto& sensor : study.sensors)
+    if (std::ranges::any_of(given.sensors,
+                            [&](const auto& name) { return name.value == "all" || name.value == sensor.name; }))
+      sensors.push_back(sensor.name);
+  if (sensors.empty()) throw InvalidInput("it names no sensor", "", "name some, or write simulation: all");
+  return sensors;
+}
+
+/// An entry that stands twice would count twice.
+void check_twice(const std::vector<d::Name>& names, IssueList& issues) {
+  std::set<std::string> seen;
+  for (const auto& name : names)
+    if (!seen.insert(name.value).second)
+      issues.add(name.location, name.path + ": '" + name.value + "' is given twice", "it would count twice",
+                 "take one of them out");
+}
+
+double samples_of(const Study& study) {
+  if (study.record) return static_cast<double>(study.record->series.samples());
+  return study.given.simulate->duration * study.given.simulate->sample_rate + 1.0;
 }
 
 /// Makes the residual of each kind of comparison.
@@ -130,18 +188,7 @@ public:
   }
 
   ComparisonResidual operator()(const d::DrivenHistory& given) const {
-    std::vector<std::string> sensors;
-    for (const auto& name : given.sensors) sensors.push_back(name.value);
-    const auto own = sensors_on(given.substructure.value);
-    if (sensors.empty()) sensors = own;
-    for (const auto& sensor : given.sensors)
-      if (std::ranges::find(own, sensor.value) == own.end())
-        throw InvalidInput(sensor.issue(
-            "sensor '" + sensor.value + "' does not see the motion of '" + given.substructure.value + "' alone",
-            "its points must lie there"));
-    if (sensors.empty())
-      throw InvalidInput(given.substructure.issue("no sensor sees the motion of '" + given.substructure.value + "'",
-                                                  "there is nothing to compare"));
+    const auto sensors = compared_sensors(study_, given);
     return {name_,
             "record of '" + given.substructure.value + "' driven by the estimated motion of its boundary",
             {std::make_shared<HistoryResidual>(
@@ -155,12 +202,7 @@ public:
   }
 
   ComparisonResidual operator()(const d::SimulatedHistory& given) const {
-    std::vector<std::string> sensors;
-    for (const auto& sensor : study_.sensors)
-      if (std::ranges::any_of(given.sensors,
-                              [&](const auto& name) { return name.value == "all" || name.value == sensor.name; }))
-        sensors.push_back(sensor.name);
-    if (sensors.empty()) throw InvalidInput(name_ + " names no sensor", "", "name some, or write simulation: all");
+    const auto sensors = compared_sensors(study_, given);
     return {name_,
             "record against the simulation",
             {std::make_shared<SimulationResidual>(study_, full_record(study_, results_), structure_,
@@ -222,17 +264,6 @@ private:
     }
   }
 
-  /// Sensors of motion that see points of one substructure only.
-  [[nodiscard]] std::vector<std::string> sensors_on(const std::string& substructure) const {
-    std::vector<std::string> names;
-    for (const auto& sensor : study_.sensors)
-      if (sensor.output.quantity <= ObservedQuantity::acceleration &&
-          std::ranges::all_of(sensor.output.points,
-                              [&](const auto& point) { return point.first.starts_with(substructure + "."); }))
-        names.push_back(sensor.name);
-    return names;
-  }
-
   const Study& study_;
   const StudyResults& results_;
   std::shared_ptr<const ParameterisedStructure> structure_;
@@ -250,7 +281,7 @@ void make_all(const Study& study, const StudyResults& results,
       all.back().weight = given.value.weight;
       all.back().of_record = of_record;
     } catch (const InvalidInput& error) {
-      issues.add(error, given.location);
+      add_at(given.location, error, issues);
     }
   }
   issues.raise();
@@ -278,8 +309,8 @@ void check_comparisons(const Study& study, IssueList& issues) {
   double weights = 0.0;
   for (const auto& [name, given] : study.given.update->comparisons) weights += given.value.weight;
   if (!study.given.update->comparisons.empty() && weights == 0.0)
-    issues.add({study.file, 0}, "every comparison has the weight 0", "nothing is left to refine the model by",
-               "give one of them a weight");
+    issues.add(study.given.source.at({"update", "compare"}), "every comparison has the weight 0",
+               "nothing is left to refine the model by", "give one of them a weight");
   for (const auto& [name, given] : study.given.update->comparisons) {
     const auto& part = substructure_of(given.value);
     if (!part.path.empty() && std::ranges::find(parts, part.value) == parts.end())
@@ -289,8 +320,15 @@ void check_comparisons(const Study& study, IssueList& issues) {
       issues.add(given.location,
                  given.path + " compares one substructure, whose damping is that of the whole structure's modes",
                  "its own is not known", "give the substructure modal damping in the place of `damping`");
+    if (const auto* frf = std::get_if<d::FrfData>(&given.value.data)) check_twice(frf->outputs, issues);
+    if (const auto* modal = std::get_if<d::ModalData>(&given.value.data))
+      if (std::set<int>(modal->model_modes.begin(), modal->model_modes.end()).size() < modal->model_modes.size())
+        issues.add(given.location, given.path + ".model_modes: a mode is given twice",
+                   "each measured mode is one of the model's", "mend the numbers");
     const auto* named = sensors_of(given.value);
     if (!named) continue;
+    check_twice(*named, issues);
+    const std::size_t before = issues.issues().size();
     for (const auto& sensor : *named)
       if ((sensor.value != "all" || std::holds_alternative<d::DrivenHistory>(given.value.data)) &&
           std::ranges::find(sensors, sensor.value) == sensors.end())
@@ -299,9 +337,33 @@ void check_comparisons(const Study& study, IssueList& issues) {
     if (!study.given.simulate && !study.given.record)
       issues.add(given.location, given.path + " compares with a record and the case has none", "",
                  "add `record` or `simulate`");
+    if (issues.issues().size() == before) try {
+        if (const auto* driven = std::get_if<d::DrivenHistory>(&given.value.data)) compared_sensors(study, *driven);
+        if (const auto* simulated = std::get_if<d::SimulatedHistory>(&given.value.data))
+          compared_sensors(study, *simulated);
+      } catch (const InvalidInput& error) {
+        add_at(given.location, error, issues);
+      }
     if (std::holds_alternative<d::DrivenHistory>(given.value.data) && !study.given.estimate)
       issues.add(given.location, given.path + " needs the boundary's motion and the case does not estimate it", "",
                  "add `estimate`");
+  }
+}
+
+void check_driven_histories(const Study& study, IssueList& issues) {
+  for (const auto& [name, given] : study.given.update->comparisons) {
+    const auto* driven = std::get_if<d::DrivenHistory>(&given.value.data);
+    if (!driven) continue;
+    try {
+      check_driven(study, driven->substructure);
+    } catch (const InvalidInput& error) {
+      add_at(driven->substructure.location, error, issues);
+    }
+    const double settle = study.given.estimate->settle;
+    if (settle * study.sample_rate() >= samples_of(study) - 1.5)
+      issues.add(study.given.source.at({"estimate", "settle"}),
+                 "estimate.settle: " + shortest(settle) + " s are as long as the record",
+                 "'" + given.path + "' compares what comes after them", "shorten it");
   }
 }
 

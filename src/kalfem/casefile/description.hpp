@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "kalfem/casefile/case_source.hpp"
 #include "kalfem/casefile/finite_element_description.hpp"
 #include "kalfem/casefile/form.hpp"
 #include "kalfem/casefile/update_description.hpp"
@@ -259,6 +260,7 @@ struct Case {
   std::optional<Updating> update;
   Named<Located<Modification>> modifications;
   Report report;
+  CaseSource source;  ///< where its keys stand
 };
 
 /// How a case is written: one table from which it is read, echoed and documented.

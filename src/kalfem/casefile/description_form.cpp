@@ -1,6 +1,7 @@
 #include "kalfem/casefile/description_form.hpp"
 
 #include "kalfem/casefile/fields.hpp"
+#include "kalfem/casefile/plausible.hpp"
 
 namespace kalfem::description {
 
@@ -21,8 +22,6 @@ Form<Points> points(const std::string& short_name) {
 }
 
 namespace {
-
-Bounds nonnegative() { return Bounds::nonnegative(); }
 
 Form<Connector> connector() {
   const auto state = Fields<ExpressionState>()
@@ -53,18 +52,18 @@ Form<std::vector<ChainStage>> measurement_chain() {
   const auto filter =
       mapping(Fields<Filter>()
                   .optional("order", &Filter::order, integer(1, 12), "of the low-pass prototype")
-                  .optional("low_pass", &Filter::low_pass, number("Hz", Bounds::positive()), "cut-off, -3 dB")
-                  .optional("high_pass", &Filter::high_pass, number("Hz", Bounds::positive()), "cut-off, -3 dB")
-                  .optional("band_pass", &Filter::band_pass, tuple<2>(number("Hz", Bounds::positive())),
+                  .optional("low_pass", &Filter::low_pass, number("Hz", plausible::frequency()), "cut-off, -3 dB")
+                  .optional("high_pass", &Filter::high_pass, number("Hz", plausible::frequency()), "cut-off, -3 dB")
+                  .optional("band_pass", &Filter::band_pass, tuple<2>(number("Hz", plausible::frequency())),
                             "lower and upper edge, -3 dB"));
   const auto resonance =
       mapping(Fields<ResonanceStage>()
-                  .required("frequency", &ResonanceStage::frequency, number("Hz", Bounds::positive()), "resonance")
+                  .required("frequency", &ResonanceStage::frequency, number("Hz", plausible::frequency()), "resonance")
                   .optional("damping", &ResonanceStage::damping, number("-", Bounds::positive()), "ratio to critical"));
   const auto stage = mapping(Fields<Stage>()
                                  .optional("butterworth", &Stage::butterworth, filter, "maximally flat filter")
                                  .optional("bessel", &Stage::bessel, filter, "filter of constant delay")
-                                 .optional("delay", &Stage::delay, number("s", nonnegative()), "pure delay")
+                                 .optional("delay", &Stage::delay, number("s", plausible::sensor_delay()), "pure delay")
                                  .optional("resonance", &Stage::resonance, resonance, "roll-off of an accelerometer")
                                  .optional("gain", &Stage::gain, number("-"), "constant factor"));
   const auto make_filter_stage = [](const Filter& given, FilterFamily family) -> ChainStage {
@@ -136,20 +135,20 @@ Form<Sensor> sensor() {
 Form<Record> record() {
   const auto free_response =
       Fields<FreeResponse>()
-          .optional("delay", &FreeResponse::delay, number("s", nonnegative()), "begin so long after the release")
-          .optional("threshold", &FreeResponse::threshold, number("m", Bounds::positive()),
+          .optional("delay", &FreeResponse::delay, number("s", plausible::time()), "begin so long after the release")
+          .optional("threshold", &FreeResponse::threshold, number("m", plausible::length()),
                     "the filter stops when no channel is further from rest")
-          .optional("margin", &FreeResponse::margin, number("s", nonnegative()), "and so much later");
+          .optional("margin", &FreeResponse::margin, number("s", plausible::time()), "and so much later");
 
   return mapping(
       Fields<Record>()
           .required("file", &Record::file, path(), "measured record: .csv, .lvm or .h5")
-          .optional("sample_rate", &Record::sample_rate, number("Hz", Bounds::positive()),
+          .optional("sample_rate", &Record::sample_rate, number("Hz", plausible::frequency()),
                     "where the file does not say it")
           .optional("unit", &Record::unit, text(), "unit of the columns, default SI")
           .optional("dataset", &Record::group, text(), "in an .h5 file: the dataset whose columns are the channels")
-          .optional("start", &Record::start, number("s"), "time in the file where the case begins")
-          .optional("end", &Record::end, number("s"), "time in the file where it ends")
+          .optional("start", &Record::start, number("s", plausible::clock()), "time in the file where the case begins")
+          .optional("end", &Record::end, number("s", plausible::clock()), "time in the file where it ends")
           .optional("skip_missing", &Record::skip_missing, boolean(),
                     "NaN in the record: skip the sample, not an error")
           .optional("repair_splice", &Record::repair_splice, boolean(),
@@ -159,13 +158,14 @@ Form<Record> record() {
 }
 
 Form<Simulation> simulation() {
-  const auto start = Fields<PointStart>()
-                         .optional("displacement", &PointStart::displacement, number("m"), "at time 0")
-                         .optional("velocity", &PointStart::velocity, number("m/s"), "at time 0");
+  const auto start =
+      Fields<PointStart>()
+          .optional("displacement", &PointStart::displacement, number("m", plausible::position()), "at time 0")
+          .optional("velocity", &PointStart::velocity, number("m/s"), "at time 0");
   return mapping(
       Fields<Simulation>()
-          .required("duration", &Simulation::duration, number("s", Bounds::positive()), "length of the record")
-          .required("sample_rate", &Simulation::sample_rate, number("Hz", Bounds::positive()), "of the record")
+          .required("duration", &Simulation::duration, number("s", plausible::duration()), "length of the record")
+          .required("sample_rate", &Simulation::sample_rate, number("Hz", plausible::frequency()), "of the record")
           .optional("integrator", &Simulation::integrator,
                     choice<Integrator>({{"newmark", Integrator::newmark, "average acceleration"},
                                         {"hht_alpha", Integrator::hht_alpha, "with high-frequency dissipation"},
@@ -181,7 +181,7 @@ Form<Simulation> simulation() {
                     choice<bool>({{"full", false, "every degree of freedom"},
                                   {"superelement", true, "reduced, with many modes"}}),
                     "model of finite-element substructures")
-          .optional("modes_up_to", &Simulation::modes_up_to, number("Hz", Bounds::positive()),
+          .optional("modes_up_to", &Simulation::modes_up_to, number("Hz", plausible::frequency()),
                     "fixed-interface modes of reference: superelement")
           .optional("first_substeps", &Simulation::first_substeps, integer(1, 65536),
                     "steps per sample of the first solution")
@@ -197,7 +197,7 @@ Form<Case> case_form() {
   const auto fields =
       Fields<Pictures>()
           .required("substructure", &Pictures::substructure, name(), "finite-element substructure")
-          .optional("every", &Pictures::every, number("s", Bounds::positive()), "time between two pictures");
+          .optional("every", &Pictures::every, number("s", plausible::duration()), "time between two pictures");
   const auto report =
       Fields<Report>()
           .optional("fields", &Report::fields, mapping(fields),
@@ -213,7 +213,7 @@ Form<Case> case_form() {
                          {"op4", MatrixFormat::op4, "Nastran OUTPUT4, binary"},
                          {"hdf5", MatrixFormat::hdf5, "with the basis"}}))),
                     "write the reduced substructures for other codes")
-          .optional("zoom", &Report::zoom, number("s", Bounds::positive()), "length of the zoomed pictures");
+          .optional("zoom", &Report::zoom, number("s", plausible::duration()), "length of the zoomed pictures");
   const auto prediction = Fields<Prediction>()
                               .required("substructure", &Prediction::substructure, name(),
                                         "linear substructure to drive by its estimated boundary motion")
@@ -224,9 +224,9 @@ Form<Case> case_form() {
           .required("modal", &StructureDamping::modal, one_or_list(number("-", Bounds::between(0, 0.999))),
                     "ratio to critical of every mode, or of each in turn (the last holds for the rest)")
           .optional(
-              "up_to", &StructureDamping::up_to, number("Hz", Bounds::positive()),
+              "up_to", &StructureDamping::up_to, number("Hz", plausible::frequency()),
               "with finite elements: modes up to here have their own ratio, all above it the rate of the last one");
-  return mapping(
+  const auto all = mapping(
       Fields<Case>()
           .required("kalfem", &Case::version, integer(1, 1), "version of the case-file format")
           .optional("title", &Case::title, text(), "one line for the report")
@@ -245,6 +245,12 @@ Form<Case> case_form() {
           .optional("modifications", &Case::modifications, named(located(modification())),
                     "changes of the updated structure whose natural frequencies are predicted")
           .optional("report", &Case::report, mapping(report), "what the report page shows"));
+  const auto read = [=](const Cursor& cursor, Case& given) {
+    given.source = {cursor.location().file, cursor.shared_node()};
+    return all.read(cursor, given);
+  };
+  return make_form<Case>(
+      read, [=](const Case& given) { return all.write(given); }, all.schema());
 }
 
 }  // namespace kalfem::description

@@ -1,5 +1,6 @@
 #include "kalfem/casefile/description_form.hpp"
 #include "kalfem/casefile/fields.hpp"
+#include "kalfem/casefile/plausible.hpp"
 
 namespace kalfem::description {
 
@@ -35,7 +36,7 @@ Form<LocalObserver> local_observer() {
   const auto force = Fields<InterfaceForce>()
                          .required("std", &InterfaceForce::std, deviation("N"), "stationary standard deviation")
                          .optional("correlation_time", &InterfaceForce::correlation_time,
-                                   number("s", Bounds::positive()), "of the first-order Markov process");
+                                   number("s", plausible::duration()), "of the first-order Markov process");
   const auto interface = Fields<Interface>().one_of(
       &Interface::motion, when("acceleration", mapping(acceleration), "a measured acceleration moves the point"),
       when("force", mapping(force), "an unknown force acts at the point in place of what is cut off"));
@@ -49,11 +50,12 @@ Form<LocalObserver> local_observer() {
 }  // namespace
 
 Form<Estimation> estimation() {
-  const auto prior = Fields<PointPrior>()
-                         .optional("displacement", &PointPrior::displacement, number("m"), "mean")
-                         .optional("velocity", &PointPrior::velocity, number("m/s"), "mean")
-                         .optional("displacement_std", &PointPrior::displacement_std, deviation("m"), "deviation")
-                         .optional("velocity_std", &PointPrior::velocity_std, deviation("m/s"), "deviation");
+  const auto prior =
+      Fields<PointPrior>()
+          .optional("displacement", &PointPrior::displacement, number("m", plausible::position()), "mean")
+          .optional("velocity", &PointPrior::velocity, number("m/s"), "mean")
+          .optional("displacement_std", &PointPrior::displacement_std, deviation("m"), "deviation")
+          .optional("velocity_std", &PointPrior::velocity_std, deviation("m/s"), "deviation");
   const auto connector_state =
       Fields<ConnectorStatePrior>()
           .optional("value", &ConnectorStatePrior::value, number("-"), "mean, in the state's SI unit")
@@ -95,7 +97,8 @@ Form<Estimation> estimation() {
           .optional("initial_connector_states", &Estimation::initial_connector_states,
                     named(located(mapping(connector_state)), NameRule::dotted), "internal states, connector.state")
           .optional("process_noise", &Estimation::process_noise, mapping(noise), "what the model leaves out")
-          .optional("settle", &Estimation::settle, deviation("s"), "errors and NIS are summed up from here on")
+          .optional("settle", &Estimation::settle, number("s", plausible::time()),
+                    "errors and NIS are summed up from here on")
           .optional("local", &Estimation::local, local_observer(), "hold only a part of the structure in the observer")
           .optional("estimate_initial_state", &Estimation::estimate_initial_state, boolean(),
                     "carry the initial state as constants: a fixed-point smoother")

@@ -1,5 +1,6 @@
 #include "kalfem/casefile/description_form.hpp"
 #include "kalfem/casefile/fields.hpp"
+#include "kalfem/casefile/plausible.hpp"
 
 namespace kalfem::description {
 
@@ -7,8 +8,8 @@ using namespace form;
 
 namespace {
 
-Form<double> seconds() { return number("s", Bounds::nonnegative()); }
-Form<double> hertz() { return number("Hz", Bounds::nonnegative()); }
+Form<double> seconds() { return number("s", plausible::time()); }
+Form<double> hertz() { return number("Hz", Bounds::between(0, plausible::frequency().high)); }
 
 template <class T>
 kalfem::Case<T> target(std::string_view key, Name T::*member, std::string_view meaning) {
@@ -60,8 +61,8 @@ Form<Excitation> excitation() {
   const auto impulse =
       Fields<Impulse>()
           .required("amplitude", &Impulse::amplitude, value(), "peak")
-          .optional("start", &Impulse::start, number("s"), "begin of the pulse")
-          .optional("duration", &Impulse::duration, number("s", Bounds::positive()), "length of the pulse")
+          .optional("start", &Impulse::start, number("s", plausible::clock()), "begin of the pulse")
+          .optional("duration", &Impulse::duration, number("s", plausible::duration()), "length of the pulse")
           .optional("shape", &Impulse::shape,
                     choice<PulseShape>({{"half_sine", PulseShape::half_sine, "for forces"},
                                         {"smooth", PulseShape::smooth, "for base displacements"}}),
@@ -80,7 +81,7 @@ Form<Excitation> excitation() {
   const auto file = Fields<FileSignal>()
                         .required("file", &FileSignal::file, path(), "table with a column of samples")
                         .required("channel", &FileSignal::channel, text(), "column")
-                        .optional("sample_rate", &FileSignal::sample_rate, number("Hz", Bounds::positive()),
+                        .optional("sample_rate", &FileSignal::sample_rate, number("Hz", plausible::frequency()),
                                   "where the file has no time column")
                         .optional("unit", &FileSignal::unit, text(), "of the column, default SI");
   const auto delayed = Fields<Delayed>()
@@ -89,7 +90,7 @@ Form<Excitation> excitation() {
   const auto trailing =
       Fields<Trailing>()
           .required("input", &Trailing::input, name(), "input of the axle ahead")
-          .required("wheelbase", &Trailing::wheelbase, number("m", Bounds::positive()), "distance of the axles")
+          .required("wheelbase", &Trailing::wheelbase, number("m", plausible::length()), "distance of the axles")
           .required("speed", &Trailing::speed, number("m/s", Bounds::positive()), "of the vehicle");
   const auto constant = convert<Constant>(
       value(), [](const Value& given) { return Constant{given}; }, [](const Constant& c) { return c.value; });

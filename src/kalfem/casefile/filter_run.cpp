@@ -116,33 +116,69 @@ FullRecord full_record(const Study& study, const StudyResults& results) {
   return record;
 }
 
-FilterRun make_filter_run(const Study& study, const ObserverSetup& setup, const FullRecord& record,
-                          std::optional<StateCoordinates> coordinates) {
+namespace {
+
+FilterChoice choose(const Study& study, const ObserverSetup& setup, const FullRecord& record,
+                    std::optional<StateCoordinates> coordinates) {
   std::vector<OutputDescription> outputs;
   std::vector<MeasurementChain> chains;
-  FilterRun run;
-  run.noise.resize(static_cast<Index>(setup.sensors.size()));
-  for (std::size_t i = 0; i < setup.sensors.size(); ++i) {
-    const auto& sensor = setup.sensors[i];
+  for (const auto& sensor : setup.sensors) {
     outputs.push_back(sensor.output);
     chains.push_back(sensor.chain);
-    run.noise[static_cast<Index>(i)] = record.noise[static_cast<std::size_t>(record.series.find(sensor.name))];
   }
-  run.measurements = channels_of(record.series, setup.sensors);
   ObserverOptions options = completed_options(study, setup, record);
   options.system_at = system_of_linear_unknowns(study, setup);
   const OutputMap map = make_outputs(*setup.model, outputs);
-  if (coordinates) {
-    options.coordinates = *coordinates;
-    run.choice.observer = std::make_shared<const Observer>(setup.model->system(), map, chains, options);
-  } else {
-    run.choice = choose_filter(study.given.estimate->filter, setup.model->system(), map, chains, options);
+  if (!coordinates)
+    return choose_filter(study.given.estimate->filter, setup.model->system(), map, chains, std::move(options));
+  FilterChoice choice;
+  options.coordinates = *coordinates;
+  choice.observer = std::make_shared<const Observer>(setup.model->system(), map, chains, options);
+  return choice;
+}
+
+/// The first samples of the record; zeros where it is yet to be simulated.
+FullRecord first_samples(const Study& study) {
+  constexpr Index most = 100;
+  const auto sensors = static_cast<Index>(study.sensors.size());
+  if (study.record) {
+    FullRecord record = full_record(study, {});
+    auto& values = record.series.values;
+    values = MatrixXd(values.topRows(std::min(most, values.rows())));
+    return record;
   }
+  const auto& simulated = *study.given.simulate;
+  const auto samples = std::min(most, static_cast<Index>(simulated.duration * simulated.sample_rate) + 1);
+  FullRecord record{{simulated.sample_rate, 0.0, {}, MatrixXd::Zero(samples, sensors)}, {}};
+  for (const auto& sensor : study.sensors) {
+    record.series.channels.push_back({sensor.name, sensor.unit});
+    record.noise.push_back(1.0);
+  }
+  return record;
+}
+
+}  // namespace
+
+FilterRun make_filter_run(const Study& study, const ObserverSetup& setup, const FullRecord& record,
+                          std::optional<StateCoordinates> coordinates) {
+  FilterRun run;
+  run.noise.resize(static_cast<Index>(setup.sensors.size()));
+  for (std::size_t i = 0; i < setup.sensors.size(); ++i)
+    run.noise[static_cast<Index>(i)] =
+        record.noise[static_cast<std::size_t>(record.series.find(setup.sensors[i].name))];
+  run.measurements = channels_of(record.series, setup.sensors);
+  run.choice = choose(study, setup, record, coordinates);
   MatrixXd used = run.measurements.values.transpose();
   if (study.record)
     used.rightCols(used.cols() - study.record->used).setConstant(std::numeric_limits<double>::quiet_NaN());
   run.record = {used, observer_inputs(study, setup, record), run.noise.cwiseAbs2().asDiagonal()};
   return run;
+}
+
+void check_filter(const Study& study) {
+  const auto& given = *study.given.estimate;
+  const FilterChoice choice = choose(study, *study.observer, first_samples(study), std::nullopt);
+  validate(*choice.observer, {.filter = choice.filter, .unscented = given.unscented, .passes = given.passes}).raise();
 }
 
 int processors() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }

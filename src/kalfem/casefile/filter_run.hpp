@@ -26,6 +26,9 @@ struct FilterRun {
 FilterRun make_filter_run(const Study& study, const ObserverSetup& setup, const FullRecord& record,
                           std::optional<StateCoordinates> coordinates = std::nullopt);
 
+/// Throws InvalidInput where the filter of the case's `estimate` could not be made or run, as far as it shows before.
+void check_filter(const Study& study);
+
 int processors();
 /// Threads that the case asks for, or one a processor.
 int filter_threads(const Study& study);

@@ -1,5 +1,6 @@
 #include "kalfem/casefile/description_form.hpp"
 #include "kalfem/casefile/fields.hpp"
+#include "kalfem/casefile/plausible.hpp"
 
 namespace kalfem::description {
 
@@ -7,16 +8,16 @@ using namespace form;
 
 namespace {
 
-Form<double> length() { return number("m", Bounds::positive()); }
+Form<double> length() { return number("m", plausible::length()); }
 Form<double> factor() { return number("-", Bounds::nonnegative()); }
 Form<std::vector<std::string>> directions() { return list(word({"x", "y", "z", "rx", "ry", "rz"})); }
 
 Form<Material> material() {
   return mapping(
       Fields<Material>()
-          .required("youngs_modulus", &Material::youngs_modulus, number("Pa", Bounds::positive()), "E")
+          .required("youngs_modulus", &Material::youngs_modulus, number("Pa", plausible::modulus()), "E")
           .optional("poissons_ratio", &Material::poissons_ratio, number("-", Bounds::between(-0.99, 0.499)), "nu")
-          .required("density", &Material::density, number("kg/m^3", Bounds::nonnegative()),
+          .required("density", &Material::density, number("kg/m^3", plausible::density()),
                     "rho; 0: stiff without mass"));
 }
 
@@ -48,9 +49,10 @@ Form<SectionHolder> section() {
 }
 
 Form<Region> region() {
-  const auto shell = Fields<ShellRegion>()
-                         .required("thickness", &ShellRegion::thickness, length(), "of the shell")
-                         .optional("offset", &ShellRegion::offset, number("m"), "mid-surface above the nodes");
+  const auto shell =
+      Fields<ShellRegion>()
+          .required("thickness", &ShellRegion::thickness, length(), "of the shell")
+          .optional("offset", &ShellRegion::offset, number("m", plausible::position()), "mid-surface above the nodes");
   const auto solid = Fields<SolidRegion>().optional(
       "integration", &SolidRegion::kind,
       choice<SolidKind>({{"standard", SolidKind::standard, "free of locking"},
@@ -58,12 +60,12 @@ Form<Region> region() {
                          {"mean_dilatation", SolidKind::mean_dilatation, "B-bar, 8-node hexahedra"},
                          {"reduced", SolidKind::reduced, "fewer points"}}),
       "of the strains");
-  const auto beam =
-      Fields<BeamRegion>()
-          .required("section", &BeamRegion::section, section(), "cross-section")
-          .optional("up", &BeamRegion::up, tuple<3>(number("-")),
-                    "direction; local z lies in the plane of the axis and this")
-          .optional("offset", &BeamRegion::offset, tuple<3>(number("m")), "centroid minus node, global axes");
+  const auto beam = Fields<BeamRegion>()
+                        .required("section", &BeamRegion::section, section(), "cross-section")
+                        .optional("up", &BeamRegion::up, tuple<3>(number("-")),
+                                  "direction; local z lies in the plane of the axis and this")
+                        .optional("offset", &BeamRegion::offset, tuple<3>(number("m", plausible::position())),
+                                  "centroid minus node, global axes");
   return mapping(Fields<Region>()
                      .required("material", &Region::material, name(), "one of `materials`")
                      .one_of(&Region::property, when("shell", mapping(shell), "triangles and quadrilaterals"),
@@ -74,7 +76,7 @@ Form<Region> region() {
 /// A group or node number, or the coordinates of a place.
 Form<NodePlace> node_place() {
   const auto group = written_as("group | number", text());
-  const auto place = tuple<3>(number("m"));
+  const auto place = tuple<3>(number("m", plausible::position()));
   const auto read = [=](const Cursor& cursor, NodePlace& given) {
     given = {};
     return cursor.node().kind == YamlNode::Kind::scalar ? group.read(cursor, given.group)
@@ -89,11 +91,12 @@ Form<NodePlace> node_place() {
 Form<NodeMass> node_mass() {
   return mapping(Fields<NodeMass>()
                      .required("at", &NodeMass::at, name(), "one of `nodes`")
-                     .required("mass", &NodeMass::mass, number("kg", Bounds::nonnegative()),
+                     .required("mass", &NodeMass::mass, number("kg", Bounds::between(0, plausible::mass().high)),
                                "of the body; 0: a place for a mass that comes later")
                      .optional("inertia", &NodeMass::inertia, tuple<3>(number("kg m^2", Bounds::nonnegative())),
                                "about its own centre, axes x, y, z")
-                     .optional("offset", &NodeMass::offset, tuple<3>(number("m")), "its centre minus the node"));
+                     .optional("offset", &NodeMass::offset, tuple<3>(number("m", plausible::position())),
+                               "its centre minus the node"));
 }
 
 Form<Link> link() {
@@ -212,7 +215,7 @@ Form<Reduction> reduction() {
                          {"guyan", ReductionMethod::guyan, "boundary alone, static"}}),
                     "")
           .optional("modes", &Reduction::modes, integer(0, 100000), "modes, at least so many")
-          .optional("up_to", &Reduction::up_to, number("Hz", Bounds::positive()), "modes up to here")
+          .optional("up_to", &Reduction::up_to, number("Hz", plausible::frequency()), "modes up to here")
           .optional("effective_mass", &Reduction::effective_mass, number("-", Bounds::between(0, 1)),
                     "modes until they carry this part of the mass that boundary motion accelerates")
           .optional("truncation_vectors", &Reduction::truncation_vectors, boolean(),

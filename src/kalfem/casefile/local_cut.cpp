@@ -32,7 +32,7 @@ void LocalCut::apply(ObserverSetup& setup) {
     setup.input_sources.push_back(input.name);
     setup.options.inputs.push_back({});
   }
-  for (const auto& [point, interface] : local_.interface) add_interface(point, interface.value, setup);
+  for (const auto& [point, interface] : local_.interface) add_interface(point, interface, setup);
   std::erase_if(parts_.connectors, [&](const auto& c) { return !reachable(c.from) || !reachable(c.to); });
 }
 
@@ -70,9 +70,10 @@ bool LocalCut::reachable(const std::string& point) const {
   return belongs(point, kept_) || std::ranges::find(moving_, point) != moving_.end();
 }
 
-void LocalCut::add_interface(const std::string& point, const d::Interface& interface, ObserverSetup& setup) {
+void LocalCut::add_interface(const std::string& point, const Located<d::Interface>& interface, ObserverSetup& setup) {
+  const auto& motion = interface.value.motion;
   const bool inside = belongs(point, kept_);
-  if (const auto* measured = std::get_if<d::InterfaceAcceleration>(&interface.motion)) {
+  if (const auto* measured = std::get_if<d::InterfaceAcceleration>(&motion)) {
     const auto dot = point.find('.');
     if (inside || dot == std::string::npos) {
       issues_.add(measured->sensor.location,
@@ -84,14 +85,14 @@ void LocalCut::add_interface(const std::string& point, const d::Interface& inter
     }
     add_moving_point(point.substr(0, dot), point.substr(dot + 1));
     moving_.push_back(point);
-    parts_.inputs.push_back({point, InputKind::base_displacement, point, {}});
+    parts_.inputs.push_back({point, InputKind::base_displacement, point, {}, interface.location});
     setup.input_sources.push_back("@" + measured->sensor.value);
     setup.options.inputs.push_back({InputModel::integrated, 1.0});
   } else {
-    parts_.inputs.push_back({point, InputKind::force, point, {}});
+    parts_.inputs.push_back({point, InputKind::force, point, {}, interface.location});
     setup.input_sources.emplace_back("");
     setup.options.inputs.push_back(
-        {InputModel::first_order_markov, std::get<d::InterfaceForce>(interface.motion).correlation_time});
+        {InputModel::first_order_markov, std::get<d::InterfaceForce>(motion).correlation_time});
   }
 }
 

@@ -21,7 +21,7 @@ public:
 private:
   void check_names();
   [[nodiscard]] bool reachable(const std::string& point) const;
-  void add_interface(const std::string& point, const description::Interface& interface, ObserverSetup& setup);
+  void add_interface(const std::string& point, const Located<description::Interface>& interface, ObserverSetup& setup);
   void add_moving_point(const std::string& substructure, const std::string& point);
 
   const description::LocalObserver& local_;

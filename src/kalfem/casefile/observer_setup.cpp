@@ -25,22 +25,24 @@ Index connector_state_index(const LocallyNonlinearSystem& system, const std::str
   return -1;
 }
 
+/// Single degrees of freedom count more than `all`, in whatever order they stand.
 void set_state_prior(const d::Estimation& given, const CoupledModel& model, StatePrior& prior, IssueList& issues) {
+  const auto apply = [&](Index i, const d::PointPrior& start) {
+    prior.mean.displacement[i] = start.displacement;
+    prior.mean.velocity[i] = start.velocity;
+    prior.displacement_deviation[i] = model.coordinate_scale()[i] * start.displacement_std;
+    prior.velocity_deviation[i] = model.coordinate_scale()[i] * start.velocity_std;
+  };
+  for (const auto& [point, start] : given.initial_state)
+    if (point == "all")
+      for (Index i = 0; i < model.system().size(); ++i) apply(i, start.value);
   for (const auto& [point, start] : given.initial_state) {
-    const auto apply = [&](Index i) {
-      prior.mean.displacement[i] = start.value.displacement;
-      prior.mean.velocity[i] = start.value.velocity;
-      prior.displacement_deviation[i] = model.coordinate_scale()[i] * start.value.displacement_std;
-      prior.velocity_deviation[i] = model.coordinate_scale()[i] * start.value.velocity_std;
-    };
-    if (point == "all") {
-      for (Index i = 0; i < model.system().size(); ++i) apply(i);
-    } else if (const Index index = model.dof_index(point); index >= 0) {
-      apply(index);
-    } else {
+    if (point == "all") continue;
+    if (const Index index = model.dof_index(point); index >= 0)
+      apply(index, start.value);
+    else
       issues.add(start.location, start.path + ": '" + point + "' is no degree of freedom of the observer" +
                                      did_you_mean(point, model.system().dofs));
-    }
   }
   for (const auto& [name, start] : given.initial_connector_states) {
     const Index index = connector_state_index(model.system(), name);
@@ -76,29 +78,23 @@ std::vector<StudySensor> observer_sensors(const Study& study, const ObserverSetu
       make_outputs(*setup.model, {sensor.output});
       sensors.push_back(sensor);
     } catch (const InvalidInput& error) {
-      if (!study.given.estimate->local) issues.add(error, {study.file, 0});
+      if (!study.given.estimate->local) issues.add(error, study.given.source.at({"sensors", sensor.name}));
     }
   }
   if (sensors.empty())
-    issues.add({study.file, 0}, "no sensor measures anything that the observer holds", "it would learn nothing",
-               "place a sensor on the observer's part of the structure");
+    issues.add(study.given.source.at({"sensors"}), "no sensor measures anything that the observer holds",
+               "it would learn nothing", "place a sensor on the observer's part of the structure");
   return sensors;
 }
 
-void check_driving_sensors(const Study& study, const ObserverSetup& setup, IssueList& issues) {
-  std::vector<std::string> names;
-  for (const auto& sensor : study.sensors) names.push_back(sensor.name);
-  for (const auto& source : setup.input_sources) {
-    if (source.empty() || source.front() != '@') continue;
-    const auto found = std::ranges::find(study.sensors, source.substr(1), &StudySensor::name);
-    if (found == study.sensors.end())
-      issues.add({study.file, 0}, "estimate.local.interface: there is no sensor '" + source.substr(1) + "'" +
-                                      did_you_mean(source.substr(1), names));
-    else if (found->output.quantity != ObservedQuantity::acceleration)
-      issues.add({study.file, 0},
-                 "estimate.local.interface: sensor '" + found->name + "' does not measure acceleration",
-                 "the interface is driven by an acceleration");
-  }
+void check_start_from_record(const Study& study, const ObserverSetup& setup, IssueList& issues) {
+  const auto measures_displacement = [](const StudySensor& sensor) {
+    return sensor.output.quantity == ObservedQuantity::displacement;
+  };
+  if (std::ranges::none_of(setup.sensors, measures_displacement))
+    issues.add(study.given.source.at({"estimate", "initial_state_from_record"}),
+               "estimate.initial_state_from_record is given and no sensor of the observer measures a displacement",
+               "the start is taken from displacement sensors", "remove it, or give the start under initial_state");
 }
 
 }  // namespace
@@ -214,8 +210,8 @@ ObserverSetup make_observer_setup(const Study& study, Parts parts, const Present
   options.keep_initial_state = given.estimate_initial_state;
   options.step = 1.0 / study.sample_rate();
   options.substeps = given.substeps;
-  check_driving_sensors(study, setup, issues);
   setup.sensors = observer_sensors(study, setup, issues);
+  if (given.initial_state_from_record && issues.empty()) check_start_from_record(study, setup, issues);
   return setup;
 }
 

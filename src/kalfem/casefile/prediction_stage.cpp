@@ -1,5 +1,7 @@
 #include "kalfem/casefile/prediction_stage.hpp"
 
+#include <algorithm>
+
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/casefile/boundary_drive.hpp"
 #include "kalfem/casefile/reported_quantities.hpp"
@@ -30,6 +32,12 @@ MatrixXd base_accelerations(const Study& study, const CoupledModel& model, const
   return added;
 }
 
+InvalidInput not_estimated(const description::Name& substructure, const std::string& point) {
+  return InvalidInput(substructure.issue("the observer does not estimate the motion of '" + point + "'",
+                                         "the substructure is driven by it",
+                                         "hold the point in the observer or make it an interface"));
+}
+
 BoundaryMotion boundary_motion(const Study& study, const EstimationStage& estimation,
                                const std::vector<std::string>& points) {
   using enum ObservedQuantity;
@@ -41,10 +49,7 @@ BoundaryMotion boundary_motion(const Study& study, const EstimationStage& estima
          {std::pair{displacement, &motion.displacement}, std::pair{velocity, &motion.velocity},
           std::pair{acceleration, &motion.acceleration}}) {
       const auto* estimated = find_quantity(estimation.points, point, quantity);
-      if (!estimated)
-        throw InvalidInput(study.given.predict->substructure.issue(
-            "the observer does not estimate the motion of '" + point + "'", "the substructure is driven by it",
-            "hold the point in the observer or make it an interface"));
+      if (!estimated) throw not_estimated(study.given.predict->substructure, point);
       rows->row(b) = estimated->mean.transpose();
     }
   }
@@ -88,6 +93,15 @@ ReportedRows reported_rows(const CoupledModel& model, const Place& place) {
 }
 
 }  // namespace
+
+void check_driven(const Study& study, const description::Name& substructure) {
+  constexpr Index largest_driven = 2000;  // degrees of freedom; larger ones are factored once, when they are driven
+  if (study.model->find_substructure(substructure.value).part.model->size() > largest_driven) return;
+  const BoundaryDrive drive(study, *study.model, substructure.value);
+  const auto estimated = study.observer->model->reported_points();
+  for (const auto& point : drive.points())
+    if (std::ranges::find(estimated, point) == estimated.end()) throw not_estimated(substructure, point);
+}
 
 PredictionStage predict_stage(const Study& study, const CoupledModel& model, const StudyResults& results,
                               const Progress& progress) {

@@ -118,8 +118,10 @@ std::vector<SignalPtr> make_signals(const description::Case& given, const std::v
     try {
       signals.push_back(maker.make(input.name, input.kind));
     } catch (const InvalidInput& error) {
-      for (auto issue : error.issues()) {
-        if (issue.location.file.empty()) issue.location = maker.location(input.name);
+      const auto known = maker.location(input.name);
+      IssueList placed;
+      add_at(known.line > 0 ? known : given.source.at({"excitation", input.name}), error, placed);
+      for (const auto& issue : placed.issues()) {
         const std::string path = "excitation." + input.name;
         const bool named = issue.what.starts_with(path);
         issues.add(issue.location, named ? issue.what : path + ": " + issue.what, issue.why, issue.fix);

@@ -180,7 +180,6 @@ StudyResults run_study(const Study& study, Stage last, const RunOptions& options
   const bool updates = last >= Stage::update && study.updating;
   const auto structure = updates ? parameterised_structure(study) : nullptr;
   auto comparisons = updates ? make_comparisons(study, structure) : std::vector<ComparisonResidual>();
-  if (updates) predict_modifications(study, std::nullopt);  // what cannot be is found before the work begins
   results.modes = substructure_modes(study, study.given.report.modes);
   if (last >= Stage::simulate && study.given.simulate)
     results.simulation = simulate_stage(study, options.progress, results.fields, results.failure);
@@ -207,11 +206,6 @@ StudyResults run_study(const Study& study, Stage last, const RunOptions& options
     results.modifications = predict_modifications(study, results.updating);
   results.total_seconds = study.reduce_seconds + watch.seconds();
   return results;
-}
-
-void check_updating(const Study& study) {
-  if (study.updating) make_comparisons(study, parameterised_structure(study));
-  predict_modifications(study, std::nullopt);
 }
 
 }  // namespace kalfem

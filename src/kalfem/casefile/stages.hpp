@@ -155,10 +155,6 @@ struct RunOptions {
   std::function<void(int number, const UpdatingStep&)> on_updating_step = {};
 };
 
-/// What can be said of the case's comparisons and modifications without a record. Throws InvalidInput with every
-/// problem.
-void check_updating(const Study& study);
-
 /// Runs the stages of the case up to the given one, each as far as the case declares it. An updating comes before the
 /// estimation and the prediction that are reported: they are of the updated structure.
 StudyResults run_study(const Study& study, Stage last, const RunOptions& options = {});

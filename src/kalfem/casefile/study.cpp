@@ -1,12 +1,21 @@
 #include "kalfem/casefile/study.hpp"
 
 #include <cmath>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <set>
 
 #include "kalfem/casefile/bounds.hpp"
+#include "kalfem/casefile/case_checks.hpp"
 #include "kalfem/casefile/case_reader.hpp"
+#include "kalfem/casefile/comparisons.hpp"
+#include "kalfem/casefile/description_form.hpp"
+#include "kalfem/casefile/filter_run.hpp"
+#include "kalfem/casefile/keys_without_effect.hpp"
 #include "kalfem/casefile/modifications.hpp"
 #include "kalfem/casefile/observer_setup.hpp"
 #include "kalfem/casefile/parameterised_structure.hpp"
+#include "kalfem/casefile/prediction_stage.hpp"
 #include "kalfem/casefile/study_elements.hpp"
 #include "kalfem/casefile/updating_setup.hpp"
 
@@ -35,64 +44,15 @@ StudySensor make_sensor(const std::string& name, const d::Sensor& given) {
 }
 
 void add_sensors(Study& study, IssueList& issues) {
-  std::vector<OutputDescription> outputs;
   for (const auto& [name, given] : study.given.sensors) {
+    const auto location = std::visit([](const auto& observed) { return observed.points.location; }, given.observed);
     try {
       study.sensors.push_back(make_sensor(name, given));
       make_outputs(*study.model, {study.sensors.back().output});
     } catch (const InvalidInput& error) {
-      const auto location = std::visit([](const auto& observed) { return observed.points.location; }, given.observed);
       issues.add(error, location);
     }
   }
-}
-
-void check_stages(const d::Case& given, const SourceLocation& file, IssueList& issues) {
-  if (given.simulate && given.record)
-    issues.add(file, "the case has both `simulate` and `record`", "there can be one record only",
-               "take one of them out");
-  if (given.estimate && !given.simulate && !given.record)
-    issues.add(file, "the case estimates but has no record", "", "add `simulate` or `record`");
-  if (given.estimate && given.sensors.empty())
-    issues.add(file, "the case estimates but has no sensors", "", "add at least one under `sensors`");
-  if (given.predict && !given.estimate)
-    issues.add(file, "the case predicts but does not estimate",
-               "the prediction is driven by the estimated boundary motion", "add `estimate`");
-  if (given.estimate && given.estimate->passes > 1 && !given.estimate->estimate_initial_state)
-    issues.add(file, "estimate.passes is above 1 without estimate_initial_state",
-               "each pass starts from the initial state "
-               "that the last one estimated",
-               "set estimate.estimate_initial_state: true");
-  for (const auto& [name, sensor] : given.sensors)
-    if (given.estimate && sensor.noise.value.value == 0.0)
-      issues.add(sensor.noise.location, sensor.noise.path + ": the noise is 0",
-                 "the filter cannot weigh a sensor without "
-                 "noise",
-                 "give a small one");
-}
-
-void check_prediction(const Study& study, IssueList& issues) {
-  if (!study.given.predict) return;
-  const auto& name = study.given.predict->substructure;
-  std::vector<std::string> known;
-  for (const auto& [part, given] : study.given.substructures) known.push_back(part);
-  if (std::ranges::find(known, name.value) == known.end())
-    issues.add(name.location,
-               name.path + ": there is no substructure '" + name.value + "'" + did_you_mean(name.value, known));
-}
-
-/// Pictures are of finite elements.
-void check_pictures(const d::Case& given, IssueList& issues) {
-  if (!given.report.fields) return;
-  const auto& name = given.report.fields->substructure;
-  std::vector<std::string> known;
-  for (const auto& [part, substructure] : given.substructures)
-    if (substructure.finite_elements) known.push_back(part);
-  if (std::ranges::find(known, name.value) == known.end())
-    issues.add(
-        name.location,
-        name.path + ": there is no finite-element substructure '" + name.value + "'" + did_you_mean(name.value, known),
-        "the motion of a mesh is drawn", "name one that has finite_elements");
 }
 
 /// The parts from which the observer is made: an updating begins at its own first guesses.
@@ -108,8 +68,9 @@ void warn(Study& study) {
         "estimate.settle is no shorter than the record: errors and NIS are of its last sample alone");
   if (!study.observer) return;
   for (const auto& unknown : study.observer->options.unknowns) {
-    const auto& given = std::ranges::find(study.given.estimate->unknown, unknown.name,
-                                          &std::pair<std::string, d::Unknown>::first)->second;
+    const auto& given =
+        std::ranges::find(study.given.estimate->unknown, unknown.name, &std::pair<std::string, d::Unknown>::first)
+            ->second;
     if (unknown.transform.kind == TransformKind::none && given.std && !given.std->value.bare &&
         unknown.initial != 0.0 && unknown.deviation > 0.6 * std::abs(unknown.initial))
       study.warnings.push_back("unknown '" + unknown.name +
@@ -124,46 +85,163 @@ double Study::sample_rate() const {
   return record ? record->series.sample_rate : given.simulate ? given.simulate->sample_rate : 0.0;
 }
 
-Study load_study(const std::string& file) { return make_study(read_case(file, d::case_form()), file); }
+namespace {
 
-Study make_study(d::Case given, const std::string& file) {
-  Study study;
-  study.file = file;
-  study.given = std::move(given);
+/// Makes a study step by step. A step is left out where something that it needs has a problem, so that the problems of
+/// independent parts of a case are told together and none is told that only follows from another.
+class StudyMaker {
+public:
+  StudyMaker(d::Case given, const std::string& file, const IssueList& already_found) : issues_(already_found) {
+    study_.file = file;
+    study_.given = std::move(given);
+    unsound_ = study_.given.source.sections_of(issues_.issues());
+    if (std::ranges::any_of(unsound_, [](const auto& name) { return !is_section(name); })) unsound_.insert("file");
+    leave_out_unsound();
+  }
+
+  Study make() {
+    read_structure();
+    read_record();
+    read_updating();
+    read_estimation();
+    raise_in_line_order(issues_);
+    warn(study_);
+    for (auto& warning : keys_without_effect(study_.given)) study_.warnings.push_back(std::move(warning));
+    warn_of_reductions(study_);
+    return std::move(study_);
+  }
+
+private:
+  using Names = std::vector<std::string>;
+
+  void read_structure() {
+    const Names around = {"connectors", "excitation", "sensors", "simulate", "estimate", "update", "modifications"};
+    step("sections", {"file", "substructures", "sensors"}, {},
+         [&](IssueList& issues) { check_sections(study_.given, issues); });
+    step("elements", has_finite_elements() ? joined({"substructures"}, around) : Names{"substructures"},
+         {"substructures"}, [&](IssueList& issues) { add_finite_elements(study_, issues); });
+    step("parts", {"substructures", "elements"}, {"substructures"},
+         [&](IssueList& issues) { study_.parts = make_parts(study_.given, reduced_parts(study_), issues); });
+    step("names", {"substructures", "elements"}, {"substructures"}, [&](IssueList& issues) { check_names(issues); });
+    step("model", {"substructures", "elements", "parts", "connectors", "excitation", "damping"}, {"damping"},
+         [&](IssueList&) { study_.model = std::make_shared<const CoupledModel>(couple(reference_parts(study_))); });
+  }
+
+  void read_record() {
+    step("record", {"record", "sensors"}, {"record", "file"}, [&](IssueList&) {
+      if (study_.given.record) study_.record = read_measured_record(study_.given);
+    });
+    step("placed sensors", {"model", "sensors"}, {"sensors"}, [&](IssueList& issues) { add_sensors(study_, issues); });
+    step("signals", {"excitation", "simulate"}, {"excitation"}, [&](IssueList& issues) {
+      const double duration = study_.given.simulate ? study_.given.simulate->duration : 10.0;
+      study_.signals = make_signals(study_.given, make_inputs(study_.given), duration, issues);
+    });
+    step("simulate", {"model", "simulate"}, {"simulate"}, [&](IssueList& issues) { check_simulation(study_, issues); });
+    step("excitation", {"parts", "signals", "simulate", "record"}, {"excitation"},
+         [&](IssueList& issues) { check_signals(study_, issues); });
+  }
+
+  void read_updating() {
+    step("parameters", {"estimate", "update"}, {"estimate"},
+         [&](IssueList& issues) { check_parameters_once(study_.given, issues); });
+    step("update", {"parts", "model", "placed sensors", "simulate", "record", "estimate", "update"}, {"update"},
+         [&](IssueList& issues) {
+           if (study_.given.update) study_.updating = make_updating_setup(study_, issues);
+         });
+    step("comparisons", {"update", "parameters"}, {"update"}, [&](IssueList&) {
+      if (study_.updating) make_comparisons(study_, parameterised_structure(study_));
+    });
+    step("modifications", {"parts", "model", "modifications"}, {"modifications"},
+         [&](IssueList& issues) { check_modifications(study_, issues); });
+    step("modified", {"modifications"}, {"modifications"},
+         [&](IssueList&) { predict_modifications(study_, std::nullopt); });
+  }
+
+  void read_estimation() {
+    step("estimate", {"sensors", "estimate"}, {"estimate"},
+         [&](IssueList& issues) { check_estimation(study_.given, issues); });
+    const Names all = {"sections", "parts",    "model",  "placed sensors", "signals",   "record",
+                       "simulate", "estimate", "update", "excitation",     "parameters"};
+    step("observer", all, {"estimate"}, [&](IssueList& issues) {
+      if (study_.given.estimate) study_.observer = make_observer_setup(study_, starting_parts(study_), {}, issues);
+    });
+    step("filter", joined({"observer"}, all), {"estimate", "kappa"}, [&](IssueList&) {
+      if (study_.observer) check_filter(study_);
+    });
+    step("prediction", joined({"observer", "predict"}, all), {"predict", "substructure"}, [&](IssueList&) {
+      if (study_.given.predict) check_driven(study_, study_.given.predict->substructure);
+    });
+    step("histories", joined({"observer"}, all), {"update", "compare"}, [&](IssueList& issues) {
+      if (study_.given.update) check_driven_histories(study_, issues);
+    });
+  }
+
+  /// Runs a step where all that it needs is sound. What it finds makes `result` unsound, and the sections that hold the
+  /// places; `place` is for problems that do not know theirs.
+  void step(const std::string& result, const Names& needs, const Names& place,
+            const std::function<void(IssueList&)>& run) {
+    if (std::ranges::any_of(needs, [&](const auto& name) { return unsound_.contains(name); })) {
+      unsound_.insert(result);
+      return;
+    }
+    IssueList found, placed;
+    try {
+      run(found);
+    } catch (const InvalidInput& error) {
+      add_at(study_.given.source.at(place), error, found);
+    }
+    if (found.empty()) return;
+    add_at(study_.given.source.at(place), InvalidInput(found.issues()), placed);
+    unsound_.insert(result);
+    unsound_.merge(study_.given.source.sections_of(placed.issues()));
+    for (const auto& [location, what, why, fix] : placed.issues()) issues_.add(location, what, why, fix);
+  }
+
+  void check_names(IssueList& issues) {
+    const CoupledModel points = couple({study_.parts.substructures, study_.parts.finite_elements, {}, {}});
+    if (!unsound_.contains("sensors") && !unsound_.contains("connectors"))
+      check_sensor_names(study_.given, points.point_names(), issues);
+    if (!unsound_.contains("report") && !unsound_.contains("predict"))
+      check_reported_names(study_.given, points.reported_points(), issues);
+  }
+
+  /// Sections that cannot be used are left empty, so that no problem follows from what they may have meant.
+  void leave_out_unsound() {
+    auto& given = study_.given;
+    if (unsound_.contains("connectors")) given.connectors.clear();
+    if (unsound_.contains("excitation")) given.excitation.clear();
+    if (unsound_.contains("damping")) given.damping.reset();
+  }
+
+  [[nodiscard]] bool has_finite_elements() const {
+    return std::ranges::any_of(study_.given.substructures,
+                               [](const auto& part) { return part.second.finite_elements.has_value(); });
+  }
+
+  static bool is_section(const std::string& name) {
+    static const FormSchema schema = d::case_form().schema();
+    return schema.json().at("properties").contains(name);
+  }
+
+  static Names joined(Names one, const Names& other) {
+    one.insert(one.end(), other.begin(), other.end());
+    return one;
+  }
+
+  Study study_;
+  IssueList issues_;
+  std::set<std::string> unsound_;  ///< sections and results with a problem
+};
+
+}  // namespace
+
+Study load_study(const std::string& file) {
   IssueList issues;
-  const SourceLocation place{file, 0};
-  check_stages(study.given, place, issues);
-  add_finite_elements(study, issues);
-  study.parts = make_parts(study.given, reduced_parts(study), place, issues);
-  const double duration = study.given.simulate ? study.given.simulate->duration : 10.0;
-  study.signals = make_signals(study.given, study.parts.inputs, duration, issues);
-  check_prediction(study, issues);
-  check_pictures(study.given, issues);
-  raise_in_line_order(issues);
-  try {
-    study.model = std::make_shared<const CoupledModel>(couple(reference_parts(study)));
-    add_sensors(study, issues);
-    if (study.given.record) study.record = read_measured_record(study.given);
-  } catch (const InvalidInput& error) {
-    issues.add(error, place);
-  }
-  raise_in_line_order(issues);
-  try {
-    if (study.given.update) study.updating = make_updating_setup(study, issues);
-    check_modifications(study, issues);
-  } catch (const InvalidInput& error) {
-    issues.add(error, place);
-  }
-  raise_in_line_order(issues);
-  try {
-    if (study.given.estimate) study.observer = make_observer_setup(study, starting_parts(study), {}, issues);
-  } catch (const InvalidInput& error) {
-    issues.add(error, place);
-  }
-  raise_in_line_order(issues);
-  warn(study);
-  warn_of_reductions(study);
-  return study;
+  d::Case given = read_case_text(read_text_file(file), file, d::case_form(), issues);
+  if (given.source.empty()) raise_in_line_order(issues);
+  return StudyMaker(std::move(given), file, issues).make();
 }
+
+Study make_study(d::Case given, const std::string& file) { return StudyMaker(std::move(given), file, {}).make(); }
 
 }  // namespace kalfem

@@ -114,7 +114,7 @@ void add_finite_elements(Study& study, IssueList& issues) {
       }
       study.finite_elements.push_back(std::move(elements));
     } catch (const InvalidInput& error) {
-      issues.add(error, given.finite_elements->location());
+      add_at(given.finite_elements->location(), error, issues);
     }
   }
   check_superelement_files(study, issues);

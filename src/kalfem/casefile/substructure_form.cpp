@@ -1,5 +1,6 @@
 #include "kalfem/casefile/description_form.hpp"
 #include "kalfem/casefile/fields.hpp"
+#include "kalfem/casefile/plausible.hpp"
 
 namespace kalfem::description {
 
@@ -9,7 +10,7 @@ namespace {
 
 /// Mass of a node: one number, or one a direction.
 Form<Named<double>> mass() {
-  const auto single = number("kg", Bounds::positive());
+  const auto single = number("kg", plausible::mass());
   const auto full = named(single);
   const auto read = [=](const Cursor& cursor, Named<double>& masses) {
     if (cursor.node().kind != YamlNode::Kind::scalar) return full.read(cursor, masses);
@@ -24,7 +25,7 @@ Form<Named<double>> mass() {
 }
 
 Form<Spring> spring() {
-  const auto coefficient = [](const std::string& unit) { return number(unit, Bounds::nonnegative()); };
+  const auto coefficient = [](const std::string& unit) { return number(unit, plausible::coefficient()); };
   return mapping(Fields<Spring>()
                      .optional("name", &Spring::name, text(), "to name it as an unknown; default from-to")
                      .required("from", &Spring::from, name(), "mass, point or ground at one end")
@@ -34,10 +35,10 @@ Form<Spring> spring() {
 }
 
 Form<Chain> chain() {
-  const auto coefficient = [](const std::string& unit) { return number(unit, Bounds::nonnegative()); };
+  const auto coefficient = [](const std::string& unit) { return number(unit, plausible::coefficient()); };
   return mapping(Fields<Chain>()
                      .required("masses", &Chain::masses, integer(1, 100000), "how many, named 1, 2, ...")
-                     .required("mass", &Chain::mass, number("kg", Bounds::positive()), "of each")
+                     .required("mass", &Chain::mass, number("kg", plausible::mass()), "of each")
                      .required("stiffness", &Chain::stiffness, coefficient("N/m"), "between neighbours")
                      .optional("damping", &Chain::damping, coefficient("N s/m"), "between neighbours"));
 }
@@ -49,9 +50,9 @@ Form<Substructure> substructure() {
       Fields<Damping>()
           .optional("modal", &Damping::modal, one_or_list(number("-", Bounds::between(0, 0.999))),
                     "ratio to critical of every mode, or of each in turn (the last holds for the rest)")
-          .optional("mass_factor", &Damping::mass_factor, number("1/s", Bounds::nonnegative()), "Rayleigh alpha")
-          .optional("stiffness_factor", &Damping::stiffness_factor, number("s", Bounds::nonnegative()), "Rayleigh beta")
-          .optional("modal_up_to", &Damping::modal_up_to, number("Hz", Bounds::positive()),
+          .optional("mass_factor", &Damping::mass_factor, number("1/s", plausible::coefficient()), "Rayleigh alpha")
+          .optional("stiffness_factor", &Damping::stiffness_factor, number("s", plausible::time()), "Rayleigh beta")
+          .optional("modal_up_to", &Damping::modal_up_to, number("Hz", plausible::frequency()),
                     "finite elements: modes up to here have their own ratio, all above it the rate of the last one");
   return mapping(Fields<Substructure>()
                      .optional("finite_elements", &Substructure::finite_elements, finite_elements(),

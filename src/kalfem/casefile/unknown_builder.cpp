@@ -17,8 +17,41 @@ namespace {
 /// Prior standard deviation or walk: in the parameter's unit, or per cent of the initial value.
 double absolute(const d::Value& given, const std::string& unit, double initial) {
   const bool percentage = !given.value.bare && given.value.dimension == Dimension{};
-
+  if (percentage && given.value.value < 0.0)
+    throw InvalidInput(given.issue(shortest(100.0 * given.value.value) + " % given", "it must be >= 0"));
+  if (percentage && initial == 0.0)
+    throw InvalidInput(given.issue("per cent of an initial value of 0", "that is nothing", "give it in its unit"));
   return percentage ? given.value.value * std::abs(initial) : checked_number(given, unit, Bounds::nonnegative());
+}
+
+/// Of the prior: half the initial value where the case does not say.
+double deviation_of(const d::Unknown& given, const std::string& unit, double initial) {
+  const double deviation = given.std ? absolute(*given.std, unit, initial) : 0.5 * std::abs(initial);
+  if (deviation > 0.0 && std::isfinite(deviation)) return deviation;
+  if (!given.std)
+    throw InvalidInput(given.initial.issue("it starts at 0 and has no `std`", "by default std is 50 % of initial",
+                                           "give std in its unit"));
+  throw InvalidInput(given.std->issue("the standard deviation of the prior is " + shortest(deviation),
+                                      "a parameter without uncertainty is not unknown",
+                                      "give a positive one, or take the unknown out"));
+}
+
+/// What the transform cannot carry.
+void check_start(const d::Unknown& given, const ParameterTransform& transform, const std::string& unit,
+                 double initial) {
+  if (transform.kind == TransformKind::log && !(initial > 0.0))
+    throw InvalidInput(given.initial.issue("it starts at " + shortest(initial), "under transform: log it must be > 0",
+                                           "give a positive start, or transform: none"));
+  if (!given.bounds) return;
+  const double lower = to_si((*given.bounds)[0], unit), upper = to_si((*given.bounds)[1], unit);
+  if (!(lower < upper))
+    throw InvalidInput(
+        given.initial.issue("the lower bound " + shortest(lower) + " is not below the upper one " + shortest(upper), "",
+                            "write bounds: [lower, upper]"));
+  if (!(lower < initial && initial < upper))
+    throw InvalidInput(given.initial.issue(
+        "it starts at " + shortest(initial) + ", outside its bounds " + shortest(lower) + " to " + shortest(upper),
+        "the start must lie strictly between them", "move the start or the bounds"));
 }
 
 /// `positive`: where the case does not say, the parameter is kept so.
@@ -74,7 +107,8 @@ void UnknownBuilder::add(const std::string& name, const d::Unknown& given) {
     const double initial = checked_number(given.initial, unit);
     const bool positive = targets->positive_by_nature() && initial > 0.0;
     UnknownParameter unknown{name, unit, {}, transform_of(given, unit, positive), initial, 0.0, 0.0};
-    unknown.deviation = given.std ? absolute(*given.std, unit, unknown.initial) : 0.5 * std::abs(unknown.initial);
+    check_start(given, unknown.transform, unit, initial);
+    unknown.deviation = deviation_of(given, unit, initial);
     unknown.random_walk = given.random_walk ? absolute(*given.random_walk, unit, unknown.initial) : 0.0;
     if (const auto value = present_.find(name); value != present_.end()) unknown.initial = value->second;
     unknown.in_linear_part = linear_part_follows(*targets);
@@ -109,11 +143,24 @@ std::optional<UnknownBuilder::Targets> UnknownBuilder::found(const std::string& 
     }
   }
   if (targets.of_connectors.size() + targets.of_linear_part.size() < names.size()) return std::nullopt;
+  check_units(owner, names, targets);
   if (targets.of_connectors.empty() || targets.of_linear_part.empty()) return targets;
   issues_.add(names.front().location,
               "estimate.unknown." + owner + " applies to parameters of connectors and of linear substructures",
               "the filter carries the two in different ways", "make it two unknowns");
   return std::nullopt;
+}
+
+/// All share one value, so that they have one unit; expressions have none of their own.
+void UnknownBuilder::check_units(const std::string& owner, const std::vector<d::Name>& names, const Targets& targets) {
+  for (const auto& other : targets.of_connectors) {
+    const std::string& unit = targets.of_connectors.front().unit;
+    if (unit.empty() || other.unit.empty() || parse_unit(unit).dimension == parse_unit(other.unit).dimension) continue;
+    issues_.add(names.front().location,
+                "estimate.unknown." + owner + " applies to parameters in " + unit + " and in " + other.unit,
+                "they share one value", "give parameters of one kind");
+    return;
+  }
 }
 
 bool UnknownBuilder::holds(const StructureParameter& parameter) const {

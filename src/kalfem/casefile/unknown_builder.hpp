@@ -28,6 +28,7 @@ public:
 private:
   struct Targets;
   [[nodiscard]] std::optional<Targets> found(const std::string& owner, const std::vector<description::Name>& names);
+  void check_units(const std::string& owner, const std::vector<description::Name>& names, const Targets& targets);
   [[nodiscard]] bool holds(const StructureParameter& parameter) const;
   [[nodiscard]] std::vector<std::string> all_names() const;
   void add_target(const description::Name& name, UnknownParameter& unknown);

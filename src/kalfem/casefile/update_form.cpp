@@ -1,5 +1,6 @@
 #include "kalfem/casefile/description_form.hpp"
 #include "kalfem/casefile/fields.hpp"
+#include "kalfem/casefile/plausible.hpp"
 
 namespace kalfem::description {
 
@@ -25,7 +26,7 @@ Form<Frequencies> frequencies() {
                                   .required("file", &TableColumn::file, path(), "text table")
                                   .required("column", &TableColumn::column, text(), "its column of frequencies [Hz]")
                                   .optional("first", &TableColumn::first, integer(1, 100000), "so many rows"));
-  const auto values = list(number("Hz", Bounds::positive()), 1);
+  const auto values = list(number("Hz", plausible::frequency()), 1);
   const auto read = [=](const Cursor& cursor, Frequencies& given) {
     return cursor.node().kind == YamlNode::Kind::list ? values.read(cursor, given.emplace<std::vector<double>>())
                                                       : column.read(cursor, given.emplace<TableColumn>());
@@ -64,10 +65,10 @@ kalfem::Case<FrfData> frf_data() {
       Fields<FrfRecordSource>()
           .required("record", &FrfRecordSource::file, located(path()), "time record from which H1 is estimated")
           .required("input", &FrfRecordSource::input, text(), "its column of the input")
-          .optional("segment", &FrfRecordSource::segment, number("s", Bounds::positive()),
+          .optional("segment", &FrfRecordSource::segment, number("s", plausible::duration()),
                     "length of the averaged pieces")
           .optional("dataset", &FrfRecordSource::dataset, text(), "in an .h5 file")
-          .optional("sample_rate", &FrfRecordSource::sample_rate, number("Hz", Bounds::positive()),
+          .optional("sample_rate", &FrfRecordSource::sample_rate, number("Hz", plausible::frequency()),
                     "where the file does not say it");
   const auto force = convert<FrfForce>(
       name(), [](const Name& point) { return FrfForce{point}; }, [](const FrfForce& given) { return given.point; });

@@ -117,6 +117,23 @@ private:
   std::map<std::string, std::string> owners_;
 };
 
+/// What an evolution strategy needs and Gauss-Newton does not.
+void check_search(const Study& study, const UpdatingSetup& setup, IssueList& issues) {
+  constexpr int fewest_points = 5;
+  const auto& given = *study.given.update;
+  if (given.method != d::UpdatingMethod::evolution) return;
+  for (const auto& parameter : setup.parameters)
+    if (!std::isfinite(parameter.lower) || !std::isfinite(parameter.upper))
+      issues.add(study.given.source.at({"update", "parameters", parameter.name}),
+                 "update.parameters." + parameter.name + " has no bounds", "method: cma_es searches between bounds",
+                 "give bounds: [lower, upper]");
+  if (given.evolution.population > 0 && given.evolution.population < fewest_points)
+    issues.add(study.given.source.at({"update", "evolution", "population"}),
+               "update.evolution.population: " + std::to_string(given.evolution.population) + " given",
+               "CMA-ES needs at least " + std::to_string(fewest_points) + " points a generation",
+               "raise it, or leave it out");
+}
+
 }  // namespace
 
 UpdatingSetup make_updating_setup(const Study& study, IssueList& issues) {
@@ -124,11 +141,13 @@ UpdatingSetup make_updating_setup(const Study& study, IssueList& issues) {
   ParameterBuilder builder(study, setup, issues);
   for (const auto& [name, given] : study.given.update->parameters) builder.add(name, given);
   if (study.given.update->parameters.empty())
-    issues.add({study.file, 0}, "update.parameters is empty", "there is nothing to refine", "name at least one");
+    issues.add(study.given.source.at({"update", "parameters"}), "update.parameters is empty",
+               "there is nothing to refine", "name at least one");
   if (study.given.update->comparisons.empty())
-    issues.add({study.file, 0}, "update.compare is empty", "there is nothing to refine the model by",
-               "give at least one comparison");
+    issues.add(study.given.source.at({"update", "compare"}), "update.compare is empty",
+               "there is nothing to refine the model by", "give at least one comparison");
   check_comparisons(study, issues);
+  check_search(study, setup, issues);
   return setup;
 }
 

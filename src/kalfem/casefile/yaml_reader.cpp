@@ -10,7 +10,7 @@
 #include <map>
 #include <optional>
 #include <sstream>
-#include <unordered_set>
+#include <unordered_map>
 
 #include "kalfem/base/utf8.hpp"
 
@@ -64,9 +64,9 @@ private:
   struct Unfinished {
     YamlNode node;
     YAML::anchor_t anchor = 0;
-    std::optional<YamlEntry> key;       ///< read, waits for its value
-    std::vector<YamlNodePtr> merged{};  ///< values of <<
-    std::unordered_set<std::string> keys{};
+    std::optional<YamlEntry> key;                 ///< read, waits for its value
+    std::vector<YamlNodePtr> merged{};            ///< values of <<
+    std::unordered_map<std::string, int> keys{};  ///< with their lines
   };
 
   [[nodiscard]] bool expects_key() const {
@@ -120,10 +120,9 @@ private:
     entry.value = std::move(value);
     if (entry.key == "<<") {
       map.merged.push_back(entry.value);
-    } else if (!map.keys.insert(entry.key).second) {
-      const std::string first = std::to_string(map.node.find(entry.key)->line);
-      issues_.add({name_, entry.line}, "'" + entry.key + "' is given twice", "first on line " + first,
-                  "remove one of them");
+    } else if (const auto [first, is_new] = map.keys.emplace(entry.key, entry.line); !is_new) {
+      issues_.add({name_, entry.line}, "'" + entry.key + "' is given twice",
+                  "first on line " + std::to_string(first->second), "remove one of them");
     } else {
       map.node.entries.push_back(std::move(entry));
     }
@@ -137,7 +136,7 @@ private:
       issues_.add({name_, target.node.line}, "<< merges " + describe(source), "only maps can be merged",
                   "write <<: *anchor_of_a_map");
     for (const auto& entry : source.entries)
-      if (target.keys.insert(entry.key).second) target.node.entries.push_back(entry);
+      if (target.keys.emplace(entry.key, entry.line).second) target.node.entries.push_back(entry);
   }
 
   std::string expand(const std::string& value, int line) {
@@ -190,8 +189,10 @@ YamlNodePtr parse_yaml(const std::string& text, const std::string& name, const E
                  "a case is one document", "remove it");
     builder.root = first;
   } catch (const YAML::Exception& error) {
-    throw InvalidInput(
-        Issue{{name, error.mark.line + 1}, "this is not YAML", error.msg, "check indentation, quotes and brackets"});
+    throw InvalidInput(Issue{{name, std::max(1, error.mark.line + 1)},
+                             "this is not YAML",
+                             error.msg,
+                             "check indentation, quotes and brackets"});
   }
   if (!builder.root || builder.root->kind == YamlNode::Kind::null)
     throw InvalidInput(Issue{{name, 1}, "the file is empty", "", "write the case in it"});

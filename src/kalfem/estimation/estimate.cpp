@@ -49,13 +49,8 @@ void check(const Observer& observer, const Record& record, const EstimationOptio
   if (!record.inputs.allFinite()) issues.add({}, "an input is not finite", "the observer is driven by it");
   if (!record.noise.allFinite() || (record.noise.diagonal().array() < 0.0).any())
     issues.add({}, "a sensor's noise is negative or not finite", "it is a covariance", "give every sensor its noise");
-  check_sigma_points(observer, options, issues);
+  for (const auto& [place, what, why, fix] : validate(observer, options).issues()) issues.add(place, what, why, fix);
   if (record.measurements.cols() < 1) issues.add({}, "the record is empty", "");
-  if (options.deviation_stride < 1) issues.add({}, "the stride of standard deviations is below 1", "");
-  if (options.passes < 1) issues.add({}, "the number of passes is below 1", "");
-  if (options.passes > 1 && !observer.options().keep_initial_state)
-    issues.add({}, "several passes without an estimate of the initial state", "each pass starts from it",
-               "set estimate_initial_state: true");
   issues.raise();
 }
 
@@ -276,6 +271,17 @@ Gaussian next_prior(const Observer& observer, const EstimationResult& result) {
 }
 
 }  // namespace
+
+IssueList validate(const Observer& observer, const EstimationOptions& options) {
+  IssueList issues;
+  check_sigma_points(observer, options, issues);
+  if (options.deviation_stride < 1) issues.add({}, "the stride of standard deviations is below 1", "");
+  if (options.passes < 1) issues.add({}, "the number of passes is below 1", "");
+  if (options.passes > 1 && !observer.options().keep_initial_state)
+    issues.add({}, "several passes without an estimate of the initial state", "each pass starts from it",
+               "set estimate_initial_state: true");
+  return issues;
+}
 
 EstimationResult estimate(const Observer& observer, const Record& record, const EstimationOptions& options) {
   check(observer, record, options);

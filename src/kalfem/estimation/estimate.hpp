@@ -77,6 +77,9 @@ struct EstimationResult {
   int linearisations = 0;
 };
 
+/// What is wrong with the options for this observer: sigma points without weights, passes that have no start.
+IssueList validate(const Observer& observer, const EstimationOptions& options);
+
 /// Runs the filter over the record. Throws InvalidInput where sizes do not fit or an input is not finite.
 EstimationResult estimate(const Observer& observer, const Record& record, const EstimationOptions& options);
 

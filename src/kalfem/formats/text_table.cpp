@@ -12,7 +12,7 @@ namespace kalfem {
 
 namespace {
 
-constexpr std::size_t most_listed = 20;
+constexpr std::size_t most_listed = 12;
 
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
 
@@ -130,7 +130,7 @@ void FileProblems::add(int line, std::string what, std::string why, std::string 
 void FileProblems::raise() const {
   IssueList all = listed_;
   if (count_ > most_listed)
-    all.add({file_, 0}, "and " + std::to_string(count_ - most_listed) + " more problems of this kind");
+    all.add(all.issues().back().location, "and " + std::to_string(count_ - most_listed) + " more problems of this kind");
   all.raise();
 }
 

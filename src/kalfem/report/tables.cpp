@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+
 #include "kalfem/casefile/modifications.hpp"
 #include "kalfem/report/resting_points.hpp"
 #include "kalfem/report/updating_tables.hpp"

@@ -78,8 +78,7 @@ std::string unit_of(InputKind kind) {
 }
 
 CoupledModel::CoupledModel(std::vector<Substructure> substructures, const std::vector<ConnectorDescription>& connectors,
-                           const std::vector<InputDescription>& inputs,
-                           const std::optional<StructureDamping>& damping)
+                           const std::vector<InputDescription>& inputs, const std::optional<StructureDamping>& damping)
     : substructures_(std::move(substructures)), inputs_(inputs), structure_damping_(damping.has_value()) {
   assemble_linear_part();
   base_accelerations_ = Eigen::MatrixXd::Zero(system_.size(), static_cast<Eigen::Index>(inputs.size()));
@@ -90,7 +89,7 @@ CoupledModel::CoupledModel(std::vector<Substructure> substructures, const std::v
   for (std::size_t i = 0; i < inputs.size(); ++i) try {
       add_input(inputs[i], i);
     } catch (const InvalidInput& error) {
-      issues.add(error, {});
+      issues.add(error, inputs[i].location);
     }
   for (const auto& connector : connectors) add_connector(connector, issues);
   issues.raise();
@@ -154,17 +153,17 @@ void CoupledModel::add_connector(const ConnectorDescription& description, IssueL
     const PointMotion from = motion(description.from), to = motion(description.to);
     const Eigen::VectorXd deformation = to.dofs - from.dofs;
     if (deformation.isZero())
-      issues.add({},
+      issues.add(description.location,
                  "connector '" + description.name + "' joins '" + description.from + "' and '" + description.to + "'",
                  "they do not move against each other", "join two different points, one of them not a ground");
     if (!description.law) throw InvalidInput("it has no law", "its force is unknown", "name one of the laws");
     for (const auto& issue : validate_parameters(*description.law, description.parameters))
-      issues.add(issue.location, "connector '" + description.name + "': " + issue.what, issue.why, issue.fix);
+      issues.add(description.location, "connector '" + description.name + "': " + issue.what, issue.why, issue.fix);
     system_.connectors.push_back(
         {description.name, description.law, description.parameters, deformation, from.base - to.base});
   } catch (const InvalidInput& error) {
     for (const auto& issue : error.issues())
-      issues.add(issue.location, "connector '" + description.name + "': " + issue.what, issue.why, issue.fix);
+      issues.add(description.location, "connector '" + description.name + "': " + issue.what, issue.why, issue.fix);
   }
 }
 

@@ -30,6 +30,7 @@ struct ConnectorDescription {
   std::string to;
   ConnectorLawPtr law;
   Eigen::VectorXd parameters;
+  SourceLocation location = {};  ///< where the user describes it, for messages
 };
 
 /// What an input does to the structure.
@@ -47,6 +48,7 @@ struct InputDescription {
   InputKind kind = InputKind::force;
   std::string target;             ///< qualified point; for base_acceleration the direction below counts instead
   DofCombination direction = {};  ///< base_acceleration: rigid motion per unit, by qualified DOF (empty: all 1)
+  SourceLocation location = {};   ///< where the user describes it, for messages
 };
 
 /// Displacement of a point, z_p = dofs^T z + base^T r.

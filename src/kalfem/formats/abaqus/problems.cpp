@@ -5,7 +5,7 @@
 namespace kalfem::abaqus {
 
 namespace {
-constexpr std::size_t most_listed = 20;
+constexpr std::size_t most_listed = 12;
 }
 
 int Problems::add_file(const std::string& name) {

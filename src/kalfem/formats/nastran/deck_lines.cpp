@@ -7,7 +7,7 @@
 namespace kalfem::nastran {
 namespace {
 
-constexpr std::size_t most_told = 20;
+constexpr std::size_t most_told = 12;
 constexpr std::size_t deepest_include = 50;
 constexpr std::size_t most_includes = 10'000;
 /// A name in quotes ends within so many lines.
@@ -59,8 +59,8 @@ void DeckFiles::problem(const Place& place, const std::string& what, const std::
 void DeckFiles::raise() const {
   IssueList all = listed_;
   if (count_ > most_told)
-    all.add({names_.empty() ? "" : names_.front(), 0},
-            std::to_string(count_ - most_told) + " more problems, which are not listed");
+    all.add(all.issues().back().location,
+            "and " + std::to_string(count_ - most_told) + " more problems, which are not listed");
   all.raise();
 }
 

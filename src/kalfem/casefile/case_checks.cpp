@@ -1,0 +1,205 @@
+#include "kalfem/casefile/case_checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <unordered_set>
+
+namespace kalfem {
+namespace {
+
+namespace d = description;
+
+template <class T>
+std::vector<std::string> names_of(const Named<T>& entries) {
+  std::vector<std::string> names;
+  for (const auto& [name, entry] : entries) names.push_back(name);
+  return names;
+}
+
+void check_name(const d::Name& name, const std::string& kind, const std::vector<std::string>& known,
+                const std::string& fix, IssueList& issues) {
+  if (std::ranges::find(known, name.value) == known.end())
+    issues.add(name.location,
+               name.path + ": there is no " + kind + " '" + name.value + "'" + did_you_mean(name.value, known), "",
+               fix);
+}
+
+/// The names that an entry stands for: its own where it names no others.
+template <class Entry>
+std::vector<d::Name> targets_of(const std::string& name, const Entry& entry, const SourceLocation& place,
+                                const std::string& path) {
+  if (!entry.applies_to.empty()) return entry.applies_to;
+  return {{name, place, path}};
+}
+
+}  // namespace
+
+void check_sections(const d::Case& given, IssueList& issues) {
+  const auto place = [&](const char* section) { return given.source.at({section}); };
+  if (given.simulate && given.record)
+    issues.add(place("record"), "the case has both `simulate` and `record`", "there can be one record only",
+               "take one of them out");
+  if (given.estimate && !given.simulate && !given.record)
+    issues.add(place("estimate"), "the case estimates but has no record", "", "add `simulate` or `record`");
+  if (given.estimate && given.sensors.empty())
+    issues.add(place("estimate"), "the case estimates but has no sensors", "", "add at least one under `sensors`");
+  if (given.record && given.sensors.empty())
+    issues.add(place("record"), "the case has a record but no sensors", "sensors say what its columns are",
+               "add at least one under `sensors`");
+  if (given.predict && !given.estimate)
+    issues.add(place("predict"), "the case predicts but does not estimate",
+               "the prediction is driven by the estimated boundary motion", "add `estimate`");
+  if (given.substructures.empty())
+    issues.add(place("substructures"), "substructures is empty", "there is no structure", "describe at least one");
+}
+
+void check_sensor_names(const d::Case& given, const std::vector<std::string>& points, IssueList& issues) {
+  const auto connectors = names_of(given.connectors);
+  const std::unordered_set<std::string> known_points(points.begin(), points.end());
+  for (const auto& [name, sensor] : given.sensors) {
+    const auto& [seen, location, path] =
+        std::visit([](const auto& observed) -> const d::Points& { return observed.points; }, sensor.observed);
+    const bool of_connector = std::visit(
+        [](const auto& observed) { return observed.quantity > ObservedQuantity::acceleration; }, sensor.observed);
+    for (const auto& [target, weight] : seen) {
+      const d::Name named{target, location, path};
+      if (of_connector)
+        check_name(named, "connector", connectors, "name one of `connectors`", issues);
+      else if (!known_points.contains(target))
+        check_name(named, "point", points, "points are written substructure.name", issues);
+    }
+  }
+}
+
+void check_reported_names(const d::Case& given, const std::vector<std::string>& points, IssueList& issues) {
+  std::vector<std::string> meshes;
+  for (const auto& [name, part] : given.substructures)
+    if (part.finite_elements) meshes.push_back(name);
+  if (given.predict)
+    check_name(given.predict->substructure, "substructure", names_of(given.substructures), "name one that there is",
+               issues);
+  if (given.report.fields)
+    check_name(given.report.fields->substructure, "finite-element substructure", meshes,
+               "the motion of a mesh is drawn: name one that has finite_elements", issues);
+  for (const auto& name : given.report.displacements)
+    check_name(name, "point", points, "name a point whose motion is reported, substructure.name", issues);
+}
+
+void check_simulation(const Study& study, IssueList& issues) {
+  if (!study.given.simulate) return;
+  const auto& given = *study.given.simulate;
+  const auto place = [&](const char* key) { return study.given.source.at({"simulate", key}); };
+  constexpr double most_samples = 1e8;
+  const double samples = given.duration * given.sample_rate;
+  if (samples < 1.0)
+    issues.add(
+        place("duration"),
+        "simulate.duration: " + shortest(given.duration) + " s at " + shortest(given.sample_rate) + " Hz is no sample",
+        "the record would hold its start alone", "lengthen the duration or raise sample_rate");
+  if (samples > most_samples)
+    issues.add(place("duration"),
+               "simulate.duration: " + shortest(given.duration) + " s at " + shortest(given.sample_rate) + " Hz are " +
+                   shortest(samples) + " samples",
+               "at most " + shortest(most_samples) + " are simulated", "shorten the duration or lower sample_rate");
+  if (given.max_substeps < given.first_substeps)
+    issues.add(place("max_substeps"),
+               "simulate.max_substeps: " + std::to_string(given.max_substeps) + " given with first_substeps of " +
+                   std::to_string(given.first_substeps),
+               "it must be no less", "raise it, or lower first_substeps");
+  for (const auto& [point, start] : given.initial)
+    if (study.model->dof_index(point) < 0)
+      issues.add(
+          start.location,
+          start.path + ": '" + point + "' is no degree of freedom" + did_you_mean(point, study.model->system().dofs),
+          "", "name one of a lumped substructure");
+}
+
+void check_signals(const Study& study, IssueList& issues) {
+  double from = 0.0, to = 0.0;
+  if (study.given.simulate) {
+    to = std::floor(study.given.simulate->duration * study.sample_rate() + 1e-9) / study.sample_rate();
+  } else if (study.record) {
+    from = study.record->series.start;
+    to = study.record->series.time(study.record->series.samples() - 1);
+  } else {
+    return;
+  }
+  for (std::size_t i = 0; i < study.signals.size(); ++i) try {
+      study.signals[i]->sample(from, 1.0, 1);
+      study.signals[i]->sample(to, 1.0, 1);
+    } catch (const InvalidInput& error) {
+      const auto& input = study.parts.inputs[i];
+      for (const auto& issue : error.issues())
+        issues.add(input.location, "excitation." + input.name + ": " + issue.what, issue.why, issue.fix);
+    }
+}
+
+void check_estimation(const d::Case& given, IssueList& issues) {
+  if (!given.estimate) return;
+  const auto& estimate = *given.estimate;
+  const auto place = [&](const char* key) { return given.source.at({"estimate", key}); };
+  if (estimate.passes > 1 && !estimate.estimate_initial_state)
+    issues.add(place("passes"), "estimate.passes is above 1 without estimate_initial_state",
+               "each pass starts from the initial state that the last one estimated",
+               "set estimate.estimate_initial_state: true");
+  if (estimate.initial_state_from_record)
+    for (const auto& [point, start] : estimate.initial_state)
+      if (start.value.displacement != 0.0 || start.value.velocity != 0.0)
+        issues.add(start.location, start.path + ": a mean is given beside initial_state_from_record",
+                   "the record would replace it",
+                   "remove the mean (deviations may stay), or initial_state_from_record");
+  for (const auto& [name, sensor] : given.sensors)
+    if (sensor.noise.value.value == 0.0)
+      issues.add(sensor.noise.location, sensor.noise.path + ": the noise is 0",
+                 "the filter cannot weigh a sensor without noise", "give a small one");
+  if (!estimate.local) return;
+  for (const auto& [point, interface] : estimate.local->interface) {
+    const auto* driven = std::get_if<d::InterfaceAcceleration>(&interface.value.motion);
+    if (!driven) continue;
+    const auto sensor =
+        std::ranges::find(given.sensors, driven->sensor.value, &std::pair<std::string, d::Sensor>::first);
+    if (sensor == given.sensors.end()) {
+      check_name(driven->sensor, "sensor", names_of(given.sensors), "name one of `sensors`", issues);
+      continue;
+    }
+    const auto* seen = std::get_if<d::Observed<ObservedQuantity::acceleration>>(&sensor->second.observed);
+    if (!seen)
+      issues.add(driven->sensor.location,
+                 driven->sensor.path + ": sensor '" + sensor->first + "' does not measure acceleration",
+                 "the interface is driven by an acceleration", "name an accelerometer at '" + point + "'");
+    else if (seen->points.value != Named<double>{{point, 1.0}})
+      issues.add(
+          driven->sensor.location,
+          driven->sensor.path + ": sensor '" + sensor->first + "' measures " +
+              (seen->points.value.size() == 1 ? "'" + seen->points.value.front().first + "'" : "several points") +
+              ", not '" + point + "'",
+          "the interface moves as its own point was measured", "name an accelerometer at '" + point + "'");
+  }
+}
+
+void check_parameters_once(const d::Case& given, IssueList& issues) {
+  std::map<std::string, std::string> refined;
+  if (given.update)
+    for (const auto& [name, parameter] : given.update->parameters)
+      for (const auto& target : targets_of(name, parameter.value, parameter.location, parameter.path))
+        refined.emplace(target.value, "update.parameters." + name);
+  if (!given.estimate) return;
+  std::map<std::string, std::string> estimated;
+  for (const auto& [name, unknown] : given.estimate->unknown) {
+    const std::string owner = "estimate.unknown." + name;
+    for (const auto& target : targets_of(name, unknown, unknown.initial.location, owner)) {
+      const auto [first, is_new] = estimated.emplace(target.value, owner);
+      const auto update = refined.find(target.value);
+      if (!is_new)
+        issues.add(target.location, owner + ": '" + target.value + "' is estimated already by " + first->second,
+                   "a parameter has one value", "take one of them out");
+      if (update != refined.end())
+        issues.add(target.location, owner + ": '" + target.value + "' is refined already by " + update->second,
+                   "the updating and the filter would each give it a value", "take one of them out");
+    }
+  }
+}
+
+}  // namespace kalfem

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "kalfem/casefile/bounds.hpp"
+
+/// Bounds in SI that no structure and no measurement leaves, from atomic-force cantilevers to suspension bridges. They
+/// refuse slips of the pen such as a mass of 1e-300 kg, which would make numbers without a meaning.
+namespace kalfem::plausible {
+
+inline Bounds mass() { return Bounds::between(1e-21, 1e15); }       ///< [kg], of rotary inertia too [kg m^2]
+inline Bounds coefficient() { return Bounds::between(0.0, 1e20); }  ///< of springs and dashpots
+inline Bounds length() { return {.low = 0.0, .high = 1e9, .low_open = true}; }      ///< [m]
+inline Bounds position() { return Bounds::between(-1e9, 1e9); }                     ///< [m]
+inline Bounds modulus() { return Bounds::between(1e-3, 1e18); }                     ///< [Pa]
+inline Bounds density() { return Bounds::between(0.0, 1e9); }                       ///< [kg/m^3]
+inline Bounds frequency() { return {.low = 0.0, .high = 1e12, .low_open = true}; }  ///< [Hz]
+inline Bounds duration() { return {.low = 0.0, .high = 1e8, .low_open = true}; }    ///< [s], three years
+inline Bounds time() { return Bounds::between(0.0, 1e8); }                          ///< [s], duration or nothing
+inline Bounds clock() { return Bounds::between(-1e12, 1e12); }                      ///< [s], a time stamp
+inline Bounds sensor_delay() { return Bounds::between(0.0, 100.0); }                ///< [s], of a measurement chain
+
+}  // namespace kalfem::plausible

@@ -1,0 +1,317 @@
+#include "casefile/base_cases.hpp"
+
+#include <cmath>
+#include <fstream>
+
+namespace kalfem::test {
+namespace {
+
+constexpr double sample_rate = 200.0;  // Hz, of all records
+
+const std::string chain = R"(kalfem: 1
+title: chain
+substructures:
+  wheel:
+    masses: {w: 1.5 kg}
+    springs: [{name: k_w, from: ground, to: w, stiffness: 20 kN/m, damping: 5 N s/m}]
+  body:
+    chain: {masses: 2, mass: 1 kg, stiffness: 30 kN/m, damping: 1 N s/m}
+    points: {middle: {1: 0.5, 2: 0.5}}
+    damping: {modal: 1 %, mass_factor: 0.01, stiffness_factor: 1e-5}
+connectors:
+  suspension:
+    from: wheel.w
+    to: body.1
+    law: saturating
+    parameters: {k: 5 kN/m, mu_k1: 20 N, mu_k2: 2 mm, c: 10 N s/m, mu_c1: 10 N, mu_c2: 0.05 m/s}
+excitation:
+  road: {base_displacement: wheel.ground, random: {rms: 3 mm, band: [0.5, 30 Hz], duration: 2 s, fade_in: 0.1 s, seed: 7}, scale: 1}
+sensors:
+  a1: {acceleration: body.1, noise: 5 %}
+  a2: {acceleration: body.2, noise: 0.2 m/s^2}
+  middle: {displacement: {body.1: 0.5, body.2: 0.5}, noise: 5 %}
+simulate:
+  duration: 0.5 s
+  sample_rate: 200 Hz
+  integrator: newmark
+  tolerance: 1e-2
+  first_substeps: 4
+  max_substeps: 256
+  seed: 3
+  initial: {body.1: {displacement: 1 mm, velocity: 0.01 m/s}}
+estimate:
+  filter: partially_linear_ukf
+  alpha: 1
+  beta: 2
+  kappa: 1
+  unknown:
+    suspension.mu_k1: {initial: 15 N, std: 30 %, transform: log, random_walk: 0 N, truth: 20 N}
+    wheel.k_w.stiffness: {initial: 21 kN/m, bounds: [10 kN/m, 40 kN/m]}
+  initial_state:
+    all: {displacement_std: 1 mm, velocity_std: 0.1 m/s}
+    body.1: {displacement: 1 mm, velocity: 0.01 m/s, displacement_std: 1 mm, velocity_std: 0.1 m/s}
+  process_noise: {acceleration: 1e-3, accelerations: {body.2: 2e-3}}
+  settle: 0.1 s
+  estimate_initial_state: true
+  passes: 2
+  substeps: 2
+  threads: 1
+predict: {substructure: body, substeps: 2}
+report: {displacements: [body.2], zoom: 0.2 s, modes: 5}
+)";
+
+const std::string inputs = R"(kalfem: 1
+substructures:
+  frame:
+    masses: {1: 2 kg, 2: {x: 2 kg, y: 3 kg}}
+    grounds: [left]
+    springs:
+      - {from: ground, to: 1, stiffness: 1e4, damping: 20}
+      - {from: left, to: 2.x, stiffness: 1e4, damping: 20}
+      - {from: 1, to: 2.y, stiffness: 1e4, damping: 20}
+damping: {modal: [1 %, 2 %]}
+excitation:
+  sine: {force: frame.1, sine: {amplitude: 3 N, frequency: 4 Hz, phase: 0.1 rad, fade_in: 0.1 s}}
+  sweep: {force: frame.1, sweep: {amplitude: 3 N, from: 1 Hz, to: 20 Hz, duration: 1 s, kind: logarithmic, fade_in: 0.1 s}}
+  blow: {force: frame.2.x, impulse: {amplitude: 10 N, start: 0.1 s, duration: 0.02 s, shape: half_sine}}
+  road: {base_displacement: frame.ground, road: {class: B, speed: 10 m/s, band: [0.05, 1], duration: 20 s, fade_in: 0.1 s, seed: 1}}
+  axle: {base_displacement: frame.left, trailing_axle: {input: road, wheelbase: 1 m, speed: 10 m/s}}
+  later: {force: frame.2.y, delayed: {input: sine, delay: 0.1 s}}
+  measured: {force: frame.2.y, file: input.csv, channel: f, unit: N}
+  weight: {force: frame.1, constant: -9.81 N}
+  shake: {base_acceleration: all, sine: {amplitude: 0.1 m/s^2, frequency: 3 Hz}}
+sensors:
+  d: {displacement: frame.1, noise: 1 mm}
+  v: {velocity: frame.2.x, noise: 5 %}
+  a:
+    acceleration: {frame.1: 1, frame.2.y: 0.5}
+    relative: true
+    noise: 5 %
+    chain:
+      - butterworth: {order: 2, low_pass: 60 Hz}
+      - bessel: {order: 2, band_pass: [1 Hz, 70 Hz]}
+      - delay: 1 ms
+      - resonance: {frequency: 500 Hz, damping: 0.7}
+      - gain: 2
+simulate: {duration: 0.5 s, sample_rate: 200 Hz, integrator: hht_alpha, hht_alpha: -0.1, tolerance: 0.1}
+)";
+
+const std::string expression = R"(kalfem: 1
+substructures:
+  wheel: {masses: {w: 1.5 kg}, springs: [{from: ground, to: w, stiffness: 20 kN/m, damping: 10}]}
+  body: {masses: {b: 3 kg}}
+connectors:
+  strut: {from: wheel.w, to: body.b, law: linear, parameters: {k: 10 kN/m, c: 30 N s/m}}
+  maxwell:
+    from: wheel.w
+    to: body.b
+    law: expression
+    force: "k*s"
+    states: {s: {rate: "v - k/c*s", unit: m}}
+    parameters: {k: 1e3, c: 100}
+excitation:
+  road: {base_displacement: wheel.ground, random: {rms: 3 mm, band: [0.5, 30 Hz], fade_in: 0.1 s}}
+sensors:
+  a: {acceleration: body.b, noise: 5 %}
+  f: {force: strut, noise: 5 %}
+  x: {deformation: strut, noise: 5 %}
+  r: {rate: strut, noise: 5 %}
+simulate: {duration: 0.5 s, sample_rate: 200 Hz, integrator: generalized_alpha, spectral_radius: 0.7, tolerance: 0.1}
+estimate:
+  filter: ekf
+  unknown:
+    stiffness: {initial: 9 kN/m, std: 1 kN/m, applies_to: [strut.k]}
+    strut.c: {initial: 25, std: 20 %}
+  initial_connector_states: {maxwell.s: {value: 0, std: 1e-3}}
+  settle: 0.1 s
+)";
+
+const std::string local = R"(kalfem: 1
+substructures:
+  wheel: {masses: {w: 1.5 kg}, springs: [{from: ground, to: w, stiffness: 20 kN/m, damping: 10}]}
+  body: {masses: {b: 3 kg}}
+  load: {masses: {m: 1 kg}}
+connectors:
+  strut: {from: wheel.w, to: body.b, law: linear, parameters: {k: 10 kN/m, c: 30 N s/m}}
+  mount: {from: wheel.w, to: load.m, law: linear, parameters: {k: 20 kN/m, c: 30 N s/m}}
+excitation:
+  road: {base_displacement: wheel.ground, random: {rms: 3 mm, band: [0.5, 30 Hz], fade_in: 0.1 s}}
+sensors:
+  wheel: {acceleration: wheel.w, noise: 2 %}
+  foot: {acceleration: body.b, noise: 2 %}
+simulate: {duration: 0.5 s, sample_rate: 200 Hz, tolerance: 0.1}
+estimate:
+  unknown: {strut.k: {initial: 9 kN/m, std: 20 %}}
+  local:
+    substructures: [wheel]
+    interface:
+      body.b: {acceleration: {sensor: foot, displacement_std: 1 mm, velocity_std: 0.02 m/s}}
+      wheel.w: {force: {std: 10 N, correlation_time: 0.05 s}}
+  settle: 0.1 s
+)";
+
+const std::string recorded = R"(kalfem: 1
+substructures:
+  car: {masses: {u: 2 kg}, springs: [{name: k, from: ground, to: u, stiffness: 2000, damping: 8}]}
+sensors:
+  u: {displacement: car.u, noise: 0.1 mm, channel: x}
+record:
+  file: release.csv
+  start: 0.1 s
+  end: 5.5 s
+  unit: m
+  skip_missing: true
+  free_response: {delay: 0.05 s, threshold: 0.1 mm, margin: 0.2 s}
+estimate:
+  unknown: {car.k.stiffness: {initial: 1900, std: 10 %}}
+  initial_state_from_record: true
+  initial_state: {car.u: {displacement_std: 1 mm, velocity_std: 0.1 m/s}}
+  settle: 0.1 s
+)";
+
+const std::string updating = R"(kalfem: 1
+substructures:
+  wheel: {masses: {w: 1.5 kg}, springs: [{from: ground, to: w, stiffness: 20 kN/m, damping: 10}]}
+  body:
+    masses: {1: 1 kg, 2: 1 kg, 3: 1 kg}
+    springs:
+      - {name: a, from: 1, to: 2, stiffness: 3e4}
+      - {name: b, from: 2, to: 3, stiffness: 3e4}
+      - {name: c, from: ground, to: 3, stiffness: 1e4}
+    damping: {modal: 2 %}
+connectors:
+  strut: {from: wheel.w, to: body.1, law: linear, parameters: {k: 10 kN/m, c: 30 N s/m}}
+excitation:
+  road: {base_displacement: wheel.ground, random: {rms: 3 mm, band: [0.5, 30 Hz], fade_in: 0.1 s}}
+sensors:
+  a2: {acceleration: body.2, noise: 5 %}
+  a3: {acceleration: body.3, noise: 5 %}
+simulate: {duration: 0.5 s, sample_rate: 200 Hz, tolerance: 0.1}
+estimate: {unknown: {strut.k: {initial: 9 kN/m, std: 20 %}}, settle: 0.1 s}
+update:
+  parameters:
+    body.a.stiffness: {initial: 28 kN/m, std: 20 %, bounds: [10 kN/m, 60 kN/m], truth: 30 kN/m}
+    others: {applies_to: [body.b.stiffness], bounds: [10 kN/m, 60 kN/m]}
+    body.damping.modal: {bounds: [0.1 %, 20 %]}
+  compare:
+    tap: {modes: body, frequencies: [6.9 Hz, 30.6 Hz], deviation: 2 %, above: 1 Hz, minimum_mac: 0.3, shapes: {file: shapes.csv, points: [1, 2, 3], deviation: 0.1}, weight: 1}
+    table: {modes: body, frequencies: {file: frequencies.csv, column: f, first: 2}, model_modes: [1, 2]}
+    hammer: {frf: body, inputs: [{force: 3, file: frf.csv}], outputs: [1, 2], quantity: acceleration, bands: [[2 Hz, 40 Hz]], compare: difference, deviation: 0.1, floor: 0.1, smoothing: 0 Hz, weight: 0.1}
+    bend: {static: body, loads: {1: 10 N}, displacements: {1: 1.7 mm}, deviation: 0.05}
+    history: {time_history: body, sensors: [a2, a3], derivatives: auto}
+    whole: {simulation: all}
+  method: least_squares
+  starts: 1
+  stages: 2
+  tolerance: 1e-3
+  check_sensitivities: false
+modifications:
+  heavier: {substructure: body, set: {2.mass: 2 kg}, modes: 2, above: 1 Hz}
+)";
+
+const std::string beams = R"(kalfem: 1
+substructures:
+  wheel: {masses: {z: 3 kg}, springs: [{from: ground, to: z, stiffness: 1e5, damping: 30}]}
+  mast:
+    finite_elements:
+      tables: {nodes: nodes.csv, elements: elements.csv, scale: 1}
+      materials:
+        steel: {youngs_modulus: 210 GPa, poissons_ratio: 0.3, density: 7850 kg/m^3}
+      regions:
+        leg: {material: steel, beam: {section: {rectangle: {width: 20 mm, height: 10 mm}}, up: [0, 1, 0], offset: [0 mm, 0 mm, 0 mm]}}
+        arm: {material: steel, beam: {section: {circular_tube: {diameter: 20 mm, wall: 2 mm}}, up: [0, 1, 0]}}
+      nodes: {tip: 4, knee: 3, middle: [0, 0, 0.5], foot: 1}
+      masses: {head: {at: tip, mass: 1 kg, inertia: [1e-3, 1e-3, 1e-3], offset: [0 mm, 0 mm, 10 mm]}}
+      fixed: {clamp: {nodes: foot, directions: [x, y, z, rx, ry, rz]}}
+      mass_matrix: consistent
+    springs: [{name: stay, from: ground, to: knee.x, stiffness: 1e3}]
+    points: {top: {tip.z: 1, tip.x: 0.1}}
+    damping: {modal: 1 %, modal_up_to: 500 Hz}
+    reduction: {method: craig_bampton, modes: 3, truncation_vectors: false, boundary: [tip]}
+connectors:
+  mount: {from: wheel.z, to: mast.tip.z, law: linear, parameters: {k: 1e4, c: 10}}
+excitation:
+  road: {base_displacement: wheel.ground, random: {rms: 1 mm, band: [0.5, 30 Hz], fade_in: 0.1 s}}
+sensors:
+  a: {acceleration: mast.tip.z, noise: 5 %}
+simulate: {duration: 0.5 s, sample_rate: 200 Hz, tolerance: 0.1, reference: superelement, modes_up_to: 900 Hz}
+estimate: {unknown: {mount.k: {initial: 9e3, std: 20 %}}, settle: 0.1 s}
+predict: {substructure: mast}
+report: {fields: {substructure: mast, every: 0.1 s}, modes: 3, superelements: [matrix_market]}
+)";
+
+const std::string plate = R"(kalfem: 1
+substructures:
+  plate:
+    finite_elements:
+      mesh: plate.msh
+      scale: 1
+      materials: {steel: {youngs_modulus: 210 GPa, density: 7850 kg/m^3}}
+      regions: {plate: {material: steel, shell: {thickness: 5 mm, offset: 0 mm}}}
+      nodes: {c: corner, f: far, m: [0.5, 0.4, 0]}
+      links: {rigid: {master: f, nodes: m, directions: [x, y, z, rx, ry, rz]}}
+      fixed: {clamp: {nodes: edge}}
+)";
+
+const std::string mesh = R"($MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+4
+2 1 "plate"
+0 2 "corner"
+0 3 "far"
+1 4 "edge"
+$EndPhysicalNames
+$Nodes
+6
+1 0 0 0
+2 0.5 0 0
+3 1 0 0
+4 0 0.4 0
+5 0.5 0.4 0
+6 1 0.4 0
+$EndNodes
+$Elements
+5
+1 3 2 1 1 1 2 5 4
+2 3 2 1 1 2 3 6 5
+3 15 2 2 1 1
+4 15 2 3 1 6
+5 1 2 4 1 1 4
+$EndElements
+)";
+
+/// Held at -10 mm for a second, then swinging freely until it rests at zero.
+void write_release(std::ofstream file) {
+  constexpr double frequency = 5.03, damping = 0.08, pi = 3.141592653589793;
+  file << "t,x\n";
+  for (int k = 0; k <= 6 * static_cast<int>(sample_rate); ++k) {
+    const double time = k / sample_rate, after = std::max(0.0, time - 1.0), angle = 2.0 * pi * frequency * after;
+    file << time << ',' << -0.01 * std::exp(-damping * angle) * std::cos(angle) << '\n';
+  }
+}
+
+}  // namespace
+
+std::vector<BaseCase> base_cases() {
+  return {{"chain", chain},       {"inputs", inputs},     {"expression", expression}, {"local", local},
+          {"recorded", recorded}, {"updating", updating}, {"beams", beams},           {"plate", plate}};
+}
+
+void write_case_files(const std::filesystem::path& folder) {
+  write_release(std::ofstream(folder / "release.csv"));
+  std::ofstream input(folder / "input.csv");
+  input << "t,f\n";
+  for (int k = 0; k <= 200; ++k) input << k / sample_rate << ',' << std::sin(0.1 * k) << '\n';
+  std::ofstream(folder / "shapes.csv") << "m1,m2\n0.5,-0.8\n0.7,0.2\n0.8,0.7\n";
+  std::ofstream(folder / "frequencies.csv") << "f\n6.9\n30.6\n";
+  std::ofstream frf(folder / "frf.csv");
+  frf << "f,H1,H2\n";
+  for (int k = 1; k <= 50; ++k) frf << k << ',' << 0.1 + 0.01 * k << "+0.01j," << 0.2 + 0.01 * k << "-0.02j\n";
+  std::ofstream(folder / "nodes.csv") << "node,x,y,z\n1,0,0,0\n2,0,0,0.5\n3,0,0,1\n4,0.5,0,1\n";
+  std::ofstream(folder / "elements.csv") << "element,node1,node2,region\n1,1,2,leg\n2,2,3,leg\n3,3,4,arm\n";
+  std::ofstream(folder / "plate.msh") << mesh;
+}
+
+}  // namespace kalfem::test

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "kalfem/casefile/form_schema.hpp"
+#include "kalfem/casefile/yaml_node.hpp"
+
+namespace kalfem::test {
+
+/// A case with one mistake in it.
+struct Mutation {
+  std::string key;    ///< "connectors.suspension.law"
+  std::string kind;   ///< "wrong type"
+  std::string text;   ///< the whole case
+  bool wrong = true;  ///< false: a word was changed that may be free text
+};
+
+/// Every mistake of every key: what the schema says of a key decides which there are. `reached` collects the keys as
+/// the schema has them, without the user's names.
+std::vector<Mutation> mutations_of(const YamlNodePtr& root, const FormSchema& schema, std::set<std::string>& reached);
+
+/// All keys of the schema, as mutations_of() collects them.
+std::set<std::string> keys_of(const FormSchema& schema);
+
+}  // namespace kalfem::test

@@ -1,0 +1,345 @@
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <fstream>
+
+#include "base/scratch_folder.hpp"
+#include "casefile/base_cases.hpp"
+#include "kalfem/casefile/study.hpp"
+
+namespace kalfem::test {
+namespace {
+
+struct Change {
+  const char* name;
+  const char* base;      ///< one of base_cases()
+  std::string from, to;  ///< in its text
+  int line;              ///< that the message names; of a warning too
+  std::vector<std::string> pieces;
+};
+
+void PrintTo(const Change& change, std::ostream* out) { *out << change.to; }
+
+class CaseFiles {
+public:
+  explicit CaseFiles(const std::string& name) : folder_("case-" + name) { write_case_files(folder_); }
+
+  Study load(const std::string& text) const {
+    std::ofstream(folder_ / "case.yaml") << text;
+    return load_study((folder_ / "case.yaml").string());
+  }
+
+  Study load(const Change& change) const {
+    for (const auto& [name, text] : base_cases())
+      if (name == change.base) return load(changed(text, change));
+    throw std::logic_error("there is no such case");
+  }
+
+private:
+  static std::string changed(std::string text, const Change& change) {
+    const auto place = text.find(change.from);
+    if (place == std::string::npos) throw std::logic_error("the case does not hold " + change.from);
+    return text.replace(place, change.from.size(), change.to);
+  }
+
+  ScratchFolder folder_;
+};
+
+class Contradictions : public testing::TestWithParam<Change> {};
+
+TEST_P(Contradictions, AreRefusedWithTheirLine) {
+  const CaseFiles files(GetParam().name);
+  try {
+    files.load(GetParam());
+    FAIL() << "accepted";
+  } catch (const InvalidInput& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("case.yaml:" + std::to_string(GetParam().line) + ": "), std::string::npos) << text;
+    for (const auto& piece : GetParam().pieces) EXPECT_NE(text.find(piece), std::string::npos) << piece << "\n" << text;
+  }
+}
+
+const std::string first_unknown = "    suspension.mu_k1: {initial: 15 N,";
+
+INSTANTIATE_TEST_SUITE_P(
+    Parameters, Contradictions,
+    testing::Values(
+        Change{"ItselfAndInAppliesTo",
+               "chain",
+               first_unknown,
+               "    both: {initial: 15 N, applies_to: [suspension.mu_k1, suspension.mu_c1]}\n" + first_unknown,
+               42,
+               {"'suspension.mu_k1' is estimated already by estimate.unknown.both"}},
+        Change{"EntryTwice",
+               "chain",
+               first_unknown,
+               "    both: {initial: 15 N, applies_to: [suspension.mu_c1, suspension.mu_c1]}\n" + first_unknown,
+               41,
+               {"'suspension.mu_c1' is estimated already"}},
+        Change{"MixedUnits",
+               "chain",
+               first_unknown,
+               "    both: {initial: 15, applies_to: [suspension.c, suspension.mu_c1]}\n" + first_unknown,
+               41,
+               {"applies to parameters in N s/m and in N"}},
+        Change{"RefinedAndEstimated",
+               "updating",
+               "{strut.k: {",
+               "{body.b.stiffness: {initial: 3e4, std: 5 %}, strut.k: {",
+               19,
+               {"'body.b.stiffness' is refined already by update.parameters.others"}},
+        Change{"StdOfNothing",
+               "chain",
+               "initial: 15 N, std: 30 %",
+               "initial: 15 N, std: 0 N",
+               41,
+               {"standard deviation of the prior is 0"}},
+        Change{"NegativeStd", "chain", "initial: 15 N, std: 30 %", "initial: 15 N, std: -30 %", 41, {"-30 %"}},
+        Change{"PartOfZero",
+               "chain",
+               "initial: 15 N, std: 30 %, transform: log",
+               "initial: 0 N, std: 30 %",
+               41,
+               {"initial value of 0"}},
+        Change{"ZeroWithoutStd", "chain", "initial: 15 N, std: 30 %, transform: log", "initial: 0 N", 41, {"no `std`"}},
+        Change{"LogOfNegative", "chain", "initial: 15 N, std: 30 %", "initial: -15 N, std: 3 N", 41, {"-15", "log"}},
+        Change{"BoundsExcludeTheStart",
+               "chain",
+               "bounds: [10 kN/m, 40 kN/m]",
+               "bounds: [30 kN/m, 40 kN/m]",
+               42,
+               {"21000, outside its bounds 30000 to 40000"}},
+        Change{"BoundsExchanged",
+               "chain",
+               "bounds: [10 kN/m, 40 kN/m]",
+               "bounds: [40 kN/m, 10 kN/m]",
+               42,
+               {"not below the upper"}},
+        Change{"BoundsOfUpdateExcludeTheStart",
+               "updating",
+               "bounds: [10 kN/m, 60 kN/m], truth",
+               "bounds: [29 kN/m, 60 kN/m], truth",
+               22,
+               {"28000, outside its bounds"}},
+        Change{"ParameterOutOfItsRange", "chain", "mu_k2: 2 mm", "mu_k2: -2 mm", 15, {"'mu_k2'", "must be positive"}}),
+    [](const auto& each) { return std::string(each.param.name); });
+
+INSTANTIATE_TEST_SUITE_P(
+    Filter, Contradictions,
+    testing::Values(
+        Change{"KappaBelowMinusTheVariables", "chain", "kappa: 1\n", "kappa: -24\n", 39, {"kappa -24"}},
+        Change{"StartFromRecordWithoutDisplacements",
+               "chain",
+               "  settle: 0.1 s\n",
+               "  settle: 0.1 s\n  initial_state_from_record: true\n",
+               48,
+               {"no sensor of the observer measures"}},
+        Change{"StartFromRecordAndMeans",
+               "recorded",
+               "displacement_std: 1 mm",
+               "displacement: 1 mm",
+               15,
+               {"a mean is given beside initial_state_from_record"}},
+        Change{"PassesWithoutStart", "chain", "  estimate_initial_state: true\n", "", 48, {"estimate.passes"}},
+        Change{"SensorOfAnotherPoint",
+               "local",
+               "sensor: foot",
+               "sensor: wheel",
+               20,
+               {"sensor 'wheel' measures 'wheel.w', not 'body.b'"}},
+        Change{"UnknownSensorAtTheInterface", "local", "sensor: foot", "sensor: fot", 20, {"'fot'", "mean 'foot'"}},
+        Change{"SensorWithoutAcceleration",
+               "local",
+               "foot: {acceleration",
+               "foot: {velocity",
+               20,
+               {"does not measure acceleration"}},
+        Change{"NoNoise", "chain", "noise: 0.2 m/s^2", "noise: 0", 23, {"the noise is 0"}},
+        Change{"PredictionWithoutBoundary",
+               "local",
+               "  settle: 0.1 s\n",
+               "  settle: 0.1 s\npredict: {substructure: load}\n",
+               23,
+               {"does not estimate the motion of 'load.m'"}},
+        Change{"SettleAsLongAsTheRecord", "updating", "settle: 0.1 s", "settle: 5 s", 19, {"as long as the record"}}),
+    [](const auto& each) { return std::string(each.param.name); });
+
+INSTANTIATE_TEST_SUITE_P(
+    Elsewhere, Contradictions,
+    testing::Values(
+        Change{"ForceBesideABuiltInLaw",
+               "chain",
+               "    law: saturating\n",
+               "    law: saturating\n    force: \"k*x\"\n",
+               14,
+               {"`force` is given beside the law 'saturating'"}},
+        Change{"StatesBesideABuiltInLaw",
+               "expression",
+               "law: linear,",
+               "law: linear, states: {z: {rate: v}},",
+               6,
+               {"`states` is given beside"}},
+        Change{"UnknownReportPoint",
+               "chain",
+               "displacements: [body.2]",
+               "displacements: [body.3]",
+               55,
+               {"there is no point 'body.3'", "did you mean 'body."}},
+        Change{"TwoRecords",
+               "recorded",
+               "record:",
+               "simulate: {duration: 1, sample_rate: 100}\nrecord:",
+               7,
+               {"both `simulate` and `record`"}},
+        Change{"InputShorterThanTheRecord",
+               "inputs",
+               "duration: 0.5 s, sample_rate",
+               "duration: 1.5 s, sample_rate",
+               18,
+               {"excitation.measured", "from 0 s to 1 s"}},
+        Change{"DelayedBeforeItsRecord",
+               "inputs",
+               "delayed: {input: sine",
+               "delayed: {input: measured",
+               17,
+               {"excitation.later"}},
+        Change{"FadeInLongerThanTheSignal", "chain", "fade_in: 0.1 s", "fade_in: 3 s", 20, {"fade_in is 3 s"}},
+        Change{"NoSampleAtAll", "chain", "duration: 0.5 s", "duration: 1 ms", 26, {"is no sample"}},
+        Change{"StepsFromManyToFew", "chain", "max_substeps: 256", "max_substeps: 2", 31, {"first_substeps of 4"}},
+        Change{"MassOfNothing", "chain", "w: 1.5 kg", "w: 1e-300 kg", 5, {"1e-300 kg given", "[1e-21, "}},
+        Change{"DelayOfThirtyYears", "inputs", "delay: 1 ms", "delay: 1e9 s", 30, {"1e9 s given", "[0, 100]"}},
+        Change{"StartOfNoDegreeOfFreedom", "chain", "initial: {body.1:", "initial: {body.9:", 33, {"'body.9'"}},
+        Change{"EvolutionWithoutBounds",
+               "updating",
+               "bounds: [10 kN/m, 60 kN/m], truth: 30 kN/m}\n",
+               "truth: 30 kN/m}\n",
+               22,
+               {"no bounds"}}),
+    [](const auto& each) { return std::string(each.param.name); });
+
+class Warnings : public testing::TestWithParam<Change> {};
+
+TEST_P(Warnings, NameTheKeyWithoutEffect) {
+  const CaseFiles files(GetParam().name);
+  const Study study = files.load(GetParam());
+  std::string all;
+  for (const auto& warning : study.warnings) all += warning + "\n";
+  EXPECT_NE(all.find("line " + std::to_string(GetParam().line) + ": "), std::string::npos) << all;
+  for (const auto& piece : GetParam().pieces) EXPECT_NE(all.find(piece), std::string::npos) << piece << "\n" << all;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Keys, Warnings,
+    testing::Values(
+        Change{"HhtAlphaOfNewmark",
+               "inputs",
+               "integrator: hht_alpha,",
+               "integrator: newmark,",
+               35,
+               {"simulate.hht_alpha has no effect"}},
+        Change{"SpectralRadius",
+               "chain",
+               "  tolerance: 1e-2\n",
+               "  tolerance: 1e-2\n  spectral_radius: 0.5\n",
+               30,
+               {"simulate.spectral_radius"}},
+        Change{"ModesOfTheFullReference",
+               "beams",
+               "reference: superelement",
+               "reference: full",
+               27,
+               {"simulate.modes_up_to"}},
+        Change{"ReferenceWithoutElements",
+               "local",
+               "tolerance: 0.1",
+               "tolerance: 0.1, reference: superelement",
+               14,
+               {"simulate.reference"}},
+        Change{"ReductionOfMasses",
+               "chain",
+               "    damping: {modal",
+               "    reduction: {modes: 2}\n    damping: {modal",
+               10,
+               {"substructures.body.reduction"}},
+        Change{"ModalUpToOfMasses", "chain", "{modal: 1 %,", "{modal: 1 %, modal_up_to: 100,", 10, {"modal_up_to"}},
+        Change{"ModesOfGuyan", "beams", "method: craig_bampton", "method: guyan", 20, {"reduction.modes"}},
+        Change{"RelativeToNothing", "chain", "a1: {", "a1: {relative: true, ", 22, {"sensors.a1.relative"}},
+        Change{"RelativeConnector",
+               "expression",
+               "f: {force: strut,",
+               "f: {force: strut, relative: true,",
+               17,
+               {"sensors.f.relative"}},
+        Change{"ChannelWithoutRecord", "chain", "a1: {", "a1: {channel: x, ", 22, {"sensors.a1.channel"}},
+        Change{"AlphaOfEkf", "expression", "  filter: ekf\n", "  filter: ekf\n  alpha: 0.5\n", 24, {"estimate.alpha"}},
+        Change{
+            "ThreadsOfEkf", "expression", "  filter: ekf\n", "  filter: ekf\n  threads: 2\n", 24, {"estimate.threads"}},
+        Change{"BoundsWithoutLogit",
+               "chain",
+               "std: 30 %, transform: log",
+               "std: 30 %, transform: log, bounds: [1, 90]",
+               41,
+               {"suspension.mu_k1.bounds"}},
+        Change{"EvolutionOfLeastSquares",
+               "updating",
+               "  starts: 1\n",
+               "  starts: 1\n  evolution: {generations: 3}\n",
+               35,
+               {"update.evolution"}},
+        Change{"SeedOfOneStart", "updating", "  starts: 1\n", "  starts: 1\n  seed: 3\n", 35, {"update.seed"}},
+        Change{"CutConnector",
+               "local",
+               "      wheel.w: {force: {std: 10 N, correlation_time: 0.05 s}}\n",
+               "",
+               8,
+               {"connectors.mount", "load.m"}}),
+    [](const auto& each) { return std::string(each.param.name); });
+
+TEST(CaseProblems, OfAllKindsAreToldTogether) {
+  const CaseFiles files("together");
+  std::string text;
+  for (const auto& [name, base] : base_cases())
+    if (name == "chain") text = base;
+  const auto change = [&](const std::string& from, const std::string& to) {
+    text.replace(text.find(from), from.size(), to);
+  };
+  change("rms: 3 mm", "rms: 3 kg");
+  change("to: body.1", "to: body.7");
+  change("acceleration: body.2", "acceleration: body.8");
+  change("displacements: [body.2]", "displacements: [body.9]");
+  change("substructure: body", "substructure: bodi");
+  change("passes: 2", "passes: 2.5");
+  change("max_substeps: 256", "max_substep: 256");
+  try {
+    files.load(text);
+    FAIL();
+  } catch (const InvalidInput& error) {
+    const std::string message = error.what();
+    std::size_t at = 0;
+    for (const char* piece : {"body.7", "3 kg", "body.8", "max_substep", "2.5", "bodi", "body.9"}) {
+      const auto found = message.find(piece, at);
+      EXPECT_NE(found, std::string::npos) << piece << " in order of lines in\n" << message;
+      if (found != std::string::npos) at = found;
+    }
+    EXPECT_EQ(error.issues().size(), 7U) << message;
+  }
+}
+
+TEST(CaseProblems, OfAHundredAndFiftyThousandKeysAreToldInSeconds) {
+  const CaseFiles files("many");
+  std::string unknown = base_cases().front().text, doubled = "kalfem: 1\nsubstructures:\n  a:\n    masses:\n";
+  for (int i = 0; i < 150'000; ++i) unknown += "key" + std::to_string(i) + ": 1\n";
+  for (int i = 0; i < 150'000; ++i) doubled += "      m" + std::to_string(i % 75'000) + ": 1\n";
+  const auto begin = std::chrono::steady_clock::now();
+  for (const auto& text : {unknown, doubled}) try {
+      files.load(text);
+      FAIL();
+    } catch (const InvalidInput& error) {
+      EXPECT_LT(std::string(error.what()).size(), 10'000U);
+      EXPECT_GE(error.issues().size(), 75'000U);
+    }
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));  // quadratic look-ups take minutes
+}
+
+}  // namespace
+}  // namespace kalfem::test
