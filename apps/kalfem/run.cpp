@@ -60,6 +60,7 @@ ExitCode run(const std::string& case_file, Stage last, const std::string& folder
   const ResultSet set = write_result_set(folder, study, results, watch);
   print_text(console_report(study, results));
   print_files(folder.path(), set);
+  for (const auto& warning : results.warnings) print_error("warning: {}\n", warning);
   if (!results.usable()) print_error("the numbers are not usable: {}\n", results.failure);
   require_output();
   return results.usable() ? done : not_usable;

@@ -11,6 +11,7 @@
 #include "kalfem/casefile/modifications.hpp"
 #include "kalfem/casefile/observer_setup.hpp"
 #include "kalfem/casefile/prediction_stage.hpp"
+#include "kalfem/casefile/prior_conflicts.hpp"
 #include "kalfem/casefile/reported_quantities.hpp"
 #include "kalfem/casefile/study_elements.hpp"
 #include "kalfem/casefile/substructure_modes.hpp"
@@ -194,6 +195,7 @@ StudyResults run_study(const Study& study, Stage last, const RunOptions& options
   std::optional<ObserverSetup> observer = updated ? updated->observer : study.observer;
   if (results.usable() && last >= Stage::estimate && observer) {
     results.estimation = estimate_in_bases_of_estimates(study, *observer, results, options.progress, results.failure);
+    if (results.usable()) results.warnings = prior_conflicts(*results.estimation);
     if (!updated && observer->linear_unknowns.bindings.empty())  // else the basis of the pictures is not that of the observer
       if (auto series = estimated_fields(study, *results.estimation)) results.fields.push_back(std::move(*series));
   }

@@ -141,7 +141,8 @@ struct StudyResults {
   std::optional<PredictionStage> prediction;
   std::optional<UpdatingStage> updating;
   std::vector<ModificationResult> modifications;
-  std::string failure;  ///< in words, where the numbers are not usable
+  std::vector<std::string> warnings;  ///< on the results, beside those of the study
+  std::string failure;                ///< in words, where the numbers are not usable
   double total_seconds = 0.0;
 
   [[nodiscard]] bool usable() const { return failure.empty(); }

@@ -232,9 +232,11 @@ std::string answer(const StudyResults& results) {
   if (!results.estimation)
     return updated + (results.simulation ? "The simulation ran to its end." : updated.empty() ? "Modes computed." : "");
   const auto& consistency = results.estimation->consistency;
-  return updated + fmt::format("{} unknown parameters estimated; mean NIS {:.2f} where {:.2f} is right.",
-                               results.estimation->observer->layout().unknowns, consistency.mean_nis,
-                               consistency.expected_nis);
+  std::string text = updated + fmt::format("{} unknown parameters estimated; mean NIS {:.2f} where {:.2f} is right.",
+                                           results.estimation->observer->layout().unknowns, consistency.mean_nis,
+                                           consistency.expected_nis);
+  for (const auto& warning : results.warnings) text += " Warning: " + warning + ".";
+  return text;
 }
 
 Section simulation_section(const SimulationStage& stage) {

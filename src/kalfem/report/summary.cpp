@@ -193,7 +193,9 @@ Json summarise(const Study& study, const StudyResults& results) {
                   {"status", results.usable() ? "ok" : "unusable"},
                   {"message", results.failure},
                   {"model", model_summary(study, results)}};
-  if (!study.warnings.empty()) summary["warnings"] = study.warnings;
+  std::vector<std::string> warnings = study.warnings;
+  warnings.insert(warnings.end(), results.warnings.begin(), results.warnings.end());
+  if (!warnings.empty()) summary["warnings"] = warnings;
   if (results.simulation)
     summary["simulation"] = {{"steps_per_sample", results.simulation->reference.substeps},
                              {"extrapolations", results.simulation->reference.extrapolations},
