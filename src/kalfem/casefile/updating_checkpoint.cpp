@@ -57,15 +57,26 @@ GaussNewtonState state_from(const Json& json) {
   return state;
 }
 
+bool is_known(GaussNewtonState::Known known) {
+  return known >= GaussNewtonState::Known::nothing && known <= GaussNewtonState::Known::no_derivatives;
+}
+
 void require_whole(const GaussNewtonState& state, Index parameters) {
   const bool has_derivatives = state.known == GaussNewtonState::Known::derivatives;
   const bool sized =
       state.parameters.size() == parameters &&
       (!has_derivatives || (state.jacobian_factor.rows() == parameters && state.jacobian_factor.cols() == parameters &&
                             state.projected_residual.size() == parameters));
-  if (!sized || !state.parameters.allFinite() || !state.jacobian_factor.allFinite() ||
-      !state.projected_residual.allFinite() || !(state.radius > 0.0))
+  const bool counted =
+      state.evaluations >= 0 && state.iterations >= 0 && state.without_response >= 0 && state.refused >= 0;
+  if (!sized || !counted || !is_known(state.known) || !state.parameters.allFinite() ||
+      !state.jacobian_factor.allFinite() || !state.projected_residual.allFinite() || !(state.radius > 0.0) ||
+      !(state.residual_cost >= 0.0))
     throw Damaged();
+}
+
+void require_whole(const UpdatingStep& step, Index parameters) {
+  if (step.tried.size() != parameters || step.parameters.size() != parameters) throw Damaged();
 }
 
 Json to_json(const UpdatingStep& step) {
@@ -96,7 +107,10 @@ std::optional<UpdatingCheckpoint::Content> UpdatingCheckpoint::read() const {
     if (json.at("fingerprint") != fingerprint_) return std::nullopt;
     Content content{state_from(json.at("state")), {}};
     require_whole(content.state, parameters_);
-    for (const auto& step : json.at("trace")) content.trace.push_back(step_from(step));
+    for (const auto& step : json.at("trace")) {
+      content.trace.push_back(step_from(step));
+      require_whole(content.trace.back(), parameters_);
+    }
     return content;
   } catch (const Json::exception&) {
     return std::nullopt;

@@ -140,18 +140,20 @@ private:
     return outcome;
   }
 
-  /// K = P H^T R^-1 with P after the update and H = A + G phi' N at the mean.
+  /// K = P H^T R^-1 with P after the update and H = A + G phi' N at the mean. A channel that is missing here keeps its
+  /// last gain, because the gain is held over samples at which it may be there again.
   void keep_gain(Index k) {
     if (!options_.keep_gains || !options_.gains.keeps(k)) return;
     const auto& measurement = apparatus_->measurement;
     const Index l = record_.measurements.rows(), n = observer_.layout().size();
-    MatrixXd gain = MatrixXd::Zero(n, l);
+    auto& kept = result_.gains.gains;
+    MatrixXd gain = kept.empty() ? MatrixXd(MatrixXd::Zero(n, l)) : kept.back();
     if (!rows_.empty()) {
       const MatrixXd slope = measurement.linear + measurement.gain * channel_slopes() * measurement.selection;
       const MatrixXd weighted = noise_.llt().solve(slope);
       gain(Eigen::all, rows_) = here().physical(apparatus_->filter->covariance() * weighted.transpose());
     }
-    result_.gains.gains.push_back(std::move(gain));
+    kept.push_back(std::move(gain));
   }
 
   /// phi' at the mean, p x q, by differences over a small part of each channel's deviation.

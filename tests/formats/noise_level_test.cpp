@@ -1,0 +1,68 @@
+#include "kalfem/formats/noise_level.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "kalfem/base/random.hpp"
+
+namespace kalfem {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+constexpr Index samples = 20000;
+
+/// A slow motion with white noise, one column a standard deviation; from `change` on it is `ratio` times as large.
+MatrixXd noisy(const std::vector<double>& deviations, Index change = samples, double ratio = 1.0) {
+  MatrixXd values(samples, static_cast<Index>(deviations.size()));
+  for (std::size_t c = 0; c < deviations.size(); ++c) {
+    RandomStream random(3 + c, "noise");
+    for (Index k = 0; k < samples; ++k)
+      values(k, static_cast<Index>(c)) =
+          std::sin(2e-3 * double(k)) + deviations[c] * (k < change ? 1.0 : ratio) * random.normal();
+  }
+  return values;
+}
+
+// The median of 20,000 squares of third differences, which depend on each other over three samples, tells a standard
+// deviation to about 1.5 %: three times that.
+constexpr double scatter = 0.045;
+
+TEST(NoiseLevel, IsTheStandardDeviationOfWhiteNoise) {
+  const auto level = noise_level(noisy({1e-3, 0.2, 7.0}));
+  EXPECT_NEAR(level[0] / 1e-3, 1.0, scatter);
+  EXPECT_NEAR(level[1] / 0.2, 1.0, scatter);
+  EXPECT_NEAR(level[2] / 7.0, 1.0, scatter);
+}
+
+TEST(NoiseLevel, IsNotMovedByJumpsAndMissingSamples) {
+  MatrixXd values = noisy({0.2});
+  values.bottomRows(samples / 2).array() += 100.0;
+  values(77, 0) = 1e6;
+  values.block(500, 0, 2000, 1).setConstant(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_NEAR(noise_level(values)[0] / 0.2, 1.0, scatter);
+}
+
+TEST(NoiseLevel, IsZeroWithoutFourSamplesInARow) {
+  EXPECT_EQ(noise_level(MatrixXd::Ones(3, 1))[0], 0.0);
+  MatrixXd values = noisy({0.2});
+  for (Index k = 0; k < samples; k += 3) values(k, 0) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(noise_level(values)[0], 0.0);
+  EXPECT_EQ(noise_level(MatrixXd::Constant(100, 1, 3.0))[0], 0.0);
+}
+
+/// The place to a few samples; the mean of the logarithms tells a level to about 1.5 % where 8,000 samples are left.
+TEST(NoiseChange, HasItsPlaceAndBothLevels) {
+  const auto change = strongest_noise_change(noisy({1e-3, 0.2}, 8000, 6.0), 30);
+  EXPECT_NEAR(double(change.sample), 8000.0, 10.0);
+  EXPECT_NEAR(change.before[0] / 1e-3, 1.0, scatter);
+  EXPECT_NEAR(change.after[0] / 6e-3, 1.0, scatter);
+  EXPECT_NEAR(change.before[1] / 0.2, 1.0, scatter);
+  EXPECT_NEAR(change.after[1] / 1.2, 1.0, scatter);
+}
+
+}  // namespace
+}  // namespace kalfem
