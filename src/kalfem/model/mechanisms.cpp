@@ -4,6 +4,7 @@
 
 #include "kalfem/base/random.hpp"
 #include "kalfem/linalg/sparse_factor.hpp"
+#include "kalfem/linalg/unit_columns.hpp"
 #include "kalfem/model/mass_properties.hpp"
 
 namespace kalfem {
@@ -55,9 +56,7 @@ Eigen::MatrixXd null_space(const SparseMatrix& matrix) {
 /// Orthonormal basis of the rigid-body motions of the free degrees of freedom that strain nothing.
 Eigen::MatrixXd free_rigid_motions(const SparseMatrix& matrix, const Eigen::MatrixXd& scaled_modes) {
   // Points on one line do not move when they turn about it: such a column has no length of its own.
-  // The lengths are evaluated first: a product with the expression would sum up each column again for every entry.
-  const Eigen::RowVectorXd lengths = scaled_modes.colwise().norm().cwiseMax(1e-300);
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(scaled_modes * lengths.cwiseInverse().asDiagonal());
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(unit_columns(scaled_modes));
   qr.setThreshold(1e-9);
   const Eigen::MatrixXd basis = qr.householderQ() * Eigen::MatrixXd::Identity(scaled_modes.rows(), qr.rank());
   return without_strain(matrix, basis);

@@ -1,0 +1,29 @@
+#include "kalfem/linalg/unit_columns.hpp"
+
+#include <gtest/gtest.h>
+
+#include "kalfem/base/stopwatch.hpp"
+
+namespace kalfem {
+namespace {
+
+TEST(UnitColumns, HaveLengthOneOrNone) {
+  Eigen::MatrixXd columns(3, 3);
+  columns << 3.0, 0.0, 1e-200, 4.0, 0.0, 0.0, 0.0, 0.0, 0.0;
+  const Eigen::MatrixXd found = unit_columns(columns);
+  EXPECT_DOUBLE_EQ(found(0, 0), 0.6);
+  EXPECT_DOUBLE_EQ(found(1, 0), 0.8);
+  EXPECT_TRUE(found.col(1).isZero(0.0));
+}
+
+/// Rigid-body motions of a large model. Lengths that are summed up for every entry take some 30 s here.
+TEST(UnitColumns, TakeTimeInProportionToTheRows) {
+  const Eigen::MatrixXd columns = Eigen::MatrixXd::Constant(600'000, 6, 2.0);
+  const Stopwatch watch;
+  const Eigen::MatrixXd found = unit_columns(columns);
+  EXPECT_LT(watch.seconds(), 3.0);
+  EXPECT_NEAR(found.squaredNorm(), 6.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace kalfem
