@@ -57,7 +57,7 @@ estimate:
   substeps: 2
   threads: 1
 predict: {substructure: body, substeps: 2}
-report: {displacements: [body.2], zoom: 0.2 s, modes: 5}
+report: {displacements: [body.2], zoom: 0.2 s}
 )";
 
 const std::string inputs = R"(kalfem: 1
@@ -130,7 +130,7 @@ const std::string local = R"(kalfem: 1
 substructures:
   wheel: {masses: {w: 1.5 kg}, springs: [{from: ground, to: w, stiffness: 20 kN/m, damping: 10}]}
   body: {masses: {b: 3 kg}}
-  load: {masses: {m: 1 kg}}
+  load: {masses: {m: 1 kg, n: 1 kg}, springs: [{from: m, to: n, stiffness: 1e4, damping: 5}]}
 connectors:
   strut: {from: wheel.w, to: body.b, law: linear, parameters: {k: 10 kN/m, c: 30 N s/m}}
   mount: {from: wheel.w, to: load.m, law: linear, parameters: {k: 20 kN/m, c: 30 N s/m}}
@@ -253,6 +253,68 @@ substructures:
       fixed: {clamp: {nodes: edge}}
 )";
 
+const std::string sections = R"(kalfem: 1
+substructures:
+  mast:
+    finite_elements:
+      tables: {nodes: nodes.csv, elements: elements.csv}
+      materials: {steel: {youngs_modulus: 210 GPa, density: 7850 kg/m^3}}
+      regions:
+        leg:
+          material: steel
+          beam:
+            section: {general: {area: 1e-4, inertia_y: 1e-9, inertia_z: 1e-9, torsion: 2e-9, shear_factor_y: 0.8, shear_factor_z: 0.8}}
+            up: [0, 1, 0]
+        arm: {material: steel, beam: {section: {rectangular_tube: {width: 20 mm, height: 30 mm, wall: 2 mm}}, up: [0, 1, 0]}}
+      nodes: {tip: 4, foot: 1}
+      fixed: {clamp: {nodes: foot}}
+  rod:
+    finite_elements:
+      tables: {nodes: nodes.csv, elements: elements.csv}
+      materials: {steel: {youngs_modulus: 210 GPa, density: 7850 kg/m^3}}
+      regions:
+        leg: {material: steel, beam: {section: {circle: {diameter: 20 mm}}, up: [0, 1, 0]}}
+        arm: {material: steel, beam: {section: {circle: {diameter: 10 mm}}, up: [0, 1, 0]}}
+      fixed: {clamp: {nodes: foot}}
+      nodes: {foot: 1}
+  block:
+    finite_elements:
+      mesh: block.msh
+      materials: {steel: {youngs_modulus: 210 GPa, density: 7850 kg/m^3}}
+      regions: {block: {material: steel, solid: {integration: full}}}
+      nodes: {foot: [0, 0, 0], side: [1, 0, 0], back: [0, 1, 0]}
+      fixed: {clamp: {nodes: foot}, slide: {nodes: side}, hold: {nodes: back}}
+)";
+
+const std::string foreign = R"(kalfem: 1
+substructures:
+  bar:
+    finite_elements:
+      matrices: {files: [K.mtx, M.mtx], dofs: map.txt, stiffness: K, mass: M}
+      units: {length: 1 mm, mass: 1 t, time: 1 s}
+      nodes: {foot: 11, top: 13}
+  truss:
+    finite_elements:
+      deck: truss.bdf
+      format: nastran
+      units: {length: 1 mm, mass: 1 t, time: 1 s}
+      nodes: {end: 2}
+)";
+
+const std::string evolution = R"(kalfem: 1
+substructures:
+  body:
+    masses: {1: 1 kg, 2: 1 kg}
+    springs:
+      - {name: a, from: ground, to: 1, stiffness: 3e4}
+      - {name: b, from: 1, to: 2, stiffness: 3e4}
+update:
+  parameters: {body.a.stiffness: {initial: 28 kN/m, bounds: [10 kN/m, 60 kN/m]}}
+  compare: {tap: {modes: body, frequencies: [17.0 Hz, 44.6 Hz]}}
+  method: cma_es
+  evolution: {generations: 3, population: 8, seed: 1}
+)";
+
 const std::string mesh = R"($MeshFormat
 2.2 0 8
 $EndMeshFormat
@@ -282,6 +344,30 @@ $Elements
 $EndElements
 )";
 
+const std::string block_mesh = R"($MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+1
+3 1 "block"
+$EndPhysicalNames
+$Nodes
+8
+1 0 0 0
+2 1 0 0
+3 1 1 0
+4 0 1 0
+5 0 0 1
+6 1 0 1
+7 1 1 1
+8 0 1 1
+$EndNodes
+$Elements
+1
+1 5 2 1 1 1 2 3 4 5 6 7 8
+$EndElements
+)";
+
 /// Held at -10 mm for a second, then swinging freely until it rests at zero.
 void write_release(std::ofstream file) {
   constexpr double frequency = 5.03, damping = 0.08, pi = 3.141592653589793;
@@ -296,7 +382,8 @@ void write_release(std::ofstream file) {
 
 std::vector<BaseCase> base_cases() {
   return {{"chain", chain},       {"inputs", inputs},     {"expression", expression}, {"local", local},
-          {"recorded", recorded}, {"updating", updating}, {"beams", beams},           {"plate", plate}};
+          {"recorded", recorded}, {"updating", updating}, {"beams", beams},           {"plate", plate},
+          {"sections", sections}, {"foreign", foreign},   {"evolution", evolution}};
 }
 
 void write_case_files(const std::filesystem::path& folder) {
@@ -312,6 +399,14 @@ void write_case_files(const std::filesystem::path& folder) {
   std::ofstream(folder / "nodes.csv") << "node,x,y,z\n1,0,0,0\n2,0,0,0.5\n3,0,0,1\n4,0.5,0,1\n";
   std::ofstream(folder / "elements.csv") << "element,node1,node2,region\n1,1,2,leg\n2,2,3,leg\n3,3,4,arm\n";
   std::ofstream(folder / "plate.msh") << mesh;
+  std::ofstream(folder / "block.msh") << block_mesh;
+  const std::string symmetric = "%%MatrixMarket matrix coordinate real symmetric\n3 3 ";
+  std::ofstream(folder / "K.mtx") << symmetric << "5\n1 1 2e3\n2 1 -1e3\n2 2 2e3\n3 2 -1e3\n3 3 1e3\n";
+  std::ofstream(folder / "M.mtx") << symmetric << "3\n1 1 1e-3\n2 2 1e-3\n3 3 1e-3\n";
+  std::ofstream(folder / "map.txt") << "11.3\n12.3\n13.3\n";
+  std::ofstream(folder / "truss.bdf")
+      << "GRID,1,,0.,0.,0.,,123456\nGRID,2,,100.,0.,0.,,23456\nMAT1,1,2.1+5,,.3,7.85-9\n"
+         "PROD,1,1,10.\nCROD,1,1,1,2\nENDDATA\n";
 }
 
 }  // namespace kalfem::test

@@ -208,7 +208,8 @@ private:
 };
 
 void collect(const Json& schema, const std::string& path, std::set<std::string>& keys) {
-  for (const auto& [key, property] : schema.value("properties", Json::object()).items()) {
+  const Json properties = schema.value("properties", Json::object());
+  for (const auto& [key, property] : properties.items()) {
     keys.insert(path + "." + key);
     collect(property, path + "." + key, keys);
   }

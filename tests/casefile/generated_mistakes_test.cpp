@@ -36,6 +36,13 @@ std::string fault_of(const InvalidInput& error) {
   return "";
 }
 
+/// Whether one of the problems names the key.
+bool speaks_of(const std::string& key, const InvalidInput& error) {
+  const auto name = key.substr(key.rfind('.') + 1), bare = name.substr(0, name.find('['));
+  return std::ranges::any_of(error.issues(),
+                             [&](const Issue& issue) { return to_string(issue).find(bare) != std::string::npos; });
+}
+
 class GeneratedMistakes : public testing::TestWithParam<BaseCase> {
 protected:
   GeneratedMistakes() { write_case_files(folder_); }
@@ -49,7 +56,9 @@ std::vector<Mutation> all_mutations(const std::string& text, std::set<std::strin
 }
 
 TEST_P(GeneratedMistakes, TheCaseItselfIsSoundAndRuns) {
-  const Study study = load(folder_, GetParam().text);
+  IssueList issues;
+  const auto root = parse_yaml(GetParam().text, "case.yaml", process_environment(), issues);
+  const Study study = load(folder_, to_yaml(*root));
   const StudyResults results = run_study(study, Stage::update);
   EXPECT_TRUE(results.usable()) << results.failure;
 }
@@ -66,6 +75,7 @@ TEST_P(GeneratedMistakes, AreRefusedWithTheirPlace) {
     } catch (const InvalidInput& error) {
       ++refused;
       EXPECT_EQ(fault_of(error), "") << error.what();
+      EXPECT_TRUE(speaks_of(mutation.key, error)) << mutation.key << "\n" << error.what();
     }
   }
   RecordProperty("refused", refused);

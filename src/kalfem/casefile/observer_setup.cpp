@@ -184,7 +184,7 @@ ObserverSetup make_observer_setup(const Study& study, Parts parts, const Present
   std::optional<LocalCut> cut;
   auto given_parts = std::make_shared<const Parts>(parts);
   add_unknowns(study, present, cut, parts, setup, issues);
-  issues.raise();
+  if (!issues.empty()) return setup;
   if (!setup.linear_unknowns.empty()) {
     LinearUnknowns linear = std::move(setup.linear_unknowns);
     linear.present = present;

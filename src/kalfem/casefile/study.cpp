@@ -87,6 +87,12 @@ double Study::sample_rate() const {
 
 namespace {
 
+/// Made once: a table of hundreds of keys.
+const Form<d::Case>& form_of_cases() {
+  static const Form<d::Case> form = d::case_form();
+  return form;
+}
+
 /// Makes a study step by step. A step is left out where something that it needs has a problem, so that the problems of
 /// independent parts of a case are told together and none is told that only follows from another.
 class StudyMaker {
@@ -96,6 +102,7 @@ public:
     study_.given = std::move(given);
     unsound_ = study_.given.source.sections_of(issues_.issues());
     if (std::ranges::any_of(unsound_, [](const auto& name) { return !is_section(name); })) unsound_.insert("file");
+    not_read_ = unsound_;
     leave_out_unsound();
   }
 
@@ -132,10 +139,12 @@ private:
       if (study_.given.record) study_.record = read_measured_record(study_.given);
     });
     step("placed sensors", {"model", "sensors"}, {"sensors"}, [&](IssueList& issues) { add_sensors(study_, issues); });
-    step("signals", {"excitation", "simulate"}, {"excitation"}, [&](IssueList& issues) {
-      const double duration = study_.given.simulate ? study_.given.simulate->duration : 10.0;
-      study_.signals = make_signals(study_.given, make_inputs(study_.given), duration, issues);
-    });
+    const bool needs_duration = std::ranges::any_of(study_.given.excitation, lasts_as_long_as_the_simulation);
+    step("signals", needs_duration ? Names{"excitation", "simulate"} : Names{"excitation"}, {"excitation"},
+         [&](IssueList& issues) {
+           const double duration = study_.given.simulate ? study_.given.simulate->duration : 10.0;
+           study_.signals = make_signals(study_.given, make_inputs(study_.given), duration, issues);
+         });
     step("simulate", {"model", "simulate"}, {"simulate"}, [&](IssueList& issues) { check_simulation(study_, issues); });
     step("excitation", {"parts", "signals", "simulate", "record"}, {"excitation"},
          [&](IssueList& issues) { check_signals(study_, issues); });
@@ -199,7 +208,7 @@ private:
 
   void check_names(IssueList& issues) {
     const CoupledModel points = couple({study_.parts.substructures, study_.parts.finite_elements, {}, {}});
-    if (!unsound_.contains("sensors") && !unsound_.contains("connectors"))
+    if (!unsound_.contains("sensors") && !not_read_.contains("connectors"))
       check_sensor_names(study_.given, points.point_names(), issues);
     if (!unsound_.contains("report") && !unsound_.contains("predict"))
       check_reported_names(study_.given, points.reported_points(), issues);
@@ -218,9 +227,18 @@ private:
                                [](const auto& part) { return part.second.finite_elements.has_value(); });
   }
 
+  /// Whether the signal's duration is that of the simulation, as it has none of its own.
+  static bool lasts_as_long_as_the_simulation(const std::pair<std::string, d::Excitation>& given) {
+    return std::visit(
+        [](const auto& signal) {
+          if constexpr (requires { signal.duration.has_value(); }) return !signal.duration.has_value();
+          return false;
+        },
+        given.second.signal);
+  }
+
   static bool is_section(const std::string& name) {
-    static const FormSchema schema = d::case_form().schema();
-    return schema.json().at("properties").contains(name);
+    return form_of_cases().schema().json().at("properties").contains(name);
   }
 
   static Names joined(Names one, const Names& other) {
@@ -230,14 +248,15 @@ private:
 
   Study study_;
   IssueList issues_;
-  std::set<std::string> unsound_;  ///< sections and results with a problem
+  std::set<std::string> unsound_;   ///< sections and results with a problem
+  std::set<std::string> not_read_;  ///< sections that could not be read as they stand
 };
 
 }  // namespace
 
 Study load_study(const std::string& file) {
   IssueList issues;
-  d::Case given = read_case_text(read_text_file(file), file, d::case_form(), issues);
+  d::Case given = read_case_text(read_text_file(file), file, form_of_cases(), issues);
   if (given.source.empty()) raise_in_line_order(issues);
   return StudyMaker(std::move(given), file, issues).make();
 }
