@@ -22,18 +22,25 @@ void set_row(std::vector<Eigen::Triplet<double>>& entries, Eigen::Index row, con
     if (values[i] != 0.0) entries.emplace_back(row, i, values[i]);
 }
 
-void set_connector_row(OutputMap& map, RowEntries& entries, Eigen::Index row, const LocallyNonlinearSystem& system,
-                       ObservedQuantity quantity, Eigen::Index index) {
+/// Adds one connector's share; entries of the same place add up.
+void add_connector(OutputMap& map, RowEntries& entries, Eigen::Index row, const LocallyNonlinearSystem& system,
+                   ObservedQuantity quantity, Eigen::Index index, double weight) {
   const auto& connector = system.connectors[static_cast<std::size_t>(index)];
   if (quantity == ObservedQuantity::connector_force) {
-    map.force(row, index) = 1.0;
+    map.force(row, index) += weight;
   } else if (quantity == ObservedQuantity::connector_deformation) {
-    set_row(entries.displacement, row, connector.deformation);
-    map.input_value.row(row) = -connector.base.transpose();
+    set_row(entries.displacement, row, weight * connector.deformation);
+    map.input_value.row(row) -= weight * connector.base.transpose();
   } else {
-    set_row(entries.velocity, row, connector.deformation);
-    map.input_rate.row(row) = -connector.base.transpose();
+    set_row(entries.velocity, row, weight * connector.deformation);
+    map.input_rate.row(row) -= weight * connector.base.transpose();
   }
+}
+
+void set_connector_row(OutputMap& map, RowEntries& entries, Eigen::Index row, const LocallyNonlinearSystem& system,
+                       const OutputDescription& output) {
+  for (const auto& [connector, weight] : output.points)
+    add_connector(map, entries, row, system, output.quantity, connector_index(system, connector), weight);
 }
 
 PointMotion combined_motion(const CoupledModel& model, const DofCombination& points) {
@@ -103,8 +110,7 @@ OutputMap make_outputs(const CoupledModel& model, const std::vector<OutputDescri
     try {
       if (output.points.empty()) throw InvalidInput("it observes nothing", "", "name a point or a connector");
       if (is_of_connector(output.quantity))
-        set_connector_row(map, entries, row, system, output.quantity,
-                          connector_index(system, output.points.begin()->first));
+        set_connector_row(map, entries, row, system, output);
       else
         set_point_row(map, entries, row, model, output);
     } catch (const InvalidInput& error) {
