@@ -53,6 +53,58 @@ TEST(Coupling, ConnectorToAMovingGroundPullsAsALinearSpringDoes) {
   }
 }
 
+TEST(Coupling, ConnectorToTheFixedGroundDoesNotFeelTheMovingOne) {
+  const auto model = quarter_chain(1,
+                                   {{"stay", "ground", "body.1", make_law("linear"), values({1.0, 0.0})},
+                                    {"across", "wheel.ground", "ground", make_law("linear"), values({1.0, 0.0})}},
+                                   road);
+  const auto& [stay, across] = std::pair(model.system().connectors[0], model.system().connectors[1]);
+  EXPECT_EQ(stay.deformation, values({0.0, 1.0}));
+  EXPECT_EQ(stay.base, values({0.0}));
+  EXPECT_EQ(across.deformation, values({0.0, 0.0}));  // d = -r
+  EXPECT_EQ(across.base, values({1.0}));
+  EXPECT_NE(message_of([&] {
+              quarter_chain(1, {{"c", "ground", "body.ground", make_law("linear"), values({1.0, 0.0})}}, road);
+            }).find("they do not move against each other"),
+            std::string::npos);
+  EXPECT_THROW((void)model.motion("ground"), InvalidInput);  // no place for a sensor
+}
+
+TEST(Coupling, OneInputMovesSeveralGroundsByTheirWeights) {
+  LumpedSubstructure beam{.name = "beam",
+                          .masses = {{"1", 1.0}, {"2", 1.0}},
+                          .springs = {{"l", "left", "1", 100.0, 2.0}, {"r", "right", "2", 300.0, 5.0}},
+                          .grounds = {"left", "right"}};
+  const CoupledModel model({{"beam", assemble(beam)}},
+                           {{"c", "beam.left", "beam.right", make_law("linear"), values({1.0, 0.0})}},
+                           {{"quake", InputKind::base_displacement, "", {{"beam.left", 1.0}, {"beam.right", -0.5}}}});
+  EXPECT_EQ(model.system().inputs[0].value, values({100.0, -150.0}));
+  EXPECT_EQ(model.system().inputs[0].rate, values({2.0, -2.5}));
+  EXPECT_EQ(model.motion("beam.right").base, values({-0.5}));
+  EXPECT_EQ(model.system().connectors[0].base, values({1.5}));  // d = r_right - r_left = -1.5 r
+}
+
+TEST(Coupling, AWholeBaseAcceleratesOnlyWhatFollowsIt) {
+  const std::vector<InputDescription> quake{{"quake", InputKind::base_acceleration, ""}};
+  LumpedSubstructure lever{
+      .name = "lever", .masses = {{"z", 1.0}, {"p", 1.0}}, .points = {{"end", {{"z", 1.0}, {"p", 0.4}}}}};
+  const auto free = assemble(lever);
+  EXPECT_NE(message_of([&] {
+              CoupledModel({{"lever", free}},
+                           {{"c", "lever.ground", "lever.end", make_law("linear"), values({1.0, 0.0})}}, quake);
+            }).find("a base acceleration of all degrees of freedom alike deforms it"),
+            std::string::npos);
+  lever.springs = {{"s", "ground", "end", 100.0}};
+  EXPECT_NE(message_of([&] {
+              CoupledModel({{"lever", assemble(lever)}}, {}, quake);
+            }).find("strains substructure 'lever'"),
+            std::string::npos);
+  EXPECT_NO_THROW(
+      oscillator(1.0, 1.0, 1e3, {{"c", "body.ground", "body.x", make_law("linear"), values({1.0, 0.0})}}, quake));
+  EXPECT_NO_THROW(CoupledModel({{"lever", assemble(lever)}}, {},
+                               {{"quake", InputKind::base_acceleration, "", {{"lever.z", 1.0}}}}));
+}
+
 TEST(Coupling, PointsAreFoundByTheirQualifiedNames) {
   LumpedSubstructure bar{.name = "bar",
                          .masses = {{"z", 10.0}, {"p", 2.0}},

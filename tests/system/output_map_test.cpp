@@ -57,6 +57,18 @@ TEST(OutputMap, EveryQuantityOfAPointAndOfAConnector) {
   EXPECT_EQ(map.units, (std::vector<std::string>{"m", "m/s", "m/s^2", "m/s^2", "m", "N", "m", "m/s"}));
 }
 
+TEST(OutputMap, SeveralConnectorsAddUpByTheirWeights) {
+  const auto model = model_on_road();
+  using Q = ObservedQuantity;
+  const auto map = make_outputs(model, {{"force", Q::connector_force, {{"stop", 2.0}, {"strut", -3.0}}},
+                                        {"stroke", Q::connector_deformation, {{"stop", 2.0}, {"strut", -3.0}}},
+                                        {"rate", Q::connector_rate, {{"stop", 0.5}}}});
+  const auto at = random_instant(model.system());
+  EXPECT_NEAR(output(map, 0, at), 2.0 * at.f[1] - 3.0 * at.f[0], 1e-14);
+  EXPECT_NEAR(output(map, 1, at), 2.0 * (at.z[2] - at.r[0]) - 3.0 * (at.z[1] - at.z[0]), 1e-14);
+  EXPECT_NEAR(output(map, 2, at), 0.5 * (at.v[2] - at.r_rate[0]), 1e-14);
+}
+
 TEST(OutputMap, AccelerationUnderBaseAccelerationIsAbsoluteUnlessAskedOtherwise) {
   const auto model = oscillator(1.0, 1.0, 1e3, {}, {{"quake", InputKind::base_acceleration, ""}});
   const auto map = make_outputs(model, {{"absolute", ObservedQuantity::acceleration, {{"body.x", 1.0}}},

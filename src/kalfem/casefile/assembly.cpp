@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <map>
-#include <unordered_set>
 
 #include "kalfem/casefile/bounds.hpp"
+#include "kalfem/casefile/place_checks.hpp"
 #include "kalfem/system/law_library.hpp"
 
 namespace kalfem {
@@ -124,12 +124,22 @@ void add_connector(const std::string& name, const description::Connector& given,
   }
 }
 
-InputDescription make_input(const std::string& name, const description::Excitation& given) {
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::ranges::find(names, name) != names.end();
+}
+
+/// Accelerated grounds move as displaced ones do: their displacement is the integral.
+InputDescription make_input(const std::string& name, const description::Excitation& given,
+                            const std::vector<std::string>& grounds) {
   if (const auto* base = std::get_if<description::BaseDisplacement>(&given.target))
     return {name, InputKind::base_displacement, base->ground.value, {}, base->ground.location};
   if (const auto* force = std::get_if<description::Force>(&given.target))
     return {name, InputKind::force, force->point.value, {}, force->point.location};
   const auto& [direction, location, path] = std::get<description::BaseAcceleration>(given.target).direction;
+  const bool of_grounds =
+      std::ranges::any_of(direction, [&](const auto& each) { return contains(grounds, each.first); });
+  if (of_grounds)
+    return {name, InputKind::base_displacement, direction.front().first, combination(direction), location};
   const bool all = direction.size() == 1 && direction.front().first == "all";
   return {name, InputKind::base_acceleration, "", all ? DofCombination{} : combination(direction), location};
 }
@@ -163,25 +173,6 @@ void check_substructure(const Case& given, const std::string& name, const Lumped
   for (const auto& issue : found) {
     const auto spring = springs.find(issue.what.substr(0, issue.what.find('\'', issue.what.find('\'') + 1) + 1));
     issues.add(spring == springs.end() ? place : spring->second, issue.what, issue.why, issue.fix);
-  }
-}
-
-/// Points that connectors, forces and moving grounds name and that do not exist.
-void check_places(const Case& given, const std::vector<std::string>& points, IssueList& issues) {
-  const std::unordered_set<std::string> known(points.begin(), points.end());
-  const auto check = [&](const description::Name& name) {
-    if (!known.contains(name.value))
-      issues.add(name.location,
-                 name.path + ": there is no point '" + name.value + "'" + did_you_mean(name.value, points),
-                 "points are written substructure.name", "name a mass, point or ground of a substructure");
-  };
-  for (const auto& [name, connector] : given.connectors) {
-    check(connector.from);
-    check(connector.to);
-  }
-  for (const auto& [name, excitation] : given.excitation) {
-    if (const auto* base = std::get_if<description::BaseDisplacement>(&excitation.target)) check(base->ground);
-    if (const auto* force = std::get_if<description::Force>(&excitation.target)) check(force->point);
   }
 }
 
@@ -224,20 +215,20 @@ Parts make_parts(const Case& given, std::vector<Substructure> finite_elements, I
   }
   const bool points_are_known = issues.empty();
   for (const auto& [name, connector] : given.connectors) add_connector(name, connector, parts, issues);
-  parts.inputs = make_inputs(given);
+  const auto grounds = ground_names(parts);
+  for (const auto& [name, excitation] : given.excitation) parts.inputs.push_back(make_input(name, excitation, grounds));
   if (given.damping) parts.damping = structure_damping(given, issues);
-  if (points_are_known) check_places(given, point_names(parts), issues);
+  if (points_are_known) check_places(given, parts, issues);
   return parts;
 }
 
-std::vector<InputDescription> make_inputs(const Case& given) {
-  std::vector<InputDescription> inputs;
-  for (const auto& [name, excitation] : given.excitation) inputs.push_back(make_input(name, excitation));
-  return inputs;
-}
-
-std::vector<std::string> point_names(const Parts& parts) {
-  return couple({parts.substructures, parts.finite_elements, {}, {}}).point_names();
+std::vector<std::string> ground_names(const Parts& parts) {
+  std::vector<std::string> names;
+  for (const auto& part : parts.substructures)
+    for (const auto& ground : part.grounds) names.push_back(part.name + "." + ground);
+  for (const auto& part : parts.finite_elements)
+    for (const auto& ground : part.model->grounds) names.push_back(part.name + "." + ground.ground);
+  return names;
 }
 
 CoupledModel couple(const Parts& parts) {

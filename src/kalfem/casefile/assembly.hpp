@@ -23,11 +23,8 @@ struct Parts {
 /// `finite_elements`: the case's finite-element substructures.
 Parts make_parts(const description::Case& given, std::vector<Substructure> finite_elements, IssueList& issues);
 
-/// The inputs of the case, in its order.
-std::vector<InputDescription> make_inputs(const description::Case& given);
-
-/// Qualified names of all points of the substructures.
-std::vector<std::string> point_names(const Parts& parts);
+/// Qualified names of all grounds.
+std::vector<std::string> ground_names(const Parts& parts);
 
 /// Points of a substructure that connectors and forces touch, without its name.
 std::vector<std::string> attached_points(const description::Case& given, const std::string& substructure);
@@ -35,9 +32,10 @@ std::vector<std::string> attached_points(const description::Case& given, const s
 /// Assembles every substructure and couples. Throws InvalidInput with everything that does not fit.
 CoupledModel couple(const Parts& parts);
 
-/// One signal an input. `duration` is the period of random signals that have none of their own.
+/// One signal an input. `duration` is the period of random signals that have none of their own. What the user should
+/// know of them goes to `notes`.
 std::vector<SignalPtr> make_signals(const description::Case& given, const std::vector<InputDescription>& inputs,
-                                    double duration, IssueList& issues);
+                                    double duration, IssueList& issues, std::vector<std::string>& notes);
 
 /// Point of a spring that has no name: "from-to".
 std::string spring_name(const description::Spring& spring);

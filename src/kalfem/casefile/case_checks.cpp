@@ -34,6 +34,16 @@ std::vector<d::Name> targets_of(const std::string& name, const Entry& entry, con
   return {{name, place, path}};
 }
 
+/// A fixed number of steps, or halving from one number to another until a tolerance is met.
+void check_steps(const d::Simulation& given, IssueList& issues) {
+  const d::Simulation defaults;
+  if (given.substeps && (given.tolerance != defaults.tolerance || given.first_substeps != defaults.first_substeps ||
+                         given.max_substeps != defaults.max_substeps))
+    issues.add(given.substeps->location,
+               given.substeps->path + " fixes the step, and tolerance, first_substeps or max_substeps are given too",
+               "with a fixed step nothing is halved", "take `substeps` or these out");
+}
+
 }  // namespace
 
 void check_sections(const d::Case& given, IssueList& issues) {
@@ -90,6 +100,7 @@ void check_reported_names(const d::Case& given, const std::vector<std::string>& 
 void check_simulation(const Study& study, IssueList& issues) {
   if (!study.given.simulate) return;
   const auto& given = *study.given.simulate;
+  check_steps(given, issues);
   const auto place = [&](const char* key) { return study.given.source.at({"simulate", key}); };
   constexpr double most_samples = 1e8;
   const double samples = given.duration * given.sample_rate;

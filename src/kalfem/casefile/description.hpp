@@ -18,6 +18,7 @@
 #include "kalfem/formats/matrices.hpp"
 #include "kalfem/system/measurement_chain.hpp"
 #include "kalfem/system/output_map.hpp"
+#include "kalfem/system/signals/ground_motion.hpp"
 #include "kalfem/system/signals/harmonic.hpp"
 #include "kalfem/system/signals/pulse.hpp"
 
@@ -121,7 +122,7 @@ struct BaseDisplacement {
   Name ground;
 };
 struct BaseAcceleration {
-  Points direction;
+  Points direction;  ///< grounds, degrees of freedom, or "all"
 };
 struct Force {
   Name point;
@@ -130,6 +131,7 @@ struct Excitation {
   std::variant<BaseDisplacement, BaseAcceleration, Force> target;
   Signal signal;
   double scale = 1.0;
+  std::optional<Located<Drift>> drift;  ///< of the motion of accelerated grounds
 };
 
 /// What a sensor sees, one type a key of the case file.
@@ -174,9 +176,10 @@ struct Simulation {
   Integrator integrator = Integrator::newmark;
   double hht_alpha = -0.05, spectral_radius = 0.8, tolerance = 1e-3;
   int first_substeps = 4, max_substeps = 256;
-  bool superelements = false;   ///< in the place of full finite-element models
-  double modes_up_to = 1200.0;  ///< of these superelements [Hz]
-  std::uint64_t seed = 1;       ///< of the sensors' noise
+  std::optional<Located<int>> substeps;  ///< a fixed number in the place of these two
+  bool superelements = false;            ///< in the place of full finite-element models
+  double modes_up_to = 1200.0;           ///< of these superelements [Hz]
+  std::uint64_t seed = 1;                ///< of the sensors' noise
   Named<Located<PointStart>> initial;
 };
 

@@ -28,7 +28,8 @@ Form<Connector> connector() {
                          .required("rate", &ExpressionState::rate, text(), "time derivative as an expression")
                          .optional("unit", &ExpressionState::unit, text(), "unit of the state");
   return mapping(Fields<Connector>()
-                     .required("from", &Connector::from, name(), "point at one end, substructure.name")
+                     .required("from", &Connector::from, name(),
+                               "point at one end, substructure.name, or `ground`, which is fixed")
                      .required("to", &Connector::to, name(), "point at the other end; the deformation is to minus from")
                      .required("law", &Connector::law, name(), "name of the law; `kalfem schema --laws` lists them")
                      .optional("parameters", &Connector::parameters, named(value()), "parameters of the law by name")
@@ -186,6 +187,10 @@ Form<Simulation> simulation() {
           .optional("first_substeps", &Simulation::first_substeps, integer(1, 65536),
                     "steps per sample of the first solution")
           .optional("max_substeps", &Simulation::max_substeps, integer(1, 65536), "steps per sample at the most")
+          .optional("substeps", &Simulation::substeps, located(integer(1, 65536)),
+                    "a fixed number of steps per sample, without halving: for motion so sensitive (contact, friction) "
+                    "that no finer step brings the records together; in the place of tolerance, first_substeps and "
+                    "max_substeps")
           .optional("seed", &Simulation::seed, seed(), "of the sensors' noise")
           .optional("initial", &Simulation::initial, named(located(mapping(start)), NameRule::dotted),
                     "degrees of freedom that do not start at rest at zero"));

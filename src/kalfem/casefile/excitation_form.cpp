@@ -26,12 +26,14 @@ kalfem::Case<T> target(std::string_view key, Name T::*member, std::string_view m
 }
 
 kalfem::Case<BaseAcceleration> base_acceleration() {
-  return when("base_acceleration",
-              convert<BaseAcceleration>(
-                  points("all"), [](const Points& given) { return BaseAcceleration{given}; },
-                  [](const BaseAcceleration& target) { return target.direction; }),
-              "accelerate the whole ground: `all` degrees of freedom alike, or a weight each; displacements are then "
-              "relative to it [m/s^2]");
+  return when(
+      "base_acceleration",
+      convert<BaseAcceleration>(
+          points("all"), [](const Points& given) { return BaseAcceleration{given}; },
+          [](const BaseAcceleration& target) { return target.direction; }),
+      "accelerate grounds [m/s^2]. By name (or several, each with a weight): displacements stay absolute. `all`: "
+      "every ground and degree of freedom alike, or degrees of freedom with a weight each; displacements are "
+      "then relative to the moving base");
 }
 
 }  // namespace
@@ -104,7 +106,13 @@ Form<Excitation> excitation() {
                   when(file), when("delayed", mapping(delayed), "another input, later"),
                   when("trailing_axle", mapping(trailing), "another input, later by wheelbase / speed"),
                   when("constant", constant, "the same at all times (gravity, a preload)"))
-          .optional("scale", &Excitation::scale, number("-"), "factor on the signal"));
+          .optional("scale", &Excitation::scale, number("-"), "factor on the signal")
+          .optional("drift", &Excitation::drift,
+                    located(choice<Drift>(
+                        {{"remove", Drift::remove, "take out the parabola over time that fits the displacement best"},
+                         {"keep", Drift::keep, "integrate from rest as the acceleration is"}})),
+                    "of the displacement that an accelerated ground has by integration; default: remove, but keep for "
+                    "impulse and constant"));
 }
 
 }  // namespace kalfem::description

@@ -64,8 +64,10 @@ MatrixXd observer_inputs(const Study& study, const ObserverSetup& setup, const F
   return inputs;
 }
 
-/// Displacements and velocities at the first sample, least squares from the displacement sensors.
-void set_start_from_record(const ObserverSetup& setup, const TimeSeries& series, InitialState& start) {
+/// Displacements and velocities at the first sample, least squares from the displacement sensors, what these see of
+/// moving grounds taken off. `inputs`: [r; r'; r''] there.
+void set_start_from_record(const ObserverSetup& setup, const TimeSeries& series, const VectorXd& inputs,
+                           InitialState& start) {
   std::vector<OutputDescription> outputs;
   std::vector<Index> columns;
   for (const auto& sensor : setup.sensors) {
@@ -76,12 +78,16 @@ void set_start_from_record(const ObserverSetup& setup, const TimeSeries& series,
   const OutputMap map = make_outputs(*setup.model, outputs);
   const auto motion = local_motion(series, 0, {.half_window = 3.0 / series.sample_rate, .degree = 2});
   const auto inverse = MatrixXd(map.displacement).completeOrthogonalDecomposition();
-  start.displacement = inverse.solve(motion.position(columns).eval());
-  start.velocity = inverse.solve(motion.velocity(columns).eval());
+  const Index n_u = inputs.size() / 3;
+  const VectorXd base = map.input_value * inputs.head(n_u), base_velocity = map.input_value * inputs.segment(n_u, n_u);
+  start.displacement = inverse.solve((motion.position(columns) - base).eval());
+  start.velocity = inverse.solve((motion.velocity(columns) - base_velocity).eval());
 }
 
 /// The observer's options with what only the record tells: the noise of accelerations that drive it, sensor states.
-ObserverOptions completed_options(const Study& study, const ObserverSetup& setup, const FullRecord& record) {
+/// `inputs`: of the observer at the first sample.
+ObserverOptions completed_options(const Study& study, const ObserverSetup& setup, const FullRecord& record,
+                                  const VectorXd& inputs) {
   ObserverOptions options = setup.options;
   for (std::size_t i = 0; i < setup.input_sources.size(); ++i) {
     const std::string& source = setup.input_sources[i];
@@ -97,7 +103,8 @@ ObserverOptions completed_options(const Study& study, const ObserverSetup& setup
     largest = std::max(largest, rms(channel.array().isNaN().select(0.0, channel)));
   }
   options.prior.sensor_state_deviation = 0.1 * largest;
-  if (study.given.estimate->initial_state_from_record) set_start_from_record(setup, record.series, options.prior.mean);
+  if (study.given.estimate->initial_state_from_record)
+    set_start_from_record(setup, record.series, inputs, options.prior.mean);
 
   return options;
 }
@@ -118,15 +125,16 @@ FullRecord full_record(const Study& study, const StudyResults& results) {
 
 namespace {
 
+/// `first_inputs`: of the observer at the first sample.
 FilterChoice choose(const Study& study, const ObserverSetup& setup, const FullRecord& record,
-                    std::optional<StateCoordinates> coordinates) {
+                    const VectorXd& first_inputs, std::optional<StateCoordinates> coordinates) {
   std::vector<OutputDescription> outputs;
   std::vector<MeasurementChain> chains;
   for (const auto& sensor : setup.sensors) {
     outputs.push_back(sensor.output);
     chains.push_back(sensor.chain);
   }
-  ObserverOptions options = completed_options(study, setup, record);
+  ObserverOptions options = completed_options(study, setup, record, first_inputs);
   options.system_at = system_of_linear_unknowns(study, setup);
   const OutputMap map = make_outputs(*setup.model, outputs);
   if (!coordinates)
@@ -167,17 +175,20 @@ FilterRun make_filter_run(const Study& study, const ObserverSetup& setup, const 
     run.noise[static_cast<Index>(i)] =
         record.noise[static_cast<std::size_t>(record.series.find(setup.sensors[i].name))];
   run.measurements = channels_of(record.series, setup.sensors);
-  run.choice = choose(study, setup, record, coordinates);
+  const MatrixXd inputs = observer_inputs(study, setup, record);
+  run.choice = choose(study, setup, record, inputs.col(0), coordinates);
   MatrixXd used = run.measurements.values.transpose();
   if (study.record)
     used.rightCols(used.cols() - study.record->used).setConstant(std::numeric_limits<double>::quiet_NaN());
-  run.record = {used, observer_inputs(study, setup, record), run.noise.cwiseAbs2().asDiagonal()};
+  run.record = {used, inputs, run.noise.cwiseAbs2().asDiagonal()};
   return run;
 }
 
 void check_filter(const Study& study) {
   const auto& given = *study.given.estimate;
-  const FilterChoice choice = choose(study, *study.observer, first_samples(study), std::nullopt);
+  const FullRecord record = first_samples(study);
+  const VectorXd inputs = observer_inputs(study, *study.observer, record).col(0);
+  const FilterChoice choice = choose(study, *study.observer, record, inputs, std::nullopt);
   validate(*choice.observer, {.filter = choice.filter, .unscented = given.unscented, .passes = given.passes}).raise();
 }
 

@@ -156,6 +156,16 @@ void add_weighted_points(const d::Substructure& given, LinearModel& model) {
   }
 }
 
+/// Connectors and excitations may name a ground at which no spring ends.
+void add_grounds(const d::Substructure& given, LinearModel& model) {
+  std::vector<std::string> names{"ground"};
+  names.insert(names.end(), given.grounds.begin(), given.grounds.end());
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(model.size());
+  for (const auto& name : names)
+    if (std::ranges::find(model.grounds, name, &GroundCoupling::ground) == model.grounds.end())
+      model.grounds.push_back({name, none, none});
+}
+
 void require_no_mechanism(const FiniteElementModel& elements, const AssembledModel& assembled) {
   const auto free = find_mechanisms(elements, assembled);
   if (free.empty()) return;
@@ -215,6 +225,7 @@ FiniteElementPart make_finite_element_part(const std::string& name, const d::Sub
     part.full = linear_model(part.elements, part.assembled, part.nodes,
                              {given.damping.mass_factor, given.damping.stiffness_factor});
     part.full.points_only = true;
+    add_grounds(given, part.full);
     add_weighted_points(given, part.full);
     if (!given.damping.modal.empty())
       add_modal_damping(part.full, given.damping.modal, {.up_to = given.damping.modal_up_to});

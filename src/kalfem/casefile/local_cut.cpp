@@ -23,11 +23,11 @@ LocalCut::LocalCut(const d::LocalObserver& local, Parts& parts, IssueList& issue
 
 void LocalCut::apply(ObserverSetup& setup) {
   check_names();
+  const auto grounds = grounds_left_out();
   std::erase_if(parts_.substructures, [&](const auto& part) { return !kept_.contains(part.name); });
   std::erase_if(parts_.finite_elements, [&](const auto& part) { return !kept_.contains(part.name); });
-  std::erase_if(parts_.inputs, [&](const auto& input) {
-    return input.kind != InputKind::base_acceleration && !belongs(input.target, kept_);
-  });
+  keep_grounds(grounds);
+  std::erase_if(parts_.inputs, [&](auto& input) { return !remains(input); });
   for (const auto& input : parts_.inputs) {
     setup.input_sources.push_back(input.name);
     setup.options.inputs.push_back({});
@@ -66,8 +66,42 @@ void LocalCut::check_names() {
                   name.path + ": there is no substructure '" + name.value + "'" + did_you_mean(name.value, known));
 }
 
+/// Grounds of substructures that are left out: their motion is known, whether they are fixed or driven.
+std::vector<std::string> LocalCut::grounds_left_out() const {
+  std::vector<std::string> grounds;
+  for (const auto& part : parts_.substructures)
+    for (const auto& ground : part.grounds)
+      if (!kept_.contains(part.name)) grounds.push_back(part.name + "." + ground);
+  for (const auto& part : parts_.finite_elements)
+    for (const auto& ground : part.model->grounds)
+      if (!kept_.contains(part.name)) grounds.push_back(part.name + "." + ground.ground);
+  return grounds;
+}
+
+/// Of these grounds, those at which a connector of the kept part ends.
+void LocalCut::keep_grounds(const std::vector<std::string>& grounds) {
+  const auto keep = [&](const std::string& end, const std::string& other) {
+    if (!belongs(other, kept_) || std::ranges::find(grounds, end) == grounds.end() || reachable(end)) return;
+    const auto dot = end.find('.');
+    add_moving_point(end.substr(0, dot), end.substr(dot + 1));
+    moving_.push_back(end);
+  };
+  for (const auto& connector : parts_.connectors) {
+    keep(connector.from, connector.to);
+    keep(connector.to, connector.from);
+  }
+}
+
+/// Whether an input drives anything that is kept; of several grounds only those that are kept.
+bool LocalCut::remains(InputDescription& input) const {
+  if (input.kind == InputKind::base_acceleration) return true;
+  if (input.direction.empty()) return reachable(input.target);
+  std::erase_if(input.direction, [&](const auto& ground) { return !reachable(ground.first); });
+  return !input.direction.empty();
+}
+
 bool LocalCut::reachable(const std::string& point) const {
-  return belongs(point, kept_) || std::ranges::find(moving_, point) != moving_.end();
+  return point == fixed_ground || belongs(point, kept_) || std::ranges::find(moving_, point) != moving_.end();
 }
 
 void LocalCut::add_interface(const std::string& point, const Located<d::Interface>& interface, ObserverSetup& setup) {
@@ -100,7 +134,7 @@ void LocalCut::add_interface(const std::string& point, const Located<d::Interfac
 void LocalCut::add_moving_point(const std::string& substructure, const std::string& point) {
   for (auto& part : parts_.substructures)
     if (part.name == substructure) {
-      part.grounds.push_back(point);
+      if (std::ranges::find(part.grounds, point) == part.grounds.end()) part.grounds.push_back(point);
       return;
     }
   LumpedSubstructure frame;

@@ -20,6 +20,9 @@ public:
 
 private:
   void check_names();
+  [[nodiscard]] std::vector<std::string> grounds_left_out() const;
+  void keep_grounds(const std::vector<std::string>& grounds);
+  [[nodiscard]] bool remains(InputDescription& input) const;
   [[nodiscard]] bool reachable(const std::string& point) const;
   void add_interface(const std::string& point, const Located<description::Interface>& interface, ObserverSetup& setup);
   void add_moving_point(const std::string& substructure, const std::string& point);

@@ -49,6 +49,37 @@ void add_noise(const Study& study, SimulationStage& stage) {
   }
 }
 
+ReferenceOptions reference_options(const description::Simulation& given, int threads) {
+  const Index first = given.substeps ? given.substeps->value : given.first_substeps,
+              last = given.substeps ? given.substeps->value : given.max_substeps;
+  return {.sample_rate = given.sample_rate,
+          .first_substeps = first,
+          .max_substeps = last,
+          .tolerance = given.tolerance,
+          .refine = !given.substeps,
+          .threads = threads};
+}
+
+/// Why there is no reference, and what to do. Where trajectories part whatever the step, no finer step helps.
+std::string not_converged(const Reference& reference, int max_substeps) {
+  if (!reference.stagnates())
+    return "the reference did not converge: halving the step to 1/" + std::to_string(reference.substeps) +
+           " of a sample still changes a sensor's record by " + shortest(reference.last_change) +
+           " of its rms; raise simulate.max_substeps or simulate.tolerance";
+  std::string changes;
+  for (std::size_t i = reference.changes.size() - 3; i < reference.changes.size(); ++i)
+    changes += (changes.empty()                     ? ""
+                : i + 1 == reference.changes.size() ? " and "
+                                                    : ", ") +
+               shortest(std::round(1e3 * reference.changes[i]) / 1e3);
+  return "the motion is chaotic or very sensitive: halving the step does not reduce the difference between two records "
+         "(" +
+         changes +
+         " of a sensor's rms in the last three halvings), so that more substeps cannot help; take a fixed step with "
+         "simulate.substeps: " +
+         std::to_string(max_substeps) + ", which gives one of the possible motions, or simulate a shorter time";
+}
+
 SimulationStage simulate_stage(const Study& study, const Progress& progress, std::vector<FieldSeries>& fields,
                                std::string& failure) {
   const auto& given = *study.given.simulate;
@@ -67,20 +98,15 @@ SimulationStage simulate_stage(const Study& study, const Progress& progress, std
   FieldCollector collector(study);
   collector.attach(options);
   SimulationStage stage;
-  stage.reference = simulate_reference(study.model->system(), study.signals, initial_state(study, *study.model),
-                                       make_outputs(*study.model, outputs), chains_of(study.sensors), options,
-                                       {.sample_rate = given.sample_rate,
-                                        .first_substeps = given.first_substeps,
-                                        .max_substeps = given.max_substeps,
-                                        .tolerance = given.tolerance,
-                                        .threads = study.model->system().size() > large_model ? processors() : 1});
+  stage.reference =
+      simulate_reference(study.model->system(), study.signals, initial_state(study, *study.model),
+                         make_outputs(*study.model, outputs), chains_of(study.sensors), options,
+                         reference_options(given, study.model->system().size() > large_model ? processors() : 1));
   if (stage.reference.simulation.failure)
     failure = "the simulation stopped at " + shortest(stage.reference.simulation.failure->time) +
               " s: " + stage.reference.simulation.failure->reason;
-  else if (!stage.reference.converged && !study.sensors.empty())
-    failure = "the reference did not converge: halving the step to 1/" + std::to_string(stage.reference.substeps) +
-              " of a sample still changes a sensor's record by " + shortest(stage.reference.last_change) +
-              " of its rms; raise simulate.max_substeps or simulate.tolerance";
+  else if (!stage.reference.converged && !study.sensors.empty() && !given.substeps)
+    failure = not_converged(stage.reference, given.max_substeps);
   else
     add_noise(study, stage);
   const auto& values = stage.reference.simulation.every_sample;

@@ -43,11 +43,23 @@ StudySensor make_sensor(const std::string& name, const d::Sensor& given) {
   return sensor;
 }
 
+/// What a sensor relative to the base is relative to must move.
+void check_relative(const Study& study, const d::Sensor& given, const d::Points& points, IssueList& issues) {
+  const bool uniform = std::ranges::any_of(
+      study.parts.inputs, [](const auto& input) { return input.kind == InputKind::base_acceleration; });
+  if (given.relative && !uniform)
+    issues.add(points.location,
+               points.path + " is relative to the accelerated base, but the case accelerates no whole base",
+               "with grounds that move one by one, displacements are absolute",
+               "write {point: 1, ground: -1} for the motion relative to a ground");
+}
+
 void add_sensors(Study& study, IssueList& issues) {
   for (const auto& [name, given] : study.given.sensors) {
     const auto location = std::visit([](const auto& observed) { return observed.points.location; }, given.observed);
     try {
       study.sensors.push_back(make_sensor(name, given));
+      std::visit([&](const auto& observed) { check_relative(study, given, observed.points, issues); }, given.observed);
       make_outputs(*study.model, {study.sensors.back().output});
     } catch (const InvalidInput& error) {
       issues.add(error, location);
@@ -140,10 +152,11 @@ private:
     });
     step("placed sensors", {"model", "sensors"}, {"sensors"}, [&](IssueList& issues) { add_sensors(study_, issues); });
     const bool needs_duration = std::ranges::any_of(study_.given.excitation, lasts_as_long_as_the_simulation);
-    step("signals", needs_duration ? Names{"excitation", "simulate"} : Names{"excitation"}, {"excitation"},
-         [&](IssueList& issues) {
+    const Names grounds_and_excitation = {"substructures", "elements", "excitation"};
+    step("signals", needs_duration ? joined({"simulate"}, grounds_and_excitation) : grounds_and_excitation,
+         {"excitation"}, [&](IssueList& issues) {
            const double duration = study_.given.simulate ? study_.given.simulate->duration : 10.0;
-           study_.signals = make_signals(study_.given, make_inputs(study_.given), duration, issues);
+           study_.signals = make_signals(study_.given, study_.parts.inputs, duration, issues, study_.warnings);
          });
     step("simulate", {"model", "simulate"}, {"simulate"}, [&](IssueList& issues) { check_simulation(study_, issues); });
     step("excitation", {"parts", "signals", "simulate", "record"}, {"excitation"},

@@ -19,6 +19,8 @@ using Eigen::MatrixXd;
 constexpr std::size_t most_extrapolations = 2;
 /// Of successive changes of plain solutions, where their order of two shows: four, but for what the next power adds.
 constexpr double least_ratio = 3.0, most_ratio = 5.0;
+/// Change of a halving to that two halvings before, above which they lead nowhere.
+constexpr double stagnant_ratio = 0.7;
 
 MatrixXd every(const MatrixXd& fine, Index substeps) { return fine(Eigen::seq(0, Eigen::last, substeps), Eigen::all); }
 
@@ -156,6 +158,10 @@ private:
 
 }  // namespace
 
+bool Reference::stagnates() const {
+  return changes.size() >= 3 && changes.back() > stagnant_ratio * changes[changes.size() - 3];
+}
+
 Reference simulate_reference(const LocallyNonlinearSystem& system, const std::vector<SignalPtr>& signals,
                              const InitialState& initial, const OutputMap& sensors,
                              const std::vector<MeasurementChain>& chains, SimulationOptions simulation,
@@ -163,9 +169,10 @@ Reference simulate_reference(const LocallyNonlinearSystem& system, const std::ve
   check(options);
   Reference reference;
   std::vector<Sampled> coarser;
+  std::vector<double> changes;
   Movement moved;
   simulation.every_step = sensors;
-  const bool ahead = options.threads > 1 && !simulation.snapshot && sensors.size() > 0 &&
+  const bool ahead = options.refine && options.threads > 1 && !simulation.snapshot && sensors.size() > 0 &&
                      4 * options.first_substeps <= options.max_substeps;
   Simulations simulations(system, signals, initial, std::move(simulation), options.sample_rate);
   if (ahead) simulations.make_ahead(options.first_substeps);
@@ -173,7 +180,9 @@ Reference simulate_reference(const LocallyNonlinearSystem& system, const std::ve
     reference = {.simulation = simulations.take(substeps), .substeps = substeps, .last_change = 1.0};
     if (reference.simulation.failure) {
       coarser.clear();
+      changes.clear();
       moved = {};
+      if (!options.refine) break;
       continue;  // a smaller step may converge
     }
     Sampled plain{std::move(reference.simulation), {}};
@@ -185,9 +194,11 @@ Reference simulate_reference(const LocallyNonlinearSystem& system, const std::ve
     reference.sensors = row[moved.extrapolations].sensors;
     reference.extrapolations = static_cast<Index>(moved.extrapolations);
     reference.last_change = moved.least;
+    if (!coarser.empty()) changes.push_back(moved.least);
+    reference.changes = changes;
     reference.converged = !coarser.empty() && moved.least <= options.tolerance;
     coarser = std::move(row);
-    if (reference.converged || sensors.size() == 0) break;
+    if (reference.converged || sensors.size() == 0 || !options.refine) break;
   }
   return reference;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/system/measurement_chain.hpp"
 
@@ -14,6 +16,9 @@ struct ReferenceOptions {
   /// err by a third of it. Extrapolated solutions may change by more, 5 or 21 times, so that they err by as much, once
   /// the plain ones show their order.
   double tolerance = 1e-3;
+  /// Whether the step is halved at all. Without, the solution with `first_substeps` is the reference, whatever its
+  /// error.
+  bool refine = true;
   /// With two, the first three solutions are made side by side, the finest of them by one thread (not where snapshots
   /// are taken). Results do not depend on it; what is not needed in the end has cost nothing but the other's time.
   int threads = 1;
@@ -28,6 +33,13 @@ struct Reference {
   double last_change = 0.0;  ///< largest relative change of a sensor's record in the last halving, by its gain where
                              ///< extrapolated
   bool converged = false;
+  /// The same of every halving since the last failure, coarsest first.
+  std::vector<double> changes = {};
+
+  /// Whether halving the step has stopped to help: of at least three halvings the last one has moved the records by
+  /// more than 0.7 of what the last but two has, where an error of order h^p gives 4^-p. So it is where the motion is
+  /// chaotic, and trajectories that differ by rounding part.
+  [[nodiscard]] bool stagnates() const;
 };
 
 /// Simulates with the options' integrator, duration and outputs (their step and keep_every are set here), halving the

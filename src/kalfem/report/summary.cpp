@@ -183,6 +183,11 @@ Json timing_summary(const Study& study, const StudyResults& results) {
   return timing;
 }
 
+/// Nothing where the step was not halved.
+Json last_change(const Study& study, const Reference& reference) {
+  return study.given.simulate->substeps ? Json() : number(reference.last_change);
+}
+
 }  // namespace
 
 Json summarise(const Study& study, const StudyResults& results) {
@@ -199,7 +204,8 @@ Json summarise(const Study& study, const StudyResults& results) {
   if (results.simulation)
     summary["simulation"] = {{"steps_per_sample", results.simulation->reference.substeps},
                              {"extrapolations", results.simulation->reference.extrapolations},
-                             {"last_change", number(results.simulation->reference.last_change)}};
+                             {"fixed_step", study.given.simulate->substeps.has_value()},
+                             {"last_change", last_change(study, results.simulation->reference)}};
   if (results.estimation) {
     summary["parameters"] = parameters_summary(study, *results.estimation);
     summary["estimation"] = estimation_summary(*results.estimation);

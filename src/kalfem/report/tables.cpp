@@ -187,12 +187,13 @@ std::string console_report(const Study& study, const StudyResults& results) {
     const auto& reference = results.simulation->reference;
     const bool of_superelements =
         std::ranges::any_of(study.finite_elements, [](const auto& each) { return each.reference != nullptr; });
-    text += fmt::format(
-        "Reference: {} degrees of freedom{}, {} s at {} Hz, {} steps a sample{} (last change {}), {:.1f} s\n\n",
-        study.model->system().size(), of_superelements ? " (superelements)" : "",
-        four_digits(study.given.simulate->duration), four_digits(study.sample_rate()), reference.substeps,
-        reference.extrapolations > 0 ? " and extrapolated" : "", per_cent(reference.last_change),
-        results.simulation->seconds);
+    text +=
+        fmt::format("Reference: {} degrees of freedom{}, {} s at {} Hz, {} steps a sample{} ({}), {:.1f} s\n\n",
+                    study.model->system().size(), of_superelements ? " (superelements)" : "",
+                    four_digits(study.given.simulate->duration), four_digits(study.sample_rate()), reference.substeps,
+                    reference.extrapolations > 0 ? " and extrapolated" : "",
+                    study.given.simulate->substeps ? "a fixed step" : "last change " + per_cent(reference.last_change),
+                    results.simulation->seconds);
   }
   if (results.updating) text += console_updating(study, results);
   if (results.estimation) {

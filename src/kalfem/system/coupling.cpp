@@ -1,6 +1,7 @@
 #include "kalfem/system/coupling.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "kalfem/system/law_library.hpp"
@@ -55,6 +56,15 @@ ModalDamping joined_modal_damping(const std::vector<Substructure>& parts, Eigen:
   }
   return joined;
 }
+
+/// The grounds that a base displacement moves, each by its weight.
+DofCombination moved_grounds(const InputDescription& input) {
+  if (input.kind != InputKind::base_displacement) return {};
+  return input.direction.empty() ? DofCombination{{input.target, 1.0}} : input.direction;
+}
+
+/// How far a point moves when every degree of freedom and every ground moves by 1.
+double translation_of(const PointMotion& point) { return point.dofs.isZero() ? 1.0 : point.dofs.sum(); }
 
 std::vector<Eigen::Index> moving_grounds(const std::vector<InputDescription>& inputs) {
   std::vector<Eigen::Index> grounds;
@@ -123,24 +133,13 @@ void CoupledModel::add_input(const InputDescription& description, std::size_t in
       throw InvalidInput("force '" + description.name + "' acts on the ground '" + description.target + "'",
                          "the ground does not move by a force", "name a point of a substructure");
   } else if (description.kind == InputKind::base_displacement) {
-    Eigen::Index offset = 0;
-    bool found = false;
-    for (const auto& part : substructures_) {
-      for (const auto& ground : part.model->grounds)
-        if (part.name + "." + ground.ground == description.target) {
-          found = true;
-          input.value.segment(offset, part.model->size()) = ground.stiffness;
-          input.rate.segment(offset, part.model->size()) = ground.damping;
-        }
-      offset += part.model->size();
-    }
-    if (!found)
-      throw InvalidInput("base displacement '" + description.name + "' moves '" + description.target +
-                             "', which is not a ground" + did_you_mean(description.target, point_names()),
-                         "only a ground can be moved", "name it as substructure.ground");
+    for (const auto& [ground, weight] : moved_grounds(description)) add_ground_load(ground, weight, input);
   } else {
     Eigen::VectorXd direction = Eigen::VectorXd::Ones(system_.size());
-    if (!description.direction.empty()) direction.setZero();
+    if (description.direction.empty())
+      require_translation(description, direction);
+    else
+      direction.setZero();
     for (const auto& [dof, value] : description.direction) direction += value * motion(dof).dofs;
     base_accelerations_.col(static_cast<Eigen::Index>(index)) = direction;
     input.value = -(system_.mass * direction);
@@ -148,19 +147,60 @@ void CoupledModel::add_input(const InputDescription& description, std::size_t in
   system_.inputs.push_back(std::move(input));
 }
 
+/// What a ground's motion does to the substructure that it holds.
+void CoupledModel::add_ground_load(const std::string& ground, double weight, Input& input) const {
+  Eigen::Index offset = 0;
+  bool found = false;
+  for (const auto& part : substructures_) {
+    for (const auto& coupling : part.model->grounds)
+      if (part.name + "." + coupling.ground == ground) {
+        found = true;
+        input.value.segment(offset, part.model->size()) += weight * coupling.stiffness;
+        input.rate.segment(offset, part.model->size()) += weight * coupling.damping;
+      }
+    offset += part.model->size();
+  }
+  if (!found)
+    throw InvalidInput("base displacement '" + input.name + "' moves '" + ground + "', which is not a ground" +
+                           did_you_mean(ground, point_names()),
+                       "only a ground can be moved", "name it as substructure.ground");
+}
+
+/// Coordinates of rotations, of several directions or of modes do not all move by 1 when the base does: springs between
+/// them would be strained. K 1 = sum_g k_g where nothing is.
+void CoupledModel::require_translation(const InputDescription& description, const Eigen::VectorXd& direction) const {
+  Eigen::Index offset = 0;
+  for (const auto& part : substructures_) {
+    const auto own = direction.segment(offset, part.model->size());
+    Eigen::VectorXd strain = part.model->stiffness * own;
+    const double size = strain.cwiseAbs().sum() + part.model->stiffness.cwiseAbs().sum();
+    for (const auto& ground : part.model->grounds) strain -= ground.stiffness;
+    if (strain.cwiseAbs().sum() > 1e-6 * size)
+      throw InvalidInput("base acceleration '" + description.name +
+                             "' moves every degree of freedom alike, which strains substructure '" + part.name + "'",
+                         "it holds rotations, several directions or modes, which do not move as its base does",
+                         "accelerate its grounds by name, or give the degrees of freedom that move a weight each");
+    offset += part.model->size();
+  }
+}
+
 void CoupledModel::add_connector(const ConnectorDescription& description, IssueList& issues) {
   try {
-    const PointMotion from = motion(description.from), to = motion(description.to);
-    const Eigen::VectorXd deformation = to.dofs - from.dofs;
-    if (deformation.isZero())
+    const PointMotion from = end_motion(description.from), to = end_motion(description.to);
+    const Eigen::VectorXd deformation = to.dofs - from.dofs, base = from.base - to.base;
+    if (deformation.isZero() && base.isZero())
       issues.add(description.location,
                  "connector '" + description.name + "' joins '" + description.from + "' and '" + description.to + "'",
-                 "they do not move against each other", "join two different points, one of them not a ground");
+                 "they do not move against each other",
+                 "join two different points, one of them not a ground or a ground that an excitation moves");
+    if (moves_alike_by_all() && std::abs(translation_of(to) - translation_of(from)) > 1e-9)
+      throw InvalidInput("a base acceleration of all degrees of freedom alike deforms it",
+                         "one of its ends is a sum of degrees of freedom that do not all move as the base does",
+                         "give the degrees of freedom that move with the base a weight each");
     if (!description.law) throw InvalidInput("it has no law", "its force is unknown", "name one of the laws");
     for (const auto& issue : validate_parameters(*description.law, description.parameters))
       issues.add(description.location, "connector '" + description.name + "': " + issue.what, issue.why, issue.fix);
-    system_.connectors.push_back(
-        {description.name, description.law, description.parameters, deformation, from.base - to.base});
+    system_.connectors.push_back({description.name, description.law, description.parameters, deformation, base});
   } catch (const InvalidInput& error) {
     for (const auto& issue : error.issues())
       issues.add(description.location, "connector '" + description.name + "': " + issue.what, issue.why, issue.fix);
@@ -169,6 +209,15 @@ void CoupledModel::add_connector(const ConnectorDescription& description, IssueL
 
 PointMotion CoupledModel::zero_motion() const {
   return {Eigen::VectorXd::Zero(system_.size()), Eigen::VectorXd::Zero(static_cast<Eigen::Index>(inputs_.size()))};
+}
+
+bool CoupledModel::moves_alike_by_all() const {
+  return std::ranges::any_of(
+      inputs_, [](const auto& input) { return input.kind == InputKind::base_acceleration && input.direction.empty(); });
+}
+
+PointMotion CoupledModel::end_motion(const std::string& end) const {
+  return end == fixed_ground ? zero_motion() : motion(end);
 }
 
 PointMotion CoupledModel::motion(const std::string& point) const {
@@ -185,9 +234,11 @@ PointMotion CoupledModel::motion(const std::string& point) const {
       }
     for (const auto& ground : part.model->grounds)
       if (part.name + "." + ground.ground == point) {
-        for (std::size_t i = 0; i < inputs_.size(); ++i)
-          if (inputs_[i].kind == InputKind::base_displacement && inputs_[i].target == point)
-            motion.base[static_cast<Eigen::Index>(i)] = 1.0;
+        for (std::size_t i = 0; i < inputs_.size(); ++i) {
+          const DofCombination moved = moved_grounds(inputs_[i]);
+          if (const auto weight = moved.find(point); weight != moved.end())
+            motion.base[static_cast<Eigen::Index>(i)] = weight->second;
+        }
         return motion;
       }
   }

@@ -23,7 +23,10 @@ struct Substructure {
   std::shared_ptr<const LinearModel> model;  ///< shared by all that hold it: a full model is large
 };
 
-/// A connector as the user describes it: a law between two qualified points.
+/// The fixed ground, which belongs to no substructure: a connector may end there.
+inline const std::string fixed_ground = "ground";
+
+/// A connector as the user describes it: a law between two qualified points, or one and the fixed ground.
 struct ConnectorDescription {
   std::string name;
   std::string from;
@@ -35,8 +38,8 @@ struct ConnectorDescription {
 
 /// What an input does to the structure.
 enum class InputKind {
-  base_displacement,  ///< moves the ground `target` in absolute coordinates, through what touches it
-  base_acceleration,  ///< accelerates the whole ground; displacements are then relative to it
+  base_displacement,  ///< moves grounds in absolute coordinates, through what touches them
+  base_acceleration,  ///< accelerates all grounds alike; displacements are then relative to them
   force               ///< acts at the point `target`
 };
 
@@ -47,7 +50,8 @@ struct InputDescription {
   std::string name;
   InputKind kind = InputKind::force;
   std::string target;             ///< qualified point; for base_acceleration the direction below counts instead
-  DofCombination direction = {};  ///< base_acceleration: rigid motion per unit, by qualified DOF (empty: all 1)
+  DofCombination direction = {};  ///< base_acceleration: rigid motion per unit, by qualified DOF (empty: all 1);
+                                  ///< base_displacement: motion of each ground per unit (empty: `target` by 1)
   SourceLocation location = {};   ///< where the user describes it, for messages
 };
 
@@ -93,8 +97,14 @@ public:
 private:
   void assemble_linear_part();
   void add_input(const InputDescription& description, std::size_t index);
+  void add_ground_load(const std::string& ground, double weight, Input& input) const;
+  void require_translation(const InputDescription& description, const Eigen::VectorXd& direction) const;
   void add_connector(const ConnectorDescription& description, IssueList& issues);
   [[nodiscard]] PointMotion zero_motion() const;
+  /// Whether a base acceleration moves every degree of freedom alike.
+  [[nodiscard]] bool moves_alike_by_all() const;
+  /// Of a connector's end: a point, or the fixed ground.
+  [[nodiscard]] PointMotion end_motion(const std::string& end) const;
 
   std::vector<Substructure> substructures_;
   std::vector<InputDescription> inputs_;

@@ -64,7 +64,9 @@ IssueList validate(const SineOptions& options) {
 
 SignalPtr make_sine(const SineOptions& options) {
   validate(options).raise();
-  return faded_in(make_spectral_lines({{options.amplitude, options.frequency, options.phase}}), options.fade_in);
+  const double amplitude =
+      options.integrated_twice ? amplitude_integrated_twice(options.amplitude, options.frequency) : options.amplitude;
+  return faded_in(make_spectral_lines({{amplitude, options.frequency, options.phase}}), options.fade_in);
 }
 
 IssueList validate(const SweptSineOptions& options) {

@@ -8,9 +8,10 @@ namespace kalfem {
 /// amplitude * sin(2 pi frequency t + phase), at all times.
 struct SineOptions {
   double amplitude = 1.0;
-  double frequency = 1.0;  ///< [Hz]
-  double phase = 0.0;      ///< [rad]
-  double fade_in = 0.0;    ///< time of the smooth start from rest at t = 0 [s]; 0: none
+  double frequency = 1.0;         ///< [Hz]
+  double phase = 0.0;             ///< [rad]
+  double fade_in = 0.0;           ///< time of the smooth start from rest at t = 0 [s]; 0: none
+  bool integrated_twice = false;  ///< the sine is the second derivative of what is made, which the fade-in acts on
 };
 
 IssueList validate(const SineOptions& options);

@@ -17,6 +17,7 @@ struct PulseOptions {
   double start = 0.0;      ///< [s]
   double duration = 0.01;  ///< [s]
   PulseShape shape = PulseShape::half_sine;
+  bool integrated_twice = false;  ///< the pulse is the second derivative of what is made, at rest before it
 };
 
 IssueList validate(const PulseOptions& options);

@@ -30,10 +30,14 @@ SignalPtr make_random(const RandomSignalOptions& options) {
   validate(options).raise();
   RandomStream stream(options.seed, options.name);
   const LineGrid grid{options.lower, options.upper, options.duration};
-  const auto lines = line_frequencies(grid).size();
+  const auto frequencies = line_frequencies(grid);
+  const auto lines = frequencies.size();
   LineSeries series{options.duration, first_line(grid), {}, {}};
   series.amplitude.assign(lines, options.rms * std::sqrt(2.0 / static_cast<double>(lines)));
   for (std::size_t l = 0; l < lines; ++l) series.phase.push_back(2.0 * std::numbers::pi * stream.uniform());
+  if (options.integrated_twice)
+    for (std::size_t l = 0; l < lines; ++l)
+      series.amplitude[l] = amplitude_integrated_twice(series.amplitude[l], frequencies[l]);
   return faded_in(make_line_series(std::move(series)), options.fade_in);
 }
 

@@ -15,11 +15,13 @@ namespace kalfem {
 /// phi_l uniform: Gaussian in the limit of many lines, with exactly the asked RMS over the duration, after which it
 /// repeats. The fade-in multiplies its beginning, which lowers the RMS of that part.
 struct RandomSignalOptions {
-  double rms = 1.0;        ///< [unit of the signal]
-  double lower = 0.5;      ///< lower edge of the band [Hz]
-  double upper = 30.0;     ///< upper edge of the band [Hz]
-  double duration = 20.0;  ///< period, and 1 / the spacing of the lines [s]
-  double fade_in = 0.5;    ///< time of the smooth start from rest at t = 0 [s]; 0: none
+  double rms = 1.0;               ///< [unit of the signal]
+  double lower = 0.5;             ///< lower edge of the band [Hz]
+  double upper = 30.0;            ///< upper edge of the band [Hz]
+  double duration = 20.0;         ///< period, and 1 / the spacing of the lines [s]
+  double fade_in = 0.5;           ///< time of the smooth start from rest at t = 0 [s]; 0: none
+  bool integrated_twice = false;  ///< the signal is the second derivative of what is made, line by line; the fade-in
+                                  ///< then acts on that displacement, so that it starts from rest and does not drift
   std::uint64_t seed = 1;
   std::string name = "random";  ///< names the random stream: other names give independent signals of one seed
 };

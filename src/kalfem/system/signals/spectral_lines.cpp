@@ -85,6 +85,11 @@ private:
 
 }  // namespace
 
+double amplitude_integrated_twice(double amplitude, double frequency) {
+  const double w = 2.0 * std::numbers::pi * frequency;
+  return -amplitude / (w * w);
+}
+
 SignalPtr make_spectral_lines(std::vector<SpectralLine> lines) {
   IssueList issues;
   for (std::size_t l = 0; l < lines.size(); ++l) {

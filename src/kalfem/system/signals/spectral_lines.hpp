@@ -11,6 +11,10 @@ struct SpectralLine {
   double phase = 0.0;      ///< [rad]
 };
 
+/// Amplitude of the harmonic whose second derivative is the harmonic of this amplitude: -amplitude / (2 pi
+/// frequency)^2.
+double amplitude_integrated_twice(double amplitude, double frequency);
+
 /// Sum of harmonics with exact derivatives, known at all times (negative ones too).
 ///
 /// Within a block of samples sin(2 pi f (t_b + j step) + phi) is split by the addition theorem into a table over j and

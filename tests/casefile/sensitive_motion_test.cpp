@@ -1,0 +1,64 @@
+#include <cmath>
+
+#include "casefile/case_run.hpp"
+
+// Motion that no finer step brings together: a mass that rattles between stops.
+
+namespace kalfem::test {
+namespace {
+
+const std::string rattle = R"(kalfem: 1
+substructures:
+  body: {masses: {x: 1 kg}, springs: [{from: ground, to: x, stiffness: 10 N/m, damping: 0.05}]}
+connectors:
+  stop: {from: body.ground, to: body.x, law: gap, parameters: {k_stop: 1e5, c_stop: 2, gap_upper: 1 mm, gap_lower: 1 mm}}
+excitation:
+  f: {force: body.x, sine: {amplitude: 1 N, frequency: 1.7}}
+sensors:
+  a: {displacement: body.x, noise: 1 %}
+simulate: {duration: 60 s, sample_rate: 100 Hz, integrator: newmark, first_substeps: 8, max_substeps: 128}
+)";
+
+TEST(SensitiveMotion, IsSaidWhereHalvingTheStepDoesNotHelp) {
+  const auto results = results_of(rattle, Stage::simulate);
+  ASSERT_FALSE(results.usable());
+  for (const char* part :
+       {"chaotic or very sensitive", "halving the step does not reduce the difference", "simulate.substeps: 128"})
+    EXPECT_NE(results.failure.find(part), std::string::npos) << results.failure;
+  EXPECT_EQ(results.failure.find("raise simulate.max_substeps"), std::string::npos);
+  ASSERT_EQ(results.simulation->reference.changes.size(), 4U);
+}
+
+/// Where the step is only too long, a finer one is what helps.
+TEST(SensitiveMotion, IsNotSaidWhereTheStepIsTooLong) {
+  const auto results = results_of(changed(changed(rattle, "duration: 60 s", "duration: 0.5 s"), "max_substeps: 128",
+                                          "max_substeps: 128, tolerance: 1e-9"),
+                                  Stage::simulate);
+  ASSERT_FALSE(results.usable());
+  EXPECT_NE(results.failure.find("raise simulate.max_substeps or simulate.tolerance"), std::string::npos)
+      << results.failure;
+}
+
+TEST(SensitiveMotion, AFixedStepGivesOneOfTheMotions) {
+  const auto fixed =
+      results_of(changed(rattle, "first_substeps: 8, max_substeps: 128", "substeps: 16"), Stage::simulate);
+  ASSERT_TRUE(fixed.usable()) << fixed.failure;
+  EXPECT_EQ(fixed.simulation->reference.substeps, 16);
+  EXPECT_TRUE(fixed.simulation->reference.changes.empty());
+  EXPECT_EQ(fixed.simulation->measurements.samples(), 6001);
+  // it is the plain solution with that step
+  const auto study = study_of(changed(rattle, "first_substeps: 8, max_substeps: 128", "substeps: 16"));
+  const auto once =
+      simulate(study.model->system(), study.signals, at_rest(1, 0),
+               {.integrator = Integrator::newmark, .step = 1.0 / 1600, .duration = 60.0, .keep_every = 16});
+  EXPECT_EQ(once.trajectory.displacement.row(0).transpose(), fixed.simulation->reference.sensors.col(0));
+}
+
+TEST(SensitiveMotion, AFixedStepIsNotHalvedAsWell) {
+  const auto found = problems_of(changed(rattle, "max_substeps: 128", "max_substeps: 128, substeps: 16"));
+  EXPECT_NE(found.find("case.yaml:10: simulate.substeps fixes the step"), std::string::npos) << found;
+  EXPECT_EQ(problems_of(changed(rattle, "first_substeps: 8, max_substeps: 128", "substeps: 16")), "");
+}
+
+}  // namespace
+}  // namespace kalfem::test
