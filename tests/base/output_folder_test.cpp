@@ -78,7 +78,13 @@ protected:
     out.replace(names(former));
   }
 
-  ScratchFolder folder{"switch"};
+  /// In memory where it can be: some hundred processes wait for the disk below.
+  static std::string place() {
+    if (fs::is_directory("/dev/shm")) setenv("TMPDIR", "/dev/shm", 1);
+    return "switch";
+  }
+
+  ScratchFolder folder{place()};
 };
 
 TEST_F(ResultSwitch, ReplacesTheSetAndNothingElse) {
@@ -87,6 +93,17 @@ TEST_F(ResultSwitch, ReplacesTheSetAndNothingElse) {
   EXPECT_EQ(seen(path), with_notes(fresh));
   EXPECT_FALSE(fs::exists(path / ".kalfem"));
   for (const auto& [name, content] : fresh) EXPECT_FALSE(fs::is_symlink(path / name)) << name;
+}
+
+TEST_F(ResultSwitch, WithoutLinksTheFilesAreReplacedOneByOne) {
+  const auto path = prepared();
+  {
+    OutputFolder out(path, OutputFolder::Exchange::one_by_one);
+    write(out.staging(), fresh);
+    EXPECT_EQ(out.replace(names(former)), names(fresh));
+  }
+  EXPECT_EQ(seen(path), with_notes(fresh));
+  EXPECT_FALSE(fs::exists(path / ".kalfem"));
 }
 
 TEST_F(ResultSwitch, FoldersThatAreLeftEmptyGo) {
@@ -207,15 +224,13 @@ TEST_F(ResultSwitch, KilledAtAnySystemCallAReaderSeesOneSet) {
 }
 
 TEST_F(ResultSwitch, KilledWhileClearingUpAfterAKilledProcess) {
+  // Just before its end the switch is made and links stand in the places of the files.
+  int moment = 400;
+  for (auto path = prepared(); !killed_at_call(moment, [&] { switch_to_fresh(path); }); path = prepared()) moment -= 10;
   int call = 0;
   for (;; ++call) {
     const auto path = prepared();
-    // Just before its last step the switch is made and links stand in the places of the files.
-    int last = 400;
-    while (!killed_at_call(last, [&] { switch_to_fresh(path); })) {
-      prepared();
-      last -= 20;
-    }
+    ASSERT_TRUE(killed_at_call(moment, [&] { switch_to_fresh(path); }));
     const Files found = seen(path);
     if (!killed_at_call(4 * call, [&] { const OutputFolder next(path); })) break;
     ASSERT_EQ(seen(path), found) << "at system call " << call;

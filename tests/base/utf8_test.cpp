@@ -53,6 +53,12 @@ TEST(Utf8, ATerminalGetsNoControlCharacters) {
   EXPECT_EQ(terminal_safe("\xE4 \xC3\xA4 \xC2\xB5m"), "\\xe4 \xC3\xA4 \xC2\xB5m");
 }
 
+TEST(Utf8, QuotedStringsOfFilesKeepTheirMeaning) {
+  EXPECT_EQ(with_unicode_escapes("\x1b[31m\t\n\xC2\x9B \xC3\xA4 \xE2\x80\xAE"),
+            "\\u001b[31m\\u0009\n\\u009b \xC3\xA4 \\u202e");
+  EXPECT_EQ(without_controls("\x1b[31m\t\n\xC2\x9B \xC3\xA4 \xE4"), "[31m\t\n \xC3\xA4 \xEF\xBF\xBD");
+}
+
 TEST(Utf8, LineBreaksStayWhereTheyAreMeant) {
   EXPECT_EQ(terminal_safe("a\tb\nc"), "a\tb\nc");
   EXPECT_EQ(terminal_safe("a\tb\nc", LineBreaks::escaped), "a\tb\\nc");

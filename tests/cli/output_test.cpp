@@ -212,7 +212,8 @@ TEST(Output, APlaceThatCannotBeWrittenIsFoundBeforeTheComputation) {
 TEST(Output, AStandardOutputThatTakesNothingIsNoInternalError) {
   const ScratchFolder folder("stdout");
   const auto file = write_case(folder, "case.yaml", short_case("A"));
-  for (const std::string verb : {"schema", "schema --json", "schema --laws", "--help", "--version", "check " + file}) {
+  for (const auto& verb :
+       std::vector<std::string>{"schema", "schema --json", "schema --laws", "--help", "--version", "check " + file}) {
     for (const std::string stream : {" >/dev/full", " >&-"}) {
       const auto outcome = through_pipe(command + " " + verb + stream);
       EXPECT_EQ(outcome.code, 1) << verb << stream << outcome.output;

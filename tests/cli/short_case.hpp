@@ -57,7 +57,7 @@ inline std::string identity_of(const std::filesystem::path& folder) {
   const bool has_series = std::filesystem::exists(folder / "results.h5");
   if (has_series && Hdf5File::open((folder / "results.h5").string()).text_attribute("/", "run") != run)
     return "other series";
-  for (const std::string name : summary.value("files", std::vector<std::string>{}))
+  for (const auto& name : summary.value("files", std::vector<std::string>{}))
     if (!std::filesystem::is_regular_file(folder / name)) return "no " + name;
   return run;
 }

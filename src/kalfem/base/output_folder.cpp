@@ -66,7 +66,8 @@ Names united(const Names& one, const Names& two) {
 
 }  // namespace
 
-OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)), made_here_(!stands(folder_)), lock_(folder_) {
+OutputFolder::OutputFolder(fs::path folder, Exchange exchange)
+    : folder_(std::move(folder)), exchange_(exchange), made_here_(!stands(folder_)), lock_(folder_) {
   settle();
   clear_hidden();
   clear_temporaries();
@@ -77,7 +78,8 @@ OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)), made_h
 
 OutputFolder::~OutputFolder() {
   std::error_code ignored;
-  fs::remove_all(staging(), ignored);
+  if (!stands(current()))
+    clear_hidden();  // otherwise the places of the files lead into it, and the next run settles it
   { const FolderLock ending = std::move(lock_); }
   if (made_here_) fs::remove(folder_, ignored);  // fails, as it should, where it is not empty
 }
@@ -91,23 +93,28 @@ std::vector<std::string> OutputFolder::replace(const Names& former) {
     if (!std::ranges::binary_search(fresh, name) && stands(folder_ / name) && !fs::is_directory(folder_ / name))
       gone.push_back(name);
   std::ranges::sort(gone);
-  const Names all = united(fresh, gone);
+  if (exchange_ == Exchange::one_by_one || !switch_to_staging(united(fresh, gone))) move_one_by_one(fresh, gone);
+  bring_to_disk(folder_);
+  clear_hidden();
+  return fresh;
+}
+
+/// Steps 1 to 4; false, with the former files in their places, where the file system has no links.
+bool OutputFolder::switch_to_staging(const Names& names) const {
   try {
-    keep(all);
+    keep(names);
     turn_current_to("old");
-    link_places(all);
+    link_places(names);
     bring_to_disk(lock_.hidden());
     turn_current_to("new");
     bring_to_disk(lock_.hidden());
     settle();
+    return true;
   } catch (const fs::filesystem_error& error) {
     settle();  // `current` leads to the former files or to nothing
     if (!has_no_links(error.code())) fail_to_write(folder_, error.code().value());
-    move_one_by_one(fresh, gone);
+    return false;
   }
-  bring_to_disk(folder_);
-  clear_hidden();
-  return fresh;
 }
 
 /// Finds what cannot be replaced before anything is.

@@ -22,9 +22,12 @@ namespace kalfem {
 /// carry tells a set from a mixture.
 class OutputFolder {
 public:
+  /// How files are replaced; `one_by_one` is what file systems without links get in any case.
+  enum class Exchange { at_once, one_by_one };
+
   /// Takes the folder for this process (see FolderLock), makes it if it is missing, and clears what a killed process
   /// left. Throws like FolderLock.
-  explicit OutputFolder(std::filesystem::path folder);
+  explicit OutputFolder(std::filesystem::path folder, Exchange exchange = Exchange::at_once);
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
   /// Drops files that were not put in place; removes the folder if it was made here and is empty.
@@ -45,6 +48,7 @@ private:
   [[nodiscard]] std::filesystem::path current() const { return lock_.hidden() / "current"; }
   [[nodiscard]] std::filesystem::path kept() const { return lock_.hidden() / "old"; }
   void require_places(const Names& names) const;
+  [[nodiscard]] bool switch_to_staging(const Names& names) const;
   void keep(const Names& names) const;
   void link_places(const Names& names) const;
   void turn_current_to(const char* target) const;
@@ -56,6 +60,7 @@ private:
   void clear_temporaries() const;
 
   std::filesystem::path folder_;
+  Exchange exchange_;
   bool made_here_;
   FolderLock lock_;
 };

@@ -22,7 +22,7 @@ std::string lower_case(std::string_view text) {
 
 std::string escaped(std::string_view text) {
   std::string safe;
-  for (const char c : valid_utf8(text)) {
+  for (const char c : without_controls(text)) {
     if (c == '&')
       safe += "&amp;";
     else if (c == '<')
@@ -33,7 +33,7 @@ std::string escaped(std::string_view text) {
       safe += "&quot;";
     else if (c == '\'')
       safe += "&#39;";
-    else if (static_cast<unsigned char>(c) >= 0x20 || c == '\n' || c == '\t' || c == '\r')
+    else
       safe += c;
   }
   return safe;

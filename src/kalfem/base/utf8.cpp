@@ -1,5 +1,6 @@
 #include "kalfem/base/utf8.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 
@@ -65,6 +66,30 @@ std::string valid_utf8(std::string_view text) {
     i += length > 0 ? length : 1;
   }
   return valid;
+}
+
+std::string with_unicode_escapes(std::string_view text) {
+  std::string safe;
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t length = utf8_length(text, i);
+    const char32_t c = length > 0 ? character(text, i, length) : 0xFFFD;
+    const bool obeyed = (is_control(c) && c != '\n') || turns_or_breaks(c);
+    safe += obeyed ? escape("\\u%04x", c) : std::string(text.substr(i, std::max<std::size_t>(1, length)));
+    i += std::max<std::size_t>(1, length);
+  }
+  return safe;
+}
+
+std::string without_controls(std::string_view text) {
+  const std::string valid = valid_utf8(text);
+  std::string safe;
+  for (std::size_t i = 0; i < valid.size();) {
+    const std::size_t length = utf8_length(valid, i);
+    const char32_t c = character(valid, i, length);
+    if (!is_control(c) || c == '\n' || c == '\t' || c == '\r') safe += valid.substr(i, length);
+    i += length;
+  }
+  return safe;
 }
 
 std::string terminal_safe(std::string_view text, LineBreaks breaks) {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cstdio>
 
 #include "kalfem/base/text.hpp"
+#include "kalfem/base/utf8.hpp"
 
 namespace kalfem {
 namespace {
@@ -30,15 +30,11 @@ std::string in_quotes(const std::string& text) {
       out += {'\\', c};
     } else if (c == '\n') {
       out += "\\n";
-    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) {
-      std::array<char, 8> code;
-      std::snprintf(code.data(), code.size(), "\\x%02X", static_cast<unsigned>(c));
-      out += code.data();
     } else {
       out += c;
     }
   }
-  return out + '"';
+  return with_unicode_escapes(out) + '"';
 }
 
 std::string key_text(const std::string& key) {

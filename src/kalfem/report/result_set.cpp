@@ -12,6 +12,7 @@
 #include <regex>
 
 #include "kalfem/base/atomic_file.hpp"
+#include "kalfem/base/utf8.hpp"
 #include "kalfem/base/write_failure.hpp"
 #include "kalfem/casefile/description_form.hpp"
 #include "kalfem/casefile/updating_checkpoint.hpp"
@@ -105,7 +106,8 @@ Names write_files(const fs::path& staging, const Study& study, const StudyResult
   files.insert(std::ranges::lower_bound(files, "summary.json"), "summary.json");
   summary["files"] = files;
   summary["timing"]["total_s"] = run.seconds();
-  write_file_atomically(staging / "summary.json", summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  const std::string text = summary.dump(2, ' ', false, Json::error_handler_t::replace);
+  write_file_atomically(staging / "summary.json", with_unicode_escapes(text) + "\n");
   return files;
 }
 

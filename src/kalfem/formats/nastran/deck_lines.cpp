@@ -141,7 +141,7 @@ void DeckLines::include(std::string_view statement, const Place& place) {
   try {
     open(loader_(path), path);
   } catch (const InvalidInput& error) {
-    files_.problem(place, title + ": " + path.string() + " cannot be read", "the deck goes on in it",
+    files_.problem(place, title + ": '" + path.string() + "' cannot be read", "the deck goes on in it",
                    "names are relative to the file that includes them");
   }
 }
