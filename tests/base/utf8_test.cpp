@@ -56,6 +56,7 @@ TEST(Utf8, ATerminalGetsNoControlCharacters) {
 TEST(Utf8, QuotedStringsOfFilesKeepTheirMeaning) {
   EXPECT_EQ(with_unicode_escapes("\x1b[31m\t\n\xC2\x9B \xC3\xA4 \xE2\x80\xAE"),
             "\\u001b[31m\\u0009\n\\u009b \xC3\xA4 \\u202e");
+  EXPECT_EQ(with_unicode_escapes("\xE4"), "\xEF\xBF\xBD");
   EXPECT_EQ(without_controls("\x1b[31m\t\n\xC2\x9B \xC3\xA4 \xE4"), "[31m\t\n \xC3\xA4 \xEF\xBF\xBD");
 }
 

@@ -187,6 +187,27 @@ TEST(Output, AFullDiskIsOneMessageAndLeavesTheFormerSet) {
   }
 }
 
+TEST(Output, AnUpdatingOnAFullDiskStopsWithItsLastPlaceKept) {
+  const ScratchFolder folder("full-update");
+  const auto file = write_case(folder, "case.yaml", R"(kalfem: 1
+substructures:
+  frame: {masses: {1: 1 kg, 2: 1 kg}, springs: [{name: s1, from: ground, to: 1, stiffness: 1.3 kN/m}, {name: s2, from: 1, to: 2, stiffness: 0.8 kN/m}]}
+update:
+  parameters: {frame.s1.stiffness: {}, frame.s2.stiffness: {}}
+  compare: {modes: {modes: frame, frequencies: [3.1105, 8.1434], deviation: 0.1 %}}
+)");
+  const std::string line = command + " update " + file + " --out " + (folder / "out").string();
+  const auto full = through_pipe("ulimit -f 1; " + line);
+  EXPECT_EQ(full.code, 1) << full.output;
+  EXPECT_NE(full.output.find("out/update.checkpoint.json'"), std::string::npos) << full.output;
+  EXPECT_FALSE(fs::exists(folder / "out"));
+  const auto after = through_pipe(line);
+  EXPECT_EQ(after.code, 0) << after.output;
+  EXPECT_EQ(after.output.find("update.checkpoint.json"), std::string::npos) << after.output;
+  EXPECT_EQ(files_of(folder / "out"),
+            (std::set<std::string>{"case.resolved.yaml", "report.html", "results.h5", "summary.json"}));
+}
+
 TEST(Output, APlaceThatCannotBeWrittenIsFoundBeforeTheComputation) {
   const ScratchFolder folder("place");
   // A minute of computing, if it came to that.

@@ -1,6 +1,5 @@
 #include "kalfem/base/utf8.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cstdio>
 
@@ -69,13 +68,14 @@ std::string valid_utf8(std::string_view text) {
 }
 
 std::string with_unicode_escapes(std::string_view text) {
+  const std::string valid = valid_utf8(text);
   std::string safe;
-  for (std::size_t i = 0; i < text.size();) {
-    const std::size_t length = utf8_length(text, i);
-    const char32_t c = length > 0 ? character(text, i, length) : 0xFFFD;
+  for (std::size_t i = 0; i < valid.size();) {
+    const std::size_t length = utf8_length(valid, i);
+    const char32_t c = character(valid, i, length);
     const bool obeyed = (is_control(c) && c != '\n') || turns_or_breaks(c);
-    safe += obeyed ? escape("\\u%04x", c) : std::string(text.substr(i, std::max<std::size_t>(1, length)));
-    i += std::max<std::size_t>(1, length);
+    safe += obeyed ? escape("\\u%04x", c) : valid.substr(i, length);
+    i += length;
   }
   return safe;
 }

@@ -75,9 +75,11 @@ const PointQuantity* find(const std::vector<PointQuantity>& points, const std::s
 std::vector<std::string> shown_points(const Study& study, const EstimationStage& stage) {
   std::vector<std::string> names;
   for (const auto& name : study.given.report.displacements) names.push_back(name.value);
-  if (names.empty())
-    for (const auto& point : stage.points)
-      if (point.quantity == ObservedQuantity::displacement && names.size() < 2) names.push_back(point.point);
+  if (!names.empty()) return names;
+  const RestingPoints resting(stage.points, stage.settled);
+  for (const auto& point : stage.points)
+    if (point.quantity == ObservedQuantity::displacement && names.size() < 2 && !resting.rests(point))
+      names.push_back(point.point);
   return names;
 }
 
@@ -127,9 +129,11 @@ Section prediction_section(const Study& study, const EstimationStage& estimation
                   "The linear substructure alone, driven by its estimated boundary accelerations.",
                   {}};
   const double from = estimation.measurements.time(estimation.settled);
+  const RestingPoints resting(stage.points, estimation.settled);
   int drawn = 0;
   for (const auto& point : stage.points) {
-    if (point.quantity != ObservedQuantity::acceleration || !shown(study, point.point) || drawn == 4) continue;
+    const bool of_interest = point.quantity == ObservedQuantity::acceleration && shown(study, point.point);
+    if (!of_interest || resting.rests(point) || drawn == 4) continue;
     ++drawn;
     Chart chart{.id = "prediction-" + point.point,
                 .title = "Acceleration of " + point.point,
