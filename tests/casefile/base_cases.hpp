@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,8 @@ namespace kalfem::test {
 struct BaseCase {
   std::string name, text;
 };
+
+inline void PrintTo(const BaseCase& base, std::ostream* out) { *out << base.name; }
 
 /// Cases that hold every section of a case file between them. They name files of write_case_files().
 std::vector<BaseCase> base_cases();

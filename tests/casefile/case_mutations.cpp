@@ -48,6 +48,13 @@ bool allows(const Json& schema, const std::string& type) {
   return false;
 }
 
+/// Whether a map with names that the user chooses is allowed.
+bool has_free_names(const Json& schema) {
+  if (schema.contains("additionalProperties") && schema["additionalProperties"].is_object()) return true;
+  const Json alternatives = schema.value("anyOf", Json::array());
+  return std::ranges::any_of(alternatives, has_free_names);
+}
+
 /// Keys whose text may be anything.
 bool is_free_text(const std::string& key) {
   static const std::set<std::string> free{"title", "name", "channel", "unit", "columns", "dataset", "grounds"};
@@ -119,10 +126,10 @@ private:
     for (std::size_t i = 0; i < map.entries.size(); ++i) {
       const auto& entry = map.entries[i];
       const std::string own_path = path + "." + entry.key;
-      add(own_path, "bad name", place, [=](YamlNode& node) { node.entries[i].key = "a b!"; });
+      add(own_path, "bad name", place, [=](YamlNode& node) { node.entries[i].key = wrong_names[0]; });
       add(own_path, "doubled", place, [=](YamlNode& node) { node.entries.push_back(node.entries[i]); });
       add(
-          own_path, "unknown name", place, [=](YamlNode& node) { node.entries[i].key = "no-such"; }, false);
+          own_path, "unknown name", place, [=](YamlNode& node) { node.entries[i].key = wrong_names[1]; }, false);
       change_value(item, *entry.value, below(place, i), own_path, "<name>");
       walk(item, *entry.value, below(place, i), own_path, in_schema + ".<name>");
     }
@@ -154,7 +161,7 @@ private:
     const bool map = allows(property, "object"), list = allows(property, "array");
     if (!map) set("wrong type: a map", map_of("zz"));
     if (!list) set("wrong type: a list", list_of("zz"));
-    if (map) set("wrong type: an unknown key", map_of("zz"));
+    if (map) set("wrong type: an unknown key", map_of("zz"), !has_free_names(property));
     set("empty", YamlNode{}, !map);
     if (node.kind != Kind::scalar) return;
     const Json type = schema.value("type", Json());
@@ -174,7 +181,7 @@ private:
       for (const char* text : {"nan", ".inf", "1e400", "abc"}) set("not a number", scalar(text));
       set("wrong unit", scalar("3 K"), path.find("maxwell.parameters") == std::string::npos);
     } else {
-      set("unknown word", scalar("no.such-word"), !is_free_text(key));
+      set("unknown word", scalar(wrong_names[2]), !is_free_text(key));
     }
   }
 

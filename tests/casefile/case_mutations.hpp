@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <set>
 #include <string>
 #include <vector>
@@ -8,6 +9,9 @@
 #include "kalfem/casefile/yaml_node.hpp"
 
 namespace kalfem::test {
+
+/// Names that no case has, which mistakes put in the place of others.
+constexpr std::array wrong_names{"a b!", "no-such", "no.such-word"};
 
 /// A case with one mistake in it.
 struct Mutation {

@@ -69,7 +69,10 @@ Form<std::vector<ChainStage>> measurement_chain() {
                                  .optional("gain", &Stage::gain, number("-"), "constant factor"));
   const auto make_filter_stage = [](const Filter& given, FilterFamily family) -> ChainStage {
     const int bands = given.low_pass.has_value() + given.high_pass.has_value() + given.band_pass.has_value();
-    if (bands != 1) throw InvalidInput("a filter has one of low_pass, high_pass, band_pass", "", "");
+    if (bands != 1)
+      throw InvalidInput("the " + std::string(family == FilterFamily::bessel ? "bessel" : "butterworth") +
+                             " filter has " + std::to_string(bands) + " bands",
+                         "it has one of low_pass, high_pass, band_pass", "give one of them");
     if (given.band_pass)
       return FilterStage{family, FilterBand::band_pass, given.order, (*given.band_pass)[0], (*given.band_pass)[1]};
     return FilterStage{family, given.low_pass ? FilterBand::low_pass : FilterBand::high_pass, given.order,

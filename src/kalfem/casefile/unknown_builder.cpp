@@ -36,6 +36,13 @@ double deviation_of(const d::Unknown& given, const std::string& unit, double ini
                                       "give a positive one, or take the unknown out"));
 }
 
+/// The lower (0) or upper (1) bound in SI.
+double bound(const d::Unknown& given, std::size_t side, const std::string& unit) {
+  const std::string& path = given.initial.path;  // ends with ".initial"
+  return checked_number({(*given.bounds)[side], given.initial.location, path.substr(0, path.rfind('.')) + ".bounds"},
+                        unit);
+}
+
 /// What the transform cannot carry.
 void check_start(const d::Unknown& given, const ParameterTransform& transform, const std::string& unit,
                  double initial) {
@@ -43,7 +50,7 @@ void check_start(const d::Unknown& given, const ParameterTransform& transform, c
     throw InvalidInput(given.initial.issue("it starts at " + shortest(initial), "under transform: log it must be > 0",
                                            "give a positive start, or transform: none"));
   if (!given.bounds) return;
-  const double lower = to_si((*given.bounds)[0], unit), upper = to_si((*given.bounds)[1], unit);
+  const double lower = bound(given, 0, unit), upper = bound(given, 1, unit);
   if (!(lower < upper))
     throw InvalidInput(
         given.initial.issue("the lower bound " + shortest(lower) + " is not below the upper one " + shortest(upper), "",
@@ -64,8 +71,8 @@ ParameterTransform transform_of(const d::Unknown& given, const std::string& unit
     if (!given.bounds)
       throw InvalidInput(given.initial.issue("transform: logit without bounds", "it keeps the parameter between them",
                                              "give bounds: [lower, upper]"));
-    transform.lower = to_si((*given.bounds)[0], unit);
-    transform.upper = to_si((*given.bounds)[1], unit);
+    transform.lower = bound(given, 0, unit);
+    transform.upper = bound(given, 1, unit);
   }
   return transform;
 }

@@ -99,7 +99,8 @@ CoupledModel::CoupledModel(std::vector<Substructure> substructures, const std::v
   for (std::size_t i = 0; i < inputs.size(); ++i) try {
       add_input(inputs[i], i);
     } catch (const InvalidInput& error) {
-      issues.add(error, inputs[i].location);
+      for (const auto& issue : error.issues())
+        issues.add(inputs[i].location, "input '" + inputs[i].name + "': " + issue.what, issue.why, issue.fix);
     }
   for (const auto& connector : connectors) add_connector(connector, issues);
   issues.raise();
