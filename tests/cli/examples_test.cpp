@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "base/figures.hpp"
 #include "command.hpp"
 #include "kalfem/formats/hdf5_file.hpp"
 
@@ -31,7 +32,16 @@ TEST(Examples, ChainReachesTheFiguresOfThePaper) {
   for (const char* name : {"suspension.mu_k1", "suspension.mu_c1"}) {
     EXPECT_LT(relative_error(summary["parameters"][name]), 0.01) << name;
     EXPECT_LT(normalised_error(summary["parameters"][name]), 3.0) << name;
+    expect_figure("chain." + std::string(name) + ".error", relative_error(summary["parameters"][name]));
+    expect_figure("chain." + std::string(name) + ".z", normalised_error(summary["parameters"][name]));
   }
+  expect_figure("chain.nis", summary["estimation"]["nis"]["mean"].get<double>());
+  expect_figure("chain.displacement", summary["estimation"]["states"]["body.3"]["displacement_nrmse"].get<double>());
+  std::vector<double> predicted;
+  for (const auto& [point, errors] : summary["prediction"]["body"].items())
+    predicted.push_back(errors["acceleration_nrmse"].get<double>());
+  expect_figure("chain.prediction.least", std::ranges::min(predicted));
+  expect_figure("chain.prediction.most", std::ranges::max(predicted));
   // NIS of 4 channels over 18,000 samples: standard error 0.021.
   EXPECT_NEAR(summary["estimation"]["nis"]["mean"].get<double>(), 4.0, 0.08);
   EXPECT_LE(summary["estimation"]["states"]["body.3"]["displacement_nrmse"].get<double>(), 0.005);

@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 
+#include "base/absent.hpp"
 #include "base/data_folder.hpp"
 #include "command.hpp"
 
@@ -32,8 +33,7 @@ class HalfCar : public testing::TestWithParam<RigRun> {
 protected:
   void SetUp() override {
     if (!std::filesystem::exists(data_folder("halfcar-rig") / "halfcar_500Hz.h5"))
-      GTEST_SKIP()
-          << "the measured half-car records are not here: set KALFEM_DATA to the folder that holds halfcar-rig";
+      KALFEM_ABSENT("the measured half-car records are not here: set KALFEM_DATA to the folder that holds halfcar-rig");
   }
 };
 

@@ -27,10 +27,13 @@ inline nlohmann::json updated(const std::filesystem::path& folder, const std::st
   return outcome.code == 0 ? read_summary(folder) : nlohmann::json{};
 }
 
-/// |estimate / truth - 1| of a parameter of the summary.
-inline double relative_error(const nlohmann::json& parameter) {
-  return std::abs(parameter.at("estimate").get<double>() / parameter.at("true").get<double>() - 1.0);
+/// estimate / truth - 1 of a parameter of the summary.
+inline double signed_error(const nlohmann::json& parameter) {
+  return parameter.at("estimate").get<double>() / parameter.at("true").get<double>() - 1.0;
 }
+
+/// |estimate / truth - 1| of a parameter of the summary.
+inline double relative_error(const nlohmann::json& parameter) { return std::abs(signed_error(parameter)); }
 
 /// The chain of the examples, shorter and to less precision.
 inline std::string short_chain() {

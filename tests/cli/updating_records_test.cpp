@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "base/figures.hpp"
 #include "updating_case.hpp"
 
 // Models that are refined by records: driven by the estimated motion of a boundary, or simulated as a whole.
@@ -19,6 +20,11 @@ TEST(UpdatingByRecords, TheChainIsRefinedByItsOwnRecord) {
   EXPECT_LT(relative_error(refined["body.damping.modal"]), 0.10);
   EXPECT_LT(relative_error(summary["parameters"]["suspension.mu_k1"]), 0.02);
   EXPECT_LT(relative_error(summary["parameters"]["suspension.mu_c1"]), 0.02);
+  for (const std::string name : {"body.3-4.stiffness", "body.7-8.stiffness", "body.damping.modal"})
+    expect_figure("chain_update." + name, signed_error(refined[name]));
+  for (const std::string name : {"suspension.mu_k1", "suspension.mu_c1"})
+    expect_figure("chain_update." + name, relative_error(summary["parameters"][name]));
+  expect_figure("chain_update.stages", static_cast<double>(summary["updating"]["stages"].size()));
   // What is left is the sensors' noise.
   EXPECT_GT(summary["updating"]["residual_initial"].get<double>(), 1.5);
   EXPECT_NEAR(summary["updating"]["residual_final"].get<double>(), 1.0, 0.02);

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include "base/absent.hpp"
 #include "base/data_folder.hpp"
+#include "base/figures.hpp"
 #include "updating_case.hpp"
 
 // `kalfem update` as a user runs it.
@@ -137,24 +139,9 @@ protected:
   }
 };
 
-TEST_F(UpdatingOnData, GarteurFitsTenFrequenciesToOnePerCentAndPredictsTwoModifications) {
-  if (!std::filesystem::exists(data_folder("garteur/nodes.csv")))
-    GTEST_SKIP() << "no GARTEUR tables in " << data_folder();
-  const auto summary = run("garteur/garteur.yaml");
-  const auto& frequencies = summary["updating"]["comparisons"]["frequencies"];
-  EXPECT_LT(frequencies["mean_frequency_error_final"].get<double>(), 0.01);
-  EXPECT_GT(frequencies["mean_frequency_error_initial"].get<double>(), 0.03);
-  for (const std::string name : {"modification_1", "modification_2"}) {
-    const auto& predicted = summary["prediction"][name]["frequencies_hz"];
-    ASSERT_EQ(predicted.size(), 10U);
-    for (std::size_t i = 1; i < 10; ++i) EXPECT_GE(predicted[i].get<double>(), predicted[i - 1].get<double>());
-    EXPECT_GT(predicted[0].get<double>(), 5.0);
-  }
-}
-
 TEST_F(UpdatingOnData, SouthamptonFrequenciesAreTheMeasuredPeaks) {
   if (!std::filesystem::exists(data_folder("southampton-3storey")))
-    GTEST_SKIP() << "no southampton-3storey in " << data_folder();
+    KALFEM_ABSENT("no southampton-3storey in " + data_folder().string());
   const auto parameters = run("southampton/southampton.yaml")["updating"]["parameters"];
   // Frequencies of three equal masses on these springs against the peaks of the measured responses.
   Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();
@@ -170,7 +157,10 @@ TEST_F(UpdatingOnData, SouthamptonFrequenciesAreTheMeasuredPeaks) {
   }
   const Eigen::Vector3d values = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(stiffness / 5.201).eigenvalues();
   const Eigen::Vector3d peaks{6.514, 17.464, 26.506};
-  for (int i = 0; i < 3; ++i) EXPECT_NEAR(std::sqrt(values[i]) / (2.0 * M_PI) / peaks[i], 1.0, 0.003) << i;
+  double worst = 0.0;
+  for (int i = 0; i < 3; ++i) worst = std::max(worst, std::abs(std::sqrt(values[i]) / (2.0 * M_PI) / peaks[i] - 1.0));
+  EXPECT_LT(worst, 0.003);
+  expect_figure("southampton.frequencies", worst);
   EXPECT_NEAR(parameters["frame.damping.modal"]["estimate"].get<double>(), 0.002, 0.001);
 }
 

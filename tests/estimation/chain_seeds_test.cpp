@@ -2,6 +2,7 @@
 
 #include <iostream>
 
+#include "base/figures.hpp"
 #include "estimation/chain_model.hpp"
 
 namespace kalfem {
@@ -44,6 +45,14 @@ TEST_P(PaperChainOverSeeds, TruthLiesInTheStatedIntervals) {
   std::cout << "mu_k1 in its 95 % interval: " << covered[0] << " of 100 (mean " << mean[0] << " +- " << deviation[0]
             << "), mu_c1: " << covered[1] << " of 100 (mean " << mean[1] << " +- " << deviation[1] << "), mean NIS "
             << nis << "\n";
+  const std::string filter = GetParam() == FilterKind::unscented ? "seeds.ukf." : "seeds.partially_linear.";
+  const std::string parameter[] = {"mu_k1", "mu_c1"};
+  for (int i = 0; i < 2; ++i) {
+    test::expect_figure(filter + parameter[i] + ".covered", covered[i]);
+    test::expect_figure(filter + parameter[i] + ".mean", mean[i]);
+    test::expect_figure(filter + parameter[i] + ".std", deviation[i]);
+  }
+  test::expect_figure(filter + "nis", nis);
   // Binomial with 0.95: 90 to 99 of 100 hold 97 % of the probability.
   for (const int count : covered) {
     EXPECT_GE(count, 90);

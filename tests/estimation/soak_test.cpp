@@ -2,6 +2,7 @@
 
 #include <iostream>
 
+#include "base/figures.hpp"
 #include "estimation/chain_model.hpp"
 #include "kalfem/estimation/observer_maps.hpp"
 
@@ -98,6 +99,9 @@ TEST(Soak, TenMillionStepsOfTheChain) {
   std::cout << steps << " steps: mean NIS " << nis << " (4 expected), lowest eigenvalue of the correlation matrix "
             << lowest << ", worst error of an unknown " << worst << " standard deviations in " << steps / look
             << " looks, relative standard deviations at the end " << last.transpose() << "\n";
+  test::expect_figure("soak.nis", nis);
+  test::expect_figure("soak.lowest_eigenvalue", lowest);
+  test::expect_figure("soak.worst_error", worst);
   EXPECT_GT(lowest, 0.0);
   EXPECT_LT(worst, 4.5);
   EXPECT_NEAR(nis, 4.0, 0.01);

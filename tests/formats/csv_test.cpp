@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "base/absent.hpp"
 #include "base/data_folder.hpp"
 #include "base/scratch_folder.hpp"
 #include "kalfem/base/invalid_input.hpp"
@@ -201,7 +202,7 @@ TEST_F(CsvFiles, LabViewFilesThatAreNoRecordAreRefused) {
 TEST(HalfCarRig, DecimatedLabViewFileEqualsTheCsv) {
   const fs::path folder = data_folder("halfcar-rig");
   if (!fs::exists(folder / "Centre_p0000_t1.1_r1.lvm"))
-    GTEST_SKIP() << "the measured half-car records are absent; set KALFEM_DATA to the folder that holds halfcar-rig";
+    KALFEM_ABSENT("the measured half-car records are absent; set KALFEM_DATA to the folder that holds halfcar-rig");
   const auto lvm = read_lvm(folder / "Centre_p0000_t1.1_r1.lvm");
   const auto csv = read_csv(folder / "Centre_p0000_t1.1_r1_500Hz.csv");
   EXPECT_DOUBLE_EQ(lvm.sample_rate, 5000.0);

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "base/absent.hpp"
 #include "base/data_folder.hpp"
 #include "base/scratch_folder.hpp"
 #include "kalfem/formats/abaqus.hpp"
@@ -50,7 +51,7 @@ void expect_reference(const std::string& name, double tolerance, std::size_t cou
 class CalculixSuite : public testing::Test {
 protected:
   void SetUp() override {
-    if (!std::filesystem::exists(decks_folder() / "beamf.inp")) GTEST_SKIP() << "the decks of CalculiX are not here";
+    if (!std::filesystem::exists(decks_folder() / "beamf.inp")) KALFEM_ABSENT("the decks of CalculiX are not here");
   }
 };
 
@@ -85,7 +86,7 @@ TEST_F(CalculixSuite, CantileverOfQuadraticShellsOfVaryingThickness) {
 class Calculix : public testing::Test {
 protected:
   void SetUp() override {
-    if (!has_calculix()) GTEST_SKIP() << "CalculiX (ccx) is not installed";
+    if (!has_calculix()) KALFEM_ABSENT("CalculiX (ccx) is not installed");
   }
 
   /// Solves a deck here and by ccx and compares the lowest frequencies.

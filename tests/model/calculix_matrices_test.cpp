@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "base/absent.hpp"
 #include "base/data_folder.hpp"
 #include "base/scratch_folder.hpp"
 #include "kalfem/formats/matrices/matrix_model.hpp"
@@ -42,7 +43,7 @@ std::string content(const std::filesystem::path& file) {
 }
 
 TEST(CalculixMatrices, VehicleFrameHasCalculixsOwnFrequencies) {
-  if (!has_calculix()) GTEST_SKIP() << "CalculiX (ccx) is not installed";
+  if (!has_calculix()) KALFEM_ABSENT("CalculiX (ccx) is not installed");
   const ScratchFolder folder("calculix-matrices");
   auto model = frame("small.msh");
   // The file's 14 digits of the stiffest entries, 1e14 N/m, would drown soft springs.
@@ -60,8 +61,8 @@ TEST(CalculixMatrices, VehicleFrameHasCalculixsOwnFrequencies) {
 }
 
 TEST(CalculixMatrices, SolidBeamHasThePublishedFrequencies) {
-  if (!has_calculix()) GTEST_SKIP() << "CalculiX (ccx) is not installed";
-  if (!std::filesystem::exists(decks())) GTEST_SKIP() << "the decks are not at " << decks();
+  if (!has_calculix()) KALFEM_ABSENT("CalculiX (ccx) is not installed");
+  if (!std::filesystem::exists(decks())) KALFEM_ABSENT("the decks are not at " + decks().string());
   const ScratchFolder folder("calculix-beam");
   std::ofstream(folder / "beam.inp") << with_keyword(content(decks() / "beamf.inp"), "*FREQUENCY",
                                                      "*FREQUENCY, SOLVER=MATRIXSTORAGE");
@@ -71,8 +72,8 @@ TEST(CalculixMatrices, SolidBeamHasThePublishedFrequencies) {
 }
 
 TEST(CalculixMatrices, SuperelementOfASolidJoinsWithTheRest) {
-  if (!has_calculix()) GTEST_SKIP() << "CalculiX (ccx) is not installed";
-  if (!std::filesystem::exists(decks())) GTEST_SKIP() << "the decks are not at " << decks();
+  if (!has_calculix()) KALFEM_ABSENT("CalculiX (ccx) is not installed");
+  if (!std::filesystem::exists(decks())) KALFEM_ABSENT("the decks are not at " + decks().string());
   const MatrixModel element = read_superelement({decks() / "beamfsuper.stiff", decks() / "beamfsuper.mass"});
   EXPECT_EQ(element.model.size(), 60);  // the 20 nodes of one solid element
   EXPECT_NE(std::ranges::find(element.model.dofs, "n258.x"), element.model.dofs.end());

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "base/absent.hpp"
 #include "base/data_folder.hpp"
 #include "kalfem/model/fe_linear_model.hpp"
 #include "model/fe_models.hpp"
@@ -98,7 +99,7 @@ class Garteur : public testing::Test {
 protected:
   void SetUp() override {
     if (!std::filesystem::exists(garteur_folder() / "initial_K.mtx"))
-      GTEST_SKIP() << "the GARTEUR tables are not here: no folder " << garteur_folder();
+      KALFEM_ABSENT("the GARTEUR tables are not here: no folder " + garteur_folder().string());
   }
 };
 

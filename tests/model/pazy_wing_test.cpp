@@ -8,6 +8,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "base/absent.hpp"
 #include "base/data_folder.hpp"
 #include "kalfem/formats/nastran.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
@@ -65,7 +66,7 @@ class PazyWing : public testing::Test {
 protected:
   void SetUp() override {
     if (!std::filesystem::exists(folder() / "sol103_noskin.dat"))
-      GTEST_SKIP() << "the Pazy wing is not there; set KALFEM_DATA to the folder of test data";
+      KALFEM_ABSENT("the Pazy wing is not there; set KALFEM_DATA to the folder of test data");
   }
 };
 

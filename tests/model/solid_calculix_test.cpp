@@ -8,6 +8,7 @@
 #include <optional>
 #include <sstream>
 
+#include "base/absent.hpp"
 #include "base/scratch_folder.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "model/calculix.hpp"
@@ -140,7 +141,7 @@ struct Pair {
 class SolidCalculix : public testing::TestWithParam<Pair> {};
 
 TEST_P(SolidCalculix, BlockHasTheSameDisplacementsAndFrequencies) {
-  if (!has_calculix()) GTEST_SKIP() << "CalculiX (ccx) is not installed";
+  if (!has_calculix()) KALFEM_ABSENT("CalculiX (ccx) is not installed");
   const auto& [type, shape, kind, mass, displacements, frequency] = GetParam();
   const Block block(shape, kind);
   const auto theirs = solved_by_calculix(block, type);

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "base/absent.hpp"
 #include "base/data_folder.hpp"
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/formats/matrices/matrix_model.hpp"
@@ -86,7 +87,7 @@ class Sandia : public testing::Test {
 protected:
   void SetUp() override {
     if (!std::filesystem::exists(folder() / "block_1-cbr.nc4"))
-      GTEST_SKIP() << "the production code's matrices are not at " << folder();
+      KALFEM_ABSENT("the production code's matrices are not at " + folder().string());
   }
 };
 

@@ -1,4 +1,5 @@
 #include "kalfem/report/page.hpp"
+#include "base/absent.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -188,7 +189,7 @@ Outcome dom_of(const std::string& html) {
 class ReportInBrowser : public testing::Test {
 protected:
   void SetUp() override {
-    if (run("command -v chromium").exit != 0) GTEST_SKIP() << "the program chromium is not installed";
+    if (run("command -v chromium").exit != 0) KALFEM_ABSENT("the program chromium is not installed");
   }
 };
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "base/absent.hpp"
 #include "base/data_folder.hpp"
 #include "kalfem/formats/frf_table.hpp"
 #include "kalfem/updating/frf_residual.hpp"
@@ -87,7 +88,7 @@ class Southampton : public testing::Test {
 protected:
   void SetUp() override {
     if (!std::filesystem::exists(folder() / "frf_Experimental.csv"))
-      GTEST_SKIP() << "the measured FRFs are not at " << folder() << "; set KALFEM_DATA to their parent folder";
+      KALFEM_ABSENT("the measured FRFs are not at " + folder().string() + "; set KALFEM_DATA to their parent folder");
   }
 };
 

@@ -1,0 +1,83 @@
+#include <gtest/gtest.h>
+
+#include "base/absent.hpp"
+#include "base/data_folder.hpp"
+#include "base/figures.hpp"
+#include "command.hpp"
+
+// The model aircraft of the European benchmark: updated on the re-test of one laboratory, a modification predicted.
+
+namespace kalfem::test {
+namespace {
+
+struct GarteurCase {
+  std::string name, modification;
+};
+
+void PrintTo(const GarteurCase& one, std::ostream* stream) { *stream << one.name; }
+
+class GarteurUpdating : public testing::TestWithParam<GarteurCase> {
+protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(data_folder("garteur/nodes.csv")))
+      KALFEM_ABSENT("no GARTEUR tables in " + data_folder().string());
+    const ScratchFolder folder("garteur-" + GetParam().name);
+    const auto outcome = run_command(
+        "run " + example("garteur/" + GetParam().name + ".yaml") + " --out " + folder.path().string(), folder);
+    ASSERT_EQ(outcome.code, 0) << outcome.errors;
+    summary_ = read_summary(folder);
+  }
+  [[nodiscard]] double estimate(const std::string& parameter) const {
+    return summary_["updating"]["parameters"]["plane." + parameter]["estimate"].get<double>();
+  }
+  void expect_fit() const {
+    const auto& frequencies = summary_["updating"]["comparisons"]["frequencies"];
+    const double error = frequencies["mean_frequency_error_final"];
+    EXPECT_LT(error, 0.002);
+    expect_figure("garteur." + GetParam().name + ".mean_error", error);
+  }
+
+  void expect_plausible_parameters() const {
+    EXPECT_GT(estimate("aluminium.youngs_modulus"), 70e9);
+    EXPECT_LT(estimate("aluminium.youngs_modulus"), 72.2e9);
+    EXPECT_NEAR(estimate("fittings.density"), 2700.0, 400.0);
+    // Two steel bars of 15 x 15 x 100 mm weigh 0.353 kg.
+    EXPECT_NEAR(estimate("tail.mass"), 0.353, 0.05);
+  }
+
+  void expect_prediction() const {
+    const auto& prediction = summary_["prediction"][GetParam().modification];
+    const auto &frequencies = prediction["frequencies_hz"], &deviations = prediction["frequencies_std_hz"];
+    ASSERT_EQ(frequencies.size(), 10U);
+    ASSERT_EQ(deviations.size(), 10U);
+    const auto& modes = summary_["updating"]["comparisons"]["frequencies"]["modes"];
+    for (std::size_t i = 0; i < 10; ++i) {
+      const double frequency = frequencies[i], before = modes[i]["model_hz"];
+      // A mass lowers every frequency; as it moves in three directions, none falls below its third lower neighbour.
+      EXPECT_LE(frequency, before * (1.0 + 1e-9)) << i + 1;
+      if (i > 2) {
+        EXPECT_GE(frequency, modes[i - 3]["model_hz"].get<double>() * (1.0 - 1e-9)) << i + 1;
+      }
+      EXPECT_GT(deviations[i].get<double>(), 1e-3 * frequency) << i + 1;
+      EXPECT_LT(deviations[i].get<double>(), 1e-2 * frequency) << i + 1;
+      expect_figure("garteur." + GetParam().name + ".mode_" + std::to_string(i + 1), frequency);
+      expect_figure("garteur." + GetParam().name + ".std_" + std::to_string(i + 1), deviations[i].get<double>());
+    }
+    EXPECT_NE(prediction["note"].get<std::string>().find("leave out"), std::string::npos);
+  }
+
+  nlohmann::json summary_;
+};
+
+TEST_P(GarteurUpdating, FitsWithPlausibleParametersAndPredictsTheModification) {
+  expect_fit();
+  expect_plausible_parameters();
+  expect_prediction();
+}
+
+INSTANTIATE_TEST_SUITE_P(Cases, GarteurUpdating,
+                         testing::Values(GarteurCase{"tail", "modification_1"}, GarteurCase{"wing", "modification_2"}),
+                         [](const auto& one) { return one.param.name; });
+
+}  // namespace
+}  // namespace kalfem::test

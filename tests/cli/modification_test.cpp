@@ -1,0 +1,73 @@
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "updating_case.hpp"
+
+// Standard deviations of the frequencies that `modifications` predicts.
+
+namespace kalfem::test {
+namespace {
+
+/// One mass on one spring: f = sqrt(k / m) / 2 pi.
+const std::string oscillator = R"(kalfem: 1
+substructures:
+  frame:
+    masses: {1: 1 kg}
+    springs: [{name: s, from: ground, to: 1, stiffness: 1.2 kN/m}]
+update:
+  parameters:
+    frame.s.stiffness: {std: 20 %}
+    frame.1.mass: {std: 10 %}
+  compare:
+    modes: {modes: frame, frequencies: [5.0329212], deviation: 2 %}
+modifications:
+  stiffer: {substructure: frame, set: {s.stiffness: 2 kN/m}, modes: 1}
+  heavier: {substructure: frame, set: {1.mass: 2 kg}, modes: 1}
+)";
+
+class ModificationDeviations : public testing::Test {
+protected:
+  void SetUp() override { summary_ = updated(ScratchFolder("modification"), oscillator); }
+  [[nodiscard]] double std_of(const std::string& parameter) const {
+    return summary_["updating"]["parameters"]["frame." + parameter]["std"].get<double>();
+  }
+  [[nodiscard]] double estimate(const std::string& parameter) const {
+    return summary_["updating"]["parameters"]["frame." + parameter]["estimate"].get<double>();
+  }
+  nlohmann::json summary_;
+};
+
+TEST_F(ModificationDeviations, AreThoseOfTheParametersToFirstOrder) {
+  // d f / f = dk / 2k: the modification sets the mass, so only the spring's deviation counts. And the other way round.
+  const auto& heavier = summary_["prediction"]["heavier"];
+  const double f = heavier["frequencies_hz"][0];
+  EXPECT_NEAR(f, std::sqrt(estimate("s.stiffness") / 2.0) / (2.0 * std::numbers::pi), 1e-9 * f);
+  EXPECT_NEAR(heavier["frequencies_std_hz"][0].get<double>(), 0.5 * f * std_of("s.stiffness") / estimate("s.stiffness"),
+              1e-6 * f);
+  const auto& stiffer = summary_["prediction"]["stiffer"];
+  const double g = stiffer["frequencies_hz"][0];
+  EXPECT_NEAR(stiffer["frequencies_std_hz"][0].get<double>(), 0.5 * g * std_of("1.mass") / estimate("1.mass"),
+              1e-6 * g);
+}
+
+TEST_F(ModificationDeviations, CountTheCovariancesOfParameters) {
+  // Stiffness and mass are each known to 20 and 10 %, their ratio to 4 %: a modification that touches neither is known
+  // to what the measured frequency is known.
+  auto text = changed(oscillator, "masses: {1: 1 kg}", "masses: {1: 1 kg, 2: 1 kg}");
+  text = changed(text, "stiffness: 1.2 kN/m}]",
+                 "stiffness: 1.2 kN/m}, {name: far, from: ground, to: 2, stiffness: 100 kN/m}]");
+  text = changed(text, "set: {1.mass: 2 kg}", "set: {2.mass: 2 kg}");
+  const auto summary = updated(ScratchFolder("modification-covariance"), text);
+  const auto& untouched = summary["prediction"]["heavier"];
+  const double f = untouched["frequencies_hz"][0];
+  // Prior of f: sqrt(0.2^2 + 0.1^2) / 2 = 11 %, measurement 2 %.
+  EXPECT_NEAR(untouched["frequencies_std_hz"][0].get<double>() / f, 0.0197, 0.0005);
+}
+
+TEST_F(ModificationDeviations, SayWhatTheyLeaveOut) {
+  EXPECT_NE(summary_["prediction"]["heavier"]["note"].get<std::string>().find("leave out"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace kalfem::test
