@@ -50,7 +50,8 @@ class Fault:
     kind: str = ""
 
     def title(self):
-        return f"{self.number:3d} {self.group:9s} {pathlib.Path(self.file).name}: {self.text.strip()} => {self.other.strip()}"
+        text, other = (" ".join(part.split()) for part in (self.text, self.other))
+        return f"{self.number:3d} {self.group:9s} {pathlib.Path(self.file).name}: {text} => {other}"
 
 
 def read_table():

@@ -31,7 +31,8 @@ protected:
     state.iterations = 5;
     state.without_response = 3;
     state.refused = 2;
-    return {state, {{true, vector({1, 2}), vector({3, 4}), 0.5, 6.25}, {false, vector({5, 6}), vector({7, 8}), 0.75, 8.5}}};
+    return {state,
+            {{true, vector({1, 2}), vector({3, 4}), 0.5, 6.25}, {false, vector({5, 6}), vector({7, 8}), 0.75, 8.5}}};
   }
 
   [[nodiscard]] Json written() const {
@@ -76,8 +77,9 @@ TEST_F(Checkpoint, ReadsBackEveryFieldToTheLastBit) {
 }
 
 TEST_F(Checkpoint, OfEveryStateOfTheSearchIsTaken) {
-  for (const auto known : {GaussNewtonState::Known::nothing, GaussNewtonState::Known::cost, GaussNewtonState::Known::derivatives,
-                           GaussNewtonState::Known::no_response, GaussNewtonState::Known::no_derivatives}) {
+  for (const auto known :
+       {GaussNewtonState::Known::nothing, GaussNewtonState::Known::cost, GaussNewtonState::Known::derivatives,
+        GaussNewtonState::Known::no_response, GaussNewtonState::Known::no_derivatives}) {
     auto each = content();
     each.state.known = known;
     if (known != GaussNewtonState::Known::derivatives) {
@@ -116,7 +118,8 @@ TEST_F(Checkpoint, OfWrongSizesOrValuesIsNotTaken) {
   EXPECT_FALSE(taken_after([](Json& json) { json["state"]["radius"] = 0.0; }));
   EXPECT_FALSE(taken_after([](Json& json) { json["state"]["radius"] = nullptr; }));  // infinite
   EXPECT_FALSE(taken_after([](Json& json) { json["state"]["residual_cost"] = -1.0; }));
-  for (const int known : {-1, 5, 99}) EXPECT_FALSE(taken_after([&](Json& json) { json["state"]["known"] = known; })) << known;
+  for (const int known : {-1, 5, 99})
+    EXPECT_FALSE(taken_after([&](Json& json) { json["state"]["known"] = known; })) << known;
   for (const char* count : {"evaluations", "iterations", "without_response", "refused"})
     EXPECT_FALSE(taken_after([&](Json& json) { json["state"][count] = -1; })) << count;
   for (const auto& [key, value] : written()["state"].items())
@@ -148,14 +151,16 @@ TEST(CheckpointFingerprint, IsOfTheWholeCaseAndItsFirstResidual) {
 TEST(ResumedUpdating, EndsAtTheSameBits) {
   const ScratchFolder folder("resumed");
   const auto study = study_of(lumped_case(
-      {{"substructures", "{s: {masses: {a: 2, b: 3}, springs: [{name: k, from: ground, to: a, stiffness: 800}, {name: m, from: "
-                         "a, to: b, stiffness: 500}]}}"},
+      {{"substructures",
+        "{s: {masses: {a: 2, b: 3}, springs: [{name: k, from: ground, to: a, stiffness: 800}, {name: m, from: "
+        "a, to: b, stiffness: 500}]}}"},
        {"connectors", ""},
        {"excitation", ""},
        {"sensors", ""},
        {"simulate", ""},
-       {"update", "{parameters: {s.k.stiffness: {initial: 500}, s.m.stiffness: {initial: 900}}, compare: {f: {modes: s, "
-                  "frequencies: [1.55, 4.2]}}}"}}));
+       {"update",
+        "{parameters: {s.k.stiffness: {initial: 500}, s.m.stiffness: {initial: 900}}, compare: {f: {modes: s, "
+        "frequencies: [1.55, 4.2]}}}"}}));
   const auto whole = *run(study, Stage::update).updating;
   ASSERT_GT(whole.evaluations, 4);
   struct Stopped {};

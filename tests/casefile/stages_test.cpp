@@ -14,13 +14,14 @@ using enum ObservedQuantity;
 using Eigen::Index;
 using Eigen::VectorXd;
 
-/// A wheel and a row of three masses on it. The filter knows everything exactly: its estimates are the simulation but for
-/// what the observer's step leaves out.
+/// A wheel and a row of three masses on it. The filter knows everything exactly: its estimates are the simulation but
+/// for what the observer's step leaves out.
 Sections exact_case(const Sections& changed = {}) {
   Sections sections = estimated_case(
-      {{"substructures", "{w: {masses: {w: 1.5, v: 1}, springs: [{from: ground, to: w, stiffness: 2e3, damping: 5}, {from: w, to: "
-                         "v, stiffness: 900}]}, s: {masses: {a: 2, b: 3, c: 1}, springs: [{name: k, from: a, to: b, stiffness: "
-                         "800, damping: 2}, {name: m, from: b, to: c, stiffness: 700, damping: 1}], damping: {modal: 2 %}}}"},
+      {{"substructures",
+        "{w: {masses: {w: 1.5, v: 1}, springs: [{from: ground, to: w, stiffness: 2e3, damping: 5}, {from: w, to: "
+        "v, stiffness: 900}]}, s: {masses: {a: 2, b: 3, c: 1}, springs: [{name: k, from: a, to: b, stiffness: "
+        "800, damping: 2}, {name: m, from: b, to: c, stiffness: 700, damping: 1}], damping: {modal: 2 %}}}"},
        {"connectors", "{c: {from: w.w, to: s.a, law: linear, parameters: {k: 500, c: 3}}}"},
        {"excitation", "{f: {force: w.w, random: {rms: 5, band: [0.5, 8], fade_in: 0.3}}}"},
        {"sensors", "{yw: {acceleration: w.w, noise: 0.01}, yb: {acceleration: s.b, noise: 0.01}}"},
@@ -47,19 +48,24 @@ TEST(Stages, PredictWhatWasSimulated) {
 }
 
 TEST(Stages, PredictOverAnAcceleratedBase) {
-  const auto results = run(study_of(exact_case({{"excitation", "{e: {base_acceleration: {w.w: 1, w.v: 1, s.a: 1, s.b: 1, s.c: 1}, "
-                                                               "random: {rms: 2, band: [0.5, 8], fade_in: 0.3}}}"}})),
+  const auto results = run(study_of(exact_case({{"excitation",
+                                                 "{e: {base_acceleration: {w.w: 1, w.v: 1, s.a: 1, s.b: 1, s.c: 1}, "
+                                                 "random: {rms: 2, band: [0.5, 8], fade_in: 0.3}}}"}})),
                            Stage::predict);
   expect_truth(results.prediction->points, step_error);
 }
 
 TEST(Stages, PredictFromMotion) {
-  const std::string start = "s.b: {displacement: 20 mm, velocity: 0.3 m/s}, s.c: {velocity: -0.4 m/s}, w.w: {displacement: 5 mm}";
-  const auto results = run(study_of(exact_case({{"simulate", "{duration: 1 s, sample_rate: 200 Hz, tolerance: 1e-5, initial: {" +
-                                                                 start + "}}"},
-                                                {"estimate", "{unknown: {c.k: {initial: 500, std: 0.01}}, settle: 0, "
-                                                             "initial_state: {" + start + "}}"}})),
-                           Stage::predict);
+  const std::string start =
+      "s.b: {displacement: 20 mm, velocity: 0.3 m/s}, s.c: {velocity: -0.4 m/s}, w.w: {displacement: 5 mm}";
+  const auto results = run(
+      study_of(
+          exact_case({{"simulate", "{duration: 1 s, sample_rate: 200 Hz, tolerance: 1e-5, initial: {" + start + "}}"},
+                      {"estimate",
+                       "{unknown: {c.k: {initial: 500, std: 0.01}}, settle: 0, "
+                       "initial_state: {" +
+                           start + "}}"}})),
+      Stage::predict);
   expect_truth(results.prediction->points, step_error);
   const auto* b = find_quantity(results.prediction->points, "s.b", displacement);
   EXPECT_NEAR(b->mean[0], 0.02, 1e-4);
@@ -69,7 +75,8 @@ TEST(Stages, PredictFromMotion) {
 
 /// Nothing moves before 0.35 s, so that the record from 0.3 s on begins at rest.
 const std::string late_pulses =
-    "{f: {force: w.w, impulse: {amplitude: 20 N, start: 0.35 s, duration: 0.1 s, shape: smooth}}, g: {force: s.c, impulse: "
+    "{f: {force: w.w, impulse: {amplitude: 20 N, start: 0.35 s, duration: 0.1 s, shape: smooth}}, g: {force: s.c, "
+    "impulse: "
     "{amplitude: 30 N, start: 0.4 s, duration: 0.12 s, shape: smooth}}}";
 
 class LateRecord : public testing::Test {
@@ -80,7 +87,8 @@ protected:
     const auto& clean = whole.simulation->reference.sensors;
     const auto column = [&](Index j) { return std::vector<double>(clean.col(j).begin(), clean.col(j).end()); };
     write_file("late.csv", csv_of(200.0, {{"yw", column(0)}, {"yb", column(1)}}));
-    Sections sections{{"excitation", late_pulses}, {"simulate", ""}, {"record", "{file: late.csv, start: 0.3 s, end: 1.3 s}"}};
+    Sections sections{
+        {"excitation", late_pulses}, {"simulate", ""}, {"record", "{file: late.csv, start: 0.3 s, end: 1.3 s}"}};
     for (const auto& [key, text] : more) sections[key] = text;
     return study_of(exact_case(sections));
   }
@@ -97,7 +105,8 @@ TEST_F(LateRecord, IsDrivenByWhatActedThen) {
   EXPECT_NEAR(study.record->series.start, 0.3, 1e-12);
   const auto filter = make_filter_run(study, *study.observer, full_record(study, {}));
   const auto signals = study.signals[1]->sample(0.3, 0.005 / 4, 801);
-  EXPECT_LT((filter.record.inputs.row(1).transpose() - signals.col(0).matrix()).norm(), 1e-12 * signals.col(0).matrix().norm());
+  EXPECT_LT((filter.record.inputs.row(1).transpose() - signals.col(0).matrix()).norm(),
+            1e-12 * signals.col(0).matrix().norm());
   const auto results = run(study, Stage::estimate);
   for (const std::string point : {"w.v", "s.a", "s.c"}) {
     const auto* found = find_quantity(results.estimation->points, point, displacement);
@@ -111,15 +120,17 @@ TEST_F(LateRecord, PredictsWithTheForcesOfThen) {
     EXPECT_LT(nrmse(point.mean, truth(point.point, point.quantity)), step_error) << point.point;
 }
 
-/// Both comparisons with a record are small at the true parameters, in parts of the noise of 0.01 m/s^2, and large beside
-/// them.
+/// Both comparisons with a record are small at the true parameters, in parts of the noise of 0.01 m/s^2, and large
+/// beside them.
 TEST_F(LateRecord, IsComparedWithWhatHappenedThen) {
   for (const std::string comparison : {"simulation: all", "time_history: s"}) {
     const auto study = late({{"update", "{parameters: {s.k.stiffness: {}}, compare: {r: {" + comparison + "}}}"}});
     const auto structure = parameterised_structure(study);
     auto residuals = make_comparisons(study, structure);
     add_record_comparisons(study, {}, structure, residuals);
-    const auto size = [&](double k) { return rms(residuals.at(0).rounds[0]->evaluate(VectorXd::Constant(1, k), false)->values); };
+    const auto size = [&](double k) {
+      return rms(residuals.at(0).rounds[0]->evaluate(VectorXd::Constant(1, k), false)->values);
+    };
     EXPECT_LT(size(800.0), 2.0) << comparison;
     EXPECT_GT(size(700.0), 10.0) << comparison;
   }
@@ -139,9 +150,10 @@ TEST_F(LateRecord, IsNotLearntFromBeyondItsUse) {
 
 TEST(Stages, NoiseOfARecordIsAPartOfItsRms) {
   write_file("rms.csv", csv_of(100.0, {{"y", {3, -3, 3, -3, 3, -3}}, {"z", {1, 1, 1, 1, 1, 1}}}));
-  const auto study = study_of(estimated_case({{"simulate", ""},
-                                              {"record", "{file: rms.csv}"},
-                                              {"sensors", "{z: {displacement: s.a, noise: 0.2}, y: {displacement: s.b, noise: 5 %}}"}}));
+  const auto study = study_of(
+      estimated_case({{"simulate", ""},
+                      {"record", "{file: rms.csv}"},
+                      {"sensors", "{z: {displacement: s.a, noise: 0.2}, y: {displacement: s.b, noise: 5 %}}"}}));
   const auto record = full_record(study, {});
   near(record.noise[0], 0.2);
   near(record.noise[1], 0.15);
@@ -153,23 +165,29 @@ TEST(Stages, NoiseOfARecordIsAPartOfItsRms) {
 
 /// The observer's sensors stand behind their own measurement chains, which the case's simulation has too.
 TEST(Stages, SensorsOfTheObserverHaveTheirChains) {
-  const auto study = study_of(estimated_case(
-      {{"sensors", "{x: {displacement: s.a, noise: 0.1 mm}, y: {displacement: s.b, noise: 0.1 mm, chain: [{butterworth: {order: 2, "
-                   "low_pass: 5 Hz}}, {gain: 3}]}}"}}));
+  const auto study = study_of(estimated_case({{"sensors",
+                                               "{x: {displacement: s.a, noise: 0.1 mm}, y: {displacement: s.b, noise: "
+                                               "0.1 mm, chain: [{butterworth: {order: 2, "
+                                               "low_pass: 5 Hz}}, {gain: 3}]}}"}}));
   const auto results = run(study, Stage::estimate);
   EXPECT_EQ(results.estimation->observer->form().size(), 4 + 2);
-  const auto plain = run(study_of(estimated_case({{"sensors", "{x: {displacement: s.a, noise: 0.1 mm}, y: {displacement: s.b, noise: "
-                                                              "0.1 mm}}"}})),
-                         Stage::simulate);
-  const VectorXd before = plain.simulation->reference.sensors.col(1), behind = results.simulation->reference.sensors.col(1);
+  const auto plain =
+      run(study_of(estimated_case({{"sensors",
+                                    "{x: {displacement: s.a, noise: 0.1 mm}, y: {displacement: s.b, noise: "
+                                    "0.1 mm}}"}})),
+          Stage::simulate);
+  const VectorXd before = plain.simulation->reference.sensors.col(1),
+                 behind = results.simulation->reference.sensors.col(1);
   EXPECT_LT(nrmse(behind, study.sensors[1].chain.filter(before, 100.0)), 0.05);
   EXPECT_GT(nrmse(behind, before), 0.5);
 }
 
-// --- the updating and what comes after it ------------------------------------------------------------------------------
+// --- the updating and what comes after it
+// ------------------------------------------------------------------------------
 
 const std::string updated_springs =
-    "{parameters: {s.k.stiffness: {initial: 640}, s.m.stiffness: {initial: 810}}, compare: {f: {modes: s, frequencies: [2.9, 5.5], "
+    "{parameters: {s.k.stiffness: {initial: 640}, s.m.stiffness: {initial: 810}}, compare: {f: {modes: s, frequencies: "
+    "[2.9, 5.5], "
     "above: 0.5 Hz}}}";
 
 TEST(Stages, TheObserverOfACaseThatUpdatesStartsAtTheFirstValues) {
@@ -182,8 +200,9 @@ TEST(Stages, TheObserverOfACaseThatUpdatesStartsAtTheFirstValues) {
 
 /// Estimation, prediction and modifications are of the structure that the updating ends at.
 TEST(Stages, WhatFollowsAnUpdatingIsOfTheUpdatedStructure) {
-  const auto study = study_of(exact_case(
-      {{"update", updated_springs}, {"modifications", "{m: {substructure: s, set: {k.damping: 2}, above: 0.5 Hz, modes: 2}}"}}));
+  const auto study =
+      study_of(exact_case({{"update", updated_springs},
+                           {"modifications", "{m: {substructure: s, set: {k.damping: 2}, above: 0.5 Hz, modes: 2}}"}}));
   const auto results = run(study, Stage::update);
   const VectorXd values = results.updating->values;
   EXPECT_GT((values - vector({640, 810})).norm(), 10.0);
@@ -197,8 +216,8 @@ TEST(Stages, WhatFollowsAnUpdatingIsOfTheUpdatedStructure) {
 
 /// A parameter of the filter and of the updating: the filter starts at what the updating has found.
 TEST(Stages, UnknownsOfTheFilterStartAtUpdatedValues) {
-  const auto study = study_of(exact_case({{"update", updated_springs},
-                                          {"estimate", "{unknown: {s.k.stiffness: {initial: 999, std: 10}}, settle: 0}"}}));
+  const auto study = study_of(exact_case(
+      {{"update", updated_springs}, {"estimate", "{unknown: {s.k.stiffness: {initial: 999, std: 10}}, settle: 0}"}}));
   IssueList issues;
   const auto present = present_values(*study.updating, vector({710, 720}));
   near(present.at("s.k.stiffness"), 710.0);
@@ -212,7 +231,8 @@ TEST(Stages, UnknownsOfTheFilterStartAtUpdatedValues) {
 /// A stiffer beam by an unknown of its material: the observer's superelement is reduced at the first guess, and a value
 /// beside it in the same basis has the stiffness of that value.
 TEST(Stages, LinearUnknownsOfFiniteElementsMoveTheirSuperelement) {
-  const auto study = study_of(beam_case({{"estimate", "{unknown: {b.steel.youngs_modulus: {initial: 200 GPa, std: 5 %}}, settle: 0}"}}));
+  const auto study = study_of(
+      beam_case({{"estimate", "{unknown: {b.steel.youngs_modulus: {initial: 200 GPa, std: 5 %}}, settle: 0}"}}));
   const auto& linear = study.observer->linear_unknowns;
   ASSERT_EQ(linear.initial.size(), 1u);
   near(linear.initial[0], 200e9);

@@ -19,13 +19,13 @@ using Eigen::VectorXd;
 
 /// Three nodes on springs of 100 N/m along each axis, and node 9 between them.
 const std::string springs = [] {
-  std::string text = "*NODE\n1, 0, 0, 0\n2, 2, 0, 0\n3, 0, 3, 0\n9, 0.5, 0.5, 0\n*NSET, NSET=one\n1\n*NSET, NSET=two\n2\n*NSET, "
-                     "NSET=three\n3\n";
+  std::string text =
+      "*NODE\n1, 0, 0, 0\n2, 2, 0, 0\n3, 0, 3, 0\n9, 0.5, 0.5, 0\n*NSET, NSET=one\n1\n*NSET, NSET=two\n2\n*NSET, "
+      "NSET=three\n3\n";
   for (int axis = 1; axis <= 3; ++axis) {
     const auto set = "k" + std::to_string(axis);
     text += "*ELEMENT, TYPE=SPRING1, ELSET=" + set + "\n";
-    for (int node = 1; node <= 3; ++node)
-      text += std::to_string(10 * axis + node) + ", " + std::to_string(node) + "\n";
+    for (int node = 1; node <= 3; ++node) text += std::to_string(10 * axis + node) + ", " + std::to_string(node) + "\n";
     text += "*SPRING, ELSET=" + set + "\n" + std::to_string(axis) + "\n100.\n";
   }
   return text;
@@ -38,8 +38,8 @@ Vector3d shared(const std::string& coupling) {
   return {moved[2], moved[8], moved[14]};
 }
 
-/// What a force of 1 at the follower puts on the nodes by the weighted mean motion: w_i (a + b x_i + c y_i) with the force
-/// and both moments about the follower in balance.
+/// What a force of 1 at the follower puts on the nodes by the weighted mean motion: w_i (a + b x_i + c y_i) with the
+/// force and both moments about the follower in balance.
 Vector3d loads_by_weights(const Vector3d& w) {
   const Matrix3d places{{1, 0, 0}, {1, 2, 0}, {1, 0, 3}};  // 1, x, y
   const Vector3d follower(1, 0.5, 0.5);
@@ -58,7 +58,8 @@ TEST(DistributingCouplings, ShareByUnequalWeights) {
   const auto expected = [](const Eigen::Vector4d& w) {
     const MatrixXd places = (MatrixXd(4, 3) << 1, 0, 0, 1, 2, 0, 1, 0, 3, 1, 2, 3).finished();
     const Vector3d follower(1, 0.5, 0.5);
-    return VectorXd(w.asDiagonal() * (places * Matrix3d(places.transpose() * w.asDiagonal() * places).inverse() * follower));
+    return VectorXd(w.asDiagonal() *
+                    (places * Matrix3d(places.transpose() * w.asDiagonal() * places).inverse() * follower));
   };
   const auto coupling = [](const std::string& weights) {
     return "*ELEMENT, TYPE=DCOUP3D, ELSET=d\n90, 9\n*DISTRIBUTING COUPLING, ELSET=d\n" + weights;
@@ -69,8 +70,10 @@ TEST(DistributingCouplings, ShareByUnequalWeights) {
   EXPECT_GT((expected(even) - expected(uneven)).norm(), 0.05);
   // The same by a surface of nodes, with and without a radius that leaves the last one out.
   const auto surface = [](const std::string& more) {
-    return "*SURFACE, NAME=s, TYPE=NODE\none, 1.\ntwo, 2.\nthree, 3.\nfour, 5.\n*COUPLING, CONSTRAINT NAME=c, REF NODE=9, "
-           "SURFACE=s" + more + "\n*DISTRIBUTING\n";
+    return "*SURFACE, NAME=s, TYPE=NODE\none, 1.\ntwo, 2.\nthree, 3.\nfour, 5.\n*COUPLING, CONSTRAINT NAME=c, REF "
+           "NODE=9, "
+           "SURFACE=s" +
+           more + "\n*DISTRIBUTING\n";
   };
   EXPECT_LT((loads(surface("")) - expected(uneven)).norm(), 1e-9);
   EXPECT_LT((loads(surface(", INFLUENCE RADIUS=2.8")).head(3) - loads_by_weights({1, 2, 3})).norm(), 1e-9);
@@ -85,7 +88,8 @@ TEST(DistributingCouplings, ShareByUnequalWeightsOfCards) {
   for (int i = 0; i < 4; ++i) {
     const auto n = std::to_string(i + 1);
     text += "GRID," + n + ",," + places[i] + ",0.\n";
-    for (int c = 1; c <= 3; ++c) text += "CELAS2," + n + std::to_string(c) + ",100.," + n + "," + std::to_string(c) + "\n";
+    for (int c = 1; c <= 3; ++c)
+      text += "CELAS2," + n + std::to_string(c) + ",100.," + n + "," + std::to_string(c) + "\n";
   }
   const auto deck = test::nastran(text + "RBE3,1,,9,123456,1.,123,1,2.\n,123,2,3.,123,3,5.,123\n,4\n");
   const VectorXd moved = test::displacements(deck.model, {{{0, 2}, 1.0}});
@@ -105,8 +109,10 @@ Matrix3d about_node(double m, const Vector3d& arm, const Matrix3d& own) {
 TEST(PlacedBodies, InertiaOfATurnedInstanceTurns) {
   const Matrix3d own{{2.0, 0.1, 0.2}, {0.1, 3.0, 0.3}, {0.2, 0.3, 4.0}};
   const std::string part =
-      "*PART, NAME=p\n*NODE\n1, 1, 2, 0\n*ELEMENT, TYPE=ROTARYI, ELSET=r\n1, 1\n*ROTARY INERTIA, ELSET=r\n2., 3., 4., 0.1, 0.2, "
-      "0.3\n*ELEMENT, TYPE=MASS, ELSET=m\n2, 1\n*MASS, ELSET=m\n5.\n*END PART\n*ASSEMBLY, NAME=a\n*INSTANCE, NAME=i, PART=p\n";
+      "*PART, NAME=p\n*NODE\n1, 1, 2, 0\n*ELEMENT, TYPE=ROTARYI, ELSET=r\n1, 1\n*ROTARY INERTIA, ELSET=r\n2., 3., 4., "
+      "0.1, 0.2, "
+      "0.3\n*ELEMENT, TYPE=MASS, ELSET=m\n2, 1\n*MASS, ELSET=m\n5.\n*END PART\n*ASSEMBLY, NAME=a\n*INSTANCE, NAME=i, "
+      "PART=p\n";
   const auto bodies = [&](const std::string& placing) {
     return parse_deck(part + placing + "*END INSTANCE\n*END ASSEMBLY\n").model;
   };
@@ -149,9 +155,11 @@ TEST(PlacedBodies, MatrixHasTheKineticEnergyOfTheBody) {
   const auto matrix = point_mass(body);
   for (int i = 0; i < 6; ++i)
     for (int j = 0; j < 6; ++j) {
-      Eigen::Matrix<double, 6, 1> motion = Eigen::Matrix<double, 6, 1>::Unit(i) + 0.7 * Eigen::Matrix<double, 6, 1>::Unit(j);
+      Eigen::Matrix<double, 6, 1> motion =
+          Eigen::Matrix<double, 6, 1>::Unit(i) + 0.7 * Eigen::Matrix<double, 6, 1>::Unit(j);
       const Vector3d v = motion.head<3>(), omega = motion.tail<3>();
-      const double energy = 0.5 * body.mass * (v + omega.cross(body.offset)).squaredNorm() + 0.5 * omega.dot(body.inertia * omega);
+      const double energy =
+          0.5 * body.mass * (v + omega.cross(body.offset)).squaredNorm() + 0.5 * omega.dot(body.inertia * omega);
       EXPECT_NEAR(0.5 * motion.dot(matrix * motion), energy, 1e-12) << i << " " << j;
     }
   EXPECT_LT((matrix.bottomRightCorner<3, 3>() - about_node(3.0, body.offset, body.inertia)).norm(), 1e-12);
@@ -168,7 +176,8 @@ TEST(Bars, CarryAlongTheirAxisAlone) {
   EXPECT_NEAR(k(x, x), expected * 0.36, 1e-6 * expected);
   EXPECT_NEAR(k(y, y), expected * 0.64, 1e-6 * expected);
   EXPECT_NEAR(k(x, y), expected * 0.48, 1e-6 * expected);
-  const auto rod = test::nastran("MAT1,1,2.1E11,,.3,7850.\nPROD,1,1,3.E-4\nGRID,1,,,,,,123456\nGRID,2,,1.5,2.,0.\nCROD,1,1,1,2\n");
+  const auto rod =
+      test::nastran("MAT1,1,2.1E11,,.3,7850.\nPROD,1,1,3.E-4\nGRID,1,,,,,,123456\nGRID,2,,1.5,2.,0.\nCROD,1,1,1,2\n");
   const auto assembled = assemble(rod.model);
   const MatrixXd stiffness(evaluate(assembled.stiffness, assembled.parameters));
   EXPECT_NEAR(stiffness(assembled.find({1, 0}), assembled.find({1, 0})), expected * 0.36, 1e-6 * expected);

@@ -56,7 +56,8 @@ TEST(ResidualSum, GradientIsThatOfDifferences) {
 }
 
 TEST(ResidualSum, HasNoValueWhereOneOfItsPartsHasNone) {
-  const auto none = std::make_shared<FunctionResidual>(3, [](const VectorXd&) { return std::optional<ResidualValue>(); });
+  const auto none =
+      std::make_shared<FunctionResidual>(3, [](const VectorXd&) { return std::optional<ResidualValue>(); });
   EXPECT_FALSE(ResidualSum({{std::make_shared<FunctionResidual>(curved()), 1.0}, {none, 1.0}}).evaluate(theta, true));
 }
 

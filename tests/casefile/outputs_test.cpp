@@ -1,0 +1,246 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "casefile/probes.hpp"
+#include "kalfem/estimation/consistency.hpp"
+#include "kalfem/formats/hdf5_file.hpp"
+#include "kalfem/report/results_file.hpp"
+#include "kalfem/report/summary.hpp"
+#include "kalfem/report/tables.hpp"
+
+/// summary.json and results.h5 say what was computed: each number stands under its own name and in its own unit.
+namespace kalfem::wiring {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+using Json = nlohmann::ordered_json;
+
+/// Everything that a case may ask for, in one.
+struct Everything {
+  Study study = study_of(estimated_case(
+      {{"title", "everything"},
+       {"substructures",
+        "{w: {masses: {w: 1.5}, springs: [{from: ground, to: w, stiffness: 2e3}]}, s: {masses: {a: 2, b: 3, c: 1}, "
+        "springs: [{name: k, from: a, to: b, stiffness: 800}, {name: m, from: b, to: c, stiffness: 700}], "
+        "damping: {modal: 2 %}}}"},
+       {"connectors", "{c: {from: w.w, to: s.a, law: linear, parameters: {k: 500, c: 3}}}"},
+       {"excitation", "{f: {force: w.w, random: {rms: 5, band: [0.5, 8], fade_in: 0.2}}}"},
+       {"sensors", "{yw: {acceleration: w.w, noise: 2 %}, yb: {displacement: s.b, noise: 5 %}}"},
+       {"simulate", "{duration: 2 s, sample_rate: 100 Hz}"},
+       {"estimate",
+        "{unknown: {c.k: {initial: 400, std: 80, transform: log}, c.c: {initial: 2, std: 1}}, settle: 0.5 s}"},
+       {"predict", "{substructure: s}"},
+       {"update",
+        "{parameters: {s.k.stiffness: {initial: 640, bounds: [100, 3000], std: 300}, s.m.stiffness: {initial: 810}}, "
+        "compare: {f: {modes: s, frequencies: [2.9, 5.5], above: 0.5 Hz, weight: 2}}, check_sensitivities: true}"},
+       {"modifications", "{m: {substructure: s, set: {k.stiffness: 900}, above: 0.5 Hz, modes: 2}}"}}));
+  StudyResults results = run(study, Stage::update);
+};
+
+const Everything& everything() {
+  static const Everything all;
+  return all;
+}
+
+void same(const Json& json, double expected) {
+  ASSERT_TRUE(json.is_number()) << json;
+  near(json.get<double>(), expected, 1e-12);
+}
+
+TEST(Summary, HoldsTheParametersOfTheFilter) {
+  const auto& [study, results] = everything();
+  const auto& stage = *results.estimation;
+  const auto summary = summarise(study, results);
+  const Index last = stage.result.unknowns.mean.cols() - 1, first = stage.observer->layout().unknown();
+  const double truth[] = {500.0, 3.0}, initial[] = {400.0, 2.0};
+  const char* names[] = {"c.k", "c.c"};
+  const char* units[] = {"N/m", "N s/m"};
+  for (Index i : {0, 1}) {
+    const auto& own = summary["parameters"][names[i]];
+    same(own["true"], truth[i]);
+    same(own["initial"], initial[i]);
+    same(own["estimate"], stage.result.unknowns.mean(i, last));
+    same(own["std"], stage.result.unknowns.deviation(i, last));
+    EXPECT_EQ(own["unit"], units[i]);
+    const double mean = stage.result.state.mean(first + i, last),
+                 deviation = stage.result.state.deviation(first + i, last);
+    const auto value = [&](double x) { return i == 0 ? std::exp(x) : x; };
+    near(own["interval_95"][0].get<double>(), value(mean - 1.959963984540054 * deviation), 1e-9);
+    near(own["interval_95"][1].get<double>(), value(mean + 1.959963984540054 * deviation), 1e-9);
+    near(own["std"].get<double>(), deviation * (i == 0 ? std::exp(mean) : 1.0), 1e-9);
+  }
+}
+
+TEST(Summary, HoldsTheConsistencyOfTheFilter) {
+  const auto& [study, results] = everything();
+  const auto& stage = *results.estimation;
+  const auto summary = summarise(study, results)["estimation"];
+  const VectorXd nis = stage.result.nis.tail(201 - 50);
+  same(summary["nis"]["mean"], nis.mean());
+  same(summary["nis"]["expected"], 2.0);
+  const double low = chi_squared_quantile(0.025, 2.0), high = chi_squared_quantile(0.975, 2.0);
+  same(summary["nis"]["fraction_in_95"],
+       double((nis.array() >= low && nis.array() <= high).count()) / double(nis.size()));
+  near(low, 0.050636, 1e-4);
+  near(high, 7.377759, 1e-6);
+  for (Index i : {0, 1}) {
+    const VectorXd innovation = stage.result.innovation.row(i).tail(151).transpose();
+    same(summary["innovation_to_noise"][i == 0 ? "yw" : "yb"], rms(innovation) / stage.noise[std::size_t(i)]);
+    near(stage.noise[std::size_t(i)], (i == 0 ? 0.02 : 0.05) * rms(results.simulation->reference.sensors.col(i)));
+  }
+  same(summary["log_likelihood"], stage.result.log_likelihood);
+  EXPECT_EQ(summary["steps"], 201);
+  EXPECT_EQ(summary["state_dimension"], 2 * 4 + 2);
+  EXPECT_EQ(summary["filter"], "partially_linear_ukf");
+}
+
+TEST(Summary, HoldsErrorsAgainstTheTruthAfterSettling) {
+  const auto& [study, results] = everything();
+  const auto summary = summarise(study, results);
+  const char* keys[] = {"displacement_nrmse", "velocity_nrmse",    "acceleration_nrmse",
+                        "force_nrmse",        "deformation_nrmse", "rate_nrmse"};
+  const auto check = [&](const PointQuantity& point, const Json& own) {
+    const auto* truth = [&]() -> const PointQuantity* {
+      for (const auto& each : results.simulation->points)
+        if (each.point == point.point && each.quantity == point.quantity) return &each;
+      return nullptr;
+    }();
+    ASSERT_NE(truth, nullptr);
+    same(own[keys[int(point.quantity)]], nrmse(point.mean.tail(151), truth->mean.tail(151)));
+  };
+  for (const auto& point : results.estimation->points) check(point, summary["estimation"]["states"][point.point]);
+  for (const auto& point : results.prediction->points)
+    check(point, summary["prediction"]["s"][point.point.substr(point.point.find('.') + 1)]);
+  const VectorXd frequencies = results.modifications.at(0).frequencies;
+  for (Index i : {0, 1}) same(summary["prediction"]["m"]["frequencies_hz"][std::size_t(i)], frequencies[i]);
+  EXPECT_EQ(summary["prediction"]["m"]["substructure"], "s");
+}
+
+TEST(Summary, HoldsTheUpdating) {
+  const auto& [study, results] = everything();
+  const auto& stage = *results.updating;
+  const auto summary = summarise(study, results)["updating"];
+  const char* names[] = {"s.k.stiffness", "s.m.stiffness"};
+  for (Index i : {0, 1}) {
+    const auto& own = summary["parameters"][names[i]];
+    same(own["true"], i == 0 ? 800.0 : 700.0);
+    same(own["initial"], i == 0 ? 640.0 : 810.0);
+    same(own["estimate"], stage.values[i]);
+    same(own["std"], stage.statistics.deviations[i]);
+    near(own["std"].get<double>(), std::sqrt(summary["covariance"][std::size_t(i)][std::size_t(i)].get<double>()),
+         1e-9);
+    same(summary["correlation"][0][std::size_t(i)], stage.statistics.correlation(0, i));
+    same(summary["sensitivities"][names[i]]["deviation"], stage.sensitivities[std::size_t(i)].deviation);
+    same(summary["sensitivities"][names[i]]["uncertainty"], stage.sensitivities[std::size_t(i)].uncertainty);
+  }
+  same(summary["parameters"]["s.k.stiffness"]["lower"], 100.0);
+  same(summary["parameters"]["s.k.stiffness"]["upper"], 3000.0);
+  same(summary["parameters"]["s.k.stiffness"]["prior_std"], 300.0);
+  same(summary["residual_initial"], stage.residual_initial);
+  same(summary["residual_final"], stage.residual_final);
+  EXPECT_LT(stage.residual_final, stage.residual_initial);
+  EXPECT_EQ(summary["evaluations"], stage.evaluations);
+  EXPECT_EQ(summary["iterations"], stage.iterations);
+  const auto& comparison = summary["comparisons"]["f"];
+  same(comparison["weight"], 2.0);
+  EXPECT_EQ(comparison["values"], 2);
+  same(comparison["rms_initial"], stage.comparisons[0].rms_initial);
+  same(comparison["rms_final"], stage.comparisons[0].rms_final);
+  for (std::size_t i : {0, 1}) {
+    same(comparison["modes"][i]["measured_hz"], i == 0 ? 2.9 : 5.5);
+    same(comparison["modes"][i]["model_hz"], stage.comparisons[0].modes_final[i].model_frequency);
+    near(comparison["modes"][i]["error"].get<double>(),
+         comparison["modes"][i]["model_hz"].get<double>() / (i == 0 ? 2.9 : 5.5) - 1.0, 1e-6);
+  }
+  EXPECT_EQ(summary["stages"].size(), stage.trace.size());
+  same(summary["stages"][1]["residual"], stage.trace[1].residual);
+  same(summary["stages"][1]["tried"][1], stage.trace[1].tried[1]);
+  same(summary["unknowns_without_updating"]["c.c"], stage.unknowns_before[1]);
+}
+
+TEST(Summary, HoldsTheModel) {
+  const auto& [study, results] = everything();
+  const auto summary = summarise(study, results)["model"];
+  EXPECT_EQ(summary["dofs"], 4);
+  same(summary["substructures"]["s"]["mass"], 6.0);
+  same(summary["substructures"]["s"]["frequencies_hz"][1], results.modes[1].frequencies[1]);
+  const auto beam = study_of(beam_case());
+  const auto reduced = summarise(beam, run(beam, Stage::modes))["model"]["substructures"]["b"];
+  const auto& evidence = beam.finite_elements[0].reduced->evidence;
+  same(reduced["reduction"]["highest_kept_hz"], evidence.highest_kept);
+  same(reduced["reduction"]["next_left_out_hz"], evidence.next_left_out);
+  same(reduced["reduction"]["modes"][0]["full_hz"], evidence.modes[0].full);
+  same(reduced["reduction"]["modes"][0]["reduced_hz"], evidence.modes[0].reduced);
+  same(reduced["reduction"]["modes"][0]["mac"], evidence.modes[0].mac);
+}
+
+TEST(ResultsFile, HoldsEverySeriesUnderItsName) {
+  const auto& [study, results] = everything();
+  const auto path = write_file("results.h5", "").string();
+  write_results(path, study, results);
+  const auto file = Hdf5File::open(path);
+  const auto check = [&](const std::string& name, const VectorXd& expected, const std::string& unit) {
+    ASSERT_TRUE(file.contains(name)) << name;
+    EXPECT_EQ(file.read(name), expected) << name;
+    EXPECT_EQ(file.text_attribute(name, "unit"), unit) << name;
+  };
+  const char* names[] = {"displacement", "velocity", "acceleration", "force", "deformation", "rate"};
+  const char* units[] = {"m", "m/s", "m/s^2", "N", "m", "m/s"};
+  for (const auto& point : results.simulation->points)
+    check("/truth/" + point.point + "/" + names[int(point.quantity)], point.mean, units[int(point.quantity)]);
+  for (const auto& point : results.estimation->points) {
+    const std::string name = "/estimate/" + point.point + "/" + names[int(point.quantity)];
+    check(name, point.mean, units[int(point.quantity)]);
+    check(name + "_std", point.deviation, units[int(point.quantity)]);
+  }
+  for (const auto& point : results.prediction->points)
+    check("/prediction/" + point.point + "/" + names[int(point.quantity)], point.mean, units[int(point.quantity)]);
+  const auto& estimate = results.estimation->result;
+  check("/estimate/parameters/c.c", estimate.unknowns.mean.row(1).transpose(), "N s/m");
+  check("/estimate/parameters/c.c_std", estimate.unknowns.deviation.row(1).transpose(), "N s/m");
+  check("/innovation/value/yb", estimate.innovation.row(1).transpose(), "m");
+  check("/innovation/deviation/yb", estimate.innovation_deviation.row(1).transpose(), "m");
+  check("/innovation/nis", estimate.nis, "-");
+  check("/measurements/yw", results.simulation->measurements.values.col(0), "m/s^2");
+  const VectorXd force = study.signals[0]->sample(0.0, 0.01, 201).col(0).matrix();
+  EXPECT_LT((file.read("/inputs/f") - force).norm(), 1e-12 * force.norm());
+  EXPECT_EQ(file.text_attribute("/inputs/f", "unit"), "N");
+  EXPECT_LT((file.read("/time") - VectorXd::LinSpaced(201, 0.0, 2.0)).norm(), 1e-12);
+  check("/updating/parameters/s.m.stiffness_tried",
+        VectorXd::NullaryExpr(Index(results.updating->trace.size()),
+                              [&](Index k) { return results.updating->trace[std::size_t(k)].tried[1]; }),
+        "N/m");
+}
+
+/// The estimated deviations are those of the errors: over all states that are not measured, in variances, and neither
+/// under- nor overstated. 40 records of 2 s are independent; half of the points move nearly together.
+TEST(EstimatedDeviations, AreThoseOfTheErrors) {
+  double squares = 0.0, count = 0.0, parameter = 0.0;
+  constexpr int seeds = 40;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    const auto study = study_of(
+        estimated_case({{"sensors", "{y: {acceleration: s.b, noise: 5 %}}"},
+                        {"excitation", "{f: {force: s.b, random: {rms: 10, band: [0.5, 12], fade_in: 0.1}}}"},
+                        {"simulate", "{duration: 2 s, sample_rate: 200 Hz, seed: " + std::to_string(seed) + "}"},
+                        {"estimate", "{unknown: {c.k: {initial: 480, std: 40}}, settle: 0.5 s}"}}));
+    const auto results = run(study, Stage::estimate);
+    for (const auto& point : results.estimation->points) {
+      if (point.quantity != ObservedQuantity::displacement) continue;
+      const VectorXd error = (point.mean - point.truth).cwiseQuotient(point.deviation);
+      for (const Index k : {150, 250, 350}) squares += error[k] * error[k], count += 1.0;
+    }
+    const auto& unknowns = results.estimation->result.unknowns;
+    parameter += std::pow((unknowns.mean(0, 400) - 500.0) / unknowns.deviation(0, 400), 2) / seeds;
+  }
+  std::printf("squared errors: displacements %.2f, parameter %.2f variances\n", squares / count, parameter);
+  // The first guess is half a deviation off, which counts little. Chi-squared over 40 seeds: 0.55 to 1.56 hold 99 %.
+  EXPECT_GT(parameter, 0.55);
+  EXPECT_LT(parameter, 1.56);
+  EXPECT_GT(squares / count, 0.55);
+  EXPECT_LT(squares / count, 1.56);
+}
+
+}  // namespace
+}  // namespace kalfem::wiring
