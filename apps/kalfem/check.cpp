@@ -7,6 +7,7 @@
 #include "kalfem/casefile/stages.hpp"
 #include "kalfem/casefile/substructure_modes.hpp"
 #include "kalfem/report/health_section.hpp"
+#include "kalfem/report/record_report.hpp"
 #include "kalfem/report/tables.hpp"
 #include "verbs.hpp"
 
@@ -95,9 +96,7 @@ ExitCode check(const std::string& case_file, const std::string& page_file) {
   print_table(substructure_table(study));
   print_table(connector_table(study));
   print_table(sensor_table(study));
-  if (study.record)
-    print("record: {} samples at {} Hz from {} s\n\n", study.record->series.samples(), four_digits(study.sample_rate()),
-          four_digits(study.record->series.start));
+  if (study.record) print("{}\n", record_words(study, {}));
   if (study.observer) print_table(unknown_table(*study.observer));
   if (study.updating) print_table(updating_table(*study.updating));
   check_health_of_parts(study, page_file);

@@ -102,5 +102,23 @@ TEST(Units, SiUnitReadsBack) {
   }
 }
 
+/// Standard gravity, 9.80665 m/s^2 (CGPM 1901).
+TEST(Units, GBesideAnAccelerationIsStandardGravity) {
+  EXPECT_DOUBLE_EQ(parse_unit_as("g", "m/s^2").factor, 9.80665);
+  EXPECT_DOUBLE_EQ(parse_unit_as(" G", "m/s^2").factor, 9.80665);
+  EXPECT_DOUBLE_EQ(parse_unit_as("mg", "m/s^2").factor, 9.80665e-3);
+  EXPECT_DOUBLE_EQ(parse_unit_as("g0", "m/s^2").factor, 9.80665);
+  EXPECT_DOUBLE_EQ(parse_unit_as("g/N", "m/s^2/N").factor, 9.80665);
+  EXPECT_DOUBLE_EQ(parse_unit_as("g/sqrt(Hz)", "m/s^2/sqrt(Hz)").factor, 9.80665);
+  EXPECT_DOUBLE_EQ(parse_unit_as("cm/s^2", "m/s^2").factor, 0.01);
+  // Grams stay grams, and a kilogram is no acceleration.
+  EXPECT_DOUBLE_EQ(parse_unit_as("g", "kg").factor, 1e-3);
+  EXPECT_DOUBLE_EQ(parse_unit_as("kN", "N").factor, 1e3);
+  EXPECT_DOUBLE_EQ(parse_unit_as("1/g", "1/kg").factor, 1e3);
+  for (const char* wrong : {"kg", "s", "m", "m/s", "%", "-", "V", "counts", "N"})
+    EXPECT_NE(message([&] { parse_unit_as(wrong, "m/s^2"); }), "") << wrong;
+  EXPECT_NE(message([&] { parse_unit_as("g", "m"); }), "");
+}
+
 }  // namespace
 }  // namespace kalfem

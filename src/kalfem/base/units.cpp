@@ -95,6 +95,17 @@ std::optional<Unit> find_unit(std::string_view symbol) {
   return std::nullopt;
 }
 
+/// What accelerometers are read in: g, milli-g and the like. A kilo-g is more likely a kilogram.
+std::optional<Unit> find_gravity(std::string_view symbol) {
+  constexpr std::string_view smaller[] = {"m", "µ", "μ", "u", "n"};
+  if (symbol == "g" || symbol == "G") return find_unit("g0");
+  for (const auto& prefix : prefixes)
+    for (const auto usual : smaller)
+      if (prefix.symbol == usual && symbol.starts_with(usual) && symbol.substr(usual.size()) == "g")
+        return Unit{prefix.factor * gravity, find_unit("g0")->dimension};
+  return std::nullopt;
+}
+
 Unit operator*(const Unit& a, const Unit& b) {
   Unit product{a.factor * b.factor, a.dimension};
   for (std::size_t i = 0; i < b.dimension.twelfths.size(); ++i)
@@ -106,7 +117,9 @@ Unit operator*(const Unit& a, const Unit& b) {
 /// atom = symbol | "1" | "(" product ")" | "sqrt(" product ")".
 class UnitParser {
 public:
-  explicit UnitParser(std::string_view text) : text_(text), rest_(trim(text)) {}
+  /// What the letter g stands for.
+  enum class Gram { mass, gravity };
+  explicit UnitParser(std::string_view text, Gram gram = Gram::mass) : text_(text), rest_(trim(text)), gram_(gram) {}
 
   Unit parse() {
     if (text_.size() > longest_text) fail("the text is too long");
@@ -173,7 +186,8 @@ private:
     while (length < rest_.size() && belongs(rest_[length]) && !starts_sign(rest_.substr(length))) ++length;
     if (rest_.starts_with("g0")) length = 2;
     if (rest_ == "-") length = 1;
-    const auto unit = find_unit(rest_.substr(0, length));
+    const auto gravity_unit = gram_ == Gram::gravity ? find_gravity(rest_.substr(0, length)) : std::nullopt;
+    const auto unit = gravity_unit ? gravity_unit : find_unit(rest_.substr(0, length));
     if (!unit) fail(length == 0 ? "a unit is missing" : "'" + std::string(rest_.substr(0, length)) + "' is not known");
     rest_.remove_prefix(length);
     return *unit;
@@ -251,7 +265,18 @@ private:
   }
 
   std::string_view text_, rest_;
+  Gram gram_;
 };
+
+/// The unit with g as gravity, where that makes it one of the wanted dimension.
+std::optional<Unit> unit_with_gravity(std::string_view text, const Dimension& wanted) {
+  try {
+    const Unit unit = UnitParser(text, UnitParser::Gram::gravity).parse();
+    return compatible(unit.dimension, wanted) ? std::optional(unit) : std::nullopt;
+  } catch (const InvalidInput&) {
+    return std::nullopt;
+  }
+}
 
 [[noreturn]] void fail_dimension(const std::string& given, std::string_view expected, const Dimension& found) {
   const Dimension wanted = parse_unit(expected).dimension;
@@ -269,6 +294,14 @@ bool operator==(const Quantity& a, const Quantity& b) {
 }
 
 Unit parse_unit(std::string_view text) { return UnitParser(text).parse(); }
+
+Unit parse_unit_as(std::string_view text, std::string_view expected_unit) {
+  const Dimension wanted = parse_unit(expected_unit).dimension;
+  if (const auto with_gravity = unit_with_gravity(text, wanted)) return *with_gravity;
+  const Unit unit = parse_unit(text);
+  if (!compatible(unit.dimension, wanted)) fail_dimension(std::string(trim(text)), expected_unit, unit.dimension);
+  return unit;
+}
 
 Quantity parse_quantity(std::string_view text) {
   const std::string shown = "'" + std::string(text.substr(0, longest_text)) + "'";

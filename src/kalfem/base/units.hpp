@@ -34,6 +34,11 @@ bool operator==(const Quantity& a, const Quantity& b);
 /// ("N/m s") is refused as ambiguous. Throws InvalidInput that names the part that is not understood.
 Unit parse_unit(std::string_view text);
 
+/// The unit of numbers that must have the dimension of `expected_unit`. Where grams do not fit and accelerations do, g
+/// (also G, mg, ug) is standard gravity: "g" of an acceleration, "g/N" of an accelerance. Throws InvalidInput where the
+/// dimension is another.
+Unit parse_unit_as(std::string_view text, std::string_view expected_unit);
+
 /// Reads "15 %", "20 kN/m", "-3e-3"; a number without a unit is SI. The result is finite. Throws InvalidInput.
 Quantity parse_quantity(std::string_view text);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include "kalfem/casefile/bounds.hpp"
@@ -44,12 +45,27 @@ const std::vector<d::Name>* sensors_of(const d::Comparison& given) {
   return nullptr;
 }
 
+/// Factor that turns a column of frequencies into Hz: rad/s and rpm are angular.
+double factor_to_hertz(const std::string& unit) {
+  if (unit.empty()) return 1.0;
+  const Unit parsed = parse_unit(unit);
+  if (parsed.dimension == parse_unit("Hz").dimension) return parsed.factor;
+  if (parsed.dimension == parse_unit("rad/s").dimension) return parsed.factor / (2.0 * std::numbers::pi);
+  throw InvalidInput("the frequencies are in '" + unit + "'", "that is no unit of frequency", "give them in Hz");
+}
+
 std::vector<double> measured_frequencies(const d::Frequencies& given) {
   if (const auto* listed = std::get_if<std::vector<double>>(&given)) return *listed;
   const auto& column = std::get<d::TableColumn>(given);
-  const auto table = read_csv_table(column.file, {.columns = {column.column}});
-  const Index rows = column.first ? std::min<Index>(*column.first, table.values.rows()) : table.values.rows();
-  return {table.values.col(0).begin(), table.values.col(0).begin() + rows};
+  const auto table = read_csv_table(column.file, {.columns = {column.column}, .rows = column.first});
+  try {
+    const VectorXd frequencies = factor_to_hertz(table.columns.front().unit) * table.values.col(0);
+    return {frequencies.begin(), frequencies.end()};
+  } catch (const InvalidInput& error) {
+    IssueList issues;
+    issues.add(error, {column.file.string(), table.title_line});
+    throw InvalidInput(issues.issues());
+  }
 }
 
 /// A point by its name in the substructure: a degree of freedom or a named combination.
@@ -212,7 +228,7 @@ public:
 private:
   [[nodiscard]] VectorXd start() const { return initial_values(study_.updating->parameters); }
 
-  [[nodiscard]] static MeasuredFrf measured_frf(const d::FrfData& given, const d::FrfInput& input) {
+  [[nodiscard]] MeasuredFrf measured_frf(const d::FrfData& given, const d::FrfInput& input) const {
     MeasuredFrf measured;
     if (const auto* force = std::get_if<d::FrfForce>(&input.input)) {
       measured.set = {FrfInput::force, force->point.value, {}, {}};
@@ -226,19 +242,49 @@ private:
     if (const auto* table = std::get_if<d::FrfFile>(&input.source)) {
       measured.name = table->file.value.string();
       measured.response = read_frf_table(table->file.value, {.outputs = input.columns});
+      convert_to_si(measured.response, unit_of(given.quantity), input, table->file.value.string());
       return measured;
     }
     const auto& source = std::get<d::FrfRecordSource>(input.source);
     measured.name = source.file.value.string();
-    std::vector<std::string> outputs = input.columns.empty() ? measured.set.outputs : input.columns, columns = outputs;
+    const std::vector<std::string> outputs = input.columns.empty() ? measured.set.outputs : input.columns;
     if (std::ranges::find(outputs, source.input) != outputs.end())
       throw InvalidInput(source.file.issue("the column '" + source.input + "' is input and output", "",
                                            "name the outputs' columns under `columns`"));
-    columns.push_back(source.input);
-    const TimeSeries record = read_record_file(source.file.value, columns, source.sample_rate, source.dataset);
+    std::vector<WantedChannel> columns;
+    for (const auto& output : outputs)
+      columns.push_back({.column = output, .owner = owner(), .unit = unit_of(given.quantity)});
+    columns.push_back({.column = source.input, .owner = owner(), .unit = unit_of(input)});
+    const TimeSeries record = read_record_file(source.file.value, columns,
+                                               {.sample_rate = source.sample_rate, .dataset = source.dataset});
     const auto segment = static_cast<Index>(std::llround(source.segment * record.sample_rate));
     measured.response = estimate_h1(std::span(&record, 1), source.input, outputs, {.segment = segment}).response;
     return measured;
+  }
+
+  [[nodiscard]] std::string owner() const { return "update.compare." + name_; }
+
+  static std::string unit_of(d::FrfQuantity quantity) {
+    return quantity == d::FrfQuantity::displacement ? "m" : quantity == d::FrfQuantity::velocity ? "m/s" : "m/s^2";
+  }
+  static std::string unit_of(const d::FrfInput& input) {
+    return std::holds_alternative<d::FrfForce>(input.input) ? "N" : "m/s^2";
+  }
+
+  /// Responses of a table whose titles name their units, per force or per acceleration of the ground.
+  void convert_to_si(FrequencyResponse& response, const std::string& output_unit, const d::FrfInput& input,
+                     const std::string& file) const {
+    const std::string unit = "(" + output_unit + ")/(" + unit_of(input) + ")";
+    IssueList issues;
+    for (std::size_t j = 0; j < response.outputs.size(); ++j) {
+      Channel& output = response.outputs[j];
+      const double factor =
+          factor_to_si({.column = output.name, .owner = owner(), .unit = unit}, output, {file, 0}, issues);
+      response.values.col(static_cast<Index>(j)) *= factor;
+      if (response.deviations.size() > 0) response.deviations.col(static_cast<Index>(j)) *= factor;
+      output.unit = unit;
+    }
+    issues.raise();
   }
 
   static double deviation(const d::Value& given, double frequency) {

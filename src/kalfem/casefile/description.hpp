@@ -101,9 +101,9 @@ struct Road {
 };
 struct FileSignal {
   std::filesystem::path file;
-  std::string channel;
+  Name channel;
   std::optional<double> sample_rate;
-  std::string unit;
+  Located<std::string> unit;  ///< empty: that of the column's title, else SI
 };
 struct Delayed {
   Name input;
@@ -150,17 +150,20 @@ struct Sensor {
   Value noise;                    ///< a percentage of the channel's rms, or in the sensor's unit
   std::vector<ChainStage> chain;  ///< measurement chain
   std::optional<std::string> channel;
+  Located<std::string> unit;           ///< of the channel; empty: that of all columns or of the column's title, else SI
+  bool accept_constant = false;        ///< the channel may hold one value throughout
 };
 
 struct FreeResponse {
-  double delay = 0.0;       ///< the case begins so long after the release
-  double threshold = 5e-4;  ///< the filter stops when no channel is further from rest than this ...
-  double margin = 0.5;      ///< ... and so long has passed since
+  double delay = 0.0;              ///< the case begins so long after the release
+  double threshold = 5e-4;         ///< the filter stops when no channel is further from rest than this ...
+  double margin = 0.5;             ///< ... and so long has passed since
+  std::optional<double> rest_std;  ///< of each channel's rest position where the record ends before it [m]
 };
 struct Record {
-  std::filesystem::path file;
+  Located<std::filesystem::path> file;
   std::optional<double> sample_rate;
-  std::string unit;   ///< of the columns; empty: SI
+  Located<std::string> unit;  ///< of the columns; empty: those of their titles, else SI
   std::string group;  ///< of an HDF5 file: the dataset
   std::optional<double> start, end;
   bool skip_missing = false;

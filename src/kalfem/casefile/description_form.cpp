@@ -133,7 +133,13 @@ Form<Sensor> sensor() {
           .required("noise", &Sensor::noise, value(),
                     "standard deviation: per cent of the channel's rms, or in the sensor's unit")
           .optional("chain", &Sensor::chain, measurement_chain(), "dynamics between the quantity and the record")
-          .optional("channel", &Sensor::channel, text(), "column of the record; default: the sensor's name"));
+          .optional("channel", &Sensor::channel, text(),
+                    "column of the record, with or without its unit; default: the sensor's name")
+          .optional("unit", &Sensor::unit, located(text()),
+                    "of its column, where it is another than record.unit; g is standard gravity for an acceleration; "
+                    "default: that of the column's title, else SI")
+          .optional("accept_constant", &Sensor::accept_constant, boolean(),
+                    "its channel may hold one value throughout; else that is taken for a dead sensor"));
 }
 
 Form<Record> record() {
@@ -142,14 +148,19 @@ Form<Record> record() {
           .optional("delay", &FreeResponse::delay, number("s", plausible::time()), "begin so long after the release")
           .optional("threshold", &FreeResponse::threshold, number("m", plausible::length()),
                     "the filter stops when no channel is further from rest")
-          .optional("margin", &FreeResponse::margin, number("s", plausible::time()), "and so much later");
+          .optional("margin", &FreeResponse::margin, number("s", plausible::time()), "and so much later")
+          .optional("rest_std", &FreeResponse::rest_std, number("m", Bounds::positive()),
+                    "where the record ends before the rest: prior standard deviation of each channel's rest position, "
+                    "which is estimated; default: half of the last swing");
 
   return mapping(
       Fields<Record>()
-          .required("file", &Record::file, path(), "measured record: .csv, .lvm or .h5")
+          .required("file", &Record::file, located(path()), "measured record: .csv, .lvm or .h5")
           .optional("sample_rate", &Record::sample_rate, number("Hz", plausible::frequency()),
                     "where the file does not say it")
-          .optional("unit", &Record::unit, text(), "unit of the columns, default SI")
+          .optional("unit", &Record::unit, located(text()),
+                    "unit of the columns, g is standard gravity for accelerations; default: those of their titles "
+                    "(\"a [g]\"), else SI")
           .optional("dataset", &Record::group, text(), "in an .h5 file: the dataset whose columns are the channels")
           .optional("start", &Record::start, number("s", plausible::clock()), "time in the file where the case begins")
           .optional("end", &Record::end, number("s", plausible::clock()), "time in the file where it ends")

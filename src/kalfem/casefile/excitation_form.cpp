@@ -82,10 +82,11 @@ Form<Excitation> excitation() {
           .optional("seed", &Road::seed, seed(), "of the phases");
   const auto file = Fields<FileSignal>()
                         .required("file", &FileSignal::file, path(), "table with a column of samples")
-                        .required("channel", &FileSignal::channel, text(), "column")
+                        .required("channel", &FileSignal::channel, name(), "column, with or without its unit")
                         .optional("sample_rate", &FileSignal::sample_rate, number("Hz", plausible::frequency()),
                                   "where the file has no time column")
-                        .optional("unit", &FileSignal::unit, text(), "of the column, default SI");
+                        .optional("unit", &FileSignal::unit, located(text()),
+                                  "of the column; default: that of its title (\"F [kN]\"), else SI");
   const auto delayed = Fields<Delayed>()
                            .required("input", &Delayed::input, name(), "the input that comes first")
                            .required("delay", &Delayed::delay, seconds(), "how much later");

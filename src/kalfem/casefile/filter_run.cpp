@@ -2,6 +2,7 @@
 
 #include "kalfem/casefile/observer_setup.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <thread>
@@ -38,6 +39,25 @@ VectorXd interpolated(const VectorXd& samples, Index parts) {
   return fine;
 }
 
+/// Root mean square of the samples that are there.
+double rms_of_present(const Eigen::Ref<const VectorXd>& channel) {
+  const auto present = channel.array().isFinite();
+  const double count = std::max(1.0, static_cast<double>(present.count()));
+  return std::sqrt(present.select(channel, 0.0).squaredNorm() / count);
+}
+
+/// The recorded acceleration that drives an interface: there is nothing in the place of a missing sample.
+VectorXd driving_channel(const FullRecord& record, const std::string& sensor, Index parts) {
+  const VectorXd samples = record.series.values.col(record.series.find(sensor));
+  for (Index k = 0; k < samples.size(); ++k)
+    if (!std::isfinite(samples[k]))
+      throw InvalidInput("sensor '" + sensor + "' drives an interface of the observer and misses the sample at " +
+                             shortest(record.series.time(k)) + " s",
+                         "the motion of the interface is not known there",
+                         "use a part of the record without gaps in this channel (record.start, record.end)");
+  return interpolated(samples, parts);
+}
+
 /// [r; r'; r''] of the observer's inputs at every substep: excitation signals, recorded accelerations in the place of
 /// r'', zero for unknown forces.
 MatrixXd observer_inputs(const Study& study, const ObserverSetup& setup, const FullRecord& record) {
@@ -49,8 +69,7 @@ MatrixXd observer_inputs(const Study& study, const ObserverSetup& setup, const F
     const std::string& source = sources[static_cast<std::size_t>(i)];
     if (source.empty()) continue;
     if (source.front() == '@') {
-      inputs.row(2 * n_u + i) =
-          interpolated(record.series.values.col(record.series.find(source.substr(1))), parts).transpose();
+      inputs.row(2 * n_u + i) = driving_channel(record, source.substr(1), parts).transpose();
       continue;
     }
     for (std::size_t j = 0; j < study.parts.inputs.size(); ++j) {
@@ -64,24 +83,39 @@ MatrixXd observer_inputs(const Study& study, const ObserverSetup& setup, const F
   return inputs;
 }
 
+/// Prior standard deviation of a sensor's rest position; 0 where it is known.
+double rest_deviation(const ObserverOptions& options, std::size_t sensor) {
+  for (const auto& unknown : options.unknowns)
+    if (std::ranges::find(unknown.sensors, static_cast<Index>(sensor)) != unknown.sensors.end())
+      return unknown.deviation;
+  return 0.0;
+}
+
 /// Displacements and velocities at the first sample, least squares from the displacement sensors, what these see of
-/// moving grounds taken off. `inputs`: [r; r'; r''] there.
+/// moving grounds taken off. Displacements are no better known than the rest positions that they are measured from.
+/// `inputs`: [r; r'; r''] there.
 void set_start_from_record(const ObserverSetup& setup, const TimeSeries& series, const VectorXd& inputs,
-                           InitialState& start) {
+                           StatePrior& prior) {
   std::vector<OutputDescription> outputs;
   std::vector<Index> columns;
-  for (const auto& sensor : setup.sensors) {
+  std::vector<double> of_rest;
+  for (std::size_t i = 0; i < setup.sensors.size(); ++i) {
+    const auto& sensor = setup.sensors[i];
     if (sensor.output.quantity != ObservedQuantity::displacement) continue;
     outputs.push_back(sensor.output);
     columns.push_back(series.find(sensor.name));
+    of_rest.push_back(rest_deviation(setup.options, i));
   }
   const OutputMap map = make_outputs(*setup.model, outputs);
   const auto motion = local_motion(series, 0, {.half_window = 3.0 / series.sample_rate, .degree = 2});
-  const auto inverse = MatrixXd(map.displacement).completeOrthogonalDecomposition();
+  const MatrixXd inverse = MatrixXd(map.displacement).completeOrthogonalDecomposition().pseudoInverse();
   const Index n_u = inputs.size() / 3;
   const VectorXd base = map.input_value * inputs.head(n_u), base_velocity = map.input_value * inputs.segment(n_u, n_u);
-  start.displacement = inverse.solve((motion.position(columns) - base).eval());
-  start.velocity = inverse.solve((motion.velocity(columns) - base_velocity).eval());
+  prior.mean.displacement = inverse * (motion.position(columns) - base);
+  prior.mean.velocity = inverse * (motion.velocity(columns) - base_velocity);
+  const VectorXd rest = VectorXd::Map(of_rest.data(), static_cast<Index>(of_rest.size()));
+  prior.displacement_deviation =
+      (prior.displacement_deviation.cwiseAbs2() + inverse.cwiseAbs2() * rest.cwiseAbs2()).cwiseSqrt();
 }
 
 /// The observer's options with what only the record tells: the noise of accelerations that drive it, sensor states.
@@ -98,28 +132,43 @@ ObserverOptions completed_options(const Study& study, const ObserverSetup& setup
         record.noise[static_cast<std::size_t>(channel)] / std::sqrt(record.series.sample_rate);
   }
   double largest = 0.0;
-  for (Index j = 0; j < record.series.values.cols(); ++j) {
-    const VectorXd channel = record.series.values.col(j);
-    largest = std::max(largest, rms(channel.array().isNaN().select(0.0, channel)));
-  }
+  for (Index j = 0; j < record.series.values.cols(); ++j)
+    largest = std::max(largest, rms_of_present(record.series.values.col(j)));
   options.prior.sensor_state_deviation = 0.1 * largest;
   if (study.given.estimate->initial_state_from_record)
-    set_start_from_record(setup, record.series, inputs, options.prior.mean);
-
+    set_start_from_record(setup, record.series, inputs, options.prior);
   return options;
+}
+
+/// Noise in per cent of nothing is none, and the filter cannot weigh such a sensor.
+void check_noise(const Study& study, const std::vector<double>& noise, const std::string& channel) {
+  IssueList issues;
+  for (std::size_t i = 0; i < noise.size(); ++i) {
+    const auto& sensor = study.sensors[i];
+    const auto& given = study.given.sensors[i].second.noise;
+    if (sensor.relative_noise && sensor.noise > 0.0 && noise[i] == 0.0)
+      issues.add(given.location,
+                 given.path + ": the noise is " + shortest(100.0 * sensor.noise) + " % of the channel's rms, but " +
+                     channel + " is 0 throughout",
+                 "per cent of nothing is no noise",
+                 "give the noise in " + sensor.unit + ", or take the sensor out if nothing moves there");
+  }
+  issues.raise();
 }
 
 }  // namespace
 
 FullRecord full_record(const Study& study, const StudyResults& results) {
-  if (results.simulation) return {results.simulation->measurements, results.simulation->noise};
+  if (results.simulation) {
+    check_noise(study, results.simulation->noise, "the simulated channel");
+    return {results.simulation->measurements, results.simulation->noise};
+  }
   FullRecord record{study.record->series, {}};
   for (std::size_t i = 0; i < study.sensors.size(); ++i) {
-    const VectorXd channel = record.series.values.col(static_cast<Index>(i));
-    const VectorXd known = channel.array().isNaN().select(0.0, channel);
-    record.noise.push_back(study.sensors[i].deviation(rms(known)));
+    record.noise.push_back(study.sensors[i].deviation(rms_of_present(record.series.values.col(static_cast<Index>(i)))));
     record.series.channels[i].unit = study.sensors[i].unit;
   }
+  check_noise(study, record.noise, "its channel");
   return record;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "kalfem/base/units.hpp"
 #include "kalfem/formats/csv.hpp"
 #include "kalfem/formats/matrices/matrix_model.hpp"
 #include "kalfem/model/scalar_points.hpp"
@@ -65,12 +66,32 @@ public:
     if (table.values.cols() < 4)
       throw InvalidInput(coordinates->issue("the table has " + std::to_string(table.values.cols()) + " columns",
                                             "a node has a number, x, y and z", "give these four columns"));
+    const Eigen::Vector3d factors = length_factors(table, length, *coordinates);
     for (Index row = 0; row < table.values.rows(); ++row)
       if (const auto found = index_.find(std::llround(table.values(row, 0))); found != index_.end())
-        mesh_.nodes.col(found->second) = length * table.values.row(row).segment<3>(1).transpose();
+        mesh_.nodes.col(found->second) = factors.cwiseProduct(table.values.row(row).segment<3>(1).transpose());
   }
 
 private:
+  /// To metres: by the unit of a column's title, "x [mm]", or by that of the matrices.
+  static Eigen::Vector3d length_factors(const CsvTable& table, double length,
+                                        const Located<std::filesystem::path>& coordinates) {
+    Eigen::Vector3d factors = Eigen::Vector3d::Constant(length);
+    IssueList issues;
+    for (Index i = 0; i < 3; ++i) {
+      const Channel& column = table.columns[static_cast<std::size_t>(i) + 1];
+      try {
+        if (!column.unit.empty()) factors[i] = parse_unit_as(column.unit, "m").factor;
+      } catch (const InvalidInput& error) {
+        issues.add({coordinates.value.string(), table.title_line}, "column '" + column.name + "': " + error.what(),
+                   "it is a coordinate", "mend its title");
+      }
+    }
+    issues.raise();
+    return factors;
+  }
+
+
   Index node(std::int64_t id) {
     const auto [place, is_new] = index_.try_emplace(id, static_cast<Index>(mesh_.node_ids.size()));
     if (is_new) mesh_.node_ids.push_back(id);

@@ -126,6 +126,22 @@ void add_unknowns(const Study& study, const PresentValues& present, std::optiona
   for (const auto& [name, unknown] : given.unknown) unknowns.add(name, unknown);
 }
 
+/// Rest positions that the record does not show: a constant in each sensor's channel, measured from where the record
+/// was taken about.
+void add_rest_positions(const Study& study, ObserverSetup& setup) {
+  if (!study.record || !study.record->free_response || !study.record->free_response->rest_is_unknown()) return;
+  for (std::size_t i = 0; i < setup.sensors.size(); ++i) {
+    const StudySensor& sensor = setup.sensors[i];
+    UnknownParameter rest;
+    rest.name = "rest." + sensor.name;
+    rest.unit = sensor.unit;
+    rest.deviation = study.record->free_response->deviation[study.record->series.find(sensor.name)];
+    rest.sensors = {static_cast<Index>(i)};
+    setup.options.unknowns.push_back(rest);
+    setup.true_parameters.emplace_back();
+  }
+}
+
 /// The structure at the first guesses of the linear unknowns in the place of the case's own.
 Parts at_first_guesses(const Study& study, LinearUnknowns& unknowns, const std::optional<VectorXd>& reduced_at) {
   const VectorXd initial = VectorXd::Map(unknowns.initial.data(), static_cast<Index>(unknowns.initial.size()));
@@ -212,6 +228,7 @@ ObserverSetup make_observer_setup(const Study& study, Parts parts, const Present
   options.substeps = given.substeps;
   setup.sensors = observer_sensors(study, setup, issues);
   if (given.initial_state_from_record && issues.empty()) check_start_from_record(study, setup, issues);
+  add_rest_positions(study, setup);
   return setup;
 }
 

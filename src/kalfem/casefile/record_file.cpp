@@ -4,6 +4,7 @@
 #include <charconv>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/formats/channel_title.hpp"
 #include "kalfem/formats/csv.hpp"
 #include "kalfem/formats/hdf5_file.hpp"
 #include "kalfem/formats/lvm.hpp"
@@ -13,19 +14,33 @@ namespace {
 
 using Eigen::Index;
 
-/// Channels of a table in the order asked for.
-TimeSeries select(const TimeSeries& table, const std::vector<std::string>& channels, const std::string& file) {
+/// A table as it stands in its file: in the file's units.
+struct RawRecord {
+  TimeSeries series;
+  SourceLocation titles;  ///< where names and units stand
+};
+
+std::vector<std::string> columns_of(const std::vector<WantedChannel>& wanted) {
+  std::vector<std::string> columns;
+  for (const auto& channel : wanted) columns.push_back(channel.column);
+  return columns;
+}
+
+/// The wanted channels of a table, in their order.
+TimeSeries select(const TimeSeries& table, const std::vector<WantedChannel>& wanted, const SourceLocation& titles) {
   TimeSeries selected{
-      table.sample_rate, table.start, {}, Eigen::MatrixXd(table.samples(), static_cast<Index>(channels.size()))};
+      table.sample_rate, table.start, {}, Eigen::MatrixXd(table.samples(), static_cast<Index>(wanted.size()))};
   std::vector<std::string> known;
-  for (const auto& channel : table.channels) known.push_back(channel.name);
+  std::string all;
+  for (const auto& channel : table.channels) {
+    known.push_back(channel.name);
+    all += (all.empty() ? "" : ", ") + channel.name;
+  }
   IssueList issues;
-  for (std::size_t j = 0; j < channels.size(); ++j) {
-    const Index column = table.find(channels[j]);
+  for (std::size_t j = 0; j < wanted.size(); ++j) {
+    const Index column = find_channel(table.channels, wanted[j].column);
     if (column < 0) {
-      std::string all;
-      for (const auto& name : known) all += (all.empty() ? "" : ", ") + name;
-      issues.add({file, 0}, "there is no channel '" + channels[j] + "'" + did_you_mean(channels[j], known), "",
+      issues.add(titles, "there is no channel '" + wanted[j].column + "'" + did_you_mean(wanted[j].column, known), "",
                  "the file has: " + all);
       continue;
     }
@@ -58,9 +73,28 @@ Index column_number(const std::string& channel, Index columns, const std::string
   return number;
 }
 
-TimeSeries read_hdf5(const std::string& path, const std::vector<std::string>& channels,
-                     std::optional<double> sample_rate, const std::string& dataset) {
+/// Units of a dataset's columns: one for all, one each, or none.
+std::vector<std::string> units_of(const Hdf5File& file, const std::string& dataset, Index columns,
+                                  const std::string& path) {
+  const auto count = static_cast<std::size_t>(columns);
+  for (const char* name : {"unit", "units"}) {
+    if (!file.has_attribute(dataset, name)) continue;
+    auto units = file.texts_attribute(dataset, name);
+    if (units.size() == 1) units.resize(count, std::string(units.front()));
+    if (units.size() == count) return units;
+    throw InvalidInput({{path, 0},
+                        "the attribute '" + std::string(name) + "' of '" + dataset + "' holds " +
+                            std::to_string(units.size()) + " units",
+                        "the dataset has " + std::to_string(columns) + " columns",
+                        "write one for all of them, or one each"});
+  }
+  return std::vector<std::string>(count);
+}
+
+RawRecord read_hdf5(const std::string& path, const std::vector<WantedChannel>& wanted,
+                    const RecordFileOptions& options) {
   const auto file = Hdf5File::open(path);
+  const std::string& dataset = options.dataset;
   if (!file.contains(dataset) || dataset.empty()) {
     const auto known = file.datasets();
     std::string all;
@@ -71,28 +105,49 @@ TimeSeries read_hdf5(const std::string& path, const std::vector<std::string>& ch
                         "the file has: " + all});
   }
   const auto values = file.read_matrix(dataset);
-  TimeSeries series{rate_of(file, dataset, sample_rate, path),
+  const auto units = units_of(file, dataset, values.cols(), path);
+  RawRecord record{{rate_of(file, dataset, options.sample_rate, path),
                     0.0,
                     {},
-                    Eigen::MatrixXd(values.rows(), static_cast<Index>(channels.size()))};
-  for (std::size_t j = 0; j < channels.size(); ++j) {
-    series.channels.push_back({channels[j], ""});
-    series.values.col(static_cast<Index>(j)) = values.col(column_number(channels[j], values.cols(), path));
+                    Eigen::MatrixXd(values.rows(), static_cast<Index>(wanted.size()))},
+                   {path, 0}};
+  for (std::size_t j = 0; j < wanted.size(); ++j) {
+    const Index column = column_number(wanted[j].column, values.cols(), path);
+    record.series.channels.push_back({wanted[j].column, units[static_cast<std::size_t>(column)]});
+    record.series.values.col(static_cast<Index>(j)) = values.col(column);
   }
-  return series;
+  return record;
+}
+
+RawRecord read_raw(const std::filesystem::path& file, const std::vector<WantedChannel>& wanted,
+                   const RecordFileOptions& options) {
+  const std::string path = file.string(), ending = file.extension().string();
+  if (ending == ".h5" || ending == ".hdf5") return read_hdf5(path, wanted, options);
+  if (ending == ".lvm") {
+    const SourceLocation titles{path, 0};
+    return {select(read_lvm(file, options.missing), wanted, titles), titles};
+  }
+  CsvOptions csv;
+  csv.columns = columns_of(wanted);
+  csv.sample_rate = options.sample_rate;
+  csv.missing = options.missing;
+  const CsvRecord record = read_csv_record(file, csv);
+  const SourceLocation titles{path, record.title_line};
+  return {select(record.series, wanted, titles), titles};
 }
 
 }  // namespace
 
-TimeSeries read_record_file(const std::filesystem::path& file, const std::vector<std::string>& channels,
-                            std::optional<double> sample_rate, const std::string& dataset) {
-  const std::string path = file.string(), ending = file.extension().string();
-  if (ending == ".h5" || ending == ".hdf5") return read_hdf5(path, channels, sample_rate, dataset);
-  if (ending == ".lvm") return select(read_lvm(file), channels, path);
-  CsvOptions options;
-  options.columns = channels;
-  options.sample_rate = sample_rate;
-  return select(read_csv(file, options), channels, path);
+TimeSeries read_record_file(const std::filesystem::path& file, const std::vector<WantedChannel>& wanted,
+                            const RecordFileOptions& options) {
+  auto [series, titles] = read_raw(file, wanted, options);
+  IssueList issues;
+  for (std::size_t j = 0; j < wanted.size(); ++j) {
+    series.values.col(static_cast<Index>(j)) *= factor_to_si(wanted[j], series.channels[j], titles, issues);
+    series.channels[j] = {wanted[j].column, wanted[j].unit};
+  }
+  issues.raise();
+  return std::move(series);
 }
 
 }  // namespace kalfem

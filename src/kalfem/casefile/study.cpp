@@ -80,9 +80,10 @@ void warn(Study& study) {
         "estimate.settle is no shorter than the record: errors and NIS are of its last sample alone");
   if (!study.observer) return;
   for (const auto& unknown : study.observer->options.unknowns) {
-    const auto& given =
-        std::ranges::find(study.given.estimate->unknown, unknown.name, &std::pair<std::string, d::Unknown>::first)
-            ->second;
+    const auto entry =
+        std::ranges::find(study.given.estimate->unknown, unknown.name, &std::pair<std::string, d::Unknown>::first);
+    if (entry == study.given.estimate->unknown.end()) continue;  // a rest position, which may be negative
+    const auto& given = entry->second;
     if (unknown.transform.kind == TransformKind::none && given.std && !given.std->value.bare &&
         unknown.initial != 0.0 && unknown.deviation > 0.6 * std::abs(unknown.initial))
       study.warnings.push_back("unknown '" + unknown.name +
@@ -151,6 +152,9 @@ private:
       if (study_.given.record) study_.record = read_measured_record(study_.given);
     });
     step("placed sensors", {"model", "sensors"}, {"sensors"}, [&](IssueList& issues) { add_sensors(study_, issues); });
+    step("noise of the record", {"record", "placed sensors"}, {"record"}, [&](IssueList&) {
+      if (study_.record) full_record(study_, {});  // every channel has its noise
+    });
     const bool needs_duration = std::ranges::any_of(study_.given.excitation, lasts_as_long_as_the_simulation);
     const Names grounds_and_excitation = {"substructures", "elements", "excitation"};
     step("signals", needs_duration ? joined({"simulate"}, grounds_and_excitation) : grounds_and_excitation,

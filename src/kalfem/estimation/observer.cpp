@@ -22,6 +22,8 @@ void check_unknown(const UnknownParameter& unknown, const LocallyNonlinearSystem
                "it must be positive: a parameter without uncertainty is not unknown");
   if (!(unknown.random_walk >= 0.0) || !std::isfinite(unknown.random_walk))
     issues.add({}, title + " has a random walk that is negative or not finite", "it is a density");
+  if (!unknown.sensors.empty() && (!unknown.targets.empty() || unknown.transform.kind != TransformKind::none))
+    issues.add({}, title + " is a sensor's constant with a target or a transform", "it is added as it is");
   for (const auto& target : unknown.targets)
     if (target.connector < 0 || target.connector >= system.connector_count() || target.parameter < 0 ||
         target.parameter >= system.connectors[static_cast<std::size_t>(target.connector)].parameters.size())
@@ -63,9 +65,12 @@ ObserverOptions checked(ObserverOptions options) {
 }  // namespace
 
 std::vector<Index> linear_unknowns(const ObserverOptions& options) {
+  const auto is_of_linear_part = [](const UnknownParameter& unknown) {
+    return unknown.in_linear_part || (unknown.targets.empty() && unknown.sensors.empty());
+  };
   std::vector<Index> places;
   for (std::size_t i = 0; i < options.unknowns.size(); ++i)
-    if (options.unknowns[i].targets.empty() || options.unknowns[i].in_linear_part) places.push_back(static_cast<Index>(i));
+    if (is_of_linear_part(options.unknowns[i])) places.push_back(static_cast<Index>(i));
   return places;
 }
 
@@ -123,7 +128,10 @@ void Observer::check() const {
   IssueList issues;
   for (const auto& unknown : options_.unknowns) {
     check_unknown(unknown, system_, issues);
-    if (unknown.targets.empty() && !options_.system_at)
+    for (const Index sensor : unknown.sensors)
+      if (sensor < 0 || sensor >= form().outputs().state.rows())
+        issues.add({}, "unknown '" + unknown.name + "' names a sensor that does not exist", "");
+    if (unknown.targets.empty() && unknown.sensors.empty() && !options_.system_at)
       issues.add({}, "unknown '" + unknown.name + "' changes nothing", "name a parameter of a connector");
     else if (unknown.in_linear_part && !options_.system_at)
       issues.add({}, "unknown '" + unknown.name + "' is in the linear part, which is not given as a function of it",

@@ -20,17 +20,19 @@ struct ParameterTarget {
   Eigen::Index parameter = 0;
 };
 
-/// An unknown that the filter estimates: of connectors, several of which may share it, of the linear part, or of both.
+/// An unknown that the filter estimates: of connectors, several of which may share it, of the linear part, of both, or
+/// the constant that sensors show beside what the model gives.
 struct UnknownParameter {
   std::string name;
   std::string unit;
-  std::vector<ParameterTarget> targets;  ///< none: only the linear part depends on it, see ObserverOptions::system_at
+  std::vector<ParameterTarget> targets;  ///< none, and no sensors: only of the linear part, see ObserverOptions::system_at
   ParameterTransform transform;
   double initial = 0.0;      ///< prior mean [unit] (median under log and logit)
   double deviation = 0.0;    ///< prior standard deviation [unit]
   double random_walk = 0.0;  ///< drift that is allowed [unit/sqrt(s)]
   /// The linear part depends on it beside its connectors: modal damping follows the stiffness of a released spring.
   bool in_linear_part = false;
+  std::vector<Eigen::Index> sensors = {};  ///< outputs that it is added to; then it has no targets and no transform
 };
 
 /// Continuous-time noise, as densities so that nothing depends on the sampling rate.

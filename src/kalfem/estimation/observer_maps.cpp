@@ -168,7 +168,17 @@ bool TransitionMap::solve_part(Index part, const ArrayXXd& in, const ArrayXXd& o
   return outcome.finite && outcome.converged;
 }
 
-LinearOutput sensor_outputs(const Observer& observer) { return observer.form().outputs(); }
+ObserverOutput sensor_outputs(const Observer& observer) {
+  ObserverOutput output(observer.form().outputs());
+  const auto& unknowns = observer.options().unknowns;
+  for (std::size_t i = 0; i < unknowns.size(); ++i)
+    for (const Index sensor : unknowns[i].sensors) {
+      if (output.unknowns.size() == 0)
+        output.unknowns = MatrixXd::Zero(output.of_system.state.rows(), observer.layout().unknowns);
+      output.unknowns(sensor, static_cast<Index>(i)) = 1.0;
+    }
+  return output;
+}
 
 InstantMap::InstantMap(const Observer& observer, const OutputsOf& outputs)
     : observer_(&observer),
@@ -182,17 +192,21 @@ InstantMap::InstantMap(const Observer& observer, const OutputsOf& outputs)
   selection.bottomRows(motion_).leftCols(layout.linear) = observer.form().motion().state.topRows(motion_);
   select_states_and_unknowns(layout, selection);
   input_offset = VectorXd::Zero(selection.rows());
-  std::vector<Index> rows(static_cast<std::size_t>(all_.state.rows()));
+  std::vector<Index> rows(static_cast<std::size_t>(all_.of_system.state.rows()));
   for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = static_cast<Index>(i);
   select_rows(rows);
 }
 
 void InstantMap::select_rows(const std::vector<Index>& rows) {
-  linear = MatrixXd::Zero(static_cast<Index>(rows.size()), observer_->layout().size());
-  linear.leftCols(all_.state.cols()) = all_.state(rows, Eigen::all);
-  gain = MatrixXd::Zero(linear.rows(), all_.force.cols() + moving_gain);
-  gain.leftCols(all_.force.cols()) = all_.force(rows, Eigen::all);
-  input_ = all_.input(rows, Eigen::all);
+  const auto& layout = observer_->layout();
+  const auto& [state, input, force] = all_.of_system;
+  linear = MatrixXd::Zero(static_cast<Index>(rows.size()), layout.size());
+  linear.leftCols(state.cols()) = state(rows, Eigen::all);
+  if (all_.unknowns.size() > 0)
+    linear.middleCols(layout.unknown(), layout.unknowns) = all_.unknowns(rows, Eigen::all);
+  gain = MatrixXd::Zero(linear.rows(), force.cols() + moving_gain);
+  gain.leftCols(force.cols()) = force(rows, Eigen::all);
+  input_ = input(rows, Eigen::all);
   offset = VectorXd::Zero(linear.rows());
   tangent_.each([&](InstantMap& beside) { beside.select_rows(rows); });
   ++revision;

@@ -44,9 +44,17 @@ private:
   bool derivatives_usable_ = true;
 };
 
+/// Outputs of an observer: of its system, and what its unknowns add to them.
+struct ObserverOutput {
+  LinearOutput of_system;
+  Eigen::MatrixXd unknowns = {};  ///< rows x unknowns; empty: they add nothing
+
+  ObserverOutput(LinearOutput output) : of_system(std::move(output)) {}  // NOLINT: the usual case
+};
+
 /// Which outputs of an observer: of its sensors, or any others.
-using OutputsOf = std::function<LinearOutput(const Observer&)>;
-LinearOutput sensor_outputs(const Observer& observer);
+using OutputsOf = std::function<ObserverOutput(const Observer&)>;
+ObserverOutput sensor_outputs(const Observer& observer);
 
 /// Outputs at an instant as a function of the augmented state, through the connector forces of that instant. Channels
 /// in: internal states, unknowns, connector motion without the forces (2m or 3m). Channels out: forces, unknowns of the
@@ -65,7 +73,7 @@ public:
 private:
   const Observer* observer_;
   Eigen::Index motion_;
-  LinearOutput all_;
+  ObserverOutput all_;
   Eigen::MatrixXd input_;
   ConnectorForces forces_;
   LinearTangent<InstantMap> tangent_;

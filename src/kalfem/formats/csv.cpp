@@ -8,6 +8,8 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/text.hpp"
+#include "kalfem/base/units.hpp"
+#include "kalfem/formats/channel_title.hpp"
 #include "kalfem/formats/text_table.hpp"
 #include "kalfem/formats/time_axis.hpp"
 
@@ -24,8 +26,9 @@ struct Dialect {
 
 bool is_header(std::string_view line, const Dialect& dialect) {
   const auto cells = split_cells(line, dialect.separator);
-  return std::ranges::any_of(
-      cells, [&](std::string_view cell) { return !cell.empty() && !parse_number(cell, dialect.decimal); });
+  return std::ranges::any_of(cells, [&](std::string_view cell) {
+    return !is_missing_value(cell) && !parse_number(cell, dialect.decimal);
+  });
 }
 
 Dialect find_dialect(const std::vector<TextLine>& lines, const CsvOptions& options) {
@@ -49,31 +52,11 @@ void check(const CsvOptions& options) {
   if (options.sample_rate && !(*options.sample_rate > 0.0 && std::isfinite(*options.sample_rate)))
     issues.add({}, "the sampling rate is " + std::to_string(*options.sample_rate) + " Hz",
                "it must be positive and finite");
+  if (options.rows && *options.rows < 1)
+    issues.add({}, std::to_string(*options.rows) + " rows of a table are asked for", "it must be at least one");
   if (!(options.jitter >= 0.0 && options.jitter < 0.5))
     issues.add({}, "jitter is " + std::to_string(options.jitter), "it must be at least 0 and below 0.5 of an interval");
   issues.raise();
-}
-
-/// "name [unit]" taken apart.
-Channel channel_of(std::string_view title) {
-  const std::size_t open = title.rfind('[');
-  if (open == std::string_view::npos || open == 0 || !title.ends_with(']')) return {std::string(title), ""};
-  return {std::string(trimmed(title.substr(0, open))), std::string(title.substr(open + 1, title.size() - open - 2))};
-}
-
-std::vector<Channel> titles_of(const TextLine& first, const Dialect& dialect, FileProblems& problems) {
-  auto cells = split_cells(first.text, dialect.separator);
-  if (cells.size() > 1 && cells.back().empty()) cells.pop_back();
-  std::vector<Channel> titles;
-  for (const auto cell : cells) {
-    Channel title = dialect.header ? channel_of(cell) : Channel{};
-    if (title.name.empty()) title.name = "column_" + std::to_string(titles.size() + 1);
-    if (std::ranges::any_of(titles, [&](const Channel& other) { return other.name == title.name; }))
-      problems.add(first.number, "two columns are named '" + title.name + "'", "names must differ",
-                   "rename one of them");
-    titles.push_back(std::move(title));
-  }
-  return titles;
 }
 
 std::vector<std::string> names_of(const std::vector<Channel>& titles) {
@@ -82,16 +65,48 @@ std::vector<std::string> names_of(const std::vector<Channel>& titles) {
   return names;
 }
 
+std::string in_words(const std::vector<std::string>& names) {
+  std::string all;
+  for (const auto& name : names) all += (all.empty() ? "" : ", ") + name;
+  return all;
+}
+
+/// Whole titles where columns would otherwise be named alike: "x [mm]" and "x [m/s]".
+void tell_apart(std::vector<Channel>& channels, const std::vector<std::string>& titles) {
+  const auto short_names = names_of(channels);
+  for (std::size_t i = 0; i < channels.size(); ++i)
+    if (std::ranges::count(short_names, short_names[i]) > 1) channels[i].name = titles[i];
+}
+
+std::vector<Channel> titles_of(const TextLine& first, const Dialect& dialect, FileProblems& problems) {
+  auto cells = split_cells(first.text, dialect.separator);
+  if (cells.size() > 1 && cells.back().empty()) cells.pop_back();
+  std::vector<Channel> channels;
+  std::vector<std::string> titles;
+  for (const auto cell : cells) {
+    const bool named = dialect.header && !cell.empty();
+    titles.push_back(named ? std::string(cell) : "column_" + std::to_string(titles.size() + 1));
+    channels.push_back(named ? channel_of(cell) : Channel{titles.back(), ""});
+    if (std::ranges::count(titles, titles.back()) > 1)
+      problems.add(first.number, "two columns are named '" + titles.back() + "'", "names must differ",
+                   "rename one of them");
+  }
+  tell_apart(channels, titles);
+  return channels;
+}
+
 /// Positions of the wanted columns; of all when none is named.
-std::vector<std::size_t> positions_of(const std::vector<std::string>& wanted, const std::vector<std::string>& names,
-                                      FileProblems& problems) {
+std::vector<std::size_t> positions_of(const std::vector<std::string>& wanted, const std::vector<Channel>& titles,
+                                      int title_line, FileProblems& problems) {
+  const auto names = names_of(titles);
   std::vector<std::size_t> positions;
   for (const auto& name : wanted) {
-    const auto found = std::ranges::find(names, name);
-    if (found == names.end())
-      problems.add(0, "there is no column '" + name + "'" + did_you_mean(name, names));
+    const auto found = find_channel(titles, name);
+    if (found < 0)
+      problems.add(title_line, "there is no column '" + name + "'" + did_you_mean(name, names), "",
+                   "the file has: " + in_words(names));
     else
-      positions.push_back(static_cast<std::size_t>(found - names.begin()));
+      positions.push_back(static_cast<std::size_t>(found));
   }
   if (!wanted.empty()) return positions;
   positions.resize(names.size());
@@ -102,7 +117,7 @@ std::vector<std::size_t> positions_of(const std::vector<std::string>& wanted, co
 /// Name of the time column of a file with these columns, or "" when it has none.
 std::string find_time_column(const std::vector<std::string>& names, const std::string& asked, FileProblems& problems) {
   if (asked.empty()) {
-    constexpr std::array known{"t", "time", "t_s", "time_s", "t(s)", "time(s)", "t (s)", "time (s)", "x_value", "zeit"};
+    constexpr std::array known{"t", "time", "t_s", "time_s", "x_value", "zeit"};
     const std::string first = lower_case(names.front());
     return std::ranges::find(known, first) != known.end() ? names.front() : "";
   }
@@ -115,26 +130,35 @@ std::string find_time_column(const std::vector<std::string>& names, const std::s
   return "";
 }
 
+/// What else counts as a row than lines with content.
+enum class BlankRows {
+  none,   ///< a blank line says nothing
+  count,  ///< a row without values: times stand by the rows' order alone
+};
+
 /// A file opened, its dialect and titles known, its numbers not yet read.
 class CsvFile {
 public:
   CsvFile(const std::filesystem::path& path, const CsvOptions& options)
-      : problems(path.string()), text_(read_text(path)), lines_(content_lines(text_)) {
+      : problems(path.string()), options_(options), text_(read_text(path)), lines_(content_lines(text_)) {
     if (lines_.empty()) throw InvalidInput(Issue{{path.string(), 0}, "the file holds no data", "", "check the path"});
+    if (options.rows) lines_.resize(std::min(lines_.size(), static_cast<std::size_t>(*options.rows) + 1));
     dialect_ = find_dialect(lines_, options);
     titles = titles_of(lines_.front(), dialect_, problems);
     problems.raise();
   }
 
-  /// The rows of the named columns (empty: all).
-  CsvTable read(const std::vector<std::string>& wanted) {
-    const auto names = names_of(titles);
-    const auto positions = positions_of(wanted, names, problems);
+  [[nodiscard]] int title_line() const { return dialect_.header ? lines_.front().number : 0; }
+
+  /// The rows of the named columns (empty: all), of which the first `complete` must not miss values.
+  CsvTable read(const std::vector<std::string>& wanted, std::size_t complete, BlankRows blank) {
+    const auto positions = positions_of(wanted, titles, title_line(), problems);
     problems.raise();
-    NumberRows rows(positions, names, dialect_.decimal);
-    for (std::size_t i = dialect_.header ? 1 : 0; i < lines_.size(); ++i) add_row(rows, lines_[i]);
+    NumberRows rows(positions, names_of(titles), dialect_.decimal);
+    if (options_.missing) rows.allow_missing_from(complete);
+    for (const TextLine& line : row_lines(blank)) add_row(rows, line);
     problems.raise();
-    CsvTable table{{}, rows.matrix(), rows.lines()};
+    CsvTable table{{}, rows.matrix(), rows.lines(), title_line()};
     for (const auto position : positions) table.columns.push_back(titles[position]);
     return table;
   }
@@ -143,8 +167,32 @@ public:
   std::vector<Channel> titles;
 
 private:
+  [[nodiscard]] std::vector<TextLine> row_lines(BlankRows blank) const {
+    std::vector<TextLine> rows = blank == BlankRows::count ? with_blank_rows() : lines_;
+    if (dialect_.header) rows.erase(rows.begin());
+    if (options_.rows) rows.resize(std::min(rows.size(), static_cast<std::size_t>(*options_.rows)));
+    return rows;
+  }
+
+  /// The lines with those between them that hold separators and blanks alone; a line without any separator is such a
+  /// row where there is one column.
+  [[nodiscard]] std::vector<TextLine> with_blank_rows() const {
+    std::vector<TextLine> rows;
+    auto content = lines_.begin();
+    for (const TextLine& line : split_lines(text_)) {
+      if (content == lines_.end()) break;
+      if (line.number == content->number)
+        rows.push_back(*content++);
+      else if (content != lines_.begin() && trimmed(line.text).empty() &&
+               (titles.size() == 1 || (dialect_.separator == '\t' && line.text.find('\t') != std::string_view::npos)))
+        rows.push_back(line);
+    }
+    return rows;
+  }
+
   void add_row(NumberRows& rows, const TextLine& line) {
     auto cells = split_cells(line.text, dialect_.separator);
+    if (cells.empty()) cells.emplace_back();
     if (cells.size() == titles.size() + 1 && cells.back().empty()) cells.pop_back();
     if (cells.size() == titles.size()) return rows.add(line.number, cells, problems);
     problems.add(
@@ -153,23 +201,28 @@ private:
         "every line needs the same number of cells", "mend the line; check separator and decimal sign");
   }
 
+  CsvOptions options_;
   std::string text_;
   std::vector<TextLine> lines_;
   Dialect dialect_;
 };
 
-double seconds_per(const std::string& unit, const std::string& column, FileProblems& problems) {
-  if (unit.empty() || unit == "s" || unit == "sec") return 1.0;
-  if (unit == "ms") return 1e-3;
-  if (unit == "us") return 1e-6;
-  problems.add(0, "the time column '" + column + "' is in '" + unit + "'", "s, ms and us are known");
-  return 1.0;
+double seconds_per(const Channel& time, FileProblems& problems) {
+  constexpr std::array spelled_out{"", "sec", "second", "seconds", "sek"};
+  if (std::ranges::find(spelled_out, lower_case(time.unit)) != spelled_out.end()) return 1.0;
+  try {
+    return to_si("1 " + time.unit, "s");
+  } catch (const InvalidInput&) {
+    problems.add(0, "the time column '" + time.name + "' is in '" + time.unit + "'", "that is no unit of time",
+                 "write s, ms or us");
+    return 1.0;
+  }
 }
 
 /// Takes the first column of the table as time.
 TimeSeries with_time_column(CsvTable table, const CsvOptions& options, FileProblems& problems) {
   const Channel time = table.columns.front();
-  const double unit = seconds_per(time.unit, time.name, problems);
+  const double unit = seconds_per(time, problems);
   const TimeAxis axis =
       time_axis(table.values.col(0) * unit, table.lines,
                 {.column = time.name, .jitter = options.jitter, .sample_rate = options.sample_rate}, problems);
@@ -184,10 +237,10 @@ TimeSeries with_time_column(CsvTable table, const CsvOptions& options, FileProbl
 
 CsvTable read_csv_table(const std::filesystem::path& path, const CsvOptions& options) {
   check(options);
-  return CsvFile(path, options).read(options.columns);
+  return CsvFile(path, options).read(options.columns, 0, BlankRows::none);
 }
 
-TimeSeries read_csv(const std::filesystem::path& path, const CsvOptions& options) {
+CsvRecord read_csv_record(const std::filesystem::path& path, const CsvOptions& options) {
   check(options);
   CsvFile file(path, options);
   const auto names = names_of(file.titles);
@@ -199,10 +252,17 @@ TimeSeries read_csv(const std::filesystem::path& path, const CsvOptions& options
 
   std::vector<std::string> wanted = options.columns.empty() ? names : options.columns;
   std::erase(wanted, time);
-  if (!time.empty()) wanted.insert(wanted.begin(), time);
-  CsvTable table = file.read(wanted);
-  if (!time.empty()) return with_time_column(std::move(table), options, file.problems);
-  return {*options.sample_rate, 0.0, std::move(table.columns), std::move(table.values)};
+  if (time.empty()) {
+    CsvTable table = file.read(wanted, 0, BlankRows::count);
+    return {{*options.sample_rate, 0.0, std::move(table.columns), std::move(table.values)}, table.title_line};
+  }
+  wanted.insert(wanted.begin(), time);
+  CsvTable table = file.read(wanted, 1, BlankRows::none);
+  return {with_time_column(std::move(table), options, file.problems), file.title_line()};
+}
+
+TimeSeries read_csv(const std::filesystem::path& path, const CsvOptions& options) {
+  return read_csv_record(path, options).series;
 }
 
 }  // namespace kalfem

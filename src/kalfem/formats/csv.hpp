@@ -17,7 +17,10 @@ struct CsvOptions {
   std::optional<char> separator = {};     ///< one of  ; tab , space  (space: any run of blanks); found in that order
   std::optional<char> decimal = {};       ///< '.' or ','; a comma is recognised unless it separates
   std::optional<bool> header = {};        ///< whether the first line names the columns; found by its being no numbers
-  std::vector<std::string> columns = {};  ///< the channels to read, by name; empty: all
+  std::vector<std::string> columns = {};  ///< the channels to read, by name with or without unit; empty: all
+  std::optional<int> rows = {};           ///< only so many rows; those behind are not looked at
+  /// Cells that are empty, nan, NA, n/a, null or none are missing samples: NaN. Times must be there.
+  bool missing = false;
 
   // Only for read_csv:
   std::string time_column =
@@ -28,18 +31,27 @@ struct CsvOptions {
 
 /// Named columns of numbers with the line of the file in which each row stands.
 struct CsvTable {
-  std::vector<Channel> columns;  ///< "name [unit]" is taken apart; without a header: column_1, column_2, ...
+  std::vector<Channel> columns;  ///< titles as channel_of() takes them apart, whole where two columns would be named
+                                 ///< alike; without a header: column_1, column_2, ...
   Eigen::MatrixXd values;        ///< rows x columns
   std::vector<int> lines;
+  int title_line = 0;  ///< where the titles stand; 0: there are none
 };
 
-/// Throws InvalidInput with file, line and column for every cell that is empty, no number, or not finite, and every
-/// line of another length; 20 of them are listed, the rest counted.
+/// Throws InvalidInput with file, line and column for every cell that is empty, no number, or not finite (unless it is
+/// a missing sample and these are allowed), and every line of another length; 20 of them are listed, the rest counted.
 CsvTable read_csv_table(const std::filesystem::path& path, const CsvOptions& options = {});
 
-/// An equally sampled record. The time column (in s, or as its [unit] says in ms or us) becomes start and sampling
-/// rate; see time_axis.hpp for what is accepted as equidistant. Throws InvalidInput as above and for gaps, with their
-/// lines.
+/// A record with the line of its titles; 0: there are none.
+struct CsvRecord {
+  TimeSeries series;
+  int title_line = 0;
+};
+
+/// An equally sampled record, in the file's units. The time column (in s, or in its title's unit) becomes start and
+/// sampling rate; see time_axis.hpp for what is accepted as equidistant. Without times every row counts as a sample, a
+/// blank line between the rows of a single column as well. Throws InvalidInput as above and for gaps, with their lines.
+CsvRecord read_csv_record(const std::filesystem::path& path, const CsvOptions& options = {});
 TimeSeries read_csv(const std::filesystem::path& path, const CsvOptions& options = {});
 
 /// Time in the first column "t [s]", then the channels as "name [unit]", with every digit needed to read the same

@@ -28,7 +28,7 @@ struct Release {
 /// range.
 std::optional<Release> find_release(const TimeSeries& record, const FreeResponseOptions& options = {});
 
-/// The longest time for which a structure stands still after it moved.
+/// The first time after the release for which a structure stands still for good: until something else moves it.
 struct Rest {
   Eigen::Index motion_end = 0;   ///< last sample at which a channel is away from its rest position
   Eigen::Index last = 0;         ///< last sample of the rest: the record's last one unless something disturbs it
@@ -37,9 +37,30 @@ struct Rest {
   Eigen::VectorXd deviation;     ///< standard deviation about it
 };
 
-/// Rest after the sample `from` (a release). It is the longest run of windows of length `still` in which every channel
-/// stays within +-departure, so a disturbance at the record's end does not spoil its position. Nothing where the
+/// Rest after the sample `from` (a release): the first run of windows of length `still` in which every channel stays
+/// within +-departure of its largest excursion so far, and their means do over as long a time as the motion has taken
+/// from one turning point to the next: the pause at such a point is shorter. Before the first turn the run must be half
+/// as long as the motion, or last to the record's end. What happens after the rest does not count. Nothing where the
 /// structure never comes to rest. Samples that are not finite are left out. Throws InvalidInput as above.
 std::optional<Rest> find_rest(const TimeSeries& record, Eigen::Index from, const FreeResponseOptions& options = {});
+
+/// Release and rest of one free response. Excursions are those up to the rest, so that a disturbance after it moves
+/// neither.
+struct FreeResponseTimes {
+  Release release;
+  std::optional<Rest> rest;  ///< nothing where the record ends before it
+};
+std::optional<FreeResponseTimes> find_free_response(const TimeSeries& record, const FreeResponseOptions& options = {});
+
+/// Where a structure that still moves at the record's end will rest.
+struct RestGuess {
+  Eigen::VectorXd position;   ///< middle of each channel's last swing
+  Eigen::VectorXd deviation;  ///< half of its width
+};
+
+/// The last swing is the record from its third last passage of its later mean on, in the channel that moves most: at
+/// least a whole period. Where there are fewer passages it is the last quarter of the time since `from`. Throws
+/// InvalidInput as above.
+RestGuess guess_rest(const TimeSeries& record, Eigen::Index from, const FreeResponseOptions& options = {});
 
 }  // namespace kalfem

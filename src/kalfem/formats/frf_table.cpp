@@ -9,6 +9,7 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/text.hpp"
+#include "kalfem/formats/channel_title.hpp"
 #include "kalfem/formats/text_table.hpp"
 
 namespace kalfem {
@@ -55,13 +56,6 @@ std::optional<Complex> parse_complex(std::string_view cell, char decimal) {
   return Complex(*real, *imaginary);
 }
 
-/// "name [unit]" taken apart.
-Channel title_of(std::string_view title) {
-  const std::size_t open = title.rfind('[');
-  if (open == std::string_view::npos || open == 0 || !title.ends_with(']')) return {std::string(title), ""};
-  return {std::string(trimmed(title.substr(0, open))), std::string(title.substr(open + 1, title.size() - open - 2))};
-}
-
 /// The cells of a line, without one that a separator at its end makes.
 std::vector<std::string_view> cells_of(const TextLine& line, char separator, std::size_t expected) {
   auto cells = split_cells(line.text, separator);
@@ -88,7 +82,7 @@ Table table_of(const std::vector<TextLine>& lines, const FrfTableOptions& option
   const bool header = std::ranges::any_of(first, [&](auto cell) { return !parse_complex(cell, table.decimal); });
   if (header) {
     table.header_line = lines.front().number;
-    for (const auto cell : first) table.titles.push_back(title_of(cell));
+    for (const auto cell : first) table.titles.push_back(channel_of(cell));
   }
   for (std::size_t i = header ? 1 : 0; i < lines.size(); ++i) {
     table.rows.push_back(cells_of(lines[i], separator, first.size()));
@@ -126,22 +120,42 @@ std::pair<Part, std::string> part_of(const std::string& name) {
   return {Part::complex, name};
 }
 
+bool phase_in_radians(const std::string& title, const std::string& unit, int line, FileProblems& problems) {
+  const std::string lower = lower_case(unit);
+  if (lower == "rad" || (unit.empty() && lower_case(title).ends_with("_rad"))) return true;
+  if (!(lower.empty() || lower == "deg" || lower == "°" || lower == "degrees"))
+    problems.add(line, "the phase '" + title + "' is in '" + unit + "'", "deg and rad are known");
+  return false;
+}
+
+void set_unit(FrfColumns& frf, const std::string& unit, int line, FileProblems& problems) {
+  if (!frf.output.unit.empty() && frf.output.unit != unit)
+    problems.add(line, "the columns of '" + frf.output.name + "' are in '" + frf.output.unit + "' and in '" + unit + "'",
+                 "they are parts of one number", "write the same unit");
+  frf.output.unit = unit;
+}
+
 /// The FRFs that the columns make up, in the order of their first columns.
 std::vector<FrfColumns> frfs_of(const Table& table, std::size_t frequency, FileProblems& problems) {
   std::vector<FrfColumns> frfs;
   for (std::size_t i = 0; i < table.titles.size(); ++i) {
     if (i == frequency) continue;
     const auto& [title, unit] = table.titles[i];
-    const auto [part, name] = part_of(title);
+    auto [part, name] = part_of(title);
+    const bool decibels = lower_case(unit) == "db";
+    if (decibels && part == Part::deviation)
+      problems.add(table.header_line, "the deviation '" + title + "' is in dB", "it belongs to the value itself",
+                   "give it in the unit of the values");
+    if (decibels && (part == Part::magnitude || part == Part::complex)) part = Part::decibel;
     auto frf = std::ranges::find_if(frfs, [&](const FrfColumns& other) { return other.output.name == name; });
     if (frf == frfs.end()) frf = frfs.insert(frfs.end(), FrfColumns{{name, ""}, {}});
     if (!frf->parts.emplace(part, i).second)
       problems.add(table.header_line, "there are two columns like '" + title + "'", "names must differ",
                    "rename one of them");
     if (part == Part::phase)
-      frf->phase_in_radians = unit == "rad" || lower_case(title).ends_with("_rad");
-    else if (!unit.empty())
-      frf->output.unit = unit;
+      frf->phase_in_radians = phase_in_radians(title, unit, table.header_line, problems);
+    else if (!unit.empty() && !decibels)
+      set_unit(*frf, unit, table.header_line, problems);
   }
   return frfs;
 }
@@ -176,15 +190,19 @@ void check_parts(const FrfColumns& frf, int line, FileProblems& problems) {
 
 void select(std::vector<FrfColumns>& frfs, const std::vector<std::string>& wanted, FileProblems& problems) {
   if (wanted.empty()) return;
+  std::vector<Channel> outputs;
   std::vector<std::string> known;
-  for (const auto& frf : frfs) known.push_back(frf.output.name);
+  for (const auto& frf : frfs) {
+    outputs.push_back(frf.output);
+    known.push_back(frf.output.name);
+  }
   std::vector<FrfColumns> selected;
   for (const auto& name : wanted) {
-    const auto found = std::ranges::find(known, name);
-    if (found == known.end())
+    const auto found = find_channel(outputs, name);
+    if (found < 0)
       problems.add(0, "there is no FRF '" + name + "'" + did_you_mean(name, known));
     else
-      selected.push_back(frfs[std::size_t(found - known.begin())]);
+      selected.push_back(frfs[std::size_t(found)]);
   }
   frfs = std::move(selected);
 }
@@ -246,12 +264,10 @@ bool is_magnitude_only(const FrfColumns& frf) {
 std::pair<std::size_t, double> frequency_of(const Table& table, const std::string& asked, FileProblems& problems) {
   std::vector<std::string> names;
   for (const auto& title : table.titles) names.push_back(title.name);
-  const auto found = asked.empty() ? names.begin() : std::ranges::find(names, asked);
-  if (found == names.end()) {
-    if (!asked.empty()) problems.add(0, "there is no column '" + asked + "'" + did_you_mean(asked, names));
-    return {0, 1.0};
-  }
-  const auto column = std::size_t(found - names.begin());
+  const Index found = asked.empty() ? 0 : find_channel(table.titles, asked);
+  if (found < 0) problems.add(0, "there is no column '" + asked + "'" + did_you_mean(asked, names));
+  if (found < 0 || table.titles.empty()) return {0, 1.0};
+  const auto column = std::size_t(found);
   const std::string unit = lower_case(table.titles[column].unit);
   if (unit == "khz") return {column, 1000.0};
   if (unit == "rad/s") return {column, 0.5 / std::numbers::pi};

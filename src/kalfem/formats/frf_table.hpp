@@ -24,7 +24,7 @@ struct FrfTableOptions {
 /// - in H1_magnitude (or H1_mag, H1_abs) or H1_db (decibel), with or without H1_phase [deg] (or [rad]); without it for
 ///   all FRFs the response holds magnitudes only,
 /// and may have its standard deviation in H1_deviation (or H1_std). Case does not matter in these endings, a unit may
-/// follow in brackets: "H1_re [m/s2/N]". Without a header the columns are frequency, H1, H2, ... of complex numbers.
+/// follow as channel_of() reads it, "H1_re [m/s2/N]" or "H1_mag (dB)"; values are left in it. Without a header the columns are frequency, H1, H2, ... of complex numbers.
 /// Frequencies are in Hz, or as their unit says in kHz or rad/s, and may be written with a zero imaginary part.
 ///
 /// Throws InvalidInput with file, line and column for every cell that is no finite number, every line of another

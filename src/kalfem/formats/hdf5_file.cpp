@@ -226,11 +226,16 @@ std::vector<std::string> Hdf5File::read_strings(const std::string& dataset) cons
 }
 
 std::string Hdf5File::text_attribute(const std::string& object, const std::string& name) const {
-  const Hdf5Id id = handle().attribute(object, name);
-  return handle()
-      .strings(Hdf5Id(H5Aget_type(id), H5Tclose), Hdf5Id(H5Aget_space(id), H5Sclose), name,
-               [&](hid_t type, void* to) { return H5Aread(id, type, to); })
-      .front();
+  static_cast<void>(handle().attribute(object, name));  // one value
+  return texts_attribute(object, name).front();
+}
+
+std::vector<std::string> Hdf5File::texts_attribute(const std::string& object, const std::string& name) const {
+  const Hdf5Id owner = handle().object(object);
+  const Hdf5Id id(H5Aopen(owner, name.c_str(), H5P_DEFAULT), H5Aclose);
+  handle().require(id.valid(), "open attribute '" + name + "' of '" + object + "'");
+  return handle().strings(Hdf5Id(H5Aget_type(id), H5Tclose), Hdf5Id(H5Aget_space(id), H5Sclose), name,
+                          [&](hid_t type, void* to) { return H5Aread(id, type, to); });
 }
 
 double Hdf5File::number_attribute(const std::string& object, const std::string& name) const {

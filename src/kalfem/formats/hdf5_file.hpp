@@ -72,6 +72,8 @@ public:
   [[nodiscard]] Eigen::VectorXd read_column(const std::string& dataset, Eigen::Index column) const;
   [[nodiscard]] std::vector<std::string> read_strings(const std::string& dataset) const;
   [[nodiscard]] std::string text_attribute(const std::string& object, const std::string& name) const;
+  /// An attribute of any number of texts.
+  [[nodiscard]] std::vector<std::string> texts_attribute(const std::string& object, const std::string& name) const;
   [[nodiscard]] double number_attribute(const std::string& object, const std::string& name) const;
   /// An attribute of any number of values.
   [[nodiscard]] Eigen::VectorXd numbers_attribute(const std::string& object, const std::string& name) const;

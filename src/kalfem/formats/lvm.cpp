@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/units.hpp"
 #include "kalfem/formats/text_table.hpp"
 #include "kalfem/formats/time_axis.hpp"
 
@@ -98,13 +99,14 @@ std::vector<Channel> channels_of(const Header& header, const TextLine& line, std
 
 /// Line by line: the time where there is one, the channels; a comment after them is left out.
 NumberRows read_rows(const std::vector<TextLine>& lines, const Header& header, bool has_time,
-                     const std::vector<Channel>& channels, FileProblems& problems) {
+                     const std::vector<Channel>& channels, bool missing, FileProblems& problems) {
   std::vector<std::string> names{"X_Value"};
   for (const auto& channel : channels) names.push_back(channel.name);
   std::vector<std::size_t> columns(channels.size() + (has_time ? 1 : 0));
   std::iota(columns.begin(), columns.end(), std::size_t{has_time ? 0u : 1u});
 
   NumberRows rows(columns, names, header.decimal);
+  if (missing) rows.allow_missing_from(has_time ? 1 : 0);
   for (std::size_t i = header.length + 1; i < lines.size(); ++i) {
     const TextLine& line = lines[i];
     if (trimmed(line.text).empty()) continue;
@@ -122,9 +124,21 @@ NumberRows read_rows(const std::vector<TextLine>& lines, const Header& header, b
   return rows;
 }
 
+/// The header's own count of samples against the lines that are there.
+void check_count(const Header& header, std::size_t found, FileProblems& problems) {
+  const auto entry = header.entries.find("Samples");
+  if (entry == header.entries.end()) return;
+  double declared = 0.0;
+  for (const auto cell : entry->second) declared = std::max(declared, parse_number(cell, header.decimal).value_or(0.0));
+  if (declared <= static_cast<double>(found)) return;
+  problems.add(header.lines.at("Samples"),
+               "the header declares " + shortest(declared) + " samples, the file holds " + std::to_string(found),
+               "the file was cut off", "copy or export it again, or write the right count into the header");
+}
+
 }  // namespace
 
-TimeSeries read_lvm(const std::filesystem::path& path) {
+TimeSeries read_lvm(const std::filesystem::path& path, bool missing) {
   const std::string text = read_text(path);
   const std::vector<TextLine> lines = split_lines(text);
   FileProblems problems(path.string());
@@ -145,8 +159,11 @@ TimeSeries read_lvm(const std::filesystem::path& path) {
   const auto channels = channels_of(header, lines[header.length], count, problems);
   problems.raise();
   const bool has_time = header.first("X_Columns") != "No";
-  const NumberRows rows = read_rows(lines, header, has_time, channels, problems);
-  if (rows.lines().empty()) problems.add(0, "the file ends after its header", "there are no samples");
+  const NumberRows rows = read_rows(lines, header, has_time, channels, missing, problems);
+  if (rows.lines().empty())
+    problems.add(0, "the file ends after its header", "there are no samples");
+  else if (problems.empty())
+    check_count(header, rows.lines().size(), problems);
   problems.raise();
 
   const Eigen::MatrixXd values = rows.matrix();

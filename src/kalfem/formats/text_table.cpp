@@ -8,6 +8,8 @@
 #include <iterator>
 #include <utility>
 
+#include "kalfem/base/text.hpp"
+
 namespace kalfem {
 
 namespace {
@@ -78,20 +80,20 @@ std::vector<TextLine> content_lines(std::string_view text) {
 }
 
 char find_separator(const std::vector<TextLine>& lines) {
-  const std::string_view line = trimmed(lines[std::min<std::size_t>(1, lines.size() - 1)].text);
+  const std::string_view line = lines[std::min<std::size_t>(1, lines.size() - 1)].text;
   for (const char candidate : {';', '\t', ',', ' '})
-    if (line.find(candidate) != std::string_view::npos) return candidate;
-  return ',';
+    if (trimmed(line).find(candidate) != std::string_view::npos) return candidate;
+  return line.find('\t') == std::string_view::npos ? ',' : '\t';  // a row that ends in empty cells
 }
 
 char find_decimal(const std::vector<TextLine>& lines, char separator) {
   if (separator == ',') return '.';
-  bool comma = false;
-  for (std::size_t i = 1; i < std::min<std::size_t>(lines.size(), 50); ++i) {
+  int commas = 0;
+  for (std::size_t i = 1; i < lines.size() && commas < 50; ++i) {
     if (lines[i].text.find('.') != std::string_view::npos) return '.';
-    comma = comma || lines[i].text.find(',') != std::string_view::npos;
+    if (lines[i].text.find(',') != std::string_view::npos) ++commas;
   }
-  return comma ? ',' : '.';
+  return commas > 0 ? ',' : '.';
 }
 
 std::vector<std::string_view> split_cells(std::string_view line, char separator) {
@@ -123,6 +125,12 @@ std::optional<double> parse_number(std::string_view cell, char decimal) {
   return value;
 }
 
+bool is_missing_value(std::string_view cell) {
+  constexpr std::array words{"",     "nan",  "-nan", "na", "n/a",      "#n/a",
+                             "null", "none", "-",    "--", "-nan(ind)", "1.#qnan"};
+  return std::ranges::find(words, lower_case(cell)) != words.end();
+}
+
 void FileProblems::add(int line, std::string what, std::string why, std::string fix) {
   if (count_++ < most_listed) listed_.add({file_, line}, std::move(what), std::move(why), std::move(fix));
 }
@@ -139,14 +147,20 @@ NumberRows::NumberRows(std::vector<std::size_t> columns, std::vector<std::string
 
 void NumberRows::add(int line, const std::vector<std::string_view>& cells, FileProblems& problems) {
   lines_.push_back(line);
-  for (const std::size_t column : columns_) {
-    const std::optional<double> number = parse_number(cells[column], decimal_);
-    numbers_.push_back(number.value_or(NAN));
-    if (number && std::isfinite(*number)) continue;
-    const std::string found =
-        cells[column].empty() ? "is empty" : "holds '" + std::string(cells[column].substr(0, 40)) + "'";
-    problems.add(line, "column '" + names_[column] + "' " + found, "every sample must be a finite number",
-                 "repair or cut the record here, or leave the column out");
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    const std::string_view cell = cells[columns_[i]];
+    const std::optional<double> number = parse_number(cell, decimal_);
+    const bool usable = number && std::isfinite(*number), missing = is_missing_value(cell);
+    numbers_.push_back(usable ? *number : NAN);
+    if (usable || (missing && missing_from_ && i >= *missing_from_)) continue;
+    problems.add(line,
+                 "column '" + names_[columns_[i]] + "' " +
+                     (cell.empty() ? "is empty" : "holds '" + std::string(cell.substr(0, 40)) + "'"),
+                 "every sample must be a finite number",
+                 missing && !missing_from_
+                     ? "repair or cut the record here, leave the column out, or allow missing samples "
+                       "(record.skip_missing: true)"
+                     : "repair or cut the record here, or leave the column out");
   }
 }
 

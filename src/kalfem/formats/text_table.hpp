@@ -40,6 +40,9 @@ std::vector<std::string_view> split_cells(std::string_view line, char separator)
 /// The number that fills the whole cell (NaN and infinities included), or nothing.
 std::optional<double> parse_number(std::string_view cell, char decimal);
 
+/// Whether programs write this where a value is missing: nothing at all, nan, NA, n/a, null, none and the like.
+bool is_missing_value(std::string_view cell);
+
 /// Collects the problems of a file, of which the first 20 are kept and the rest is counted.
 class FileProblems {
 public:
@@ -56,11 +59,14 @@ private:
   std::size_t count_ = 0;
 };
 
-/// Rows of finite numbers from lines of cells. Cells that are empty, no number or not finite become problems.
+/// Rows of finite numbers from lines of cells. Cells that are empty, no number or not finite become problems, unless
+/// they are missing values where these are allowed.
 class NumberRows {
 public:
   /// `columns`: positions of the wanted cells; `names`: of all cells, for the messages.
   NumberRows(std::vector<std::size_t> columns, std::vector<std::string> names, char decimal);
+  /// From this one on, the wanted columns may miss values: they become NaN.
+  void allow_missing_from(std::size_t wanted) { missing_from_ = wanted; }
   void add(int line, const std::vector<std::string_view>& cells, FileProblems& problems);
   [[nodiscard]] Eigen::MatrixXd matrix() const;                           ///< rows x wanted columns
   [[nodiscard]] const std::vector<int>& lines() const { return lines_; }  ///< line of each row
@@ -69,6 +75,7 @@ private:
   std::vector<std::size_t> columns_;
   std::vector<std::string> names_;
   char decimal_;
+  std::optional<std::size_t> missing_from_;
   std::vector<double> numbers_;
   std::vector<int> lines_;
 };

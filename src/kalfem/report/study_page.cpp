@@ -7,6 +7,7 @@
 #include "kalfem/casefile/modifications.hpp"
 #include "kalfem/report/connector_charts.hpp"
 #include "kalfem/report/health_section.hpp"
+#include "kalfem/report/record_report.hpp"
 #include "kalfem/report/resting_points.hpp"
 #include "kalfem/report/series_values.hpp"
 #include "kalfem/report/tables.hpp"
@@ -292,6 +293,8 @@ Page make_page(const Study& study, const StudyResults& results) {
             .status = results.usable() ? PageStatus::ok : PageStatus::unusable,
             .summary = answer(results),
             .sections = {}};
+  if (const auto words = record_words(study, results); !words.empty())
+    page.sections.push_back({"Record", words, {}});
   if (results.updating) page.sections.push_back(updating_section(study, results));
   if (!results.modifications.empty())
     page.sections.push_back({"Modifications",
@@ -302,6 +305,8 @@ Page make_page(const Study& study, const StudyResults& results) {
     const auto& stage = *results.estimation;
     if (stage.observer->layout().unknowns > 0) page.sections.push_back(parameters_section(study, stage));
     if (stage.open_loop) page.sections.push_back(open_loop_section(stage));
+    if (!stage.open_loop_failure.empty())
+      page.sections.push_back({"The record again, open loop", "No comparison: " + stage.open_loop_failure + ".", {}});
     page.sections.push_back(motion_section(study, stage));
     if (auto section = connectors_section(study, stage); !section.items.empty())
       page.sections.push_back(std::move(section));

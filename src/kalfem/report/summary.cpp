@@ -6,6 +6,7 @@
 #include "kalfem/base/version.hpp"
 #include "kalfem/casefile/modifications.hpp"
 #include "kalfem/report/json_number.hpp"
+#include "kalfem/report/record_report.hpp"
 #include "kalfem/report/resting_points.hpp"
 #include "kalfem/report/run_identity.hpp"
 #include "kalfem/report/updating_summary.hpp"
@@ -140,6 +141,7 @@ Json estimation_summary(const EstimationStage& stage) {
     summary["linear_unknowns"] = {{"linearisations", stage.result.linearisations}, {"reductions", stage.reductions}};
   if (const auto states = errors_by_point(stage); !states.empty()) summary["states"] = states;
   if (stage.open_loop) summary["open_loop"] = open_loop_summary(stage);
+  if (!stage.open_loop_failure.empty()) summary["open_loop_failure"] = stage.open_loop_failure;
   return summary;
 }
 
@@ -206,6 +208,7 @@ Json summarise(const Study& study, const StudyResults& results) {
                              {"extrapolations", results.simulation->reference.extrapolations},
                              {"fixed_step", study.given.simulate->substeps.has_value()},
                              {"last_change", last_change(study, results.simulation->reference)}};
+  if (study.record) summary["record"] = record_summary(study, results);
   if (results.estimation) {
     summary["parameters"] = parameters_summary(study, *results.estimation);
     summary["estimation"] = estimation_summary(*results.estimation);

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "kalfem/casefile/modifications.hpp"
+#include "kalfem/report/record_report.hpp"
 #include "kalfem/report/resting_points.hpp"
 #include "kalfem/report/updating_tables.hpp"
 
@@ -127,7 +128,9 @@ Table error_table(const std::string& title, const Study& study, const std::vecto
 Table open_loop_table(const EstimationStage& stage) {
   Table table{"Open loop against the record", {"sensor", "NRMSE about rest", "rest error"}, {}, {}};
   for (std::size_t i = 0; i < stage.open_loop_nrmse.size(); ++i)
-    table.rows.push_back({stage.measurements.channels[i].name, fmt::format("{:.3f}", stage.open_loop_nrmse[i]),
+    table.rows.push_back({stage.measurements.channels[i].name,
+                          stage.open_loop_nrmse[i] < 1e3 ? fmt::format("{:.3f}", stage.open_loop_nrmse[i])
+                                                         : four_digits(stage.open_loop_nrmse[i]),
                           four_digits(stage.open_loop_rest_error[i]) + " " + stage.measurements.channels[i].unit});
   return table;
 }
@@ -195,6 +198,7 @@ std::string console_report(const Study& study, const StudyResults& results) {
                     study.given.simulate->substeps ? "a fixed step" : "last change " + per_cent(reference.last_change),
                     results.simulation->seconds);
   }
+  if (const auto words = record_words(study, results); !words.empty()) text += words + "\n";
   if (results.updating) text += console_updating(study, results);
   if (results.estimation) {
     const auto& stage = *results.estimation;
@@ -214,6 +218,8 @@ std::string console_report(const Study& study, const StudyResults& results) {
       text += fmt::format("Estimated motion, NRMSE after {} s{}\n", four_digits(study.given.estimate->settle),
                           band_words(stage)) +
               to_text(table) + "\n";
+    if (!stage.open_loop_failure.empty())
+      text += "No open-loop comparison: " + stage.open_loop_failure + "\n\n";
     if (stage.open_loop)
       text += "Open loop from the estimated parameters and initial state\n" + to_text(open_loop_table(stage)) + "\n";
   }

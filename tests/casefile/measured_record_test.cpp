@@ -1,0 +1,112 @@
+#include <gtest/gtest.h>
+
+#include "casefile/record_cases.hpp"
+#include "kalfem/casefile/stages.hpp"
+
+// What a case says of a record with gaps, and of sensors that measure nothing.
+namespace kalfem::record_cases {
+namespace {
+
+using Pieces = std::vector<std::string>;
+
+class MeasuredRecords : public RecordCase {
+protected:
+  /// The sound record with some cells of the columns x and a written otherwise.
+  void write_with(const std::function<std::string(double)>& x, const std::function<std::string(double)>& a) {
+    write_record({{"F", written(force)}, {"x", x}, {"a", a}});
+  }
+};
+
+TEST_F(MeasuredRecords, MayMissSamplesAtAnyPlace) {
+  const auto x = [](double t) { return t < 0.045 ? "" : written(displacement)(t); };
+  const auto a = [](double t) { return t > 3.95 ? "NA" : std::abs(t - 2.0) < 0.1 ? "nan" : written(acceleration)(t); };
+  write_with(x, a);
+  const std::pair<std::string, std::string> skip{"{file: record.csv}\nest", "{file: record.csv, skip_missing: true}\nest"};
+  const Study study = load({skip});
+  EXPECT_EQ(study.record->series.values.col(0).array().isNaN().count(), 5);
+  EXPECT_EQ(study.record->series.values.col(1).array().isNaN().count(), 5 + 19);
+  const StudyResults results = run_study(study, Stage::predict);
+  ASSERT_TRUE(results.usable()) << results.failure;
+  EXPECT_NEAR(results.estimation->result.unknowns.mean(0, 400), stiffness, 1.0);
+  // Per cent of the rms of the samples that are there: 24 missing ones of 401 would take 3 % off it.
+  EXPECT_NEAR(results.estimation->noise[1], 0.01 * omega * omega * amplitude / std::numbers::sqrt2, 2e-4);
+  expect_in(errors(), {"record.csv:2: column 'x' is empty", "skip_missing: true"});
+}
+
+TEST_F(MeasuredRecords, AnExcitationMayMissNothing) {
+  write_record({{"F", [](double t) { return t > 1.0 && t < 1.02 ? "" : written(force)(t); }},
+                {"x", written(displacement)},
+                {"a", written(acceleration)}});
+  const std::string refused = errors({{"{file: record.csv}\nest", "{file: record.csv, skip_missing: true}\nest"}});
+  expect_in(refused, {"record.csv:103: ", "excitation.F: column 'F' is empty"});
+}
+
+TEST_F(MeasuredRecords, AChannelWithoutANumberIsRefusedByItsName) {
+  write_with(written(displacement), [](double) { return "nan"; });
+  const std::pair<std::string, std::string> skip{"{file: record.csv}\nest", "{file: record.csv, skip_missing: true}\nest"};
+  expect_in(errors({skip}), {"case.yaml:8: sensors.a: channel 'a' holds no number", "401 samples from 0 s to 4 s"});
+  write_with([](double) { return ""; }, [](double) { return "nan"; });
+  expect_in(errors({skip}), {"sensors.x: channel 'x' holds no number", "sensors.a: channel 'a' holds no number"});
+  // There are numbers, but none in the part that is used.
+  write_with(written(displacement), [](double t) { return t > 2.0 ? "" : written(acceleration)(t); });
+  expect_in(errors({{skip.first, "{file: record.csv, skip_missing: true, start: 2.5 s}\nest"}}),
+            {"channel 'a' holds no number", "from 2.5 s to 4 s"});
+}
+
+TEST_F(MeasuredRecords, AConstantChannelIsRefusedWithItsValue) {
+  for (const std::string value : {"0", "-0.37"}) {
+    write_with(written(displacement), [=](double) { return value; });
+    const std::string refused = errors();
+    expect_in(refused, {"case.yaml:8: sensors.a: channel 'a' has the value " + value + " m/s^2 throughout",
+                        "401 samples from 0 s to 4 s", "dead sensor", "accept_constant"});
+    EXPECT_EQ(refused.find("sensors.x"), std::string::npos) << refused;
+  }
+  // Before the motion begins a good sensor shows nothing either: the part is named.
+  write_record({{"F", written(force)},
+                {"x", [](double t) { return t < 1.0 ? "0" : written(displacement)(t); }},
+                {"a", written(acceleration)}});
+  EXPECT_EQ(errors(), "");
+  expect_in(errors({{"{file: record.csv}\nest", "{file: record.csv, end: 0.5 s}\nest"}}),
+            {"sensors.x: channel 'x' has the value 0 m throughout", "51 samples from 0 s to 0.5 s"});
+}
+
+TEST_F(MeasuredRecords, AConstantChannelMayBeMeant) {
+  write_with(written(displacement), [](double) { return "0"; });
+  const auto accepted = [](const std::string& noise) {
+    return std::pair<std::string, std::string>{"a: {acceleration: s.m, noise: 1 %}",
+                                               "a: {acceleration: s.m, noise: " + noise + ", accept_constant: true}"};
+  };
+  EXPECT_EQ(errors({accepted("0.1 m/s^2")}), "");
+  // Per cent of zero is no noise.
+  expect_in(errors({accepted("1 %")}),
+            {"case.yaml:8: sensors.a.noise: the noise is 1 % of the channel's rms", "0 throughout", "in m/s^2"});
+}
+
+TEST_F(MeasuredRecords, NoiseInPerCentOfASimulatedChannelOfZeroHasItsOwnMessage) {
+  const std::string text = R"(kalfem: 1
+substructures:
+  s: {masses: {m: 2 kg, still: 1 kg}, springs: [{from: ground, to: m, stiffness: 800 N/m}, {from: ground, to: still, stiffness: 10 N/m}]}
+connectors:
+  c: {from: s.ground, to: s.m, law: linear, parameters: {k: 1 N/m, c: 1 N s/m}}
+excitation:
+  F: {force: s.m, sine: {amplitude: 1 N, frequency: 2 Hz}}
+sensors:
+  x: {acceleration: s.m, noise: 5 %}
+  dead: {acceleration: s.still, noise: 5 %}
+simulate: {duration: 0.2 s, sample_rate: 100 Hz}
+estimate: {unknown: {c.c: {initial: 2 N s/m, std: 50 %}}, settle: 0.1 s}
+)";
+  std::ofstream(folder_ / "case.yaml") << text;
+  const Study study = load_study((folder_ / "case.yaml").string());
+  EXPECT_TRUE(run_study(study, Stage::simulate).usable());  // no filter: nothing has to be weighed
+  try {
+    run_study(study, Stage::predict);
+    FAIL();
+  } catch (const InvalidInput& error) {
+    expect_in(error.what(), {"case.yaml:10: sensors.dead.noise: the noise is 5 % of the channel's rms, but the "
+                             "simulated channel is 0 throughout"});
+  }
+}
+
+}  // namespace
+}  // namespace kalfem::record_cases

@@ -1,0 +1,62 @@
+#include <gtest/gtest.h>
+
+#include "casefile/record_cases.hpp"
+#include "kalfem/report/summary.hpp"
+#include "kalfem/report/tables.hpp"
+
+// The record again from the estimates alone.
+namespace kalfem::record_cases {
+namespace {
+
+class OpenLoop : public RecordCase {};
+
+TEST_F(OpenLoop, IsDrivenFromTheRecordsOwnStart) {
+  write_record(si_columns());
+  for (const std::string start : {"0 s", "1.37 s"}) {
+    const Study study = load({{"{file: record.csv}\nest", "{file: record.csv, start: " + start + "}\nest"}});
+    const auto results = run_study(study, Stage::predict);
+    ASSERT_TRUE(results.usable()) << results.failure;
+    const auto& stage = *results.estimation;
+    ASSERT_TRUE(stage.open_loop);
+    // The force is interpolated by a spline between 40 samples a period.
+    for (const double error : stage.open_loop_nrmse) EXPECT_LT(error, 2e-3) << start;
+  }
+}
+
+/// A structure that is unstable on its own: the filter follows the record, the simulation leaves it.
+TEST_F(OpenLoop, ThatDivergesIsAnOutcome) {
+  write_record(si_columns());
+  const auto with = [&](const std::string& force) {
+    return load({{"excitation:", "connectors:\n  c: {from: s.ground, to: s.m, law: expression, force: '" + force +
+                                     "', parameters: {d: 1}}\nexcitation:"},
+                 {"s.k.stiffness: {initial: 760 N/m, std: 20 %}", "c.d: {initial: 1, std: 1e-6}"},
+                 {"settle: 0.5 s", "settle: 0.5 s\n  process_noise: {acceleration: 30}"}});
+  };
+  // Growth without bound, a softening spring that gives way, and steps too coarse to see the growth in full.
+  for (const std::string force : {"-300*d*v", "-60*d*v", "-60*d*v - 1e6*d*x*x*x", "-2000*d*v"}) {
+    SCOPED_TRACE(force);
+    const Study study = with(force);
+    const auto results = run_study(study, Stage::predict);
+    ASSERT_TRUE(results.usable()) << results.failure;
+    EXPECT_FALSE(results.estimation->open_loop);
+    const auto summary = summarise(study, results);
+    EXPECT_EQ(summary["status"], "ok");
+    EXPECT_NE(results.estimation->open_loop_failure.find("the simulation from the estimates "), std::string::npos);
+    EXPECT_EQ(summary["estimation"]["open_loop_failure"], results.estimation->open_loop_failure);
+    EXPECT_FALSE(summary["estimation"].contains("open_loop"));
+    EXPECT_NE(console_report(study, results).find("No open-loop comparison: "), std::string::npos);
+  }
+}
+
+TEST_F(OpenLoop, TheSummarySaysWhichPartOfTheRecordWasUsed) {
+  write_record(si_columns());
+  const Study study = load({{"{file: record.csv}\nest", "{file: record.csv, start: 1 s, end: 3 s}\nest"}});
+  const auto record = summarise(study, run_study(study, Stage::modes))["record"];
+  EXPECT_EQ(record["start_s"], 1.0);
+  EXPECT_EQ(record["end_s"], 3.0);
+  EXPECT_EQ(record["samples"], 201);
+  EXPECT_FALSE(record.contains("release_s"));
+}
+
+}  // namespace
+}  // namespace kalfem::record_cases
