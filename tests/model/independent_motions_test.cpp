@@ -27,7 +27,7 @@ struct HubPlate {
   }
 
   void follow() {
-    model.weighted_links.push_back({"mean", hub, {true, true, true, true, true, true}, {{4}, {9}, {14}}});
+    model.weighted_links.push_back({"mean", hub, {true, true, true, true, true, true}, {{4}, {14}, {8}}});
   }
   void lead() { model.links.push_back({"rigid", hub, edge}); }
 };
@@ -79,7 +79,7 @@ TEST(IndependentMotions, MayStandAtTheEndOfAChain) {
   HubPlate plate;
   plate.follow();
   plate.model.links.push_back({"arm", 13, {14}});
-  plate.model.constraints.push_back({"gear", {{{8, 2}, 1.0}, {{plate.hub, 2}, -0.5}}});
+  plate.model.constraints.push_back({"gear", {{{7, 2}, 1.0}, {{plate.hub, 2}, -0.5}}});
   expect_same_structure(plate.model, {{plate.hub, 2}, {14, 2}});
 }
 

@@ -222,8 +222,8 @@ Form<Reduction> reduction() {
                     "shapes under boundary acceleration that make up for the modes left out, one a boundary degree of "
                     "freedom")
           .optional("boundary", &Reduction::boundary, list(name()),
-                    "nodes (their translations) or node.direction; default: the nodes that connectors, forces and "
-                    "springs touch"));
+                    "nodes (their translations) or node.direction, also on rigid and weighted links; default: the nodes "
+                    "that connectors and forces touch"));
 }
 
 }  // namespace kalfem::description

@@ -110,7 +110,8 @@ private:
       if (mean.determines(direction))
         add({all_index(follower), {&link.name, &link.where}, terms_of(mean.follower_motion(direction))});
       else
-        issues_.add({}, "weighted link '" + link.name + "' leaves " + name_of(model_, all_index(follower)) + " open",
+        issues_.add(link.where,
+                    "weighted link '" + link.name + "' leaves " + name_of(model_, all_index(follower)) + " open",
                     "the nodes that it follows do not determine that motion",
                     "add nodes off their line, or their rotations, or leave that direction out");
     }
