@@ -91,6 +91,7 @@ void check_health_of_parts(const Study& study, const std::string& page_file) {
 }  // namespace
 
 ExitCode check(const std::string& case_file, const std::string& page_file) {
+  if (!page_file.empty()) require_writable(page_file);
   const Study study = load_study(case_file);
   print("{}\n\n", study.given.title.empty() ? case_file : study.given.title);
   print_table(substructure_table(study));

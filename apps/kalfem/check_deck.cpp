@@ -40,6 +40,7 @@ Table frequency_table(const AssembledModel& assembled, Eigen::Index count) {
 }  // namespace
 
 ExitCode check_deck(const std::string& file, const std::vector<std::string>& units, const std::string& page_file) {
+  if (!page_file.empty()) require_writable(page_file);
   Deck deck = read_deck(file);
   to_si(deck.model, unit_system(units));
   const AssembledModel assembled = assemble(deck.model);

@@ -47,5 +47,21 @@ TEST_F(AtomicFile, AFailureIsInvalidInputAndLeavesNoTemporaryFile) {
   EXPECT_THROW(write_file_atomically(folder / "file" / "x.json", "{}"), InvalidInput);
 }
 
+TEST_F(AtomicFile, APlaceThatCannotBeWrittenIsKnownBeforehand) {
+  std::ofstream(folder / "file") << "x";
+  EXPECT_NO_THROW(require_writable(folder / "file"));
+  EXPECT_NO_THROW(require_writable(folder / "new" / "below" / "x.json"));
+  EXPECT_NO_THROW(require_writable("/dev/null"));
+  EXPECT_THROW(require_writable(folder.path()), InvalidInput);
+  EXPECT_THROW(require_writable(folder / "file" / "x.json"), InvalidInput);
+  EXPECT_THROW(require_writable(folder / "file" / "below" / "x.json"), InvalidInput);
+  EXPECT_EQ(files(), 1);
+}
+
+TEST_F(AtomicFile, WhatIsNoFileIsWrittenToAndNotReplaced) {
+  write_file_atomically("/dev/null", "x");
+  EXPECT_FALSE(fs::is_regular_file("/dev/null"));
+}
+
 }  // namespace
 }  // namespace kalfem

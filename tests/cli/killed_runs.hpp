@@ -6,6 +6,7 @@
 
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <thread>
 
@@ -31,7 +32,7 @@ struct KilledRuns {
   int killed = 0, took_effect = 0;
 };
 
-/// Kills `moments` runs, the second half of them while they write their results.
+/// Kills so many runs, every other one while it writes its results.
 inline KilledRuns kill_runs(int moments) {
   namespace fs = std::filesystem;
   using Clock = std::chrono::steady_clock;
@@ -60,9 +61,9 @@ inline KilledRuns kill_runs(int moments) {
   std::ofstream(out / "notes.txt") << "mine";
   KilledRuns counts;
   std::string last = identity_of(out);
-  for (int i = 0; i < moments; ++i) {
-    const double part = static_cast<double>(i / 2) / static_cast<double>((moments + 1) / 2);
-    const double moment = duration * (i % 2 == 0 ? part : 0.6 + 0.5 * part);
+  for (int i = 0; counts.killed < moments && i < 3 * moments; ++i) {
+    const double part = std::fmod(0.6180339887 * i, 1.0);  // evenly, without a pattern
+    const double moment = duration * (i % 2 == 0 ? part : 0.6 + 0.4 * part);
     const pid_t child = start(run(i));
     std::this_thread::sleep_for(std::chrono::duration<double>(moment));
     kill(child, SIGKILL);

@@ -245,6 +245,7 @@ TEST(Output, AStandardOutputThatTakesNothingIsNoInternalError) {
         << verb;
   }
   EXPECT_EQ(through_pipe(command + " check " + file + " --page /dev/full").code, 1);
+  EXPECT_EQ(through_pipe(command + " check " + file + " --page " + folder.path().string()).code, 2);
 }
 
 TEST(Output, AReaderThatLeavesDoesNotEndTheRun) {

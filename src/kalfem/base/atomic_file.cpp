@@ -91,6 +91,16 @@ void write_file_atomically(const fs::path& path, std::string_view bytes) {
     fail_to_write(path, code, NeededSpace{bytes.size()});
 }
 
+void require_writable(const fs::path& path) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) fail_to_write(path, EISDIR);
+  fs::path folder = fs::absolute(path, error).parent_path();
+  while (!fs::exists(folder, error) && folder.has_relative_path()) folder = folder.parent_path();
+  if (!fs::is_directory(folder, error)) fail_to_write(path, ENOTDIR);
+  const bool device = fs::exists(path, error) && !fs::is_regular_file(path, error);
+  if (!device && access(folder.c_str(), W_OK) != 0) fail_to_write(path, errno);
+}
+
 void bring_to_disk(const fs::path& path) {
   std::error_code error;
   const bool folder = fs::is_directory(path, error);

@@ -11,6 +11,10 @@ namespace kalfem {
 /// the disk takes no more, InvalidInput where the folder or the file cannot be written.
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes);
 
+/// Throws InvalidInput where `write_file_atomically` could not write: a folder stands at `path`, or the folder that it
+/// would stand in cannot be made or written. For use before a long computation; writes nothing.
+void require_writable(const std::filesystem::path& path);
+
 /// Ending of the temporary files. A process that is killed leaves one.
 inline constexpr std::string_view temporary_ending = ".kalfem-tmp";
 
