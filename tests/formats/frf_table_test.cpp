@@ -48,6 +48,20 @@ TEST_F(FrfTables, ReadsComplexNumbersWithoutHeader) {
   EXPECT_EQ(frf.deviations.size(), 0);
 }
 
+TEST_F(FrfTables, ReadsMagnitudesAndDecibelWithoutHeader) {
+  const auto decibel = read("0,-20,40\n0.5,0,-6\n", {.content = FrfColumnContent::decibel});
+  EXPECT_TRUE(decibel.magnitudes_only);
+  EXPECT_NEAR(decibel.values(0, 0).real(), 0.1, 1e-15);
+  EXPECT_NEAR(decibel.values(0, 1).real(), 100.0, 1e-12);
+  const auto magnitudes = read("f, top, base_db\n0,2,20\n1,3,0\n", {.content = FrfColumnContent::magnitude});
+  EXPECT_TRUE(magnitudes.magnitudes_only);
+  EXPECT_EQ(magnitudes.values(1, 0), Complex(3.0));
+  EXPECT_NEAR(magnitudes.values(0, 1).real(), 10.0, 1e-14);  // a name says more than `content`
+  const auto negative = issues("1,-20\n2,-10\n", {.content = FrfColumnContent::magnitude});
+  ASSERT_FALSE(negative.empty());
+  EXPECT_NE(negative[0].what.find("is negative"), std::string::npos) << negative[0].what;
+}
+
 TEST_F(FrfTables, ReadsNamedColumnsInAnyOfTheirWays) {
   const auto parts =
       read("# comment\nfrequency_hz, top_re [m/s2/N], top_im, base_RE, base_IM\n1, 1, 2, 3, 4\n2, 5, 6, 7, 8\n");

@@ -172,7 +172,10 @@ public:
     std::vector<MeasuredFrf> measured;
     for (const auto& input : given.inputs) measured.push_back(measured_frf(given, input));
     FrfResidualOptions options;
-    options.form = given.compare == d::FrfComparison::logarithm ? FrfForm::log : FrfForm::complex_difference;
+    options.form = given.compare == d::FrfComparison::logarithm       ? FrfForm::log
+                   : given.compare == d::FrfComparison::log_magnitude ? FrfForm::log_magnitude
+                                                                      : FrfForm::complex_difference;
+    options.scale = given.scale;
     for (const auto& band : given.bands) options.bands.push_back({band[0], band[1]});
     options.relative_deviation = given.deviation;
     options.floor = given.floor;
@@ -241,7 +244,7 @@ private:
                                                                            : ResponseQuantity::acceleration;
     if (const auto* table = std::get_if<d::FrfFile>(&input.source)) {
       measured.name = table->file.value.string();
-      measured.response = read_frf_table(table->file.value, {.outputs = input.columns});
+      measured.response = read_frf_table(table->file.value, {.outputs = input.columns, .content = table->values});
       convert_to_si(measured.response, unit_of(given.quantity), input, table->file.value.string());
       return measured;
     }

@@ -94,7 +94,8 @@ struct UpdatingStep {
 /// Magnitude of one frequency response.
 struct FrfCurve {
   std::string name;                                ///< "2 per force at 1"
-  Eigen::VectorXd lines, measured, before, after;  ///< [Hz], |H|
+  Eigen::VectorXd lines, measured, before, after;  ///< [Hz], |H|, the model's with its best factor
+  std::optional<double> scale;                     ///< best factor on the updated model, where it is free
 };
 
 /// A comparison before and after the updating.

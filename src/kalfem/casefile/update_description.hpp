@@ -9,6 +9,8 @@
 
 #include "kalfem/casefile/finite_element_description.hpp"
 #include "kalfem/casefile/values.hpp"
+#include "kalfem/formats/frf_table.hpp"
+#include "kalfem/updating/frf_scale.hpp"
 
 /// The updating of a case as its file says it, see description.hpp.
 namespace kalfem::description {
@@ -57,6 +59,7 @@ enum class FrfQuantity { displacement, velocity, acceleration };
 /// Where the responses stand: a table of them, or a record from which H1 is estimated.
 struct FrfFile {
   Located<std::filesystem::path> file;
+  FrfColumnContent values = FrfColumnContent::complex;  ///< of columns whose names do not say
 };
 struct FrfRecordSource {
   Located<std::filesystem::path> file;
@@ -70,7 +73,7 @@ struct FrfInput {
   std::variant<FrfFile, FrfRecordSource> source;
   std::vector<std::string> columns;  ///< one an output; none: in order, of a record the outputs' names
 };
-enum class FrfComparison { logarithm, difference };
+enum class FrfComparison { logarithm, log_magnitude, difference };
 struct FrfData {
   Name substructure;
   std::vector<FrfInput> inputs;
@@ -78,6 +81,7 @@ struct FrfData {
   FrfQuantity quantity = FrfQuantity::acceleration;
   std::vector<std::array<double, 2>> bands;
   FrfComparison compare = FrfComparison::logarithm;
+  FrfScale scale = FrfScale::fixed;
   double deviation = 0.05;  ///< relative to each value
   double floor = 0.05;      ///< relative to the rms of the lines that are used
   double smoothing = 0.0;   ///< [Hz]

@@ -59,8 +59,15 @@ kalfem::Case<ModalData> modal_data() {
 }
 
 kalfem::Case<FrfData> frf_data() {
-  const auto table = Fields<FrfFile>().required(
-      "file", &FrfFile::file, located(path()), "table: frequency, then one complex column an output (1.2+3.4j) or two");
+  const auto table =
+      Fields<FrfFile>()
+          .required("file", &FrfFile::file, located(path()),
+                    "table: frequency, then one complex column an output (1.2+3.4j) or two, or magnitudes")
+          .optional("values", &FrfFile::values,
+                    choice<FrfColumnContent>({{"complex", FrfColumnContent::complex, "real and imaginary part"},
+                                              {"magnitude", FrfColumnContent::magnitude, "|H|"},
+                                              {"dB", FrfColumnContent::decibel, "20 log10 |H|"}}),
+                    "what columns hold whose names have no ending _re, _im, _mag, _db, _phase");
   const auto record =
       Fields<FrfRecordSource>()
           .required("record", &FrfRecordSource::file, located(path()), "time record from which H1 is estimated")
@@ -96,8 +103,16 @@ kalfem::Case<FrfData> frf_data() {
                     "frequencies that are used; default: all")
           .optional("compare", &FrfData::compare,
                     choice<FrfComparison>({{"logarithm", FrfComparison::logarithm, "magnitude and phase"},
+                                           {"log_magnitude", FrfComparison::log_magnitude,
+                                            "magnitude alone, as of data without phases"},
                                            {"difference", FrfComparison::difference, "real and imaginary parts"}}),
                     "what is compared")
+          .optional("scale", &FrfData::scale,
+                    choice<FrfScale>({{"fixed", FrfScale::fixed, "responses are calibrated"},
+                                      {"per_input", FrfScale::per_input, "a free factor for each input"},
+                                      {"per_response", FrfScale::per_response, "a free factor for each response"}}),
+                    "factor between measured and model responses, estimated beside the parameters; not for compare: "
+                    "difference")
           .optional("deviation", &FrfData::deviation, number("-", Bounds::positive()),
                     "standard deviation relative to each value")
           .optional("floor", &FrfData::floor, number("-", Bounds::nonnegative()),

@@ -166,12 +166,15 @@ std::string per_input(const FrfSet& set) {
 std::vector<FrfCurve> curves(const FrfResidual& residual, const VectorXd& start, const VectorXd& end) {
   std::vector<FrfCurve> all;
   const auto before = residual.model_responses(start), after = residual.model_responses(end);
+  const auto scales_before = residual.scales(before), scales_after = residual.scales(after);
   for (std::size_t i = 0; i < residual.compared().size(); ++i) {
     const auto& measured = residual.compared()[i];
     const auto& set = residual.sets()[i];
     for (Index j = 0; j < measured.values.cols(); ++j)
       all.push_back({set.outputs[static_cast<std::size_t>(j)] + per_input(set), measured.lines,
-                     measured.values.col(j).cwiseAbs(), before[i].col(j).cwiseAbs(), after[i].col(j).cwiseAbs()});
+                     measured.values.col(j).cwiseAbs(), scales_before[i][j] * before[i].col(j).cwiseAbs(),
+                     scales_after[i][j] * after[i].col(j).cwiseAbs(),
+                     residual.has_free_scale() ? std::optional(scales_after[i][j]) : std::nullopt});
   }
   return all;
 }

@@ -98,8 +98,13 @@ Table table_of(const std::vector<TextLine>& lines, const FrfTableOptions& option
   return table;
 }
 
+Part part_of(FrfColumnContent content) {
+  if (content == FrfColumnContent::magnitude) return Part::magnitude;
+  return content == FrfColumnContent::decibel ? Part::decibel : Part::complex;
+}
+
 /// What the end of a column's name says, and the name without it.
-std::pair<Part, std::string> part_of(const std::string& name) {
+std::pair<Part, std::string> part_of(const std::string& name, FrfColumnContent content) {
   constexpr std::array<std::pair<std::string_view, Part>, 13> endings = {{{"_re", Part::real},
                                                                           {"_real", Part::real},
                                                                           {"_im", Part::imaginary},
@@ -117,7 +122,7 @@ std::pair<Part, std::string> part_of(const std::string& name) {
   for (const auto& [ending, part] : endings)
     if (lower.size() > ending.size() && lower.ends_with(ending))
       return {part, name.substr(0, name.size() - ending.size())};
-  return {Part::complex, name};
+  return {part_of(content), name};
 }
 
 bool phase_in_radians(const std::string& title, const std::string& unit, int line, FileProblems& problems) {
@@ -136,12 +141,13 @@ void set_unit(FrfColumns& frf, const std::string& unit, int line, FileProblems& 
 }
 
 /// The FRFs that the columns make up, in the order of their first columns.
-std::vector<FrfColumns> frfs_of(const Table& table, std::size_t frequency, FileProblems& problems) {
+std::vector<FrfColumns> frfs_of(const Table& table, std::size_t frequency, FrfColumnContent content,
+                                FileProblems& problems) {
   std::vector<FrfColumns> frfs;
   for (std::size_t i = 0; i < table.titles.size(); ++i) {
     if (i == frequency) continue;
     const auto& [title, unit] = table.titles[i];
-    auto [part, name] = part_of(title);
+    auto [part, name] = part_of(title, content);
     const bool decibels = lower_case(unit) == "db";
     if (decibels && part == Part::deviation)
       problems.add(table.header_line, "the deviation '" + title + "' is in dB", "it belongs to the value itself",
@@ -160,18 +166,20 @@ std::vector<FrfColumns> frfs_of(const Table& table, std::size_t frequency, FileP
   return frfs;
 }
 
-/// Without a header: complex columns H1, H2, ...
-std::vector<FrfColumns> unnamed_frfs(const Table& table, FileProblems& problems) {
+/// Without a header: columns H1, H2, ...
+std::vector<FrfColumns> unnamed_frfs(const Table& table, FrfColumnContent content, FileProblems& problems) {
   std::vector<FrfColumns> frfs;
   const auto& first = table.rows.front();
-  for (std::size_t i = 1; i < first.size(); ++i) frfs.push_back({{"H" + std::to_string(i), ""}, {{Part::complex, i}}});
+  for (std::size_t i = 1; i < first.size(); ++i) frfs.push_back({{"H" + std::to_string(i), ""}, {{part_of(content), i}}});
+  if (content != FrfColumnContent::complex) return frfs;
   const bool any_complex = std::ranges::any_of(first.begin() + 1, first.end(), [](std::string_view cell) {
     return cell.find_first_of("ij") != std::string_view::npos;
   });
   if (!any_complex)
     problems.add(table.lines.front(), "the columns are real and have no names",
                  "they may be parts, magnitudes or phases",
-                 "write a first line such as frequency_hz, H1_re, H1_im or frequency_hz, H1_mag, H1_phase");
+                 "write a first line such as frequency_hz, H1_re, H1_im or frequency_hz, H1_mag, H1_phase; for columns of "
+                 "magnitudes or of dB alone say so by `values`");
   return frfs;
 }
 
@@ -307,7 +315,8 @@ FrequencyResponse read_frf_table(const std::filesystem::path& path, const FrfTab
   const Table table = table_of(content, options, problems);
   problems.raise();
   const auto [frequency, unit] = frequency_of(table, options.frequency_column, problems);
-  auto frfs = table.titles.empty() ? unnamed_frfs(table, problems) : frfs_of(table, frequency, problems);
+  auto frfs = table.titles.empty() ? unnamed_frfs(table, options.content, problems)
+                                   : frfs_of(table, frequency, options.content, problems);
   select(frfs, options.outputs, problems);
   for (const auto& frf : frfs) check_parts(frf, table.header_line, problems);
   check_phases(frfs, table.header_line, problems);

@@ -73,6 +73,8 @@ Json comparisons_of(const UpdatingStage& stage) {
            {"weight", number(each.weight)},
            {"rms_initial", number(each.rms_initial)},
            {"rms_final", number(each.rms_final)}};
+    for (const auto& response : each.responses)
+      if (response.scale) own["scales"][response.name] = number(*response.scale);
     if (each.modes_final.empty()) continue;
     own["mean_frequency_error_initial"] = number(mean_frequency_error(each.modes_initial));
     own["mean_frequency_error_final"] = number(mean_frequency_error(each.modes_final));

@@ -46,7 +46,7 @@ void check_response(const MeasuredFrf& frf, const FrfResidualOptions& options, I
       break;
     }
   if (magnitudes_only && options.form != FrfForm::log_magnitude)
-    issues.add({}, title(frf) + " has no phases", "this form compares them", "use the form log_magnitude");
+    issues.add({}, title(frf) + " has no phases", "this comparison needs them", "compare: log_magnitude does not");
   if (magnitudes_only && options.smoothing > 0.0)
     issues.add({}, title(frf) + " has no phases", "smoothing needs them", "set the smoothing to 0");
 }
@@ -61,6 +61,9 @@ void check_options(const FrfResidualOptions& options, IssueList& issues) {
   not_negative(options.floor, "floor of FRFs' deviation");
   if (options.relative_deviation == 0.0 && options.floor == 0.0)
     issues.add({}, "relative deviation and floor of FRFs are both 0", "the residual is weighted with them");
+  if (options.scale != FrfScale::fixed && options.form == FrfForm::complex_difference)
+    issues.add({}, "the scale of FRFs is free and their differences are compared",
+               "a factor is free between logarithms only", "compare the logarithm or log_magnitude, or fix the scale");
   for (const auto& [from, to] : options.bands)
     if (!(from >= 0.0 && to > from))
       issues.add({}, fmt::format("a band goes from {} to {} Hz", from, to), "it must rise");
@@ -102,15 +105,16 @@ Level level_of(const LogRatios& ratios, double power) {
   return {middle, median(values)};
 }
 
-/// The power of omega that explains the ratios clearly better than none; 0 where there is none.
-int power_of(const LogRatios& ratios) {
+/// The power of omega that explains the ratios clearly better than none; 0 where there is none. With `any_level` it need
+/// not leave a factor near 1.
+int power_of(const LogRatios& ratios, bool any_level) {
   const auto [lowest, highest] = std::ranges::minmax(ratios.log_omega);
   if (highest - lowest < least_octaves * std::numbers::ln2) return 0;
   int best = 0;
   double scatter = scatter_of_power * level_of(ratios, 0.0).scatter;
   for (const int power : {-2, -1, 1, 2})
     if (const Level level = level_of(ratios, power);
-        level.scatter < scatter && std::exp(std::abs(level.middle)) < 10.0) {
+        level.scatter < scatter && (any_level || std::exp(std::abs(level.middle)) < 10.0)) {
       best = power;
       scatter = level.scatter;
     }
@@ -130,15 +134,16 @@ std::string unit_hint(double factor, const FrfSet& set) {
 
 bool is_like(double factor, double value) { return factor < value * like_gravity && factor > value / like_gravity; }
 
-void check_level(const MeasuredFrf& frf, const LogRatios& ratios, IssueList& issues) {
+void check_level(const MeasuredFrf& frf, const LogRatios& ratios, bool any_level, IssueList& issues) {
   if (ratios.values.empty()) return;
   constexpr const char* why = "measurement and model are compared in m, s, N";
-  if (const int power = power_of(ratios); power != 0) {
+  if (const int power = power_of(ratios, any_level); power != 0) {
     issues.add({}, fmt::format("{} against the model's goes like omega^{}", title(frf), power), why,
                "is it " + std::string(std::abs(power) == 2 ? "a displacement for an acceleration" : "a velocity") +
                    ", or the other way round?");
     return;
   }
+  if (any_level) return;
   const double factor = std::exp(level_of(ratios, 0.0).middle);
   if (is_like(factor, gravity) || is_like(factor, 1.0 / gravity))
     issues.add({},
@@ -197,9 +202,10 @@ void check_range(const std::vector<MeasuredFrf>& measured, const std::vector<Fre
 }
 
 void check_size(const std::vector<MeasuredFrf>& measured, const std::vector<FrequencyResponse>& compared,
-                const std::vector<MatrixXcd>& model) {
+                const std::vector<MatrixXcd>& model, const FrfResidualOptions& options) {
   IssueList issues;
-  for (std::size_t i = 0; i < measured.size(); ++i) check_level(measured[i], log_ratios(compared[i], model[i]), issues);
+  for (std::size_t i = 0; i < measured.size(); ++i)
+    check_level(measured[i], log_ratios(compared[i], model[i]), options.scale != FrfScale::fixed, issues);
   issues.raise();
 }
 

@@ -22,6 +22,6 @@ void check_range(const std::vector<MeasuredFrf>& measured, const std::vector<Fre
 /// Measured against model FRFs of a start that is not far off: throws InvalidInput where the median of |H| / |H_model|
 /// over lines and outputs is like a unit (9.81 or above 100, or their inverses), or goes like a power of omega.
 void check_size(const std::vector<MeasuredFrf>& measured, const std::vector<FrequencyResponse>& compared,
-                const std::vector<Eigen::MatrixXcd>& model);
+                const std::vector<Eigen::MatrixXcd>& model, const FrfResidualOptions& options);
 
 }  // namespace kalfem

@@ -116,6 +116,36 @@ struct ComplexResidual {
   VectorXcd derivatives;
 };
 
+/// Columns of a set that share a free factor; none where the scale is fixed.
+std::vector<std::vector<Index>> scaled_together(Index columns, FrfScale scale) {
+  std::vector<std::vector<Index>> groups;
+  for (Index j = 0; j < columns && scale != FrfScale::fixed; ++j) {
+    if (scale == FrfScale::per_response || groups.empty()) groups.emplace_back();
+    groups.back().push_back(j);
+  }
+  return groups;
+}
+
+/// Takes the best common factor of the model's responses in some columns out of their residuals, which begin at row
+/// `first` with `parts` rows a value: r - w (w^T r) / (w^T w), and the same of the derivatives.
+void take_out_scale(const FrequencyResponse& measured, const std::vector<Index>& columns, Index first, Index parts,
+                    ResidualValue& residual) {
+  std::vector<Index> rows;
+  std::vector<double> weights;
+  for (Index k = 0; k < measured.lines.size(); ++k)
+    for (const Index j : columns) {
+      rows.push_back(first + (k * measured.values.cols() + j) * parts);
+      weights.push_back(std::abs(measured.values(k, j)) / measured.deviations(k, j));
+    }
+  const auto w = VectorXd::Map(weights.data(), static_cast<Index>(weights.size()));
+  const VectorXd direction = w / w.squaredNorm();
+  const double shift = direction.dot(residual.values(rows));
+  residual.values(rows) -= shift * w;
+  if (residual.jacobian.size() == 0) return;
+  const Eigen::RowVectorXd shifts = direction.transpose() * residual.jacobian(rows, Eigen::all);
+  residual.jacobian(rows, Eigen::all) -= w * shifts;
+}
+
 ComplexResidual compare(Complex model, const auto& derivatives, Complex measured, double deviation, FrfForm form) {
   if (form == FrfForm::complex_difference) return {(model - measured) / deviation, derivatives / deviation};
   const double weight = std::abs(measured) / deviation;
@@ -141,7 +171,7 @@ FrfResidual::FrfResidual(std::shared_ptr<const ParameterisedModel> model, std::v
   model_.emplace(std::move(model), std::move(sets), highest, start, options_.basis);
   const FrfEvaluation evaluation = model_->evaluate(start, false);
   check_range(measured, compared_, evaluation.basis, options_.basis);
-  if (options_.check_size) check_size(measured, compared_, model_responses(start));
+  if (options_.check_size) check_size(measured, compared_, model_responses(start), options_);
 }
 
 Complex FrfResidual::laplace_variable(double line) const { return 2.0 * pi * Complex(options_.smoothing, line); }
@@ -157,6 +187,21 @@ std::vector<MatrixXcd> FrfResidual::model_responses(const VectorXd& parameters) 
   return responses;
 }
 
+std::vector<VectorXd> FrfResidual::scales(const std::vector<MatrixXcd>& model) const {
+  std::vector<VectorXd> all;
+  for (std::size_t i = 0; i < compared_.size(); ++i) {
+    const auto& measured = compared_[i];
+    const MatrixXd weights = (measured.values.cwiseAbs().array() / measured.deviations.array()).square();
+    const MatrixXd differences = (measured.values.cwiseAbs().array() / model[i].cwiseAbs().array()).log();
+    VectorXd& scales = all.emplace_back(VectorXd::Ones(measured.values.cols()));
+    for (const auto& columns : scaled_together(scales.size(), options_.scale)) {
+      const MatrixXd w = weights(Eigen::all, columns), d = differences(Eigen::all, columns);
+      scales(columns).setConstant(std::exp(w.cwiseProduct(d).sum() / w.sum()));
+    }
+  }
+  return all;
+}
+
 std::optional<ResidualValue> FrfResidual::evaluate(const VectorXd& parameters, bool with_jacobian) const try {
   const FrfEvaluation evaluation = model_->evaluate(parameters, with_jacobian);
   ResidualValue residual{VectorXd(size_), {}};
@@ -169,6 +214,7 @@ std::optional<ResidualValue> FrfResidual::evaluate(const VectorXd& parameters, b
   };
   for (std::size_t i = 0; i < compared_.size(); ++i) {
     const auto& [lines, outputs, values, deviations, magnitudes_only] = compared_[i];
+    const Index first = row;
     for (Index k = 0; k < lines.size(); ++k) {
       const FrfLine line = evaluation.at(i, laplace_variable(lines[k]));
       for (Index j = 0; j < values.cols(); ++j) {
@@ -178,6 +224,8 @@ std::optional<ResidualValue> FrfResidual::evaluate(const VectorXd& parameters, b
         if (options_.form != FrfForm::log_magnitude) add(difference.value.imag(), difference.derivatives.imag());
       }
     }
+    for (const auto& columns : scaled_together(values.cols(), options_.scale))
+      take_out_scale(compared_[i], columns, first, options_.form == FrfForm::log_magnitude ? 1 : 2, residual);
   }
   if (!residual.values.allFinite() || !residual.jacobian.allFinite()) return std::nullopt;
   return residual;

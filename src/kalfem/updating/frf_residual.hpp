@@ -8,6 +8,7 @@
 
 #include "kalfem/base/frequency_response.hpp"
 #include "kalfem/updating/frf_model.hpp"
+#include "kalfem/updating/frf_scale.hpp"
 #include "kalfem/updating/residual.hpp"
 
 namespace kalfem {
@@ -28,6 +29,7 @@ enum class FrfForm {
 
 struct FrfResidualOptions {
   FrfForm form = FrfForm::log;
+  FrfScale scale = FrfScale::fixed;
   std::vector<FrequencyBand> bands = {};  ///< lines that are used; empty: all above 0
 
   /// Half width w at half height [Hz] to which both FRFs' resonances are widened; 0: they are left as they are. See
@@ -40,7 +42,8 @@ struct FrfResidualOptions {
   double relative_deviation = 0.05;
   double floor = 0.05;
 
-  /// Refuse measurements whose size does not fit the model at the start (see FrfResidual).
+  /// Refuse measurements whose size does not fit the model at the start (see FrfResidual). Where the scale is free only a
+  /// power of omega is refused.
   bool check_size = true;
   ResponseBasisOptions basis = {};
 };
@@ -80,6 +83,9 @@ public:
   [[nodiscard]] const std::vector<FrfSet>& sets() const { return model_->sets(); }
   /// The model's FRFs at these lines. Throws InvalidInput where there is no model.
   [[nodiscard]] std::vector<Eigen::MatrixXcd> model_responses(const Eigen::VectorXd& parameters) const;
+  [[nodiscard]] bool has_free_scale() const { return options_.scale != FrfScale::fixed; }
+  /// The best factors on these responses of the model, one an output of each set; 1 where the scale is fixed.
+  [[nodiscard]] std::vector<Eigen::VectorXd> scales(const std::vector<Eigen::MatrixXcd>& model) const;
 
 private:
   [[nodiscard]] std::complex<double> laplace_variable(double line) const;

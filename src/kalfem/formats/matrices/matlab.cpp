@@ -11,7 +11,7 @@ namespace kalfem {
 namespace {
 
 constexpr std::uint32_t array_element = 14, compressed_element = 15;
-constexpr int sparse_array = 5, double_array = 6, last_number_array = 15;
+constexpr int sparse_array = 5, last_number_array = 15;
 constexpr std::uint32_t complex_flag = 0x0800;
 
 struct Element {
