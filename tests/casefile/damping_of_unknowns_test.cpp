@@ -1,3 +1,4 @@
+#include "base/scratch_folder.hpp"
 #include "casefile/damping_of_unknowns.hpp"
 
 // Damping that is formed from modes, or from M and K, follows the stiffness and the mass that the filter estimates. The
@@ -87,6 +88,52 @@ TEST(DampingOfUnknowns, TheLoadOfAnAcceleratedBaseFollowsAMass) {
                 "base_acceleration: all\n    random: {rms: 5 m/s^2,");
   };
   expect_no_trace_of_first_guesses({text("1"), text("1.4")});
+}
+
+TEST(DampingOfUnknowns, AFirstGuessOfNothingIsRefusedWhereDampingFollowsIt) {
+  try {
+    study_of(chain_case("1 s", "    body.3-4.stiffness: {initial: 0 N/m, std: 10 kN/m}\n"));
+    FAIL() << "it was accepted";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("start from a positive first guess"), std::string::npos) << error.what();
+  }
+  study_of(chain_case("1 s", "    wheel.k_w.stiffness: {initial: 0 N/m, std: 10 kN/m}\n"));  // carried by a connector alone
+}
+
+/// The chain with one more spring, of which the filter knows neither case's value, and the body's prediction.
+std::string with_extra_spring(const std::string& given) {
+  const auto text = chain_case("4 s", "    body.extra.stiffness: {initial: 6 kN/m, std: 30 %}\n") +
+                    "\npredict:\n  substructure: body\n";
+  return with(with(text, "stiffness: 30 kN/m}",
+                   "stiffness: 30 kN/m}\n    springs: [{name: extra, from: 3, to: 6, stiffness: " + given + "}]"),
+              "seed: 7}", "seed: 7, duration: 4 s}");
+}
+
+/// The same record, read from a file by a case that gives another spring: the prediction is made with the estimated one.
+TEST(DampingOfUnknowns, ThePredictionUsesTheEstimatedSpring) {
+  const ScratchFolder folder("estimated-spring");
+  const StudyResults right = run_study(study_of(with_extra_spring("5 kN/m")), Stage::predict);
+  ASSERT_EQ(right.failure, "");
+  const auto& record = right.simulation->measurements;
+  std::ofstream file(folder / "record.csv");
+  file << "time";
+  for (const auto& channel : record.channels) file << "," << channel.name;
+  for (Index k = 0; k < record.samples(); ++k) {
+    file << "\n" << record.time(k);
+    for (const double value : record.values.row(k)) file << "," << value;
+  }
+  file.close();
+  std::string text = with_extra_spring("15 kN/m");
+  const auto begin = text.find("simulate:"), end = text.find("estimate:");
+  text.replace(begin, end - begin, "record: {file: '" + (folder / "record.csv").string() + "', sample_rate: 1 kHz}\n\n");
+  const StudyResults read = run_study(study_of(text), Stage::predict);
+  ASSERT_EQ(read.failure, "");
+  ASSERT_EQ(read.prediction->points.size(), right.prediction->points.size());
+  for (std::size_t i = 0; i < read.prediction->points.size(); ++i) {
+    const auto& expected = right.prediction->points[i].mean;
+    EXPECT_LT((read.prediction->points[i].mean - expected).norm(), 0.02 * expected.norm())
+        << read.prediction->points[i].point;
+  }
 }
 
 /// What does not change the linear part stays with its connector: nothing is linearised anew.

@@ -10,6 +10,8 @@
 #include "kalfem/casefile/prediction_stage.hpp"
 #include "kalfem/casefile/record_file.hpp"
 #include "kalfem/casefile/simulation_residual.hpp"
+#include "kalfem/casefile/unknown_builder.hpp"
+#include "kalfem/casefile/unknown_targets.hpp"
 #include "kalfem/formats/csv.hpp"
 #include "kalfem/formats/frf_table.hpp"
 #include "kalfem/updating/frf_residual.hpp"
@@ -37,6 +39,21 @@ const d::Name& substructure_of(const d::Comparison& given) {
         return none;
       },
       given.data);
+}
+
+/// Unknowns of the filter among the elements of a substructure that is driven by the boundary's estimated motion: the
+/// comparison would hold them as the case gives them.
+void check_unknowns_of_driven_part(const Study& study, const d::Name& substructure, IssueList& issues) {
+  for (const auto& [name, given] : study.given.estimate->unknown)
+    for (const auto& target : names_of(name, given)) {
+      const auto element = find_parameter(study.parts, target.value);
+      if (!element || element->kind == ParameterReference::Kind::connector) continue;
+      if (study.parts.substructures[element->part].name != substructure.value) continue;
+      issues.add(target.location,
+                 target.path + ": '" + target.value + "' is an unknown of the filter, and " + substructure.path +
+                     " compares the record with its substructure",
+                 "there it would keep the value that the case gives", "refine it under update.parameters instead");
+    }
 }
 
 const std::vector<d::Name>* sensors_of(const d::Comparison& given) {
@@ -386,6 +403,8 @@ void check_comparisons(const Study& study, IssueList& issues) {
     if (!study.given.simulate && !study.given.record)
       issues.add(given.location, given.path + " compares with a record and the case has none", "",
                  "add `record` or `simulate`");
+    if (std::holds_alternative<d::DrivenHistory>(given.value.data) && study.given.estimate)
+      check_unknowns_of_driven_part(study, part, issues);
     if (issues.issues().size() == before) try {
         if (const auto* driven = std::get_if<d::DrivenHistory>(&given.value.data)) compared_sensors(study, *driven);
         if (const auto* simulated = std::get_if<d::SimulatedHistory>(&given.value.data))

@@ -158,7 +158,8 @@ Parts parts_at(const Study& study, const LinearUnknowns& unknowns, const VectorX
   return ParameterisedStructure(study, unknowns.bindings, values.size()).near(*unknowns.structure, values);
 }
 
-bool set_unknowns(const Study& study, const std::string& substructure, const VectorXd& values, Parts& parts) {
+bool set_unknowns(const Study& study, const std::string& substructure, const VectorXd& values,
+                  const PresentValues& refined, Parts& parts) {
   const auto counts = [&](const ParameterReference& reference) {
     return parts.damping || (reference.kind != ParameterReference::Kind::connector &&
                              parts.substructures[reference.part].name == substructure);
@@ -168,7 +169,7 @@ bool set_unknowns(const Study& study, const std::string& substructure, const Vec
   for (const auto& [name, unknown] : study.given.estimate->unknown) {
     for (const auto& target : names_of(name, unknown)) {
       const auto reference = find_parameter(parts, target.value);
-      if (!reference || !counts(*reference)) continue;  // those of finite elements are set with their matrices
+      if (!reference || !counts(*reference) || refined.contains(target.value)) continue;  // those of finite elements are set with their matrices
       set_parameter(parts, *reference, values[i]);
       any = true;
     }

@@ -19,8 +19,10 @@ ObserverSetup make_observer_setup(const Study& study, Parts parts, const Present
 Parts parts_at(const Study& study, const LinearUnknowns& unknowns, const Eigen::VectorXd& values);
 
 /// Sets the springs, dashpots and masses of a substructure that are unknowns of the filter to `values`, one an unknown of
-/// the case; of a structure whose modes are damped as a whole, every element and connector. Says whether there are any.
-bool set_unknowns(const Study& study, const std::string& substructure, const Eigen::VectorXd& values, Parts& parts);
+/// the case; of a structure whose modes are damped as a whole, every element and connector. Numbers in `refined`, which an
+/// updating has set, are left as they are. Says whether any was set.
+bool set_unknowns(const Study& study, const std::string& substructure, const Eigen::VectorXd& values,
+                  const PresentValues& refined, Parts& parts);
 
 /// The observer's system as a function of its linear unknowns; nothing where it has none. The case must outlive it.
 std::function<LocallyNonlinearSystem(const Eigen::VectorXd&)> system_of_linear_unknowns(const Study& study,

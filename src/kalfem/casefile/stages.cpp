@@ -122,6 +122,7 @@ SimulationStage simulate_stage(const Study& study, const Progress& progress, std
 struct Updated {
   ObserverSetup observer;
   Parts parts;
+  VectorXd values;  ///< of its parameters
 };
 
 Updated updated_structure(const Study& study, const ParameterisedStructure& structure, const UpdatingStage& updating) {
@@ -129,7 +130,7 @@ Updated updated_structure(const Study& study, const ParameterisedStructure& stru
   IssueList issues;
   ObserverSetup observer = make_observer_setup(study, parts, present_values(*study.updating, updating.values), issues);
   issues.raise();
-  return {std::move(observer), parts};
+  return {std::move(observer), parts, updating.values};
 }
 
 /// Relative distance from where the finite elements were reduced beyond which estimates of linear unknowns are made
@@ -151,8 +152,9 @@ std::optional<CoupledModel> estimated_model(const Study& study, const ObserverSe
   Parts parts = updated ? updated->parts
                 : bound ? parts_at(study, observer.linear_unknowns, linear_estimates(estimation))
                         : reference_parts(study);
+  const auto refined = updated ? present_values(*study.updating, updated->values) : PresentValues{};
   const bool changed = set_unknowns(study, study.given.predict->substructure.value,
-                                    estimation.result.unknowns.mean.rightCols(1), parts);
+                                    estimation.result.unknowns.mean.rightCols(1), refined, parts);
   if (!changed && !updated && !bound) return std::nullopt;
   return couple(parts);
 } catch (const InvalidInput& error) {

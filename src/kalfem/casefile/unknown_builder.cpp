@@ -119,6 +119,10 @@ void UnknownBuilder::add(const std::string& name, const d::Unknown& given) {
     unknown.random_walk = given.random_walk ? absolute(*given.random_walk, unit, unknown.initial) : 0.0;
     if (const auto value = present_.find(name); value != present_.end()) unknown.initial = value->second;
     unknown.in_linear_part = linear_part_follows(*targets);
+    if (unknown.in_linear_part && targets->positive_by_nature() && !(unknown.initial > 0.0))
+      throw InvalidInput(given.initial.issue("'" + name + "' starts at " + shortest(unknown.initial) + " " + unit,
+                                             "damping or loads of its substructure follow it, and need it positive",
+                                             "start from a positive first guess"));
     for (std::size_t i = 0; i < targets->of_connectors.size(); ++i) add_target(names[i], unknown);
     add_linear(targets->of_linear_part, unknown);
     std::optional<double> truth;
