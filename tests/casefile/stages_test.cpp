@@ -228,6 +228,17 @@ TEST(Stages, UnknownsOfTheFilterStartAtUpdatedValues) {
   near(setup.options.unknowns[0].deviation, 10.0);
 }
 
+/// One value that several parameters share is present under each of their names.
+TEST(Stages, UpdatedValuesArePresentUnderAllNamesThatTheyApplyTo) {
+  const auto study = study_of(exact_case(
+      {{"update",
+        "{parameters: {both: {initial: 750, applies_to: [s.k.stiffness, s.m.stiffness]}, s.k.damping: {initial: 2}}, "
+        "compare: {f: {modes: s, frequencies: [2.9, 5.5], above: 0.5 Hz}}}"}}));
+  const auto present = present_values(*study.updating, vector({730, 3}));
+  for (const std::string name : {"both", "s.k.stiffness", "s.m.stiffness"}) near(present.at(name), 730.0);
+  near(present.at("s.k.damping"), 3.0);
+}
+
 /// A stiffer beam by an unknown of its material: the observer's superelement is reduced at the first guess, and a value
 /// beside it in the same basis has the stiffness of that value.
 TEST(Stages, LinearUnknownsOfFiniteElementsMoveTheirSuperelement) {
