@@ -75,13 +75,37 @@ void shared_values() {
   for (const auto& connector : study.observer->model->system().connectors) near(connector.parameters[0], 400.0);
 }
 
-/// A spring of the linear part: the linear part holds the first guess, and a connector what differs from it.
+/// Force of a connector without internal states at a deformation, a rate and an acceleration of 1.
+double force_of(const Connector& connector, const Eigen::VectorXd& parameters) {
+  const Eigen::ArrayXXd p = parameters.transpose().array(), none(1, 0);
+  const Eigen::ArrayXd one = Eigen::ArrayXd::Ones(1);
+  Eigen::ArrayXd force(1), stiffness(1), damping(1), inertance(1);
+  Eigen::ArrayXXd end(1, 0);
+  connector.law->respond({0.0, p, one, one, none, one, one, one}, {force, stiffness, damping, inertance, end});
+  return force[0];
+}
+
+/// A spring, dashpot and mass of the linear part: this holds the first guesses, and connectors what differs from them.
 void linear_elements_are_released() {
-  const auto study = with_estimate("unknown: {s.k.stiffness: {initial: 700}, s.b.mass: {initial: 2.5}}");
-  near(study.observer->model->system().stiffness.coeff(0, 0), 700.0);
-  near(study.observer->model->system().mass.coeff(1, 1), 2.5);
+  const auto study =
+      with_estimate("unknown: {s.k.stiffness: {initial: 700}, s.k.damping: {initial: 5}, s.b.mass: {initial: 2.5}}");
+  const auto& system = study.observer->model->system();
+  near(system.stiffness.coeff(0, 0), 700.0);
+  near(system.damping.coeff(0, 0), 5.0);
+  near(system.mass.coeff(1, 1), 2.5);
   near(*study.observer->true_parameters[0], 800.0);
-  near(*study.observer->true_parameters[1], 3.0);
+  near(*study.observer->true_parameters[1], 4.0);
+  near(*study.observer->true_parameters[2], 3.0);
+  ASSERT_EQ(system.connectors.size(), 3u);  // the case's own, one of the spring with its dashpot, one of the mass
+  for (std::size_t j : {1, 2}) EXPECT_EQ(force_of(system.connectors[j], system.connectors[j].parameters), 0.0) << j;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const auto target = options_of(study).unknowns[std::size_t(i)].targets.at(0);
+    const auto& connector = system.connectors[std::size_t(target.connector)];
+    Eigen::VectorXd moved = connector.parameters;
+    moved[target.parameter] += 0.25;
+    near(force_of(connector, moved), 0.25);
+    EXPECT_EQ(std::abs(connector.deformation[i < 2 ? 0 : 1]), 1.0);
+  }
 }
 
 void initial_states() {
