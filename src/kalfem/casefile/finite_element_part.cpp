@@ -133,6 +133,14 @@ private:
   Eigen::SparseMatrix<double, Eigen::RowMajor> rows_;  ///< motion of each nodal degree of freedom by the free ones
 };
 
+/// Points that connectors and forces touch, without the substructure's grounds: of those that do not exist or do not
+/// move, the connectors and forces themselves are refused.
+bool touches_nodes(const d::Substructure& given, const std::vector<std::string>& attached) {
+  return std::ranges::any_of(attached, [&](const std::string& point) {
+    return point != "ground" && std::ranges::find(given.grounds, point) == given.grounds.end();
+  });
+}
+
 /// A reduction that was asked for keeps something at its boundary.
 void require_boundary(const FiniteElementPart& part, const Located<d::Reduction>& reduction) {
   if (!part.boundary.empty()) return;
@@ -238,7 +246,7 @@ FiniteElementPart make_finite_element_part(const std::string& name, const d::Sub
   BoundaryMaker maker(part);
   for (const auto& place : boundary) maker.add(place, is_given, issues);
   issues.raise();
-  if (given.reduction) require_boundary(part, *given.reduction);
+  if (given.reduction && !touches_nodes(given, attached)) require_boundary(part, *given.reduction);
   return part;
 }
 
