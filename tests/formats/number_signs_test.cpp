@@ -57,7 +57,7 @@ TEST(NumberSigns, StandAloneBeforeWholeNumbers) {
 
 /// A text that is cut off inside its last number has no line end behind it.
 TEST(CutOffMatrices, AreRefusedAtTheirLastLine) {
-  const test::ScratchFolder folder("cut-matrices");
+  const ScratchFolder folder("cut-matrices");
   const auto reads = [&](const std::string& name, const std::string& text) {
     std::ofstream(folder / name) << text;
     try {
