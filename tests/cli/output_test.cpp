@@ -153,6 +153,49 @@ TEST(Output, SuperelementsAreThoseOfTheRunAndTimesAddUp) {
   EXPECT_GE(timing["total_s"].get<double>(), parts);
 }
 
+/// An earlier version did not list its files.
+TEST(Output, FilesOfASummaryWithoutAListGoToo) {
+  const ScratchFolder folder("unlisted");
+  std::ofstream(folder / "plate.msh") << plate_mesh;
+  const auto out = folder / "out";
+  const auto with = write_case(folder, "with.yaml", plate_case + "report: {superelements: [op4]}\n");
+  ASSERT_EQ(run_command("modes " + with + " --out " + out.string(), folder).code, 0);
+  auto summary = read_summary(out);
+  summary.erase("files");
+  std::ofstream(out / "summary.json") << summary.dump();
+  std::ofstream(out / "other_reduced.op4") << "of a substructure that the former run did not have";
+  const auto without = write_case(folder, "without.yaml", plate_case);
+  ASSERT_EQ(run_command("modes " + without + " --out " + out.string(), folder).code, 0);
+  EXPECT_EQ(files_of(out), (std::set<std::string>{"case.resolved.yaml", "other_reduced.op4", "plate_modes.vtu",
+                                                  "report.html", "summary.json"}));
+}
+
+TEST(Output, PointsAtRestHaveNoErrorAndCaptionsNameTheBand) {
+  const ScratchFolder folder("at-rest");
+  std::ofstream(folder / "plate.msh") << plate_mesh;
+  const auto file = write_case(folder, "case.yaml", plate_case + R"(excitation:
+  road: {base_displacement: wheel.ground, random: {rms: 1 mm, band: [0.5, 30 Hz], fade_in: 0.05 s}}
+sensors: {a: {acceleration: plate.f.z, noise: 5 %}}
+simulate: {duration: 0.5 s, sample_rate: 1 kHz, tolerance: 1e-2}
+estimate: {unknown: {mount.k: {initial: 11 kN/m, std: 1 kN/m}}, settle: 0.1 s}
+predict: {substructure: plate}
+)");
+  const auto outcome = run_command("run " + file + " --out " + (folder / "out").string(), folder);
+  ASSERT_EQ(outcome.code, 0) << outcome.errors;
+  // The plate bends out of its plane: z, rx, ry.
+  const auto points = read_summary(folder / "out")["prediction"]["plate"];
+  for (const std::string still : {"f.x", "f.y", "f.rz"})
+    EXPECT_TRUE(points[still]["acceleration_nrmse"].is_null()) << still;
+  for (const std::string moves : {"f.z", "f.rx", "f.ry"})
+    EXPECT_TRUE(points[moves]["acceleration_nrmse"].is_number()) << moves;
+  EXPECT_TRUE(std::regex_search(outcome.output, std::regex("plate[.]f[.]x +at rest +at rest"))) << outcome.output;
+  const auto page = read(folder / "out" / "report.html");
+  EXPECT_TRUE(std::regex_search(
+      page.substr(page.find("<main")),
+      std::regex("NRMSE [0-9.]+ % in the band of the excitation, 0.5 to 30 Hz; [0-9.]+ % of the whole signal")));
+  EXPECT_EQ(page.find("Acceleration of plate.f.x"), std::string::npos);
+}
+
 TEST(Output, ASummaryFromElsewhereRemovesNothingOfTheUser) {
   const ScratchFolder folder("hostile");
   const auto file = write_case(folder, "case.yaml", short_case("A"));

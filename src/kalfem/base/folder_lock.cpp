@@ -47,7 +47,8 @@ bool is_in_place(int descriptor, const fs::path& file) {
 void make_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error == std::errc::no_space_on_device) fail_to_write(folder, error.value());
+  const int code = error.value();
+  if (code == ENOSPC || code == EDQUOT || code == EIO) fail_to_write(folder, code);
   if (error || !fs::is_directory(folder, error))
     throw InvalidInput("the folder '" + folder.string() + "' cannot be made",
                        error ? error.message() : "a file of that name stands there", "give another one with --out");

@@ -28,15 +28,25 @@ std::string needs(const std::optional<NeededSpace>& needed) {
   return std::string(needed->at_least ? "it needs more than " : "it needs ") + size_text(needed->bytes) + ", ";
 }
 
-/// Free bytes of the file system that `path` lies or would lie on.
-std::string available(const fs::path& path) {
+/// Free bytes of the file system that `path` lies or would lie on, where it tells.
+std::optional<std::uintmax_t> available(const fs::path& path) {
   std::error_code error;
   for (fs::path folder = fs::absolute(path, error); !folder.empty(); folder = folder.parent_path()) {
     const fs::space_info space = fs::space(folder, error);
-    if (!error) return size_text(space.available);
+    if (!error) return space.available;
     if (folder == folder.parent_path()) break;
   }
-  return "an unknown amount";
+  return std::nullopt;
+}
+
+/// A disk may be full of files, with bytes left.
+std::string full_disk(const fs::path& path, const std::optional<NeededSpace>& needed) {
+  const auto left = available(path);
+  if (!left) return "the disk is full";
+  constexpr std::uintmax_t of_a_folder = 100'000;
+  if (*left > (needed ? needed->bytes : 0) + of_a_folder && !(needed && needed->at_least))
+    return "the disk takes no more files, though " + size_text(*left) + " are available";
+  return "the disk is full: " + needs(needed) + size_text(*left) + " are available";
 }
 
 std::string size_limit() {
@@ -51,11 +61,9 @@ void fail_to_write(const fs::path& path, int code, std::optional<NeededSpace> ne
   const std::string what = "cannot write '" + path.string() + "'";
   switch (code) {
     case ENOSPC:
-      throw WriteFailure(what, "the disk is full: " + needs(needed) + available(path) + " are available",
-                         "free some space, or write to another disk");
+      throw WriteFailure(what, full_disk(path, needed), "free some space, or write to another disk");
     case EDQUOT:
-      throw WriteFailure(what,
-                         "the disk quota is used up: " + needs(needed) + available(path) + " are free on the disk",
+      throw WriteFailure(what, "the disk quota is used up" + (needed ? ": " + needs(needed) + "more than is left" : ""),
                          "free some space, or write to another disk");
     case EFBIG:
       throw WriteFailure(what, "the file would be too large: " + needs(needed) + "the limit is " + size_limit(),

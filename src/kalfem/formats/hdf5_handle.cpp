@@ -1,6 +1,7 @@
 #include "kalfem/formats/hdf5_handle.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <limits>
 #include <optional>
 #include <string_view>
@@ -27,12 +28,15 @@ std::string last_cause() {
   return cause.empty() ? "HDF5 gives no reason" : cause;
 }
 
-/// The system's error in "file write failed: ..., errno = 28, error message = ...".
-std::optional<int> error_number(const std::string& cause) {
+/// The system's error of writing in "file write failed: ..., errno = 28, error message = ...". A file that is read
+/// cannot be opened for other reasons than a full disk.
+std::optional<int> write_error(const std::string& cause) {
   constexpr std::string_view mark = "errno = ";
   const std::size_t at = cause.find(mark);
-  if (!cause.starts_with("file write failed") || at == std::string::npos) return std::nullopt;
-  return std::stoi(cause.substr(at + mark.size()));
+  if (at == std::string::npos) return std::nullopt;
+  const int code = std::stoi(cause.substr(at + mark.size()));
+  const bool full = code == ENOSPC || code == EDQUOT || code == EFBIG;
+  return full || cause.starts_with("file write failed") ? std::optional(code) : std::nullopt;
 }
 
 /// Makes the groups on the way to a new object.
@@ -96,7 +100,7 @@ void refuse_hdf5(const std::string& path, std::string what, std::string why, std
 void Hdf5File::Handle::require(bool done, const std::string& action) const {
   if (done) return;
   const std::string cause = last_cause();
-  if (const auto code = error_number(cause)) fail_to_write(path, *code, NeededSpace{asked, true});
+  if (const auto code = write_error(cause)) fail_to_write(path, *code, NeededSpace{asked, true});
   fail("cannot " + action, cause);
 }
 
