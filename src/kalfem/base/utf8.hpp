@@ -13,8 +13,8 @@ std::size_t utf8_length(std::string_view text, std::size_t at);
 /// The text with U+FFFD in place of each byte that is no UTF-8. JSON and HTML need valid UTF-8.
 std::string valid_utf8(std::string_view text);
 
-/// Text inside of a quoted string of JSON or YAML: characters that a terminal obeys become \u001b, so that the file can be
-/// shown there, and bytes that are no UTF-8 become U+FFFD. Line breaks stay.
+/// Text inside of a quoted string of JSON or YAML: characters that a terminal obeys become \u001b, so that the file can
+/// be shown there, and bytes that are no UTF-8 become U+FFFD. Line breaks stay.
 std::string with_unicode_escapes(std::string_view text);
 
 /// The text without control characters other than tabs and line breaks, and in valid UTF-8, as HTML and XML need it.
