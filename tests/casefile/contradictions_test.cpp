@@ -387,6 +387,17 @@ TEST(CaseProblems, OfAllKindsAreToldTogether) {
   }
 }
 
+TEST(CaseProblems, MoreMassesThanFullMatricesHold) {
+  const CaseFiles files("many-masses");
+  try {
+    files.load("kalfem: 1\nsubstructures:\n  a: {chain: {masses: 100000, mass: 1 kg, stiffness: 1}}\n");
+    FAIL();
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("case.yaml:3: substructures.a has 100000 masses"), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(CaseProblems, OfAHundredAndFiftyThousandKeysAreToldInSeconds) {
   const CaseFiles files("many");
   std::string unknown = base_case("chain"), doubled = "kalfem: 1\nsubstructures:\n  a:\n    masses:\n";

@@ -12,6 +12,9 @@ namespace {
 
 using description::Case;
 
+/// Of a lumped substructure, whose matrices are full: 200 MB each.
+constexpr std::size_t most_masses = 5000;
+
 std::string qualified(const std::string& node, const std::string& direction) {
   return direction.empty() ? node : node + "." + direction;
 }
@@ -176,6 +179,13 @@ void check_substructure(const Case& given, const std::string& name, const Lumped
   }
 }
 
+/// Masses of a lumped substructure.
+std::size_t masses_of(const description::Substructure& given) {
+  std::size_t count = given.chain ? static_cast<std::size_t>(given.chain->masses) : 0;
+  for (const auto& [node, masses] : given.masses) count += masses.size();
+  return count;
+}
+
 }  // namespace
 
 std::string spring_name(const description::Spring& spring) {
@@ -205,6 +215,13 @@ Parts make_parts(const Case& given, std::vector<Substructure> finite_elements, I
         issues.add(part.finite_elements->location(),
                    "substructures." + name + " has finite elements and also masses or a chain",
                    "it is one or the other", "put bodies at nodes under finite_elements.masses");
+      continue;
+    }
+    if (const auto masses = masses_of(part); masses > most_masses) {
+      issues.add(given.source.at({"substructures", name}),
+                 "substructures." + name + " has " + std::to_string(masses) + " masses",
+                 "a lumped substructure has full matrices and at most " + std::to_string(most_masses) + " masses",
+                 "describe a larger one by finite_elements, or by its matrices");
       continue;
     }
     parts.substructures.push_back(make_substructure(name, part));

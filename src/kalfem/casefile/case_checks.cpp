@@ -97,8 +97,34 @@ void check_reported_names(const d::Case& given, const std::vector<std::string>& 
     check_name(name, "point", points, "name a point whose motion is reported, substructure.name", issues);
 }
 
+namespace {
+
+/// What the time integration cannot step.
+void check_integrator(const Study& study, IssueList& issues) {
+  constexpr Eigen::Index most_exact = 5000;
+  const auto& system = study.model->system();
+  const Eigen::VectorXd mass = system.mass.diagonal();
+  const Eigen::Index massless = (mass.array() <= 0.0).count();
+  if (massless > 0) {
+    Eigen::Index first = 0;
+    mass.minCoeff(&first);
+    issues.add(study.given.source.at({"simulate"}),
+               std::to_string(massless) + " degrees of freedom have no mass, the first of them '" +
+                   system.dofs[static_cast<std::size_t>(first)] + "'",
+               "every one needs mass to be stepped in time", "give them mass, or take reference: superelement");
+  }
+  if (study.given.simulate->integrator == Integrator::exact && system.size() > most_exact)
+    issues.add(study.given.source.at({"simulate", "integrator"}),
+               "simulate.integrator: exact given for " + std::to_string(system.size()) + " degrees of freedom",
+               "its matrices are full: at most " + std::to_string(most_exact),
+               "take newmark, or reference: superelement");
+}
+
+}  // namespace
+
 void check_simulation(const Study& study, IssueList& issues) {
   if (!study.given.simulate) return;
+  check_integrator(study, issues);
   const auto& given = *study.given.simulate;
   check_steps(given, issues);
   const auto place = [&](const char* key) { return study.given.source.at({"simulate", key}); };
@@ -130,7 +156,8 @@ void check_simulation(const Study& study, IssueList& issues) {
 void check_signals(const Study& study, IssueList& issues) {
   double from = 0.0, to = 0.0;
   if (study.given.simulate) {
-    to = std::floor(study.given.simulate->duration * study.sample_rate() + 1e-9) / study.sample_rate();
+    const double finest = study.sample_rate() * study.given.simulate->first_substeps;
+    to = std::ceil(study.given.simulate->duration * finest * (1.0 - 1e-12)) / finest;
   } else if (study.record) {
     from = study.record->series.start;
     to = study.record->series.time(study.record->series.samples() - 1);

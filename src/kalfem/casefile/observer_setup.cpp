@@ -216,6 +216,14 @@ ObserverSetup make_observer_setup(const Study& study, Parts parts, const Present
 
   setup.model = std::make_shared<const CoupledModel>(couple(parts));
   const auto& system = setup.model->system();
+  constexpr Index most_dofs = 5000;
+  if (system.size() > most_dofs) {
+    issues.add(study.given.source.at({"estimate"}),
+               "the filter would hold " + std::to_string(system.size()) + " degrees of freedom",
+               "its covariance is a full matrix: at most " + std::to_string(most_dofs),
+               "reduce the finite elements, or hold a part of the structure by estimate.local");
+    return setup;
+  }
   auto& options = setup.options;
   const VectorXd dofs = VectorXd::Zero(system.size()), inputs = VectorXd::Zero(system.input_count()),
                  states = VectorXd::Zero(system.connector_states());

@@ -14,6 +14,13 @@ namespace d = description;
 
 namespace {
 
+/// Units of some laws depend on a parameter ("1/m^n"): these are the same only as they stand.
+bool same_dimension(const std::string& one, const std::string& other) try {
+  return one == other || parse_unit(one).dimension == parse_unit(other).dimension;
+} catch (const InvalidInput&) {
+  return false;
+}
+
 /// Prior standard deviation or walk: in the parameter's unit, or per cent of the initial value.
 double absolute(const d::Value& given, const std::string& unit, double initial) {
   const bool percentage = !given.value.bare && given.value.dimension == Dimension{};
@@ -166,7 +173,7 @@ std::optional<UnknownBuilder::Targets> UnknownBuilder::found(const std::string& 
 void UnknownBuilder::check_units(const std::string& owner, const std::vector<d::Name>& names, const Targets& targets) {
   for (const auto& other : targets.of_connectors) {
     const std::string& unit = targets.of_connectors.front().unit;
-    if (unit.empty() || other.unit.empty() || parse_unit(unit).dimension == parse_unit(other.unit).dimension) continue;
+    if (unit.empty() || other.unit.empty() || same_dimension(unit, other.unit)) continue;
     issues_.add(names.front().location,
                 "estimate.unknown." + owner + " applies to parameters in " + unit + " and in " + other.unit,
                 "they share one value", "give parameters of one kind");
