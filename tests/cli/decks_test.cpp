@@ -50,6 +50,29 @@ TEST(Decks, UnitsThatWereNotDeclaredAreNoticed) {
   EXPECT_NE(outcome.output.find("mm, t, s"), std::string::npos) << outcome.output;
 }
 
+/// Decks are older than UTF-8.
+TEST(Decks, NamesInOtherEncodingsBreakNoOutput) {
+  const ScratchFolder folder("deck-names");
+  std::string deck = brick_deck();
+  for (std::size_t at = 0; (at = deck.find("ELSET=BAR", at)) != std::string::npos; at += 9)
+    deck.replace(at, 9, "ELSET=TR\xC4GER\x1b[31m");
+  write(folder / "bar.inp", deck);
+  write(folder / "case.yaml",
+        "kalfem: 1\nsubstructures:\n  bar:\n    finite_elements:\n      deck: bar.inp\n"
+        "      units: {length: 1 mm, mass: 1 t, time: 1 s}\n      nodes: {tip: TIP}\n");
+  for (const std::string verb : {"modes", "check"}) {
+    const auto outcome = run_command(verb + " " + (folder / "case.yaml").string(), folder);
+    EXPECT_EQ(outcome.code, 0) << outcome.errors;
+    EXPECT_EQ(outcome.output.find('\x1b'), std::string::npos) << outcome.output;
+    EXPECT_EQ(outcome.output.find('\xC4'), std::string::npos) << outcome.output;
+  }
+  EXPECT_EQ(read_summary(folder / "case.kalfem-out")["status"], "ok");
+  const auto page = read(folder / "case.kalfem-out" / "report.html");
+  EXPECT_EQ(page.find('\x1b'), std::string::npos);
+  EXPECT_EQ(page.find("TR\xC4GER"), std::string::npos);
+  EXPECT_NE(page.find("TR\xEF\xBF\xBDGER[31m"), std::string::npos);
+}
+
 TEST(Decks, DeckOfBricksHasTheFrequenciesOfABeam) {
   const ScratchFolder folder("deck-modes");
   write(folder / "bar.inp", brick_deck());
