@@ -111,7 +111,9 @@ TEST(MultiSupport, AnAccelerometersOffsetDoesNotPullTheSupportsApart) {
   const std::string left = "  a: {base_acceleration: beam.left, file: " + (folder / "a.csv").string() + ", channel: a1";
   const auto study = study_of(driven_by(left + "}"));
   ASSERT_EQ(study.warnings.size(), 1U);
-  EXPECT_NE(study.warnings[0].find("excitation 'a'"), std::string::npos);
+  EXPECT_NE(study.warnings[0].find("excitation 'a': its acceleration is taken to have an offset of 0.05"),
+            std::string::npos)
+      << study.warnings[0];
   EXPECT_NE(study.warnings[0].find("drift: keep"), std::string::npos);
   const auto found = study.signals[0]->sample(0.0, 1e-2, 401), expected = motion->sample(0.0, 1e-2, 401);
   EXPECT_LT((found - expected).col(0).abs().maxCoeff(), 0.03 * expected.col(0).abs().maxCoeff());
@@ -220,6 +222,12 @@ INSTANTIATE_TEST_SUITE_P(
                       "case.yaml:14: excitation.a.base_displacement: 'beam.1' is not a ground"},
         Contradiction{"nothing_attached", "  a: {base_acceleration: beam.ground, " + sine + "}",
                       "case.yaml:14: excitation.a.base_acceleration: nothing is attached to the ground 'beam.ground'"},
+        Contradiction{"nothing_named", "  a: {base_acceleration: {}, " + sine + "}",
+                      "case.yaml:14: excitation.a.base_acceleration names nothing"},
+        Contradiction{"weight_of_all", "  a: {base_acceleration: {all: 2}, " + sine + "}",
+                      "case.yaml:14: excitation.a.base_acceleration: the weight of 'all' is 2"},
+        Contradiction{"no_weight", "  a: {base_acceleration: {beam.left: 0}, " + sine + "}",
+                      "case.yaml:14: excitation.a.base_acceleration: the weight of 'beam.left' is 0"},
         Contradiction{"unit", "  a: {base_acceleration: beam.left, " + sine_m + "}", "case.yaml:14"},
         Contradiction{"drift_of_a_displacement", "  a: {base_displacement: beam.left, drift: keep, " + sine_m + "}",
                       "case.yaml:14: excitation.a.drift says nothing here"},

@@ -38,7 +38,7 @@ TEST(GroundMotion, IsTheMotionWhoseAccelerationWasRecorded) {
   EXPECT_LT(difference(found.sample(0.0, 0.0037, 1351), motion->sample(0.0, 0.0037, 1351)), 5e-5);
   const GroundMotion finer(recorded_acceleration(*motion, 400.0, 5.0), {.step = 0.0025, .knots = 2001});
   EXPECT_LT(difference(finer.sample(0.0, 0.0037, 1351), motion->sample(0.0, 0.0037, 1351)), 4e-6);
-  EXPECT_EQ(found.removed_drift(), 0.0);
+  EXPECT_EQ(found.removed().part, 0.0);
 }
 
 TEST(GroundMotion, IntegratesACubicSplineExactly) {
@@ -73,7 +73,9 @@ TEST(GroundMotion, AnOffsetAndAStartInMotionAreTakenOut) {
   const auto expected = motion->sample(0.0, 0.01, 2001);
   // what is left is what the window sees of the motion itself: about its lowest frequency's turns to the power -3
   EXPECT_LT(difference(found.sample(0.0, 0.01, 2001), expected), 0.02);
-  EXPECT_GT(found.removed_drift(), 1000.0);
+  EXPECT_GT(found.removed().part, 1000.0);
+  EXPECT_NEAR(found.removed().offset, 0.2, 1e-4);
+  EXPECT_NEAR(found.removed().velocity, -motion->sample(0.0, 1.0, 1)(0, 1), 1e-3);
   const GroundMotion kept(acceleration, {.step = 1e-3, .knots = 20001});
   EXPECT_GT(std::abs(kept.sample(20.0, 1.0, 1)(0, 0)), 10.0);
 }
@@ -82,7 +84,7 @@ TEST(GroundMotion, AMotionAboutItsRestIsHardlyTouched) {
   const auto motion = make_random({.rms = 2e-3, .lower = 1.0, .upper = 20.0});
   const GroundMotion found(recorded_acceleration(*motion, 1000.0, 20.0),
                            {.step = 1e-3, .knots = 20001, .drift = Drift::remove});
-  EXPECT_LT(found.removed_drift(), 0.01);
+  EXPECT_LT(found.removed().part, 0.01);
 }
 
 TEST(GroundMotion, GoesOnOutsideItsKnots) {

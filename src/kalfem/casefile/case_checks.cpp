@@ -165,8 +165,8 @@ void check_signals(const Study& study, IssueList& issues) {
     return;
   }
   for (std::size_t i = 0; i < study.signals.size(); ++i) try {
-      study.signals[i]->sample(from, 1.0, 1);
-      study.signals[i]->sample(to, 1.0, 1);
+      static_cast<void>(study.signals[i]->sample(from, 1.0, 1));
+      static_cast<void>(study.signals[i]->sample(to, 1.0, 1));
     } catch (const InvalidInput& error) {
       const auto& input = study.parts.inputs[i];
       for (const auto& issue : error.issues())

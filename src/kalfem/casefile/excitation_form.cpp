@@ -29,7 +29,7 @@ kalfem::Case<BaseAcceleration> base_acceleration() {
   return when(
       "base_acceleration",
       convert<BaseAcceleration>(
-          points("all"), [](const Points& given) { return BaseAcceleration{given}; },
+          points("ground"), [](const Points& given) { return BaseAcceleration{given}; },
           [](const BaseAcceleration& target) { return target.direction; }),
       "accelerate grounds [m/s^2]. By name (or several, each with a weight): displacements stay absolute. `all`: "
       "every ground and degree of freedom alike, or degrees of freedom with a weight each; displacements are "

@@ -57,7 +57,7 @@ private:
       return;
     }
     if (part.damping.modal.empty()) warn(below({"damping", "modal_up_to"}), "there is no modal damping");
-    if (part.reduction) of_reduction(path, *part.reduction);
+    if (part.reduction) of_reduction(path, part.reduction->value);
     const auto& source = part.finite_elements->source;
     if (!std::holds_alternative<d::MeshFile>(source) && !std::holds_alternative<d::TableFiles>(source)) return;
     for (const auto& [material, given] : part.finite_elements->materials) {

@@ -57,6 +57,13 @@ private:
 
   void check(const description::BaseAcceleration& target) {
     const auto& points = target.direction;
+    if (points.value.empty())
+      issues_.add(points.location, points.path + " names nothing", "it would accelerate nothing",
+                  "name grounds, or write all");
+    for (const auto& [point, weight] : points.value)
+      if (weight == 0.0 || (point == "all" && weight != 1.0))
+        issues_.add(points.location, points.path + ": the weight of '" + point + "' is " + shortest(weight),
+                    weight == 0.0 ? "it would not move" : "all move by 1", "give the signal's size by `scale`");
     if (points.value.size() == 1 && points.value.front().first == "all") return check_translation(points);
     std::size_t grounds = 0;
     for (const auto& [point, weight] : points.value) {

@@ -5,7 +5,6 @@
 #include "kalfem/casefile/assembly.hpp"
 #include "kalfem/casefile/bounds.hpp"
 #include "kalfem/casefile/record_file.hpp"
-#include "kalfem/system/option_checks.hpp"
 #include "kalfem/system/signals/ground_motion.hpp"
 #include "kalfem/system/signals/harmonic.hpp"
 #include "kalfem/system/signals/pulse.hpp"
@@ -170,12 +169,21 @@ private:
     if (!std::holds_alternative<d::Constant>(excitation_.signal))
       options.drift = keeps_drift() ? Drift::keep : Drift::remove;
     const auto motion = std::make_shared<const GroundMotion>(signal, options);
-    if (motion->removed_drift() > told_drift)
-      all_.notes.push_back("excitation '" + name_ +
-                           "': from the displacement that its acceleration gives, a parabola over " +
-                           "time was taken out that is " + shown(std::round(100.0 * motion->removed_drift()) / 100.0) +
-                           " times what is left; `drift: keep` leaves it in");
+    if (std::holds_alternative<d::FileSignal>(excitation_.signal) && motion->removed().part > told_drift)
+      tell(motion->removed());
     return motion;
+  }
+
+  /// What was taken for errors of the accelerometer.
+  void tell(const GroundMotion::Removed& removed) {
+    const auto three_digits = [](double value) {
+      const double unit = value == 0.0 ? 1.0 : std::pow(10.0, std::floor(std::log10(std::abs(value))) - 2.0);
+      return shortest(std::round(value / unit) * unit);
+    };
+    all_.notes.push_back("excitation '" + name_ + "': its acceleration is taken to have an offset of " +
+                         three_digits(removed.offset) + " m/s^2, and the ground to start at " +
+                         three_digits(-removed.velocity) +
+                         " m/s: without that it would drift; `drift: keep` integrates the acceleration as it is");
   }
 
   SignalPtr after(const d::Name& input, double delay) {

@@ -21,6 +21,8 @@ constexpr std::size_t most_extrapolations = 2;
 constexpr double least_ratio = 3.0, most_ratio = 5.0;
 /// Change of a halving to that two halvings before, above which they lead nowhere.
 constexpr double stagnant_ratio = 0.7;
+/// Smaller changes come from rounding and from the solution for the connector forces.
+constexpr double stagnant_change = 1e-4;
 
 MatrixXd every(const MatrixXd& fine, Index substeps) { return fine(Eigen::seq(0, Eigen::last, substeps), Eigen::all); }
 
@@ -159,7 +161,8 @@ private:
 }  // namespace
 
 bool Reference::stagnates() const {
-  return changes.size() >= 3 && changes.back() > stagnant_ratio * changes[changes.size() - 3];
+  return changes.size() >= 3 && changes.back() > stagnant_change &&
+         changes.back() > stagnant_ratio * changes[changes.size() - 3];
 }
 
 Reference simulate_reference(const LocallyNonlinearSystem& system, const std::vector<SignalPtr>& signals,

@@ -36,9 +36,9 @@ struct Reference {
   /// The same of every halving since the last failure, coarsest first.
   std::vector<double> changes = {};
 
-  /// Whether halving the step has stopped to help: of at least three halvings the last one has moved the records by
-  /// more than 0.7 of what the last but two has, where an error of order h^p gives 4^-p. So it is where the motion is
-  /// chaotic, and trajectories that differ by rounding part.
+  /// Whether halving the step has stopped helping: of at least three halvings the last one has moved the records by
+  /// more than 1e-4, and by more than 0.7 of what the last but two has, where an error of order h^p gives 4^-p. So it
+  /// is where the motion is chaotic: trajectories that differ by rounding part.
   [[nodiscard]] bool stagnates() const;
 };
 

@@ -71,7 +71,7 @@ GroundMotion::GroundMotion(SignalPtr acceleration, const IntegrationOptions& opt
 
 SignalSamples GroundMotion::acceleration_at(Index first, Index count) const {
   SignalSamples samples = acceleration_->sample(time_of(first), options_.step, count);
-  samples.col(0) -= offset_;
+  samples.col(0) -= removed_.offset;
   return samples;
 }
 
@@ -153,11 +153,12 @@ void GroundMotion::remove_drift() {
       Eigen::Matrix3d(weighted.transpose() * basis).ldlt().solve(weighted.transpose() * knots_.displacement.matrix());
   const Eigen::ArrayXd parabola = basis * c;
   const double rate = 2.0 / (last * options_.step);  // x per second
-  offset_ = 2.0 * c[2] * rate * rate;
+  removed_.velocity = rate * (c[1] - 2.0 * c[2]);
+  removed_.offset = 2.0 * c[2] * rate * rate;
   knots_.displacement -= parabola;
   knots_.velocity -= rate * (c[1] + 2.0 * c[2] * x);
-  knots_.acceleration.col(0) -= offset_;
-  removed_drift_ =
+  knots_.acceleration.col(0) -= removed_.offset;
+  removed_.part =
       std::sqrt((window * parabola.square()).sum() / std::max(1e-300, (window * knots_.displacement.square()).sum()));
 }
 

@@ -33,8 +33,13 @@ public:
 
   [[nodiscard]] SignalSamples sample(double start, double step, Eigen::Index count) const override;
   [[nodiscard]] bool covers(double begin, double end) const override { return acceleration_->covers(begin, end); }
-  /// rms of what Drift::remove has taken out against that of what is left, under the same window; 0 for Drift::keep.
-  [[nodiscard]] double removed_drift() const { return removed_drift_; }
+  /// What Drift::remove has taken out; nothing for Drift::keep.
+  struct Removed {
+    double velocity = 0.0;  ///< v0, at the first knot [m/s]
+    double offset = 0.0;    ///< a0 [m/s^2]
+    double part = 0.0;      ///< rms of the parabola against that of what is left, both under the window
+  };
+  [[nodiscard]] const Removed& removed() const { return removed_; }
 
 private:
   /// Knots from `first` on: r, r' and [a, a', a''].
@@ -58,8 +63,7 @@ private:
   SignalPtr acceleration_;
   IntegrationOptions options_;
   Knots knots_;
-  double offset_ = 0.0;  ///< a0, taken out of the acceleration
-  double removed_drift_ = 0.0;
+  Removed removed_;
 };
 
 }  // namespace kalfem
