@@ -179,6 +179,21 @@ TEST(MultiSupport, TheSimulationOfAnUpdatingIsDrivenAlike) {
   EXPECT_NEAR(results.updating->residual_final, 1.0, 0.1);
 }
 
+/// A sensor of the motion against a ground does not tell where the structure is, but for the ground's own motion.
+TEST(MultiSupport, AStartFromTheRecordAddsTheGroundsMotion) {
+  const auto text = changed(
+      changed(driven_by("  a: {base_displacement: beam.left, sine: {amplitude: 5 mm, frequency: 2, phase: 1.5707963}}"),
+              "sensors:\n", "sensors:\n  d2: {displacement: {beam.2: 1, beam.left: -1}, noise: 1 %}\n"),
+      "duration: 4 s,", "duration: 1 s, initial: {beam.1: {displacement: 4 mm}, beam.2: {displacement: 3 mm}},");
+  const auto results = results_of(
+      text +
+      "estimate: {unknown: {stop.k: {initial: 900, std: 100}}, initial_state_from_record: true, settle: 0.2 s}\n");
+  ASSERT_TRUE(results.usable()) << results.failure;
+  const auto& start = results.estimation->observer->options().prior.mean;
+  EXPECT_NEAR(start.displacement[0], 4e-3, 2e-4);
+  EXPECT_NEAR(start.displacement[1], 3e-3, 2e-4);
+}
+
 struct Contradiction {
   const char* name;
   std::string excitation;
