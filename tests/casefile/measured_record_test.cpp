@@ -21,7 +21,8 @@ TEST_F(MeasuredRecords, MayMissSamplesAtAnyPlace) {
   const auto x = [](double t) { return t < 0.045 ? "" : written(displacement)(t); };
   const auto a = [](double t) { return t > 3.95 ? "NA" : std::abs(t - 2.0) < 0.1 ? "nan" : written(acceleration)(t); };
   write_with(x, a);
-  const std::pair<std::string, std::string> skip{"{file: record.csv}\nest", "{file: record.csv, skip_missing: true}\nest"};
+  const std::pair<std::string, std::string> skip{"{file: record.csv}\nest",
+                                                 "{file: record.csv, skip_missing: true}\nest"};
   const Study study = load({skip});
   EXPECT_EQ(study.record->series.values.col(0).array().isNaN().count(), 5);
   EXPECT_EQ(study.record->series.values.col(1).array().isNaN().count(), 5 + 19);
@@ -43,7 +44,8 @@ TEST_F(MeasuredRecords, AnExcitationMayMissNothing) {
 
 TEST_F(MeasuredRecords, AChannelWithoutANumberIsRefusedByItsName) {
   write_with(written(displacement), [](double) { return "nan"; });
-  const std::pair<std::string, std::string> skip{"{file: record.csv}\nest", "{file: record.csv, skip_missing: true}\nest"};
+  const std::pair<std::string, std::string> skip{"{file: record.csv}\nest",
+                                                 "{file: record.csv, skip_missing: true}\nest"};
   expect_in(errors({skip}), {"case.yaml:8: sensors.a: channel 'a' holds no number", "401 samples from 0 s to 4 s"});
   write_with([](double) { return ""; }, [](double) { return "nan"; });
   expect_in(errors({skip}), {"sensors.x: channel 'x' holds no number", "sensors.a: channel 'a' holds no number"});

@@ -17,8 +17,9 @@ class RecordUnits : public RecordCase {
 protected:
   void write_titled(const std::string& F, const std::string& x, const std::string& a, double factor_F = 1.0,
                     double factor_x = 1.0, double factor_a = 1.0) {
-    write_record({{F, written(force, factor_F)}, {x, written(displacement, factor_x)}, {a, written(acceleration, factor_a)}},
-                 1.0);
+    write_record(
+        {{F, written(force, factor_F)}, {x, written(displacement, factor_x)}, {a, written(acceleration, factor_a)}},
+        1.0);
   }
   /// Whether sensors and force are in SI.
   void expect_si(const Changes& changes = {}) {
@@ -45,7 +46,8 @@ TEST_F(RecordUnits, OfTheTitlesAreHonoured) {
   write_titled("F (kN)", "x [mm]", "a (g)", 1e-3, 1e3, 1.0 / gravity);
   expect_si();
   // Columns may be asked for with their unit.
-  expect_si({{"channel: F", "channel: F (kN)"}, {"a: {acceleration: s.m,", "a: {channel: 'a (g)', acceleration: s.m,"}});
+  expect_si(
+      {{"channel: F", "channel: F (kN)"}, {"a: {acceleration: s.m,", "a: {channel: 'a (g)', acceleration: s.m,"}});
   // Where the case says the same, it says nothing new.
   expect_si({{a_, "a: {acceleration: s.m, noise: 1 %, unit: g}"}});
   expect_si({{a_, "a: {acceleration: s.m, noise: 1 %, unit: g0}"}, {"channel: F}", "channel: F, unit: kN}"}});
@@ -72,12 +74,14 @@ TEST_F(RecordUnits, OfAnotherQuantityAreRefused) {
   }
   expect_in(errors({{record_, "record: {file: record.csv, unit: g}"}}),
             {"case.yaml:9: record.unit: ", "g given where m is required", "sensors.x"});
-  expect_in(errors({{record_, "record: {file: record.csv, unit: furlong}"}}), {"case.yaml:9: record.unit: ", "furlong"});
+  expect_in(errors({{record_, "record: {file: record.csv, unit: furlong}"}}),
+            {"case.yaml:9: record.unit: ", "furlong"});
   expect_in(errors({{"channel: F}", "channel: F, unit: mm}"}}),
             {"case.yaml:5: ", "excitation.F.unit: ", "mm given where N is required"});
   // Rotations are in radians.
   EXPECT_EQ(errors({{a_, "a: {acceleration: s.m, noise: 1 %, unit: deg/s^2}"}}), "");
-  EXPECT_EQ(errors({{"x: {displacement: s.m, noise: 0.01 mm}", "x: {displacement: s.m, noise: 0.01 mm, unit: mrad}"}}), "");
+  EXPECT_EQ(errors({{"x: {displacement: s.m, noise: 0.01 mm}", "x: {displacement: s.m, noise: 0.01 mm, unit: mrad}"}}),
+            "");
 
   write_titled("F [N]", "x [mm]", "a [mm]");
   expect_in(errors(), {"record.csv:1: column 'a' (sensors.a): mm given where m/s^2 is required"});
@@ -86,7 +90,8 @@ TEST_F(RecordUnits, OfAnotherQuantityAreRefused) {
             {"record.csv:1: column 'a'", "'counts' is not known", "state it in sensors.a.unit"});
   expect_in(errors({{a_, "a: {acceleration: s.m, noise: 1 %, unit: g}"}}),
             {"record.csv:1: ", "column 'F'", "state it in excitation.F.unit"});
-  EXPECT_EQ(errors({{a_, "a: {acceleration: s.m, noise: 1 %, unit: g}"}, {"channel: F}", "channel: F, unit: kN}"}}), "");
+  EXPECT_EQ(errors({{a_, "a: {acceleration: s.m, noise: 1 %, unit: g}"}, {"channel: F}", "channel: F, unit: kN}"}}),
+            "");
 }
 
 TEST_F(RecordUnits, ThatContradictEachOtherAreRefused) {
@@ -95,8 +100,9 @@ TEST_F(RecordUnits, ThatContradictEachOtherAreRefused) {
             {"case.yaml:8: sensors.a.unit is 'm/s^2', but the column 'a' (sensors.a) is in 'g'", "record.csv:1"});
   expect_in(errors({{record_, "record: {file: record.csv, unit: m}"}}),
             {"case.yaml:9: record.unit is 'm', but the column 'x' (sensors.x) is in 'mm'", "set sensors.x.unit"});
-  expect_in(errors({{"channel: F}", "channel: F, unit: N}"}}),
-            {"case.yaml:5: ", "excitation.F.unit is 'N', but the column 'F' (excitation.F) is in 'kN'", "record.csv:1"});
+  expect_in(
+      errors({{"channel: F}", "channel: F, unit: N}"}}),
+      {"case.yaml:5: ", "excitation.F.unit is 'N', but the column 'F' (excitation.F) is in 'kN'", "record.csv:1"});
 }
 
 TEST_F(RecordUnits, AreEchoed) {
@@ -157,7 +163,8 @@ update:
     const Study study = load_study((folder_ / "case.yaml").string());
     std::vector<double> norms;
     for (const auto& comparison : make_comparisons(study, parameterised_structure(study)))
-      norms.push_back(comparison.rounds.front()->evaluate(Eigen::VectorXd::Constant(1, stiffness), false)->values.norm());
+      norms.push_back(
+          comparison.rounds.front()->evaluate(Eigen::VectorXd::Constant(1, stiffness), false)->values.norm());
     return norms;
   };
   const auto in_rad = residuals("H [mm/kN]", "f (rad/s)\n20\nnot measured\n");

@@ -82,9 +82,8 @@ TEST_P(SensorConstants, AreEstimatedAsTheKalmanFilterDoes) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, SensorConstants,
-                         testing::Values(FilterKind::unscented, FilterKind::unscented_square_root,
-                                         FilterKind::extended, FilterKind::partially_linear,
-                                         FilterKind::partially_linear_square_root));
+                         testing::Values(FilterKind::unscented, FilterKind::unscented_square_root, FilterKind::extended,
+                                         FilterKind::partially_linear, FilterKind::partially_linear_square_root));
 
 TEST(SensorConstantsOptions, RefuseWhatIsNoConstantOfASensor) {
   const ChainWithConstants chain;

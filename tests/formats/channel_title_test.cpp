@@ -82,7 +82,8 @@ TEST_F(TitledFiles, ColumnsOfOneNameAreToldApartByTheirUnits) {
 TEST_F(TitledFiles, TimeMayBeInAnyUnitOfTime) {
   EXPECT_DOUBLE_EQ(read_csv(file("Time (ms),a\n0,1\n10,2\n20,3\n")).sample_rate, 100.0);
   EXPECT_DOUBLE_EQ(read_csv(file("time [sec],a\n0,1\n0.5,2\n1,3\n")).sample_rate, 2.0);
-  EXPECT_DOUBLE_EQ(read_csv(file("t [h],a\n0,1\n0.001,2\n0.002,3\n"), {.sample_rate = 1.0 / 3.6}).sample_rate, 1.0 / 3.6);
+  EXPECT_DOUBLE_EQ(read_csv(file("t [h],a\n0,1\n0.001,2\n0.002,3\n"), {.sample_rate = 1.0 / 3.6}).sample_rate,
+                   1.0 / 3.6);
   EXPECT_THROW(read_csv(file("t [m],a\n0,1\n1,2\n2,3\n")), std::exception);
 }
 

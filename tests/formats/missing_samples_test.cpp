@@ -107,8 +107,7 @@ TEST_F(Gaps, RowsBehindTheWantedOnesAreNotLookedAt) {
 std::string lvm(const std::string& samples, const std::string& rows) {
   return "LabVIEW Measurement\t\nSeparator\tTab\nDecimal_Separator\t.\nX_Columns\tOne\n***End_of_Header***\t\n\t\n"
          "Channels\t2\t\t\n" +
-         samples +
-         "X0\t0\t0\t\nDelta_X\t0.5\t0.5\t\n***End_of_Header***\t\t\t\nX_Value\ta\tb\tComment\n" + rows;
+         samples + "X0\t0\t0\t\nDelta_X\t0.5\t0.5\t\n***End_of_Header***\t\t\t\nX_Value\ta\tb\tComment\n" + rows;
 }
 
 TEST_F(Gaps, OfLabViewFilesAreNaNToo) {

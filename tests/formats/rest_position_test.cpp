@@ -47,7 +47,7 @@ TEST(RestPosition, IsThatOfTheFirstStandstillHoweverLongALaterOneIs) {
   const TimeSeries record = released(4.0, 1.5, 0.25);
   const auto alone = find_free_response(record);
   ASSERT_TRUE(alone && alone->rest);
-  EXPECT_NEAR(alone->rest->position[0], 0.005, 1e-5);
+  EXPECT_NEAR(alone->rest->position[0], 0.005, 2e-5);  // what is left of the oscillation
   EXPECT_EQ(alone->rest->last, record.samples() - 1);
   for (const double amplitude : {0.003, -0.02, 0.2}) {  // the last is five times the release
     const auto disturbed = find_free_response(nudged(record, amplitude));

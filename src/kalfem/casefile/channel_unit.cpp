@@ -85,8 +85,9 @@ double factor_to_si(const WantedChannel& wanted, const Channel& in_file, const S
         issues.add(given.location, given.path + ": " + issue.what + " (" + wanted.owner + ")", issue.why, issue.fix);
       else
         issues.add(title, "column '" + in_file.name + "' (" + wanted.owner + "): " + issue.what, issue.why,
-                   understood(wanted, in_file.unit) || wanted.unit_key.empty() ? "name another column, or mend its title"
-                                                                               : "state it in " + wanted.unit_key);
+                   understood(wanted, in_file.unit) || wanted.unit_key.empty()
+                       ? "name another column, or mend its title"
+                       : "state it in " + wanted.unit_key);
     }
     return 1.0;
   }

@@ -10,11 +10,11 @@ namespace kalfem {
 
 /// A column of a record file as a case asks for it.
 struct WantedChannel {
-  std::string column;                  ///< its name, with or without its unit
-  std::string owner;                   ///< what it is for, as the case names it: "sensors.a3"
-  std::string unit;                    ///< SI unit of the quantity that it holds
-  std::string rotational_unit = {};    ///< SI unit of the same quantity of a rotation; empty: there is none
-  std::string unit_key = {};           ///< where the case may state its unit: "sensors.a3.unit"; empty: nowhere
+  std::string column;                    ///< its name, with or without its unit
+  std::string owner;                     ///< what it is for, as the case names it: "sensors.a3"
+  std::string unit;                      ///< SI unit of the quantity that it holds
+  std::string rotational_unit = {};      ///< SI unit of the same quantity of a rotation; empty: there is none
+  std::string unit_key = {};             ///< where the case may state its unit: "sensors.a3.unit"; empty: nowhere
   Located<std::string> unit_given = {};  ///< what it states; empty: nothing, so that the file's own holds, else SI
 };
 

@@ -275,8 +275,8 @@ private:
     for (const auto& output : outputs)
       columns.push_back({.column = output, .owner = owner(), .unit = unit_of(given.quantity)});
     columns.push_back({.column = source.input, .owner = owner(), .unit = unit_of(input)});
-    const TimeSeries record = read_record_file(source.file.value, columns,
-                                               {.sample_rate = source.sample_rate, .dataset = source.dataset});
+    const TimeSeries record =
+        read_record_file(source.file.value, columns, {.sample_rate = source.sample_rate, .dataset = source.dataset});
     const auto segment = static_cast<Index>(std::llround(source.segment * record.sample_rate));
     measured.response = estimate_h1(std::span(&record, 1), source.input, outputs, {.segment = segment}).response;
     return measured;

@@ -150,8 +150,8 @@ struct Sensor {
   Value noise;                    ///< a percentage of the channel's rms, or in the sensor's unit
   std::vector<ChainStage> chain;  ///< measurement chain
   std::optional<std::string> channel;
-  Located<std::string> unit;           ///< of the channel; empty: that of all columns or of the column's title, else SI
-  bool accept_constant = false;        ///< the channel may hold one value throughout
+  Located<std::string> unit;     ///< of the channel; empty: that of all columns or of the column's title, else SI
+  bool accept_constant = false;  ///< the channel may hold one value throughout
 };
 
 struct FreeResponse {
@@ -164,7 +164,7 @@ struct Record {
   Located<std::filesystem::path> file;
   std::optional<double> sample_rate;
   Located<std::string> unit;  ///< of the columns; empty: those of their titles, else SI
-  std::string group;  ///< of an HDF5 file: the dataset
+  std::string group;          ///< of an HDF5 file: the dataset
   std::optional<double> start, end;
   bool skip_missing = false;
   bool repair_splice = false;

@@ -53,11 +53,10 @@ Reference simulate_record_again(const Study& study, const ObserverSetup& setup, 
   SimulationOptions options;
   options.integrator = Integrator::exact;
   options.duration = static_cast<double>(last) / study.sample_rate();
-  Reference reference =
-      simulate_reference(estimated_system(stage), signals_from(study, stage.measurements.start),
-                         {start.head(layout.dofs), start.segment(layout.dofs, layout.dofs), states},
-                         make_outputs(*setup.model, outputs), chains, options,
-                         {.sample_rate = study.sample_rate(), .first_substeps = 1, .max_substeps = 64});
+  Reference reference = simulate_reference(
+      estimated_system(stage), signals_from(study, stage.measurements.start),
+      {start.head(layout.dofs), start.segment(layout.dofs, layout.dofs), states}, make_outputs(*setup.model, outputs),
+      chains, options, {.sample_rate = study.sample_rate(), .first_substeps = 1, .max_substeps = 64});
   if (reference.sensors.size() == 0) return reference;
   const auto& unknowns = stage.observer->options().unknowns;
   for (std::size_t i = 0; i < unknowns.size(); ++i)

@@ -91,7 +91,6 @@ private:
     return factors;
   }
 
-
   Index node(std::int64_t id) {
     const auto [place, is_new] = index_.try_emplace(id, static_cast<Index>(mesh_.node_ids.size()));
     if (is_new) mesh_.node_ids.push_back(id);

@@ -10,8 +10,8 @@
 namespace kalfem {
 namespace {
 
-using Eigen::Index;
 using description::Observed;
+using Eigen::Index;
 
 void check_finite(const TimeSeries& series, const description::Record& record) {
   if (record.skip_missing || record.repair_splice || series.values.allFinite()) return;
@@ -69,8 +69,8 @@ void check_channels(const TimeSeries& series, const description::Case& given) {
     const double infinity = std::numeric_limits<double>::infinity();
     const double lowest = finite.select(values, infinity).minCoeff();
     if (!finite.any())
-      issues.add(location_of(sensor), channel + "holds no number in the record" + part, "there is nothing to learn from",
-                 "take the sensor out, or name another channel");
+      issues.add(location_of(sensor), channel + "holds no number in the record" + part,
+                 "there is nothing to learn from", "take the sensor out, or name another channel");
     else if (lowest == finite.select(values, -infinity).maxCoeff() && !sensor.accept_constant)
       issues.add(location_of(sensor),
                  channel + "has the value " + shortest(lowest) + " " +
@@ -101,7 +101,8 @@ void take_without_rest(MeasuredRecord& record, const description::Case& given, c
   const auto& asked = *given.record->free_response;
   record.free_response->deviation = guess.deviation;
   for (std::size_t j = 0; j < given.sensors.size(); ++j)
-    if (asked.rest_std && std::holds_alternative<Observed<ObservedQuantity::displacement>>(given.sensors[j].second.observed))
+    if (asked.rest_std &&
+        std::holds_alternative<Observed<ObservedQuantity::displacement>>(given.sensors[j].second.observed))
       record.free_response->deviation[static_cast<Index>(j)] = *asked.rest_std;
   series = cut(series, record.free_response->release + asked.delay, series.time(series.samples() - 1));
   record.used = series.samples();

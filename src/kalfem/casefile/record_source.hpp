@@ -9,8 +9,8 @@ namespace kalfem {
 struct FreeResponseFound {
   double release = 0.0;        ///< time in the file [s]
   std::optional<double> rest;  ///< time in the file from which the structure is at rest [s]; nothing: it never is
-  Eigen::VectorXd position;    ///< that was taken off each channel: where it rests, or else the middle of its last swing
-  Eigen::VectorXd deviation;   ///< prior standard deviation of the rest position about it; empty: it is known
+  Eigen::VectorXd position;   ///< that was taken off each channel: where it rests, or else the middle of its last swing
+  Eigen::VectorXd deviation;  ///< prior standard deviation of the rest position about it; empty: it is known
 
   [[nodiscard]] bool rest_is_unknown() const { return deviation.size() > 0; }
 };

@@ -69,9 +69,9 @@ struct EstimationStage {
   double seconds = 0.0;
   int reductions = 0;  ///< of the finite elements, each with a run over the record, for the linear unknowns; 0: none
   std::optional<SimulationResult>
-      open_loop;                  ///< the record again from the estimated parameters and initial state alone
-  std::string open_loop_failure;  ///< in words, where that simulation failed; the members beside it are empty then
-  Eigen::MatrixXd open_loop_sensors;         ///< samples x sensors
+      open_loop;                      ///< the record again from the estimated parameters and initial state alone
+  std::string open_loop_failure;      ///< in words, where that simulation failed; the members beside it are empty then
+  Eigen::MatrixXd open_loop_sensors;  ///< samples x sensors
   std::vector<double> open_loop_nrmse;       ///< per sensor, about the channel's rest
   std::vector<double> open_loop_rest_error;  ///< last value against the channel's, per sensor
 };

@@ -25,7 +25,8 @@ struct ParameterTarget {
 struct UnknownParameter {
   std::string name;
   std::string unit;
-  std::vector<ParameterTarget> targets;  ///< none, and no sensors: only of the linear part, see ObserverOptions::system_at
+  std::vector<ParameterTarget>
+      targets;  ///< none, and no sensors: only of the linear part, see ObserverOptions::system_at
   ParameterTransform transform;
   double initial = 0.0;      ///< prior mean [unit] (median under log and logit)
   double deviation = 0.0;    ///< prior standard deviation [unit]

@@ -202,8 +202,7 @@ void InstantMap::select_rows(const std::vector<Index>& rows) {
   const auto& [state, input, force] = all_.of_system;
   linear = MatrixXd::Zero(static_cast<Index>(rows.size()), layout.size());
   linear.leftCols(state.cols()) = state(rows, Eigen::all);
-  if (all_.unknowns.size() > 0)
-    linear.middleCols(layout.unknown(), layout.unknowns) = all_.unknowns(rows, Eigen::all);
+  if (all_.unknowns.size() > 0) linear.middleCols(layout.unknown(), layout.unknowns) = all_.unknowns(rows, Eigen::all);
   gain = MatrixXd::Zero(linear.rows(), force.cols() + moving_gain);
   gain.leftCols(force.cols()) = force(rows, Eigen::all);
   input_ = input(rows, Eigen::all);

@@ -26,9 +26,8 @@ struct Dialect {
 
 bool is_header(std::string_view line, const Dialect& dialect) {
   const auto cells = split_cells(line, dialect.separator);
-  return std::ranges::any_of(cells, [&](std::string_view cell) {
-    return !is_missing_value(cell) && !parse_number(cell, dialect.decimal);
-  });
+  return std::ranges::any_of(
+      cells, [&](std::string_view cell) { return !is_missing_value(cell) && !parse_number(cell, dialect.decimal); });
 }
 
 Dialect find_dialect(const std::vector<TextLine>& lines, const CsvOptions& options) {

@@ -150,20 +150,25 @@ struct Standstill {
   [[nodiscard]] Index length() const { return last - first + 1; }
 };
 
+/// About a quiet window channels may tremble by so many times what is allowed before the rest counts as disturbed.
+constexpr double trembling = 2.0;
+
 /// Windows of the length `still`, by their first samples.
 struct Windows {
-  std::vector<bool> still;       ///< every channel stays within +-allowed
+  std::vector<double> range;     ///< the largest of the channels', in parts of what +-allowed spans
   MatrixXd mean;                 ///< windows x channels
   std::vector<ArrayXd> allowed;  ///< by the excursion so far
   std::vector<Index> swing;      ///< the longest so far
 
-  /// Whether `count` windows from `first` on stand still at one place.
-  [[nodiscard]] bool stand(Index first, Index count) const {
-    const auto begin = still.begin() + first;
-    if (std::find(begin, begin + count, false) != begin + count) return false;
+  /// Whether `count` windows from `first` on stand still at one place, which takes one of them to be quiet; a rest that
+  /// goes on may tremble.
+  [[nodiscard]] bool stand(Index first, Index count, bool goes_on) const {
+    const auto begin = range.begin() + first;
+    if (!goes_on && *std::min_element(begin, begin + count) > 1.0) return false;
+    if (!std::all_of(begin, begin + count, [](double each) { return each <= trembling; })) return false;
     const auto means = mean.middleRows(first, count).array();
-    const ArrayXd range = (means.colwise().maxCoeff() - means.colwise().minCoeff()).transpose();
-    return (range <= 2.0 * allowed[static_cast<std::size_t>(first)]).all();
+    const ArrayXd moved = (means.colwise().maxCoeff() - means.colwise().minCoeff()).transpose();
+    return (moved <= (goes_on ? trembling : 1.0) * 2.0 * allowed[static_cast<std::size_t>(first)]).all();
   }
 };
 
@@ -175,12 +180,12 @@ Windows windows_of(const TimeSeries& record, Index from, Index length, const Fre
   Windows windows{{}, MatrixXd(count, record.values.cols()), {}, {}};
   for (Index k = 0; k < count; ++k) {
     const Index first = from + k;
-    windows.swing.push_back(
-        swings.longest_until(first, allowed_departure(excursion.until(first), noise, options)));
+    windows.swing.push_back(swings.longest_until(first, allowed_departure(excursion.until(first), noise, options)));
     windows.allowed.push_back(allowed_departure(excursion.until(first + length - 1), noise, options));
     const Spread inside = spread(record.values, first, length);
     const bool known = record.values.middleRows(first, length).array().isFinite().any();
-    windows.still.push_back(known && (inside.range <= 2.0 * windows.allowed.back()).all());
+    const ArrayXd parts = inside.range / (2.0 * windows.allowed.back()).max(std::numeric_limits<double>::min());
+    windows.range.push_back(known ? parts.maxCoeff() : std::numeric_limits<double>::infinity());
     windows.mean.row(k) = inside.mean.transpose();
   }
   return windows;
@@ -196,7 +201,7 @@ std::vector<Standstill> standstills(const TimeSeries& record, Index from, const 
   for (Index k = 0; k < windows.mean.rows(); ++k) {
     const auto place = static_cast<std::size_t>(k);
     const Index count = std::max<Index>(1, windows.swing[place] - length + 1);
-    const bool still = k + count <= windows.mean.rows() && windows.stand(k, count);
+    const bool still = k + count <= windows.mean.rows() && windows.stand(k, count, open);
     const Index first = from + k, last = first + count + length - 2;
     if (still && !open) runs.push_back({first, last, windows.allowed[place], windows.swing[place] > 0});
     if (still) runs.back().last = last;
@@ -298,8 +303,7 @@ RestGuess guess_rest(const TimeSeries& record, Index from, const FreeResponseOpt
   check(record, options);
   check_sample(record, from);
   const Index n = record.samples(), later = (from + n) / 2;
-  const ArrayXd allowed =
-      allowed_departure(spread(record.values, 0, n).range, noise_level(record.values), options);
+  const ArrayXd allowed = allowed_departure(spread(record.values, 0, n).range, noise_level(record.values), options);
   const Index channel = most_moving(record, later, n - later, allowed);
   const auto times = passages(record, channel, spread(record.values, later, n - later).mean[channel], later, n);
   const Index first = times.size() < 3 ? n - std::max<Index>(1, (n - from) / 4) : times[times.size() - 3];
@@ -309,9 +313,9 @@ RestGuess guess_rest(const TimeSeries& record, Index from, const FreeResponseOpt
   for (Index c = 0; c < record.values.cols(); ++c) {
     const ArrayXd part = record.values.col(c).tail(n - first).array();
     const auto finite = part.isFinite();
-    guess.position[c] = finite.any() ? 0.5 * (finite.select(part, infinity).minCoeff() +
-                                              finite.select(part, -infinity).maxCoeff())
-                                     : 0.0;
+    guess.position[c] =
+        finite.any() ? 0.5 * (finite.select(part, infinity).minCoeff() + finite.select(part, -infinity).maxCoeff())
+                     : 0.0;
   }
   return guess;
 }

@@ -39,7 +39,8 @@ struct Rest {
 
 /// Rest after the sample `from` (a release): the first run of windows of length `still` in which every channel stays
 /// within +-departure of its largest excursion so far, and their means do over as long a time as the motion has taken
-/// from one turning point to the next: the pause at such a point is shorter. Before the first turn the run must be half
+/// from one turning point to the next: the pause at such a point is shorter. About a quiet window, channels may tremble
+/// by twice as much. Before the first turn the run must be half
 /// as long as the motion, or last to the record's end. What happens after the rest does not count. Nothing where the
 /// structure never comes to rest. Samples that are not finite are left out. Throws InvalidInput as above.
 std::optional<Rest> find_rest(const TimeSeries& record, Eigen::Index from, const FreeResponseOptions& options = {});

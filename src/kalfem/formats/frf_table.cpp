@@ -135,7 +135,8 @@ bool phase_in_radians(const std::string& title, const std::string& unit, int lin
 
 void set_unit(FrfColumns& frf, const std::string& unit, int line, FileProblems& problems) {
   if (!frf.output.unit.empty() && frf.output.unit != unit)
-    problems.add(line, "the columns of '" + frf.output.name + "' are in '" + frf.output.unit + "' and in '" + unit + "'",
+    problems.add(line,
+                 "the columns of '" + frf.output.name + "' are in '" + frf.output.unit + "' and in '" + unit + "'",
                  "they are parts of one number", "write the same unit");
   frf.output.unit = unit;
 }

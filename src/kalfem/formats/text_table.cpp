@@ -126,8 +126,7 @@ std::optional<double> parse_number(std::string_view cell, char decimal) {
 }
 
 bool is_missing_value(std::string_view cell) {
-  constexpr std::array words{"",     "nan",  "-nan", "na", "n/a",      "#n/a",
-                             "null", "none", "-",    "--", "-nan(ind)", "1.#qnan"};
+  constexpr std::array words{"", "nan", "-nan", "na", "n/a", "#n/a", "null", "none", "-", "--", "-nan(ind)", "1.#qnan"};
   return std::ranges::find(words, lower_case(cell)) != words.end();
 }
 

@@ -39,8 +39,7 @@ std::vector<RestPosition> rest_positions(const Study& study, const StudyResults&
     const auto channel = static_cast<Index>(j);
     RestPosition rest{study.sensors[j].name, study.sensors[j].unit, found.position[channel], {}};
     if (found.rest_is_unknown()) {
-      const auto estimate =
-          results.estimation ? estimated_rest(*results.estimation, rest.sensor) : std::nullopt;
+      const auto estimate = results.estimation ? estimated_rest(*results.estimation, rest.sensor) : std::nullopt;
       rest.position += estimate ? estimate->value : 0.0;
       rest.deviation = estimate ? estimate->deviation : found.deviation[channel];
     }
@@ -71,9 +70,9 @@ Json record_summary(const Study& study, const StudyResults& results) {
 std::string record_words(const Study& study, const StudyResults& results) {
   if (!study.record) return "";
   const auto& [series, preparation, used, free_response] = *study.record;
-  std::string text = fmt::format("Record: {} samples at {} Hz, {} s to {} s\n", series.samples(),
-                                 four_digits(series.sample_rate), four_digits(series.start),
-                                 four_digits(last_time(series)));
+  std::string text =
+      fmt::format("Record: {} samples at {} Hz, {} s to {} s\n", series.samples(), four_digits(series.sample_rate),
+                  four_digits(series.start), four_digits(last_time(series)));
   for (const auto& step : preparation) text += step + (step.ends_with('\n') ? "" : "\n");
   for (const auto& rest : rest_positions(study, results))
     text += fmt::format("  {} rests at {} {}{}\n", rest.sensor, four_digits(rest.position), rest.unit,

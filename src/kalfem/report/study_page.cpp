@@ -293,8 +293,7 @@ Page make_page(const Study& study, const StudyResults& results) {
             .status = results.usable() ? PageStatus::ok : PageStatus::unusable,
             .summary = answer(results),
             .sections = {}};
-  if (const auto words = record_words(study, results); !words.empty())
-    page.sections.push_back({"Record", words, {}});
+  if (const auto words = record_words(study, results); !words.empty()) page.sections.push_back({"Record", words, {}});
   if (results.updating) page.sections.push_back(updating_section(study, results));
   if (!results.modifications.empty())
     page.sections.push_back({"Modifications",

@@ -218,8 +218,7 @@ std::string console_report(const Study& study, const StudyResults& results) {
       text += fmt::format("Estimated motion, NRMSE after {} s{}\n", four_digits(study.given.estimate->settle),
                           band_words(stage)) +
               to_text(table) + "\n";
-    if (!stage.open_loop_failure.empty())
-      text += "No open-loop comparison: " + stage.open_loop_failure + "\n\n";
+    if (!stage.open_loop_failure.empty()) text += "No open-loop comparison: " + stage.open_loop_failure + "\n\n";
     if (stage.open_loop)
       text += "Open loop from the estimated parameters and initial state\n" + to_text(open_loop_table(stage)) + "\n";
   }
