@@ -8,7 +8,7 @@ namespace {
 
 void write(const std::filesystem::path& file, const std::string& text) { std::ofstream(file) << text; }
 
-/// Number of times that a piece stands in a text.
+/// Whether a piece stands in a text.
 bool holds(const std::string& text, const std::string& piece) { return text.find(piece) != std::string::npos; }
 
 /// A cantilever plate of 4 x 2 elements with a hub at (1.1, 0.2, 0.05), number 100, and its link; a mass of 2 kg at it.
@@ -158,7 +158,7 @@ TEST(MissingParts, AreRefusedUnlessTheCaseAcceptsThem) {
       plate_deck(rigid_link, "CSHEAR,70,8,21,31,32,22\nPSHEAR,8,9,.001\nFORCE,5,42,,1.,0.,0.,1.\n");
   const auto refused = run("modes", folder, deck, case_of("{tip: 42}", ""));
   EXPECT_EQ(refused.code, 2);
-  for (const char* piece : {"plate.bdf:35", "CSHEAR is not read", "accept_missing: [CSHEAR]"})
+  for (const char* piece : {"plate.bdf:35", "CSHEAR is missing", "accept_missing: [CSHEAR]"})
     EXPECT_TRUE(holds(refused.errors, piece)) << piece << "\n" << refused.errors;
   const auto accepted = run("modes", folder, deck, case_of("{tip: 42}", "      accept_missing: [CSHEAR]\n"));
   EXPECT_EQ(accepted.code, 0) << accepted.errors;
@@ -175,6 +175,19 @@ TEST(MissingParts, AreErrorsOfADeckThatIsCheckedAlone) {
   EXPECT_EQ(outcome.code, 2) << outcome.output;
   EXPECT_TRUE(holds(outcome.output, "error: ") && holds(outcome.output, "CSHEAR")) << outcome.output;
   EXPECT_TRUE(holds(outcome.output, "not used: ")) << outcome.output;
+}
+
+/// A deck that is cut off inside its supports would be free: six modes at 0 Hz.
+TEST(MissingParts, OfADeckThatIsCutOffAreRefused) {
+  const ScratchFolder folder("cut-deck");
+  std::string deck = plate_deck(rigid_link);
+  deck = deck.substr(0, deck.find("SPC1,1,12"));
+  for (const std::string verb : {"check", "modes"}) {
+    const auto outcome = run(verb, folder, deck, case_of("{tip: 42}", ""));
+    EXPECT_EQ(outcome.code, 2) << outcome.output;
+    EXPECT_TRUE(holds(outcome.errors, "plate.bdf:30") && holds(outcome.errors, "ENDDATA")) << outcome.errors;
+  }
+  EXPECT_EQ(run_command("check " + (folder / "plate.bdf").string(), folder).code, 2);
 }
 
 }  // namespace

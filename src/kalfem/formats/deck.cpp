@@ -50,9 +50,8 @@ std::vector<std::string> accept_missing(std::vector<DeckNote>& notes, const std:
       continue;
     }
     issues.add(note.where,
-               note.what + (note.count > 1 ? " (" + std::to_string(note.count) + " times)" : "") + " is not read",
-               note.consequence,
-               "model it by what is read, or accept that it is missing: accept_missing: [" + note.what + "]");
+               note.what + (note.count > 1 ? " (" + std::to_string(note.count) + " times)" : "") + " is missing",
+               note.consequence, "mend the deck, or let the case do without: accept_missing: [" + note.what + "]");
   }
   std::vector<std::string> idle;
   std::ranges::copy_if(accepted, std::back_inserter(idle),

@@ -82,9 +82,9 @@ private:
   /// elsewhere, may do without.
   void tell_missing_end(bool has_control, const Place& last) {
     if (has_control)
-      files_.problem(last, "the deck ends without ENDDATA",
-                     "it may be cut off: supports, masses or elements may be missing",
-                     "write the file again, or put ENDDATA behind its last card if it is whole");
+      notes_.add(files_.location(last), "ENDDATA",
+                 "the deck ends without it and may be cut off: supports, masses or elements may be lost",
+                 DeckNoteKind::missing);
     else
       notes_.add(files_.location(last), "bulk data without ENDDATA",
                  "if the file is cut off, supports, masses or elements are missing", DeckNoteKind::doubtful);
