@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdio>
 #include <string>
 
 #include "verbs.hpp"
@@ -26,15 +27,20 @@ public:
     if (elapsed < 1.0 || fraction <= 0.0) return;
     constexpr int columns = 32;
     const int filled = static_cast<int>(columns * fraction);
-    fmt::print(stderr, "\r{:<10} [{}{}] {:3.0f} %, {:.0f} s left ", stage_, std::string(filled, '='),
-               std::string(columns - filled, ' '), 100.0 * fraction, elapsed * (1.0 / fraction - 1.0));
-    std::fflush(stderr);
+    draw(fmt::format("\r{:<10} [{}{}] {:3.0f} %, {:.0f} s left ", stage_, std::string(filled, '='),
+                     std::string(columns - filled, ' '), 100.0 * fraction, elapsed * (1.0 / fraction - 1.0)));
     drawn_ = true;
   }
 
 private:
+  /// A terminal that has gone does not end the run.
+  static void draw(const std::string& text) {
+    std::fputs(text.c_str(), stderr);
+    std::fflush(stderr);
+  }
+
   void wipe() {
-    if (drawn_) fmt::print(stderr, "\r{:72}\r", "");
+    if (drawn_) draw(fmt::format("\r{:72}\r", ""));
     drawn_ = false;
   }
 

@@ -165,7 +165,7 @@ TEST_F(CsvFiles, WhatIsWrittenReadsBackTheSame) {
     EXPECT_EQ(back.channels[0].name, "frame p5, z");
     EXPECT_EQ(back.channels[0].unit, "m/s2");
   }
-  EXPECT_THROW(write_csv(folder_ / "no" / "out.csv", series), InvalidInput);
+  EXPECT_THROW(write_csv(folder_ / "out.csv" / "below.csv", series), InvalidInput);
 }
 
 const std::string lvm_header =

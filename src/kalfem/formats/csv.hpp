@@ -55,7 +55,7 @@ CsvRecord read_csv_record(const std::filesystem::path& path, const CsvOptions& o
 TimeSeries read_csv(const std::filesystem::path& path, const CsvOptions& options = {});
 
 /// Time in the first column "t [s]", then the channels as "name [unit]", with every digit needed to read the same
-/// numbers back. Throws InvalidInput when the file cannot be written.
+/// numbers back. Throws as write_file_atomically() does.
 void write_csv(const std::filesystem::path& path, const TimeSeries& series, char separator = ',');
 
 }  // namespace kalfem

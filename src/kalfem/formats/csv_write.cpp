@@ -1,8 +1,7 @@
 #include <array>
 #include <charconv>
-#include <fstream>
 
-#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/atomic_file.hpp"
 #include "kalfem/formats/csv.hpp"
 
 namespace kalfem {
@@ -31,11 +30,7 @@ void write_csv(const std::filesystem::path& path, const TimeSeries& series, char
     for (Eigen::Index j = 0; j < series.values.cols(); ++j) append(text += separator, series.values(k, j));
     text += '\n';
   }
-  std::ofstream stream(path, std::ios::binary);
-  stream << text << std::flush;
-  if (!stream)
-    throw InvalidInput(
-        Issue{{path.string(), 0}, "the file cannot be written", "", "check the folder and its permissions"});
+  write_file_atomically(path, text);
 }
 
 }  // namespace kalfem
