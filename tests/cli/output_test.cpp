@@ -199,13 +199,20 @@ predict: {substructure: plate}
 TEST(Output, ASummaryFromElsewhereRemovesNothingOfTheUser) {
   const ScratchFolder folder("hostile");
   const auto file = write_case(folder, "case.yaml", short_case("A"));
-  fs::create_directories(folder / "out");
   std::ofstream(folder / "mine.txt") << "mine";
-  std::ofstream(folder / "out" / "notes.txt") << "mine";
-  std::ofstream(folder / "out" / "summary.json") << R"({"files": ["../mine.txt", "notes.txt", "../out/notes.txt", 3]})";
-  ASSERT_EQ(run_command("run " + file + " --out " + (folder / "out").string(), folder).code, 0);
-  EXPECT_EQ(read(folder / "mine.txt"), "mine");
-  EXPECT_EQ(read(folder / "out" / "notes.txt"), "mine");
+  for (const auto& summary : std::vector<std::string>{
+           R"({"files": ["../mine.txt", "notes.txt", "../out/notes.txt", "./notes.txt", 3]})", R"({"files": 3})", "[]",
+           R"({"model": [1]})", R"({"model": {"substructures": [1]}})", R"({"model": {"substructures": {"notes": 1}}})",
+           "{\"files\": [\"" + std::string(1'000'000, 'a') + "_modes.vtu\"]}", "\xFF", ""}) {
+    fs::create_directories(folder / "out");
+    std::ofstream(folder / "out" / "notes.txt") << "mine";
+    std::ofstream(folder / "out" / "summary.json") << summary;
+    const auto outcome = run_command("modes " + file + " --out " + (folder / "out").string(), folder);
+    ASSERT_EQ(outcome.code, 0) << summary.substr(0, 100) << outcome.errors;
+    EXPECT_EQ(read(folder / "mine.txt"), "mine");
+    EXPECT_EQ(read(folder / "out" / "notes.txt"), "mine");
+    EXPECT_EQ(identity_of(folder / "out").size(), 16U);
+  }
 }
 
 /// Limits in blocks of 512 bytes, as POSIX counts them: in the middle of the series, of the page, of the smaller files.

@@ -40,7 +40,8 @@ bool is_of_substructure(const std::string& name) {
   static const std::regex pattern(
       "[A-Za-z0-9_-]+(_modes[.]vtu|_reduced(_[KMC])?[.](mtx|dmig|op4|h5|dof)|"
       "_(simulated|estimated)([.]pvd|/[0-9]+[.]vtu))");
-  return std::regex_match(name, pattern);
+  constexpr std::size_t longest = 200;  // longer than any; regular expressions are recursive
+  return name.size() <= longest && std::regex_match(name, pattern);
 }
 
 std::optional<Json> summary_in(const fs::path& folder) {
@@ -52,7 +53,9 @@ std::optional<Json> summary_in(const fs::path& folder) {
 /// Files of the substructures in a summary that does not list its files, as that of an earlier version.
 Names unlisted_files(const fs::path& folder, const Json& summary) {
   Names names;
-  const auto parts = summary.value(Json::json_pointer("/model/substructures"), Json::object());
+  const Json model = summary.value("model", Json());
+  const Json parts = model.is_object() ? model.value("substructures", Json()) : Json();
+  if (!parts.is_object()) return names;
   std::error_code error;
   for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().lexically_relative(folder).string();
