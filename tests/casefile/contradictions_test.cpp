@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
+#include <ctime>
 #include <fstream>
 
 #include "base/scratch_folder.hpp"
@@ -403,7 +403,7 @@ TEST(CaseProblems, OfAHundredAndFiftyThousandKeysAreToldInSeconds) {
   std::string unknown = base_case("chain"), doubled = "kalfem: 1\nsubstructures:\n  a:\n    masses:\n";
   for (int i = 0; i < 150'000; ++i) unknown += "key" + std::to_string(i) + ": 1\n";
   for (int i = 0; i < 150'000; ++i) doubled += "      m" + std::to_string(i % 75'000) + ": 1\n";
-  const auto begin = std::chrono::steady_clock::now();
+  const std::clock_t begin = std::clock();  // of the processor: others may be at work
   for (const auto& text : {unknown, doubled}) try {
       files.load(text);
       FAIL();
@@ -411,7 +411,7 @@ TEST(CaseProblems, OfAHundredAndFiftyThousandKeysAreToldInSeconds) {
       EXPECT_LT(std::string(error.what()).size(), 10'000U);
       EXPECT_GE(error.issues().size(), 75'000U);
     }
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));  // quadratic look-ups take minutes
+  EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 15.0);  // quadratic look-ups take minutes
 }
 
 }  // namespace

@@ -60,20 +60,6 @@ TEST(UpdatingByRecords, TheSimulationOfTheWholeRefinesTheSameModel) {
   EXPECT_NEAR(summary["updating"]["residual_final"].get<double>(), 1.0, 0.03);
 }
 
-/// The filter begins at what the loop has found, so that the two do not pull against each other.
-TEST(UpdatingByRecords, AParameterMayBeUnknownInTheFilterAndInTheLoop) {
-  const ScratchFolder folder("update-both");
-  const auto text = changed(short_chain(), "    suspension.mu_c1: {initial: 16 N, std: 50 %}\n",
-                            "    suspension.mu_c1: {initial: 16 N, std: 50 %}\n"
-                            "    body.3-4.stiffness: {initial: 36 kN/m, std: 3 %}\n");
-  const auto summary = updated(folder, text);
-  const auto& refined = summary["updating"]["parameters"]["body.3-4.stiffness"];
-  const auto& in_filter = summary["parameters"]["body.3-4.stiffness"];
-  EXPECT_LT(relative_error(refined), 0.03);
-  EXPECT_LT(relative_error(in_filter), 0.01);
-  EXPECT_DOUBLE_EQ(in_filter["initial"].get<double>(), refined["estimate"].get<double>());
-}
-
 /// The base is shaken as a whole: motion is relative to it, sensors see the sum.
 TEST(UpdatingByRecords, OverAnAcceleratedBaseTheTruthLeavesTheNoise) {
   const ScratchFolder folder("update-base");
