@@ -153,6 +153,14 @@ void check_simulation(const Study& study, IssueList& issues) {
           "", "name one of a lumped substructure");
 }
 
+void check_pictures(const Study& study, IssueList& issues) {
+  const double zoom = study.given.report.zoom;
+  if (study.sample_rate() > 0.0 && zoom * study.sample_rate() < 2.0)
+    issues.add(study.given.source.at({"report", "zoom"}),
+               "report.zoom: " + shortest(zoom) + " s at " + shortest(study.sample_rate()) + " Hz given",
+               "it holds less than two samples", "lengthen it");
+}
+
 void check_signals(const Study& study, IssueList& issues) {
   double from = 0.0, to = 0.0;
   if (study.given.simulate) {

@@ -17,6 +17,8 @@ void check_sensor_names(const description::Case& given, const std::vector<std::s
 void check_reported_names(const description::Case& given, const std::vector<std::string>& points, IssueList& issues);
 /// Length, sampling and steps of `simulate`, and where it starts.
 void check_simulation(const Study& study, IssueList& issues);
+/// Lengths of the report's pictures against the record's sampling.
+void check_pictures(const Study& study, IssueList& issues);
 /// Signals that are not known over the whole record.
 void check_signals(const Study& study, IssueList& issues);
 /// What the filter starts from and what drives it.

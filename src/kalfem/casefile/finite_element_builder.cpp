@@ -154,6 +154,7 @@ private:
   }
 
   void add_properties() {
+    check_material_names();
     for (const auto& [name, material] : fe_.materials)
       model_.materials[name] = {material.youngs_modulus, material.poissons_ratio, material.density};
     for (const auto& [name, region] : fe_.regions) {
@@ -170,6 +171,19 @@ private:
                     "", "define it under `materials`");
       else
         model_.properties[name] = property_of(region);
+    }
+  }
+
+  /// Of a deck the case gives materials that differ from its own: another name would change nothing.
+  void check_material_names() {
+    if (!std::holds_alternative<d::DeckFile>(fe_.source)) return;
+    for (const auto& [name, material] : fe_.materials) {
+      const auto made_of_it = [&](const auto& region) { return region.second.material.value == name; };
+      if (!model_.materials.contains(name) && std::ranges::none_of(fe_.regions, made_of_it))
+        issues_.add(fe_.location(),
+                    "substructures." + name_ + ".finite_elements.materials." + name + ": the deck has no material '" +
+                        name + "'" + did_you_mean(name, names_of(model_.materials)),
+                    "it would change nothing", "name one of the deck's materials, or one that a region is made of");
     }
   }
 

@@ -59,6 +59,9 @@ private:
     if (part.damping.modal.empty()) warn(below({"damping", "modal_up_to"}), "there is no modal damping");
     if (part.reduction) of_reduction(path, part.reduction->value);
     const auto& source = part.finite_elements->source;
+    if (std::holds_alternative<d::MatrixFiles>(source))
+      for (const char* key : {"materials", "mass_matrix"})
+        warn(below({"finite_elements", key}), "matrices have no elements");
     if (!std::holds_alternative<d::MeshFile>(source) && !std::holds_alternative<d::TableFiles>(source)) return;
     for (const auto& [material, given] : part.finite_elements->materials) {
       const auto made_of_it = [&](const auto& region) { return region.second.material.value == material; };
@@ -151,6 +154,9 @@ private:
   }
 
   void of_report() {
+    if (!given_.estimate)
+      for (const char* key : {"displacements", "zoom"}) warn({"report", key}, "the case does not estimate");
+    if (!given_.estimate && !given_.simulate) warn({"report", "fields"}, "the case neither simulates nor estimates");
     if (has_finite_elements()) return;
     warn({"report", "modes"}, "the case has no finite elements");
     warn({"report", "superelements"}, "the case has no finite elements");

@@ -113,6 +113,7 @@ public:
   StudyMaker(d::Case given, const std::string& file, const IssueList& already_found) : issues_(already_found) {
     study_.file = file;
     study_.given = std::move(given);
+    if (study_.given.source.empty()) study_.given.source = CaseSource(file, nullptr);
     unsound_ = study_.given.source.sections_of(issues_.issues());
     if (std::ranges::any_of(unsound_, [](const auto& name) { return !is_section(name); })) unsound_.insert("file");
     not_read_ = unsound_;
@@ -163,6 +164,8 @@ private:
            study_.signals = make_signals(study_.given, study_.parts.inputs, duration, issues, study_.warnings);
          });
     step("simulate", {"model", "simulate"}, {"simulate"}, [&](IssueList& issues) { check_simulation(study_, issues); });
+    step("pictures", {"report", "record", "simulate"}, {"report"},
+         [&](IssueList& issues) { check_pictures(study_, issues); });
     step("excitation", {"parts", "signals", "simulate", "record"}, {"excitation"},
          [&](IssueList& issues) { check_signals(study_, issues); });
   }
