@@ -3,6 +3,7 @@
 #include <iostream>
 #include <limits>
 
+#include "base/figures.hpp"
 #include "estimation/chain_model.hpp"
 
 namespace kalfem {
@@ -53,6 +54,8 @@ TEST_F(PaperChain, PartiallyLinearFilterEndsWhereThePlainOneDoes) {
   const VectorXd apart = (fast.unknowns.mean.rightCols(1) - plain.unknowns.mean.rightCols(1)).cwiseQuotient(deviation);
   std::cout << "apart by " << apart.transpose() << " standard deviations; " << 1e6 * plain.time.filter() / 20001
             << " and " << 1e6 * fast.time.filter() / 20001 << " us/step\n";
+  test::expect_figure("chain.partially_linear.mu_k1.apart", std::abs(apart[0]));
+  test::expect_figure("chain.partially_linear.mu_c1.apart", std::abs(apart[1]));
   EXPECT_LT(apart.cwiseAbs().maxCoeff(), 0.1);
   EXPECT_LT((fast.unknowns.deviation.rightCols(1).cwiseQuotient(deviation).array() - 1.0).abs().maxCoeff(), 0.02);
 }

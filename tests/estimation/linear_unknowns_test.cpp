@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "base/figures.hpp"
 #include "estimation/chain_model.hpp"
 #include "kalfem/estimation/filter_choice.hpp"
 #include "kalfem/estimation/observer_maps.hpp"
@@ -103,6 +104,8 @@ TEST_F(UnknownStiffness, CoversTheTruthOverManySeeds) {
   }
   std::printf("inside the 95 %% interval %d of %d, mean squared error %.2f variances, NIS %.4f\n", inside, seeds,
               squares / seeds, nis);
+  test::expect_figure("unknown_stiffness.covered", inside);
+  test::expect_figure("unknown_stiffness.nis", nis);
   EXPECT_GE(inside, 34);  // 38 expected; fewer than 34 with a probability of 1.4 %
   // Found 0.97; chi-squared over 40 holds 99 % in 0.52 to 1.67. An overstated deviation falls below.
   EXPECT_GT(squares / seeds, 0.52);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "base/figures.hpp"
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/model/modal_damping.hpp"
@@ -205,6 +206,10 @@ TEST(FreeInterface, ResidualsConvergeFasterThanTruncationAndRubinFasterThanMacNe
     };
     const double rubin = with(FreeInterfaceKind::rubin), macneal = with(FreeInterfaceKind::macneal);
     const double without = error(truncated(beams, modes, 6));
+    const std::string figure = "free_interface." + std::to_string(modes) + ".";
+    test::expect_figure(figure + "truncated", without);
+    test::expect_figure(figure + "macneal", macneal);
+    test::expect_figure(figure + "rubin", rubin);
     EXPECT_LT(rubin, 0.05 * macneal);
     EXPECT_LT(macneal, 0.05 * without);
     EXPECT_LT(rubin, 0.1 * last);
