@@ -55,7 +55,15 @@ def page():
 
 
 def in_digits_of(text, value):
-    """The value in the form of a stated text: as many digits, % where it stands."""
+    """The value in the form of a stated text: as many digits, % where it stands.
+
+    >>> in_digits_of("0.24 %", 0.00257), in_digits_of("18", 15.6), in_digits_of("-3.1", -2.96)
+    ('0.26 %', '16', '-3.0')
+    >>> in_digits_of(".989", 0.9934), in_digits_of(".989", 1.0051), in_digits_of(".427", -0.1)
+    ('.993', '1.005', '-.100')
+    >>> in_digits_of("4.6e-6", 0.00000512)
+    '5.1e-6'
+    """
     number, percent = text.removesuffix(" %"), " %" if text.endswith(" %") else ""
     mantissa, exponent = re.fullmatch(r"([^e]*)(e.*)?", number).groups()
     decimals = len(mantissa.partition(".")[2])
@@ -71,6 +79,10 @@ def in_digits_of(text, value):
 
 
 def unit_of_last_digit(text):
+    """
+    >>> [round(unit_of_last_digit(text), 12) for text in ("0.24 %", "18", ".989", "4.6e-6")]
+    [0.0001, 1.0, 0.001, 1e-07]
+    """
     number = text.removesuffix(" %")
     mantissa, exponent = re.fullmatch(r"([^e]*)(?:e(.*))?", number).groups()
     return (0.01 if text.endswith(" %") else 1.0) * 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))

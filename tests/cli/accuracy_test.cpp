@@ -78,6 +78,33 @@ TEST(Accuracy, VehicleOverTenSeconds) {
   }
 }
 
+/// The vehicle at 1 kHz, its observer with so many substeps a sample.
+nlohmann::json vehicle_at_1_khz(int substeps) {
+  const ScratchFolder folder("accuracy-1-khz");
+  const auto text =
+      changed(changed(read(example("vehicle/vehicle.yaml")), "${MESH:-frame.msh}", example("vehicle/frame.msh")),
+              "\n  substeps: 1", "\n  substeps: " + std::to_string(substeps));
+  setenv("SAMPLE_RATE", "1000", 1);
+  setenv("REFERENCE", "superelement", 1);
+  const auto outcome =
+      run_command("run " + written(folder, text).string() + " --out " + folder.path().string(), folder);
+  unsetenv("SAMPLE_RATE");
+  unsetenv("REFERENCE");
+  EXPECT_EQ(outcome.code, 0) << outcome.errors;
+  return outcome.code == 0 ? read_summary(folder) : nlohmann::json{};
+}
+
+TEST(Accuracy, VehicleAtOneKilohertz) {
+  const auto one = vehicle_at_1_khz(1), two = vehicle_at_1_khz(2);
+  expect_errors("vehicle_1_khz.one_substep", one["parameters"]);
+  expect_errors("vehicle_1_khz.two_substeps", two["parameters"]);
+  std::vector<double> predicted;
+  for (const std::string point : {"p5.z", "p6.z", "p7.z", "p8.z"})
+    predicted.push_back(two["prediction"]["frame"][point]["acceleration_nrmse_in_band"].get<double>());
+  expect_figure("vehicle_1_khz.prediction.least", std::ranges::min(predicted));
+  expect_figure("vehicle_1_khz.prediction.most", std::ranges::max(predicted));
+}
+
 TEST(Accuracy, VehicleUpdatedByItsRecord) {
   const auto summary = vehicle_summary("update", "vehicle/update.yaml", "");
   for (const auto& [name, parameter] : summary["updating"]["parameters"].items())

@@ -35,6 +35,8 @@ protected:
     const double error = frequencies["mean_frequency_error_final"];
     EXPECT_LT(error, 0.002);
     expect_figure("garteur." + GetParam().name + ".mean_error", error);
+    expect_figure("garteur." + GetParam().name + ".mean_error_before",
+                  frequencies["mean_frequency_error_initial"].get<double>());
   }
 
   void expect_plausible_parameters() const {
