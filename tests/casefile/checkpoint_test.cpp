@@ -111,6 +111,10 @@ TEST_F(Checkpoint, OfWrongSizesOrValuesIsNotTaken) {
   EXPECT_FALSE(taken_after([&](Json& json) { json["state"]["projected_residual"] = three; }));
   EXPECT_FALSE(taken_after([&](Json& json) { json["state"]["jacobian_factor"] = three; }));
   EXPECT_FALSE(taken_after([&](Json& json) { json["state"]["jacobian_factor"] = wide; }));
+  for (const int columns : {1, 3}) {
+    const Json of_two{{"rows", 2}, {"values", std::vector<double>(std::size_t(2 * columns), 1.0)}};
+    EXPECT_FALSE(taken_after([&](Json& json) { json["state"]["jacobian_factor"] = of_two; })) << columns;
+  }
   EXPECT_FALSE(taken_after([&](Json& json) { json["state"]["parameters"]["rows"] = -2; }));
   EXPECT_FALSE(taken_after([&](Json& json) { json["state"]["parameters"]["rows"] = 0; }));
   for (const char* field : {"tried", "parameters"})

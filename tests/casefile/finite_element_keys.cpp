@@ -251,6 +251,15 @@ void named_nodes() {
   near(study.model->motion("b.place.y").dofs.sum(), 1.0);
 }
 
+/// Weighted sums of motions of named nodes, as forces and sensors see them.
+void weighted_points() {
+  const auto study = with_part("finite_elements: {" + beam_elements() + "}, points: {p: {tip.z: 2, mid.z: -0.5}}");
+  const auto dofs = study.model->motion("b.p").dofs;
+  near(dofs.dot(study.model->motion("b.tip.z").dofs), 2.0);
+  near(dofs.dot(study.model->motion("b.mid.z").dofs), -0.5);
+  near(dofs.squaredNorm(), 4.25);
+}
+
 void placed_bodies() {
   const auto study = with_beam(
       "masses: {motor: {at: tip, mass: 3 kg, inertia: [0.1, 0.2, 0.3], offset: [0, 40 mm, 50 mm]}, "
@@ -400,8 +409,21 @@ void reduction_sizes() {
   // Of vertical motion alone: the lowest mode of bending carries most of it.
   const std::string vertical = ", boundary: [tip.z], truncation_vectors: false";
   EXPECT_LT(size("effective_mass: 30 %" + vertical), size("effective_mass: 99.99 %" + vertical));
-  // Where the case does not say: three times the default bandwidth of 100 Hz.
+  // Where the case does not say: three times the default bandwidth of 100 Hz, or that of its sensors.
   near(highest(""), highest("up_to: 300 Hz"));
+  const auto with_sensor = [](const std::string& chain, const std::string& simulate) {
+    const auto study = with_part("finite_elements: {" + beam_elements() + "}",
+                                 {{"excitation", "{f: {force: b.tip.z, constant: 1 N}}"},
+                                  {"sensors", "{y: {acceleration: b.tip.z, noise: 1" + chain + "}}"},
+                                  {"simulate", simulate}});
+    return study.finite_elements.at(0).reduced->evidence.highest_kept;
+  };
+  const std::string filter = ", chain: [{butterworth: {low_pass: 400 Hz}}]";
+  near(with_sensor(filter, ""), highest("up_to: 1200 Hz"));
+  near(with_sensor("", "{duration: 1, sample_rate: 500}"), highest("up_to: 750 Hz"));
+  near(with_sensor(filter, "{duration: 1, sample_rate: 10000}"), highest("up_to: 1200 Hz"));
+  EXPECT_NE(highest("up_to: 1200 Hz"), highest("up_to: 750 Hz"));
+  EXPECT_NE(highest("up_to: 750 Hz"), highest("up_to: 300 Hz"));
 }
 
 void reduction_boundaries() {
@@ -453,6 +475,7 @@ KeyChecks finite_element_keys() {
   add("substructures.*.damping.", {"modal_up_to"}, [] {
     damping_of_elements();
     springs_and_grounds();
+    weighted_points();
   });
   add("substructures.*.reduction.", {"method"}, reduction_methods);
   add("substructures.*.reduction.", {"modes", "up_to", "effective_mass", "truncation_vectors"}, reduction_sizes);

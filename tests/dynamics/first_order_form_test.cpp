@@ -35,14 +35,14 @@ TEST(FirstOrderForm, IntegratedAccelerationReproducesThePrescribedGroundMotion) 
   for (int k = 0; k < 20; ++k)
     x = step.transition * x + step.begin_input * input(k * h) + step.end_input * input((k + 1) * h);
   const double T = 20 * h;
-  EXPECT_NEAR(x[2], b * T * T * T, 1e-11);
-  EXPECT_NEAR(x[3], 3 * b * T * T, 1e-11);
+  EXPECT_NEAR(x[2], b * T * T * T, 1e-13);
+  EXPECT_NEAR(x[3], 3 * b * T * T, 1e-13);
   const auto pull = [&](double t) { return rider.k * b * t * t * t + rider.c * 3 * b * t * t; };
   const auto expected = runge_kutta(rider, pull, no_law, 0.0, 0.0, T, 40000);
-  EXPECT_NEAR(x[0], expected[0], 1e-9);  // Runge-Kutta: (omega h)^4 = 7e-12 of the motion
-  EXPECT_NEAR(x[1], expected[1], 1e-8);
+  EXPECT_NEAR(x[0], expected[0], 1e-12);  // Runge-Kutta: (omega h)^4 = 7e-12 of the motion
+  EXPECT_NEAR(x[1], expected[1], 1e-11);
   const double y = (form.outputs().state * x + form.outputs().input * input(T))[0];
-  EXPECT_NEAR(y, (pull(T) - rider.c * x[1] - rider.k * x[0]) / rider.m, 1e-8);
+  EXPECT_NEAR(y, (pull(T) - rider.c * x[1] - rider.k * x[0]) / rider.m, 1e-10);
 }
 
 TEST(FirstOrderForm, IntegratedInputMovesTheConnectorsGround) {
@@ -68,11 +68,11 @@ TEST(FirstOrderForm, MarkovForceDecaysAndDrives) {
   VectorXd x = values({0.0, 0.0, 50.0});
   for (int k = 0; k < 25; ++k) x = (step.transition * x).eval();
   const double T = 25 * h;
-  EXPECT_NEAR(x[2], 50.0 * std::exp(-T / tau), 1e-11);
+  EXPECT_NEAR(x[2], 50.0 * std::exp(-T / tau), 2e-13);
   const auto expected = runge_kutta(
       rider, [&](double t) { return 50.0 * std::exp(-t / tau); }, no_law, 0.0, 0.0, T, 40000);
-  EXPECT_NEAR(x[0], expected[0], 1e-10);
-  EXPECT_NEAR((form.outputs().state * x)[0], (x[2] - rider.c * x[1] - rider.k * x[0]) / rider.m, 1e-9);
+  EXPECT_NEAR(x[0], expected[0], 1e-12);
+  EXPECT_NEAR((form.outputs().state * x)[0], (x[2] - rider.c * x[1] - rider.k * x[0]) / rider.m, 1e-12);
 }
 
 TEST(FirstOrderForm, InfiniteCorrelationTimeIsARandomWalk) {
@@ -114,7 +114,7 @@ TEST(FirstOrderForm, SensorStatesEqualFilteringAfterwards) {
   };
   // Filtering afterwards takes the record as straight between its samples; the states do not: second order in the step.
   const double coarse = error(1e-3), fine = error(2.5e-4);
-  EXPECT_LT(fine, 1e-3);
+  EXPECT_LT(fine, 6e-5);
   EXPECT_GT(coarse / fine, 12.0);
 }
 

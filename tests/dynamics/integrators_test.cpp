@@ -86,7 +86,7 @@ TEST_P(EveryIntegrator, SaturatingConnectorConvergesWithOrderTwo) {
         displacement_at_end(model, {make_sine(sine)}, at_rest(1, 0), GetParam().integrator, T, count) - reference));
   }
   // The law's kinks add errors of the same order whose size varies with where in the step they fall.
-  EXPECT_NEAR(order_of(steps, errors), 2.0, 0.25);
+  EXPECT_NEAR(order_of(steps, errors), 2.0, 0.04);
   EXPECT_LT(errors.back(), 1e-4 * std::abs(reference));
 }
 
@@ -112,8 +112,8 @@ TEST(Newmark, AverageAccelerationElongatesThePeriodByItsLeadingTerm) {
     // Undamped: d_{k+1} + d_{k-1} = 2 cos(omega_h h) d_k.
     const double seen = std::acos((d(0, 21) + d(0, 19)) / (2 * d(0, 20))) / h;
     const double elongation = omega / seen - 1.0;
-    EXPECT_NEAR(elongation / (product * product / 12.0), 1.0, product * product) << product;
-    EXPECT_NEAR(std::tan(seen * h / 2), product / 2, 1e-9);  // the closed form of the trapezoidal rule
+    EXPECT_NEAR(elongation / (product * product / 12.0), 1.0, 0.2 * product * product) << product;
+    EXPECT_NEAR(std::tan(seen * h / 2), product / 2, 1e-12);  // the closed form of the trapezoidal rule
   }
 }
 
@@ -122,7 +122,7 @@ TEST(Newmark, AverageAccelerationKeepsTheEnergy) {
   const auto motion = undamped(Integrator::newmark, omega, 0.013, 5000).trajectory;
   const Eigen::ArrayXd energy =
       motion.velocity.row(0).array().square() / (omega * omega) + motion.displacement.row(0).array().square();
-  EXPECT_LT((energy - 1.0).abs().maxCoeff(), 1e-10);  // 5000 roundings
+  EXPECT_LT((energy - 1.0).abs().maxCoeff(), 1e-12);  // 5000 roundings
 }
 
 TEST(GeneralizedAlpha, HighFrequenciesDecayByTheSpectralRadius) {
@@ -156,10 +156,10 @@ TEST(InternalStates, ExactAndNewmarkAgreeOnBoucWenHysteresis) {
   const auto fine = run(Integrator::exact, 1e-4, 10), other = run(Integrator::newmark, 1e-4, 10);
   const auto coarse = run(Integrator::exact, 1e-3, 1);
   const double d = fine.displacement.norm(), z = fine.connector_states.norm();
-  // Second order, omega h = 0.02 at the elastic frequency: errors of a few 1e-5, 100 times more at the coarse step.
-  EXPECT_LT((fine.displacement - other.displacement).norm(), 2e-4 * d);
-  EXPECT_LT((fine.connector_states - other.connector_states).norm(), 2e-4 * z);
-  EXPECT_LT((fine.displacement - coarse.displacement).norm(), 2e-2 * d);
+  // Second order, omega h = 0.02 at the elastic frequency: found 4e-6 and 8e-6, 2e-4 at the coarse step.
+  EXPECT_LT((fine.displacement - other.displacement).norm(), 1.5e-5 * d);
+  EXPECT_LT((fine.connector_states - other.connector_states).norm(), 3e-5 * z);
+  EXPECT_LT((fine.displacement - coarse.displacement).norm(), 6e-4 * d);
   EXPECT_GT(fine.connector_states.cwiseAbs().maxCoeff(), 3e-4);  // it does yield: 1/(beta+gamma) is 1e-3
 }
 
@@ -187,8 +187,8 @@ TEST(EnergyBalance, WorkOfTheRoadIsStoredOrDissipated) {
     const double dissipated = h * (internal.sum() + (strut.array() * motion.force.row(0).array()).sum());
     const Eigen::VectorXd z = motion.displacement.rightCols(1), v = motion.velocity.rightCols(1);
     const double stored = 0.5 * v.dot(system.mass * v) + 0.5 * z.dot(system.stiffness * z);
-    // Trapezoidal rule and integrator are of second order: (omega h)^2 of 5 kHz content is below 1e-3.
-    EXPECT_NEAR(work, stored, 1e-4 * dissipated);
+    // Trapezoidal rule and integrator are of second order: (omega h)^2 of 5 kHz content is below 1e-3; found 2e-7 of the work.
+    EXPECT_NEAR(work, stored, 1e-6 * dissipated);
     EXPECT_GT(dissipated, 0.5 * stored);  // both sides of the balance count
   }
 }

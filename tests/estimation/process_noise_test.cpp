@@ -222,6 +222,23 @@ TEST(ProcessNoiseOfEveryKind, AccelerationOfOneDegreeOfFreedom) {
   given.check(given.noise_of_motion((VectorXd(6) << 0, 0, 0, 0, 0, 9.0).finished()));
 }
 
+/// Parts of an interval are of the forces alone: the noise is that of the whole interval, however many there are.
+TEST(ProcessNoiseOfEveryKind, DoesNotDependOnTheParts) {
+  Case given;
+  given.options.process_noise.acceleration << 0.1, 0.2, 3.0;
+  given.options.process_noise.connector_states << 0.4;
+  given.options.unknowns[0].random_walk = 7.0;
+  MatrixXd Q = given.noise_of_motion((VectorXd(6) << 0, 0, 0, 0.01, 0.04, 9.0).finished());
+  Q(6, 6) = h * 0.16;
+  Q(7, 7) = h * 49.0;
+  for (const int parts : {1, 2, 5}) {
+    given.options.substeps = parts;
+    const Observer observer(given.model.system(), given.sensors, {}, given.options);
+    for (Index i = 0; i < Q.rows(); ++i)
+      EXPECT_NEAR(observer.process_noise()(i, i), Q(i, i), 1e-9 * Q(i, i)) << parts << " parts, state " << i;
+  }
+}
+
 TEST(ProcessNoiseOfEveryKind, StatesOfConnectorsAndUnknownsWalk) {
   Case given;
   given.options.process_noise.connector_states << 0.4;

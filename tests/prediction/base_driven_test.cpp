@@ -79,15 +79,15 @@ TEST_F(DrivenBody, ByTheTrueBoundaryMotionEqualsTheWholeSimulation) {
   // Boundary accelerations are taken as straight between samples, where the suspension's kinks bend them: second order
   // in the sampling interval.
   const Eigen::Array3d coarse = error_at(1), fine = error_at(8);
-  EXPECT_LT(coarse.maxCoeff(), 0.05) << coarse.transpose();
-  EXPECT_LT(fine.maxCoeff(), 2e-3) << fine.transpose();
+  EXPECT_LT(coarse.maxCoeff(), 0.02) << coarse.transpose();
+  EXPECT_LT(fine.maxCoeff(), 4e-4) << fine.transpose();
   EXPECT_LT((fine / coarse).maxCoeff(), 1.0 / 8) << (fine / coarse).transpose();
 }
 
 TEST_F(DrivenBody, NewmarkAndExactSteppingAgree) {
   const auto truth = simulated(1e-3 / 16, 1.0, 4);
   const auto exact = predicted(truth, true), stepped = predicted(truth, true, 0);
-  EXPECT_LT(error(stepped.acceleration, exact.acceleration), 2e-3);  // (omega h)^2 / 12 at 50 Hz and 31 us
+  EXPECT_LT(error(stepped.acceleration, exact.acceleration), 1e-4);  // (omega h)^2 / 12 at 50 Hz and 31 us
   EXPECT_GT(error(stepped.acceleration, exact.acceleration), 1e-9);  // and they are two ways
 }
 
@@ -107,7 +107,7 @@ TEST_F(DrivenBody, ModalDampingOfLowRankEqualsTheDenseMatrix) {
                  {.sample_rate = 1.0 / truth.step, .exact_up_to = exact_up_to});
   };
   for (const Index exact_up_to : {0, 400}) {
-    EXPECT_LT(error(predict(low_rank, exact_up_to).acceleration, predict(dense, exact_up_to).acceleration), 1e-8);
+    EXPECT_LT(error(predict(low_rank, exact_up_to).acceleration, predict(dense, exact_up_to).acceleration), 1e-10);
     EXPECT_GT(error(predict(body, exact_up_to).acceleration, predict(dense, exact_up_to).acceleration), 1e-2);
   }
 }
@@ -128,7 +128,7 @@ TEST_F(DrivenBody, BoundaryOfTwoKeepsItsOrder) {
       {truth.displacement(ends, Eigen::all), truth.velocity(ends, Eigen::all), truth.acceleration(ends, Eigen::all)},
       force(), {0.0, truth.displacement.col(0).tail(10), truth.velocity.col(0).tail(10)},
       {.sample_rate = 1.0 / truth.step});
-  EXPECT_LT(error(motion.acceleration, truth.acceleration.bottomRows(10)), 0.02);
+  EXPECT_LT(error(motion.acceleration, truth.acceleration.bottomRows(10)), 1.5e-3);
   EXPECT_LT(error(motion.displacement.row(9), truth.displacement.row(10)), 1e-13);
 }
 
@@ -161,7 +161,7 @@ TEST(BaseDriven, ConstantAccelerationBendsTheBodyStatically) {
   const auto motion = driven(body, boundary, VectorXd::Zero(2), VectorXd::Zero(2), rate);
   const double lag = motion.displacement(1, samples - 1) - boundary.displacement(0, samples - 1);
   EXPECT_NEAR(lag, -2.0 * a / 800.0, 1e-8);  // exp(-10 rad/s 2 s) = 2e-9 of it is left to settle
-  EXPECT_NEAR(motion.acceleration(1, samples - 1), a, 1e-6);
+  EXPECT_NEAR(motion.acceleration(1, samples - 1), a, 2e-8);
 }
 
 TEST(BaseDriven, MassAndDampingBetweenBoundaryAndInteriorCount) {
@@ -184,7 +184,7 @@ TEST(BaseDriven, MassAndDampingBetweenBoundaryAndInteriorCount) {
   }
   const auto motion = driven(body, boundary, VectorXd::Zero(2), VectorXd::Zero(2), rate);
   const double lag = motion.displacement(1, samples - 1) - boundary.displacement(0, samples - 1);
-  EXPECT_NEAR(lag, -2.5 * a / k, 1e-8);
+  EXPECT_NEAR(lag, -2.5 * a / k, 1e-10);
 }
 
 TEST(BaseDriven, PartThatFloatsIsNamed) {

@@ -112,8 +112,8 @@ TEST(RandomSignal, SeedsAndNamesAreIndependentAndReproducible) {
   };
   EXPECT_EQ(values(1, "a"), values(1, "a"));
   // correlation of independent band-limited signals of 590 lines: about 1 / sqrt(590) = 0.04
-  EXPECT_LT(std::abs(values(1, "a").dot(values(2, "a"))) / 2000, 0.2);
-  EXPECT_LT(std::abs(values(1, "a").dot(values(1, "b"))) / 2000, 0.2);
+  EXPECT_LT(std::abs(values(1, "a").dot(values(2, "a"))) / 2000, 0.05);
+  EXPECT_LT(std::abs(values(1, "a").dot(values(1, "b"))) / 2000, 0.05);
 }
 
 TEST(RandomSignal, IsFast) {
