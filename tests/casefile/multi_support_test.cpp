@@ -261,8 +261,17 @@ INSTANTIATE_TEST_SUITE_P(
         Contradiction{"follows_itself", "  b: {base_displacement: beam.right, delayed: {input: b, delay: 0.1}}",
                       "case.yaml:14: excitation.b.delayed.input: there is no input 'b' before this one"},
         Contradiction{"road_as_acceleration", "  a: {base_acceleration: beam.left, road: {class: C, speed: 20}}",
-                      "a road is a displacement [m]"}),
+                      "case.yaml:14: excitation.a: a road is a displacement [m]"}),
     [](const auto& each) { return each.param.name; });
+
+TEST(MultiSupport, EveryProblemIsReportedAtOnce) {
+  const auto found = problems_of(changed(driven_by(left + "}\n  b: {base_displacement: beam.left, " + sine_m + "}\n" +
+                                                   "  c: {base_acceleration: beam.rigth, road: {class: C, speed: 10}}"),
+                                         "tolerance: 1e-4", "tolerance: 1e-4, substeps: 4"));
+  for (const char* part : {"case.yaml:15: excitation.b", "case.yaml:16: excitation.c.base_acceleration",
+                           "case.yaml:16: excitation.c: a road", "case.yaml:21: simulate.substeps"})
+    EXPECT_NE(found.find(part), std::string::npos) << part << "\n" << found;
+}
 
 TEST(MultiSupport, AWholeBaseMovesOnlyWhatFollowsItUnstrained) {
   // a rotation beside a translation: `all` would turn it by 1 rad as the base moves by 1 m

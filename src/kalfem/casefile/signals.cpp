@@ -212,10 +212,17 @@ SignalPtr signal_of(MadeSignals& all, const std::string& name, bool integrated) 
   return signal;
 }
 
-/// Line of a value of the signal, where it has one that keeps its place.
+SourceLocation place_of(const d::Excitation& excitation) {
+  if (const auto* base = std::get_if<d::BaseDisplacement>(&excitation.target)) return base->ground.location;
+  if (const auto* force = std::get_if<d::Force>(&excitation.target)) return force->point.location;
+  return std::get<d::BaseAcceleration>(excitation.target).direction.location;
+}
+
+/// Line of a value of the signal, of its target where it has none that keeps its place.
 SourceLocation location_of(const d::Case& given, const std::string& name) {
   const auto found = std::ranges::find(given.excitation, name, &std::pair<std::string, d::Excitation>::first);
-  return std::visit([](const auto& signal) { return place_of(signal); }, found->second.signal);
+  const auto place = std::visit([](const auto& signal) { return place_of(signal); }, found->second.signal);
+  return place.file.empty() ? place_of(found->second) : place;
 }
 
 /// Whether the input moves grounds by their acceleration.
