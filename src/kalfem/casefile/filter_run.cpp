@@ -107,12 +107,13 @@ void set_start_from_record(const ObserverSetup& setup, const TimeSeries& series,
     of_rest.push_back(rest_deviation(setup.options, i));
   }
   const OutputMap map = make_outputs(*setup.model, outputs);
-  const auto motion = local_motion(series, 0, {.half_window = 3.0 / series.sample_rate, .degree = 2});
+  const TimeSeries seen{series.sample_rate, series.start, {}, series.values(Eigen::all, columns)};
+  const auto motion = local_motion(seen, 0, {.half_window = 3.0 / series.sample_rate, .degree = 2});
   const MatrixXd inverse = MatrixXd(map.displacement).completeOrthogonalDecomposition().pseudoInverse();
   const Index n_u = inputs.size() / 3;
   const VectorXd base = map.input_value * inputs.head(n_u), base_velocity = map.input_value * inputs.segment(n_u, n_u);
-  prior.mean.displacement = inverse * (motion.position(columns) - base);
-  prior.mean.velocity = inverse * (motion.velocity(columns) - base_velocity);
+  prior.mean.displacement = inverse * (motion.position - base);
+  prior.mean.velocity = inverse * (motion.velocity - base_velocity);
   const VectorXd rest = VectorXd::Map(of_rest.data(), static_cast<Index>(of_rest.size()));
   prior.displacement_deviation =
       (prior.displacement_deviation.cwiseAbs2() + inverse.cwiseAbs2() * rest.cwiseAbs2()).cwiseSqrt();
