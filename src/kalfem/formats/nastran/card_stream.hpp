@@ -23,6 +23,8 @@ public:
   [[nodiscard]] SourceLocation location(const Place& place) const;
   void problem(const Place& place, const std::string& what, const std::string& why = {}, const std::string& fix = {});
   void problem(const Place& place, const CardError& error) { problem(place, error.what(), error.why(), error.fix()); }
+  /// The deck ends here without its ENDDATA, which may be the cause of other problems and is told with them.
+  void set_open_end(const Place& place) { open_end_ = place; }
   [[nodiscard]] bool sound() const { return count_ == 0; }
   /// Throws InvalidInput when there was any problem.
   void raise() const;
@@ -31,6 +33,7 @@ private:
   std::vector<std::string> names_;
   IssueList listed_;
   std::size_t count_ = 0;
+  std::optional<Place> open_end_;
 };
 
 /// Content of an included file; throws InvalidInput where it cannot be read.

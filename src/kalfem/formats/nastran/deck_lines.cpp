@@ -58,6 +58,8 @@ void DeckFiles::problem(const Place& place, const std::string& what, const std::
 
 void DeckFiles::raise() const {
   IssueList all = listed_;
+  if (!all.empty() && open_end_)
+    all.add(location(*open_end_), "ENDDATA is missing", "the deck may be cut off here", "write the file again");
   if (count_ > most_told)
     all.add(all.issues().back().location,
             "and " + std::to_string(count_ - most_told) + " more problems, which are not listed");

@@ -81,6 +81,7 @@ private:
   /// A deck with a BEGIN BULK has its ENDDATA unless it is cut off. Bulk data alone, as files that are included
   /// elsewhere, may do without.
   void tell_missing_end(bool has_control, const Place& last) {
+    if (has_control) files_.set_open_end(last);
     if (has_control)
       notes_.add(files_.location(last), "ENDDATA",
                  "the deck ends without it and may be cut off: supports, masses or elements may be lost",

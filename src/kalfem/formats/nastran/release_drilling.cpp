@@ -60,8 +60,8 @@ void release_held(Building& building, const std::vector<NodalSurface>& surfaces,
 ///
 /// Decks of plane shells hold these turns everywhere (GRDSET or SPC of 6), as the matrix is singular otherwise. Here
 /// the turn of a node follows the turn of the surface, so that holding it would hold the surface itself against turning
-/// in its plane: such turns are released. Nodes that are held in that plane, as at clamped edges and planes of symmetry,
-/// keep theirs.
+/// in its plane: such turns are released. Nodes that are held in that plane, as at clamped edges and planes of
+/// symmetry, keep theirs.
 void release_drilling(Building& building) {
   auto& model = building.model;
   auto turned = turned_by_others(model);
