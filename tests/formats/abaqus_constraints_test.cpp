@@ -220,6 +220,27 @@ TEST(AbaqusCoupling, HeldReferenceNodeHoldsTheMeanMotion) {
   EXPECT_TRUE(of_block(free_nodes + by_nodes).isApprox(of_block(free_nodes + equation), 1e-9));
 }
 
+// The reference node of a coupling and nodes that follow it may be the coordinates of a reduction's boundary.
+TEST(AbaqusCoupling, ReferencesAndFollowersMayBeCoordinates) {
+  for (const auto& [link, id] :
+       {std::pair{std::string("*COUPLING, CONSTRAINT NAME=c, REF NODE=500, SURFACE=atop\n*DISTRIBUTING\n"), 500},
+        std::pair{std::string("*COUPLING, CONSTRAINT NAME=c, REF NODE=500, SURFACE=atop\n*KINEMATIC\n"), 32},
+        std::pair{std::string("*RIGID BODY, REF NODE=500, TIE NSET=atop\n"), 36}}) {
+    const auto model =
+        parse_deck(deck_steel + block("a", 1, 2, 3, 0, 2) + "*BOUNDARY\nabottom, 1, 3\n*NODE\n500, 0.5, 0.5, 2.5\n" +
+                   "*ELEMENT, TYPE=MASS, ELSET=m\n500, 500\n*MASS, ELSET=m\n4000.\n" + inertia + link)
+            .model;
+    const Index node = NodeFinder(model.mesh).find(id);
+    const std::vector<NodalDof> wanted = {{node, 0}, {node, 1}, {node, 2}};
+    const auto turned = assemble(model, {.independent = wanted});
+    for (const auto& dof : wanted) EXPECT_GE(turned.find(dof), 0) << link;
+    const auto modes = lowest_modes(evaluate(turned.stiffness, turned.parameters),
+                                    evaluate(turned.mass, turned.parameters), {.count = 4});
+    const Eigen::VectorXd found = modes.values.cwiseSqrt() / (2.0 * std::numbers::pi);
+    EXPECT_TRUE(found.isApprox(Matrices(model).frequencies(4), 1e-9)) << link;
+  }
+}
+
 // Supports of nodes that follow act on the one that leads them: here 0.5 above, u_x = 0.5 theta_y and theta_z = 0.
 TEST(AbaqusCoupling, SupportsOfSlavesHoldTheirMaster) {
   const std::string body = inertia + "*RIGID BODY, REF NODE=500, TIE NSET=atop\n";

@@ -23,8 +23,9 @@ namespace kalfem {
 /// * MAT1 MAT2 MAT8 MAT9; RBE1 RBE2 RBE3 RBAR RROD; MPC MPCADD SPC SPC1 SPCADD; DMIG;
 /// * PARAM WTMASS, COUPMASS (lumped mass without it), AUTOSPC (on without it).
 /// Components at a node (SPC, MPC, RBE, CELAS, DMIG, ...) act in its displacement system CD. Loads, solution requests
-/// and everything else that is not part of K, M and C is passed over or becomes a note of its class. An element that is
-/// known to be one and not read, and a card that is not known, become notes that say what is missing.
+/// and everything else that is not part of K, M and C is passed over or becomes a note of its class. Elements that are
+/// not read, other stiffness, mass and connections, and the missing ENDDATA of a deck with BEGIN BULK become notes of
+/// the kind `missing`, see accept_missing(); a card that is not known becomes a doubtful one.
 ///
 /// Made of it: regions "pshell3", "pbeam1", "prod5", "psolid2" by card and number of the property ("pshell3.2" where
 /// offset or thickness of its elements differ); materials "mat7"; masses "conm2_12"; springs "celas4", "cbush5.k1";

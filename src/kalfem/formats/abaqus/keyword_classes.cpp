@@ -111,7 +111,26 @@ void enter_silent(Table& table) {
          "RIGIDSURFACE",
          "DEPVAR",
          "USERDEFINEDFIELD",
-         "BASELINECORRECTION"});
+         "BASELINECORRECTION",
+         "DISPLAYBODY",
+         "FILTER",
+         "EXTREMEVALUE",
+         "TRACERPARTICLE",
+         "SUBCYCLING",
+         "CONTACTCLEARANCE",
+         "CONTACTCLEARANCEASSIGNMENT",
+         "CONTACTSTIFFNESS",
+         "CHANGESURFACEBEHAVIOR",
+         "CHANGECONTACTTYPE",
+         "SURFACEPROPERTY",
+         "DESIGNVARIABLES",
+         "DESIGNRESPONSE",
+         "OBJECTIVE",
+         "GEOMETRICTOLERANCES",
+         "RANDOMFIELD",
+         "CORRELATIONLENGTH",
+         "CRACKPROPAGATION",
+         "REFINEMESH"});
 }
 
 void enter_notes(Table& table) {
@@ -198,6 +217,7 @@ void enter_notes(Table& table) {
          "SURFACEFLUX",
          "CAVITYDEFINITION"});
   enter(table, KeywordUse::doubtful, "directions of shells and beams follow from their nodes and sections", {"NORMAL"});
+  enter(table, KeywordUse::doubtful, "the shape is that of the nodes as they stand", {"IMPERFECTION"});
   enter(table, KeywordUse::doubtful, "the whole model is used in its first state", {"MODELCHANGE"});
   enter(table, KeywordUse::noted, "parts of the model that are retained or selected are up to the user of the model",
         {"RETAINEDNODALDOFS", "SUBSTRUCTUREGENERATE", "SUBSTRUCTUREMATRIXOUTPUT", "SELECTEIGENMODES",

@@ -81,6 +81,7 @@ const std::vector<UnusedClass>& unused_classes() {
        "how these properties change with frequency or deflection is not read; the nominal ones hold",
        {"PBUSHT", "PELAST", "PDAMPT"}},
       {unused, "matrices of aerodynamics and fluids are not read", {"DMIJ", "DMIK", "DMIAX"}},
+      {doubtful, "this coordinate system is not read", {"CORD"}},
       {missing, "this stiffness is missing", {"GENEL"}},
       {missing, "the terms of this transfer function are missing in stiffness, damping and mass", {"TF"}},
       {doubtful, "this damping is not read", {"HYBDAMP", "DAMPING"}},
