@@ -260,6 +260,9 @@ INSTANTIATE_TEST_SUITE_P(
                "max_substeps",
                {"first_substeps of 4"}},
         Change{"MassOfNothing", "chain", "w: 1.5 kg", "w: 1e-300 kg", "masses: {w:", {"1e-300 kg given", "[1e-21, "}},
+        Change{"ParameterBeyondAllNumbers", "chain", "k: 5 kN/m", "k: 1e300 N/m", "    parameters:",
+               {"suspension.parameters.k: 1e+300 given", "between 1e-100 and 1e+100"}},
+        Change{"RatioNextToNothing", "chain", "modal: 1 %", "modal: 1e-300", "    damping:", {"1e-300 given"}},
         Change{"DelayOfThirtyYears", "inputs", "delay: 1 ms", "delay: 1e9 s", "- delay:", {"1e9 s given", "[0, 100]"}},
         Change{
             "StartOfNoDegreeOfFreedom", "chain", "initial: {body.1:", "initial: {body.9:", "  initial: ", {"'body.9'"}},

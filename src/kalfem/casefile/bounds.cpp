@@ -5,8 +5,15 @@
 namespace kalfem {
 namespace {
 
+/// Magnitudes in SI that can be multiplied with one another; what lies beyond is a slip of the pen.
+constexpr double smallest = 1e-100, largest = 1e100;
+
 double require_within(double value, const std::string& shown, const Bounds& bounds) {
   if (!bounds.contain(value)) throw InvalidInput(shown + " given", "it must be " + bounds.describe(), "");
+  if (value != 0.0 && !(std::abs(value) >= smallest && std::abs(value) <= largest))
+    throw InvalidInput(shown + " given",
+                       "it must be 0, or between " + shortest(smallest) + " and " + shortest(largest) + " in magnitude",
+                       "");
   return value;
 }
 

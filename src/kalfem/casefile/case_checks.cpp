@@ -155,6 +155,7 @@ void check_simulation(const Study& study, IssueList& issues) {
 
 void check_pictures(const Study& study, IssueList& issues) {
   const double zoom = study.given.report.zoom;
+  if (!study.given.source.gives({"report", "zoom"})) return;
   if (study.sample_rate() > 0.0 && zoom * study.sample_rate() < 2.0)
     issues.add(study.given.source.at({"report", "zoom"}),
                "report.zoom: " + shortest(zoom) + " s at " + shortest(study.sample_rate()) + " Hz given",

@@ -418,12 +418,12 @@ void check_comparisons(const Study& study, IssueList& issues) {
   }
 }
 
-void check_driven_histories(const Study& study, IssueList& issues) {
+void check_driven_histories(const Study& study, const CoupledModel& start, IssueList& issues) {
   for (const auto& [name, given] : study.given.update->comparisons) {
     const auto* driven = std::get_if<d::DrivenHistory>(&given.value.data);
     if (!driven) continue;
     try {
-      check_driven(study, driven->substructure);
+      check_driven(study, start, driven->substructure);
     } catch (const InvalidInput& error) {
       add_at(driven->substructure.location, error, issues);
     }

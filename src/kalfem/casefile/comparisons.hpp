@@ -36,7 +36,8 @@ void add_record_comparisons(const Study& study, const StudyResults& results,
 
 /// Problems that show without computing: substructures and sensors that do not exist, comparisons that need a record.
 void check_comparisons(const Study& study, IssueList& issues);
-/// Problems of the comparisons that need the estimated motion of a boundary, once there is an observer.
-void check_driven_histories(const Study& study, IssueList& issues);
+/// Problems of the comparisons that need the estimated motion of a boundary, once there is an observer. `start`: the
+/// structure that the updating starts from.
+void check_driven_histories(const Study& study, const CoupledModel& start, IssueList& issues);
 
 }  // namespace kalfem

@@ -94,10 +94,10 @@ ReportedRows reported_rows(const CoupledModel& model, const Place& place) {
 
 }  // namespace
 
-void check_driven(const Study& study, const description::Name& substructure) {
+void check_driven(const Study& study, const CoupledModel& model, const description::Name& substructure) {
   constexpr Index largest_driven = 2000;  // degrees of freedom; larger ones are factored once, when they are driven
-  if (study.model->find_substructure(substructure.value).part.model->size() > largest_driven) return;
-  const BoundaryDrive drive(study, *study.model, substructure.value);
+  if (model.find_substructure(substructure.value).part.model->size() > largest_driven) return;
+  const BoundaryDrive drive(study, model, substructure.value);
   const auto estimated = study.observer->model->reported_points();
   for (const auto& point : drive.points())
     if (std::ranges::find(estimated, point) == estimated.end()) throw not_estimated(substructure, point);

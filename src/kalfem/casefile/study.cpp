@@ -192,16 +192,19 @@ private:
     const Names all = {"sections", "parts",    "model",  "placed sensors", "signals",   "record",
                        "simulate", "estimate", "update", "excitation",     "parameters"};
     step("observer", all, {"estimate"}, [&](IssueList& issues) {
-      if (study_.given.estimate) study_.observer = make_observer_setup(study_, starting_parts(study_), {}, issues);
+      if (!study_.given.estimate) return;
+      const Parts start = starting_parts(study_);
+      study_.observer = make_observer_setup(study_, start, {}, issues);
+      start_ = study_.updating ? std::make_shared<const CoupledModel>(couple(start)) : study_.model;
     });
     step("filter", joined({"observer"}, all), {"estimate", "kappa"}, [&](IssueList&) {
       if (study_.observer) check_filter(study_);
     });
     step("prediction", joined({"observer", "predict"}, all), {"predict", "substructure"}, [&](IssueList&) {
-      if (study_.given.predict) check_driven(study_, study_.given.predict->substructure);
+      if (study_.given.predict) check_driven(study_, *start_, study_.given.predict->substructure);
     });
     step("histories", joined({"observer"}, all), {"update", "compare"}, [&](IssueList& issues) {
-      if (study_.given.update) check_driven_histories(study_, issues);
+      if (study_.given.update && start_) check_driven_histories(study_, *start_, issues);
     });
   }
 
@@ -267,6 +270,7 @@ private:
   }
 
   Study study_;
+  std::shared_ptr<const CoupledModel> start_;  ///< what a prediction, or an updating, starts from
   IssueList issues_;
   std::set<std::string> unsound_;   ///< sections and results with a problem
   std::set<std::string> not_read_;  ///< sections that could not be read as they stand
