@@ -78,7 +78,7 @@ TEST(DampingOfUnknowns, DampingOfTheWholeStructureFollowsSpringsAndConnectors) {
   expect_no_trace_of_first_guesses({text("30", "20"), text("40", "10")});
 }
 
-/// An accelerated base pulls at a mass with -m a: not at the first guess of it.
+/// An accelerated base pulls at a mass with -m a, not at the first guess of it.
 TEST(DampingOfUnknowns, TheLoadOfAnAcceleratedBaseFollowsAMass) {
   const auto text = [](const std::string& kg) {
     const auto undamped =

@@ -128,7 +128,7 @@ void UnknownBuilder::add(const std::string& name, const d::Unknown& given) {
     unknown.in_linear_part = linear_part_follows(*targets);
     if (unknown.in_linear_part && targets->positive_by_nature() && !(unknown.initial > 0.0))
       throw InvalidInput(given.initial.issue("'" + name + "' starts at " + shortest(unknown.initial) + " " + unit,
-                                             "damping or loads of its substructure follow it, and need it positive",
+                                             "damping of its substructure follows it, and needs it positive",
                                              "start from a positive first guess"));
     for (std::size_t i = 0; i < targets->of_connectors.size(); ++i) add_target(names[i], unknown);
     add_linear(targets->of_linear_part, unknown);
@@ -148,7 +148,7 @@ std::optional<UnknownBuilder::Targets> UnknownBuilder::found(const std::string& 
   Targets targets;
   for (const auto& name : names) {
     const auto reference = find_parameter(study_.parts, name.value);
-    if (reference && find_parameter(parts_, name.value)) {
+    if (reference && find_parameter(parts_, name.value) && can_be_released(study_.parts, *reference)) {
       targets.of_connectors.push_back(*reference);
     } else if (auto parameter = find_structure_parameter(study_, name.value); parameter && holds(*parameter)) {
       if (const auto issue = unlike_ratios(study_, *parameter, name))
@@ -206,7 +206,7 @@ void UnknownBuilder::add_target(const d::Name& name, UnknownParameter& unknown) 
   parts_.connectors[target.part].parameters[static_cast<Index>(target.element)] = unknown.initial;
 }
 
-/// Whether damping or loads of the linear part change with these parameters.
+/// Whether damping of the linear part changes with these parameters.
 bool UnknownBuilder::linear_part_follows(const Targets& targets) const {
   return std::ranges::any_of(targets.of_connectors,
                              [&](const auto& reference) { return kalfem::linear_part_follows(study_.parts, reference); });

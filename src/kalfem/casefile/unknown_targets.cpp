@@ -69,6 +69,10 @@ bool base_accelerates(const Parts& parts) {
 
 }  // namespace
 
+bool can_be_released(const Parts& parts, const ParameterReference& element) {
+  return element.kind != Kind::mass || !base_accelerates(parts);
+}
+
 bool linear_part_follows(const Parts& parts, const ParameterReference& element) {
   if (element.kind == Kind::spring_damping) return false;
   if (element.kind == Kind::connector)
@@ -76,7 +80,7 @@ bool linear_part_follows(const Parts& parts, const ParameterReference& element) 
   const auto& part = parts.substructures[element.part];
   const auto& [mass_factor, stiffness_factor] = part.rayleigh;
   if (parts.damping || !part.modal_damping.empty() || mass_factor > 0.0) return true;
-  return element.kind == Kind::mass ? base_accelerates(parts) : stiffness_factor > 0.0;
+  return element.kind == Kind::spring_stiffness && stiffness_factor > 0.0;
 }
 
 void set_parameter(Parts& parts, const ParameterReference& element, double value) {
