@@ -4,6 +4,7 @@
 
 #include "base/absent.hpp"
 #include "base/data_folder.hpp"
+#include "base/figures.hpp"
 #include "command.hpp"
 
 // The half-car rig: measured free responses of a real vehicle model with dry friction. Limits: open-loop NRMSE about
@@ -46,6 +47,7 @@ void expect_reproduced(const nlohmann::json& summary, const RigRun& run) {
     EXPECT_LE(unsprung["nrmse"].get<double>(), run.unsprung_limit) << run.key << side;
     EXPECT_LE(std::abs(sprung["rest_error"].get<double>()), 2e-3) << run.key << side;
   }
+  expect_figure(std::string("halfcar.") + run.key + ".nis", summary["estimation"]["nis"]["mean"].get<double>());
 }
 
 TEST_P(HalfCar, OpenLoopReproducesTheRecord) { expect_reproduced(estimate(GetParam()), GetParam()); }
