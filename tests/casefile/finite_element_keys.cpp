@@ -156,6 +156,11 @@ void matrices() {
   near(nodal(placed).stiffness.coeff(0, 0), 40e3);         // t / s^2
   near(nodal(placed).stiffness.coeff(1, 1), 30e3 * 1e-6);  // a rotation: times mm^2
   near(nodal(placed).mass.coeff(0, 0), 2e3);
+  const auto slow =
+      nodal(with_elements("matrices: {" + files + rows + "}, units: {length: 1 m, mass: 3 kg, time: 2 s}"));
+  near(slow.stiffness.coeff(0, 0), 40.0 * 3 / 4);
+  near(slow.damping.coeff(0, 0), 5.0 * 3 / 2);
+  near(slow.mass.coeff(0, 0), 2.0 * 3);
 }
 
 // --- materials, regions, sections ------------------------------------------------------------------------------------

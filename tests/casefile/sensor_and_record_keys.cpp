@@ -102,6 +102,7 @@ void other_stages() {
   EXPECT_LT(std::abs(response("{resonance: {frequency: 100 Hz, damping: 0.3}}", f) - resonance(0.3)), 1e-12);
   EXPECT_LT(std::abs(response("{resonance: {frequency: 100 Hz}}", f) - resonance(0.7)), 1e-12);
   EXPECT_LT(std::abs(response("{gain: -2.5}", f) + 2.5), 1e-12);
+  EXPECT_LT(std::abs(response("{gain: 2}, {gain: -1.5}", f) + 3.0), 1e-12);
   EXPECT_LT(std::abs(response("{gain: 2}, {delay: 4 ms}", f) - 2.0 * std::polar(1.0, -omega * 4e-3)), 1e-6);
 }
 

@@ -349,6 +349,32 @@ TEST(ProcessNoiseOfEveryKind, StaysAfterANewLinearisation) {
   }
 }
 
+/// What a sensor tells of an unknown of the linear part at once: an acceleration -k z / m of a mass that is held out by
+/// z, with nothing else uncertain, is one regression, var = 1 / (1 / sigma^2 + (z / m)^2 / R).
+TEST(UnknownOfTheLinearPart, IsSeenByASensorDirectly) {
+  const double m = 2.0, z = 0.01, sigma = 40.0, R = 0.01, slope = -z / m;
+  const auto model = oscillator(m, 0.0, 800.0);
+  const auto sensors = make_outputs(model, {{"a", ObservedQuantity::acceleration, {{"body.x", 1.0}}}});
+  ObserverOptions options = all_known(model.system(), h);
+  options.prior.mean.displacement << z;
+  options.unknowns = {{"k", "N/m", {}, {TransformKind::none}, 800.0, sigma}};
+  options.system_at = [&](const VectorXd& value) { return oscillator(m, 0.0, value[0]).system(); };
+  const Record record{MatrixXd::Constant(1, 1, -4.1), MatrixXd::Zero(3, 1), MatrixXd::Constant(1, 1, R)};
+  const double variance = 1.0 / (1.0 / (sigma * sigma) + slope * slope / R);
+  const double mean = 800.0 + variance * slope / R * (-4.1 - slope * 800.0);
+  for (const auto kind : {FilterKind::unscented, FilterKind::unscented_square_root, FilterKind::extended,
+                          FilterKind::partially_linear, FilterKind::partially_linear_square_root}) {
+    const auto choice = choose_filter(kind, model.system(), sensors, {}, options);
+    const auto result = estimate(*choice.observer, record, {.filter = kind, .monitored = sensors});
+    ASSERT_FALSE(result.failure.has_value());
+    EXPECT_NEAR(result.unknowns.mean(0, 0), mean, 1e-6 * mean) << name_of(kind);
+    EXPECT_NEAR(result.unknowns.deviation(0, 0), std::sqrt(variance), 1e-6 * std::sqrt(variance)) << name_of(kind);
+    EXPECT_NEAR(result.monitored.mean(0, 0), slope * mean, 1e-6) << name_of(kind);
+    EXPECT_NEAR(result.monitored.deviation(0, 0), -slope * std::sqrt(variance), 1e-7) << name_of(kind);
+    EXPECT_NEAR(result.innovation_deviation(0, 0), std::sqrt(slope * slope * sigma * sigma + R), 1e-7) << name_of(kind);
+  }
+}
+
 // --- gains that are held ---------------------------------------------------------------------------------------------
 
 /// Between kept gains a channel keeps its gain, also where it was missing at the very sample at which one was kept.
