@@ -104,7 +104,8 @@ void check_ranges(const std::string& connector, const description::Connector& gi
 /// `force` and `states` are the user's own law; a law of the library has its own.
 void check_expression_keys(const std::string& name, const description::Connector& given, IssueList& issues) {
   if (given.law.value == "expression") return;
-  for (const auto& [key, present] : {std::pair{"force", !given.force.empty()}, {"states", !given.states.empty()}})
+  for (const auto& [key, present] :
+       {std::pair{"force", !given.force.empty()}, std::pair{"states", !given.states.empty()}})
     if (present)
       issues.add(given.law.location,
                  "connectors." + name + ": `" + key + "` is given beside the law '" + given.law.value + "'",

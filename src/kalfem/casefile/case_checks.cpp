@@ -183,6 +183,31 @@ void check_signals(const Study& study, IssueList& issues) {
     }
 }
 
+namespace {
+
+/// The interface moves as its own point was measured, and no other.
+void check_driving_sensor(const d::Case& given, const std::string& point, const d::Name& name, IssueList& issues) {
+  const auto sensor = std::ranges::find(given.sensors, name.value, &std::pair<std::string, d::Sensor>::first);
+  if (sensor == given.sensors.end()) {
+    check_name(name, "sensor", names_of(given.sensors), "name one of `sensors`", issues);
+    return;
+  }
+  const std::string fix = "name an accelerometer at '" + point + "'";
+  const auto* seen = std::get_if<d::Observed<ObservedQuantity::acceleration>>(&sensor->second.observed);
+  if (!seen) {
+    issues.add(name.location, name.path + ": sensor '" + name.value + "' does not measure acceleration",
+               "the interface is driven by an acceleration", fix);
+    return;
+  }
+  const auto& points = seen->points.value;
+  if (points == Named<double>{{point, 1.0}}) return;
+  const std::string measured = points.size() == 1 ? "'" + points.front().first + "'" : "several points";
+  issues.add(name.location, name.path + ": sensor '" + name.value + "' measures " + measured + ", not '" + point + "'",
+             "the interface moves as its own point was measured", fix);
+}
+
+}  // namespace
+
 void check_estimation(const d::Case& given, IssueList& issues) {
   if (!given.estimate) return;
   const auto& estimate = *given.estimate;
@@ -202,28 +227,9 @@ void check_estimation(const d::Case& given, IssueList& issues) {
       issues.add(sensor.noise.location, sensor.noise.path + ": the noise is 0",
                  "the filter cannot weigh a sensor without noise", "give a small one");
   if (!estimate.local) return;
-  for (const auto& [point, interface] : estimate.local->interface) {
-    const auto* driven = std::get_if<d::InterfaceAcceleration>(&interface.value.motion);
-    if (!driven) continue;
-    const auto sensor =
-        std::ranges::find(given.sensors, driven->sensor.value, &std::pair<std::string, d::Sensor>::first);
-    if (sensor == given.sensors.end()) {
-      check_name(driven->sensor, "sensor", names_of(given.sensors), "name one of `sensors`", issues);
-      continue;
-    }
-    const auto* seen = std::get_if<d::Observed<ObservedQuantity::acceleration>>(&sensor->second.observed);
-    if (!seen)
-      issues.add(driven->sensor.location,
-                 driven->sensor.path + ": sensor '" + sensor->first + "' does not measure acceleration",
-                 "the interface is driven by an acceleration", "name an accelerometer at '" + point + "'");
-    else if (seen->points.value != Named<double>{{point, 1.0}})
-      issues.add(
-          driven->sensor.location,
-          driven->sensor.path + ": sensor '" + sensor->first + "' measures " +
-              (seen->points.value.size() == 1 ? "'" + seen->points.value.front().first + "'" : "several points") +
-              ", not '" + point + "'",
-          "the interface moves as its own point was measured", "name an accelerometer at '" + point + "'");
-  }
+  for (const auto& [point, interface] : estimate.local->interface)
+    if (const auto* driven = std::get_if<d::InterfaceAcceleration>(&interface.value.motion))
+      check_driving_sensor(given, point, driven->sensor, issues);
 }
 
 void check_parameters_once(const d::Case& given, IssueList& issues) {
