@@ -7,9 +7,9 @@
 #include <sstream>
 
 #include "kalfem/base/random.hpp"
+#include "kalfem/casefile/case_reader.hpp"
 #include "kalfem/casefile/description_form.hpp"
 #include "kalfem/casefile/estimation_stage.hpp"
-#include "kalfem/casefile/case_reader.hpp"
 
 /// The chain of the examples with unknown springs, masses and damping, from many first guesses and with many seeds.
 namespace kalfem::test {

@@ -44,8 +44,9 @@ TEST(DampingOfUnknownsOverSeeds, EstimatesDoNotDependOnTheFirstGuessAndCoverTheT
     EXPECT_NEAR(nis[Index(g)], 4.0, 0.08);
   }
   for (Index i = 0; i < truth.size(); ++i) {
-    std::printf("unknown %d: estimates of the three guesses differ by %.2f standard deviations at the most, mean error %+.2f\n",
-                int(i), farthest[i], mean[i]);
+    std::printf(
+        "unknown %d: estimates of the three guesses differ by %.2f standard deviations at the most, mean error %+.2f\n",
+        int(i), farthest[i], mean[i]);
     EXPECT_LT(farthest[i], 0.3);
   }
 }

@@ -1,5 +1,5 @@
-#include "base/scratch_folder.hpp"
 #include "casefile/damping_of_unknowns.hpp"
+#include "base/scratch_folder.hpp"
 
 // Damping that is formed from modes, or from M and K, follows the stiffness and the mass that the filter estimates. The
 // first guess of these must not show in the estimates.
@@ -63,13 +63,15 @@ TEST(DampingOfUnknowns, ModalDampingFollowsAMass) {
 
 TEST(DampingOfUnknowns, RayleighDampingFollowsASpring) {
   const auto text = [](const std::string& kilonewtons) {
-    return with(chain_case("5 s", spring(kilonewtons) + "    body.damping.stiffness_factor: {initial: 0.3 ms, std: 50 %}\n"),
-                "modal: 1 %", "stiffness_factor: 0.2 ms, mass_factor: 0.5 1/s");
+    return with(
+        chain_case("5 s", spring(kilonewtons) + "    body.damping.stiffness_factor: {initial: 0.3 ms, std: 50 %}\n"),
+        "modal: 1 %", "stiffness_factor: 0.2 ms, mass_factor: 0.5 1/s");
   };
   expect_no_trace_of_first_guesses({text("30"), text("40")});
 }
 
-/// Modes of the whole structure follow its connectors as well: the slope of the suspension at rest is k + mu_k1 / mu_k2.
+/// Modes of the whole structure follow its connectors as well: the slope of the suspension at rest is k + mu_k1 /
+/// mu_k2.
 TEST(DampingOfUnknowns, DampingOfTheWholeStructureFollowsSpringsAndConnectors) {
   const auto text = [](const std::string& kilonewtons, const std::string& mu_k1) {
     const auto whole = with(chain_case("5 s", spring(kilonewtons)), "    damping: {modal: 1 %}\n", "");
@@ -84,9 +86,8 @@ TEST(DampingOfUnknowns, DampingOfTheWholeStructureFollowsSpringsAndConnectors) {
 /// deviations of the state, which the column of the gain leaves out.
 TEST(DampingOfUnknowns, TheLoadOfAnAcceleratedBaseFollowsAMass) {
   const auto text = [](const std::string& kg) {
-    const auto undamped =
-        with(chain_case("5 s", "    body.5.mass: {initial: " + kg + " kg, std: 30 %}\n"), "    damping: {modal: 1 %}\n",
-             "    springs: [{from: 1, to: 10, damping: 5 N s/m}]\n");
+    const auto undamped = with(chain_case("5 s", "    body.5.mass: {initial: " + kg + " kg, std: 30 %}\n"),
+                               "    damping: {modal: 1 %}\n", "    springs: [{from: 1, to: 10, damping: 5 N s/m}]\n");
     return with(undamped, "base_displacement: wheel.ground\n    random: {rms: 3 mm,",
                 "base_acceleration: all\n    random: {rms: 5 m/s^2,");
   };
@@ -100,7 +101,8 @@ TEST(DampingOfUnknowns, AFirstGuessOfNothingIsRefusedWhereDampingFollowsIt) {
   } catch (const InvalidInput& error) {
     EXPECT_NE(std::string(error.what()).find("start from a positive first guess"), std::string::npos) << error.what();
   }
-  study_of(chain_case("1 s", "    wheel.k_w.stiffness: {initial: 0 N/m, std: 10 kN/m}\n"));  // carried by a connector alone
+  study_of(
+      chain_case("1 s", "    wheel.k_w.stiffness: {initial: 0 N/m, std: 10 kN/m}\n"));  // carried by a connector alone
 }
 
 /// The chain with one more spring, of which the filter knows neither case's value, and the body's prediction.
@@ -112,7 +114,8 @@ std::string with_extra_spring(const std::string& given) {
               "seed: 7}", "seed: 7, duration: 4 s}");
 }
 
-/// The same record, read from a file by a case that gives another spring: the prediction is made with the estimated one.
+/// The same record, read from a file by a case that gives another spring: the prediction is made with the estimated
+/// one.
 TEST(DampingOfUnknowns, ThePredictionUsesTheEstimatedSpring) {
   const ScratchFolder folder("estimated-spring");
   const StudyResults right = run_study(study_of(with_extra_spring("5 kN/m")), Stage::predict);
@@ -128,7 +131,8 @@ TEST(DampingOfUnknowns, ThePredictionUsesTheEstimatedSpring) {
   file.close();
   std::string text = with_extra_spring("15 kN/m");
   const auto begin = text.find("simulate:"), end = text.find("estimate:");
-  text.replace(begin, end - begin, "record: {file: '" + (folder / "record.csv").string() + "', sample_rate: 1 kHz}\n\n");
+  text.replace(begin, end - begin,
+               "record: {file: '" + (folder / "record.csv").string() + "', sample_rate: 1 kHz}\n\n");
   const StudyResults read = run_study(study_of(text), Stage::predict);
   ASSERT_EQ(read.failure, "");
   ASSERT_EQ(read.prediction->points.size(), right.prediction->points.size());
@@ -141,8 +145,9 @@ TEST(DampingOfUnknowns, ThePredictionUsesTheEstimatedSpring) {
 
 /// What does not change the linear part stays with its connector: nothing is linearised anew.
 TEST(DampingOfUnknowns, AnUnknownOfAnUndampedPartIsCarriedByItsConnectorAlone) {
-  const Study study = study_of(chain_case("1 s", "    wheel.k_w.stiffness: {initial: 22 kN/m, std: 30 %}\n"
-                                                 "    body.3-4.damping: {initial: 1 N s/m, std: 100 %}\n"));
+  const Study study = study_of(chain_case("1 s",
+                                          "    wheel.k_w.stiffness: {initial: 22 kN/m, std: 30 %}\n"
+                                          "    body.3-4.damping: {initial: 1 N s/m, std: 100 %}\n"));
   EXPECT_TRUE(study.observer->linear_unknowns.empty());
   for (const auto& unknown : study.observer->options.unknowns) EXPECT_FALSE(unknown.in_linear_part) << unknown.name;
 }

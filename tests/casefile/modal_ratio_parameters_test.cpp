@@ -34,8 +34,8 @@ std::string refusal_of(const std::string& text) {
 
 void expect_refusal(const std::string& text) {
   const std::string refusal = refusal_of(text);
-  for (const char* piece : {"chain.yaml:", "stands for all modal ratios as one number", "[0.2 %, 2 %, 2 %]",
-                            "body.damping.modal.1"})
+  for (const char* piece :
+       {"chain.yaml:", "stands for all modal ratios as one number", "[0.2 %, 2 %, 2 %]", "body.damping.modal.1"})
     EXPECT_NE(refusal.find(piece), std::string::npos) << piece << " in: " << refusal;
 }
 
@@ -51,9 +51,10 @@ TEST(ModalRatioParameters, EqualRatiosAndSingleOnesAreParameters) {
     EXPECT_EQ(refusal_of(with_ratios(ratios, "    body.damping.modal: {initial: 1 %}\n")), "");
   }
   EXPECT_EQ(refusal_of(with_update(different, "body.damping.modal.2")), "");
-  EXPECT_EQ(refusal_of(with_ratios(different, "    body.damping.modal.1: {initial: 0.3 %}\n"
-                                              "    rest: {initial: 1 %, applies_to: [body.damping.modal.2, "
-                                              "body.damping.modal.3]}\n")),
+  EXPECT_EQ(refusal_of(with_ratios(different,
+                                   "    body.damping.modal.1: {initial: 0.3 %}\n"
+                                   "    rest: {initial: 1 %, applies_to: [body.damping.modal.2, "
+                                   "body.damping.modal.3]}\n")),
             "");
 }
 

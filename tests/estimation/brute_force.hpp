@@ -66,7 +66,8 @@ struct Moments {
 inline Moments table_1(const FunctionMap& map, const Eigen::VectorXd& m, const Eigen::MatrixXd& S,
                        const UnscentedOptions& options) {
   const auto n = m.size();
-  const double lambda = options.alpha * options.alpha * (double(n) + options.kappa.value_or(0.0)) - double(n), c = double(n) + lambda;
+  const double lambda = options.alpha * options.alpha * (double(n) + options.kappa.value_or(0.0)) - double(n),
+               c = double(n) + lambda;
   std::vector<Eigen::VectorXd> x{m}, y;
   std::vector<double> mean_weight{lambda / c};
   for (const double sign : {1.0, -1.0})

@@ -162,7 +162,8 @@ TEST(FrfScale, SouthamptonFrameInDecibel) {
   const auto file = data_folder("southampton-3storey") / "ExpDataSo.csv";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no " << file << "; set KALFEM_DATA to its parent's folder";
   const auto chain = three_floors(5.201, 4.6e4);
-  MeasuredFrf measured{file.string(), read_frf_table(file, {.content = FrfColumnContent::decibel}),
+  MeasuredFrf measured{file.string(),
+                       read_frf_table(file, {.content = FrfColumnContent::decibel}),
                        {FrfInput::force, "floor1", floors, ResponseQuantity::acceleration}};
   EXPECT_TRUE(measured.response.magnitudes_only);
   const VectorXd start = Eigen::Vector4d(4.4e4, 4.8e4, 4.8e4, 0.002);

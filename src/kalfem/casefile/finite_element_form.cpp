@@ -221,9 +221,10 @@ Form<Reduction> reduction() {
           .optional("truncation_vectors", &Reduction::truncation_vectors, boolean(),
                     "shapes under boundary acceleration that make up for the modes left out, one a boundary degree of "
                     "freedom")
-          .optional("boundary", &Reduction::boundary, list(name()),
-                    "nodes (their translations) or node.direction, also on rigid and weighted links; default: the nodes "
-                    "that connectors and forces touch"));
+          .optional(
+              "boundary", &Reduction::boundary, list(name()),
+              "nodes (their translations) or node.direction, also on rigid and weighted links; default: the nodes "
+              "that connectors and forces touch"));
 }
 
 }  // namespace kalfem::description

@@ -169,7 +169,8 @@ bool set_unknowns(const Study& study, const std::string& substructure, const Vec
   for (const auto& [name, unknown] : study.given.estimate->unknown) {
     for (const auto& target : names_of(name, unknown)) {
       const auto reference = find_parameter(parts, target.value);
-      if (!reference || !counts(*reference) || refined.contains(target.value)) continue;  // those of finite elements are set with their matrices
+      if (!reference || !counts(*reference) || refined.contains(target.value))
+        continue;  // those of finite elements are set with their matrices
       set_parameter(parts, *reference, values[i]);
       any = true;
     }
@@ -183,7 +184,8 @@ std::function<LocallyNonlinearSystem(const VectorXd&)> system_of_linear_unknowns
   if (setup.linear_unknowns.empty()) return {};
   return [&study, linear = setup.linear_unknowns](const VectorXd& values) {
     Parts parts = parts_at(study, linear, values);
-    PresentValues present = linear.present;  // elements are released at these values: nothing is left to their connectors
+    PresentValues present =
+        linear.present;  // elements are released at these values: nothing is left to their connectors
     for (std::size_t i = 0; i < linear.names.size(); ++i) present[linear.names[i]] = values[static_cast<Index>(i)];
     IssueList issues;
     ObserverSetup scratch;

@@ -18,9 +18,9 @@ ObserverSetup make_observer_setup(const Study& study, Parts parts, const Present
 /// The parts of an observer at values of its linear unknowns that no connector carries, in the bases of its reduction.
 Parts parts_at(const Study& study, const LinearUnknowns& unknowns, const Eigen::VectorXd& values);
 
-/// Sets the springs, dashpots and masses of a substructure that are unknowns of the filter to `values`, one an unknown of
-/// the case; of a structure whose modes are damped as a whole, every element and connector. Numbers in `refined`, which an
-/// updating has set, are left as they are. Says whether any was set.
+/// Sets the springs, dashpots and masses of a substructure that are unknowns of the filter to `values`, one an unknown
+/// of the case; of a structure whose modes are damped as a whole, every element and connector. Numbers in `refined`,
+/// which an updating has set, are left as they are. Says whether any was set.
 bool set_unknowns(const Study& study, const std::string& substructure, const Eigen::VectorXd& values,
                   const PresentValues& refined, Parts& parts);
 

@@ -84,10 +84,10 @@ std::optional<Issue> unlike_ratios(const Study& study, const StructureParameter&
   if (std::ranges::adjacent_find(ratios, std::ranges::not_equal_to{}) == ratios.end()) return std::nullopt;
   std::string listed;
   for (const double ratio : ratios) listed += (listed.empty() ? "" : ", ") + shortest(100.0 * ratio) + " %";
-  return name.issue("'" + parameter.name + "' stands for all modal ratios as one number, and the case gives [" + listed +
-                        "]",
-                    "these would all become the same",
-                    "name single ratios, " + parameter.name + ".1 and so on; several share a value by applies_to");
+  return name.issue(
+      "'" + parameter.name + "' stands for all modal ratios as one number, and the case gives [" + listed + "]",
+      "these would all become the same",
+      "name single ratios, " + parameter.name + ".1 and so on; several share a value by applies_to");
 }
 
 std::vector<std::string> structure_parameter_names(const Study& study) {

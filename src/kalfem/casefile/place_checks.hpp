@@ -4,9 +4,9 @@
 
 namespace kalfem {
 
-/// Points and grounds that connectors and excitations name: they must exist, a moving ground must be one, be driven once
-/// and be felt by something, and a connector must not end at two grounds that stand still. Problems go to `issues` with
-/// their place in the file.
+/// Points and grounds that connectors and excitations name: they must exist, a moving ground must be one, be driven
+/// once and be felt by something, and a connector must not end at two grounds that stand still. Problems go to `issues`
+/// with their place in the file.
 void check_places(const description::Case& given, const Parts& parts, IssueList& issues);
 
 }  // namespace kalfem

@@ -10,8 +10,8 @@ using Eigen::Index;
 
 namespace {
 
-constexpr double far = 4.0;        ///< prior standard deviations
-constexpr double nis_factor = 1.2; ///< of the mean NIS to the expected one, either way
+constexpr double far = 4.0;         ///< prior standard deviations
+constexpr double nis_factor = 1.2;  ///< of the mean NIS to the expected one, either way
 
 bool is_inconsistent(const ConsistencySummary& consistency) {
   const double ratio = consistency.mean_nis / consistency.expected_nis;
@@ -31,12 +31,14 @@ std::vector<std::string> prior_conflicts(const EstimationStage& stage) {
     const double moved = std::abs(stage.result.state.mean(layout.unknown() + i, last) - start) / deviation;
     if (!(moved > far) || unknown.random_walk > 0.0) continue;
     const double estimate = stage.result.unknowns.mean(i, last);
-    std::string text = fmt::format("unknown '{}' ended at {:.4g} {}, {:.3g} prior standard deviations from its first guess {:.4g}",
-                                   unknown.name, estimate, unknown.unit, moved, unknown.initial);
+    std::string text =
+        fmt::format("unknown '{}' ended at {:.4g} {}, {:.3g} prior standard deviations from its first guess {:.4g}",
+                    unknown.name, estimate, unknown.unit, moved, unknown.initial);
     if (is_inconsistent(stage.consistency))
       text += fmt::format("; the mean NIS is {:.3g} (expected {:.3g}): do not trust the estimates",
                           stage.consistency.mean_nis, stage.consistency.expected_nis);
-    conflicts.push_back(text + fmt::format("; start again from about {:.2g}, widen its std, or set transform: log", estimate));
+    conflicts.push_back(text +
+                        fmt::format("; start again from about {:.2g}, widen its std, or set transform: log", estimate));
   }
   return conflicts;
 }

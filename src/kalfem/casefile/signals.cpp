@@ -139,14 +139,13 @@ private:
                               .name = name_});
   }
   SignalPtr from(const d::FileSignal& g) {
-    const TimeSeries table = read_record_file(
-        g.file,
-        {{.column = g.channel.value,
-          .owner = "excitation." + name_,
-          .unit = unit_,
-          .unit_key = "excitation." + name_ + ".unit",
-          .unit_given = g.unit}},
-        {.sample_rate = g.sample_rate});
+    const TimeSeries table = read_record_file(g.file,
+                                              {{.column = g.channel.value,
+                                                .owner = "excitation." + name_,
+                                                .unit = unit_,
+                                                .unit_key = "excitation." + name_ + ".unit",
+                                                .unit_given = g.unit}},
+                                              {.sample_rate = g.sample_rate});
     const auto signal = make_sampled(table.values.col(0), {.sample_rate = table.sample_rate, .start = table.start});
     return integrated({.start = table.start, .step = 1.0 / table.sample_rate, .knots = table.samples()}, signal);
   }

@@ -224,7 +224,8 @@ StudyResults run_study(const Study& study, Stage last, const RunOptions& options
   if (results.usable() && last >= Stage::estimate && observer) {
     results.estimation = estimate_in_bases_of_estimates(study, *observer, results, options.progress, results.failure);
     if (results.usable()) results.warnings = prior_conflicts(*results.estimation);
-    if (!updated && observer->linear_unknowns.bindings.empty())  // else the basis of the pictures is not that of the observer
+    if (!updated &&
+        observer->linear_unknowns.bindings.empty())  // else the basis of the pictures is not that of the observer
       if (auto series = estimated_fields(study, *results.estimation)) results.fields.push_back(std::move(*series));
   }
   if (results.usable() && last >= Stage::predict && study.given.predict) {

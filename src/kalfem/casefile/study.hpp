@@ -33,8 +33,8 @@ struct StructureAtParameters {
 };
 
 /// Unknowns of the filter on which the observer's linear part depends. Some are numbers of linear substructures that no
-/// connector can carry. Others are carried by connectors, but the linear part's damping follows them: a released spring of
-/// a substructure with modal damping.
+/// connector can carry. Others are carried by connectors, but the linear part's damping follows them: a released spring
+/// of a substructure with modal damping.
 struct LinearUnknowns {
   std::vector<std::string> names;          ///< one an unknown
   std::vector<double> initial;             ///< first guesses

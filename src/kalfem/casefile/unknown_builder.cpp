@@ -99,8 +99,8 @@ struct UnknownBuilder::Targets {
   [[nodiscard]] const std::string& unit() const {
     return of_connectors.empty() ? of_linear_part.front().unit : of_connectors.front().unit;
   }
-  /// Numbers of finite elements, and springs and masses among the lumped elements: sigma points near a stiffness of zero
-  /// would pull the first estimates away. A dashpot may be nothing, and a law's parameter of either sign.
+  /// Numbers of finite elements, and springs and masses among the lumped elements: sigma points near a stiffness of
+  /// zero would pull the first estimates away. A dashpot may be nothing, and a law's parameter of either sign.
   [[nodiscard]] bool positive_by_nature() const {
     using Kind = ParameterReference::Kind;
     return std::ranges::all_of(of_connectors, [](const auto& reference) {
@@ -208,8 +208,9 @@ void UnknownBuilder::add_target(const d::Name& name, UnknownParameter& unknown) 
 
 /// Whether damping of the linear part changes with these parameters.
 bool UnknownBuilder::linear_part_follows(const Targets& targets) const {
-  return std::ranges::any_of(targets.of_connectors,
-                             [&](const auto& reference) { return kalfem::linear_part_follows(study_.parts, reference); });
+  return std::ranges::any_of(targets.of_connectors, [&](const auto& reference) {
+    return kalfem::linear_part_follows(study_.parts, reference);
+  });
 }
 
 /// Records the unknown as one of the linear part, and where it stands if no connector carries it.

@@ -25,13 +25,13 @@ std::optional<ParameterReference> find_parameter(const Parts& parts, const std::
 /// All names that find_parameter() knows.
 std::vector<std::string> parameter_names(const Parts& parts);
 
-/// Whether a connector can carry an element's departure from a value: not that of a mass over an accelerated base, which
-/// pulls at the mass in the linear part's coordinates, relative to the base.
+/// Whether a connector can carry an element's departure from a value: not that of a mass over an accelerated base,
+/// which pulls at the mass in the linear part's coordinates, relative to the base.
 bool can_be_released(const Parts& parts, const ParameterReference& element);
 
-/// Whether damping of the linear part depends on a parameter that a connector carries: modal and Rayleigh damping of its
-/// substructure follow the stiffness of a spring and a mass, damping of the whole structure's modes every element and
-/// every law that is stiffer at rest with it.
+/// Whether damping of the linear part depends on a parameter that a connector carries: modal and Rayleigh damping of
+/// its substructure follow the stiffness of a spring and a mass, damping of the whole structure's modes every element
+/// and every law that is stiffer at rest with it.
 bool linear_part_follows(const Parts& parts, const ParameterReference& element);
 
 /// Sets an element or a connector's parameter.

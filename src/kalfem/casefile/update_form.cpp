@@ -102,10 +102,10 @@ kalfem::Case<FrfData> frf_data() {
           .optional("bands", &FrfData::bands, list(tuple<2>(number("Hz", Bounds::nonnegative()))),
                     "frequencies that are used; default: all")
           .optional("compare", &FrfData::compare,
-                    choice<FrfComparison>({{"logarithm", FrfComparison::logarithm, "magnitude and phase"},
-                                           {"log_magnitude", FrfComparison::log_magnitude,
-                                            "magnitude alone, as of data without phases"},
-                                           {"difference", FrfComparison::difference, "real and imaginary parts"}}),
+                    choice<FrfComparison>(
+                        {{"logarithm", FrfComparison::logarithm, "magnitude and phase"},
+                         {"log_magnitude", FrfComparison::log_magnitude, "magnitude alone, as of data without phases"},
+                         {"difference", FrfComparison::difference, "real and imaginary parts"}}),
                     "what is compared")
           .optional("scale", &FrfData::scale,
                     choice<FrfScale>({{"fixed", FrfScale::fixed, "responses are calibrated"},

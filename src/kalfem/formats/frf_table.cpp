@@ -171,16 +171,17 @@ std::vector<FrfColumns> frfs_of(const Table& table, std::size_t frequency, FrfCo
 std::vector<FrfColumns> unnamed_frfs(const Table& table, FrfColumnContent content, FileProblems& problems) {
   std::vector<FrfColumns> frfs;
   const auto& first = table.rows.front();
-  for (std::size_t i = 1; i < first.size(); ++i) frfs.push_back({{"H" + std::to_string(i), ""}, {{part_of(content), i}}});
+  for (std::size_t i = 1; i < first.size(); ++i)
+    frfs.push_back({{"H" + std::to_string(i), ""}, {{part_of(content), i}}});
   if (content != FrfColumnContent::complex) return frfs;
   const bool any_complex = std::ranges::any_of(first.begin() + 1, first.end(), [](std::string_view cell) {
     return cell.find_first_of("ij") != std::string_view::npos;
   });
   if (!any_complex)
-    problems.add(table.lines.front(), "the columns are real and have no names",
-                 "they may be parts, magnitudes or phases",
-                 "write a first line such as frequency_hz, H1_re, H1_im or frequency_hz, H1_mag, H1_phase; for columns of "
-                 "magnitudes or of dB alone say so by `values`");
+    problems.add(
+        table.lines.front(), "the columns are real and have no names", "they may be parts, magnitudes or phases",
+        "write a first line such as frequency_hz, H1_re, H1_im or frequency_hz, H1_mag, H1_phase; for columns of "
+        "magnitudes or of dB alone say so by `values`");
   return frfs;
 }
 

@@ -137,7 +137,8 @@ void FileProblems::add(int line, std::string what, std::string why, std::string 
 void FileProblems::raise() const {
   IssueList all = listed_;
   if (count_ > most_listed)
-    all.add(all.issues().back().location, "and " + std::to_string(count_ - most_listed) + " more problems of this kind");
+    all.add(all.issues().back().location,
+            "and " + std::to_string(count_ - most_listed) + " more problems of this kind");
   all.raise();
 }
 

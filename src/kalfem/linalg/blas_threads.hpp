@@ -6,8 +6,8 @@ namespace kalfem {
 /// summed in other orders: with one thread results are the same to the last bit whatever the number of cores and
 /// OPENBLAS_NUM_THREADS. Threads of ours that solve side by side do not wait for each other's BLAS threads either.
 ///
-/// The first call of a process sets it, later ones do nothing: a program that links kalfem and wants BLAS threads of its
-/// own may set them again after its first factorisation. Libraries other than OpenBLAS are left as they are.
+/// The first call of a process sets it, later ones do nothing: a program that links kalfem and wants BLAS threads of
+/// its own may set them again after its first factorisation. Libraries other than OpenBLAS are left as they are.
 void keep_blas_to_one_thread();
 
 /// Threads that BLAS works with; 0 where the library is not OpenBLAS.

@@ -105,8 +105,8 @@ Level level_of(const LogRatios& ratios, double power) {
   return {middle, median(values)};
 }
 
-/// The power of omega that explains the ratios clearly better than none; 0 where there is none. With `any_level` it need
-/// not leave a factor near 1.
+/// The power of omega that explains the ratios clearly better than none; 0 where there is none. With `any_level` it
+/// need not leave a factor near 1.
 int power_of(const LogRatios& ratios, bool any_level) {
   const auto [lowest, highest] = std::ranges::minmax(ratios.log_omega);
   if (highest - lowest < least_octaves * std::numbers::ln2) return 0;

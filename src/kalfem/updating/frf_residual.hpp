@@ -42,8 +42,8 @@ struct FrfResidualOptions {
   double relative_deviation = 0.05;
   double floor = 0.05;
 
-  /// Refuse measurements whose size does not fit the model at the start (see FrfResidual). Where the scale is free only a
-  /// power of omega is refused.
+  /// Refuse measurements whose size does not fit the model at the start (see FrfResidual). Where the scale is free only
+  /// a power of omega is refused.
   bool check_size = true;
   ResponseBasisOptions basis = {};
 };

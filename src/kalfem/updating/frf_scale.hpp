@@ -2,8 +2,8 @@
 
 namespace kalfem {
 
-/// Which responses share a factor that the comparison leaves free, as that of a sensor that was not calibrated. The best
-/// factor c follows from the residual itself, where d are the differences ln|H_model / H| and w = |H| / sigma:
+/// Which responses share a factor that the comparison leaves free, as that of a sensor that was not calibrated. The
+/// best factor c follows from the residual itself, where d are the differences ln|H_model / H| and w = |H| / sigma:
 ///     ln c = -sum w^2 d / sum w^2,      r = w (d + ln c),
 /// so that it is no parameter of the search. Only logarithms can be compared so.
 enum class FrfScale {
