@@ -105,6 +105,22 @@ TEST(Coupling, AWholeBaseAcceleratesOnlyWhatFollowsIt) {
                                {{"quake", InputKind::base_acceleration, "", {{"lever.z", 1.0}}}}));
 }
 
+TEST(Coupling, FiniteElementsFollowAWholeBaseAlongOneAxisOnly) {
+  const auto accepted = [](const std::vector<std::string>& dofs) {
+    LinearModel model = assemble({.name = "m",
+                                  .masses = {{"a", 1.0}, {"b", 1.0}},
+                                  .springs = {{"s", "ground", "a", 100.0}, {"t", "a", "b", 50.0}}});
+    model.dofs = dofs;
+    model.grounds.clear();  // held by supports, whose reactions are no pulls of a ground
+    model.points_only = true;
+    return message_of([&] { CoupledModel({{"m", model}}, {}, {{"quake", InputKind::base_acceleration, ""}}); }).empty();
+  };
+  EXPECT_TRUE(accepted({"n1.x", "n2.x"}));
+  EXPECT_FALSE(accepted({"n1.x", "n1.y"}));
+  EXPECT_FALSE(accepted({"n1.rx", "n2.rx"}));
+  EXPECT_FALSE(accepted({"n1.x", "mode1"}));
+}
+
 TEST(Coupling, PointsAreFoundByTheirQualifiedNames) {
   LumpedSubstructure bar{.name = "bar",
                          .masses = {{"z", 10.0}, {"p", 2.0}},

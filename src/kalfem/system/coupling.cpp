@@ -66,6 +66,24 @@ DofCombination moved_grounds(const InputDescription& input) {
 /// How far a point moves when every degree of freedom and every ground moves by 1.
 double translation_of(const PointMotion& point) { return point.dofs.isZero() ? 1.0 : point.dofs.sum(); }
 
+/// Whether the degrees of freedom of a finite-element model are translations along one axis: "n1.x", "n2.x".
+bool along_one_axis(const LinearModel& model) {
+  const auto axis_of = [](const std::string& dof) { return dof.substr(dof.rfind('.') + 1); };
+  const std::string axis = model.dofs.empty() ? "x" : axis_of(model.dofs.front());
+  return (axis == "x" || axis == "y" || axis == "z") &&
+         std::ranges::all_of(model.dofs, [&](const auto& dof) { return axis_of(dof) == axis; });
+}
+
+/// Whether a part is not strained when its grounds and all its degrees of freedom move by 1: K 1 = sum_g k_g. The
+/// supports of finite elements are no grounds and move with the base too.
+bool follows_its_base(const LinearModel& model) {
+  if (model.points_only) return along_one_axis(model);
+  Eigen::VectorXd strain = model.stiffness * Eigen::VectorXd::Ones(model.size());
+  const double size = model.stiffness.cwiseAbs().sum();
+  for (const auto& ground : model.grounds) strain -= ground.stiffness;
+  return strain.cwiseAbs().sum() <= 1e-6 * size;
+}
+
 std::vector<Eigen::Index> moving_grounds(const std::vector<InputDescription>& inputs) {
   std::vector<Eigen::Index> grounds;
   for (std::size_t i = 0; i < inputs.size(); ++i)
@@ -138,7 +156,7 @@ void CoupledModel::add_input(const InputDescription& description, std::size_t in
   } else {
     Eigen::VectorXd direction = Eigen::VectorXd::Ones(system_.size());
     if (description.direction.empty())
-      require_translation(description, direction);
+      require_translation(description);
     else
       direction.setZero();
     for (const auto& [dof, value] : description.direction) direction += value * motion(dof).dofs;
@@ -167,22 +185,13 @@ void CoupledModel::add_ground_load(const std::string& ground, double weight, Inp
                        "only a ground can be moved", "name it as substructure.ground");
 }
 
-/// Coordinates of rotations, of several directions or of modes do not all move by 1 when the base does: springs between
-/// them would be strained. K 1 = sum_g k_g where nothing is.
-void CoupledModel::require_translation(const InputDescription& description, const Eigen::VectorXd& direction) const {
-  Eigen::Index offset = 0;
-  for (const auto& part : substructures_) {
-    const auto own = direction.segment(offset, part.model->size());
-    Eigen::VectorXd strain = part.model->stiffness * own;
-    const double size = strain.cwiseAbs().sum() + part.model->stiffness.cwiseAbs().sum();
-    for (const auto& ground : part.model->grounds) strain -= ground.stiffness;
-    if (strain.cwiseAbs().sum() > 1e-6 * size)
+void CoupledModel::require_translation(const InputDescription& description) const {
+  for (const auto& part : substructures_)
+    if (!follows_its_base(*part.model))
       throw InvalidInput("base acceleration '" + description.name +
                              "' moves every degree of freedom alike, which strains substructure '" + part.name + "'",
                          "it holds rotations, several directions or modes, which do not move as its base does",
                          "accelerate its grounds by name, or give the degrees of freedom that move a weight each");
-    offset += part.model->size();
-  }
 }
 
 void CoupledModel::add_connector(const ConnectorDescription& description, IssueList& issues) {

@@ -98,7 +98,7 @@ private:
   void assemble_linear_part();
   void add_input(const InputDescription& description, std::size_t index);
   void add_ground_load(const std::string& ground, double weight, Input& input) const;
-  void require_translation(const InputDescription& description, const Eigen::VectorXd& direction) const;
+  void require_translation(const InputDescription& description) const;
   void add_connector(const ConnectorDescription& description, IssueList& issues);
   [[nodiscard]] PointMotion zero_motion() const;
   /// Whether a base acceleration moves every degree of freedom alike.
