@@ -7,7 +7,7 @@
 namespace kalfem::record_cases {
 namespace {
 
-using Pieces = std::vector<std::string>;
+using Changes = std::vector<std::pair<std::string, std::string>>;
 
 class MeasuredRecords : public RecordCase {
 protected:
@@ -32,6 +32,41 @@ TEST_F(MeasuredRecords, MayMissSamplesAtAnyPlace) {
   // Per cent of the rms of the samples that are there: 24 missing ones of 401 would take 3 % off it.
   EXPECT_NEAR(results.estimation->noise[1], 0.01 * omega * omega * amplitude / std::numbers::sqrt2, 2e-4);
   expect_in(errors(), {"record.csv:2: column 'x' is empty", "skip_missing: true"});
+}
+
+TEST_F(MeasuredRecords, AStartThatIsReadFromThemMustBeThere) {
+  const Changes changes = {{"{file: record.csv}\nest", "{file: record.csv, skip_missing: true}\nest"},
+                           {"estimate_initial_state: true", "initial_state_from_record: true"}};
+  write_with(written(displacement), [](double t) { return t < 0.2 ? "" : written(acceleration)(t); });
+  EXPECT_EQ(errors(changes), "");
+  EXPECT_TRUE(run_study(load(changes), Stage::estimate).usable());  // what accelerometers miss does not matter
+  write_with([](double t) { return t < 0.025 ? "" : written(displacement)(t); }, written(acceleration));
+  expect_in(errors(changes), {"case.yaml:7: sensors.x: one of the first 4 samples is missing", "record.start"});
+}
+
+TEST_F(MeasuredRecords, OfASensorThatDrivesAnInterfaceMustBeThere) {
+  write_with(written(displacement), [](double t) { return std::abs(t - 2.0) < 0.001 ? "" : written(acceleration)(t); });
+  std::ofstream(folder_ / "case.yaml") << R"(kalfem: 1
+substructures:
+  s: {masses: {m: 2 kg}}
+  top: {masses: {n: 1 kg}}
+connectors:
+  c: {from: s.m, to: top.n, law: linear, parameters: {k: 100 N/m, c: 1 N s/m}}
+sensors:
+  a: {acceleration: s.m, noise: 1 %}
+  x: {displacement: top.n, noise: 0.01 mm}
+record: {file: record.csv, skip_missing: true}
+estimate:
+  unknown: {c.k: {initial: 90 N/m, std: 20 %}}
+  local: {substructures: top, interface: {s.m: {acceleration: {sensor: a}}}}
+)";
+  try {
+    load_study((folder_ / "case.yaml").string());
+    FAIL();
+  } catch (const InvalidInput& error) {
+    expect_in(error.what(),
+              {"case.yaml:8: sensors.a drives an interface of the observer and misses the sample at 2 s"});
+  }
 }
 
 TEST_F(MeasuredRecords, AnExcitationMayMissNothing) {

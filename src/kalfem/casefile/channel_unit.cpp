@@ -82,7 +82,8 @@ double factor_to_si(const WantedChannel& wanted, const Channel& in_file, const S
   } catch (const InvalidInput& error) {
     for (const Issue& issue : error.issues()) {
       if (!given.value.empty())
-        issues.add(given.location, given.path + ": " + issue.what + " (" + wanted.owner + ")", issue.why, issue.fix);
+        issues.add(given.location, given.path + ": " + issue.what + " (" + wanted.owner + ")", issue.why,
+                   "write a unit like " + wanted.unit);
       else
         issues.add(title, "column '" + in_file.name + "' (" + wanted.owner + "): " + issue.what, issue.why,
                    understood(wanted, in_file.unit) || wanted.unit_key.empty()

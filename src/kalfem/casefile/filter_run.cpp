@@ -46,18 +46,6 @@ double rms_of_present(const Eigen::Ref<const VectorXd>& channel) {
   return std::sqrt(present.select(channel, 0.0).squaredNorm() / count);
 }
 
-/// The recorded acceleration that drives an interface: there is nothing in the place of a missing sample.
-VectorXd driving_channel(const FullRecord& record, const std::string& sensor, Index parts) {
-  const VectorXd samples = record.series.values.col(record.series.find(sensor));
-  for (Index k = 0; k < samples.size(); ++k)
-    if (!std::isfinite(samples[k]))
-      throw InvalidInput("sensor '" + sensor + "' drives an interface of the observer and misses the sample at " +
-                             shortest(record.series.time(k)) + " s",
-                         "the motion of the interface is not known there",
-                         "use a part of the record without gaps in this channel (record.start, record.end)");
-  return interpolated(samples, parts);
-}
-
 /// [r; r'; r''] of the observer's inputs at every substep: excitation signals, recorded accelerations in the place of
 /// r'', zero for unknown forces.
 MatrixXd observer_inputs(const Study& study, const ObserverSetup& setup, const FullRecord& record) {
@@ -69,7 +57,8 @@ MatrixXd observer_inputs(const Study& study, const ObserverSetup& setup, const F
     const std::string& source = sources[static_cast<std::size_t>(i)];
     if (source.empty()) continue;
     if (source.front() == '@') {
-      inputs.row(2 * n_u + i) = driving_channel(record, source.substr(1), parts).transpose();
+      inputs.row(2 * n_u + i) =
+          interpolated(record.series.values.col(record.series.find(source.substr(1))), parts).transpose();
       continue;
     }
     for (std::size_t j = 0; j < study.parts.inputs.size(); ++j) {
@@ -82,6 +71,9 @@ MatrixXd observer_inputs(const Study& study, const ObserverSetup& setup, const F
   }
   return inputs;
 }
+
+/// First samples of the record from which the motion at its start is read.
+constexpr Index samples_at_start = 4;
 
 /// Prior standard deviation of a sensor's rest position; 0 where it is known.
 double rest_deviation(const ObserverOptions& options, std::size_t sensor) {
@@ -108,7 +100,8 @@ void set_start_from_record(const ObserverSetup& setup, const TimeSeries& series,
   }
   const OutputMap map = make_outputs(*setup.model, outputs);
   const TimeSeries seen{series.sample_rate, series.start, {}, series.values(Eigen::all, columns)};
-  const auto motion = local_motion(seen, 0, {.half_window = 3.0 / series.sample_rate, .degree = 2});
+  const double reach = static_cast<double>(samples_at_start - 1) / series.sample_rate;
+  const auto motion = local_motion(seen, 0, {.half_window = reach, .degree = 2});
   const MatrixXd inverse = MatrixXd(map.displacement).completeOrthogonalDecomposition().pseudoInverse();
   const Index n_u = inputs.size() / 3;
   const VectorXd base = map.input_value * inputs.head(n_u), base_velocity = map.input_value * inputs.segment(n_u, n_u);
@@ -175,6 +168,42 @@ FullRecord full_record(const Study& study, const StudyResults& results) {
 
 namespace {
 
+SourceLocation location_of_sensor(const Study& study, Index column) {
+  return std::visit([](const auto& observed) { return observed.points.location; },
+                    study.given.sensors[static_cast<std::size_t>(column)].second.observed);
+}
+
+void check_start_from_record(const Study& study, IssueList& issues) {
+  const TimeSeries& series = study.record->series;
+  for (const auto& sensor : study.observer->sensors) {
+    const Index column = series.find(sensor.name);
+    if (sensor.output.quantity != ObservedQuantity::displacement ||
+        series.values.col(column).head(std::min(samples_at_start, series.samples())).allFinite())
+      continue;
+    issues.add(location_of_sensor(study, column),
+               "sensors." + sensor.name + ": one of the first " + std::to_string(samples_at_start) +
+                   " samples is missing, from " + shortest(series.start) + " s on",
+               "estimate.initial_state_from_record reads displacement and velocity there",
+               "let the case begin later (record.start), or give estimate.initial_state");
+  }
+}
+
+void check_driving_channels(const Study& study, IssueList& issues) {
+  const TimeSeries& series = study.record->series;
+  for (const auto& source : study.observer->input_sources) {
+    const Index column = source.starts_with('@') ? series.find(source.substr(1)) : -1;
+    if (column < 0) continue;
+    const VectorXd samples = series.values.col(column);
+    const auto gap = std::ranges::find_if(samples, [](double value) { return !std::isfinite(value); });
+    if (gap == samples.end()) continue;
+    issues.add(location_of_sensor(study, column),
+               "sensors." + source.substr(1) + " drives an interface of the observer and misses the sample at " +
+                   shortest(series.time(gap - samples.begin())) + " s",
+               "the motion of the interface is not known there",
+               "use a part of the record without gaps in this channel (record.start, record.end)");
+  }
+}
+
 /// `first_inputs`: of the observer at the first sample.
 FilterChoice choose(const Study& study, const ObserverSetup& setup, const FullRecord& record,
                     const VectorXd& first_inputs, std::optional<StateCoordinates> coordinates) {
@@ -232,6 +261,12 @@ FilterRun make_filter_run(const Study& study, const ObserverSetup& setup, const 
     used.rightCols(used.cols() - study.record->used).setConstant(std::numeric_limits<double>::quiet_NaN());
   run.record = {used, inputs, run.noise.cwiseAbs2().asDiagonal()};
   return run;
+}
+
+void check_needed_samples(const Study& study, IssueList& issues) {
+  if (!study.record || !study.observer) return;
+  if (study.given.estimate->initial_state_from_record) check_start_from_record(study, issues);
+  check_driving_channels(study, issues);
 }
 
 void check_filter(const Study& study) {

@@ -14,6 +14,10 @@ struct FullRecord {
 /// The record that was read, or that the simulation made.
 FullRecord full_record(const Study& study, const StudyResults& results);
 
+/// Samples that must not be missing: the first ones, where the start is read from them, and all of a channel that
+/// drives an interface of the observer.
+void check_needed_samples(const Study& study, IssueList& issues);
+
 /// A filter with its observer, and the part of the record that it sees.
 struct FilterRun {
   FilterChoice choice;
