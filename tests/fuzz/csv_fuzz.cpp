@@ -10,9 +10,13 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto file = std::filesystem::temp_directory_path() / ("kalfem-fuzz-" + std::to_string(getpid()) + ".csv");
   std::ofstream(file, std::ios::binary).write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
-  try {
-    kalfem::read_csv(file);
-  } catch (const kalfem::InvalidInput&) {  // what a reader may do with damaged input
+  const kalfem::CsvOptions ways[] = {
+      {}, {.missing = true}, {.missing = true, .sample_rate = 100.0}, {.rows = 3, .sample_rate = 100.0}};
+  for (const auto& options : ways) {
+    try {
+      kalfem::read_csv(file, options);
+    } catch (const kalfem::InvalidInput&) {  // what a reader may do with damaged input
+    }
   }
   std::filesystem::remove(file);
   return 0;
