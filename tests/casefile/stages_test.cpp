@@ -203,6 +203,19 @@ TEST(Stages, SensorsOfTheObserverHaveTheirChains) {
   EXPECT_GT(nrmse(behind, before), 0.5);
 }
 
+/// Forces of connectors reach a sensor's chain at once, by what it measures: an acceleration beside a connector, and
+/// the force itself. A consistent filter has a NIS of 2; 401 samples tell it to 0.1.
+TEST(Stages, ConnectorForcesPassTheChainsOfTheObserver) {
+  const auto results = run(
+      study_of(
+          exact_case({{"sensors",
+                       "{yw: {acceleration: w.w, noise: 0.05, chain: [{butterworth: {order: 2, low_pass: 40 "
+                       "Hz}}]}, fc: {force: c, noise: 0.05 N, chain: [{bessel: {order: 2, low_pass: 30 Hz}}]}}"},
+                      {"connectors", "{c: {from: w.w, to: s.a, law: cubic, parameters: {k: 500, k3: 1e6, c: 3}}}"}})),
+      Stage::estimate);
+  EXPECT_NEAR(results.estimation->consistency.mean_nis, 2.0, 0.3);
+}
+
 // --- the updating and what comes after it
 // ------------------------------------------------------------------------------
 

@@ -169,6 +169,29 @@ TEST(Reference, StepsAreExtrapolatedToZero) {
   EXPECT_LE(reference.substeps, 16);
 }
 
+/// Two powers of the step are taken out, h^2 and h^4: after four solutions the error is of order
+/// (omega h)^6.
+TEST(Reference, TakesTwoPowersOfTheStepOut) {
+  const double omega = 2.0 * std::numbers::pi * 20.0;
+  const auto model = oscillator(1.0, 0.0, omega * omega);
+  const auto error_of = [&](Eigen::Index first) {
+    const auto reference = simulate_reference(
+        model.system(), {rest_signal}, start_at(1e-3, 0.0), displacement_of(model), {},
+        {.integrator = Integrator::newmark, .duration = 0.5},
+        {.sample_rate = 200.0, .first_substeps = first, .max_substeps = 8 * first, .tolerance = 1e-9});
+    EXPECT_EQ(reference.substeps, 8 * first);
+    EXPECT_EQ(reference.extrapolations, 2);
+    const ArrayXd time = ArrayXd::LinSpaced(101, 0.0, 0.5);
+    return (reference.simulation.trajectory.displacement.row(0).transpose().array() - 1e-3 * (omega * time).cos())
+               .matrix()
+               .norm() /
+           (1e-3 * (omega * time).cos()).matrix().norm();
+  };
+  const double coarse = error_of(2), fine = error_of(4);
+  std::printf("errors %.2e and %.2e, order %.2f\n", coarse, fine, std::log2(coarse / fine));
+  EXPECT_GT(std::log2(coarse / fine), 5.0);
+}
+
 /// Impacts break the series in h^2: what counts as converged must be so all the same.
 TEST(Reference, ImpactsDoNotMisleadTheExtrapolation) {
   const Eigen::VectorXd stop{{1e5, 5.0, 2e-4, 1.0, 0.0, 0.0}};  // in contact for a quarter of a free period

@@ -218,6 +218,9 @@ TEST(NastranSections, HaveTheirClosedForms) {
   EXPECT_NEAR(box.area, 60 * 100 - 54 * 92, 1e-9);
   EXPECT_NEAR(box.i1, (60.0 * 1e6 - 54.0 * std::pow(92, 3)) / 12.0, 1e-3);
   EXPECT_NEAR(box.torsion, 4.0 * std::pow(57.0 * 96.0, 2) / (2.0 * 57 / 4 + 2.0 * 96 / 3), 1e-3);
+  // The walls along the force take it: 5/6 of two of 100 x 3, or of 60 x 4.
+  EXPECT_NEAR(box.k1 * box.area, 5.0 / 6.0 * 2 * 100 * 3, 1e-9);
+  EXPECT_NEAR(box.k2 * box.area, 5.0 / 6.0 * 2 * 60 * 4, 1e-9);
 }
 
 /// Areas by the published formulas of each shape; shear centres where textbooks give them.

@@ -73,6 +73,16 @@ TEST(FindSplice, LeavesARecordWithoutSpliceAlone) {
   }
 }
 
+/// Channels that jump by different times, none with half of what is known, were not spliced: something moved.
+TEST(FindSplice, SaysNothingWhereTheChannelsDoNotAgree) {
+  auto record = record_with(400, 3.0);
+  record.values.col(1) = record_with(400, 14.0, 2e-7, 1e-5, 4).values.col(0);
+  record.values.col(2) = record_with(400, 8.0, 2e-7, 1e-5, 5).values.col(0);
+  EXPECT_FALSE(find_splice(record));
+  record.values.col(1) = record_with(400, 3.0, 2e-7, 1e-5, 4).values.col(0);
+  EXPECT_TRUE(find_splice(record));
+}
+
 TEST(FindSplice, TakesNoReleaseForASplice) {
   for (const double frequency : {2.0, 10.0, 40.0, 90.0})
     for (const double noise : {0.0, 1e-7, 1e-5}) {

@@ -78,6 +78,11 @@ TEST(DistributingCouplings, ShareByUnequalWeights) {
   EXPECT_LT((loads(surface("")) - expected(uneven)).norm(), 1e-9);
   EXPECT_LT((loads(surface(", INFLUENCE RADIUS=2.8")).head(3) - loads_by_weights({1, 2, 3})).norm(), 1e-9);
   EXPECT_LT(std::abs(loads(surface(", INFLUENCE RADIUS=2.8"))[3]), 1e-12);
+  const std::string far =
+      "*NODE\n5, 9, 9, 0\n*NSET, NSET=five\n5\n*ELEMENT, TYPE=SPRING1, ELSET=k5\n55, 5\n*SPRING, ELSET=k5\n3\n100.\n"
+      "*SURFACE, NAME=t, TYPE=NODE\none, 1.\ntwo, 2.\nfive, 7.\nthree, 3.\nfour, 5.\n*COUPLING, CONSTRAINT NAME=c, REF "
+      "NODE=9, SURFACE=t, INFLUENCE RADIUS=4.\n*DISTRIBUTING\n";
+  EXPECT_LT((loads(far) - expected(uneven)).norm(), 1e-9);
   EXPECT_LT((100.0 * shared(coupling("one, 1.\ntwo, 2.\nthree, 3.\n")) - loads_by_weights({1, 2, 3})).norm(), 1e-9);
 }
 

@@ -114,6 +114,29 @@ TEST(GaussNewton, LinearProblemTakesOneStepWithPriorAsInClosedForm) {
   EXPECT_NEAR(search.cost(), cost, 1e-12 * cost);
 }
 
+/// A residual that falls by less than promised does not pay for the prior that the step costs.
+TEST(GaussNewton, CountsThePriorOfATrial) {
+  const FunctionResidual residual(1, [](const VectorXd& theta) {
+    const double bend = std::tanh(theta[0] / 0.05);
+    return ResidualValue{vector({10.0 - 0.5 * bend}), MatrixXd::Constant(1, 1, -10.0 * (1.0 - bend * bend))};
+  });
+  auto parameters = free_parameters(vector({0.0}));
+  parameters[0].deviation = 0.05;
+  GaussNewton search(parameters, {});
+  search.tell(residual.evaluate(search.proposal(), true));
+  // The linearised step is 100 / (100 + 400): there the residual's cost is 45.1 instead of 50, and the prior's 8.
+  EXPECT_NEAR(search.proposal()[0], 0.2, 1e-12);
+  EXPECT_FALSE(search.tell(residual.evaluate(search.proposal(), true)));
+  EXPECT_EQ(search.state().refused, 1);
+  EXPECT_EQ(search.state().parameters[0], 0.0);
+  double cost = search.cost();
+  for (int i = 0; i < 20 && !search.finished(); ++i) {
+    search.tell(residual.evaluate(search.proposal(), search.needs_jacobian()));
+    EXPECT_LE(search.cost(), cost);
+    cost = search.cost();
+  }
+}
+
 TEST(GaussNewton, ParametersThatNothingInformsStay) {
   // r depends on a + b only and not at all on d; c is seen well. a and b differ by nine orders of magnitude.
   const FunctionResidual residual(20, [](const VectorXd& theta) {
