@@ -196,6 +196,7 @@ private:
       const Parts start = starting_parts(study_);
       study_.observer = make_observer_setup(study_, start, {}, issues);
       start_ = study_.updating ? std::make_shared<const CoupledModel>(couple(start)) : study_.model;
+      check_needed_samples(study_, issues);
     });
     step("filter", joined({"observer"}, all), {"estimate", "kappa"}, [&](IssueList&) {
       if (study_.observer) check_filter(study_);
