@@ -114,6 +114,20 @@ TEST(GroundMotion, SinesAndRandomSignalsAreIntegratedLineByLine) {
   EXPECT_EQ(make_random(options)->sample(0.0, 1.0, 1).abs().maxCoeff(), 0.0);
 }
 
+TEST(GroundMotion, PulsesAreIntegratedInClosedForm) {
+  for (const auto shape : {PulseShape::half_sine, PulseShape::smooth}) {
+    PulseOptions options{.amplitude = 3.0, .start = 0.2, .duration = 0.3, .shape = shape};
+    const GroundMotion expected(make_pulse(options), {.start = 0.2, .step = 1e-3, .knots = 301});  // up to its end
+    options.integrated_twice = true;
+    const auto found = make_pulse(options);
+    EXPECT_LT(difference(found->sample(0.2, 0.0029, 103), expected.sample(0.2, 0.0029, 103)), 1e-11);
+    const auto end = found->sample(0.5, 1.0, 2);  // later the speed stays
+    EXPECT_NEAR(end(1, 0), end(0, 0) + end(0, 1), 1e-15);
+    EXPECT_NEAR(end(1, 1), 3.0 * 0.3 * (shape == PulseShape::smooth ? 0.375 : 2.0 / pi), 1e-12);
+    EXPECT_EQ(found->sample(0.1, 1.0, 1).abs().maxCoeff(), 0.0);
+  }
+}
+
 TEST(GroundMotion, RefusesUnsuitableOptions) {
   EXPECT_THROW(GroundMotion(nullptr, {}), InvalidInput);
   EXPECT_THROW(GroundMotion(make_constant(1.0), {.step = 0.0}), InvalidInput);

@@ -28,7 +28,7 @@ using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 struct OutputDescription {
   std::string name;
   ObservedQuantity quantity = ObservedQuantity::acceleration;
-  DofCombination points;  ///< sum of coefficient times motion, by qualified point; of a connector: its name alone
+  DofCombination points;          ///< sum of coefficient times quantity, by qualified point or by connector
   bool relative_to_base = false;  ///< with base_acceleration inputs: leave the base's own motion out
 };
 
