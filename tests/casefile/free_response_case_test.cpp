@@ -3,6 +3,7 @@
 #include <random>
 
 #include "casefile/record_cases.hpp"
+#include "kalfem/casefile/filter_run.hpp"
 #include "kalfem/report/summary.hpp"
 
 // A mass that is held 40 mm up, released at 0.5 s, and swings about a rest position of 5 mm.
@@ -80,6 +81,9 @@ TEST_F(FreeResponseCases, ALaterNudgeMovesNothing) {
   const auto nudged = run();
   EXPECT_EQ(nudged["record"]["release_s"], alone["record"]["release_s"]);
   EXPECT_NEAR(nudged["record"]["rest_s"].get<double>(), alone["record"]["rest_s"].get<double>(), 0.02);
+  // The filter stops soon after the motion has died out, not at the nudge.
+  EXPECT_NEAR(nudged["record"]["samples_used"].get<double>(), alone["record"]["samples_used"].get<double>(), 4.0);
+  EXPECT_LT(alone["record"]["samples_used"], alone["record"]["samples"]);
   for (const auto& [name, parameter] : alone["parameters"].items())
     EXPECT_LT(std::abs(off(nudged["parameters"][name], parameter["estimate"].get<double>())), 0.02) << name;
 }
@@ -99,6 +103,24 @@ TEST_F(FreeResponseCases, ARestPositionThatTheRecordDoesNotShowIsEstimated) {
     EXPECT_LT(std::abs(off(summary["parameters"]["s.k.stiffness"], 800.0)), 3.0) << filter;
     EXPECT_LT(std::abs(off(summary["parameters"]["s.k.damping"], 4.0)), 3.0) << filter;
     EXPECT_NEAR(summary["estimation"]["nis"]["mean"].get<double>(), 1.0, 0.3) << filter;
+  }
+}
+
+/// Displacements are measured from a rest position that is not known: nor are they known at the start.
+TEST_F(FreeResponseCases, TheStartIsNoBetterKnownThanTheRestPosition) {
+  const auto deviation_at_start = [&](double duration) {
+    write(duration);
+    std::ofstream(folder_ / "case.yaml") << released_case;
+    const Study study = load_study((folder_ / "case.yaml").string());
+    const auto run = make_filter_run(study, *study.observer, full_record(study, {}));
+    const double rest =
+        study.record->free_response->rest_is_unknown() ? study.record->free_response->deviation[0] : 0.0;
+    EXPECT_EQ(rest > 0.0, duration < 5.0);
+    return std::pair(run.choice.observer->options().prior.displacement_deviation[0], std::hypot(1e-4, rest));
+  };
+  for (const double duration : {2.2, 9.0}) {
+    const auto [found, expected] = deviation_at_start(duration);
+    EXPECT_DOUBLE_EQ(found, expected) << duration;
   }
 }
 
