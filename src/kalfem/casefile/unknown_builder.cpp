@@ -194,13 +194,6 @@ std::vector<std::string> UnknownBuilder::all_names() const {
 
 void UnknownBuilder::add_target(const d::Name& name, UnknownParameter& unknown) {
   const auto reference = find_parameter(parts_, name.value);
-  const bool relative =
-      std::ranges::any_of(parts_.inputs, [](const auto& input) { return input.kind == InputKind::base_acceleration; });
-  if (relative && reference->kind == ParameterReference::Kind::mass)
-    throw InvalidInput(name.issue("a mass is unknown while the whole base is accelerated",
-                                  "motion is then relative to the base, and the base's load on the unknown part of the "
-                                  "mass would be missing",
-                                  "accelerate the grounds by name: motion is then absolute"));
   const auto target = release_linear_element(parts_, *reference, unknown.initial);
   unknown.targets.push_back({static_cast<Index>(target.part), static_cast<Index>(target.element)});
   parts_.connectors[target.part].parameters[static_cast<Index>(target.element)] = unknown.initial;
