@@ -6,6 +6,9 @@
 #include <set>
 #include <unordered_set>
 
+#include "kalfem/dynamics/simulate.hpp"
+#include "kalfem/system/signals/smooth_step.hpp"
+
 namespace kalfem {
 namespace {
 
@@ -120,11 +123,32 @@ void check_integrator(const Study& study, IssueList& issues) {
                "take newmark, or reference: superelement");
 }
 
+/// One step from rest, where it costs nothing: values too far apart leave no matrix that can be factored.
+void check_first_step(const Study& study, IssueList& issues) {
+  constexpr Eigen::Index most_dofs = 1000;
+  const auto& system = study.model->system();
+  if (system.size() > most_dofs) return;
+  const auto& given = *study.given.simulate;
+  SimulationOptions options;
+  options.integrator = given.integrator;
+  options.hht_alpha = given.hht_alpha;
+  options.spectral_radius = given.spectral_radius;
+  options.step = options.duration = 1.0 / (given.sample_rate * given.first_substeps);
+  options.keep_motion = false;
+  const std::vector<SignalPtr> still(static_cast<std::size_t>(system.input_count()), make_constant(0.0));
+  try {
+    simulate(system, still, at_rest(system.size(), system.connector_states()), options);
+  } catch (const InvalidInput& error) {
+    add_at(study.given.source.at({"simulate"}), error, issues);
+  }
+}
+
 }  // namespace
 
 void check_simulation(const Study& study, IssueList& issues) {
   if (!study.given.simulate) return;
   check_integrator(study, issues);
+  if (issues.empty()) check_first_step(study, issues);
   const auto& given = *study.given.simulate;
   check_steps(given, issues);
   const auto place = [&](const char* key) { return study.given.source.at({"simulate", key}); };
