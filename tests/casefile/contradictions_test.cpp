@@ -268,6 +268,12 @@ INSTANTIATE_TEST_SUITE_P(
                {"suspension.parameters.k: 1e+300 given", "between 1e-100 and 1e+100"}},
         Change{"RatioNextToNothing", "chain", "modal: 1 %", "modal: 1e-300", "    damping:", {"1e-300 given"}},
         Change{"DelayOfThirtyYears", "inputs", "delay: 1 ms", "delay: 1e9 s", "- delay:", {"1e9 s given", "[0, 100]"}},
+        Change{"ValuesTooFarApart",
+               "local",
+               "stiffness: 1e4, damping: 5",
+               "stiffness: 1e4, damping: 1e18",
+               "simulate:",
+               {"not positive definite at 'load.n'"}},
         Change{
             "StartOfNoDegreeOfFreedom", "chain", "initial: {body.1:", "initial: {body.9:", "  initial: ", {"'body.9'"}},
         Change{"EvolutionWithoutBounds",
