@@ -8,6 +8,22 @@
 namespace kalfem {
 namespace {
 
+/// Where the case does not say: points of the channels stand sqrt(3) deviations out whatever their number, points of
+/// the state sqrt(n).
+TEST(UnscentedWeights, HaveTheSpreadOfTheirKind) {
+  for (const Eigen::Index n : {1, 2, 5, 9}) {
+    EXPECT_NEAR(UnscentedWeights({.points = SigmaPoints::of_channels}, n).spread, std::sqrt(3.0), 1e-14) << n;
+    EXPECT_NEAR(UnscentedWeights({}, n).spread, std::sqrt(double(n)), 1e-14) << n;
+    EXPECT_NEAR(UnscentedWeights({.alpha = 0.5, .kappa = 2.0}, n).spread, 0.5 * std::sqrt(double(n) + 2.0), 1e-14) << n;
+    for (const double alpha : {1.0, 0.3}) {
+      const UnscentedWeights weights({.alpha = alpha, .beta = 1.5, .kappa = 0.7}, n);
+      EXPECT_NEAR(weights.mean_centre + 2.0 * double(n) * weights.other, 1.0, 1e-12);
+      EXPECT_NEAR(weights.other * weights.spread * weights.spread, 0.5, 1e-14);
+      EXPECT_NEAR(weights.covariance_centre - weights.mean_centre, 1.0 - alpha * alpha + 1.5, 1e-14);
+    }
+  }
+}
+
 struct PointSetting {
   UnscentedOptions options;
   double tolerance;  ///< relative

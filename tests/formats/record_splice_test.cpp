@@ -83,6 +83,24 @@ TEST(FindSplice, SaysNothingWhereTheChannelsDoNotAgree) {
   EXPECT_TRUE(find_splice(record));
 }
 
+/// Straight motions that jump by four samples: seen where the jump stands out of the noise, and not where it is of the
+/// noise's own size.
+TEST(FindSplice, AsksForAJumpBeyondTheNoise) {
+  const auto with_speed = [](double speed) {
+    auto record = record_with(1500, 0.0);
+    std::mt19937 generator(3);
+    std::normal_distribution<double> normal;
+    for (Index k = 0; k < 1500; ++k)
+      for (Index c = 0; c < 3; ++c)
+        record.values(k, c) =
+            speed * (1.0 + 0.1 * static_cast<double>(c)) * static_cast<double>(k < 400 ? k : k + 4) / 500.0 +
+            (k < 400 ? 2e-7 : 1e-5) * normal(generator);
+    return record;
+  };
+  EXPECT_TRUE(find_splice(with_speed(0.05)));    // 0.4 mm, forty deviations
+  EXPECT_FALSE(find_splice(with_speed(0.005)));  // four
+}
+
 TEST(FindSplice, TakesNoReleaseForASplice) {
   for (const double frequency : {2.0, 10.0, 40.0, 90.0})
     for (const double noise : {0.0, 1e-7, 1e-5}) {

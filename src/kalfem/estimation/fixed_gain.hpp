@@ -10,8 +10,9 @@ namespace kalfem {
 
 struct Record;
 
-/// Gains of a filter over a record in physical coordinates, K [state / output], n x l, zero where nothing was measured:
-/// at each of the first samples, where they change fast, and then now and again.
+/// Gains of a filter over a record in physical coordinates, K [state / output], n x l: at each of the first samples,
+/// where they change fast, and then now and again. A channel that is missing where a gain is kept has the gain before,
+/// and 0 until it is first measured.
 struct GainSchedule {
   Eigen::Index dense = 0;   ///< so many at the beginning are there one by one
   Eigen::Index stride = 1;  ///< samples from one to the next after these
