@@ -99,8 +99,7 @@ TEST_F(Checkpoint, OfAnotherCaseIsNotTaken) {
   EXPECT_FALSE(UpdatingCheckpoint(folder, "another case", 2).read());
   EXPECT_FALSE(UpdatingCheckpoint(folder, "this case", 3).read());
   EXPECT_FALSE(UpdatingCheckpoint("", "this case", 2).read());
-  checkpoint.remove();
-  EXPECT_FALSE(std::filesystem::exists(file));
+  std::filesystem::remove(file);
   EXPECT_FALSE(checkpoint.read());
 }
 

@@ -1,6 +1,7 @@
 #include <numbers>
 
 #include "casefile/probes.hpp"
+#include "kalfem/casefile/parameterised_structure.hpp"
 #include "kalfem/reduction/free_interface.hpp"
 
 /// Keys of finite-element substructures and their reduction.
@@ -341,6 +342,22 @@ void springs_and_grounds() {
   near(system_of(study).inputs[0].rate.lpNorm<1>(), 7.0);
 }
 
+/// C of the whole, modal damping included.
+Eigen::MatrixXd whole_damping(const LinearModel& model) {
+  const auto identity = Eigen::MatrixXd::Identity(model.size(), model.size());
+  return Eigen::MatrixXd(model.damping) + damping_force(model.modal_damping, model.mass, identity);
+}
+
+/// At the first guesses of an updating the damping is that of the case, also of the modes above the limit.
+void damping_at_parameters() {
+  const auto study =
+      with_part("finite_elements: {" + beam_elements() + "}, damping: {modal: [1 %, 2 %], modal_up_to: 50 Hz}",
+                {{"update", "{parameters: {b.steel.youngs_modulus: {}}, compare: {f: {modes: b, frequencies: [14]}}}"}});
+  const auto at = parameterised_structure(study)->at(initial_values(study.updating->parameters));
+  const Eigen::MatrixXd given = whole_damping(part_of(study).full);
+  EXPECT_LT((whole_damping(*at.parts.finite_elements[0].model) - given).norm(), 1e-6 * given.norm());
+}
+
 void damping_of_elements() {
   const auto damped = [](const std::string& text) {
     return part_of(with_part("finite_elements: {" + beam_elements() + "}, damping: {" + text + "}")).full;
@@ -358,11 +375,11 @@ void damping_of_elements() {
   EXPECT_EQ(modes("").rates.size(), modes(", modal_up_to: 500 Hz").rates.size());
   const auto model = damped("modal: [1 %, 2 %], modal_up_to: 200 Hz");
   const auto& [kept, rates] = model.modal_damping;
-  const Eigen::MatrixXd full = Eigen::MatrixXd(model.damping) +
-                               damping_force(model.modal_damping, model.mass, Eigen::MatrixXd::Identity(12, 12));
+  const Eigen::MatrixXd full = whole_damping(model);
   const Eigen::VectorXd found = (kept.shapes.transpose() * full * kept.shapes).diagonal();
   for (int i = 0; i < 4; ++i)
     near(found[i], 2 * (i == 0 ? 0.01 : 0.02) * 2 * std::numbers::pi * kept.frequencies[i], 1e-6);
+  damping_at_parameters();
 }
 
 // --- reduction -------------------------------------------------------------------------------------------------------

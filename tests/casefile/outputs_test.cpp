@@ -179,8 +179,9 @@ TEST(Summary, HoldsTheModel) {
 TEST(ResultsFile, HoldsEverySeriesUnderItsName) {
   const auto& [study, results] = everything();
   const auto path = write_file("results.h5", "").string();
-  write_results(path, study, results);
+  write_results(path, study, results, "this run");
   const auto file = Hdf5File::open(path);
+  EXPECT_EQ(file.text_attribute("/", "run"), "this run");
   const auto check = [&](const std::string& name, const VectorXd& expected, const std::string& unit) {
     ASSERT_TRUE(file.contains(name)) << name;
     EXPECT_EQ(file.read(name), expected) << name;

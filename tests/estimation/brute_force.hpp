@@ -39,13 +39,6 @@ inline Eigen::MatrixXd random_matrix(RandomStream& random, Eigen::Index rows, Ei
   return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return random.normal(); });
 }
 
-/// Two functions of three channels that no polynomial of second degree follows.
-inline Eigen::VectorXd bent(const Eigen::VectorXd& w) {
-  Eigen::VectorXd phi(2);
-  phi << w[0] / (0.3 + std::abs(w[0])) + w[1] * w[2], std::exp(0.3 * w[1]) * w[0] + w[2] * w[2];
-  return phi;
-}
-
 inline FunctionMap random_map(RandomStream& random, Eigen::Index n_y, Eigen::Index n_x, Eigen::Index q, Eigen::Index p,
                               FunctionMap::Function phi) {
   FunctionMap map(std::move(phi));
