@@ -32,7 +32,7 @@ TEST(InvalidInput, KeepsEachProblemToOneLineOfBoundedLength) {
   const std::string long_name = "first\nsecond" + std::string(10'000, 'x');
   const std::string text = to_string(Issue{{"case.yaml", 3}, long_name, long_name, long_name});
   EXPECT_LT(text.size(), 1'500U);
-  EXPECT_TRUE(text.starts_with("case.yaml:3: first second")) << text;
+  EXPECT_TRUE(text.starts_with("case.yaml:3: first\\nsecond")) << text;
   const std::string umlauts = InvalidInput("a" + std::string(300, '\xC3') + "b", "", "").what();
   EXPECT_LT(umlauts.size(), 500U);
   std::string pairs;

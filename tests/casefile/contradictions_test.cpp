@@ -338,7 +338,6 @@ INSTANTIATE_TEST_SUITE_P(
                "modal_up_to",
                {"modal_up_to"}},
         Change{"ModesOfGuyan", "beams", "method: craig_bampton", "method: guyan", "method: guyan", {"reduction.modes"}},
-        Change{"RelativeToNothing", "chain", "a1: {", "a1: {relative: true, ", "  a1:", {"sensors.a1.relative"}},
         Change{"RelativeConnector",
                "expression",
                "f: {force: strut,",

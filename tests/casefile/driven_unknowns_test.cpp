@@ -6,7 +6,7 @@ namespace kalfem::test {
 namespace {
 
 std::string updating_case(const std::string& unknown, const std::string& parameter) {
-  return chain_case("2 s", unknown) + "\nupdate:\n  parameters: {" + parameter +
+  return chain_case("3 s", unknown) + "\nupdate:\n  parameters: {" + parameter +
          "}\n  compare: {record: {time_history: body}}\n";
 }
 

@@ -9,7 +9,7 @@ const std::string different = "damping: {modal: [0.2 %, 2 %, 2 %]}";
 const std::string updated = R"(
 update:
   parameters: {PARAMETER: {initial: 1 %}}
-  compare: {tap: {static: body, loads: {1: 10 N}, displacements: {1: 1 mm}}}
+  compare: {free: {modes: body, frequencies: [8, 16]}}
 )";
 
 std::string with_ratios(const std::string& ratios, const std::string& unknown) {

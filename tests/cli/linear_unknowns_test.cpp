@@ -101,10 +101,10 @@ INSTANTIATE_TEST_SUITE_P(
         UnknownMistake{"GivenTwice",
                        chain_with("    body.damping.modal: {initial: 1 %}\n"
                                   "    again: {initial: 1 %, applies_to: [body.damping.modal]}\n"),
-                       "'body.damping.modal' is an unknown already"},
+                       "'body.damping.modal' is estimated already by estimate.unknown.body.damping.modal"},
         UnknownMistake{"WhileUpdating",
                        changed(short_chain(), "  unknown:\n", "  unknown:\n    body.damping.modal: {initial: 1 %}\n"),
-                       "while the structure is being updated the filter cannot estimate its numbers too"}),
+                       "'body.damping.modal' is refined already by update.parameters.body.damping.modal"}),
     [](const auto& each) { return each.param.name; });
 
 }  // namespace

@@ -21,14 +21,13 @@ std::string join(const std::vector<Issue>& issues) {
   return text;
 }
 
-/// The text in one line, cut where it is too long, never inside a UTF-8 sequence.
+/// The text in one line, its control characters shown, cut where it is too long, never inside a UTF-8 sequence.
 std::string in_one_line(const std::string& text) {
-  std::size_t end = std::min(text.size(), longest_part);
-  while (end > 0 && end < text.size() && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
-  std::string line = text.substr(0, end) + (end < text.size() ? " ..." : "");
-  std::ranges::replace_if(
-      line, [](char c) { return c == '\n' || c == '\r'; }, ' ');
-  return line;
+  const std::string line = terminal_safe(text, LineBreaks::escaped);
+  if (line.size() <= longest_part) return line;
+  std::size_t end = longest_part;
+  while (end > 0 && (static_cast<unsigned char>(line[end]) & 0xC0U) == 0x80U) --end;
+  return line.substr(0, end) + " ...";
 }
 
 /// Levenshtein distance: insertions, deletions and substitutions each cost one.

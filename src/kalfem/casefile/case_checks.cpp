@@ -50,6 +50,7 @@ void check_steps(const d::Simulation& given, IssueList& issues) {
 }  // namespace
 
 void check_sections(const d::Case& given, IssueList& issues) {
+  if (given.simulate) check_steps(*given.simulate, issues);
   const auto place = [&](const char* section) { return given.source.at({section}); };
   if (given.simulate && given.record)
     issues.add(place("record"), "the case has both `simulate` and `record`", "there can be one record only",
@@ -150,7 +151,6 @@ void check_simulation(const Study& study, IssueList& issues) {
   check_integrator(study, issues);
   if (issues.empty()) check_first_step(study, issues);
   const auto& given = *study.given.simulate;
-  check_steps(given, issues);
   const auto place = [&](const char* key) { return study.given.source.at({"simulate", key}); };
   constexpr double most_samples = 1e8;
   const double samples = given.duration * given.sample_rate;

@@ -84,13 +84,7 @@ private:
   void of_sensor(const std::string& name, const d::Sensor& sensor) {
     const bool of_connector = std::visit(
         [](const auto& observed) { return observed.quantity > ObservedQuantity::acceleration; }, sensor.observed);
-    const auto accelerates = [](const auto& each) {
-      return std::holds_alternative<d::BaseAcceleration>(each.second.target);
-    };
-    if (of_connector)
-      warn({"sensors", name, "relative"}, "a connector does not see the base's motion");
-    else if (sensor.relative && std::ranges::none_of(given_.excitation, accelerates))
-      warn({"sensors", name, "relative"}, "no base is accelerated");
+    if (of_connector) warn({"sensors", name, "relative"}, "a connector does not see the base's motion");
     if (!given_.record) warn({"sensors", name, "channel"}, "the case reads no record");
   }
 

@@ -47,7 +47,9 @@ StudySensor make_sensor(const std::string& name, const d::Sensor& given) {
 void check_relative(const Study& study, const d::Sensor& given, const d::Points& points, IssueList& issues) {
   const bool uniform = std::ranges::any_of(
       study.parts.inputs, [](const auto& input) { return input.kind == InputKind::base_acceleration; });
-  if (given.relative && !uniform)
+  const bool of_connector = std::visit(
+      [](const auto& observed) { return observed.quantity > ObservedQuantity::acceleration; }, given.observed);
+  if (given.relative && !uniform && !of_connector)
     issues.add(points.location,
                points.path + " is relative to the accelerated base, but the case accelerates no whole base",
                "with grounds that move one by one, displacements are absolute",
@@ -157,12 +159,12 @@ private:
       if (study_.record) full_record(study_, {});  // every channel has its noise
     });
     const bool needs_duration = std::ranges::any_of(study_.given.excitation, lasts_as_long_as_the_simulation);
-    const Names grounds_and_excitation = {"substructures", "elements", "excitation"};
-    step("signals", needs_duration ? joined({"simulate"}, grounds_and_excitation) : grounds_and_excitation,
-         {"excitation"}, [&](IssueList& issues) {
-           const double duration = study_.given.simulate ? study_.given.simulate->duration : 10.0;
-           study_.signals = make_signals(study_.given, study_.parts.inputs, duration, issues, study_.warnings);
-         });
+    const bool has_duration = !needs_duration || !not_read_.contains("simulate");
+    const Names grounds = {"substructures", "elements"};  // other problems of the excitation do not matter here
+    step("signals", has_duration ? grounds : joined({"simulate"}, grounds), {"excitation"}, [&](IssueList& issues) {
+      const double duration = study_.given.simulate ? study_.given.simulate->duration : 10.0;
+      study_.signals = make_signals(study_.given, study_.parts.inputs, duration, issues, study_.warnings);
+    });
     step("simulate", {"model", "simulate"}, {"simulate"}, [&](IssueList& issues) { check_simulation(study_, issues); });
     step("pictures", {"report", "record", "simulate"}, {"report"},
          [&](IssueList& issues) { check_pictures(study_, issues); });

@@ -49,7 +49,8 @@ void check(const Observer& observer, const Record& record, const EstimationOptio
   if (!record.inputs.allFinite()) issues.add({}, "an input is not finite", "the observer is driven by it");
   if (!record.noise.allFinite() || (record.noise.diagonal().array() < 0.0).any())
     issues.add({}, "a sensor's noise is negative or not finite", "it is a covariance", "give every sensor its noise");
-  for (const auto& [place, what, why, fix] : validate(observer, options).issues()) issues.add(place, what, why, fix);
+  const IssueList of_options = validate(observer, options);
+  for (const auto& [place, what, why, fix] : of_options.issues()) issues.add(place, what, why, fix);
   if (record.measurements.cols() < 1) issues.add({}, "the record is empty", "");
   issues.raise();
 }

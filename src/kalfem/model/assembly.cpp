@@ -21,7 +21,7 @@ using Terms = std::map<Powers, SparseMatrix>;
 using Values = std::map<std::string, double>;
 
 /// Of more problems of one kind than this, only the number is told.
-constexpr std::size_t most_cells_told = 20;
+constexpr std::size_t most_cells_told = 12;
 
 template <int columns>
 Eigen::Matrix<double, 3, columns> corners(const Mesh& mesh, const Cell& cell) {
