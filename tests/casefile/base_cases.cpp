@@ -3,6 +3,8 @@
 #include <cmath>
 #include <fstream>
 
+#include "formats/plate_msh.hpp"
+
 namespace kalfem::test {
 namespace {
 
@@ -315,35 +317,6 @@ update:
   evolution: {generations: 3, population: 8, seed: 1}
 )";
 
-const std::string mesh = R"($MeshFormat
-2.2 0 8
-$EndMeshFormat
-$PhysicalNames
-4
-2 1 "plate"
-0 2 "corner"
-0 3 "far"
-1 4 "edge"
-$EndPhysicalNames
-$Nodes
-6
-1 0 0 0
-2 0.5 0 0
-3 1 0 0
-4 0 0.4 0
-5 0.5 0.4 0
-6 1 0.4 0
-$EndNodes
-$Elements
-5
-1 3 2 1 1 1 2 5 4
-2 3 2 1 1 2 3 6 5
-3 15 2 2 1 1
-4 15 2 3 1 6
-5 1 2 4 1 1 4
-$EndElements
-)";
-
 const std::string block_mesh = R"($MeshFormat
 2.2 0 8
 $EndMeshFormat
@@ -398,7 +371,7 @@ void write_case_files(const std::filesystem::path& folder) {
   for (int k = 1; k <= 50; ++k) frf << k << ',' << 0.1 + 0.01 * k << "+0.01j," << 0.2 + 0.01 * k << "-0.02j\n";
   std::ofstream(folder / "nodes.csv") << "node,x,y,z\n1,0,0,0\n2,0,0,0.5\n3,0,0,1\n4,0.5,0,1\n";
   std::ofstream(folder / "elements.csv") << "element,node1,node2,region\n1,1,2,leg\n2,2,3,leg\n3,3,4,arm\n";
-  std::ofstream(folder / "plate.msh") << mesh;
+  std::ofstream(folder / "plate.msh") << plate_msh;
   std::ofstream(folder / "block.msh") << block_mesh;
   const std::string symmetric = "%%MatrixMarket matrix coordinate real symmetric\n3 3 ";
   std::ofstream(folder / "K.mtx") << symmetric << "5\n1 1 2e3\n2 1 -1e3\n2 2 2e3\n3 2 -1e3\n3 3 1e3\n";

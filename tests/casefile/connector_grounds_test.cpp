@@ -2,6 +2,7 @@
 
 #include "base/scratch_folder.hpp"
 #include "casefile/case_run.hpp"
+#include "formats/plate_msh.hpp"
 
 // Connectors that end at a ground: of a finite-element substructure without springs, the fixed one, and two grounds.
 
@@ -9,34 +10,6 @@ namespace kalfem::test {
 namespace {
 
 using enum ObservedQuantity;
-
-/// Two by one quadrilaterals, held at one edge.
-const std::string mesh = R"($MeshFormat
-2.2 0 8
-$EndMeshFormat
-$PhysicalNames
-3
-2 1 "plate"
-0 3 "far"
-1 4 "edge"
-$EndPhysicalNames
-$Nodes
-6
-1 0 0 0
-2 0.5 0 0
-3 1 0 0
-4 0 0.4 0
-5 0.5 0.4 0
-6 1 0.4 0
-$EndNodes
-$Elements
-4
-1 3 2 1 1 1 2 5 4
-2 3 2 1 1 2 3 6 5
-3 15 2 3 1 6
-4 1 2 4 1 1 4
-$EndElements
-)";
 
 /// @1 springs and grounds of the plate, @2 connectors, @3 the ground that moves.
 const std::string plate_case = R"(kalfem: 1
@@ -59,7 +32,7 @@ simulate: {duration: 1 s, sample_rate: 1 kHz, integrator: generalized_alpha, tol
 
 class PlateOnAGround : public testing::Test {
 protected:
-  PlateOnAGround() : folder_("plate-ground") { std::ofstream(folder_ / "plate.msh") << mesh; }
+  PlateOnAGround() : folder_("plate-ground") { std::ofstream(folder_ / "plate.msh") << plate_msh; }
 
   [[nodiscard]] std::string with(const std::string& part, const std::string& connectors,
                                  const std::string& moved) const {

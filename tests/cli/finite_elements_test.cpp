@@ -1,39 +1,10 @@
 #include <gtest/gtest.h>
 
 #include "command.hpp"
+#include "formats/plate_msh.hpp"
 
 namespace kalfem::test {
 namespace {
-
-/// A plate of two by one quadrilaterals with a line of posts, MSH 2.2.
-const std::string sound_mesh = R"($MeshFormat
-2.2 0 8
-$EndMeshFormat
-$PhysicalNames
-4
-2 1 "plate"
-0 2 "corner"
-0 3 "far"
-1 4 "edge"
-$EndPhysicalNames
-$Nodes
-6
-1 0 0 0
-2 0.5 0 0
-3 1 0 0
-4 0 0.4 0
-5 0.5 0.4 0
-6 1 0.4 0
-$EndNodes
-$Elements
-5
-1 3 2 1 1 1 2 5 4
-2 3 2 1 1 2 3 6 5
-3 15 2 2 1 1
-4 15 2 3 1 6
-5 1 2 4 1 1 4
-$EndElements
-)";
 
 const std::string sound_deck_case = R"(kalfem: 1
 substructures:
@@ -62,7 +33,7 @@ struct DeckMistake {
 };
 
 Outcome run_with(const DeckMistake& mistake, const std::string& verb, const std::filesystem::path& folder) {
-  std::string mesh = sound_mesh, text = sound_deck_case;
+  std::string mesh = plate_msh, text = sound_deck_case;
   std::string& changed = mesh.find(mistake.from) != std::string::npos ? mesh : text;
   const auto place = changed.find(mistake.from);
   EXPECT_NE(place, std::string::npos);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdio>
 
+#include "formats/plate_msh.hpp"
 #include "kalfem/base/output_folder.hpp"
 #include "short_case.hpp"
 
@@ -87,33 +88,6 @@ TEST(Output, NothingOfAFormerRunStaysBesideTheNewOne) {
                                                              "summary.json", "update.checkpoint.json"}));
 }
 
-const std::string plate_mesh = R"($MeshFormat
-2.2 0 8
-$EndMeshFormat
-$PhysicalNames
-3
-2 1 "plate"
-0 3 "far"
-1 4 "edge"
-$EndPhysicalNames
-$Nodes
-6
-1 0 0 0
-2 0.5 0 0
-3 1 0 0
-4 0 0.4 0
-5 0.5 0.4 0
-6 1 0.4 0
-$EndNodes
-$Elements
-4
-1 3 2 1 1 1 2 5 4
-2 3 2 1 1 2 3 6 5
-4 15 2 3 1 6
-5 1 2 4 1 1 4
-$EndElements
-)";
-
 const std::string plate_case = R"(kalfem: 1
 substructures:
   wheel: {masses: {z: 3 kg}, springs: [{from: ground, to: z, stiffness: 1e5}]}
@@ -131,7 +105,7 @@ connectors:
 
 TEST(Output, SuperelementsAreThoseOfTheRunAndTimesAddUp) {
   const ScratchFolder folder("superelements");
-  std::ofstream(folder / "plate.msh") << plate_mesh;
+  std::ofstream(folder / "plate.msh") << plate_msh;
   const std::string out = " --out " + (folder / "out").string();
   const auto with = write_case(folder, "with.yaml", plate_case + "report: {superelements: [op4, matrix_market]}\n");
   const auto without = write_case(folder, "without.yaml", plate_case);
@@ -156,7 +130,7 @@ TEST(Output, SuperelementsAreThoseOfTheRunAndTimesAddUp) {
 /// An earlier version did not list its files.
 TEST(Output, FilesOfASummaryWithoutAListGoToo) {
   const ScratchFolder folder("unlisted");
-  std::ofstream(folder / "plate.msh") << plate_mesh;
+  std::ofstream(folder / "plate.msh") << plate_msh;
   const auto out = folder / "out";
   const auto with = write_case(folder, "with.yaml", plate_case + "report: {superelements: [op4]}\n");
   ASSERT_EQ(run_command("modes " + with + " --out " + out.string(), folder).code, 0);
@@ -172,7 +146,7 @@ TEST(Output, FilesOfASummaryWithoutAListGoToo) {
 
 TEST(Output, PointsAtRestHaveNoErrorAndCaptionsNameTheBand) {
   const ScratchFolder folder("at-rest");
-  std::ofstream(folder / "plate.msh") << plate_mesh;
+  std::ofstream(folder / "plate.msh") << plate_msh;
   const auto file = write_case(folder, "case.yaml", plate_case + R"(excitation:
   road: {base_displacement: wheel.ground, random: {rms: 1 mm, band: [0.5, 30 Hz], fade_in: 0.05 s}}
 sensors: {a: {acceleration: plate.f.z, noise: 5 %}}
