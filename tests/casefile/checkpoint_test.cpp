@@ -5,6 +5,7 @@
 
 #include "casefile/probes.hpp"
 #include "kalfem/casefile/updating_checkpoint.hpp"
+#include "kalfem/report/result_set.hpp"
 
 /// The file in which an updating keeps its place.
 namespace kalfem::wiring {
@@ -175,7 +176,8 @@ TEST(ResumedUpdating, EndsAtTheSameBits) {
   EXPECT_THROW(run_study(study, Stage::update, options), Stopped);
   ASSERT_TRUE(std::filesystem::exists(folder / "update.checkpoint.json"));
   options.on_updating_step = {};
-  const auto resumed = *run_study(study, Stage::update, options).updating;
+  const auto results = run_study(study, Stage::update, options);
+  const auto& resumed = *results.updating;
   EXPECT_EQ(resumed.resumed_at, 2);  // the third was not written yet
   EXPECT_EQ(resumed.values, whole.values);
   EXPECT_EQ(resumed.evaluations, whole.evaluations);
@@ -187,6 +189,11 @@ TEST(ResumedUpdating, EndsAtTheSameBits) {
     EXPECT_EQ(resumed.trace[i].residual, whole.trace[i].residual) << i;
     EXPECT_EQ(resumed.trace[i].accepted, whole.trace[i].accepted) << i;
   }
+  // What comes behind the updating may still fail: it goes when the results stand in the folder.
+  EXPECT_TRUE(std::filesystem::exists(folder / "update.checkpoint.json"));
+  OutputFolder results_folder(folder);
+  write_result_set(results_folder, study, results, Stopwatch());
+  EXPECT_TRUE(std::filesystem::exists(folder / "summary.json"));
   EXPECT_FALSE(std::filesystem::exists(folder / "update.checkpoint.json"));
 }
 

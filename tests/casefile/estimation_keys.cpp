@@ -59,7 +59,7 @@ void truths() {
   };
   near(truth("").value(), 500.0);
   near(truth(", truth: 0.45 N/mm").value(), 450.0);
-  write_file("record.csv", csv_of(100.0, {{"y", std::vector<double>(20, 1.0)}}));
+  write_file("record.csv", csv_of(100.0, {{"y", {1, -1, 2, -2, 1, -1, 2, -2, 1, -1, 2, -2, 1, -1, 2, -2}}}));
   const Sections measured{{"simulate", ""}, {"record", "{file: record.csv}"}};
   EXPECT_FALSE(truth("", measured));
   near(truth(", truth: 450", measured).value(), 450.0);

@@ -1,4 +1,5 @@
 #include "casefile/probes.hpp"
+#include "kalfem/system/signals/ground_motion.hpp"
 #include "kalfem/system/signals/harmonic.hpp"
 #include "kalfem/system/signals/pulse.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
@@ -97,6 +98,30 @@ void recorded_signals() {
               *make_sampled(values, {.sample_rate = 10.0, .start = -0.2}), 0.01, 40);
 }
 
+/// A ground of an acceleration moves as that says from rest, or without the parabola that fits best.
+void drifts() {
+  const auto moved = [](const std::string& text) {
+    return study_of(lumped_case({{"excitation", "{e: {base_acceleration: s.ground, " + text + "}}"}}));
+  };
+  write_file("shaken.csv", csv_of(10.0, {{"p", samples}}));
+  const auto acceleration = make_sampled(Eigen::VectorXd::Map(samples.data(), 8), {.sample_rate = 10.0});
+  const auto expected = [&](Drift drift) {
+    return GroundMotion(acceleration, {.start = 0.0, .step = 0.1, .knots = 8, .drift = drift});
+  };
+  const std::string file = "file: shaken.csv, channel: p";
+  same_signal(*moved(file + ", drift: keep").signals[0], expected(Drift::keep));
+  same_signal(*moved(file + ", drift: remove").signals[0], expected(Drift::remove));
+  same_signal(*moved(file).signals[0], expected(Drift::remove));
+  // a = sin(w t) is r = (w t - sin(w t)) / w^2 from rest, and -sin(w t) / w^2 without its drift.
+  const double w = 2 * 3.14159265358979323846 * 3.0, swing = std::sin(0.4 * w) / (w * w);
+  const std::string sine = "sine: {amplitude: 1 m/s^2, frequency: 3}";
+  near(signal_at(moved(sine + ", drift: keep"), 0.4)[0], 0.4 / w - swing, 1e-6);
+  near(signal_at(moved(sine + ", drift: remove"), 0.4)[0], -swing, 1e-9);
+  near(signal_at(moved(sine), 0.4)[0], -swing, 1e-9);
+  // A constant acceleration has no drift that could be taken out.
+  near(signal_at(moved("constant: 3 m/s^2"), 0.4)[0], 3 * 0.4 * 0.4 / 2, 1e-9);
+}
+
 /// Inputs that follow the second of two others.
 void delayed_signals() {
   const auto delay = [](const std::string& text, double seconds) {
@@ -144,6 +169,7 @@ KeyChecks excitation_keys() {
       at, {"delayed.input", "delayed.delay", "trailing_axle.input", "trailing_axle.wheelbase", "trailing_axle.speed"},
       delayed_signals));
   keys.merge(all_of(at, {"force", "base_displacement", "base_acceleration", "constant"}, targets));
+  keys[at + "drift"] = drifts;
   keys[at + "scale"] = [] {
     same_signal(*with_signal("sine: {amplitude: 3, frequency: 7}, scale: -1.5").signals[0],
                 *make_sine({.amplitude = -4.5, .frequency = 7}));

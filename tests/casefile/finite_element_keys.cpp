@@ -109,6 +109,24 @@ void decks() {
   near(elements_of(with_elements("deck: bar.inp")).mesh.nodes(0, 1), 500.0);
 }
 
+/// What a deck lacks is refused but for what the case accepts, which is noted and left out.
+void missing_parts_of_decks() {
+  write_file("bar.inp", abaqus_text);
+  write_file("lacking.inp", abaqus_text + "*CONTACT PAIR, INTERACTION=DRY\nTOP, BOTTOM\n*NOVELTY\n");
+  const auto with = [](const std::string& accepted) { return with_elements("deck: lacking.inp" + accepted); };
+  EXPECT_THROW(with(""), InvalidInput);
+  EXPECT_THROW(with(", accept_missing: NOVELTY"), InvalidInput);
+  EXPECT_THROW(with(", accept_missing: [NOVELTY, CONTACT PAIR, GAP]"), InvalidInput);  // the deck has no gap
+  const auto study = with(", accept_missing: [NOVELTY, CONTACT PAIR]"), whole = with_elements("deck: bar.inp");
+  std::vector<std::string> doubtful;
+  for (const auto& note : part_of(study).notes) {
+    EXPECT_NE(note.kind, DeckNoteKind::missing) << note.what;
+    if (note.kind == DeckNoteKind::doubtful) doubtful.push_back(note.what);
+  }
+  EXPECT_EQ(doubtful, (std::vector<std::string>{"*CONTACT PAIR", "*NOVELTY"}));
+  EXPECT_EQ(relative_difference(part_of(study).full.stiffness, part_of(whole).full.stiffness), 0.0);
+}
+
 /// Two degrees of freedom, 1.z and 2.rx, from Matrix Market files.
 void matrices() {
   const auto symmetric = [](const std::string& entries) {
@@ -350,9 +368,9 @@ Eigen::MatrixXd whole_damping(const LinearModel& model) {
 
 /// At the first guesses of an updating the damping is that of the case, also of the modes above the limit.
 void damping_at_parameters() {
-  const auto study =
-      with_part("finite_elements: {" + beam_elements() + "}, damping: {modal: [1 %, 2 %], modal_up_to: 50 Hz}",
-                {{"update", "{parameters: {b.steel.youngs_modulus: {}}, compare: {f: {modes: b, frequencies: [14]}}}"}});
+  const auto study = with_part(
+      "finite_elements: {" + beam_elements() + "}, damping: {modal: [1 %, 2 %], modal_up_to: 50 Hz}",
+      {{"update", "{parameters: {b.steel.youngs_modulus: {}}, compare: {f: {modes: b, frequencies: [14]}}}"}});
   const auto at = parameterised_structure(study)->at(initial_values(study.updating->parameters));
   const Eigen::MatrixXd given = whole_damping(part_of(study).full);
   EXPECT_LT((whole_damping(*at.parts.finite_elements[0].model) - given).norm(), 1e-6 * given.norm());
@@ -473,6 +491,7 @@ KeyChecks finite_element_keys() {
   add(at, {"scale"}, meshes);
   add(at + "tables.", {"nodes", "elements", "scale"}, tables);
   add(at, {"deck", "format"}, decks);
+  add(at, {"accept_missing"}, missing_parts_of_decks);
   add(at + "units.", {"length", "mass", "time"}, [] {
     decks();
     matrices();

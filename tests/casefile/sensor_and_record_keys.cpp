@@ -114,17 +114,17 @@ Study with_record(const std::string& text, const Sections& more = {}) {
   return study_of(lumped_case(sections));
 }
 
-const std::vector<double> ramp{0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
+const std::vector<double> ramp{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}, fall{9, 8, 7, 6, 5, 4, 3, 2, 1, 0};
 
 void record_columns() {
-  write_file("record.csv", csv_of(10.0, {{"y", ramp}, {"z", std::vector<double>(10, 3.0)}}, 2.0));
+  write_file("record.csv", csv_of(10.0, {{"y", ramp}, {"z", fall}}, 2.0));
   const auto own = with_record("file: record.csv");
   near(own.record->series.sample_rate, 10.0);
   near(own.record->series.start, 2.0);
   near(own.record->series.values.col(0), Eigen::VectorXd::LinSpaced(10, 0, 9));
   EXPECT_EQ(own.record->used, 10);
   const auto other = with_record("file: record.csv", {{"sensors", "{y: {displacement: s.b, noise: 1, channel: z}}"}});
-  near(other.record->series.values.col(0), Eigen::VectorXd::Constant(10, 3.0));
+  near(other.record->series.values.col(0), Eigen::VectorXd::LinSpaced(10, 9, 0));
   EXPECT_EQ(other.record->series.channels[0].name, "y");
 }
 
@@ -135,12 +135,42 @@ void record_units_and_rates() {
   near(with_record("file: bare.csv, sample_rate: 50 Hz").record->series.sample_rate, 50.0);
 }
 
+/// The unit of a sensor's own column comes before that of the whole record.
+void units_of_channels() {
+  write_file("record.csv", csv_of(10.0, {{"y", ramp}, {"z", fall}}));
+  const auto record = [](const std::string& unit, const std::string& whole) {
+    return with_record("file: record.csv" + whole, {{"sensors", "{y: {displacement: s.b, noise: 1" + unit +
+                                                                    "}, z: {acceleration: s.a, noise: 1, unit: g}}"}})
+        .record->series.values;
+  };
+  near(record("", "")(9, 0), 9.0);
+  near(record(", unit: mm", "")(9, 0), 9e-3);
+  near(record(", unit: mm", ", unit: g")(9, 0), 9e-3);
+  near(record("", "")(0, 1), 9 * 9.80665);
+}
+
+/// A channel of one value is a dead sensor, unless the case says that it was measured.
+void constant_channels() {
+  write_file("record.csv", csv_of(10.0, {{"y", ramp}, {"z", std::vector<double>(10, 3.0)}}));
+  const auto record = [](const std::string& more) {
+    return *with_record("file: record.csv", {{"sensors",
+                                              "{y: {displacement: s.b, noise: 1}, z: {displacement: s.a, "
+                                              "noise: 1" +
+                                                  more + "}}"}})
+                .record;
+  };
+  EXPECT_THROW(record(""), InvalidInput);
+  EXPECT_THROW(record(", accept_constant: false"), InvalidInput);
+  near(record(", accept_constant: true").series.values.col(1), Eigen::VectorXd::Constant(10, 3.0));
+}
+
 void record_datasets() {
   const auto path = write_file("record.h5", "");
   {
     auto file = Hdf5File::create(path.string());
-    file.write_matrix("/run2", Eigen::MatrixXd::Constant(4, 2, 5.0));
-    file.write_matrix("/run1", Eigen::MatrixXd::Constant(4, 2, 6.0));
+    const Eigen::MatrixXd rising = Eigen::VectorXd::LinSpaced(4, 0, 3).replicate(1, 2);
+    file.write_matrix("/run2", (rising.array() + 5.0).matrix());
+    file.write_matrix("/run1", (rising.array() + 6.0).matrix());
   }
   const auto value = [](const std::string& dataset) {
     return with_record("file: record.h5, dataset: /" + dataset + ", sample_rate: 20 Hz",
@@ -223,6 +253,29 @@ void free_responses() {
   EXPECT_EQ(record("").used, record("threshold: 0.5 mm").used);
 }
 
+/// Held at 40 mm, released at 0.5 s; it swings about 5 mm and is still moving where the record ends.
+void unknown_rest_positions() {
+  std::vector<double> y(1100);
+  for (int k = 0; k < 1100; ++k) {
+    const double since = k / 500.0 - 0.5;
+    y[std::size_t(k)] = since <= 0 ? 0.04 : 0.005 + 0.035 * std::exp(-0.5 * since) * std::cos(9.42 * since);
+  }
+  std::vector<double> rate(y.size(), 0.0);
+  for (std::size_t k = 1; k < y.size(); ++k) rate[k] = 500.0 * (y[k] - y[k - 1]);
+  write_file("record.csv", csv_of(500.0, {{"y", y}, {"v", rate}}));
+  const auto deviation = [](const std::string& text) {
+    const auto study = with_record("file: record.csv, free_response: {" + text + "}",
+                                   {{"sensors", "{v: {velocity: s.b, noise: 1}, y: {displacement: s.b, noise: 1}}"}});
+    EXPECT_FALSE(study.record->free_response->rest);
+    return study.record->free_response->deviation;
+  };
+  // The last whole swing has its peaks 3 and 4 half periods behind the release.
+  const double half_period = 3.14159265358979323846 / 9.42;
+  near(deviation("")[1], 0.035 * (std::exp(-1.5 * half_period) + std::exp(-2.0 * half_period)) / 2, 0.01);
+  near(deviation("rest_std: 2 mm")[1], 2e-3);
+  near(deviation("rest_std: 2 mm")[0], deviation("")[0]);  // of displacements alone
+}
+
 }  // namespace
 
 KeyChecks sensor_and_record_keys() {
@@ -238,6 +291,8 @@ KeyChecks sensor_and_record_keys() {
     add("sensors.*.chain[]." + family + ".", {"order", "low_pass", "high_pass", "band_pass"}, filters);
   add("sensors.*.chain[].", {"delay", "resonance.frequency", "resonance.damping", "gain"}, other_stages);
   add("sensors.*.", {"channel"}, record_columns);
+  add("sensors.*.", {"unit"}, units_of_channels);
+  add("sensors.*.", {"accept_constant"}, constant_channels);
   add("record.", {"file"}, record_columns);
   add("record.", {"sample_rate", "unit"}, record_units_and_rates);
   add("record.", {"dataset"}, record_datasets);
@@ -245,6 +300,7 @@ KeyChecks sensor_and_record_keys() {
   add("record.", {"skip_missing"}, missing_samples);
   add("record.", {"repair_splice"}, splices_are_repaired);
   add("record.free_response.", {"delay", "threshold", "margin"}, free_responses);
+  add("record.free_response.", {"rest_std"}, unknown_rest_positions);
   return keys;
 }
 

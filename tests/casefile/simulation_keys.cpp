@@ -59,6 +59,20 @@ void steps_are_refined_to_the_tolerance() {
   EXPECT_EQ(stopped.simulation->reference.substeps, 4);
 }
 
+/// A fixed step is neither halved nor compared: the plain solution with it.
+void fixed_steps() {
+  for (const int substeps : {3, 5}) {
+    const auto study = with_simulation("substeps: " + std::to_string(substeps));
+    const auto reference = run(study, Stage::simulate).simulation->reference;
+    EXPECT_EQ(reference.substeps, substeps);
+    EXPECT_TRUE(reference.changes.empty());
+    const auto once =
+        simulate(system_of(study), study.signals, at_rest(2, 0),
+                 {.integrator = Integrator::newmark, .step = 0.01 / substeps, .duration = 0.5, .keep_every = substeps});
+    near(Eigen::VectorXd(reference.sensors.col(0)), Eigen::VectorXd(once.trajectory.displacement.row(1).transpose()));
+  }
+}
+
 void lengths() {
   const auto study = study_of(lumped_case({{"simulate", "{duration: 0.3 s, sample_rate: 200 Hz}"}}));
   const auto results = run(study, Stage::simulate);
@@ -123,6 +137,7 @@ KeyChecks simulation_keys() {
           {"simulate.tolerance", steps_are_refined_to_the_tolerance},
           {"simulate.first_substeps", steps_are_refined_to_the_tolerance},
           {"simulate.max_substeps", steps_are_refined_to_the_tolerance},
+          {"simulate.substeps", fixed_steps},
           {"simulate.reference", reference_models},
           {"simulate.modes_up_to", reference_models},
           {"simulate.seed", seeds},

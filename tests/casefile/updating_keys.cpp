@@ -257,6 +257,56 @@ void frequency_responses_to_a_ground() {
   EXPECT_LT(residual_of("frf: s, inputs: [{ground: ground, file: frf.csv}], outputs: [a, b]").norm(), 1e-4);
 }
 
+/// Columns of magnitudes, plain or in decibels, where their names do not say what they hold.
+void frequency_response_columns() {
+  const auto magnitudes = responses(lines, 0, 2).cwiseAbs().eval();
+  const auto residual = [&](const std::string& values, double (*written)(double)) {
+    std::ostringstream text;
+    text.precision(17);
+    text << "f,a,b\n";
+    for (Index i = 0; i < lines.size(); ++i)
+      text << lines[i] << "," << written(1.1 * magnitudes(i, 0)) << "," << written(1.1 * magnitudes(i, 1)) << "\n";
+    write_file("magnitudes.csv", text.str());
+    return residual_of("frf: s, inputs: [{force: a, file: magnitudes.csv, values: " + values +
+                       "}], outputs: [a, b], compare: log_magnitude, floor: 0");
+  };
+  const VectorXd expected = VectorXd::Constant(40, -std::log(1.1) / 0.05);
+  near(residual("magnitude", [](double h) { return h; }), expected, 1e-6);
+  near(residual("dB", [](double h) { return 20 * std::log10(h); }), expected, 1e-6);
+  // Complex numbers without `values` as well.
+  std::ostringstream text;
+  text.precision(17);
+  text << "f,a,b\n";
+  const MatrixXcd h = error * responses(lines, 0, 2);
+  for (Index i = 0; i < lines.size(); ++i) {
+    text << lines[i];
+    for (const Complex each : {h(i, 0), h(i, 1)})
+      text << "," << each.real() << std::showpos << each.imag() << std::noshowpos << "j";
+    text << "\n";
+  }
+  write_file("complex.csv", text.str());
+  for (const std::string values : {"", ", values: complex"})
+    near(residual_of("frf: s, inputs: [{force: a, file: complex.csv" + values +
+                     "}], outputs: [a, b], compare: log_magnitude, floor: 0"),
+         expected, 1e-6);
+}
+
+/// Measured: responses 1.3 and 0.8 times the model's, which one factor cannot make good and two can.
+void frequency_response_scales() {
+  write_table("frf.csv", responses(lines, 0, 2) * Eigen::Vector2cd(1.3, 0.8).asDiagonal());
+  const auto scales = [](const std::string& text) {
+    const auto residuals = residuals_of(with_comparison(
+        "frf: s, inputs: [{force: a, file: frf.csv}], outputs: [a, b], compare: log_magnitude, floor: 0" + text));
+    const auto& frf = dynamic_cast<const FrfResidual&>(*residuals[0].rounds[0]);
+    return frf.scales(frf.model_responses(VectorXd::Constant(1, 800.0))).at(0);
+  };
+  for (const std::string text : {"", ", scale: fixed"}) near(scales(text), vector({1, 1}));
+  near(scales(", scale: per_response"), vector({1.3, 0.8}), 1e-6);
+  // Equal deviations of all logarithms: the geometric mean.
+  const double mean = std::sqrt(1.3 * 0.8);
+  near(scales(", scale: per_input"), vector({mean, mean}), 1e-6);
+}
+
 void smoothed_frequency_responses() {
   write_table("frf.csv", responses(lines, 0, 2));
   const auto rounds = [](const std::string& text) {
@@ -531,6 +581,8 @@ KeyChecks updating_keys() {
   add(compare_at, {"bands", "outputs", "inputs[].file", "inputs[].columns", "inputs[].force"},
       frequency_response_selection);
   add(compare_at, {"inputs[].ground"}, frequency_responses_to_a_ground);
+  add(compare_at, {"inputs[].values"}, frequency_response_columns);
+  add(compare_at, {"scale"}, frequency_response_scales);
   add(compare_at, {"smoothing"}, smoothed_frequency_responses);
   add(compare_at, {"inputs[].record", "inputs[].input", "inputs[].segment", "inputs[].dataset", "inputs[].sample_rate"},
       frequency_responses_of_records);
