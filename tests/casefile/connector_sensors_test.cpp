@@ -67,7 +67,8 @@ TEST(ConnectorSensors, AreWhatAnUpdatingSimulates) {
 
 TEST(ConnectorSensors, EveryConnectorMustExist) {
   const auto found = problems_of(changed(struts, "{q: 3, p: 2}", "{q: 3, pp: 2}"));
-  EXPECT_NE(found.find("case.yaml:14: sensors.d.deformation: there is no connector 'pp' (did you mean 'p'?)"), std::string::npos)
+  EXPECT_NE(found.find("case.yaml:14: sensors.d.deformation: there is no connector 'pp' (did you mean 'p'?)"),
+            std::string::npos)
       << found;
 }
 

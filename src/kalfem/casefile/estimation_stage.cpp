@@ -115,21 +115,26 @@ int samples_between_deviations(double sample_rate) {
   return std::max(1, static_cast<int>(std::lround(sample_rate / 100.0)));
 }
 
+/// Modal coordinates of close poles are an ill-conditioned basis: the covariance may lose its sign there and keep it in
+/// physical coordinates, where a step costs more.
+bool loses_sign_in_modal_coordinates(const EstimationResult& result, const Observer& observer) {
+  return result.failure && result.failure->outcome == FilterOutcome::covariance_not_positive_definite &&
+         observer.options().coordinates == StateCoordinates::modal;
+}
+
 }  // namespace
 
 EstimationStage estimate_stage(const Study& study, const ObserverSetup& setup, const StudyResults& results,
                                const Progress& progress, std::string& failure) {
   const Stopwatch watch;
   const auto& given = *study.given.estimate;
-  const FilterRun run = make_filter_run(study, setup, full_record(study, results));
+  const FullRecord record = full_record(study, results);
+  FilterRun run = make_filter_run(study, setup, record);
   EstimationStage stage;
   stage.measurements = run.measurements;
   stage.noise.assign(run.noise.begin(), run.noise.end());
-  stage.filter = run.choice.filter;
-  stage.filter_reason = run.choice.reason;
-  stage.observer = run.choice.observer;
   const auto monitored = reported_quantities(*setup.model);
-  const EstimationOptions options{.filter = stage.filter,
+  const EstimationOptions options{.filter = run.choice.filter,
                                   .unscented = given.unscented,
                                   .threads = filter_threads(study),
                                   .passes = given.passes,
@@ -137,7 +142,17 @@ EstimationStage estimate_stage(const Study& study, const ObserverSetup& setup, c
                                   .deviation_stride = samples_between_deviations(study.sample_rate()),
                                   .monitored = make_outputs(*setup.model, monitored),
                                   .progress = progress};
-  stage.result = estimate(*stage.observer, run.record, options);
+  stage.result = estimate(*run.choice.observer, run.record, options);
+  if (loses_sign_in_modal_coordinates(stage.result, *run.choice.observer)) {
+    const std::string reason = run.choice.reason;
+    run = make_filter_run(study, setup, record, StateCoordinates::physical);
+    run.choice.filter = options.filter;
+    run.choice.reason = reason + "; in physical coordinates, as rounding in modal ones cost the covariance its sign";
+    stage.result = estimate(*run.choice.observer, run.record, options);
+  }
+  stage.filter = run.choice.filter;
+  stage.filter_reason = run.choice.reason;
+  stage.observer = run.choice.observer;
   if (stage.result.observer) stage.observer = stage.result.observer;
   if (stage.result.failure)
     failure = "the filter stopped at " + shortest(stage.measurements.start + stage.result.failure->time) +

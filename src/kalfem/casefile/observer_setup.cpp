@@ -101,8 +101,6 @@ void check_start_from_record(const Study& study, const ObserverSetup& setup, Iss
 
 PresentValues present_values(const UpdatingSetup& updating, const Eigen::VectorXd& values) {
   PresentValues present;
-  for (std::size_t i = 0; i < updating.parameters.size(); ++i)
-    present[updating.parameters[i].name] = values[static_cast<Index>(i)];
   for (const auto& [index, target] : updating.bindings) present[target.name] = values[index];
   return present;
 }

@@ -62,8 +62,8 @@ std::vector<ParameterBinding<Target>> bindings_of(const std::vector<StructureBin
   return own;
 }
 
-/// Ratios of all modes, one a mode: above a frequency [Hz] they fall as 1 / omega, as add_modal_damping() damps the modes
-/// of a large model. None where no mode lies below it.
+/// Ratios of all modes, one a mode: above a frequency [Hz] they fall as 1 / omega, as add_modal_damping() damps the
+/// modes of a large model. None where no mode lies below it.
 std::vector<double> ratios_of_all(const VectorXd& frequencies, const std::vector<double>& ratios, double up_to) {
   const Index below = (frequencies.array() <= up_to).count();
   if (below == 0) return {};
