@@ -149,7 +149,7 @@ def programs(faults):
 
 def build(folder, faults, jobs):
     if not (folder / "build/release/build.ninja").exists():
-        subprocess.run(["cmake", "--preset", "release", "-DKALFEM_GROUPED=OFF"], cwd=folder, check=True)
+        subprocess.run(["cmake", "--preset", "release", "-DKALFEM_TESTS=ON"], cwd=folder, check=True)
     subprocess.run(["ninja", f"-j{jobs}", *programs(faults)], cwd=folder / "build/release", check=True)
 
 
