@@ -6,6 +6,7 @@
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/casefile/stages.hpp"
 #include "kalfem/casefile/substructure_modes.hpp"
+#include "kalfem/casefile/updating_stage.hpp"
 #include "kalfem/report/health_section.hpp"
 #include "kalfem/report/record_report.hpp"
 #include "kalfem/report/tables.hpp"
@@ -93,6 +94,7 @@ void check_health_of_parts(const Study& study, const std::string& page_file) {
 ExitCode check(const std::string& case_file, const std::string& page_file) {
   if (!page_file.empty()) require_writable(page_file);
   const Study study = load_study(case_file);
+  if (study.updating) check_first_values(study);
   print("{}\n\n", study.given.title.empty() ? case_file : study.given.title);
   print_table(substructure_table(study));
   print_table(connector_table(study));

@@ -44,9 +44,9 @@ void expect_derivatives(const ParameterisedModel& model, const VectorXd& paramet
     expect_matrix(dense(derivative.stiffness, n), above.model.stiffness, below.model.stiffness, step, name + " K");
     expect_matrix(dense(derivative.mass, n), above.model.mass, below.model.mass, step, name + " M");
     expect_matrix(dense(derivative.damping, n), above.model.damping, below.model.damping, step, name + " C");
-    for (std::size_t r = 0; r < above.modal_ratios.size(); ++r)
+    for (std::size_t r = 0; r < above.modal_ratios.values.size(); ++r)
       EXPECT_NEAR(derivative.modal_ratios.empty() ? 0.0 : derivative.modal_ratios[r],
-                  (above.modal_ratios[r] - below.modal_ratios[r]) / (2.0 * step), 1e-9)
+                  (above.modal_ratios.values[r] - below.modal_ratios.values[r]) / (2.0 * step), 1e-9)
           << name;
   }
 }
@@ -67,7 +67,7 @@ void expect_projection(const ParameterisedFiniteElements& model, const VectorXd&
     const MatrixXd expected = project(large.model.*matrix);
     EXPECT_LT((MatrixXd(small.model.*matrix) - expected).norm(), 1e-12 * expected.norm());
   }
-  EXPECT_EQ(small.modal_ratios, large.modal_ratios);
+  EXPECT_EQ(small.modal_ratios.values, large.modal_ratios.values);
 }
 
 LumpedSubstructure frame() {
@@ -142,7 +142,7 @@ TEST(ParameterisedFiniteElements, DerivativesAgreeWithDifferences) {
                                            "tip.torsion",          "end.mass",       "guide.stiffness",
                                            "damping.mass_factor",  "damping.modal.1"};
   const auto assembled = std::make_shared<const AssembledModel>(assemble(elements, {.parameters = wanted}));
-  const FiniteElementDamping damping{{0.4, 1e-5}, {0.02}};
+  const FiniteElementDamping damping{{0.4, 1e-5}, {{0.02}}};
   const auto full = std::make_shared<const LinearModel>(linear_model(elements, *assembled, {}, damping.rayleigh));
   const auto bindings = all_of(parameters_of(*assembled, damping), wanted);
   ASSERT_EQ(bindings.size(), wanted.size());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@ public:
   };
 
   std::vector<double> masses, stiffnesses, dashpots, ratios;
+  double ratios_up_to = std::numeric_limits<double>::infinity();  ///< [Hz]
   std::vector<Parameter> parameters;
 
   [[nodiscard]] ModelAtParameters at(const Eigen::VectorXd& values) const override {
@@ -31,7 +33,7 @@ public:
       lumped.springs.push_back({"storey" + std::to_string(i + 1), name(i), name(i + 1), chain.stiffnesses[i],
                                 chain.dashpots.empty() ? 0.0 : chain.dashpots[i]});
     }
-    return {assemble(lumped), chain.ratios};
+    return {assemble(lumped), {chain.ratios, ratios_up_to}};
   }
 
   [[nodiscard]] std::vector<ModelDerivative> derivatives(const Eigen::VectorXd&) const override {

@@ -20,11 +20,25 @@ using Kind = ChainModel::Kind;
 
 Complex at_frequency(double f, double width = 0.0) { return 2.0 * std::numbers::pi * Complex(width, f); }
 
+/// Ratios one a mode, with the rate 2 zeta omega constant above their limit.
+std::vector<double> ratios_of_all(const VectorXd& frequencies, const ModalRatios& ratios) {
+  std::vector<double> all;
+  for (const double f : frequencies) {
+    const bool own = f <= ratios.up_to;
+    all.push_back(own ? ratios.values[std::min(all.size(), ratios.values.size() - 1)]
+                      : all.back() * frequencies[Index(all.size()) - 1] / f);
+  }
+  return all;
+}
+
 /// (K + s (C + C_m) + s^2 M)^-1, with C_m formed.
 MatrixXcd direct_receptance(const ModelAtParameters& at, Complex s) {
   const auto& [model, ratios] = at;
   MatrixXd damping(model.damping);
-  if (!ratios.empty()) damping += modal_damping(model.mass, normal_modes(model.mass, model.stiffness), ratios);
+  if (!ratios.empty()) {
+    const NormalModes modes = normal_modes(model.mass, model.stiffness);
+    damping += modal_damping(model.mass, modes, ratios_of_all(modes.frequencies, ratios));
+  }
   return (MatrixXd(model.stiffness) + s * damping + s * s * MatrixXd(model.mass)).inverse();
 }
 
@@ -136,6 +150,36 @@ TEST(FrfModel, DerivativesAreThoseOfDifferences) {
         EXPECT_LT(derivative_error(model, small_values(), set, at_frequency(f, width)), 1e-6) << set << ", " << f;
 }
 
+// The middle one of three modes is the last with a ratio of its own: the third has its rate, not its ratio.
+TEST(FrfModel, ModesAboveTheLimitOfTheRatiosShareTheLastRate) {
+  const auto chain = small_chain();
+  const VectorXd frequencies =
+      normal_modes(chain->at(small_values()).model.mass, chain->at(small_values()).model.stiffness).frequencies;
+  const std::vector<FrfSet> sets = {{FrfInput::force, "floor2", floor_names, ResponseQuantity::displacement},
+                                    {FrfInput::ground_displacement, "base", {"floor3"}, ResponseQuantity::velocity}};
+  const Complex s = at_frequency(frequencies[2]);
+  const auto of_all = FrfModel(chain, sets, 15.0, small_values()).evaluate(small_values(), false).at(0, s).values;
+  for (const Index own : {1, 2}) {
+    chain->ratios_up_to = 0.5 * (frequencies[own - 1] + frequencies[own]);
+    const FrfModel model(chain, sets, 15.0, small_values());
+    const MatrixXcd direct = direct_receptance(chain->at(small_values()), s);
+    const auto limited = model.evaluate(small_values(), false).at(0, s).values;
+    EXPECT_LT((limited - direct.col(1)).norm(), 1e-12 * direct.norm()) << own;  // rounding
+    EXPECT_GT((limited - of_all).norm(), 0.02 * direct.norm()) << own;
+    for (std::size_t set = 0; set < 2; ++set)
+      for (const double f : {0.5, 2.9, 8.0, 15.0})
+        EXPECT_LT(derivative_error(model, small_values(), set, at_frequency(f, 0.1)), 1e-6) << set << ", " << f;
+  }
+  chain->ratios_up_to = 0.5 * frequencies[0];
+  const FrfEvaluation undamped = FrfModel(chain, sets, 15.0, small_values()).evaluate(small_values(), true);
+  const MatrixXcd direct = [&] {
+    ModelAtParameters at = chain->at(small_values());
+    at.modal_ratios = {};
+    return direct_receptance(at, s);
+  }();
+  EXPECT_LT((undamped.at(0, s).values - direct.col(1)).norm(), 1e-12 * direct.norm());
+}
+
 /// Any matrices K_0 + theta K_1, M, with one ratio.
 class MatrixFamily final : public ParameterisedModel {
 public:
@@ -150,7 +194,7 @@ public:
     at.model.stiffness = MatrixXd(stiffness + theta[0] * stiffness_per_theta).sparseView();
     at.model.mass = mass.sparseView();
     at.model.damping.resize(mass.rows(), mass.rows());
-    at.modal_ratios = ratios;
+    at.modal_ratios = {ratios};
     if (ground_stiffness.size() > 0)
       at.model.grounds.push_back(
           {"base", ground_stiffness + theta[0] * ground_stiffness_per_theta, VectorXd::Zero(mass.rows())});

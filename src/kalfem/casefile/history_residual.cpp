@@ -77,13 +77,11 @@ HistoryResidual::HistoryResidual(const Study& study, FullRecord record,
   for (std::size_t j = 0; j < sensors_.size(); ++j)
     measured_.col(static_cast<Index>(j)) = record_.series.values.col(record_.series.find(sensors_[j].name));
   const VectorXd start = initial_values(study.updating->parameters);
-  const auto first = estimate_at(structure_->at(start).parts, start, false);
-  if (!first)
-    throw InvalidInput("the filter does not run at the first values of the updated parameters", "the loop begins there",
-                       "change them, or the priors of the filter's unknowns");
   const double none = std::numeric_limits<double>::infinity();
   const auto counted = samples - settled_;
-  deviation_ = measured_.bottomRows(counted).array().isNaN().select(none, first->deviation.bottomRows(counted));
+  deviation_ = MatrixXd::Constant(counted, measured_.cols(), none);
+  if (const auto first = estimate_at(structure_->at(start).parts, start, false))
+    deviation_ = measured_.bottomRows(counted).array().isNaN().select(none, first->deviation.bottomRows(counted));
 }
 
 ObserverSetup HistoryResidual::observer_at(const Parts& parts, const VectorXd& parameters) const {

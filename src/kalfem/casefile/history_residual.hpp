@@ -32,7 +32,9 @@ public:
     bool hold_gains = false;           ///< in the derivatives
     double relative_step = 1e-4;       ///< of a parameter, to its scale
   };
-  /// Runs the filter once, at the first parameters. Throws InvalidInput where the substructure cannot be driven.
+  /// Runs the filter once, at the first parameters, for the deviations of its innovations. Throws InvalidInput where
+  /// the substructure cannot be driven. Where the filter fails there, evaluate() gives nothing at these parameters
+  /// either.
   HistoryResidual(const Study& study, FullRecord record, std::shared_ptr<const ParameterisedStructure> structure,
                   Options options);
 

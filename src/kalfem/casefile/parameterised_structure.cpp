@@ -19,7 +19,7 @@ const d::Damping& description_of_damping(const Study& study, const std::string& 
 
 FiniteElementDamping damping_of(const Study& study, const std::string& substructure) {
   const d::Damping& given = description_of_damping(study, substructure);
-  return {{given.mass_factor, given.stiffness_factor}, given.modal};
+  return {{given.mass_factor, given.stiffness_factor}, {given.modal, given.modal_up_to}};
 }
 
 const std::optional<Located<d::Reduction>>& reduction_of(const Study& study, const std::string& substructure) {
@@ -62,23 +62,23 @@ std::vector<ParameterBinding<Target>> bindings_of(const std::vector<StructureBin
   return own;
 }
 
-/// Ratios of all modes, one a mode: above a frequency [Hz] they fall as 1 / omega, as add_modal_damping() damps the
-/// modes of a large model. None where no mode lies below it.
-std::vector<double> ratios_of_all(const VectorXd& frequencies, const std::vector<double>& ratios, double up_to) {
-  const Index below = (frequencies.array() <= up_to).count();
+/// Ratios of all modes, one a mode: above their limit they fall as 1 / omega, as add_modal_damping() damps the modes of
+/// a large model. None where no mode lies below it.
+std::vector<double> ratios_of_all(const VectorXd& frequencies, const ModalRatios& ratios) {
+  const Index below = (frequencies.array() <= ratios.up_to).count();
   if (below == 0) return {};
   std::vector<double> all;
   for (Index i = 0; i < frequencies.size(); ++i)
-    all.push_back(i < below ? ratios[std::min(static_cast<std::size_t>(i), ratios.size() - 1)]
+    all.push_back(i < below ? ratios.values[std::min(static_cast<std::size_t>(i), ratios.values.size() - 1)]
                             : all[static_cast<std::size_t>(below) - 1] * frequencies[below - 1] / frequencies[i]);
   return all;
 }
 
-LinearModel damped(ModelAtParameters at, double up_to) {
+LinearModel damped(ModelAtParameters at) {
   auto& [model, ratios] = at;
   if (ratios.empty()) return model;
   const NormalModes modes = normal_modes(model.mass, model.stiffness);
-  const auto all = ratios_of_all(modes.frequencies, ratios, up_to);
+  const auto all = ratios_of_all(modes.frequencies, ratios);
   model.damping = SparseMatrix(model.damping + modal_damping(model.mass, modes, all));
   return model;
 }
@@ -167,8 +167,7 @@ Parts ParameterisedStructure::near(const StructureAtParameters& structure, const
   Parts parts = with_lumped_at(parameters);
   for (std::size_t i = 0; i < structure.in_basis.size(); ++i) {
     const std::string& name = study_.finite_elements[i].part->name;
-    const double up_to = description_of_damping(study_, name).modal_up_to;
-    parts.finite_elements.push_back({name, damped(structure.in_basis[i]->at(parameters), up_to)});
+    parts.finite_elements.push_back({name, damped(structure.in_basis[i]->at(parameters))});
   }
   return parts;
 }

@@ -11,17 +11,17 @@ using Eigen::Index;
 namespace {
 
 constexpr double far = 4.0;         ///< prior standard deviations
-constexpr double nis_factor = 1.2;  ///< of the mean NIS to the expected one, either way
+constexpr double nis_factor = 1.2;  ///< of the mean NIS to the expected one
 
-bool is_inconsistent(const ConsistencySummary& consistency) {
-  const double ratio = consistency.mean_nis / consistency.expected_nis;
-  return ratio > nis_factor || ratio < 1.0 / nis_factor;
+std::string remedy(double estimate) {
+  return fmt::format("start again from about {:.2g}, widen its std, or set transform: log", estimate);
 }
 
 }  // namespace
 
-std::vector<std::string> prior_conflicts(const EstimationStage& stage) {
-  std::vector<std::string> conflicts;
+PriorConflicts prior_conflicts(const EstimationStage& stage) {
+  PriorConflicts conflicts;
+  const double nis = stage.consistency.mean_nis, expected = stage.consistency.expected_nis;
   const auto& layout = stage.observer->layout();
   const Index last = stage.result.state.mean.cols() - 1;
   for (Index i = 0; i < layout.unknowns; ++i) {
@@ -31,14 +31,15 @@ std::vector<std::string> prior_conflicts(const EstimationStage& stage) {
     const double moved = std::abs(stage.result.state.mean(layout.unknown() + i, last) - start) / deviation;
     if (!(moved > far) || unknown.random_walk > 0.0) continue;
     const double estimate = stage.result.unknowns.mean(i, last);
-    std::string text =
+    const auto text =
         fmt::format("unknown '{}' ended at {:.4g} {}, {:.3g} prior standard deviations from its first guess {:.4g}",
                     unknown.name, estimate, unknown.unit, moved, unknown.initial);
-    if (is_inconsistent(stage.consistency))
-      text += fmt::format("; the mean NIS is {:.3g} (expected {:.3g}): do not trust the estimates",
-                          stage.consistency.mean_nis, stage.consistency.expected_nis);
-    conflicts.push_back(text +
-                        fmt::format("; start again from about {:.2g}, widen its std, or set transform: log", estimate));
+    if (nis > nis_factor * expected)
+      conflicts.failures.push_back(
+          fmt::format("{}, and the mean NIS is {:.3g} (expected {:.3g}): do not trust the estimates; {}", text, nis,
+                      expected, remedy(estimate)));
+    else
+      conflicts.warnings.push_back(fmt::format("{}; {}", text, remedy(estimate)));
   }
   return conflicts;
 }

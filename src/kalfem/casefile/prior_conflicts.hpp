@@ -7,10 +7,16 @@
 
 namespace kalfem {
 
-/// A sentence for each unknown whose estimate ended more than four prior standard deviations from its first guess: the
-/// prior contradicts the record. The filter linearises about its estimate, so that an estimate that travels so far may
-/// be wrong by many of its stated deviations; where the mean NIS is more than a fifth off as well, the sentence says
-/// that it cannot be trusted. Unknowns that are allowed to drift are left out.
-std::vector<std::string> prior_conflicts(const EstimationStage& stage);
+/// Estimates that contradict their priors, a sentence each.
+struct PriorConflicts {
+  std::vector<std::string> warnings;  ///< the estimate may hold all the same
+  std::vector<std::string> failures;  ///< it cannot be trusted
+};
+
+/// The unknowns whose estimates ended more than four prior standard deviations from their first guesses. The filter
+/// linearises about its estimate, so that an estimate that travels so far may be wrong by many of its stated
+/// deviations: it cannot be trusted where the mean NIS is more than a fifth above the expected one as well. Unknowns
+/// that are allowed to drift are left out.
+PriorConflicts prior_conflicts(const EstimationStage& stage);
 
 }  // namespace kalfem

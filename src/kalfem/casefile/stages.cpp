@@ -220,10 +220,11 @@ StudyResults run_study(const Study& study, Stage last, const RunOptions& options
       updated.emplace(updated_structure(study, *structure, *results.updating));
     }
   }
+  PriorConflicts conflicts;
   std::optional<ObserverSetup> observer = updated ? updated->observer : study.observer;
   if (results.usable() && last >= Stage::estimate && observer) {
     results.estimation = estimate_in_bases_of_estimates(study, *observer, results, options.progress, results.failure);
-    if (results.usable()) results.warnings = prior_conflicts(*results.estimation);
+    if (results.usable()) conflicts = prior_conflicts(*results.estimation);
     if (!updated &&
         observer->linear_unknowns.bindings.empty())  // else the basis of the pictures is not that of the observer
       if (auto series = estimated_fields(study, *results.estimation)) results.fields.push_back(std::move(*series));
@@ -235,6 +236,8 @@ StudyResults run_study(const Study& study, Stage last, const RunOptions& options
   }
   if (results.usable() && last >= Stage::predict)
     results.modifications = predict_modifications(study, results.updating);
+  results.warnings = std::move(conflicts.warnings);
+  for (const auto& text : conflicts.failures) results.failure += (results.usable() ? "" : "; ") + text;
   results.total_seconds = study.reduce_seconds + watch.seconds();
   return results;
 }

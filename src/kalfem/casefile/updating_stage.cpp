@@ -217,6 +217,40 @@ SensitivityCheckOptions check_options(const std::vector<ComparisonResidual>& com
   return options;
 }
 
+[[noreturn]] void refuse_first_values(const Study& study) {
+  throw InvalidInput(Issue{study.given.source.at({"update", "parameters"}),
+                           "update.parameters: the model has no response at their first values",
+                           "the search starts there", "change the first values"});
+}
+
+/// Throws InvalidInput with the place of every parameter that the comparisons do not depend on.
+void require_effects(const Study& study, const Eigen::MatrixXd& jacobian) {
+  IssueList issues;
+  for (const auto& name : without_effect(study.updating->parameters, jacobian))
+    issues.add(study.given.source.at({"update", "parameters", name}),
+               "update.parameters." + name + ": no comparison depends on it", "a parameter is found by what it changes",
+               "remove it, or compare with a measurement that it changes");
+  issues.raise();
+}
+
+/// The sum of the comparisons that need no record at the first values; nothing where there are none of them.
+std::optional<ResidualValue> first_values_without_record(const Study& study,
+                                                         std::vector<ComparisonResidual> comparisons) {
+  std::erase_if(comparisons, [](const ComparisonResidual& each) { return each.of_record; });
+  if (comparisons.empty()) return std::nullopt;
+  const ResidualSum residual = sum_of(comparisons, rounds_of(comparisons) - 1);
+  auto value = residual.evaluate(initial_values(study.updating->parameters), true);
+  if (!value) refuse_first_values(study);
+  return value;
+}
+
+/// Why there is no residual at the first values, where the comparisons with the record are the reason.
+std::string failure_at_first_values(const Study& study, const std::vector<ComparisonResidual>& comparisons) {
+  first_values_without_record(study, comparisons);
+  return "at the first values of the updated parameters the filter or the simulation of the record fails; change them, "
+         "or the priors of the filter's unknowns";
+}
+
 std::string unusable(const UpdatingStage& stage, const LastResidual& last) {
   if (!last || !std::isfinite(stage.residual_final) || !stage.values.allFinite())
     return "the updating found no parameters at which the model has a response";
@@ -236,10 +270,11 @@ UpdatingStage update_stage(const Study& study, std::vector<ComparisonResidual> c
   UpdatingStage stage;
   stage.values = initial_values(parameters);
   const auto first = residual.evaluate(stage.values, true);
-  if (!first)
-    throw InvalidInput("the model has no response at the first values of the updated parameters",
-                       "the search begins there", "change the first values");
-  require_informed(parameters, first->jacobian);
+  if (!first) {
+    failure = failure_at_first_values(study, comparisons);
+    return stage;
+  }
+  require_effects(study, first->jacobian);
   stage.residual_initial = rms_of(0.5 * first->values.squaredNorm(), residual.size());
   if (given.check_sensitivities)
     stage.sensitivities = check_sensitivities(residual, parameters, stage.values, check_options(comparisons));
@@ -257,6 +292,12 @@ UpdatingStage update_stage(const Study& study, std::vector<ComparisonResidual> c
   }
   stage.seconds = watch.seconds();
   return stage;
+}
+
+void check_first_values(const Study& study) {
+  const auto comparisons = make_comparisons(study, parameterised_structure(study));
+  const auto first = first_values_without_record(study, comparisons);
+  if (first && comparisons.size() == study.given.update->comparisons.size()) require_effects(study, first->jacobian);
 }
 
 }  // namespace kalfem

@@ -16,4 +16,8 @@ UpdatingStage update_stage(const Study& study, std::vector<ComparisonResidual> c
                            const std::shared_ptr<const ParameterisedStructure>& structure, const RunOptions& options,
                            std::string& failure);
 
+/// What update_stage() refuses at the first values, of the comparisons that need no record: throws InvalidInput where
+/// one of them has no value there, and, where all of them need none, where nothing depends on a parameter.
+void check_first_values(const Study& study);
+
 }  // namespace kalfem

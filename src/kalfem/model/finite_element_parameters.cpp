@@ -43,8 +43,8 @@ std::vector<AffineTerm> projected(const std::vector<AffineTerm>& terms, const st
 void apply(FiniteElementDamping& damping, const FiniteElementParameter& parameter, double value) {
   if (parameter.kind == FeKind::mass_factor) damping.rayleigh.mass_factor = value;
   if (parameter.kind == FeKind::stiffness_factor) damping.rayleigh.stiffness_factor = value;
-  if (parameter.kind == FeKind::modal_ratio) damping.modal_ratios[parameter.ratio] = value;
-  if (parameter.kind == FeKind::all_modal_ratios) std::ranges::fill(damping.modal_ratios, value);
+  if (parameter.kind == FeKind::modal_ratio) damping.modal_ratios.values[parameter.ratio] = value;
+  if (parameter.kind == FeKind::all_modal_ratios) std::ranges::fill(damping.modal_ratios.values, value);
 }
 
 bool ends_with_any(const std::string& name, const std::vector<std::string>& ends) {
@@ -58,7 +58,7 @@ std::vector<std::pair<std::string, FiniteElementParameter>> parameters_of(const 
   std::vector<std::pair<std::string, FiniteElementParameter>> all;
   for (const auto& [name, value] : assembled.parameters) all.push_back({name, {FeKind::matrix, name, 0}});
   if (!damping.modal_ratios.empty()) all.push_back({"damping.modal", {FeKind::all_modal_ratios, "", 0}});
-  for (std::size_t i = 0; i < damping.modal_ratios.size(); ++i)
+  for (std::size_t i = 0; i < damping.modal_ratios.values.size(); ++i)
     all.push_back({"damping.modal." + std::to_string(i + 1), {FeKind::modal_ratio, "", i}});
   all.push_back({"damping.mass_factor", {FeKind::mass_factor, "", 0}});
   all.push_back({"damping.stiffness_factor", {FeKind::stiffness_factor, "", 0}});
@@ -81,7 +81,7 @@ double value_of(const AssembledModel& assembled, const FiniteElementDamping& dam
                 const FiniteElementParameter& parameter) {
   if (parameter.kind == FeKind::mass_factor) return damping.rayleigh.mass_factor;
   if (parameter.kind == FeKind::stiffness_factor) return damping.rayleigh.stiffness_factor;
-  if (parameter.kind != FeKind::matrix) return damping.modal_ratios[parameter.ratio];
+  if (parameter.kind != FeKind::matrix) return damping.modal_ratios.values[parameter.ratio];
   return assembled.parameters.at(parameter.name);
 }
 
@@ -145,8 +145,8 @@ std::vector<ModelDerivative> ParameterisedFiniteElements::derivatives(const Eige
     } else if (target.kind == FeKind::stiffness_factor) {
       add_to(derivative.damping, evaluate(assembled_->stiffness, values));
     } else {
-      derivative.modal_ratios.resize(damping.modal_ratios.size(), 0.0);
-      for (std::size_t i = 0; i < damping.modal_ratios.size(); ++i)
+      derivative.modal_ratios.resize(damping.modal_ratios.values.size(), 0.0);
+      for (std::size_t i = 0; i < damping.modal_ratios.values.size(); ++i)
         if (target.kind == FeKind::all_modal_ratios || i == target.ratio) derivative.modal_ratios[i] = 1.0;
     }
   }

@@ -23,7 +23,7 @@ struct FiniteElementParameter {
 /// Damping of a finite-element model beside its dashpots.
 struct FiniteElementDamping {
   FeDamping rayleigh;
-  std::vector<double> modal_ratios;  ///< one a mode, the last holds for all further ones
+  ModalRatios modal_ratios = {};
 };
 
 /// Every parameter that the model has, under the names of LumpedParameter where it is the same thing.

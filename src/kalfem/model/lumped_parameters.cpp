@@ -118,8 +118,8 @@ LumpedSubstructure ParameterisedLumped::substructure_at(const Eigen::VectorXd& p
 
 ModelAtParameters ParameterisedLumped::at(const Eigen::VectorXd& parameters) const {
   LumpedSubstructure substructure = substructure_at(parameters);
-  std::vector<double> ratios;
-  std::swap(ratios, substructure.modal_damping);
+  ModalRatios ratios;
+  std::swap(ratios.values, substructure.modal_damping);
   return {assemble(substructure), ratios};
 }
 

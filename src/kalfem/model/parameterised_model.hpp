@@ -1,16 +1,26 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "kalfem/model/linear_model.hpp"
 
 namespace kalfem {
 
+/// Damping ratios of modes, to critical.
+struct ModalRatios {
+  std::vector<double> values = {};  ///< one a mode; the last holds for all further ones; empty: no such damping
+  /// Modes above have the damping rate 2 zeta omega of the last one below, see add_modal_damping() [Hz]
+  double up_to = std::numeric_limits<double>::infinity();
+
+  [[nodiscard]] bool empty() const { return values.empty(); }
+};
+
 /// A linear model at one value of its parameters. Damping by modal ratios is kept apart from the matrices, so that who
 /// works in modes need not form it.
 struct ModelAtParameters {
-  LinearModel model;                 ///< without damping by modal ratios
-  std::vector<double> modal_ratios;  ///< to critical, one a mode; the last holds for all further ones; empty: none
+  LinearModel model;  ///< without damping by modal ratios
+  ModalRatios modal_ratios;
 };
 
 /// Derivative of a model with respect to one parameter. A matrix that does not depend on it is 0 x 0.

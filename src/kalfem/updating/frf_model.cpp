@@ -116,7 +116,7 @@ MatrixXcd line_derivatives(const FrfEvaluation& evaluation, const FrfEvaluation:
 }
 
 FrfEvaluation::Derivative reduced(const ResponseBasis& basis, const ModelDerivative& derivative,
-                                  const std::vector<double>& ratios) {
+                                  const ModalRatios& ratios) {
   FrfEvaluation::Derivative reduced{projected(basis.shapes, derivative.stiffness),
                                     projected(basis.shapes, derivative.mass),
                                     projected(basis.shapes, derivative.damping),

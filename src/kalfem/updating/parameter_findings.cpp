@@ -92,17 +92,15 @@ std::vector<std::string> parameter_findings(const Parameters& parameters, const 
   return findings;
 }
 
-void require_informed(const Parameters& parameters, const Eigen::MatrixXd& jacobian) {
+std::vector<std::string> without_effect(const Parameters& parameters, const Eigen::MatrixXd& jacobian) {
   constexpr double rounding = 1e-10;  // of the largest column
-  IssueList issues;
+  std::vector<std::string> names;
   Eigen::VectorXd effects = jacobian.colwise().norm();
   for (std::size_t i = 0; i < parameters.size(); ++i) effects[static_cast<Index>(i)] *= parameters[i].scale();
   for (std::size_t i = 0; i < parameters.size(); ++i)
     if (parameters[i].lower < parameters[i].upper && effects[static_cast<Index>(i)] <= rounding * effects.maxCoeff())
-      issues.add({}, fmt::format("{}: the residual does not depend on it", parameters[i].name),
-                 "a parameter is found by what it changes",
-                 "take it out, or compare with a measurement that it changes");
-  issues.raise();
+      names.push_back(parameters[i].name);
+  return names;
 }
 
 }  // namespace kalfem

@@ -13,8 +13,8 @@ namespace kalfem {
 std::vector<std::string> parameter_findings(const std::vector<UpdatingParameter>& parameters,
                                             const Eigen::VectorXd& values, const ParameterStatistics& statistics);
 
-/// Throws InvalidInput with every parameter without equal bounds whose column of the Jacobian is zero at the start: the
-/// residual does not depend on it.
-void require_informed(const std::vector<UpdatingParameter>& parameters, const Eigen::MatrixXd& jacobian);
+/// The parameters without equal bounds whose columns of the Jacobian are zero: the residual does not depend on them.
+std::vector<std::string> without_effect(const std::vector<UpdatingParameter>& parameters,
+                                        const Eigen::MatrixXd& jacobian);
 
 }  // namespace kalfem

@@ -73,26 +73,39 @@ void append(ResponseBasis& basis, const MatrixXd& shapes, const SparseMatrix& ma
   }
 }
 
-VectorXd ratios_of(Index size, const std::vector<double>& ratios) {
-  VectorXd all = VectorXd::Zero(size);
-  for (Index j = 0; j < size && !ratios.empty(); ++j)
-    all[j] = ratios[std::min(static_cast<std::size_t>(j), ratios.size() - 1)];
-  return all;
+/// Number `j` of a list whose last entry holds for all further ones.
+double entry_of(const std::vector<double>& ratios, Index j) {
+  return ratios[std::min(static_cast<std::size_t>(j), ratios.size() - 1)];
 }
 
-/// Two shapes' share in the derivative of C_m.
+/// Which shapes have ratios of their own. All others share the rate of mode `last`; -1: nothing is damped.
+struct RatioRange {
+  Eigen::Array<bool, Eigen::Dynamic, 1> own;
+  Index last = -1;
+
+  RatioRange(const ResponseBasis& basis, const ModalRatios& ratios)
+      : own(basis.circular_frequencies().array() <= 2.0 * std::numbers::pi * ratios.up_to) {
+    if (!ratios.values.empty()) last = own.head(basis.modes).count() - 1;
+  }
+};
+
+/// Two shapes' share in the derivative of C_m: their circular frequencies and damping rates, and whether both have a
+/// ratio of their own.
 struct ShapePair {
-  double zeta_j, zeta_k, omega_j, omega_k;
+  double omega_j, omega_k, rate_j, rate_k;
+  bool own_ratios;
 
   [[nodiscard]] double derivative(double a, double b) const {
-    const double sum = omega_j + omega_k;
+    const double sum = omega_j + omega_k, difference = omega_j - omega_k;
     if (sum == 0.0) return 0.0;
-    const double difference = omega_j - omega_k;
-    if (zeta_j == zeta_k || std::abs(difference) <= same_frequency * sum)
-      return (zeta_j + zeta_k) * (a + omega_j * omega_k * b) / sum;
-    const double g_j = 2.0 * zeta_j * omega_j, g_k = 2.0 * zeta_k * omega_k;
+    const bool same_ratio = rate_j * omega_k == rate_k * omega_j;
+    if (own_ratios && (same_ratio || std::abs(difference) <= same_frequency * sum)) {
+      const double twice_ratio = (rate_j + rate_k) / sum;
+      return twice_ratio * (a + omega_j * omega_k * b) / sum;
+    }
+    if (rate_j == rate_k || std::abs(difference) <= same_frequency * sum) return 0.5 * (rate_j + rate_k) * b;
     const double lambda_j = omega_j * omega_j, lambda_k = omega_k * omega_k;
-    return (a * (g_j - g_k) + b * (g_k * lambda_j - g_j * lambda_k)) / (sum * difference);
+    return (a * (rate_j - rate_k) + b * (rate_k * lambda_j - rate_j * lambda_k)) / (sum * difference);
   }
 };
 
@@ -121,23 +134,42 @@ ResponseBasis response_basis(const LinearModel& model, const MatrixXd& places, d
   return basis;
 }
 
-VectorXd modal_damping_rates(const ResponseBasis& basis, const std::vector<double>& ratios) {
-  return 2.0 * ratios_of(basis.size(), ratios).cwiseProduct(basis.circular_frequencies());
+VectorXd modal_damping_rates(const ResponseBasis& basis, const ModalRatios& ratios) {
+  VectorXd rates = VectorXd::Zero(basis.size());
+  const RatioRange range(basis, ratios);
+  if (range.last < 0) return rates;
+  const VectorXd omega = basis.circular_frequencies();
+  for (Index j = 0; j < basis.size(); ++j) {
+    const Index from = range.own[j] ? j : range.last;
+    if (basis.mass[j] > 0.0) rates[j] = 2.0 * entry_of(ratios.values, from) * omega[from];
+  }
+  return rates;
 }
 
-MatrixXd modal_damping_derivative(const ResponseBasis& basis, const std::vector<double>& ratios,
+MatrixXd modal_damping_derivative(const ResponseBasis& basis, const ModalRatios& ratios,
                                   const std::vector<double>& ratio_derivatives, const MatrixXd& stiffness_derivative,
                                   const MatrixXd& mass_derivative) {
   const Index size = basis.size();
-  const VectorXd zeta = ratios_of(size, ratios), omega = basis.circular_frequencies();
-  const auto entry = [](const MatrixXd& matrix, Index j, Index k) { return matrix.size() == 0 ? 0.0 : matrix(j, k); };
   MatrixXd derivative = MatrixXd::Zero(size, size);
+  const RatioRange range(basis, ratios);
+  if (range.last < 0) return derivative;
+  const VectorXd rates = modal_damping_rates(basis, ratios), omega = basis.circular_frequencies();
+  const auto entry = [](const MatrixXd& matrix, Index j, Index k) { return matrix.size() == 0 ? 0.0 : matrix(j, k); };
   for (Index j = 0; j < size; ++j)
-    for (Index k = 0; k < size && !ratios.empty(); ++k)
+    for (Index k = 0; k < size; ++k)
       if (basis.mass[j] > 0.0 && basis.mass[k] > 0.0)
-        derivative(j, k) = ShapePair{zeta[j], zeta[k], omega[j], omega[k]}.derivative(entry(stiffness_derivative, j, k),
-                                                                                      entry(mass_derivative, j, k));
-  derivative.diagonal() += 2.0 * ratios_of(size, ratio_derivatives).cwiseProduct(omega);
+        derivative(j, k) = ShapePair{omega[j], omega[k], rates[j], rates[k], range.own[j] && range.own[k]}.derivative(
+            entry(stiffness_derivative, j, k), entry(mass_derivative, j, k));
+  const auto of_ratio = [&](Index j) {
+    return ratio_derivatives.empty() ? 0.0 : 2.0 * entry_of(ratio_derivatives, j) * omega[j];
+  };
+  const Index c = range.last;
+  const double of_frequency =
+      omega[c] == 0.0 ? 0.0
+                      : entry_of(ratios.values, c) *
+                            (entry(stiffness_derivative, c, c) / omega[c] - omega[c] * entry(mass_derivative, c, c));
+  for (Index j = 0; j < size; ++j)
+    if (basis.mass[j] > 0.0) derivative(j, j) += range.own[j] ? of_ratio(j) : of_ratio(c) + of_frequency;
   return derivative;
 }
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "kalfem/model/linear_model.hpp"
+#include "kalfem/model/parameterised_model.hpp"
 
 namespace kalfem {
 
@@ -34,19 +34,23 @@ struct ResponseBasis {
 ResponseBasis response_basis(const LinearModel& model, const Eigen::MatrixXd& places, double highest,
                              const ResponseBasisOptions& options);
 
-/// V^T C_m V of damping by ratios (one a mode, the last for all further ones), the static shapes taken as modes:
-/// diag(2 zeta_j omega_j).
-Eigen::VectorXd modal_damping_rates(const ResponseBasis& basis, const std::vector<double>& ratios);
+/// V^T C_m V of damping by ratios, the static shapes taken as modes: diag(g_j) with the rates g_j = 2 zeta_j omega_j
+/// [1/s]. Shapes above the ratios' limit have the rate of the last mode below it, see add_modal_damping(); where no
+/// mode lies below it, nothing is damped.
+Eigen::VectorXd modal_damping_rates(const ResponseBasis& basis, const ModalRatios& ratios);
 
-/// Derivative of V^T C_m V, V held, when K, M and the ratios change; C_m = M Phi diag(g) Phi^T M, g_j = 2 zeta_j
-/// omega_j, follows with its modes and their frequencies. With A = V^T dK V, B = V^T dM V and lambda = omega^2,
+/// Derivative of V^T C_m V, V held, when K, M and the ratios change; C_m = M Phi diag(g) Phi^T M follows with its modes
+/// and their frequencies. With A = V^T dK V, B = V^T dM V and lambda = omega^2,
 ///     dC_jk = A_jk (g_j - g_k) / (lambda_j - lambda_k) + B_jk (g_k lambda_j - g_j lambda_k) / (lambda_j - lambda_k),
 /// from the first-order change of eigenvectors [FK68]; where ratios are equal, and so also for repeated modes,
 ///     dC_jk = 2 zeta (A_jk + omega_j omega_k B_jk) / (omega_j + omega_k),
-/// and diag(2 omega_j dzeta_j) added. Exact where the basis holds all modes. Neglected: in a truncated basis the shares
-/// of modes beyond the static shapes; modes with one frequency and different ratios, taken with the mean of these; and
-/// mass that a parameter gives to a shape without mass.
-Eigen::MatrixXd modal_damping_derivative(const ResponseBasis& basis, const std::vector<double>& ratios,
+/// and dC_jk = g B_jk where both have the same rate g because they lie above the ratios' limit. To this come
+/// diag(2 omega_j dzeta_j) and, above the limit, the change of the rate of the last mode below it,
+/// dg_c = 2 omega_c dzeta_c + zeta_c (A_cc - lambda_c B_cc) / omega_c.
+/// Exact where the basis holds all modes. Neglected: in a truncated basis the shares of modes beyond the static shapes;
+/// modes with one frequency and different ratios, taken with the mean of these; and mass that a parameter gives to a
+/// shape without mass.
+Eigen::MatrixXd modal_damping_derivative(const ResponseBasis& basis, const ModalRatios& ratios,
                                          const std::vector<double>& ratio_derivatives,
                                          const Eigen::MatrixXd& stiffness_derivative,
                                          const Eigen::MatrixXd& mass_derivative);
