@@ -56,8 +56,8 @@ UnknownParameter unknown(const std::string& name, Index parameter, double initia
   return result;
 }
 
-ObserverOptions observer_options(Index dofs, StateCoordinates coordinates) {
-  ObserverOptions options;
+AugmentedModelOptions augmented_model_options(Index dofs, StateCoordinates coordinates) {
+  AugmentedModelOptions options;
   options.coordinates = coordinates;
   options.step = step;
   options.unknowns = {unknown("mu_k1", 1, 0.8 * mu_k1, 0.15 * mu_k1), unknown("mu_c1", 4, 1.2 * mu_c1, 0.15 * mu_c1)};
@@ -97,11 +97,12 @@ ChainCase chain_case(Index states, Index samples) {
   const InitialState rest{VectorXd::Zero(dofs), VectorXd::Zero(dofs), VectorXd()};
   const auto result =
       simulate(model.system(), {road}, rest, {.step = step, .duration = static_cast<double>(samples - 1) * step});
-  const auto observer = [&](StateCoordinates coordinates) {
-    return std::make_unique<Observer>(model.system(), outputs, std::vector<MeasurementChain>{},
-                                      observer_options(dofs, coordinates));
+  const auto augmented_model = [&](StateCoordinates coordinates) {
+    return std::make_unique<AugmentedModel>(model.system(), outputs, std::vector<MeasurementChain>{},
+                                            augmented_model_options(dofs, coordinates));
   };
-  return {observer(StateCoordinates::physical), observer(StateCoordinates::modal), record(outputs, result)};
+  return {augmented_model(StateCoordinates::physical), augmented_model(StateCoordinates::modal),
+          record(outputs, result)};
 }
 
 }  // namespace kalfem::benchmarks

@@ -2,16 +2,17 @@
 
 #include <memory>
 
+#include "kalfem/estimation/augmented_model.hpp"
 #include "kalfem/estimation/estimate.hpp"
-#include "kalfem/estimation/observer.hpp"
 
 namespace kalfem::benchmarks {
 
 /// The chain of the worked example with any number of masses: wheel on a moving ground, saturating suspension with
 /// unknown mu_k1 and mu_c1, upper masses, four noisy accelerometers spread along it, and a record of its motion.
 struct ChainCase {
-  std::unique_ptr<Observer> observer;        ///< in physical coordinates
-  std::unique_ptr<Observer> modal_observer;  ///< the same in modal coordinates, for partially linear filters
+  std::unique_ptr<AugmentedModel> augmented_model;  ///< in physical coordinates
+  std::unique_ptr<AugmentedModel>
+      modal_augmented_model;  ///< the same in modal coordinates, for partially linear filters
   Record record;
 };
 

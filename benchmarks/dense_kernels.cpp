@@ -2,7 +2,7 @@
 
 #include "blas_copy.hpp"
 #include "kalfem/base/independent.hpp"
-#include "kalfem/estimation/small_kernels.hpp"
+#include "kalfem/estimation/kernels/small_kernels.hpp"
 
 namespace kalfem::benchmarks {
 

@@ -47,8 +47,9 @@ public:
 
   void run(benchmark::State& state) {
     if (!walk_) {
-      const auto& observer = kind_ == FilterKind::partially_linear ? chain_->modal_observer : chain_->observer;
-      walk_ = std::make_unique<FilterWalk>(*observer, chain_->record, kind_);
+      const auto& augmented_model =
+          kind_ == FilterKind::partially_linear ? chain_->modal_augmented_model : chain_->augmented_model;
+      walk_ = std::make_unique<FilterWalk>(*augmented_model, chain_->record, kind_);
       for (int i = 0; i < warm_up_; ++i)
         if (!walk_->step()) return state.SkipWithError("the filter failed");
     }

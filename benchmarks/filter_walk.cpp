@@ -2,17 +2,17 @@
 
 namespace kalfem::benchmarks {
 
-FilterWalk::FilterWalk(const Observer& observer, const Record& record, FilterKind kind)
-    : observer_(&observer),
+FilterWalk::FilterWalk(const AugmentedModel& augmented_model, const Record& record, FilterKind kind)
+    : augmented_model_(&augmented_model),
       record_(&record),
-      transition_(observer),
-      measurement_(observer, sensor_outputs),
+      transition_(augmented_model),
+      measurement_(augmented_model, sensor_outputs),
       filter_(make_filter(kind, {}, &transition_)) {
   restart();
 }
 
 void FilterWalk::restart() {
-  filter_->reset(observer_->prior());
+  filter_->reset(augmented_model_->prior());
   sample_ = 0;
 }
 
@@ -20,7 +20,7 @@ bool FilterWalk::step() {
   if (at_end()) restart();
   ++sample_;
   transition_.set_inputs(record_->inputs.col(sample_ - 1), record_->inputs.col(sample_));
-  if (filter_->predict(transition_, observer_->process_noise()) != FilterOutcome::usable) return false;
+  if (filter_->predict(transition_, augmented_model_->process_noise()) != FilterOutcome::usable) return false;
   measurement_.set_inputs(record_->inputs.col(sample_));
   measured_ = record_->measurements.col(sample_);
   return filter_->update(measurement_, record_->noise, measured_, innovation_) == FilterOutcome::usable;

@@ -4,14 +4,14 @@
 
 #include "kalfem/estimation/estimate.hpp"
 #include "kalfem/estimation/filter.hpp"
-#include "kalfem/estimation/observer_maps.hpp"
+#include "kalfem/estimation/process_model.hpp"
 
 namespace kalfem::benchmarks {
 
 /// A filter that walks through a record. Observer and record must outlive it.
 class FilterWalk {
 public:
-  FilterWalk(const Observer& observer, const Record& record, FilterKind kind);
+  FilterWalk(const AugmentedModel& augmented_model, const Record& record, FilterKind kind);
 
   /// Predict and update by one sample, from the prior again after the last one; false where the filter failed.
   bool step();
@@ -20,10 +20,10 @@ public:
   void restart();
 
 private:
-  const Observer* observer_;
+  const AugmentedModel* augmented_model_;
   const Record* record_;
-  TransitionMap transition_;
-  InstantMap measurement_;
+  ProcessModel transition_;
+  MeasurementModel measurement_;
   std::unique_ptr<Filter> filter_;  ///< made for the transition
   Innovation innovation_;
   Eigen::VectorXd measured_;

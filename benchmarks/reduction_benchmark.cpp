@@ -144,19 +144,19 @@ int main(int argc, char** argv) {
 
   Superelement element;
   const double reduction =
-      seconds([&] { element = craig_bampton(model, boundary, {.modes = {.count = 60}, .evidence = false}); });
+      seconds([&] { element = craig_bampton(model, boundary, {.modes = {.count = 60}, .error_indicators = false}); });
   line("Craig-Bampton, 24 + 60, without evidence", reduction, "s");
-  line("  back-solves", double(element.evidence.solves), "");
-  line("  highest kept", element.evidence.highest_kept, "Hz");
-  line("  static error", element.evidence.static_error, "");
+  line("  back-solves", double(element.error_indicators.solves), "");
+  line("  highest kept", element.error_indicators.highest_kept, "Hz");
+  line("  static error", element.error_indicators.static_error, "");
   line("  ratio to one factorisation and its back-solves",
-       reduction / (first + double(element.evidence.solves) * eight), "");
+       reduction / (first + double(element.error_indicators.solves) * eight), "");
   line("  ratio to one factorisation and single back-solves",
-       reduction / (first + double(element.evidence.solves) * single), "");
+       reduction / (first + double(element.error_indicators.solves) * single), "");
   line("peak memory", memory_megabytes("VmHWM"), "MB");
   const double compared = seconds([&] { element = craig_bampton(model, boundary, {.modes = {.count = 60}}); });
   line("Craig-Bampton with evidence", compared, "s");
-  for (const auto& mode : element.evidence.modes)
+  for (const auto& mode : element.error_indicators.modes)
     std::printf("  %9.3f Hz full %9.3f Hz reduced, MAC %.4f, residual %.1e\n", mode.full, mode.reduced, mode.mac,
                 mode.residual);
   return 0;

@@ -6,12 +6,12 @@
 #include <cstdio>
 #include <vector>
 
-#include "kalfem/casefile/boundary_drive.hpp"
-#include "kalfem/casefile/estimation_stage.hpp"
-#include "kalfem/casefile/history_residual.hpp"
-#include "kalfem/casefile/initial_state.hpp"
-#include "kalfem/casefile/simulation_residual.hpp"
 #include "kalfem/dynamics/simulate.hpp"
+#include "kalfem/pipeline/run_estimation.hpp"
+#include "kalfem/study/driven_substructure.hpp"
+#include "kalfem/study/initial_state.hpp"
+#include "kalfem/study/record_residual.hpp"
+#include "kalfem/study/simulation_residual.hpp"
 #include "timing.hpp"
 
 namespace {
@@ -57,16 +57,17 @@ void time_simulation_residual(const Study& study, const FullRecord& record) {
 }
 
 /// What a stage is made of, each alone: seconds of the reduction, the filter pass and the prediction.
-struct StageParts {
+struct SectionParts {
   double reduction = 0.0, filter = 0.0, prediction = 0.0;
   [[nodiscard]] double sum() const { return reduction + filter + prediction; }
 };
 
-StageParts time_parts(const HistoryResidual& residual, const ParameterisedStructure& structure, const VectorXd& start) {
-  StageParts parts;
+SectionParts time_parts(const RecordResidual& residual, const ParameterisedStructure& structure,
+                        const VectorXd& start) {
+  SectionParts parts;
   StructureAtParameters here;
   parts.reduction = seconds([&] { here = structure.at(start); });
-  HistoryResidual::Estimate estimate;
+  RecordResidual::Estimate estimate;
   parts.filter = seconds([&] { estimate = *residual.estimate_at(here.parts, start, false); });
   parts.prediction = seconds([&] { return residual.predict_from(estimate); });
   return parts;
@@ -75,15 +76,15 @@ StageParts time_parts(const HistoryResidual& residual, const ParameterisedStruct
 void time_stages(const Study& study, const FullRecord& record, int repetitions) {
   const auto structure = parameterised_structure(study);
   const auto& given = std::get<description::DrivenHistory>(study.given.update->comparisons.front().second.value.data);
-  const HistoryResidual residual(study, record, structure,
-                                 {.name = "record",
-                                  .substructure = given.substructure.value,
-                                  .sensors = names_of(study.sensors),
-                                  .hold_gains = !study.finite_elements.empty()});
+  const RecordResidual residual(study, record, structure,
+                                {.name = "record",
+                                 .substructure = given.substructure.value,
+                                 .sensors = names_of(study.sensors),
+                                 .hold_gains = !study.finite_elements.empty()});
   const VectorXd start = initial_values(study.updating->parameters);
   std::vector<double> first, later, reductions, filters, predictions, sums;
   for (int repetition = 0; repetition < repetitions; ++repetition) {
-    const StageParts parts = time_parts(residual, *structure, start);
+    const SectionParts parts = time_parts(residual, *structure, start);
     reductions.push_back(parts.reduction);
     filters.push_back(parts.filter);
     predictions.push_back(parts.prediction);
@@ -100,7 +101,7 @@ void time_stages(const Study& study, const FullRecord& record, int repetitions) 
   line("  ratio to the three", median(later) / median(sums), "");
 }
 
-FullRecord simulated_record(const Study& study) { return full_record(study, run_study(study, Stage::simulate)); }
+FullRecord simulated_record(const Study& study) { return full_record(study, run_study(study, Step::simulate)); }
 
 }  // namespace
 

@@ -1,21 +1,21 @@
 // Time of one full-order step of the vehicle against one back-solve with its factor, medians of alternating blocks in
-// one run, the reduction against its own factorisation and back-solves, and the observer against real time at its
-// sampling rate and at half of it. Usage: vehicle_benchmark CASE.yaml
+// one run, the reduction against its own factorisation and back-solves, and the augmented model against real time at
+// its sampling rate and at half of it. Usage: vehicle_benchmark CASE.yaml
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <vector>
 
 #include "filter_walk.hpp"
-#include "kalfem/casefile/case_reader.hpp"
 #include "kalfem/casefile/description_form.hpp"
-#include "kalfem/casefile/study.hpp"
 #include "kalfem/dynamics/damped_mode_split.hpp"
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/estimation/filter_choice.hpp"
 #include "kalfem/linalg/blas_kernels.hpp"
 #include "kalfem/linalg/sparse_factor.hpp"
 #include "kalfem/linalg/sparse_select.hpp"
+#include "kalfem/study/study.hpp"
+#include "kalfem/yaml/case_reader.hpp"
 #include "timing.hpp"
 
 namespace {
@@ -90,7 +90,7 @@ void time_reduction(const FiniteElementPart& part) {
   line("peak memory of reading, assembly and damping", memory_megabytes("VmHWM"), "MB");
   forget_peak();
   const double resident = memory_megabytes("VmRSS");
-  (void)craig_bampton(part.full, boundary, {.modes = {.count = 60}, .evidence = false});
+  (void)craig_bampton(part.full, boundary, {.modes = {.count = 60}, .error_indicators = false});
   const double peak = memory_megabytes("VmHWM");
   line("resident with the assembled model", resident, "MB");
   line("peak memory of the reduction, with that", peak, "MB");
@@ -99,11 +99,12 @@ void time_reduction(const FiniteElementPart& part) {
   double memory = 0.0, own = 0.0, bare = 0.0;
   for (int repetition = 0; repetition < 5; ++repetition) {
     Superelement element;
-    own = seconds([&] { element = craig_bampton(part.full, boundary, {.modes = {.count = 60}, .evidence = false}); });
+    own = seconds(
+        [&] { element = craig_bampton(part.full, boundary, {.modes = {.count = 60}, .error_indicators = false}); });
     const double factorisation = seconds([&] { memory = SparseFactor(stiffness).bytes(); });
     const SparseFactor factor(stiffness);
     VectorXd load = VectorXd::Random(factor.size()), solution = load;
-    const auto count = static_cast<int>(element.evidence.solves);
+    const auto count = static_cast<int>(element.error_indicators.solves);
     bare = factorisation + seconds([&] {
              for (int i = 0; i < count; ++i) factor.solve(load, solution);
            });
@@ -116,10 +117,10 @@ void time_reduction(const FiniteElementPart& part) {
   line("six times that", 6.0 * memory / 1e6, "MB");
 }
 
-/// The observer over noise of the sensors' size: its time does not depend on what it is told.
-void time_observer(const Study& study, const std::string& held) {
+/// The augmented model over noise of the sensors' size: its time does not depend on what it is told.
+void time_augmented_model(const Study& study, const std::string& held) {
   constexpr Index samples = 1001, steps = 4000;
-  const auto& setup = *study.observer;
+  const auto& setup = *study.augmented_model;
   std::vector<OutputDescription> outputs;
   std::vector<MeasurementChain> chains;
   for (const auto& sensor : setup.sensors) {
@@ -135,15 +136,15 @@ void time_observer(const Study& study, const std::string& held) {
     auto options = setup.options;
     options.step = 1.0 / (share * rate);
     const auto choice = choose_filter({}, setup.model->system(), make_outputs(*setup.model, outputs), chains, options);
-    FilterWalk walk(*choice.observer, record, choice.filter);
+    FilterWalk walk(*choice.augmented_model, record, choice.filter);
     std::vector<double> times;
     for (Index i = 0; i < steps; ++i) {
       bool usable = true;
       times.push_back(seconds([&] { usable = walk.step(); }));
-      if (!usable) return (void)std::printf("the observer failed\n");
+      if (!usable) return (void)std::printf("the filter's model failed\n");
     }
-    std::printf("observer, %s, %d states, %4.0f Hz%*s %10.4g us, %.3g x real time\n", held.c_str(),
-                static_cast<int>(choice.observer->layout().size()), share * rate, 8, "", 1e6 * median(times),
+    std::printf("augmented model, %s, %d states, %4.0f Hz%*s %10.4g us, %.3g x real time\n", held.c_str(),
+                static_cast<int>(choice.augmented_model->layout().size()), share * rate, 8, "", 1e6 * median(times),
                 options.step / median(times));
   }
 }
@@ -156,7 +157,7 @@ Study with_whole_boundary(const std::string& file) {
                 })->second;
   frame.reduction.emplace();
   frame.reduction->modes = 60;
-  frame.reduction->truncation_vectors = false;
+  frame.reduction->augmentation_vectors = false;
   for (const std::string point : {"p1", "p2", "p3", "p4"})
     for (const char* direction : {".x", ".y", ".z", ".rx", ".ry", ".rz"})
       frame.reduction->boundary.push_back({point + direction, {}, ""});
@@ -171,9 +172,9 @@ int main(int argc, char** argv) {
   time_reduction(frame_of(argv[1]));  // first, so that the memory is its own
   for (const char* modes : {"300", "600"}) {
     setenv("CUT_OFF", modes, 1);
-    time_observer(load_study(argv[1]), std::string("modes to ") + modes + " Hz");
+    time_augmented_model(load_study(argv[1]), std::string("modes to ") + modes + " Hz");
   }
-  time_observer(with_whole_boundary(argv[1]), "24 of the boundary + 60 modes");
+  time_augmented_model(with_whole_boundary(argv[1]), "24 of the boundary + 60 modes");
   unsetenv("CUT_OFF");
   time_steps(load_study(argv[1]));
   return 0;

@@ -1,13 +1,13 @@
-# Install target and CMake package: find_package(kalfem) gives kalfem::kalfem and one target per stage.
+# Install target and CMake package: find_package(kalfem) gives kalfem::kalfem and one target per folder.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-get_property(stages GLOBAL PROPERTY KALFEM_STAGES)
+get_property(libraries GLOBAL PROPERTY KALFEM_LIBRARIES)
 add_library(kalfem_all INTERFACE)
 set_target_properties(kalfem_all PROPERTIES EXPORT_NAME kalfem)
-target_link_libraries(kalfem_all INTERFACE ${stages})
+target_link_libraries(kalfem_all INTERFACE ${libraries})
 
-install(TARGETS kalfem_flags kalfem_all ${stages} EXPORT kalfem ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS kalfem_flags kalfem_all ${libraries} EXPORT kalfem ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS kalfem_command RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY src/kalfem DESTINATION include FILES_MATCHING PATTERN "*.hpp")
 install(EXPORT kalfem NAMESPACE kalfem:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/kalfem)

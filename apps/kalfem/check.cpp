@@ -4,10 +4,10 @@
 
 #include "console.hpp"
 #include "kalfem/base/atomic_file.hpp"
-#include "kalfem/casefile/stages.hpp"
-#include "kalfem/casefile/substructure_modes.hpp"
-#include "kalfem/casefile/updating_stage.hpp"
-#include "kalfem/report/health_section.hpp"
+#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/pipeline/run_updating.hpp"
+#include "kalfem/pipeline/substructure_modes.hpp"
+#include "kalfem/report/model_check_section.hpp"
 #include "kalfem/report/record_report.hpp"
 #include "kalfem/report/tables.hpp"
 #include "verbs.hpp"
@@ -49,7 +49,7 @@ Table sensor_table(const Study& study) {
   return table;
 }
 
-Table unknown_table(const ObserverSetup& setup) {
+Table unknown_table(const AugmentedModelSetup& setup) {
   Table table{"", {"unknown", "unit", "initial", "std", "truth"}, {}, {}};
   for (std::size_t i = 0; i < setup.options.unknowns.size(); ++i) {
     const auto& unknown = setup.options.unknowns[i];
@@ -71,7 +71,7 @@ void print_table(const Table& table) {
   if (!table.rows.empty()) print("{}\n", to_text(table));
 }
 
-void check_health_of_parts(const Study& study, const std::string& page_file) {
+void check_parts(const Study& study, const std::string& page_file) {
   Page page{.title = study.given.title.empty() ? "kalfem" : study.given.title,
             .subtitle = "Health of the finite-element substructures",
             .status = PageStatus::ok,
@@ -79,11 +79,11 @@ void check_health_of_parts(const Study& study, const std::string& page_file) {
             .sections = {}};
   for (const auto& elements : study.finite_elements) {
     const auto& part = *elements.part;
-    const HealthReport health = health_of(part);
+    const ModelCheckReport report = model_check_of(part);
     const Table places = places_table(part);
-    print("Substructure '{}'\n\n{}", part.name, health_text(health, part.notes));
+    print("Substructure '{}'\n\n{}", part.name, model_check_text(report, part.notes));
     if (!places.rows.empty()) print("{}\n{}\n", places.title, to_text(places));
-    page.sections.push_back(health_section(part.name, part.elements, health, part.notes));
+    page.sections.push_back(model_check_section(part.name, part.elements, report, part.notes));
     if (!places.rows.empty()) page.sections.back().items.emplace_back(places);
   }
   if (!page_file.empty()) write_file_atomically(page_file, render_html(page));
@@ -100,9 +100,9 @@ ExitCode check(const std::string& case_file, const std::string& page_file) {
   print_table(connector_table(study));
   print_table(sensor_table(study));
   if (study.record) print("{}\n", record_words(study, {}));
-  if (study.observer) print_table(unknown_table(*study.observer));
+  if (study.augmented_model) print_table(unknown_table(*study.augmented_model));
   if (study.updating) print_table(updating_table(*study.updating));
-  check_health_of_parts(study, page_file);
+  check_parts(study, page_file);
   for (const auto& warning : study.warnings) print_error("warning: {}\n", warning);
   print("No problem found; nothing was run.\n");
   return done;

@@ -10,7 +10,7 @@
 #include "kalfem/formats/read_deck.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/model/unit_system.hpp"
-#include "kalfem/report/health_section.hpp"
+#include "kalfem/report/model_check_section.hpp"
 #include "kalfem/report/tables.hpp"
 #include "verbs.hpp"
 
@@ -44,11 +44,11 @@ ExitCode check_deck(const std::string& file, const std::vector<std::string>& uni
   Deck deck = read_deck(file);
   to_si(deck.model, unit_system(units));
   const AssembledModel assembled = assemble(deck.model);
-  const HealthReport health = check_health(deck.model, assembled);
-  print("{}\n\n{}", file, health_text(health, deck.notes));
+  const ModelCheckReport report = check_model(deck.model, assembled);
+  print("{}\n\n{}", file, model_check_text(report, deck.notes));
   const bool is_complete =
       std::ranges::none_of(deck.notes, [](const DeckNote& note) { return note.kind == DeckNoteKind::missing; });
-  const bool sound = is_complete && health.count(HealthSeverity::error) == 0;
+  const bool sound = is_complete && report.count(FindingSeverity::error) == 0;
   const Table frequencies = sound ? frequency_table(assembled, 16) : Table{};
   if (sound) print("{}\n{}\n", frequencies.title, to_text(frequencies));
   if (!page_file.empty()) {
@@ -57,7 +57,7 @@ ExitCode check_deck(const std::string& file, const std::vector<std::string>& uni
               .subtitle = fmt::format("{} degrees of freedom", assembled.size()),
               .status = sound ? PageStatus::ok : PageStatus::unusable,
               .summary = "Health report of the deck.",
-              .sections = {health_section(name, deck.model, health, deck.notes)}};
+              .sections = {model_check_section(name, deck.model, report, deck.notes)}};
     if (sound) page.sections.front().items.emplace_back(frequencies);
     write_file_atomically(page_file, render_html(page));
   }

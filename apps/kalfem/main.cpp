@@ -30,11 +30,11 @@ command::ExitCode execute(const CLI::App& app, const Arguments& arguments) {
     return is_deck(arguments.case_file) ? command::check_deck(arguments.case_file, arguments.units, arguments.page)
                                         : command::check(arguments.case_file, arguments.page);
   if (app.got_subcommand("schema")) return command::schema(arguments.json, arguments.laws);
-  if (app.got_subcommand("modes")) return command::run(arguments.case_file, Stage::modes, arguments.folder);
-  if (app.got_subcommand("simulate")) return command::run(arguments.case_file, Stage::simulate, arguments.folder);
-  if (app.got_subcommand("estimate")) return command::run(arguments.case_file, Stage::estimate, arguments.folder);
-  if (app.got_subcommand("predict")) return command::run(arguments.case_file, Stage::predict, arguments.folder);
-  return command::run(arguments.case_file, Stage::update, arguments.folder, app.got_subcommand("update"));
+  if (app.got_subcommand("modes")) return command::run(arguments.case_file, Step::modes, arguments.folder);
+  if (app.got_subcommand("simulate")) return command::run(arguments.case_file, Step::simulate, arguments.folder);
+  if (app.got_subcommand("estimate")) return command::run(arguments.case_file, Step::estimate, arguments.folder);
+  if (app.got_subcommand("predict")) return command::run(arguments.case_file, Step::predict, arguments.folder);
+  return command::run(arguments.case_file, Step::update, arguments.folder, app.got_subcommand("update"));
 }
 
 /// Runs a part of the command; what it throws becomes a message and an exit code.

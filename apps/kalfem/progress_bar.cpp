@@ -15,11 +15,11 @@ class Bar {
 public:
   ~Bar() { wipe(); }
 
-  void show(std::string_view stage, double fraction) {
+  void show(std::string_view outcome, double fraction) {
     const auto now = std::chrono::steady_clock::now();
-    if (stage != stage_ || fraction < fraction_) {
+    if (outcome != outcome_ || fraction < fraction_) {
       wipe();
-      stage_ = stage;
+      outcome_ = outcome;
       start_ = now;
     }
     fraction_ = fraction;
@@ -27,7 +27,7 @@ public:
     if (elapsed < 1.0 || fraction <= 0.0) return;
     constexpr int columns = 32;
     const int filled = static_cast<int>(columns * fraction);
-    draw(fmt::format("\r{:<10} [{}{}] {:3.0f} %, {:.0f} s left ", stage_, std::string(filled, '='),
+    draw(fmt::format("\r{:<10} [{}{}] {:3.0f} %, {:.0f} s left ", outcome_, std::string(filled, '='),
                      std::string(columns - filled, ' '), 100.0 * fraction, elapsed * (1.0 / fraction - 1.0)));
     drawn_ = true;
   }
@@ -44,7 +44,7 @@ private:
     drawn_ = false;
   }
 
-  std::string stage_;
+  std::string outcome_;
   double fraction_ = 0.0;
   std::chrono::steady_clock::time_point start_;
   bool drawn_ = false;
@@ -54,7 +54,7 @@ private:
 
 Progress progress_bar() {
   if (!isatty(STDERR_FILENO)) return {};
-  return [bar = std::make_shared<Bar>()](std::string_view stage, double fraction) { bar->show(stage, fraction); };
+  return [bar = std::make_shared<Bar>()](std::string_view outcome, double fraction) { bar->show(outcome, fraction); };
 }
 
 }  // namespace kalfem::command

@@ -27,7 +27,7 @@ void print_files(const fs::path& folder, const ResultSet& set) {
 }
 
 /// A verb that asks for one stage needs its section.
-void require_section(const Study& study, Stage stage) {
+void require_section(const Study& study, Step outcome) {
   const auto& given = study.given;
   const auto require = [&](bool present, const char* section) {
     if (!present)
@@ -35,16 +35,16 @@ void require_section(const Study& study, Stage stage) {
                                "there is nothing to do for `kalfem " + std::string(section) + "`",
                                "add it, or use another verb"});
   };
-  if (stage == Stage::simulate) require(given.simulate.has_value(), "simulate");
-  if (stage == Stage::estimate) require(given.estimate.has_value(), "estimate");
-  if (stage == Stage::predict) require(given.predict.has_value() || !given.modifications.empty(), "predict");
-  if (stage == Stage::update) require(given.update.has_value(), "update");
+  if (outcome == Step::simulate) require(given.simulate.has_value(), "simulate");
+  if (outcome == Step::estimate) require(given.estimate.has_value(), "estimate");
+  if (outcome == Step::predict) require(given.predict.has_value() || !given.modifications.empty(), "predict");
+  if (outcome == Step::update) require(given.update.has_value(), "update");
 }
 
 }  // namespace
 
 /// The output folder is taken, and the standard output tried, before anything is computed.
-ExitCode run(const std::string& case_file, Stage last, const std::string& folder_name, bool by_name) {
+ExitCode run(const std::string& case_file, Step last, const std::string& folder_name, bool by_name) {
   const Stopwatch watch;
   OutputFolder folder(output_folder(case_file, folder_name));
   const Study study = load_study(case_file);

@@ -1,4 +1,4 @@
-#include "kalfem/casefile/schema.hpp"
+#include "kalfem/yaml/schema.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include "console.hpp"
 #include "kalfem/casefile/description_form.hpp"
 #include "kalfem/report/tables.hpp"
-#include "kalfem/system/law_library.hpp"
+#include "kalfem/system/laws/law_library.hpp"
 #include "verbs.hpp"
 
 namespace kalfem::command {

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "kalfem/base/frequency_response.hpp"
 #include "kalfem/base/random.hpp"
+#include "kalfem/records/frequency_response.hpp"
 
 namespace kalfem {
 namespace {

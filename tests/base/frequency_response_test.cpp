@@ -1,4 +1,4 @@
-#include "kalfem/base/frequency_response.hpp"
+#include "kalfem/records/frequency_response.hpp"
 
 #include <gtest/gtest.h>
 

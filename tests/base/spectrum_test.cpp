@@ -1,4 +1,4 @@
-#include "kalfem/base/spectrum.hpp"
+#include "kalfem/records/spectrum.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "kalfem/casefile/form_schema.hpp"
-#include "kalfem/casefile/yaml_node.hpp"
+#include "kalfem/yaml/form_schema.hpp"
+#include "kalfem/yaml/yaml_node.hpp"
 
 namespace kalfem::test {
 

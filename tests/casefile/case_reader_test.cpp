@@ -1,4 +1,4 @@
-#include "kalfem/casefile/case_reader.hpp"
+#include "kalfem/yaml/case_reader.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "base/scratch_folder.hpp"
 #include "casefile/sample_case.hpp"
-#include "kalfem/casefile/fields.hpp"
+#include "kalfem/yaml/fields.hpp"
 
 namespace kalfem::sample {
 namespace {

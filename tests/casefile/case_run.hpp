@@ -6,10 +6,10 @@
 #include <string>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/casefile/case_reader.hpp"
 #include "kalfem/casefile/description.hpp"
-#include "kalfem/casefile/reported_quantities.hpp"
-#include "kalfem/casefile/stages.hpp"
+#include "kalfem/pipeline/reported_quantities.hpp"
+#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/yaml/case_reader.hpp"
 
 /// Runs cases from their text, as the command does from a file.
 namespace kalfem::test {
@@ -19,7 +19,7 @@ inline Study study_of(const std::string& text, const std::string& file = "case.y
   return make_study(read_case_text(text, file, description::case_form(), none), file);
 }
 
-inline StudyResults results_of(const std::string& text, Stage last = Stage::predict) {
+inline StudyResults results_of(const std::string& text, Step last = Step::predict) {
   return run_study(study_of(text), last);
 }
 

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "kalfem/casefile/case_reader.hpp"
+#include "kalfem/yaml/case_reader.hpp"
 
 namespace kalfem::wiring {
 namespace {

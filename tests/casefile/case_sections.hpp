@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/scratch_folder.hpp"
-#include "kalfem/casefile/study.hpp"
+#include "kalfem/study/study.hpp"
 
 /// Small cases made of sections of text, for tests of what is built from a case file.
 namespace kalfem::wiring {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "casefile/probes.hpp"
-#include "kalfem/casefile/updating_checkpoint.hpp"
+#include "kalfem/pipeline/updating_checkpoint.hpp"
 #include "kalfem/report/result_set.hpp"
 
 /// The file in which an updating keeps its place.
@@ -165,7 +165,7 @@ TEST(ResumedUpdating, EndsAtTheSameBits) {
        {"update",
         "{parameters: {s.k.stiffness: {initial: 500}, s.m.stiffness: {initial: 900}}, compare: {f: {modes: s, "
         "frequencies: [1.55, 4.2]}}}"}}));
-  const auto whole = *run(study, Stage::update).updating;
+  const auto whole = *run(study, Step::update).updating;
   ASSERT_GT(whole.evaluations, 4);
   struct Stopped {};
   RunOptions options;
@@ -173,10 +173,10 @@ TEST(ResumedUpdating, EndsAtTheSameBits) {
   options.on_updating_step = [](int number, const UpdatingStep&) {
     if (number == 3) throw Stopped();
   };
-  EXPECT_THROW(run_study(study, Stage::update, options), Stopped);
+  EXPECT_THROW(run_study(study, Step::update, options), Stopped);
   ASSERT_TRUE(std::filesystem::exists(folder / "update.checkpoint.json"));
   options.on_updating_step = {};
-  const auto results = run_study(study, Stage::update, options);
+  const auto results = run_study(study, Step::update, options);
   const auto& resumed = *results.updating;
   EXPECT_EQ(resumed.resumed_at, 2);  // the third was not written yet
   EXPECT_EQ(resumed.values, whole.values);

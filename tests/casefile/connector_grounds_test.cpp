@@ -100,7 +100,7 @@ TEST(ConnectorGrounds, AConnectorStandsBetweenAMovedAndAFixedGround) {
   for (const char* fixed : {"frame.wall", "ground", "other.ground"})
     for (const char* integrator : {"newmark", "exact"}) {
       const auto study = study_of(across("frame.table", fixed, integrator));
-      const auto results = run_study(study, Stage::simulate);
+      const auto results = run_study(study, Step::simulate);
       ASSERT_TRUE(results.usable()) << results.failure;
       const auto r = study.signals[0]->sample(0.0, 2e-3, 1001);
       const Eigen::ArrayXd d = -r.col(0);
@@ -133,7 +133,7 @@ TEST(ConnectorGrounds, TheFilterFindsTheLawBetweenTwoGrounds) {
 }
 
 /// A part of the structure keeps the connectors that hold it to grounds of the rest.
-TEST(ConnectorGrounds, ALocalObserverKeepsItsConnectorsToGrounds) {
+TEST(ConnectorGrounds, ALocalModelKeepsItsConnectorsToGrounds) {
   const auto text = across("frame.table", "ground") +
                     "estimate: {unknown: {stay.k: {initial: 1500, std: 500}}, settle: 0.2 s, local: {substructures: "
                     "frame, interface: {}}}\n";

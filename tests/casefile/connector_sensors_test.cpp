@@ -27,7 +27,7 @@ simulate: {duration: 3 s, sample_rate: 500 Hz, tolerance: 1e-4}
 )";
 
 TEST(ConnectorSensors, AddUpTheirConnectorsByWeight) {
-  const auto results = results_of(struts, Stage::simulate);
+  const auto results = results_of(struts, Step::simulate);
   ASSERT_TRUE(results.usable()) << results.failure;
   const auto of = [&](const char* connector, ObservedQuantity quantity) {
     return simulated(results, connector, quantity);
@@ -60,7 +60,7 @@ TEST(ConnectorSensors, AreWhatAnUpdatingSimulates) {
       results_of(struts +
                      "update: {parameters: {frame.s.stiffness: {initial: 3 kN/m, std: 20 %}}, compare: "
                      "{record: {simulation: [f, d, v]}}}\n",
-                 Stage::update);
+                 Step::update);
   ASSERT_TRUE(results.usable()) << results.failure;
   EXPECT_NEAR(results.updating->values[0] / 4000.0, 1.0, 2e-3);
 }

@@ -6,7 +6,7 @@
 
 #include "base/scratch_folder.hpp"
 #include "casefile/base_cases.hpp"
-#include "kalfem/casefile/study.hpp"
+#include "kalfem/study/study.hpp"
 
 namespace kalfem::test {
 namespace {
@@ -164,7 +164,7 @@ INSTANTIATE_TEST_SUITE_P(
                "  settle: 0.1 s\n",
                "  settle: 0.1 s\n  initial_state_from_record: true\n",
                "initial_state_from_record",
-               {"no sensor of the observer measures"}},
+               {"no sensor of the filter's model measures"}},
         Change{"StartFromRecordAndMeans",
                "recorded",
                "displacement_std: 1 mm",

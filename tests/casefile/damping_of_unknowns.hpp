@@ -7,9 +7,9 @@
 #include <sstream>
 
 #include "kalfem/base/random.hpp"
-#include "kalfem/casefile/case_reader.hpp"
 #include "kalfem/casefile/description_form.hpp"
-#include "kalfem/casefile/estimation_stage.hpp"
+#include "kalfem/pipeline/run_estimation.hpp"
+#include "kalfem/yaml/case_reader.hpp"
 
 /// The chain of the examples with unknown springs, masses and damping, from many first guesses and with many seeds.
 namespace kalfem::test {
@@ -37,12 +37,12 @@ inline Study study_of(const std::string& text) {
 
 /// The record of the study with noise of another seed on it.
 inline StudyResults record_with_noise(StudyResults simulated, std::uint64_t seed) {
-  auto& stage = *simulated.simulation;
-  for (std::size_t i = 0; i < stage.noise.size(); ++i) {
-    RandomStream random(seed, stage.measurements.channels[i].name);
-    auto column = stage.measurements.values.col(static_cast<Eigen::Index>(i));
-    column = stage.reference.sensors.col(static_cast<Eigen::Index>(i));
-    for (double& value : column) value += stage.noise[i] * random.normal();
+  auto& outcome = *simulated.simulation;
+  for (std::size_t i = 0; i < outcome.noise.size(); ++i) {
+    RandomStream random(seed, outcome.measurements.channels[i].name);
+    auto column = outcome.measurements.values.col(static_cast<Eigen::Index>(i));
+    column = outcome.reference.sensors.col(static_cast<Eigen::Index>(i));
+    for (double& value : column) value += outcome.noise[i] * random.normal();
   }
   return simulated;
 }
@@ -56,15 +56,15 @@ struct LastEstimates {
 
 inline LastEstimates estimates_of(const Study& study, const StudyResults& record) {
   std::string failure;
-  const auto stage = estimate_stage(study, *study.observer, record, {}, failure);
+  const auto outcome = run_estimation(study, *study.augmented_model, record, {}, failure);
   EXPECT_EQ(failure, "");
-  return {stage.result.unknowns.mean.rightCols(1), stage.result.unknowns.deviation.rightCols(1),
-          stage.consistency.mean_nis, stage.result.linearisations};
+  return {outcome.result.unknowns.mean.rightCols(1), outcome.result.unknowns.deviation.rightCols(1),
+          outcome.consistency.mean_nis, outcome.result.linearisations};
 }
 
 inline Eigen::VectorXd truth_of(const Study& study) {
-  Eigen::VectorXd truth(static_cast<Eigen::Index>(study.observer->true_parameters.size()));
-  for (Eigen::Index i = 0; i < truth.size(); ++i) truth[i] = *study.observer->true_parameters[std::size_t(i)];
+  Eigen::VectorXd truth(static_cast<Eigen::Index>(study.augmented_model->true_parameters.size()));
+  for (Eigen::Index i = 0; i < truth.size(); ++i) truth[i] = *study.augmented_model->true_parameters[std::size_t(i)];
   return truth;
 }
 

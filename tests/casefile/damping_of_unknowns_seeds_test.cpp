@@ -14,7 +14,7 @@ TEST(DampingOfUnknownsOverSeeds, EstimatesDoNotDependOnTheFirstGuessAndCoverTheT
     studies.push_back(study_of(chain_case("20 s", "    body.3-4.stiffness: {initial: " + guess +
                                                       " kN/m, std: 30 %}\n"
                                                       "    body.damping.modal: {initial: 1.5 %, std: 50 %}\n")));
-  const StudyResults simulated = run_study(studies[0], Stage::simulate);
+  const StudyResults simulated = run_study(studies[0], Step::simulate);
   const VectorXd truth = truth_of(studies[0]);
   constexpr int seeds = 40;
   std::array<Eigen::VectorXi, 3> covered;
@@ -35,7 +35,7 @@ TEST(DampingOfUnknownsOverSeeds, EstimatesDoNotDependOnTheFirstGuessAndCoverTheT
   for (std::size_t g = 0; g < guesses.size(); ++g) {
     std::printf("first guess %s kN/m: NIS %.4f; inside the 95 %% interval", guesses[g], nis[Index(g)]);
     for (Index i = 0; i < truth.size(); ++i) {
-      std::printf(" %s %.1f %%", studies[0].observer->options.unknowns[std::size_t(i)].name.c_str(),
+      std::printf(" %s %.1f %%", studies[0].augmented_model->options.unknowns[std::size_t(i)].name.c_str(),
                   100.0 * covered[g][i] / seeds);
       EXPECT_GE(covered[g][i], 36);
       EXPECT_LE(covered[g][i], 40);

@@ -17,7 +17,7 @@ std::vector<LastEstimates> from_each(const std::vector<std::string>& texts, Vect
   for (const auto& text : texts) {
     const Study study = study_of(text);
     if (all.empty()) {
-      record = run_study(study, Stage::simulate);
+      record = run_study(study, Step::simulate);
       truth = truth_of(study);
     }
     all.push_back(estimates_of(study, record));
@@ -118,7 +118,7 @@ std::string with_extra_spring(const std::string& given) {
 /// one.
 TEST(DampingOfUnknowns, ThePredictionUsesTheEstimatedSpring) {
   const ScratchFolder folder("estimated-spring");
-  const StudyResults right = run_study(study_of(with_extra_spring("5 kN/m")), Stage::predict);
+  const StudyResults right = run_study(study_of(with_extra_spring("5 kN/m")), Step::predict);
   ASSERT_EQ(right.failure, "");
   const auto& record = right.simulation->measurements;
   std::ofstream file(folder / "record.csv");
@@ -133,7 +133,7 @@ TEST(DampingOfUnknowns, ThePredictionUsesTheEstimatedSpring) {
   const auto begin = text.find("simulate:"), end = text.find("estimate:");
   text.replace(begin, end - begin,
                "record: {file: '" + (folder / "record.csv").string() + "', sample_rate: 1 kHz}\n\n");
-  const StudyResults read = run_study(study_of(text), Stage::predict);
+  const StudyResults read = run_study(study_of(text), Step::predict);
   ASSERT_EQ(read.failure, "");
   ASSERT_EQ(read.prediction->points.size(), right.prediction->points.size());
   for (std::size_t i = 0; i < read.prediction->points.size(); ++i) {
@@ -148,8 +148,9 @@ TEST(DampingOfUnknowns, AnUnknownOfAnUndampedPartIsCarriedByItsConnectorAlone) {
   const Study study = study_of(chain_case("1 s",
                                           "    wheel.k_w.stiffness: {initial: 22 kN/m, std: 30 %}\n"
                                           "    body.3-4.damping: {initial: 1 N s/m, std: 100 %}\n"));
-  EXPECT_TRUE(study.observer->linear_unknowns.empty());
-  for (const auto& unknown : study.observer->options.unknowns) EXPECT_FALSE(unknown.in_linear_part) << unknown.name;
+  EXPECT_TRUE(study.augmented_model->linear_unknowns.empty());
+  for (const auto& unknown : study.augmented_model->options.unknowns)
+    EXPECT_FALSE(unknown.in_linear_part) << unknown.name;
 }
 
 }  // namespace

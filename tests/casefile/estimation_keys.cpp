@@ -1,9 +1,9 @@
 #include "casefile/probes.hpp"
-#include "kalfem/casefile/filter_run.hpp"
-#include "kalfem/casefile/reported_quantities.hpp"
 #include "kalfem/estimation/estimate.hpp"
+#include "kalfem/pipeline/reported_quantities.hpp"
+#include "kalfem/study/filter_run.hpp"
 
-/// Keys of the estimation: what the observer and its filter are made of.
+/// Keys of the estimation: what the augmented model and its filter are made of.
 namespace kalfem::wiring {
 namespace {
 
@@ -15,7 +15,7 @@ Study with_estimate(const std::string& text, const Sections& more = {}) {
   return study_of(estimated_case(sections));
 }
 
-const ObserverOptions& options_of(const Study& study) { return study.observer->options; }
+const AugmentedModelOptions& options_of(const Study& study) { return study.augmented_model->options; }
 
 UnknownParameter unknown_of(const std::string& text) {
   return options_of(with_estimate("unknown: {c.k: {" + text + "}}")).unknowns.at(0);
@@ -29,8 +29,8 @@ void first_guesses_and_deviations() {
   EXPECT_EQ(unknowns[0].random_walk, 0.0);
   near(unknowns[1].deviation, 0.5);
   near(unknown_of("initial: 400").deviation, 200.0);
-  // The observer's model holds the first guesses, the structure the true values.
-  near(study.observer->model->system().connectors[0].parameters, vector({400.0, 2.0}));
+  // The augmented model's model holds the first guesses, the structure the true values.
+  near(study.augmented_model->model->system().connectors[0].parameters, vector({400.0, 2.0}));
   near(system_of(study).connectors[0].parameters, vector({500.0, 3.0}));
   EXPECT_EQ(unknowns[1].targets[0].connector, 0);
   EXPECT_EQ(unknowns[1].targets[0].parameter, 1);
@@ -55,7 +55,7 @@ void drifts() {
 
 void truths() {
   const auto truth = [](const std::string& more, const Sections& sections = {}) {
-    return with_estimate("unknown: {c.k: {initial: 400" + more + "}}", sections).observer->true_parameters.at(0);
+    return with_estimate("unknown: {c.k: {initial: 400" + more + "}}", sections).augmented_model->true_parameters.at(0);
   };
   near(truth("").value(), 500.0);
   near(truth(", truth: 0.45 N/mm").value(), 450.0);
@@ -72,7 +72,7 @@ void shared_values() {
                                      "{from: s.ground, to: s.b, law: linear, parameters: {k: 50, c: 1}}}"}});
   ASSERT_EQ(options_of(study).unknowns.size(), 1u);
   ASSERT_EQ(options_of(study).unknowns[0].targets.size(), 2u);
-  for (const auto& connector : study.observer->model->system().connectors) near(connector.parameters[0], 400.0);
+  for (const auto& connector : study.augmented_model->model->system().connectors) near(connector.parameters[0], 400.0);
 }
 
 /// Force of a connector without internal states at a deformation, a rate and an acceleration of 1.
@@ -89,13 +89,13 @@ double force_of(const Connector& connector, const Eigen::VectorXd& parameters) {
 void linear_elements_are_released() {
   const auto study =
       with_estimate("unknown: {s.k.stiffness: {initial: 700}, s.k.damping: {initial: 5}, s.b.mass: {initial: 2.5}}");
-  const auto& system = study.observer->model->system();
+  const auto& system = study.augmented_model->model->system();
   near(system.stiffness.coeff(0, 0), 700.0);
   near(system.damping.coeff(0, 0), 5.0);
   near(system.mass.coeff(1, 1), 2.5);
-  near(*study.observer->true_parameters[0], 800.0);
-  near(*study.observer->true_parameters[1], 4.0);
-  near(*study.observer->true_parameters[2], 3.0);
+  near(*study.augmented_model->true_parameters[0], 800.0);
+  near(*study.augmented_model->true_parameters[1], 4.0);
+  near(*study.augmented_model->true_parameters[2], 3.0);
   ASSERT_EQ(system.connectors.size(), 3u);  // the case's own, one of the spring with its dashpot, one of the mass
   for (std::size_t j : {1, 2}) EXPECT_EQ(force_of(system.connectors[j], system.connectors[j].parameters), 0.0) << j;
   for (Eigen::Index i = 0; i < 3; ++i) {
@@ -133,8 +133,8 @@ void start_from_the_record() {
                           {"sensors", "{yb: {displacement: s.b, noise: 1 mm}, ya: {displacement: s.a, noise: 1 mm}}"}};
   const auto start = [&](const std::string& text) {
     const auto study = with_estimate(stiffness_unknown + text, measured);
-    const auto run = make_filter_run(study, *study.observer, full_record(study, {}));
-    return run.choice.observer->options().prior.mean;
+    const auto run = make_filter_run(study, *study.augmented_model, full_record(study, {}));
+    return run.choice.augmented_model->options().prior.mean;
   };
   const auto found = start(", initial_state_from_record: true");
   near(found.displacement, vector({3e-3, -7e-3}), 1e-9);
@@ -149,7 +149,7 @@ void initial_connector_states() {
       {{"connectors",
         "{e: {from: s.ground, to: s.b, law: jenkins, parameters: {k_stick: 10, f_slip: 1}}, c: {from: s.a, to: "
         "s.b, law: bouc_wen, parameters: {k: 500, alpha: 0.3, beta: 250, gamma: 250, n: 1}}}"}});
-  ASSERT_EQ(study.observer->model->system().connector_states(), 2);
+  ASSERT_EQ(study.augmented_model->model->system().connector_states(), 2);
   near(options_of(study).prior.mean.connector_states, vector({0, 2e-3}));
   near(options_of(study).prior.connector_state_deviation, vector({0, 1e-4}));
 }
@@ -175,10 +175,10 @@ Sections local_case(const std::string& interface) {
           {"estimate", "{unknown: {c.k: {initial: 400}}, local: {substructures: w, interface: {" + interface + "}}}"}};
 }
 
-void local_observers_move_as_measured() {
+void local_models_move_as_measured() {
   const auto study = study_of(estimated_case(
       local_case("s.a: {acceleration: {sensor: foot, displacement_std: 2 mm, velocity_std: 0.05 m/s}}")));
-  const auto& setup = *study.observer;
+  const auto& setup = *study.augmented_model;
   EXPECT_EQ(setup.model->system().dofs, (std::vector<std::string>{"w.w"}));
   EXPECT_EQ(setup.input_sources, (std::vector<std::string>{"@foot"}));
   EXPECT_EQ(setup.options.inputs.at(0).model, InputModel::integrated);
@@ -188,23 +188,23 @@ void local_observers_move_as_measured() {
   EXPECT_EQ(setup.sensors[0].name, "yw");
   near(setup.model->system().connectors[0].deformation, vector({-1.0}));
   // Its own record drives it, and its noise is that of a white signal held over the sample interval: s / sqrt(f).
-  const auto results = run(study, Stage::simulate);
+  const auto results = run(study, Step::simulate);
   const auto filter = make_filter_run(study, setup, full_record(study, results));
-  near(filter.choice.observer->options().process_noise.input, vector({0.02 / std::sqrt(100.0)}));
+  near(filter.choice.augmented_model->options().process_noise.input, vector({0.02 / std::sqrt(100.0)}));
   const auto& foot = results.simulation->measurements.values.col(1);
   near(filter.record.inputs(2, 4), foot[1]);  // four parts a sample
   near(filter.record.inputs(2, 6), 0.5 * (foot[1] + foot[2]));
   EXPECT_EQ(filter.record.inputs.topRows(2).norm(), 0.0);
 }
 
-void local_observers_are_pushed_by_unknown_forces() {
+void local_models_are_pushed_by_unknown_forces() {
   const auto setup = [](const std::string& text) {
     auto sections = local_case("w.w: {force: {" + text + "}}");
     sections["estimate"] =
         "{unknown: {w.ground-w.stiffness: {initial: 1900}}, local: {substructures: [w], interface: "
         "{w.w: {force: {" +
         text + "}}}}}";
-    return *study_of(estimated_case(sections)).observer;
+    return *study_of(estimated_case(sections)).augmented_model;
   };
   const auto given = setup("std: 5 N, correlation_time: 0.2 s");
   EXPECT_EQ(given.options.inputs.at(0).model, InputModel::first_order_markov);
@@ -227,11 +227,11 @@ const std::string prior =
 /// The study's own estimation, and what the library's filter finds with these options on the same record.
 std::pair<EstimationResult, EstimationResult> both_filters(const std::string& text, const EstimationOptions& options) {
   const auto study = with_estimate(prior + text, nonlinear);
-  const auto results = run(study, Stage::estimate);
-  const auto& stage = *results.estimation;
-  EXPECT_EQ(stage.filter, options.filter) << text;
-  const auto filter = make_filter_run(study, *study.observer, full_record(study, results));
-  return {stage.result, estimate(*filter.choice.observer, filter.record, options)};
+  const auto results = run(study, Step::estimate);
+  const auto& outcome = *results.estimation;
+  EXPECT_EQ(outcome.filter, options.filter) << text;
+  const auto filter = make_filter_run(study, *study.augmented_model, full_record(study, results));
+  return {outcome.result, estimate(*filter.choice.augmented_model, filter.record, options)};
 }
 
 void filter_kinds() {
@@ -265,34 +265,35 @@ void spreads_of_sigma_points() {
 void passes_over_the_record() {
   const auto study = with_estimate(prior + ", estimate_initial_state: true, passes: 2", nonlinear);
   EXPECT_TRUE(options_of(study).keep_initial_state);
-  const auto results = run(study, Stage::estimate);
-  const auto& stage = *results.estimation;
-  const auto filter = make_filter_run(study, *study.observer, full_record(study, results));
+  const auto results = run(study, Step::estimate);
+  const auto& outcome = *results.estimation;
+  const auto filter = make_filter_run(study, *study.augmented_model, full_record(study, results));
   const auto expected = [&](int passes) {
-    return estimate(*filter.choice.observer, filter.record, {.filter = stage.filter, .passes = passes}).log_likelihood;
+    return estimate(*filter.choice.augmented_model, filter.record, {.filter = outcome.filter, .passes = passes})
+        .log_likelihood;
   };
-  near(stage.result.log_likelihood, expected(2), 1e-9);
+  near(outcome.result.log_likelihood, expected(2), 1e-9);
   EXPECT_GT(std::abs(expected(2) - expected(1)), 1e-3);
-  EXPECT_TRUE(stage.open_loop.has_value());
+  EXPECT_TRUE(outcome.open_loop.has_value());
   EXPECT_FALSE(options_of(with_estimate(prior, nonlinear)).keep_initial_state);
 }
 
 void sums_begin_after_settling() {
   for (const auto& [text, first] :
        std::vector<std::pair<std::string, Eigen::Index>>{{", settle: 0.2 s", 20}, {", settle: 0", 0}}) {
-    const auto results = run(with_estimate(stiffness_unknown + text), Stage::estimate);
-    const auto& stage = *results.estimation;
-    EXPECT_EQ(stage.settled, first);
-    const Eigen::Index count = stage.result.nis.size() - first;
-    near(stage.consistency.mean_nis, stage.result.nis.tail(count).mean());
-    for (const auto& point : stage.points)
+    const auto results = run(with_estimate(stiffness_unknown + text), Step::estimate);
+    const auto& outcome = *results.estimation;
+    EXPECT_EQ(outcome.settled, first);
+    const Eigen::Index count = outcome.result.nis.size() - first;
+    near(outcome.consistency.mean_nis, outcome.result.nis.tail(count).mean());
+    for (const auto& point : outcome.points)
       if (point.quantity == ObservedQuantity::displacement)
         near(point.nrmse.value(), nrmse(point.mean.tail(count), point.truth.tail(count)));
   }
-  EXPECT_EQ(run(with_estimate(stiffness_unknown + ", settle: 9 s"), Stage::estimate).estimation->settled, 50);
+  EXPECT_EQ(run(with_estimate(stiffness_unknown + ", settle: 9 s"), Step::estimate).estimation->settled, 50);
   EXPECT_FALSE(with_estimate(stiffness_unknown + ", settle: 9 s").warnings.empty());
   const auto usual = with_estimate(stiffness_unknown, {{"simulate", "{duration: 3 s, sample_rate: 100 Hz}"}});
-  EXPECT_EQ(run(usual, Stage::estimate).estimation->settled, 200);
+  EXPECT_EQ(run(usual, Step::estimate).estimation->settled, 200);
 }
 
 void parts_of_an_interval() {
@@ -300,8 +301,8 @@ void parts_of_an_interval() {
   EXPECT_EQ(options_of(study).substeps, 7);
   near(options_of(study).step, 0.01);
   EXPECT_EQ(options_of(with_estimate(stiffness_unknown)).substeps, 4);
-  const auto results = run(study, Stage::simulate);
-  EXPECT_EQ(make_filter_run(study, *study.observer, full_record(study, results)).record.inputs.cols(), 351);
+  const auto results = run(study, Step::simulate);
+  EXPECT_EQ(make_filter_run(study, *study.augmented_model, full_record(study, results)).record.inputs.cols(), 351);
 }
 
 void threads() {
@@ -321,7 +322,7 @@ void predictions() {
                   "800}, {from: b, to: c, stiffness: 700}]}}"},
                  {"connectors", "{c: {from: w.w, to: s.a, law: linear, parameters: {k: 500, c: 3}}}"},
                  {"predict", "{substructure: " + name + "}"}})),
-            Stage::predict);
+            Step::predict);
     EXPECT_EQ(results.prediction->substructure, name);
     for (const auto& point : results.prediction->points)
       EXPECT_TRUE(point.point.starts_with(name + ".")) << point.point;
@@ -353,7 +354,7 @@ void prediction_steps() {
     part_text.replace(part_text.find("tip: 3"), 6, "tip: 81");
     part_text.replace(part_text.find("nodes.csv"), 9, "fine_nodes.csv");
     part_text.replace(part_text.find("elements.csv"), 12, "fine_elements.csv");
-    const auto results = run(study_of(sections), Stage::predict);
+    const auto results = run(study_of(sections), Step::predict);
     return find_quantity(results.prediction->points, "b.mid.z", ObservedQuantity::displacement)->mean;
   };
   const Eigen::VectorXd one = predicted(", substeps: 1"), two = predicted(""), four = predicted(", substeps: 4");
@@ -382,10 +383,10 @@ KeyChecks estimation_keys() {
   add(at, {"initial_state_from_record"}, start_from_the_record);
   add(at + "initial_connector_states.*.", {"value", "std"}, initial_connector_states);
   add(at + "process_noise.", {"acceleration", "accelerations"}, process_noise);
-  add(at + "local.", {"substructures"}, local_observers_move_as_measured);
+  add(at + "local.", {"substructures"}, local_models_move_as_measured);
   add(at + "local.interface.*.acceleration.", {"sensor", "displacement_std", "velocity_std"},
-      local_observers_move_as_measured);
-  add(at + "local.interface.*.force.", {"std", "correlation_time"}, local_observers_are_pushed_by_unknown_forces);
+      local_models_move_as_measured);
+  add(at + "local.interface.*.force.", {"std", "correlation_time"}, local_models_are_pushed_by_unknown_forces);
   add(at, {"filter"}, filter_kinds);
   add(at, {"alpha", "beta", "kappa"}, spreads_of_sigma_points);
   add(at, {"passes", "estimate_initial_state"}, passes_over_the_record);

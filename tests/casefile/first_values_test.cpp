@@ -1,5 +1,5 @@
 #include "casefile/damping_of_unknowns.hpp"
-#include "kalfem/casefile/updating_stage.hpp"
+#include "kalfem/pipeline/run_updating.hpp"
 
 // What an updating finds at the first values of its parameters, before it searches.
 
@@ -40,7 +40,7 @@ TEST(FirstValues, AParameterThatNoComparisonDependsOnIsRefusedByCheckAsByRun) {
             std::string::npos)
       << refusal;
   try {
-    run_study(study, Stage::update);
+    run_study(study, Step::update);
     ADD_FAILURE() << "the run accepts it";
   } catch (const InvalidInput& error) {
     EXPECT_EQ(error.what(), refusal);
@@ -55,7 +55,7 @@ TEST(FirstValues, WhereTheFilterFailsTheResultsAreNotUsable) {
                            "  compare: {record: {time_history: body}}\n";
   const Study study = study_of(with(text, "mu_k1: {initial: 10 N, std: 50 %}", "mu_k1: {initial: 10 N, std: 1e90 N}"));
   check_first_values(study);
-  const StudyResults results = run_study(study, Stage::update);
+  const StudyResults results = run_study(study, Step::update);
   EXPECT_FALSE(results.usable());
   EXPECT_NE(results.failure.find("at the first values of the updated parameters"), std::string::npos)
       << results.failure;

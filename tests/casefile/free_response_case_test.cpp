@@ -3,8 +3,8 @@
 #include <random>
 
 #include "casefile/record_cases.hpp"
-#include "kalfem/casefile/filter_run.hpp"
 #include "kalfem/report/summary.hpp"
+#include "kalfem/study/filter_run.hpp"
 
 // A mass that is held 40 mm up, released at 0.5 s, and swings about a rest position of 5 mm.
 namespace kalfem::record_cases {
@@ -51,7 +51,7 @@ protected:
     if (!from.empty()) text.replace(text.find(from), from.size(), to);
     std::ofstream(folder_ / "case.yaml") << text;
     const Study study = load_study((folder_ / "case.yaml").string());
-    const auto results = run_study(study, Stage::predict);
+    const auto results = run_study(study, Step::predict);
     EXPECT_TRUE(results.usable()) << results.failure;
     return summarise(study, results);
   }
@@ -112,11 +112,11 @@ TEST_F(FreeResponseCases, TheStartIsNoBetterKnownThanTheRestPosition) {
     write(duration);
     std::ofstream(folder_ / "case.yaml") << released_case;
     const Study study = load_study((folder_ / "case.yaml").string());
-    const auto run = make_filter_run(study, *study.observer, full_record(study, {}));
+    const auto run = make_filter_run(study, *study.augmented_model, full_record(study, {}));
     const double rest =
         study.record->free_response->rest_is_unknown() ? study.record->free_response->deviation[0] : 0.0;
     EXPECT_EQ(rest > 0.0, duration < 5.0);
-    return std::pair(run.choice.observer->options().prior.displacement_deviation[0], std::hypot(1e-4, rest));
+    return std::pair(run.choice.augmented_model->options().prior.displacement_deviation[0], std::hypot(1e-4, rest));
   };
   for (const double duration : {2.2, 9.0}) {
     const auto [found, expected] = deviation_at_start(duration);

@@ -2,8 +2,8 @@
 
 #include "base/scratch_folder.hpp"
 #include "casefile/damping_of_unknowns.hpp"
-#include "kalfem/casefile/comparisons.hpp"
-#include "kalfem/casefile/parameterised_structure.hpp"
+#include "kalfem/study/comparisons.hpp"
+#include "kalfem/study/parameterised_structure.hpp"
 #include "kalfem/updating/frf_residual.hpp"
 
 // How a case's frequency responses reach the residual.
@@ -53,7 +53,7 @@ protected:
   std::shared_ptr<const FrfResidual> residual(const std::string& file, const std::string& keys) const {
     const Study study = study_of(with(with(two_floors, "FILE", file), "KEYS", keys));
     const auto comparisons = make_comparisons(study, parameterised_structure(study));
-    return std::dynamic_pointer_cast<const FrfResidual>(comparisons.at(0).rounds.back());
+    return std::dynamic_pointer_cast<const FrfResidual>(comparisons.at(0).continuation_steps.back());
   }
   std::string decibel() const { return "'" + (folder_ / "db.csv").string() + "', values: dB"; }
   std::string complex() const { return "'" + (folder_ / "complex.csv").string() + "'"; }

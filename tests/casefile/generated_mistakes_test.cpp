@@ -8,9 +8,9 @@
 #include "base/scratch_folder.hpp"
 #include "casefile/base_cases.hpp"
 #include "casefile/case_mutations.hpp"
-#include "kalfem/casefile/case_reader.hpp"
 #include "kalfem/casefile/description_form.hpp"
-#include "kalfem/casefile/stages.hpp"
+#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/yaml/case_reader.hpp"
 
 namespace kalfem::test {
 namespace {
@@ -62,7 +62,7 @@ TEST_P(GeneratedMistakes, TheCaseItselfIsSoundAndRuns) {
   IssueList issues;
   const auto root = parse_yaml(GetParam().text, "case.yaml", process_environment(), issues);
   const Study study = load(folder_, to_yaml(*root));
-  const StudyResults results = run_study(study, Stage::update);
+  const StudyResults results = run_study(study, Step::update);
   EXPECT_TRUE(results.usable()) << results.failure;
 }
 
@@ -74,7 +74,7 @@ TEST_P(GeneratedMistakes, AreRefusedWithTheirPlace) {
     try {
       const Study study = load(folder_, mutation.text);
       EXPECT_FALSE(mutation.wrong) << "accepted:\n" << mutation.text;
-      EXPECT_NO_THROW(run_study(study, Stage::update)) << "run refuses what check accepts:\n" << mutation.text;
+      EXPECT_NO_THROW(run_study(study, Step::update)) << "run refuses what check accepts:\n" << mutation.text;
     } catch (const InvalidInput& error) {
       ++refused;
       EXPECT_EQ(fault_of(error), "") << error.what();

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "casefile/record_cases.hpp"
-#include "kalfem/casefile/stages.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 
 // What a case says of a record with gaps, and of sensors that measure nothing.
 namespace kalfem::record_cases {
@@ -26,7 +26,7 @@ TEST_F(MeasuredRecords, MayMissSamplesAtAnyPlace) {
   const Study study = load({skip});
   EXPECT_EQ(study.record->series.values.col(0).array().isNaN().count(), 5);
   EXPECT_EQ(study.record->series.values.col(1).array().isNaN().count(), 5 + 19);
-  const StudyResults results = run_study(study, Stage::predict);
+  const StudyResults results = run_study(study, Step::predict);
   ASSERT_TRUE(results.usable()) << results.failure;
   EXPECT_NEAR(results.estimation->result.unknowns.mean(0, 400), stiffness, 1.0);
   // Per cent of the rms of the samples that are there: 24 missing ones of 401 would take 3 % off it.
@@ -39,7 +39,7 @@ TEST_F(MeasuredRecords, AStartThatIsReadFromThemMustBeThere) {
                            {"estimate_initial_state: true", "initial_state_from_record: true"}};
   write_with(written(displacement), [](double t) { return t < 0.2 ? "" : written(acceleration)(t); });
   EXPECT_EQ(errors(changes), "");
-  EXPECT_TRUE(run_study(load(changes), Stage::estimate).usable());  // what accelerometers miss does not matter
+  EXPECT_TRUE(run_study(load(changes), Step::estimate).usable());  // what accelerometers miss does not matter
   write_with([](double t) { return t < 0.025 ? "" : written(displacement)(t); }, written(acceleration));
   expect_in(errors(changes), {"case.yaml:7: sensors.x: one of the first 4 samples is missing", "record.start"});
 }
@@ -65,7 +65,7 @@ estimate:
     FAIL();
   } catch (const InvalidInput& error) {
     expect_in(error.what(),
-              {"case.yaml:8: sensors.a drives an interface of the observer and misses the sample at 2 s"});
+              {"case.yaml:8: sensors.a drives an interface of the filter's model and misses the sample at 2 s"});
   }
 }
 
@@ -135,9 +135,9 @@ estimate: {unknown: {c.c: {initial: 2 N s/m, std: 50 %}}, settle: 0.1 s}
 )";
   std::ofstream(folder_ / "case.yaml") << text;
   const Study study = load_study((folder_ / "case.yaml").string());
-  EXPECT_TRUE(run_study(study, Stage::simulate).usable());  // no filter: nothing has to be weighed
+  EXPECT_TRUE(run_study(study, Step::simulate).usable());  // no filter: nothing has to be weighed
   try {
-    run_study(study, Stage::predict);
+    run_study(study, Step::predict);
     FAIL();
   } catch (const InvalidInput& error) {
     expect_in(error.what(), {"case.yaml:10: sensors.dead.noise: the noise is 5 % of the channel's rms, but the "

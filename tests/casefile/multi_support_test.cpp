@@ -174,7 +174,7 @@ TEST(MultiSupport, TheSimulationOfAnUpdatingIsDrivenAlike) {
               "duration: 4 s", "duration: 2 s") +
           "update: {parameters: {beam.m.stiffness: {initial: 4 kN/m, std: 20 %}}, compare: {record: {simulation: "
           "all}}}\n",
-      Stage::update);
+      Step::update);
   ASSERT_TRUE(results.usable()) << results.failure;
   EXPECT_NEAR(results.updating->values[0], 5000.0, 25.0);
   EXPECT_NEAR(results.updating->residual_final, 1.0, 0.1);
@@ -190,7 +190,7 @@ TEST(MultiSupport, AStartFromTheRecordAddsTheGroundsMotion) {
       text +
       "estimate: {unknown: {stop.k: {initial: 900, std: 100}}, initial_state_from_record: true, settle: 0.2 s}\n");
   ASSERT_TRUE(results.usable()) << results.failure;
-  const auto& start = results.estimation->observer->options().prior.mean;
+  const auto& start = results.estimation->augmented_model->options().prior.mean;
   EXPECT_NEAR(start.displacement[0], 4e-3, 2e-4);
   EXPECT_NEAR(start.displacement[1], 3e-3, 2e-4);
 }

@@ -14,12 +14,12 @@ TEST_F(OpenLoop, IsDrivenFromTheRecordsOwnStart) {
   write_record(si_columns());
   for (const std::string start : {"0 s", "1.37 s"}) {
     const Study study = load({{"{file: record.csv}\nest", "{file: record.csv, start: " + start + "}\nest"}});
-    const auto results = run_study(study, Stage::predict);
+    const auto results = run_study(study, Step::predict);
     ASSERT_TRUE(results.usable()) << results.failure;
-    const auto& stage = *results.estimation;
-    ASSERT_TRUE(stage.open_loop);
+    const auto& outcome = *results.estimation;
+    ASSERT_TRUE(outcome.open_loop);
     // The force is interpolated by a spline between 40 samples a period.
-    for (const double error : stage.open_loop_nrmse) EXPECT_LT(error, 2e-3) << start;
+    for (const double error : outcome.open_loop_nrmse) EXPECT_LT(error, 2e-3) << start;
   }
 }
 
@@ -36,7 +36,7 @@ TEST_F(OpenLoop, ThatDivergesIsAnOutcome) {
   for (const std::string force : {"-300*d*v", "-60*d*v", "-60*d*v - 1e6*d*x*x*x", "-2000*d*v"}) {
     SCOPED_TRACE(force);
     const Study study = with(force);
-    const auto results = run_study(study, Stage::predict);
+    const auto results = run_study(study, Step::predict);
     ASSERT_TRUE(results.usable()) << results.failure;
     EXPECT_FALSE(results.estimation->open_loop);
     const auto summary = summarise(study, results);
@@ -51,7 +51,7 @@ TEST_F(OpenLoop, ThatDivergesIsAnOutcome) {
 TEST_F(OpenLoop, TheSummarySaysWhichPartOfTheRecordWasUsed) {
   write_record(si_columns());
   const Study study = load({{"{file: record.csv}\nest", "{file: record.csv, start: 1 s, end: 3 s}\nest"}});
-  const auto record = summarise(study, run_study(study, Stage::modes))["record"];
+  const auto record = summarise(study, run_study(study, Step::modes))["record"];
   EXPECT_EQ(record["start_s"], 1.0);
   EXPECT_EQ(record["end_s"], 3.0);
   EXPECT_EQ(record["samples"], 201);

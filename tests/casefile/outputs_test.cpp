@@ -4,7 +4,7 @@
 
 #include "casefile/probes.hpp"
 #include "kalfem/estimation/consistency.hpp"
-#include "kalfem/formats/hdf5_file.hpp"
+#include "kalfem/formats/hdf5/hdf5_file.hpp"
 #include "kalfem/report/results_file.hpp"
 #include "kalfem/report/summary.hpp"
 #include "kalfem/report/tables.hpp"
@@ -36,7 +36,7 @@ struct Everything {
         "{parameters: {s.k.stiffness: {initial: 640, bounds: [100, 3000], std: 300}, s.m.stiffness: {initial: 810}}, "
         "compare: {f: {modes: s, frequencies: [2.9, 5.5], above: 0.5 Hz, weight: 2}}, check_sensitivities: true}"},
        {"modifications", "{m: {substructure: s, set: {k.stiffness: 900}, above: 0.5 Hz, modes: 2}}"}}));
-  StudyResults results = run(study, Stage::update);
+  StudyResults results = run(study, Step::update);
 };
 
 const Everything& everything() {
@@ -51,9 +51,9 @@ void same(const Json& json, double expected) {
 
 TEST(Summary, HoldsTheParametersOfTheFilter) {
   const auto& [study, results] = everything();
-  const auto& stage = *results.estimation;
+  const auto& outcome = *results.estimation;
   const auto summary = summarise(study, results);
-  const Index last = stage.result.unknowns.mean.cols() - 1, first = stage.observer->layout().unknown();
+  const Index last = outcome.result.unknowns.mean.cols() - 1, first = outcome.augmented_model->layout().unknown();
   const double truth[] = {500.0, 3.0}, initial[] = {400.0, 2.0};
   const char* names[] = {"c.k", "c.c"};
   const char* units[] = {"N/m", "N s/m"};
@@ -61,11 +61,11 @@ TEST(Summary, HoldsTheParametersOfTheFilter) {
     const auto& own = summary["parameters"][names[i]];
     same(own["true"], truth[i]);
     same(own["initial"], initial[i]);
-    same(own["estimate"], stage.result.unknowns.mean(i, last));
-    same(own["std"], stage.result.unknowns.deviation(i, last));
+    same(own["estimate"], outcome.result.unknowns.mean(i, last));
+    same(own["std"], outcome.result.unknowns.deviation(i, last));
     EXPECT_EQ(own["unit"], units[i]);
-    const double mean = stage.result.state.mean(first + i, last),
-                 deviation = stage.result.state.deviation(first + i, last);
+    const double mean = outcome.result.state.mean(first + i, last),
+                 deviation = outcome.result.state.deviation(first + i, last);
     const auto value = [&](double x) { return i == 0 ? std::exp(x) : x; };
     near(own["interval_95"][0].get<double>(), value(mean - 1.959963984540054 * deviation), 1e-9);
     near(own["interval_95"][1].get<double>(), value(mean + 1.959963984540054 * deviation), 1e-9);
@@ -75,9 +75,9 @@ TEST(Summary, HoldsTheParametersOfTheFilter) {
 
 TEST(Summary, HoldsTheConsistencyOfTheFilter) {
   const auto& [study, results] = everything();
-  const auto& stage = *results.estimation;
+  const auto& outcome = *results.estimation;
   const auto summary = summarise(study, results)["estimation"];
-  const VectorXd nis = stage.result.nis.tail(201 - 50);
+  const VectorXd nis = outcome.result.nis.tail(201 - 50);
   same(summary["nis"]["mean"], nis.mean());
   same(summary["nis"]["expected"], 2.0);
   const double low = chi_squared_quantile(0.025, 2.0), high = chi_squared_quantile(0.975, 2.0);
@@ -86,11 +86,11 @@ TEST(Summary, HoldsTheConsistencyOfTheFilter) {
   near(low, 0.050636, 1e-4);
   near(high, 7.377759, 1e-6);
   for (Index i : {0, 1}) {
-    const VectorXd innovation = stage.result.innovation.row(i).tail(151).transpose();
-    same(summary["innovation_to_noise"][i == 0 ? "yw" : "yb"], rms(innovation) / stage.noise[std::size_t(i)]);
-    near(stage.noise[std::size_t(i)], (i == 0 ? 0.02 : 0.05) * rms(results.simulation->reference.sensors.col(i)));
+    const VectorXd innovation = outcome.result.innovation.row(i).tail(151).transpose();
+    same(summary["innovation_to_noise"][i == 0 ? "yw" : "yb"], rms(innovation) / outcome.noise[std::size_t(i)]);
+    near(outcome.noise[std::size_t(i)], (i == 0 ? 0.02 : 0.05) * rms(results.simulation->reference.sensors.col(i)));
   }
-  same(summary["log_likelihood"], stage.result.log_likelihood);
+  same(summary["log_likelihood"], outcome.result.log_likelihood);
   EXPECT_EQ(summary["steps"], 201);
   EXPECT_EQ(summary["state_dimension"], 2 * 4 + 2);
   EXPECT_EQ(summary["filter"], "partially_linear_ukf");
@@ -120,44 +120,44 @@ TEST(Summary, HoldsErrorsAgainstTheTruthAfterSettling) {
 
 TEST(Summary, HoldsTheUpdating) {
   const auto& [study, results] = everything();
-  const auto& stage = *results.updating;
+  const auto& outcome = *results.updating;
   const auto summary = summarise(study, results)["updating"];
   const char* names[] = {"s.k.stiffness", "s.m.stiffness"};
   for (Index i : {0, 1}) {
     const auto& own = summary["parameters"][names[i]];
     same(own["true"], i == 0 ? 800.0 : 700.0);
     same(own["initial"], i == 0 ? 640.0 : 810.0);
-    same(own["estimate"], stage.values[i]);
-    same(own["std"], stage.statistics.deviations[i]);
+    same(own["estimate"], outcome.values[i]);
+    same(own["std"], outcome.statistics.deviations[i]);
     near(own["std"].get<double>(), std::sqrt(summary["covariance"][std::size_t(i)][std::size_t(i)].get<double>()),
          1e-9);
-    same(summary["correlation"][0][std::size_t(i)], stage.statistics.correlation(0, i));
-    same(summary["sensitivities"][names[i]]["deviation"], stage.sensitivities[std::size_t(i)].deviation);
-    same(summary["sensitivities"][names[i]]["uncertainty"], stage.sensitivities[std::size_t(i)].uncertainty);
+    same(summary["correlation"][0][std::size_t(i)], outcome.statistics.correlation(0, i));
+    same(summary["sensitivities"][names[i]]["deviation"], outcome.sensitivities[std::size_t(i)].deviation);
+    same(summary["sensitivities"][names[i]]["uncertainty"], outcome.sensitivities[std::size_t(i)].uncertainty);
   }
   same(summary["parameters"]["s.k.stiffness"]["lower"], 100.0);
   same(summary["parameters"]["s.k.stiffness"]["upper"], 3000.0);
   same(summary["parameters"]["s.k.stiffness"]["prior_std"], 300.0);
-  same(summary["residual_initial"], stage.residual_initial);
-  same(summary["residual_final"], stage.residual_final);
-  EXPECT_LT(stage.residual_final, stage.residual_initial);
-  EXPECT_EQ(summary["evaluations"], stage.evaluations);
-  EXPECT_EQ(summary["iterations"], stage.iterations);
+  same(summary["residual_initial"], outcome.residual_initial);
+  same(summary["residual_final"], outcome.residual_final);
+  EXPECT_LT(outcome.residual_final, outcome.residual_initial);
+  EXPECT_EQ(summary["evaluations"], outcome.evaluations);
+  EXPECT_EQ(summary["iterations"], outcome.iterations);
   const auto& comparison = summary["comparisons"]["f"];
   same(comparison["weight"], 2.0);
   EXPECT_EQ(comparison["values"], 2);
-  same(comparison["rms_initial"], stage.comparisons[0].rms_initial);
-  same(comparison["rms_final"], stage.comparisons[0].rms_final);
+  same(comparison["rms_initial"], outcome.comparisons[0].rms_initial);
+  same(comparison["rms_final"], outcome.comparisons[0].rms_final);
   for (std::size_t i : {0, 1}) {
     same(comparison["modes"][i]["measured_hz"], i == 0 ? 2.9 : 5.5);
-    same(comparison["modes"][i]["model_hz"], stage.comparisons[0].modes_final[i].model_frequency);
+    same(comparison["modes"][i]["model_hz"], outcome.comparisons[0].modes_final[i].model_frequency);
     near(comparison["modes"][i]["error"].get<double>(),
          comparison["modes"][i]["model_hz"].get<double>() / (i == 0 ? 2.9 : 5.5) - 1.0, 1e-6);
   }
-  EXPECT_EQ(summary["stages"].size(), stage.trace.size());
-  same(summary["stages"][1]["residual"], stage.trace[1].residual);
-  same(summary["stages"][1]["tried"][1], stage.trace[1].tried[1]);
-  same(summary["unknowns_without_updating"]["c.c"], stage.unknowns_before[1]);
+  EXPECT_EQ(summary["stages"].size(), outcome.trace.size());
+  same(summary["stages"][1]["residual"], outcome.trace[1].residual);
+  same(summary["stages"][1]["tried"][1], outcome.trace[1].tried[1]);
+  same(summary["unknowns_without_updating"]["c.c"], outcome.unknowns_before[1]);
 }
 
 TEST(Summary, HoldsTheModel) {
@@ -167,13 +167,13 @@ TEST(Summary, HoldsTheModel) {
   same(summary["substructures"]["s"]["mass"], 6.0);
   same(summary["substructures"]["s"]["frequencies_hz"][1], results.modes[1].frequencies[1]);
   const auto beam = study_of(beam_case());
-  const auto reduced = summarise(beam, run(beam, Stage::modes))["model"]["substructures"]["b"];
-  const auto& evidence = beam.finite_elements[0].reduced->evidence;
-  same(reduced["reduction"]["highest_kept_hz"], evidence.highest_kept);
-  same(reduced["reduction"]["next_left_out_hz"], evidence.next_left_out);
-  same(reduced["reduction"]["modes"][0]["full_hz"], evidence.modes[0].full);
-  same(reduced["reduction"]["modes"][0]["reduced_hz"], evidence.modes[0].reduced);
-  same(reduced["reduction"]["modes"][0]["mac"], evidence.modes[0].mac);
+  const auto reduced = summarise(beam, run(beam, Step::modes))["model"]["substructures"]["b"];
+  const auto& error_indicators = beam.finite_elements[0].reduced->error_indicators;
+  same(reduced["reduction"]["highest_kept_hz"], error_indicators.highest_kept);
+  same(reduced["reduction"]["next_left_out_hz"], error_indicators.next_left_out);
+  same(reduced["reduction"]["modes"][0]["full_hz"], error_indicators.modes[0].full);
+  same(reduced["reduction"]["modes"][0]["reduced_hz"], error_indicators.modes[0].reduced);
+  same(reduced["reduction"]["modes"][0]["mac"], error_indicators.modes[0].mac);
 }
 
 TEST(ResultsFile, HoldsEverySeriesUnderItsName) {
@@ -226,7 +226,7 @@ TEST(EstimatedDeviations, AreThoseOfTheErrors) {
                         {"excitation", "{f: {force: s.b, random: {rms: 10, band: [0.5, 12], fade_in: 0.1}}}"},
                         {"simulate", "{duration: 2 s, sample_rate: 200 Hz, seed: " + std::to_string(seed) + "}"},
                         {"estimate", "{unknown: {c.k: {initial: 480, std: 40}}, settle: 0.5 s}"}}));
-    const auto results = run(study, Stage::estimate);
+    const auto results = run(study, Step::estimate);
     for (const auto& point : results.estimation->points) {
       if (point.quantity != ObservedQuantity::displacement) continue;
       const VectorXd error = (point.mean - point.truth).cwiseQuotient(point.deviation);

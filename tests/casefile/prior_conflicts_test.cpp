@@ -1,4 +1,4 @@
-#include "kalfem/casefile/prior_conflicts.hpp"
+#include "kalfem/pipeline/prior_conflicts.hpp"
 
 #include "casefile/damping_of_unknowns.hpp"
 
@@ -11,7 +11,7 @@ const std::string usual = "mu_k1: {initial: 10 N, std: 50 %}";
 
 StudyResults results_of(const std::string& mu_k1) {
   const Study study = study_of(with(chain_case("4 s", ""), usual, mu_k1));
-  return run_study(study, Stage::estimate);
+  return run_study(study, Step::estimate);
 }
 
 bool holds(const std::string& text, const std::string& piece) { return text.find(piece) != std::string::npos; }

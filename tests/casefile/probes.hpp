@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "casefile/case_sections.hpp"
-#include "kalfem/casefile/stages.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 
 /// Numbers of what is built from a case.
 namespace kalfem::wiring {
@@ -52,7 +52,7 @@ inline void same_signal(const Signal& found, const Signal& expected, double step
   EXPECT_LE((a - b).norm(), 1e-12 * b.norm());
 }
 
-inline StudyResults run(const Study& study, Stage last) {
+inline StudyResults run(const Study& study, Step last) {
   StudyResults results = run_study(study, last);
   EXPECT_TRUE(results.usable()) << results.failure;
   return results;
@@ -60,7 +60,7 @@ inline StudyResults run(const Study& study, Stage last) {
 
 /// Simulated, free of noise: the record of the sensors, samples x sensors.
 inline Eigen::MatrixXd clean_record(const Study& study) {
-  return run(study, Stage::simulate).simulation->reference.sensors;
+  return run(study, Step::simulate).simulation->reference.sensors;
 }
 
 inline double relative_difference(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {

@@ -8,7 +8,7 @@
 
 #include "base/scratch_folder.hpp"
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/casefile/study.hpp"
+#include "kalfem/study/study.hpp"
 
 /// Small cases that read a record: a mass of 2 kg on a spring of 800 N/m (20 rad/s) and a dashpot of 2 N s/m, moving
 /// as x = A sin(omega t) under the force that makes it do so.

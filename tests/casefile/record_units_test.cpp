@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
 #include "casefile/record_cases.hpp"
-#include "kalfem/casefile/comparisons.hpp"
-#include "kalfem/casefile/parameterised_structure.hpp"
-#include "kalfem/formats/hdf5_file.hpp"
+#include "kalfem/formats/hdf5/hdf5_file.hpp"
+#include "kalfem/study/comparisons.hpp"
+#include "kalfem/study/parameterised_structure.hpp"
 #include "kalfem/updating/frf_residual.hpp"
 
 // Units of a record's columns: of the case, of the file, and both.
@@ -163,8 +163,9 @@ update:
     const Study study = load_study((folder_ / "case.yaml").string());
     std::vector<double> norms;
     for (const auto& comparison : make_comparisons(study, parameterised_structure(study)))
-      norms.push_back(
-          comparison.rounds.front()->evaluate(Eigen::VectorXd::Constant(1, stiffness), false)->values.norm());
+      norms.push_back(comparison.continuation_steps.front()
+                          ->evaluate(Eigen::VectorXd::Constant(1, stiffness), false)
+                          ->values.norm());
     return norms;
   };
   const auto in_rad = residuals("H [mm/kN]", "f (rad/s)\n20\nnot measured\n");

@@ -9,14 +9,14 @@ namespace {
 
 void titles() {
   const auto study = study_of(lumped_case({{"title", "A chain of two"}}));
-  const auto results = run(study, Stage::simulate);
+  const auto results = run(study, Step::simulate);
   EXPECT_EQ(make_page(study, results).title, "A chain of two");
   EXPECT_EQ(summarise(study, results).at("title"), "A chain of two");
 }
 
 void numbers_of_modes() {
   const auto count = [](const std::string& report) {
-    return run(study_of(beam_case({{"report", report}})), Stage::modes).modes.at(0).frequencies.size();
+    return run(study_of(beam_case({{"report", report}})), Step::modes).modes.at(0).frequencies.size();
   };
   EXPECT_EQ(count("{modes: 3}"), 3);
   EXPECT_EQ(count("{modes: 5}"), 5);
@@ -27,7 +27,7 @@ void numbers_of_modes() {
 std::vector<Chart> displacement_charts(const std::string& report) {
   const auto study = study_of(estimated_case({{"report", report}}));
   std::vector<Chart> charts;
-  for (const auto& section : make_page(study, run(study, Stage::estimate)).sections)
+  for (const auto& section : make_page(study, run(study, Step::estimate)).sections)
     for (const auto& item : section.items)
       if (const auto* chart = std::get_if<Chart>(&item); chart && chart->title.starts_with("Displacement of"))
         charts.push_back(*chart);
@@ -62,7 +62,7 @@ void pictures() {
   const std::string two =
       "{b: {finite_elements: {" + beam_elements() + "}}, c: {finite_elements: {" + beam_elements() + "}}}";
   const auto series = [&](const std::string& text) {
-    return run(study_of(beam_case({{"substructures", two}, {"report", "{fields: {" + text + "}}"}})), Stage::simulate)
+    return run(study_of(beam_case({{"substructures", two}, {"report", "{fields: {" + text + "}}"}})), Step::simulate)
         .fields.at(0);
   };
   EXPECT_EQ(series("substructure: b").substructure, "b");

@@ -1,6 +1,6 @@
 #include "casefile/sample_case.hpp"
 
-#include "kalfem/casefile/fields.hpp"
+#include "kalfem/yaml/fields.hpp"
 
 namespace kalfem::sample {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <variant>
 
-#include "kalfem/casefile/bounds.hpp"
-#include "kalfem/casefile/case_reader.hpp"
+#include "kalfem/yaml/bounds.hpp"
+#include "kalfem/yaml/case_reader.hpp"
 
 /// A small study with every kind of field, on which the case-file machinery is tested.
 namespace kalfem::sample {

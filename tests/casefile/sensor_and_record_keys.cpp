@@ -2,9 +2,9 @@
 
 #include "casefile/probes.hpp"
 #include "kalfem/base/random.hpp"
-#include "kalfem/casefile/filter_run.hpp"
-#include "kalfem/formats/hdf5_file.hpp"
-#include "kalfem/formats/record_splice.hpp"
+#include "kalfem/formats/hdf5/hdf5_file.hpp"
+#include "kalfem/records/record_splice.hpp"
+#include "kalfem/study/filter_run.hpp"
 
 /// Keys of sensors with their measurement chains, and of measured records.
 namespace kalfem::wiring {
@@ -59,13 +59,13 @@ void noise_is_absolute_or_a_part_of_the_rms() {
   // signal.
   const auto study = study_of(estimated_case(
       {{"sensors", "{y: {displacement: s.b, noise: 5 %}}"}, {"simulate", "{duration: 20 s, sample_rate: 100 Hz}"}}));
-  const auto results = run(study, Stage::simulate);
+  const auto results = run(study, Step::simulate);
   const Eigen::VectorXd clean = results.simulation->reference.sensors.col(0);
   near(results.simulation->noise[0], 0.05 * rms(clean));
   const Eigen::VectorXd noise = results.simulation->measurements.values.col(0) - clean;
   // 2001 samples: the rms of the noise is known to 1.6 %, three deviations.
   near(rms(noise), results.simulation->noise[0], 3.0 / std::sqrt(2.0 * 2001));
-  const auto filter = make_filter_run(study, *study.observer, full_record(study, results));
+  const auto filter = make_filter_run(study, *study.augmented_model, full_record(study, results));
   near(filter.record.noise(0, 0), std::pow(results.simulation->noise[0], 2));
 }
 
@@ -88,7 +88,7 @@ void filters() {
     const std::string text = band == FilterBand::low_pass    ? "low_pass: 20"
                              : band == FilterBand::high_pass ? "high_pass: 20"
                                                              : "band_pass: [20, 50]";
-    const MeasurementChain bessel({{FilterStage{FilterFamily::bessel, band, 3, 20.0, 50.0}}});
+    const MeasurementChain bessel({{FilterSection{FilterFamily::bessel, band, 3, 20.0, 50.0}}});
     EXPECT_LT(std::abs(response("{bessel: {order: 3, " + text + "}}", 17.0) - bessel.frequency_response(17.0)), 1e-12);
   }
 }

@@ -32,7 +32,7 @@ void integrators() {
     const auto study = with_simulation(scheme.text + ", tolerance: 5, first_substeps: 1, max_substeps: 2");
     auto options = scheme.options;
     options.duration = 0.5;
-    const auto reference = simulate_reference(
+    const auto reference = simulate_converged(
         system_of(study), study.signals, at_rest(2, 0), make_outputs(*study.model, {study.sensors[0].output}), {},
         options, {.sample_rate = 100, .first_substeps = 1, .max_substeps = 2, .tolerance = 5});
     records.push_back(clean_record(study));
@@ -47,14 +47,14 @@ void integrators() {
 
 void steps_are_refined_to_the_tolerance() {
   const auto substeps = [](const std::string& text) {
-    return run(with_simulation(text), Stage::simulate).simulation->reference.substeps;
+    return run(with_simulation(text), Step::simulate).simulation->reference.substeps;
   };
   EXPECT_EQ(substeps("tolerance: 5, first_substeps: 1"), 2);
   EXPECT_EQ(substeps("tolerance: 5, first_substeps: 8"), 16);
   EXPECT_EQ(substeps("tolerance: 5"), 8);  // from 4 on
   EXPECT_GT(substeps("tolerance: 1e-6, first_substeps: 1"), substeps("tolerance: 1e-2, first_substeps: 1"));
   const auto stopped =
-      run_study(with_simulation("tolerance: 1e-12, first_substeps: 1, max_substeps: 4"), Stage::simulate);
+      run_study(with_simulation("tolerance: 1e-12, first_substeps: 1, max_substeps: 4"), Step::simulate);
   EXPECT_FALSE(stopped.usable());
   EXPECT_EQ(stopped.simulation->reference.substeps, 4);
 }
@@ -63,7 +63,7 @@ void steps_are_refined_to_the_tolerance() {
 void fixed_steps() {
   for (const int substeps : {3, 300}) {
     const auto study = with_simulation("substeps: " + std::to_string(substeps));
-    const auto reference = run(study, Stage::simulate).simulation->reference;
+    const auto reference = run(study, Step::simulate).simulation->reference;
     EXPECT_EQ(reference.substeps, substeps);
     EXPECT_TRUE(reference.changes.empty());
     const auto once =
@@ -75,7 +75,7 @@ void fixed_steps() {
 
 void lengths() {
   const auto study = study_of(lumped_case({{"simulate", "{duration: 0.3 s, sample_rate: 200 Hz}"}}));
-  const auto results = run(study, Stage::simulate);
+  const auto results = run(study, Step::simulate);
   EXPECT_EQ(results.simulation->measurements.samples(), 61);
   near(results.simulation->measurements.sample_rate, 200.0);
   near(study.sample_rate(), 200.0);
@@ -84,7 +84,7 @@ void lengths() {
 void seeds() {
   const auto noise = [](const std::string& text) {
     const auto results = run(
-        study_of(lumped_case({{"simulate", "{duration: 0.5 s, sample_rate: 100 Hz" + text + "}"}})), Stage::simulate);
+        study_of(lumped_case({{"simulate", "{duration: 0.5 s, sample_rate: 100 Hz" + text + "}"}})), Step::simulate);
     return Eigen::VectorXd((results.simulation->measurements.values - results.simulation->reference.sensors).col(0) /
                            1e-4);
   };
@@ -100,7 +100,7 @@ void starts() {
   const auto first = [](const std::string& text, ObservedQuantity quantity, const std::string& point) {
     const auto study =
         study_of(lumped_case({{"simulate", "{duration: 0.5 s, sample_rate: 100 Hz, initial: {" + text + "}}"}}));
-    for (const auto& each : run(study, Stage::simulate).simulation->points)
+    for (const auto& each : run(study, Step::simulate).simulation->points)
       if (each.point == point && each.quantity == quantity) return each.mean[0];
     return 0.0;
   };

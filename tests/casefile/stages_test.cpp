@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
 #include "casefile/probes.hpp"
-#include "kalfem/casefile/comparisons.hpp"
-#include "kalfem/casefile/filter_run.hpp"
-#include "kalfem/casefile/observer_setup.hpp"
-#include "kalfem/casefile/reported_quantities.hpp"
+#include "kalfem/pipeline/reported_quantities.hpp"
+#include "kalfem/study/augmented_model_setup.hpp"
+#include "kalfem/study/comparisons.hpp"
+#include "kalfem/study/filter_run.hpp"
 
 /// The steps of a study together: what one hands to the next, where nothing but its place and time can go wrong.
 namespace kalfem::wiring {
@@ -15,7 +15,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 /// A wheel and a row of three masses on it. The filter knows everything exactly: its estimates are the simulation but
-/// for what the observer's step leaves out.
+/// for what the augmented model's step leaves out.
 Sections exact_case(const Sections& changed = {}) {
   Sections sections = estimated_case(
       {{"substructures",
@@ -44,14 +44,14 @@ void expect_truth(const std::vector<PointQuantity>& points, double limit) {
 constexpr double step_error = 3e-3;
 
 TEST(Stages, PredictWhatWasSimulated) {
-  expect_truth(run(study_of(exact_case()), Stage::predict).prediction->points, step_error);
+  expect_truth(run(study_of(exact_case()), Step::predict).prediction->points, step_error);
 }
 
 TEST(Stages, PredictOverAnAcceleratedBase) {
   const auto results = run(study_of(exact_case({{"excitation",
                                                  "{e: {base_acceleration: {w.w: 1, w.v: 1, s.a: 1, s.b: 1, s.c: 1}, "
                                                  "random: {rms: 2, band: [0.5, 8], fade_in: 0.3}}}"}})),
-                           Stage::predict);
+                           Step::predict);
   expect_truth(results.prediction->points, step_error);
 }
 
@@ -65,7 +65,7 @@ TEST(Stages, PredictFromMotion) {
                        "{unknown: {c.k: {initial: 500, std: 0.01}}, settle: 0, "
                        "initial_state: {" +
                            start + "}}"}})),
-      Stage::predict);
+      Step::predict);
   expect_truth(results.prediction->points, step_error);
   const auto* b = find_quantity(results.prediction->points, "s.b", displacement);
   EXPECT_NEAR(b->mean[0], 0.02, 1e-4);
@@ -81,7 +81,7 @@ const std::string late_pulses =
 
 class LateRecord : public testing::Test {
 protected:
-  StudyResults whole = run(study_of(exact_case({{"excitation", late_pulses}})), Stage::simulate);
+  StudyResults whole = run(study_of(exact_case({{"excitation", late_pulses}})), Step::simulate);
 
   Study late(const Sections& more = {}) {
     const auto& clean = whole.simulation->reference.sensors;
@@ -103,11 +103,11 @@ TEST_F(LateRecord, IsDrivenByWhatActedThen) {
   const auto study = late();
   EXPECT_EQ(study.record->series.samples(), 201);
   EXPECT_NEAR(study.record->series.start, 0.3, 1e-12);
-  const auto filter = make_filter_run(study, *study.observer, full_record(study, {}));
+  const auto filter = make_filter_run(study, *study.augmented_model, full_record(study, {}));
   const auto signals = study.signals[1]->sample(0.3, 0.005 / 4, 801);
   EXPECT_LT((filter.record.inputs.row(1).transpose() - signals.col(0).matrix()).norm(),
             1e-12 * signals.col(0).matrix().norm());
-  const auto results = run(study, Stage::estimate);
+  const auto results = run(study, Step::estimate);
   for (const std::string point : {"w.v", "s.a", "s.c"}) {
     const auto* found = find_quantity(results.estimation->points, point, displacement);
     EXPECT_LT(nrmse(found->mean, truth(point, displacement)), step_error) << point;
@@ -115,7 +115,7 @@ TEST_F(LateRecord, IsDrivenByWhatActedThen) {
 }
 
 TEST_F(LateRecord, PredictsWithTheForcesOfThen) {
-  const auto results = run(late(), Stage::predict);
+  const auto results = run(late(), Step::predict);
   for (const auto& point : results.prediction->points)
     EXPECT_LT(nrmse(point.mean, truth(point.point, point.quantity)), step_error) << point.point;
 }
@@ -129,7 +129,7 @@ TEST_F(LateRecord, IsComparedWithWhatHappenedThen) {
     auto residuals = make_comparisons(study, structure);
     add_record_comparisons(study, {}, structure, residuals);
     const auto size = [&](double k) {
-      return rms(residuals.at(0).rounds[0]->evaluate(VectorXd::Constant(1, k), false)->values);
+      return rms(residuals.at(0).continuation_steps[0]->evaluate(VectorXd::Constant(1, k), false)->values);
     };
     EXPECT_LT(size(800.0), 2.0) << comparison;
     EXPECT_GT(size(700.0), 10.0) << comparison;
@@ -140,7 +140,7 @@ TEST_F(LateRecord, IsComparedWithWhatHappenedThen) {
 TEST_F(LateRecord, IsNotLearntFromBeyondItsUse) {
   auto study = late();
   study.record->used = 120;
-  const auto filter = make_filter_run(study, *study.observer, full_record(study, {}));
+  const auto filter = make_filter_run(study, *study.augmented_model, full_record(study, {}));
   EXPECT_TRUE(filter.record.measurements.leftCols(120).allFinite());
   EXPECT_TRUE(filter.record.measurements.rightCols(81).array().isNaN().all());
   EXPECT_TRUE(filter.measurements.values.allFinite());
@@ -158,11 +158,11 @@ TEST(Stages, ADrivenHistoryIsNoiseAtTheTruth) {
            {"estimate",
             "{unknown: {c.k: {initial: 500, std: 0.01}}, settle: " + settle + ", initial_state: {" + start + "}}"},
            {"update", "{parameters: {s.k.stiffness: {}}, compare: {r: {time_history: s, sensors: yb}}}"}}));
-      const auto results = run(study, Stage::simulate);
+      const auto results = run(study, Step::simulate);
       const auto structure = parameterised_structure(study);
       auto residuals = make_comparisons(study, structure);
       add_record_comparisons(study, results, structure, residuals);
-      const auto values = residuals.at(0).rounds[0]->evaluate(vector({800.0}), false)->values;
+      const auto values = residuals.at(0).continuation_steps[0]->evaluate(vector({800.0}), false)->values;
       EXPECT_NEAR(rms(values), 1.0, 0.2) << "settle " << settle << chain;
     }
 }
@@ -179,24 +179,24 @@ TEST(Stages, NoiseOfARecordIsAPartOfItsRms) {
   near(record.noise[0], 0.2);
   near(record.noise[1], 0.15);
   EXPECT_EQ(record.series.channels[1].unit, "m");
-  const auto filter = make_filter_run(study, *study.observer, record);
+  const auto filter = make_filter_run(study, *study.augmented_model, record);
   near(filter.record.noise(0, 0), 0.04);
   near(filter.record.noise(1, 1), 0.0225);
 }
 
-/// The observer's sensors stand behind their own measurement chains, which the case's simulation has too.
-TEST(Stages, SensorsOfTheObserverHaveTheirChains) {
+/// The augmented model's sensors stand behind their own measurement chains, which the case's simulation has too.
+TEST(Stages, SensorsOfTheAugmentedModelHaveTheirChains) {
   const auto study = study_of(estimated_case({{"sensors",
                                                "{x: {displacement: s.a, noise: 0.1 mm}, y: {displacement: s.b, noise: "
                                                "0.1 mm, chain: [{butterworth: {order: 2, "
                                                "low_pass: 5 Hz}}, {gain: 3}]}}"}}));
-  const auto results = run(study, Stage::estimate);
-  EXPECT_EQ(results.estimation->observer->form().size(), 4 + 2);
+  const auto results = run(study, Step::estimate);
+  EXPECT_EQ(results.estimation->augmented_model->form().size(), 4 + 2);
   const auto plain =
       run(study_of(estimated_case({{"sensors",
                                     "{x: {displacement: s.a, noise: 0.1 mm}, y: {displacement: s.b, noise: "
                                     "0.1 mm}}"}})),
-          Stage::simulate);
+          Step::simulate);
   const VectorXd before = plain.simulation->reference.sensors.col(1),
                  behind = results.simulation->reference.sensors.col(1);
   EXPECT_LT(nrmse(behind, study.sensors[1].chain.filter(before, 100.0)), 0.05);
@@ -205,14 +205,14 @@ TEST(Stages, SensorsOfTheObserverHaveTheirChains) {
 
 /// Forces of connectors reach a sensor's chain at once, by what it measures: an acceleration beside a connector, and
 /// the force itself. A consistent filter has a NIS of 2; 401 samples tell it to 0.1.
-TEST(Stages, ConnectorForcesPassTheChainsOfTheObserver) {
+TEST(Stages, ConnectorForcesPassTheChainsOfTheAugmentedModel) {
   const auto results = run(
       study_of(
           exact_case({{"sensors",
                        "{yw: {acceleration: w.w, noise: 0.05, chain: [{butterworth: {order: 2, low_pass: 40 "
                        "Hz}}]}, fc: {force: c, noise: 0.05 N, chain: [{bessel: {order: 2, low_pass: 30 Hz}}]}}"},
                       {"connectors", "{c: {from: w.w, to: s.a, law: cubic, parameters: {k: 500, k3: 1e6, c: 3}}}"}})),
-      Stage::estimate);
+      Step::estimate);
   EXPECT_NEAR(results.estimation->consistency.mean_nis, 2.0, 0.3);
 }
 
@@ -224,9 +224,9 @@ const std::string updated_springs =
     "[2.9, 5.5], "
     "above: 0.5 Hz}}}";
 
-TEST(Stages, TheObserverOfACaseThatUpdatesStartsAtTheFirstValues) {
+TEST(Stages, TheAugmentedModelOfACaseThatUpdatesStartsAtTheFirstValues) {
   const auto study = study_of(exact_case({{"update", updated_springs}}));
-  const auto& stiffness = study.observer->model->system().stiffness;
+  const auto& stiffness = study.augmented_model->model->system().stiffness;
   near(stiffness.coeff(2, 3), -640.0);
   near(stiffness.coeff(3, 4), -810.0);
   near(system_of(study).stiffness.coeff(2, 3), -800.0);
@@ -237,10 +237,10 @@ TEST(Stages, WhatFollowsAnUpdatingIsOfTheUpdatedStructure) {
   const auto study =
       study_of(exact_case({{"update", updated_springs},
                            {"modifications", "{m: {substructure: s, set: {k.damping: 2}, above: 0.5 Hz, modes: 2}}"}}));
-  const auto results = run(study, Stage::update);
+  const auto results = run(study, Step::update);
   const VectorXd values = results.updating->values;
   EXPECT_GT((values - vector({640, 810})).norm(), 10.0);
-  const auto& system = results.estimation->observer->system();
+  const auto& system = results.estimation->augmented_model->system();
   near(system.stiffness.coeff(2, 3), -values[0], 1e-9);
   near(system.stiffness.coeff(3, 4), -values[1], 1e-9);
   // Two free frequencies and two springs: the updated structure has the measured ones, and so has a changed dashpot.
@@ -261,16 +261,16 @@ TEST(Stages, UpdatedValuesArePresentUnderAllNamesThatTheyApplyToAndNoOther) {
   near(present.at("s.k.damping"), 3.0);
 }
 
-/// A stiffer beam by an unknown of its material: the observer's superelement is reduced at the first guess, and a value
-/// beside it in the same basis has the stiffness of that value.
+/// A stiffer beam by an unknown of its material: the augmented model's superelement is reduced at the first guess, and
+/// a value beside it in the same basis has the stiffness of that value.
 TEST(Stages, LinearUnknownsOfFiniteElementsMoveTheirSuperelement) {
   const auto study = study_of(
       beam_case({{"estimate", "{unknown: {b.steel.youngs_modulus: {initial: 200 GPa, std: 5 %}}, settle: 0}"}}));
-  const auto& linear = study.observer->linear_unknowns;
+  const auto& linear = study.augmented_model->linear_unknowns;
   ASSERT_EQ(linear.initial.size(), 1u);
   near(linear.initial[0], 200e9);
-  near(*study.observer->true_parameters[0], 210e9);
-  EXPECT_EQ(study.observer->options.unknowns[0].transform.kind, TransformKind::log);
+  near(*study.augmented_model->true_parameters[0], 210e9);
+  EXPECT_EQ(study.augmented_model->options.unknowns[0].transform.kind, TransformKind::log);
   const auto stiffness_at = [&](double value) {
     const auto parts = parts_at(study, linear, VectorXd::Constant(1, value));
     return Eigen::MatrixXd(parts.finite_elements.at(0).model->stiffness);
@@ -279,7 +279,8 @@ TEST(Stages, LinearUnknownsOfFiniteElementsMoveTheirSuperelement) {
   // The boundary's static stiffness is the tip's, 3 E I / L^3; shear takes 0.1 %.
   const double inertia = 3.14159265358979323846 * std::pow(0.02, 4) / 64;
   near(stiffness_at(200e9)(2, 2), 3 * 200e9 * inertia, 2e-3);
-  EXPECT_LT(relative_difference(stiffness_at(200e9), Eigen::MatrixXd(study.observer->model->system().stiffness)), 1e-9);
+  EXPECT_LT(relative_difference(stiffness_at(200e9), Eigen::MatrixXd(study.augmented_model->model->system().stiffness)),
+            1e-9);
 }
 
 }  // namespace

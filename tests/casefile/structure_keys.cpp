@@ -1,5 +1,5 @@
 #include "casefile/probes.hpp"
-#include "kalfem/system/law_library.hpp"
+#include "kalfem/system/laws/law_library.hpp"
 
 /// Keys of lumped substructures, connectors and the whole structure's damping.
 namespace kalfem::wiring {

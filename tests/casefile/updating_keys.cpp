@@ -2,9 +2,9 @@
 #include <numbers>
 
 #include "casefile/probes.hpp"
-#include "kalfem/casefile/comparisons.hpp"
-#include "kalfem/casefile/parameterised_structure.hpp"
-#include "kalfem/formats/hdf5_file.hpp"
+#include "kalfem/formats/hdf5/hdf5_file.hpp"
+#include "kalfem/study/comparisons.hpp"
+#include "kalfem/study/parameterised_structure.hpp"
 #include "kalfem/updating/evolution.hpp"
 #include "kalfem/updating/frf_residual.hpp"
 #include "kalfem/updating/multi_start.hpp"
@@ -58,7 +58,11 @@ std::vector<ComparisonResidual> residuals_of(const Study& study, const StudyResu
 }
 
 VectorXd residual_at(const Study& study, double k, const StudyResults& results = {}) {
-  return residuals_of(study, results).at(0).rounds.back()->evaluate(VectorXd::Constant(1, k), false)->values;
+  return residuals_of(study, results)
+      .at(0)
+      .continuation_steps.back()
+      ->evaluate(VectorXd::Constant(1, k), false)
+      ->values;
 }
 
 VectorXd residual_of(const std::string& text, double k = 800.0) { return residual_at(with_comparison(text), k); }
@@ -297,7 +301,7 @@ void frequency_response_scales() {
   const auto scales = [](const std::string& text) {
     const auto residuals = residuals_of(with_comparison(
         "frf: s, inputs: [{force: a, file: frf.csv}], outputs: [a, b], compare: log_magnitude, floor: 0" + text));
-    const auto& frf = dynamic_cast<const FrfResidual&>(*residuals[0].rounds[0]);
+    const auto& frf = dynamic_cast<const FrfResidual&>(*residuals[0].continuation_steps[0]);
     return frf.scales(frf.model_responses(VectorXd::Constant(1, 800.0))).at(0);
   };
   for (const std::string text : {"", ", scale: fixed"}) near(scales(text), vector({1, 1}));
@@ -309,12 +313,12 @@ void frequency_response_scales() {
 
 void smoothed_frequency_responses() {
   write_table("frf.csv", responses(lines, 0, 2));
-  const auto rounds = [](const std::string& text) {
+  const auto continuation_steps = [](const std::string& text) {
     return residuals_of(with_comparison("frf: s, inputs: [{force: a, file: frf.csv}], outputs: [a, b]" + text))[0]
-        .rounds.size();
+        .continuation_steps.size();
   };
-  EXPECT_EQ(rounds(""), 1u);
-  EXPECT_EQ(rounds(", smoothing: 0.9 Hz"), smoothing_widths(0.9, 0.09).size());
+  EXPECT_EQ(continuation_steps(""), 1u);
+  EXPECT_EQ(continuation_steps(", smoothing: 0.9 Hz"), smoothing_widths(0.9, 0.09).size());
 }
 
 /// A record of noise at one mass: H1 of it is the model's, at lines that the length of the pieces sets.
@@ -326,7 +330,7 @@ void frequency_responses_of_records() {
                             "fade_in: 0}}}"},
                            {"sensors", "{a: {acceleration: s.a, noise: 0}, b: {acceleration: s.b, noise: 0}}"},
                            {"simulate", "{duration: 80 s, sample_rate: 100 Hz, tolerance: 1e-2}"}}),
-          Stage::simulate);
+          Step::simulate);
   const MatrixXd outputs = simulated.simulation->reference.sensors;
   const auto column = [&](Index j) { return std::vector<double>(outputs.col(j).begin(), outputs.col(j).end()); };
   const auto study = with_update("", {{"update", ""},
@@ -348,7 +352,7 @@ void frequency_responses_of_records() {
   const auto compared = [](const std::string& input_text) {
     const auto residuals = residuals_of(
         with_comparison("frf: s, inputs: [{force: a, " + input_text + "}], outputs: [a, b], bands: [[0.4, 6]]"));
-    return dynamic_cast<const FrfResidual&>(*residuals[0].rounds[0]).compared().at(0);
+    return dynamic_cast<const FrfResidual&>(*residuals[0].continuation_steps[0]).compared().at(0);
   };
   for (const std::string text :
        {"record: shaker.csv, input: p", "record: shaker.csv, input: p, columns: [a, b]",
@@ -398,9 +402,9 @@ const Sections of_record{
 void driven_histories() {
   const auto comparison = [](const std::string& text) {
     const auto study = with_comparison("time_history: s" + text, of_record);
-    const auto results = run(study, Stage::simulate);
+    const auto results = run(study, Step::simulate);
     const auto residuals = residuals_of(study, results);
-    return residuals.at(0).rounds[0]->evaluate(VectorXd::Constant(1, 750.0), true).value();
+    return residuals.at(0).continuation_steps[0]->evaluate(VectorXd::Constant(1, 750.0), true).value();
   };
   const auto all = comparison(""), one = comparison(", sensors: yb"), other = comparison(", sensors: [ya]");
   EXPECT_EQ(all.values.size(), 2 * 251);
@@ -424,7 +428,7 @@ void driven_histories_have_the_filter_of_the_case() {
         "initial_state: {all: {displacement_std: 5 mm, velocity_std: 0.05}}" +
         more + "}";
     const auto study = with_comparison("time_history: s, sensors: yb", sections);
-    return residual_at(study, 750.0, run(study, Stage::simulate));
+    return residual_at(study, 750.0, run(study, Step::simulate));
   };
   const VectorXd usual = residual(", settle: 0.5 s");
   EXPECT_EQ(usual.size(), 251);
@@ -436,7 +440,7 @@ void driven_histories_have_the_filter_of_the_case() {
 
 void simulated_histories() {
   const auto study = [](const std::string& text) { return with_comparison("simulation: " + text, of_record); };
-  const auto results = run(study("all"), Stage::simulate);
+  const auto results = run(study("all"), Step::simulate);
   EXPECT_EQ(residual_at(study("all"), 800.0, results).size(), 3 * 251);
   EXPECT_EQ(residual_at(study("[ya, yw]"), 800.0, results).size(), 2 * 251);
   // At the true parameters what is left is the noise, in its deviations: 502 samples tell its rms to 3 %.
@@ -454,7 +458,7 @@ void weights() {
   const auto run_with = [](const std::string& first, const std::string& second) {
     return *run(with_update("parameters: {s.k.stiffness: {}}, compare: {one: {modes: s, frequencies: [1.5]" + first +
                             "}, two: {static: s, loads: {b: 8 N}, displacements: {b: 20 mm}" + second + "}}"),
-                Stage::update)
+                Step::update)
                 .updating;
   };
   const auto plain = run_with("", ""), weighted = run_with(", weight: 4", ", weight: 0.25");
@@ -472,9 +476,9 @@ const std::string both =
     "parameters: {s.k.stiffness: {initial: 500, bounds: [200, 2000]}, s.m.stiffness: {initial: 900, bounds: "
     "[200, 2000]}}, compare: {f: {modes: s, frequencies: [1.55, 4.2]}}";
 
-UpdatingStage search(const std::string& text) { return *run(with_update(both + text), Stage::update).updating; }
+UpdatingOutcome search(const std::string& text) { return *run(with_update(both + text), Step::update).updating; }
 
-ResidualSum sum_of(const Study& study) { return ResidualSum({{residuals_of(study)[0].rounds[0], 1.0}}); }
+ResidualSum sum_of(const Study& study) { return ResidualSum({{residuals_of(study)[0].continuation_steps[0], 1.0}}); }
 
 GaussNewtonOptions usual_search() {
   GaussNewtonOptions options;
@@ -549,7 +553,7 @@ void modifications() {
   const VectorXd changed = modes_at(1600.0).frequencies;
   const auto frequencies_of = [](const std::string& text) {
     return run(with_update("", {{"update", ""}, {"modifications", "{m: {substructure: s, " + text + "}}"}}),
-               Stage::predict)
+               Step::predict)
         .modifications.at(0);
   };
   EXPECT_EQ(frequencies_of("set: {k.stiffness: 1600}").substructure, "s");

@@ -78,7 +78,7 @@ TEST(Accuracy, VehicleOverTenSeconds) {
   }
 }
 
-/// The vehicle at 1 kHz, its observer with so many substeps a sample.
+/// The vehicle at 1 kHz, its augmented model with so many substeps a sample.
 nlohmann::json vehicle_at_1_khz(int substeps) {
   const ScratchFolder folder("accuracy-1-khz");
   const auto text =

@@ -132,7 +132,8 @@ TEST(Decks, WhatWasReducedIsReadBackFromEachFormat) {
         "out/bar_reduced.dof}}}\n");
   outcome = run_command("modes " + (folder / "again.yaml").string() + " --out " + (folder / "again").string(), folder);
   ASSERT_EQ(outcome.code, 0) << outcome.errors;
-  // Six modes and three truncation vectors keep the first frequency to 1e-6; DMIG keeps eleven digits.
+  // Six modes and three modal truncation augmentation vectors keep the first frequency to 1e-6; DMIG keeps eleven
+  // digits.
   for (const char* part : {"h5", "dmig", "op4", "mtx"})
     EXPECT_NEAR(first_frequency(folder / "again", part) / expected, 1.0, 1e-6) << part;
 }

@@ -2,7 +2,7 @@
 
 #include "base/figures.hpp"
 #include "command.hpp"
-#include "kalfem/formats/hdf5_file.hpp"
+#include "kalfem/formats/hdf5/hdf5_file.hpp"
 
 namespace kalfem::test {
 namespace {
@@ -87,7 +87,7 @@ TEST(Examples, ExpressionLaw) {
     EXPECT_LT(normalised_error(parameter), 3.5) << name;
 }
 
-TEST(Examples, LocalObserver) {
+TEST(Examples, LocalModelDescription) {
   const auto summary = run_example("chain/local.yaml", ScratchFolder("local"));
   for (const auto& [name, parameter] : summary["parameters"].items()) {
     EXPECT_LT(relative_error(parameter), 0.05) << name;

@@ -43,7 +43,7 @@ Outcome run_with(const DeckMistake& mistake, const std::string& verb, const std:
   return run_command(verb + " " + (folder / "case.yaml").string(), folder);
 }
 
-/// Of low rank on the full model, and the same on superelements in the observer and in the place of the truth.
+/// Of low rank on the full model, and the same on superelements in the augmented model and in the place of the truth.
 TEST(FiniteElements, AreDampedInTheModesOfTheWholeStructure) {
   const std::string estimated = R"(simulate: {duration: 3 s, sample_rate: 1 kHz, modes_up_to: 3 kHz, reference: @}
 damping: {modal: 5 %, up_to: 60 Hz}
@@ -64,8 +64,8 @@ predict: {substructure: plate})";
 
 TEST(FiniteElements, FreeInterfaceReductionRunsAsTheOthersDo) {
   const ScratchFolder folder("rubin");
-  const auto outcome =
-      run_with({"Rubin", "{modes: 4, truncation_vectors: false}", "{method: rubin, modes: 6}", {}}, "simulate", folder);
+  const auto outcome = run_with({"Rubin", "{modes: 4, augmentation_vectors: false}", "{method: rubin, modes: 6}", {}},
+                                "simulate", folder);
   EXPECT_EQ(outcome.code, 0) << outcome.errors;
 }
 

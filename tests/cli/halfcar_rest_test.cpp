@@ -5,7 +5,7 @@
 
 #include "base/data_folder.hpp"
 #include "command.hpp"
-#include "kalfem/formats/hdf5_file.hpp"
+#include "kalfem/formats/hdf5/hdf5_file.hpp"
 
 // Rest positions of the half-car rig: runs that end before the body has come to rest, and runs that are disturbed after
 // it. The example's case with little changed.

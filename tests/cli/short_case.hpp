@@ -5,7 +5,7 @@
 #include <set>
 
 #include "command.hpp"
-#include "kalfem/formats/hdf5_file.hpp"
+#include "kalfem/formats/hdf5/hdf5_file.hpp"
 
 /// What the tests of the output folder share.
 namespace kalfem::test {

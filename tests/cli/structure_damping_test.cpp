@@ -24,7 +24,7 @@ estimate: {unknown: {suspension.mu_k1: {initial: 20 N, std: 4 N}}, settle: 2 s}
 predict: {substructure: body}
 )";
 
-TEST(StructureDamping, IsInTheSimulationTheFilterAndThePrediction) {
+TEST(GlobalModalDamping, IsInTheSimulationTheFilterAndThePrediction) {
   const ScratchFolder folder("structure-damping");
   std::ofstream(folder / "case.yaml") << damped_case;
   const auto outcome = run_command("run " + (folder / "case.yaml").string(), folder);

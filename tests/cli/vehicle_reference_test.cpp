@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "kalfem/base/time_series.hpp"
-#include "kalfem/formats/hdf5_file.hpp"
+#include "kalfem/formats/hdf5/hdf5_file.hpp"
+#include "kalfem/records/time_series.hpp"
 #include "vehicle_case.hpp"
 
 namespace kalfem::test {

@@ -120,7 +120,7 @@ TEST(DampedModeSplit, CoordinatesGoThereAndBack) {
   const VectorXd motion = VectorXd::LinSpaced(21, -1.0, 2.0);
   EXPECT_LT((split->merge(split->split(motion)) - motion).norm(), 1e-13);
   const VectorXd remainder = split->split(motion).head(21);
-  EXPECT_LT((split->momenta.transpose() * remainder).norm(), 1e-12);
+  EXPECT_LT((split->mass_weighted_modes.transpose() * remainder).norm(), 1e-12);
 }
 
 TEST(DampedModeSplit, OutputsAreThoseOfTheWholeMotion) {

@@ -174,12 +174,12 @@ TEST(EnergyBalance, WorkOfTheRoadIsStoredOrDissipated) {
     const auto motion =
         simulate(system, {road}, at_rest(11, 0), {.integrator = integrator, .step = h, .duration = 0.7}).trajectory;
     const Eigen::RowVectorXd drive = system.inputs[0].value.transpose() * motion.velocity;
-    const Eigen::RowVectorXd drag = system.inputs[0].rate.transpose() * motion.velocity;
+    const Eigen::RowVectorXd cross_damping = system.inputs[0].rate.transpose() * motion.velocity;
     const Eigen::RowVectorXd strut = system.connectors[0].deformation.transpose() * motion.velocity;
     const Eigen::RowVectorXd internal =
         (motion.velocity.array() * (system.damping * motion.velocity).array()).colwise().sum();
     const Eigen::RowVectorXd power =
-        (drive.array() * motion.inputs.row(0).array() + drag.array() * motion.inputs.row(1).array() -
+        (drive.array() * motion.inputs.row(0).array() + cross_damping.array() * motion.inputs.row(1).array() -
          strut.array() * motion.force.row(0).array())
             .matrix() -
         internal;

@@ -1,4 +1,4 @@
-#include "kalfem/dynamics/matched_poles.hpp"
+#include "kalfem/dynamics/period_correction.hpp"
 
 #include <gtest/gtest.h>
 
@@ -46,7 +46,7 @@ double departure(const VectorXd& q, double omega, double ratio, double step) {
          q.cwiseAbs().maxCoeff();
 }
 
-TEST(MatchedPoles, FreeVibrationKeepsPeriodAndDecayAtAnyStep) {
+TEST(PeriodCorrection, FreeVibrationKeepsPeriodAndDecayAtAnyStep) {
   const std::vector<double> omega{20.0, 300.0, 1900.0};  // times the step of 1 ms: up to three steps a period
   const std::vector<double> ratio{0.3, 0.01, 0.002};
   std::vector<double> stiffness, damping;
@@ -59,7 +59,7 @@ TEST(MatchedPoles, FreeVibrationKeepsPeriodAndDecayAtAnyStep) {
   start.displacement.setConstant(1e-3);
   start.velocity.setConstant(0.05);
   const auto plain = simulated(system, start, 0.0, 200);
-  match_poles(system, 0, 1e-3);
+  correct_periods(system, 0, 1e-3);
   const auto matched = simulated(system, start, 0.0, 200);
   for (Index i = 0; i < 3; ++i) {
     const auto at = static_cast<std::size_t>(i);
@@ -69,7 +69,7 @@ TEST(MatchedPoles, FreeVibrationKeepsPeriodAndDecayAtAnyStep) {
 }
 
 /// Schemes with numerical damping too. A third root of theirs, z = -0.42 at the spectral radius of 0.8, dies out first.
-TEST(MatchedPoles, HoldsForTheWholeFamily) {
+TEST(PeriodCorrection, HoldsForTheWholeFamily) {
   const double omega = 300.0, ratio = 0.01;
   auto start = at_rest(1, 0);
   start.displacement[0] = 1e-3;
@@ -77,15 +77,15 @@ TEST(MatchedPoles, HoldsForTheWholeFamily) {
        {std::pair{Integrator::hht_alpha, hht_parameters(-0.05)},
         std::pair{Integrator::generalized_alpha, generalized_alpha_parameters(0.8)}}) {
     auto system = oscillators({omega * omega}, {2.0 * ratio * omega});
-    match_poles(system, 0, 1e-3, scheme);
+    correct_periods(system, 0, 1e-3, scheme);
     const Eigen::MatrixXd q = simulated(system, start, 0.0, 400, integrator).displacement.rightCols(300);
     EXPECT_LT(departure(q.row(0), omega, ratio, 1e-3), 1e-11);
   }
 }
 
-TEST(MatchedPoles, AnOverdampedOscillatorCreepsBackAtItsOwnRates) {
+TEST(PeriodCorrection, AnOverdampedOscillatorCreepsBackAtItsOwnRates) {
   auto system = oscillators({100.0 * 900.0}, {100.0 + 900.0});  // poles -100 and -900 1/s
-  match_poles(system, 0, 1e-3);
+  correct_periods(system, 0, 1e-3);
   auto start = at_rest(1, 0);
   start.displacement[0] = 1.0;
   const VectorXd q = simulated(system, start, 0.0, 100).displacement.row(0);
@@ -93,29 +93,29 @@ TEST(MatchedPoles, AnOverdampedOscillatorCreepsBackAtItsOwnRates) {
   EXPECT_LT((q.tail(99) - (slow + fast) * q.segment(1, 99) + slow * fast * q.head(99)).cwiseAbs().maxCoeff(), 1e-12);
 }
 
-TEST(MatchedPoles, StaticDeflectionStays) {
+TEST(PeriodCorrection, StaticDeflectionStays) {
   auto system = oscillators({400.0}, {20.0});
-  match_poles(system, 0, 1e-3);
+  correct_periods(system, 0, 1e-3);
   EXPECT_NEAR(simulated(system, at_rest(1, 0), 8.0, 5000).displacement(0, 5000), 8.0 / 400.0, 1e-12);
 }
 
-TEST(MatchedPoles, WhatHasNoPeriodOrTooShortAOneIsLeft) {
+TEST(PeriodCorrection, WhatHasNoPeriodOrTooShortAOneIsLeft) {
   auto system = oscillators({0.0, 2100.0 * 2100.0, 100.0}, {3.0, 4.0, 5.0});
-  match_poles(system, 0, 1e-3);
+  correct_periods(system, 0, 1e-3);
   for (Index i : {Index{0}, Index{1}}) EXPECT_EQ(system.mass.coeff(i, i), 1.0);
   EXPECT_EQ(system.damping.coeff(0, 0), 3.0);
   EXPECT_EQ(system.damping.coeff(1, 1), 4.0);
   EXPECT_NE(system.mass.coeff(2, 2), 1.0);
   auto unchanged = oscillators({50.0, 100.0}, {1.0, 1.0});
-  match_poles(unchanged, 1, 1e-3);
+  correct_periods(unchanged, 1, 1e-3);
   EXPECT_EQ(unchanged.mass.coeff(0, 0), 1.0);
 }
 
-TEST(MatchedPoles, AForcedAnswerConvergesWithOrderTwo) {
+TEST(PeriodCorrection, AForcedAnswerConvergesWithOrderTwo) {
   const DampedOscillator body{1.0, 2.0, 1e4};
   const auto error = [&](double step) {
     auto system = oscillators({body.k}, {body.c});
-    match_poles(system, 0, step);
+    correct_periods(system, 0, step);
     const auto ramp = straight_lines(Eigen::Vector2d(0.0, 50.0), 1.0);
     const auto steps = static_cast<Index>(std::llround(0.9 / step));
     const auto q =

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "dynamics/closed_forms.hpp"
-#include "kalfem/dynamics/reference.hpp"
+#include "kalfem/dynamics/converged_solution.hpp"
 #include "kalfem/system/signals/harmonic.hpp"
 
 namespace kalfem {
@@ -122,15 +122,16 @@ protected:
   OutputMap sensors = make_outputs(model, {{"a", ObservedQuantity::acceleration, {{"body.2", 1.0}}}});
   SignalPtr road = make_sine({.amplitude = 3e-3, .frequency = 8.0, .fade_in = 0.2});
 
-  [[nodiscard]] Reference run(const ReferenceOptions& options, Integrator integrator = Integrator::newmark) const {
-    return simulate_reference(model.system(), {road}, at_rest(4, 0), sensors, {},
+  [[nodiscard]] ConvergedSolution run(const ConvergenceOptions& options,
+                                      Integrator integrator = Integrator::newmark) const {
+    return simulate_converged(model.system(), {road}, at_rest(4, 0), sensors, {},
                               {.integrator = integrator, .duration = 0.5}, options);
   }
 };
 
 TEST_F(ReferenceOfAChain, IsTheSameFromTwoThreads) {
   for (const double tolerance : {0.5, 1e-4}) {  // after two solutions, after more than were made ahead
-    ReferenceOptions options{.first_substeps = 1, .tolerance = tolerance};
+    ConvergenceOptions options{.first_substeps = 1, .tolerance = tolerance};
     const auto alone = run(options);
     options.threads = 2;
     const auto together = run(options);
@@ -153,10 +154,10 @@ TEST_F(ReferenceOfAChain, ConvergesAndSaysHowFine) {
 }
 
 /// A lightly damped oscillator far from rest: the phase error of Newmark's method grows with every cycle.
-TEST(Reference, StepsAreExtrapolatedToZero) {
+TEST(ConvergedSolution, StepsAreExtrapolatedToZero) {
   const double omega = 2.0 * std::numbers::pi * 20.0, zeta = 1e-3, damped = omega * std::sqrt(1.0 - zeta * zeta);
   const auto model = oscillator(1.0, 2.0 * zeta * omega, omega * omega);
-  const auto reference = simulate_reference(model.system(), {rest_signal}, start_at(1e-3, 0.0), displacement_of(model),
+  const auto reference = simulate_converged(model.system(), {rest_signal}, start_at(1e-3, 0.0), displacement_of(model),
                                             {}, {.integrator = Integrator::newmark, .duration = 5.0},
                                             {.first_substeps = 1, .tolerance = 1e-4});
   EXPECT_TRUE(reference.converged);
@@ -171,11 +172,11 @@ TEST(Reference, StepsAreExtrapolatedToZero) {
 
 /// Two powers of the step are taken out, h^2 and h^4: after four solutions the error is of order
 /// (omega h)^6.
-TEST(Reference, TakesTwoPowersOfTheStepOut) {
+TEST(ConvergedSolution, TakesTwoPowersOfTheStepOut) {
   const double omega = 2.0 * std::numbers::pi * 20.0;
   const auto model = oscillator(1.0, 0.0, omega * omega);
   const auto error_of = [&](Eigen::Index first) {
-    const auto reference = simulate_reference(
+    const auto reference = simulate_converged(
         model.system(), {rest_signal}, start_at(1e-3, 0.0), displacement_of(model), {},
         {.integrator = Integrator::newmark, .duration = 0.5},
         {.sample_rate = 200.0, .first_substeps = first, .max_substeps = 8 * first, .tolerance = 1e-9});
@@ -193,10 +194,10 @@ TEST(Reference, TakesTwoPowersOfTheStepOut) {
 }
 
 /// Impacts break the series in h^2: what counts as converged must be so all the same.
-TEST(Reference, ImpactsDoNotMisleadTheExtrapolation) {
+TEST(ConvergedSolution, ImpactsDoNotMisleadTheExtrapolation) {
   const Eigen::VectorXd stop{{1e5, 5.0, 2e-4, 1.0, 0.0, 0.0}};  // in contact for a quarter of a free period
   const auto model = oscillator(1.0, 1.0, 1e3, {{"stop", "body.ground", "body.x", make_law("gap"), stop}});
-  const auto reference = simulate_reference(model.system(), {rest_signal}, start_at(-1e-3, 0.0), displacement_of(model),
+  const auto reference = simulate_converged(model.system(), {rest_signal}, start_at(-1e-3, 0.0), displacement_of(model),
                                             {}, {.integrator = Integrator::newmark, .duration = 1.0},
                                             {.first_substeps = 1, .tolerance = 1e-3});
   ASSERT_TRUE(reference.converged);
@@ -206,11 +207,11 @@ TEST(Reference, ImpactsDoNotMisleadTheExtrapolation) {
   EXPECT_LT((reference.sensors.col(0) - exact).norm(), 7e-4 * exact.norm());
 }
 
-TEST(Reference, FailureIsHandedOnEvenBehindAMeasurementChain) {
+TEST(ConvergedSolution, FailureIsHandedOnEvenBehindAMeasurementChain) {
   const double k = 4e6;
   const auto model = with_law(function_law([k](double d, double) { return FunctionLaw::Value{-k * d, -k, 0.0}; }));
-  const MeasurementChain low_pass({.stages = {FilterStage{.cutoff = 100.0}}});
-  const auto reference = simulate_reference(model.system(), {rest_signal}, start_at(1e-3, 0.0), displacement_of(model),
+  const MeasurementChain low_pass({.stages = {FilterSection{.cutoff = 100.0}}});
+  const auto reference = simulate_converged(model.system(), {rest_signal}, start_at(1e-3, 0.0), displacement_of(model),
                                             {low_pass}, {.duration = 1.0}, {.max_substeps = 8});
   EXPECT_TRUE(reference.simulation.failure);
   EXPECT_FALSE(reference.converged);

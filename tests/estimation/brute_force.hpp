@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "kalfem/base/random.hpp"
-#include "kalfem/estimation/partially_linear_map.hpp"
+#include "kalfem/estimation/partially_linear/partially_linear_map.hpp"
 #include "kalfem/estimation/unscented_transform.hpp"
 
 namespace kalfem {

@@ -3,21 +3,21 @@
 #include <limits>
 
 #include "kalfem/base/random.hpp"
-#include "kalfem/base/time_series.hpp"
-#include "kalfem/dynamics/reference.hpp"
+#include "kalfem/dynamics/converged_solution.hpp"
 #include "kalfem/estimation/consistency.hpp"
 #include "kalfem/estimation/estimate.hpp"
+#include "kalfem/records/time_series.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
 #include "system/small_systems.hpp"
 
 namespace kalfem {
 
 /// Prior and noise of the right sizes, all zero: everything known, starting at rest.
-inline ObserverOptions all_known(const LocallyNonlinearSystem& system, double step) {
+inline AugmentedModelOptions all_known(const LocallyNonlinearSystem& system, double step) {
   const Eigen::VectorXd dofs = Eigen::VectorXd::Zero(system.size()),
                         inputs = Eigen::VectorXd::Zero(system.input_count()),
                         states = Eigen::VectorXd::Zero(system.connector_states());
-  ObserverOptions options;
+  AugmentedModelOptions options;
   options.step = step;
   options.process_noise = {dofs, inputs, states};
   options.prior = {at_rest(system.size(), system.connector_states()), dofs, dofs, states, inputs, inputs, 0.0};
@@ -46,8 +46,8 @@ struct Chain {
   }
 
   /// Newmark's method, refined until the records stop moving: another discretisation than the filter's.
-  [[nodiscard]] Reference reference(double duration, double sample_rate = rate) const {
-    return simulate_reference(model.system(), {road}, at_rest(11, 0), sensors, {},
+  [[nodiscard]] ConvergedSolution reference(double duration, double sample_rate = rate) const {
+    return simulate_converged(model.system(), {road}, at_rest(11, 0), sensors, {},
                               {.integrator = Integrator::newmark, .duration = duration},
                               {.sample_rate = sample_rate, .max_substeps = 64, .tolerance = 2e-3});
   }
@@ -57,14 +57,14 @@ struct Chain {
     return road->sample(0.0, 1.0 / sample_rate, count).matrix().transpose();
   }
 
-  /// Leaves one measurement in `every`: the observer's step is then finer than the sampling interval.
+  /// Leaves one measurement in `every`: the augmented model's step is then finer than the sampling interval.
   static void thin_out(Record& record, Eigen::Index every) {
     for (Eigen::Index k = 0; k < record.measurements.cols(); ++k)
       if (k % every != 0) record.measurements.col(k).setConstant(std::numeric_limits<double>::quiet_NaN());
   }
 
   /// The reference with white noise of 15 % of each channel's rms.
-  static Record record(const Reference& reference, std::uint64_t seed) {
+  static Record record(const ConvergedSolution& reference, std::uint64_t seed) {
     Record record{reference.sensors.transpose(), reference.simulation.trajectory.inputs, {}};
     Eigen::VectorXd deviation(record.measurements.rows());
     for (Eigen::Index i = 0; i < deviation.size(); ++i) {
@@ -78,7 +78,8 @@ struct Chain {
   }
 
   /// Guesses of 50 % and 160 % of the truth with a standard deviation of half the guess.
-  [[nodiscard]] ObserverOptions options(TransformKind transform = TransformKind::log, double sample_rate = rate) const {
+  [[nodiscard]] AugmentedModelOptions options(TransformKind transform = TransformKind::log,
+                                              double sample_rate = rate) const {
     auto options = all_known(model.system(), 1.0 / sample_rate);
     options.unknowns = {{"mu_k1", "N", {{0, 1}}, {transform, 0.0, 100.0}, 0.5 * mu_k1, 0.25 * mu_k1},
                         {"mu_c1", "N", {{0, 4}}, {transform, 0.0, 100.0}, 1.6 * mu_c1, 0.8 * mu_c1}};
@@ -93,7 +94,8 @@ struct Chain {
     wheel.springs = {{"tyre", "ground", "w", 2e4}};
     for (int i = 1; i <= 10; ++i) {
       body.masses.push_back({std::to_string(i), 1.0});
-      if (i > 1) body.springs.push_back({"s" + std::to_string(i), std::to_string(i - 1), std::to_string(i), body_stiffness});
+      if (i > 1)
+        body.springs.push_back({"s" + std::to_string(i), std::to_string(i - 1), std::to_string(i), body_stiffness});
     }
     body.modal_damping = {0.01};
     const auto parameters = values({5e3, mu_k1, 2e-3, 10.0, mu_c1, 0.05});

@@ -18,7 +18,7 @@ TEST_P(PaperChainOverSeeds, TruthLiesInTheStatedIntervals) {
   auto options = chain.options(TransformKind::none, Chain::rate);
   options.substeps = 4;
   if (GetParam() == FilterKind::partially_linear) options.coordinates = StateCoordinates::modal;
-  const Observer observer(chain.model.system(), chain.sensors, {}, options);
+  const AugmentedModel augmented_model(chain.model.system(), chain.sensors, {}, options);
   const auto fine_inputs =
       chain.inputs(options.substeps * Chain::rate, options.substeps * (reference.sensors.rows() - 1) + 1);
   const double truth[] = {Chain::mu_k1, Chain::mu_c1};
@@ -28,13 +28,13 @@ TEST_P(PaperChainOverSeeds, TruthLiesInTheStatedIntervals) {
   for (int seed = 1; seed <= seeds; ++seed) {
     auto record = Chain::record(reference, std::uint64_t(seed));
     record.inputs = fine_inputs;
-    const auto result = estimate(observer, record, {.filter = GetParam(), .state_deviations = false});
+    const auto result = estimate(augmented_model, record, {.filter = GetParam(), .state_deviations = false});
     ASSERT_FALSE(result.failure) << seed << " " << result.failure->reason;
     nis += summarise_consistency(result.nis, result.measured, result.innovation, record.noise.diagonal().cwiseSqrt(), 0)
                .mean_nis /
            seeds;
     for (int i = 0; i < 2; ++i) {
-      const auto row = observer.layout().unknown() + i, last = result.state.mean.cols() - 1;
+      const auto row = augmented_model.layout().unknown() + i, last = result.state.mean.cols() - 1;
       const auto interval = confidence_interval(options.unknowns[std::size_t(i)].transform,
                                                 result.state.mean(row, last), result.state.deviation(row, last));
       covered[i] += interval.lower <= truth[i] && truth[i] <= interval.upper;

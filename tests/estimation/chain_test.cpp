@@ -15,7 +15,7 @@ using Eigen::VectorXd;
 
 class PaperChain : public testing::Test {
 protected:
-  static void SetUpTestSuite() { reference_ = new Reference(chain().reference(20.0)); }
+  static void SetUpTestSuite() { reference_ = new ConvergedSolution(chain().reference(20.0)); }
   static void TearDownTestSuite() { delete reference_; }
   static const Chain& chain() {
     static const Chain the_chain;
@@ -27,12 +27,12 @@ protected:
     record.inputs.conservativeResize(Eigen::NoChange, samples);
     return record;
   }
-  static Observer observer(const ObserverOptions& options) {
-    return Observer(chain().model.system(), chain().sensors, {}, options);
+  static AugmentedModel augmented_model(const AugmentedModelOptions& options) {
+    return AugmentedModel(chain().model.system(), chain().sensors, {}, options);
   }
-  static Reference* reference_;
+  static ConvergedSolution* reference_;
 };
-Reference* PaperChain::reference_ = nullptr;
+ConvergedSolution* PaperChain::reference_ = nullptr;
 
 TEST_F(PaperChain, ReferenceConverged) {
   EXPECT_TRUE(reference_->converged);
@@ -45,10 +45,10 @@ TEST_F(PaperChain, PartiallyLinearFilterEndsWhereThePlainOneDoes) {
   auto options = chain().options();
   options.substeps = 4;
   const auto all = record(20001);
-  const auto plain = estimate(observer(options), all, {.filter = FilterKind::unscented});
+  const auto plain = estimate(augmented_model(options), all, {.filter = FilterKind::unscented});
   options.coordinates = StateCoordinates::modal;
   const auto fast =
-      estimate(observer(options), all, {.filter = FilterKind::partially_linear, .state_deviations = false});
+      estimate(augmented_model(options), all, {.filter = FilterKind::partially_linear, .state_deviations = false});
   ASSERT_FALSE(fast.failure) << fast.failure->reason;
   const VectorXd deviation = plain.unknowns.deviation.rightCols(1);
   const VectorXd apart = (fast.unknowns.mean.rightCols(1) - plain.unknowns.mean.rightCols(1)).cwiseQuotient(deviation);
@@ -62,7 +62,7 @@ TEST_F(PaperChain, PartiallyLinearFilterEndsWhereThePlainOneDoes) {
 
 TEST_F(PaperChain, BothParametersAreIdentifiedFromFourNoisySensors) {
   for (const auto transform : {TransformKind::log, TransformKind::none}) {
-    const auto observed = observer(chain().options(transform));
+    const auto observed = augmented_model(chain().options(transform));
     const auto all = record(20001);
     const auto result = estimate(observed, all, {.monitored = chain().displacement_of_dof_4()});
     ASSERT_FALSE(result.failure) << result.failure->reason;
@@ -88,19 +88,20 @@ TEST_F(PaperChain, BothParametersAreIdentifiedFromFourNoisySensors) {
     EXPECT_NEAR(consistency.mean_nis, 4.0, 0.08);
     EXPECT_NEAR(consistency.fraction_in_95, 0.95, 0.01);
     EXPECT_LT((consistency.innovation_to_noise.array() - 1.0).abs().maxCoeff(), 0.03);
-    // The observer's forces are straight over 1 ms, the suspension's relaxation takes 3 ms: that leaves one per cent.
+    // The augmented model's forces are straight over 1 ms, the suspension's relaxation takes 3 ms: that leaves one per
+    // cent.
     EXPECT_LT(displacement, 0.015);
     EXPECT_EQ(result.monitored.mean.cols(), from + count);
   }
 }
 
-TEST_F(PaperChain, BiasOfTheParametersIsOfSecondOrderInTheObserversStep) {
+TEST_F(PaperChain, BiasOfTheParametersIsOfSecondOrderInTheAugmentedModelsStep) {
   const auto bias = [&](double rate) {
     const auto reference = chain().reference(10.0, rate);
     auto exact = Chain::record(reference, 1);
     exact.measurements = reference.sensors.transpose();  // without noise what is left is bias
     Chain::thin_out(exact, static_cast<Index>(rate / Chain::rate));
-    const auto result = estimate(observer(chain().options(TransformKind::log, rate)), exact, {});
+    const auto result = estimate(augmented_model(chain().options(TransformKind::log, rate)), exact, {});
     EXPECT_FALSE(result.failure);
     return std::abs(result.unknowns.mean(0, exact.measurements.cols() - 1) - Chain::mu_k1);
   };
@@ -111,7 +112,7 @@ TEST_F(PaperChain, BiasOfTheParametersIsOfSecondOrderInTheObserversStep) {
 }
 
 TEST_F(PaperChain, SquareRootFormGivesTheSameEstimates) {
-  const auto observed = observer(chain().options());
+  const auto observed = augmented_model(chain().options());
   const auto part = record(400);
   for (const double alpha : {1.0, 0.6}) {  // with a centre weight of 0 and with a negative one
     const UnscentedOptions unscented{.alpha = alpha};
@@ -133,7 +134,7 @@ TEST_F(PaperChain, SquareRootFormGivesTheSameEstimates) {
 TEST_F(PaperChain, ExtendedFilterFindsThemFromANearerGuess) {
   auto options = chain().options(TransformKind::none);
   for (auto& unknown : options.unknowns) unknown.initial *= 1.2, unknown.deviation *= 0.6;
-  const auto result = estimate(observer(options), record(8001), {.filter = FilterKind::extended});
+  const auto result = estimate(augmented_model(options), record(8001), {.filter = FilterKind::extended});
   ASSERT_FALSE(result.failure) << result.failure->reason << " at " << result.failure->time;
   EXPECT_NEAR(result.unknowns.mean(0, 8000), Chain::mu_k1, 0.05 * Chain::mu_k1);
   EXPECT_NEAR(result.unknowns.mean(1, 8000), Chain::mu_c1, 0.05 * Chain::mu_c1);
@@ -144,7 +145,7 @@ TEST_F(PaperChain, KnownStatesStayKnownUntilTheParametersMoveThem) {
   options.prior.displacement_deviation.setZero();
   options.prior.velocity_deviation.setZero();
   for (const auto kind : {FilterKind::unscented, FilterKind::unscented_square_root}) {
-    const auto result = estimate(observer(options), record(3000), {.filter = kind});
+    const auto result = estimate(augmented_model(options), record(3000), {.filter = kind});
     ASSERT_FALSE(result.failure) << result.failure->reason << " at " << result.failure->time;
     EXPECT_EQ(result.state.deviation.col(0).head(22).norm(), 0.0);
     EXPECT_GT(result.state.deviation.col(2999).head(22).minCoeff(), 0.0);
@@ -155,9 +156,9 @@ TEST_F(PaperChain, KnownStatesStayKnownUntilTheParametersMoveThem) {
 TEST_F(PaperChain, SecondPassStartsFromTheFirst) {
   auto options = chain().options();
   const auto part = record(3000);
-  EXPECT_THROW(estimate(observer(options), part, {.passes = 2}), InvalidInput);
+  EXPECT_THROW(estimate(augmented_model(options), part, {.passes = 2}), InvalidInput);
   options.keep_initial_state = true;
-  const auto observed = observer(options);
+  const auto observed = augmented_model(options);
   const auto first = estimate(observed, part, {}), second = estimate(observed, part, {.passes = 2});
   ASSERT_FALSE(first.failure) << first.failure->reason << " at " << first.failure->time;
   ASSERT_FALSE(second.failure) << second.failure->reason;
@@ -168,7 +169,7 @@ TEST_F(PaperChain, SecondPassStartsFromTheFirst) {
 }
 
 TEST_F(PaperChain, RecordsThatDoNotFitAreRefused) {
-  const auto observed = observer(chain().options());
+  const auto observed = augmented_model(chain().options());
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto refuses = [&](const std::function<void(Record&)>& spoil, const EstimationOptions& options = {}) {
     auto spoilt = record(10);
@@ -188,7 +189,7 @@ TEST_F(PaperChain, RecordsThatDoNotFitAreRefused) {
 }
 
 TEST_F(PaperChain, MeasurementsThatAreNotANumberAreLeftOut) {
-  const auto observed = observer(chain().options());
+  const auto observed = augmented_model(chain().options());
   auto gaps = record(1500);
   gaps.measurements.row(2).setConstant(std::numeric_limits<double>::quiet_NaN());
   gaps.measurements.middleCols(700, 100).setConstant(std::numeric_limits<double>::infinity());
@@ -202,18 +203,18 @@ TEST_F(PaperChain, MeasurementsThatAreNotANumberAreLeftOut) {
 TEST_F(PaperChain, ModelThatCannotBeEvaluatedEndsTheRunByName) {
   auto options = chain().options(TransformKind::none);
   options.unknowns[0].deviation = 1e300;
-  const auto result = estimate(observer(options), record(50), {});
+  const auto result = estimate(augmented_model(options), record(50), {});
   ASSERT_TRUE(result.failure);
   EXPECT_FALSE(result.failure->reason.empty());
   EXPECT_TRUE(std::isnan(result.state.mean(0, 49)));
 }
 
-TEST_F(PaperChain, UnsuitableObserversAreRefused) {
+TEST_F(PaperChain, UnsuitableAugmentedModelsAreRefused) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const auto refuses = [&](const std::function<void(ObserverOptions&)>& spoil) {
+  const auto refuses = [&](const std::function<void(AugmentedModelOptions&)>& spoil) {
     auto options = chain().options();
     spoil(options);
-    EXPECT_THROW((void)observer(options), InvalidInput);
+    EXPECT_THROW((void)augmented_model(options), InvalidInput);
   };
   refuses([](auto& o) { o.unknowns[0].initial = -1.0; });
   refuses([&](auto& o) { o.unknowns[0].initial = nan; });

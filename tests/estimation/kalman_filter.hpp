@@ -44,14 +44,15 @@ struct KalmanFilter {
   }
 };
 
-/// The observer's discrete model where every connector is a spring k and dashpot c: f = F x + F_u u closes the loop of
+/// The augmented model's discrete model where every connector is a spring k and dashpot c: f = F x + F_u u closes the
+/// loop of
 ///     x1 = A x0 + G_0 f0 + G_1 f1 + B_0 u0 + B_1 u1.
-inline LinearProblem closed_loop(const Observer& observer, const Eigen::MatrixXd& R) {
-  const auto& step = observer.step();
-  const auto& motion = observer.form().motion();
-  const auto& outputs = observer.form().outputs();
-  const auto& connectors = observer.system().connectors;
-  const auto m = static_cast<Eigen::Index>(connectors.size()), n = observer.form().size();
+inline LinearProblem closed_loop(const AugmentedModel& augmented_model, const Eigen::MatrixXd& R) {
+  const auto& step = augmented_model.step();
+  const auto& motion = augmented_model.form().motion();
+  const auto& outputs = augmented_model.form().outputs();
+  const auto& connectors = augmented_model.system().connectors;
+  const auto m = static_cast<Eigen::Index>(connectors.size()), n = augmented_model.form().size();
   Eigen::MatrixXd F(m, n), F_u(m, motion.input.cols());
   for (Eigen::Index j = 0; j < m; ++j) {
     const auto& p = connectors[std::size_t(j)].parameters;
@@ -64,7 +65,7 @@ inline LinearProblem closed_loop(const Observer& observer, const Eigen::MatrixXd
           loop * (step.end_input + step.end_force * F_u),
           outputs.state + outputs.force * F,
           outputs.input + outputs.force * F_u,
-          observer.process_noise().topLeftCorner(n, n),
+          augmented_model.process_noise().topLeftCorner(n, n),
           R};
 }
 

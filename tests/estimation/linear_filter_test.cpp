@@ -18,7 +18,7 @@ constexpr double h = LinearChainModel::h;
 struct LinearChain : LinearChainModel {
   MatrixXd R = Eigen::Vector3d(0.04, 0.09, 1e-8).asDiagonal();
 
-  [[nodiscard]] ObserverOptions options() const {
+  [[nodiscard]] AugmentedModelOptions options() const {
     auto options = all_known(model.system(), h);
     options.prior.displacement_deviation.setConstant(1e-3);
     options.prior.velocity_deviation.setConstant(0.05);
@@ -35,17 +35,17 @@ class EqualsTheKalmanFilter : public testing::TestWithParam<FilterKind> {};
 
 TEST_P(EqualsTheKalmanFilter, OnALinearChainWithMissingSamples) {
   const LinearChain chain;
-  const Observer observer(chain.model.system(), chain.sensors, {}, chain.options());
-  const auto problem = closed_loop(observer, chain.R);
+  const AugmentedModel augmented_model(chain.model.system(), chain.sensors, {}, chain.options());
+  const auto problem = closed_loop(augmented_model, chain.R);
   const Index samples = 400;
-  auto record = draw_record(problem, observer.prior(), chain.inputs(samples), 3);
+  auto record = draw_record(problem, augmented_model.prior(), chain.inputs(samples), 3);
   const double missing = std::numeric_limits<double>::quiet_NaN();
   record.measurements.middleCols(100, 7).setConstant(missing);
   for (Index k = 200; k < 260; ++k) record.measurements(k % 3, k) = missing;
 
-  const auto result = estimate(observer, record, {.filter = GetParam()});
+  const auto result = estimate(augmented_model, record, {.filter = GetParam()});
   ASSERT_FALSE(result.failure) << result.failure->reason;
-  KalmanFilter kalman{observer.prior().mean, observer.prior().covariance};
+  KalmanFilter kalman{augmented_model.prior().mean, augmented_model.prior().covariance};
   double mean_error = 0.0, deviation_error = 0.0, nis_error = 0.0;
   for (Index k = 0; k < samples; ++k) {
     if (k > 0) kalman.predict(problem, problem.drive(record.inputs.col(k - 1), record.inputs.col(k)));
@@ -75,18 +75,18 @@ INSTANTIATE_TEST_SUITE_P(Kinds, EqualsTheKalmanFilter,
                          testing::Values(FilterKind::unscented, FilterKind::unscented_square_root,
                                          FilterKind::extended));
 
-/// With the gain of every sample the fixed-gain observer is the filter, and between kept gains it is nearly so.
+/// With the gain of every sample the fixed-gain augmented model is the filter, and between kept gains it is nearly so.
 TEST(FixedGains, RepeatTheMeansOfTheFilterThatTheyAreOf) {
   const LinearChain chain;
-  const Observer observer(chain.model.system(), chain.sensors, {}, chain.options());
+  const AugmentedModel augmented_model(chain.model.system(), chain.sensors, {}, chain.options());
   const Index samples = 400;
-  auto record = draw_record(closed_loop(observer, chain.R), observer.prior(), chain.inputs(samples), 3);
+  auto record = draw_record(closed_loop(augmented_model, chain.R), augmented_model.prior(), chain.inputs(samples), 3);
   record.measurements(1, 120) = std::numeric_limits<double>::quiet_NaN();
   const auto difference = [&](Index dense, Index stride) {
     const auto result = estimate(
-        observer, record,
+        augmented_model, record,
         {.gains = {.dense = dense, .stride = stride, .gains = {}}, .keep_gains = true, .monitored = chain.sensors});
-    const auto means = run_with_gains(observer, record, result.gains, chain.sensors, samples - 1);
+    const auto means = run_with_gains(augmented_model, record, result.gains, chain.sensors, samples - 1);
     EXPECT_TRUE(means.has_value());
     const VectorXd last = result.state.mean.col(samples - 1);
     EXPECT_LT((means->state - last).norm(), (dense == samples ? 1e-6 : 1e-2) * last.norm());
@@ -127,10 +127,10 @@ Gaussian joint_of_start_and_record(const LinearProblem& problem, const Gaussian&
 TEST(LinearRecord, LikelihoodAndSmoothedStartAreThoseOfTheJointNormal) {
   const LinearChain chain;
   auto options = chain.options();
-  const Observer plain(chain.model.system(), chain.sensors, {}, options);
+  const AugmentedModel plain(chain.model.system(), chain.sensors, {}, options);
   options.keep_initial_state = true;
-  const Observer observer(chain.model.system(), chain.sensors, {}, options);
-  ASSERT_EQ(observer.layout().size(), 12);
+  const AugmentedModel augmented_model(chain.model.system(), chain.sensors, {}, options);
+  ASSERT_EQ(augmented_model.layout().size(), 12);
   const auto problem = closed_loop(plain, chain.R);
   const Index samples = 12, n = 6;
   const auto record = draw_record(problem, plain.prior(), chain.inputs(samples), 5);
@@ -147,11 +147,11 @@ TEST(LinearRecord, LikelihoodAndSmoothedStartAreThoseOfTheJointNormal) {
   const MatrixXd covariance = plain.prior().covariance - cross * factor.solve(cross.transpose());
 
   for (const auto kind : {FilterKind::unscented, FilterKind::unscented_square_root}) {
-    const auto result = estimate(observer, record, {.filter = kind});
+    const auto result = estimate(augmented_model, record, {.filter = kind});
     ASSERT_FALSE(result.failure) << result.failure->reason;
     EXPECT_NEAR(result.log_likelihood, log_density, 1e-8 * std::abs(log_density));
     const VectorXd deviation = covariance.diagonal().cwiseSqrt();
-    const auto smoothed = result.state.mean.col(samples - 1).segment(observer.layout().initial_state(), n);
+    const auto smoothed = result.state.mean.col(samples - 1).segment(augmented_model.layout().initial_state(), n);
     EXPECT_LT(((smoothed - start).array() / deviation.array()).abs().maxCoeff(), 1e-8);
     EXPECT_LT((result.final_covariance.bottomRightCorner(n, n) - covariance).norm(), 1e-8 * covariance.norm());
   }
@@ -161,14 +161,14 @@ TEST(LinearRecord, SmoothedStartIsTheGaussMarkovEstimateOfALongRecord) {
   const LinearChain chain;
   auto options = chain.options();
   options.process_noise.acceleration.setZero();
-  const Observer plain(chain.model.system(), chain.sensors, {}, options);
+  const AugmentedModel plain(chain.model.system(), chain.sensors, {}, options);
   options.keep_initial_state = true;
-  const Observer observer(chain.model.system(), chain.sensors, {}, options);
+  const AugmentedModel augmented_model(chain.model.system(), chain.sensors, {}, options);
   const auto problem = closed_loop(plain, chain.R);
   const Index samples = 400, n = 6;
   const auto record = draw_record(problem, plain.prior(), chain.inputs(samples), 6);
   MatrixXd information = plain.prior().covariance.inverse(), power = MatrixXd::Identity(n, n);
-  VectorXd evidence = information * plain.prior().mean, forced = VectorXd::Zero(n);
+  VectorXd error_indicators = information * plain.prior().mean, forced = VectorXd::Zero(n);
   for (Index k = 0; k < samples; ++k) {
     if (k > 0) {
       power = (problem.Phi * power).eval();
@@ -176,14 +176,14 @@ TEST(LinearRecord, SmoothedStartIsTheGaussMarkovEstimateOfALongRecord) {
     }
     const MatrixXd weighted = (problem.H * power).transpose() * problem.R.inverse();
     information += weighted * problem.H * power;
-    evidence += weighted * (record.measurements.col(k) - problem.D * record.inputs.col(k) - problem.H * forced);
+    error_indicators += weighted * (record.measurements.col(k) - problem.D * record.inputs.col(k) - problem.H * forced);
   }
   const MatrixXd covariance = information.inverse();
-  const VectorXd start = covariance * evidence;
+  const VectorXd start = covariance * error_indicators;
   for (const auto kind : {FilterKind::unscented, FilterKind::unscented_square_root}) {
-    const auto result = estimate(observer, record, {.filter = kind});
+    const auto result = estimate(augmented_model, record, {.filter = kind});
     ASSERT_FALSE(result.failure) << result.failure->reason;
-    const auto smoothed = result.state.mean.col(samples - 1).segment(observer.layout().initial_state(), n);
+    const auto smoothed = result.state.mean.col(samples - 1).segment(augmented_model.layout().initial_state(), n);
     // The covariance of [x; x(0)] is singular without process noise: directions of relative variance 1e-13 are dropped.
     EXPECT_LT(((smoothed - start).array() / covariance.diagonal().cwiseSqrt().array()).abs().maxCoeff(), 1e-6);
     EXPECT_LT((result.final_covariance.bottomRightCorner(n, n) - covariance).norm(), 1e-6 * covariance.norm());
@@ -192,13 +192,13 @@ TEST(LinearRecord, SmoothedStartIsTheGaussMarkovEstimateOfALongRecord) {
 
 TEST(LinearRecord, NisAndErrorsOfManyRecordsAreChiSquared) {
   const LinearChain chain;
-  const Observer observer(chain.model.system(), chain.sensors, {}, chain.options());
-  const auto problem = closed_loop(observer, chain.R);
+  const AugmentedModel augmented_model(chain.model.system(), chain.sensors, {}, chain.options());
+  const auto problem = closed_loop(augmented_model, chain.R);
   const Index samples = 250, seeds = 40;
   double sum = 0.0;
   for (Index seed = 0; seed < seeds; ++seed) {
-    const auto record = draw_record(problem, observer.prior(), chain.inputs(samples), 100 + std::uint64_t(seed));
-    const auto result = estimate(observer, record, {});
+    const auto record = draw_record(problem, augmented_model.prior(), chain.inputs(samples), 100 + std::uint64_t(seed));
+    const auto result = estimate(augmented_model, record, {});
     ASSERT_FALSE(result.failure);
     sum += result.nis.sum();
   }
@@ -211,9 +211,9 @@ TEST(ProcessNoise, IsIndependentOfTheSamplingRate) {
   const LinearChain chain;
   auto options = chain.options();
   options.unknowns = {{"k", "N/m", {{0, 0}}, {TransformKind::log}, 4e3, 500.0, 30.0}};
-  const Observer fine(chain.model.system(), chain.sensors, {}, options);
+  const AugmentedModel fine(chain.model.system(), chain.sensors, {}, options);
   options.step = 2 * h;
-  const Observer coarse(chain.model.system(), chain.sensors, {}, options);
+  const AugmentedModel coarse(chain.model.system(), chain.sensors, {}, options);
   const MatrixXd Q = fine.process_noise().topLeftCorner(6, 6), A = fine.step().transition;
   const MatrixXd twice = A * Q * A.transpose() + Q;
   EXPECT_LT((coarse.process_noise().topLeftCorner(6, 6) - twice).norm(), 1e-12 * twice.norm());
@@ -229,9 +229,9 @@ TEST(ProcessNoise, EstimatesDoNotDependOnSamplesThatAreMissing) {
   options.prior.displacement_deviation.setConstant(1e-3);
   options.prior.velocity_deviation.setConstant(0.05);
   options.process_noise.acceleration.setConstant(0.5);
-  const Observer coarse(model.system(), sensors, {}, options);
+  const AugmentedModel coarse(model.system(), sensors, {}, options);
   options.step = h / 2;
-  const Observer fine(model.system(), sensors, {}, options);
+  const AugmentedModel fine(model.system(), sensors, {}, options);
   const Index samples = 300;
   RandomStream random(9, "forces");
   Record record{MatrixXd(1, samples), MatrixXd::Zero(3, samples), MatrixXd::Constant(1, 1, 0.04)};

@@ -3,7 +3,7 @@
 #include "base/figures.hpp"
 #include "estimation/chain_model.hpp"
 #include "kalfem/estimation/filter_choice.hpp"
-#include "kalfem/estimation/observer_maps.hpp"
+#include "kalfem/estimation/process_model.hpp"
 #include "kalfem/system/laws/linear_laws.hpp"
 
 namespace kalfem {
@@ -22,7 +22,7 @@ protected:
   Chain chain{guess};
   OutputMap sensors = chain.sensors;
 
-  ObserverOptions options(TransformKind transform = TransformKind::log) const {
+  AugmentedModelOptions options(TransformKind transform = TransformKind::log) const {
     auto options = chain.options();
     options.unknowns.push_back({"k_b", "N/m", {}, {transform, 0.0, 1.0}, guess, deviation});
     options.system_at = [](const VectorXd& values) { return Chain::make_model(values[0]).system(); };
@@ -31,7 +31,7 @@ protected:
   }
 
   /// The same unknown carried by a connector a spring: exact.
-  ObserverOptions as_connectors() const {
+  AugmentedModelOptions as_connectors() const {
     auto options = this->options();
     options.substeps = 4;  // the forces of these stiff connectors are linear over each part
     options.system_at = {};
@@ -50,14 +50,14 @@ protected:
     return Chain::record(Chain{truth}.reference(duration), seed);
   }
 
-  EstimationResult estimated(const Record& record, FilterKind filter, const ObserverOptions& options) const {
+  EstimationResult estimated(const Record& record, FilterKind filter, const AugmentedModelOptions& options) const {
     const auto choice = choose_filter(filter, chain.model.system(), sensors, {}, options);
-    return estimate(*choice.observer, record, {.filter = filter, .state_deviations = false});
+    return estimate(*choice.augmented_model, record, {.filter = filter, .state_deviations = false});
   }
 };
 
-/// From a prior so narrow that no filter's approximation shows, and so that what the observers' steps leave out does
-/// not either: four parts a sample where stiff springs are connectors.
+/// From a prior so narrow that no filter's approximation shows, and so that what the augmented models' steps leave out
+/// does not either: four parts a sample where stiff springs are connectors.
 TEST_F(UnknownStiffness, IsFoundAsByConnectorsThatCarryIt) {
   guess = 2.99e4, deviation = 150.0;
   const Record record = this->record(4.0, 3);
@@ -66,11 +66,11 @@ TEST_F(UnknownStiffness, IsFoundAsByConnectorsThatCarryIt) {
   in_parts.substeps = 4;
   const auto tangent = estimated(record, FilterKind::partially_linear, in_parts);
   const CoupledModel model = with_connectors();
-  const Observer exact_observer(model.system(),
-                                make_outputs(model, {Chain::acceleration("2"), Chain::acceleration("4"),
-                                                     Chain::acceleration("6"), Chain::acceleration("10")}),
-                                {}, as_connectors());
-  const auto exact = estimate(exact_observer, record, {.filter = FilterKind::partially_linear});
+  const AugmentedModel exact_augmented_model(model.system(),
+                                             make_outputs(model, {Chain::acceleration("2"), Chain::acceleration("4"),
+                                                                  Chain::acceleration("6"), Chain::acceleration("10")}),
+                                             {}, as_connectors());
+  const auto exact = estimate(exact_augmented_model, record, {.filter = FilterKind::partially_linear});
   ASSERT_FALSE(tangent.failure || exact.failure);
   const Index last = record.measurements.cols() - 1;
   for (Index i = 0; i < 3; ++i) {
@@ -85,12 +85,12 @@ TEST_F(UnknownStiffness, IsFoundAsByConnectorsThatCarryIt) {
   std::printf("linearised %d times; NIS %.4f, %.4f\n", tangent.linearisations, tangent.nis.mean(), exact.nis.mean());
   EXPECT_GE(tangent.linearisations, 1);
   EXPECT_LE(tangent.linearisations, 5);  // found 2: where it has moved, not at every sample
-  ASSERT_NE(tangent.observer, nullptr);
-  EXPECT_NEAR(tangent.observer->neighbours()[0].value, tangent.unknowns.mean(2, last), 0.01 * truth);
+  ASSERT_NE(tangent.augmented_model, nullptr);
+  EXPECT_NEAR(tangent.augmented_model->neighbours()[0].value, tangent.unknowns.mean(2, last), 0.01 * truth);
 }
 
 TEST_F(UnknownStiffness, CoversTheTruthOverManySeeds) {
-  const Reference reference = Chain{truth}.reference(4.0);
+  const ConvergedSolution reference = Chain{truth}.reference(4.0);
   int inside = 0;
   double squares = 0.0, nis = 0.0;
   constexpr int seeds = 40;
@@ -135,17 +135,17 @@ TEST_F(UnknownStiffness, IsTheSameForEveryFilter) {
 }
 
 TEST_F(UnknownStiffness, ColumnsOfTheGainAreDerivativesOfTheMap) {
-  const Observer observer(chain.model.system(), sensors, {}, options(TransformKind::none));
-  VectorXd mean = observer.prior().mean;
+  const AugmentedModel augmented_model(chain.model.system(), sensors, {}, options(TransformKind::none));
+  VectorXd mean = augmented_model.prior().mean;
   mean.head(22).setLinSpaced(-1e-3, 2e-3);
-  TransitionMap map(observer);
+  ProcessModel map(augmented_model);
   const Eigen::Vector3d begin(1e-3, 0.01, 0.3), end(1.1e-3, 0.02, 0.2);
   map.set_inputs(begin, end);
   map.set_mean(mean);
   const double by = 10.0;  // N/m
   const auto image_at = [&](double value) {
-    const Observer moved = observer.about(VectorXd::Constant(1, value), VectorXd::Constant(1, deviation));
-    TransitionMap beside(moved);
+    const AugmentedModel moved = augmented_model.about(VectorXd::Constant(1, value), VectorXd::Constant(1, deviation));
+    ProcessModel beside(moved);
     beside.set_inputs(begin, end);
     beside.set_mean(mean);
     VectorXd y;
@@ -176,7 +176,7 @@ TEST_F(UnknownStiffness, AValueThatMakesNoStructureEndsTheRunInWords) {
 TEST_F(UnknownStiffness, NeedsTheSystemAsAFunctionOfIt) {
   auto given = options();
   given.system_at = {};
-  EXPECT_THROW(Observer(chain.model.system(), sensors, {}, given), InvalidInput);
+  EXPECT_THROW(AugmentedModel(chain.model.system(), sensors, {}, given), InvalidInput);
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <iostream>
 
 #include "estimation/chain_model.hpp"
-#include "kalfem/estimation/observer_maps.hpp"
+#include "kalfem/estimation/process_model.hpp"
 
 // Mean and covariance after one prediction and after one update, judged by Monte Carlo: how far the sigma points stand
 // apart decides, and which random vector they stand for decides that. See docs/theory/partially-linear-ukf.md.
@@ -59,12 +59,12 @@ struct Widths {
   double unknowns, motion;
 };
 
-Observer observer_of(const Subject& subject, Widths widths) {
+AugmentedModel augmented_model_of(const Subject& subject, Widths widths) {
   auto options = all_known(subject.model.system(), 1.0 / Chain::rate);
   options.substeps = subject.substeps;
   options.unknowns = {{"mu_k1", "N", {{0, 1}}, {TransformKind::log}, Chain::mu_k1, widths.unknowns * Chain::mu_k1},
                       {"mu_c1", "N", {{0, 4}}, {TransformKind::log}, Chain::mu_c1, widths.unknowns * Chain::mu_c1}};
-  return Observer(subject.model.system(), subject.sensors, {}, options);
+  return AugmentedModel(subject.model.system(), subject.sensors, {}, options);
 }
 
 /// Deformation and rate of the suspension at the begin: bent either way, near the middle, and sliding back.
@@ -74,11 +74,11 @@ struct Phase {
 constexpr Phase phases[] = {{1.5e-3, 0.04}, {-0.5e-3, 0.06}, {3e-3, -0.02}, {0.2e-3, 0.01}};
 
 /// The wheel for itself and the body as a whole, each of its masses with a twentieth of that of its own.
-Gaussian prior_of(const Observer& observer, Widths widths, Phase phase) {
-  const Index n = observer.layout().dofs, body = n - 1;
+Gaussian prior_of(const AugmentedModel& augmented_model, Widths widths, Phase phase) {
+  const Index n = augmented_model.layout().dofs, body = n - 1;
   MatrixXd shape = MatrixXd::Identity(n, n);
   shape.bottomRightCorner(body, body) = MatrixXd::Identity(body, body) / 400.0 + MatrixXd::Ones(body, body);
-  auto prior = observer.prior();
+  auto prior = augmented_model.prior();
   prior.covariance.topLeftCorner(n, n) = 0.5 * std::pow(2e-3 * widths.motion, 2) * shape;
   prior.covariance.block(n, n, n, n) = 0.5 * std::pow(0.05 * widths.motion, 2) * shape;
   prior.mean.segment(1, body).setConstant(phase.deformation);
@@ -291,21 +291,22 @@ const std::vector<MatrixXd>& state_samples() {
 
 /// One sample interval from the prior, without process noise.
 Verdict judge_prediction(const Subject& subject, Widths widths) {
-  const auto observer = observer_of(subject, widths);
-  const Index n = observer.layout().size();
-  TransitionMap transition(observer);
+  const auto augmented_model = augmented_model_of(subject, widths);
+  const Index n = augmented_model.layout().size();
+  ProcessModel transition(augmented_model);
   transition.set_inputs(VectorXd::Zero(3), VectorXd::Zero(3));
   const auto names = contenders(transition);
   Verdict verdict;
   for (const auto& phase : phases) {
-    const auto prior = prior_of(observer, widths, phase);
+    const auto prior = prior_of(augmented_model, widths, phase);
     const PredictedMoments truth(transition, prior, state_samples());
-    verdict.halves += Errors(truth().first, truth().second, observer.layout().unknown());
+    verdict.halves += Errors(truth().first, truth().second, augmented_model.layout().unknown());
     for (std::size_t i = 0; i < contender_count; ++i) {
       const auto filter = make_filter(names[i].kind, names[i].options);
       filter->reset(prior);
       EXPECT_EQ(filter->predict(transition, MatrixXd::Zero(n, n)), FilterOutcome::usable);
-      verdict.errors[i] += Errors({filter->mean(), filter->covariance()}, truth().all, observer.layout().unknown());
+      verdict.errors[i] +=
+          Errors({filter->mean(), filter->covariance()}, truth().all, augmented_model.layout().unknown());
     }
   }
   print(title("prediction", subject, widths), names, verdict);
@@ -314,13 +315,13 @@ Verdict judge_prediction(const Subject& subject, Widths widths) {
 
 /// Accelerations with noise of 15 % of their prior standard deviation, six measurements of each phase.
 Verdict judge_update(const Subject& subject, Widths widths) {
-  const auto observer = observer_of(subject, widths);
-  InstantMap instant(observer, sensor_outputs);
+  const auto augmented_model = augmented_model_of(subject, widths);
+  MeasurementModel instant(augmented_model, sensor_outputs);
   instant.set_inputs(VectorXd::Zero(3));
   const auto names = contenders(instant);
   Verdict verdict;
   for (const auto& phase : phases) {
-    const auto prior = prior_of(observer, widths, phase);
+    const auto prior = prior_of(augmented_model, widths, phase);
     const auto filter = make_filter(FilterKind::unscented, names[state_3].options);
     VectorXd mean, deviation;
     filter->reset(prior);
@@ -335,16 +336,16 @@ Verdict judge_update(const Subject& subject, Widths widths) {
                          instant.gain * values_of(instant, instant.selection * x + instant.input_offset);
       const auto truth = posterior.given(y);
       if (posterior.effective_samples() < 500.0) continue;  // too far out for the samples to tell
-      verdict.halves += Errors(truth.first, truth.second, observer.layout().unknown());
+      verdict.halves += Errors(truth.first, truth.second, augmented_model.layout().unknown());
       verdict.exact_joint_moments +=
-          Errors(posterior.with_exact_joint_moments(y), truth.all, observer.layout().unknown());
+          Errors(posterior.with_exact_joint_moments(y), truth.all, augmented_model.layout().unknown());
       for (std::size_t j = 0; j < contender_count; ++j) {
         const auto contender = make_filter(names[j].kind, names[j].options);
         contender->reset(prior);
         Innovation innovation;
         EXPECT_EQ(contender->update(instant, R, y, innovation), FilterOutcome::usable);
         verdict.errors[j] +=
-            Errors({contender->mean(), contender->covariance()}, truth.all, observer.layout().unknown());
+            Errors({contender->mean(), contender->covariance()}, truth.all, augmented_model.layout().unknown());
       }
     }
   }
@@ -369,9 +370,9 @@ void expect_at_most(const Errors& found, double factor, const Errors& other, con
 // ------------------------------------------------------------------------------------------------ the judge itself
 
 TEST(Judge, PredictedMomentsAreThoseOfPlainSamples) {
-  const auto observer = observer_of(two_masses(), wide);
-  const auto prior = prior_of(observer, wide, phases[0]);
-  TransitionMap map(observer);
+  const auto augmented_model = augmented_model_of(two_masses(), wide);
+  const auto prior = prior_of(augmented_model, wide, phases[0]);
+  ProcessModel map(augmented_model);
   map.set_inputs(VectorXd::Zero(3), VectorXd::Zero(3));
   RandomStream random(3, "plain");
   const Index n = prior.mean.size(), count = 200000;
@@ -381,15 +382,15 @@ TEST(Judge, PredictedMomentsAreThoseOfPlainSamples) {
   const VectorXd mean = y.rowwise().mean();
   const Gaussian plain{mean, (y.colwise() - mean) * (y.colwise() - mean).transpose() / double(count)};
   const PredictedMoments moments(map, prior, state_samples());
-  const Errors errors(plain, moments().all, observer.layout().unknown());
+  const Errors errors(plain, moments().all, augmented_model.layout().unknown());
   EXPECT_LT(errors.mean(), 4.0 / std::sqrt(double(count)));  // four standard errors of plain sampling
   EXPECT_LT(errors.covariance(), 4.0 * std::sqrt(2.0 / double(count)));
 }
 
 TEST(Judge, PosteriorMomentsAreThoseOfWeightedStates) {
-  const auto observer = observer_of(two_masses(), wide);
-  const auto prior = prior_of(observer, wide, phases[0]);
-  InstantMap map(observer, sensor_outputs);
+  const auto augmented_model = augmented_model_of(two_masses(), wide);
+  const auto prior = prior_of(augmented_model, wide, phases[0]);
+  MeasurementModel map(augmented_model, sensor_outputs);
   map.set_inputs(VectorXd::Zero(3));
   const MatrixXd R = MatrixXd::Constant(1, 1, 100.0);  // (10 m/s^2)^2
   const VectorXd y = VectorXd::Constant(1, 25.0);
@@ -406,7 +407,7 @@ TEST(Judge, PosteriorMomentsAreThoseOfWeightedStates) {
   const MatrixXd centred = x.colwise() - mean;
   const Gaussian plain{mean, centred * weight.asDiagonal() * centred.transpose()};
   PosteriorMoments posterior(map, prior, R, 400000);
-  const Errors errors(plain, posterior.given(y).all, observer.layout().unknown());
+  const Errors errors(plain, posterior.given(y).all, augmented_model.layout().unknown());
   EXPECT_LT(errors.mean(), 5.0 / std::sqrt(effective));  // both sides sampled
   EXPECT_LT(errors.covariance(), 5.0 * std::sqrt(2.0 / effective));
 }

@@ -1,11 +1,11 @@
-#include "kalfem/estimation/partially_linear_filter.hpp"
+#include "kalfem/estimation/partially_linear/partially_linear_filter.hpp"
 
 #include <gtest/gtest.h>
 
 #include "estimation/brute_force.hpp"
 #include "estimation/chain_model.hpp"
 #include "kalfem/estimation/covariance_filter.hpp"
-#include "kalfem/estimation/observer_maps.hpp"
+#include "kalfem/estimation/process_model.hpp"
 
 namespace kalfem {
 namespace {
@@ -14,23 +14,24 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// A system with its sensors and all that an observer of it needs.
+/// A system with its sensors and all that an augmented model of it needs.
 struct Setting {
   std::string name;
   CoupledModel model;
   OutputMap sensors;
   std::vector<MeasurementChain> chains;
-  ObserverOptions options;
+  AugmentedModelOptions options;
 
-  [[nodiscard]] Observer observer(StateCoordinates coordinates) const {
-    ObserverOptions chosen = options;
+  [[nodiscard]] AugmentedModel augmented_model(StateCoordinates coordinates) const {
+    AugmentedModelOptions chosen = options;
     chosen.coordinates = coordinates;
-    return Observer(model.system(), sensors, chains, chosen);
+    return AugmentedModel(model.system(), sensors, chains, chosen);
   }
 };
 
 Setting chain(
-    const std::string& name, const std::function<void(ObserverOptions&)>& change = [](ObserverOptions&) {}) {
+    const std::string& name,
+    const std::function<void(AugmentedModelOptions&)>& change = [](AugmentedModelOptions&) {}) {
   const Chain the_chain;
   auto options = the_chain.options();
   options.process_noise.acceleration.setConstant(0.02);
@@ -39,7 +40,7 @@ Setting chain(
 }
 
 MeasurementChain low_pass(int order, double cut_off) {
-  return MeasurementChain({{FilterStage{.order = order, .cutoff = cut_off}}});
+  return MeasurementChain({{FilterSection{.order = order, .cutoff = cut_off}}});
 }
 
 /// Four Butterworth filters of one kind, repeated eigenvalues, behind the chain's accelerometers.
@@ -71,9 +72,9 @@ Setting hysteretic() {
 std::vector<Setting> settings() {
   std::vector<Setting> all;
   all.push_back(chain("plain"));
-  all.push_back(chain("four substeps", [](ObserverOptions& options) { options.substeps = 4; }));
-  all.push_back(chain("kept initial state", [](ObserverOptions& options) { options.keep_initial_state = true; }));
-  all.push_back(chain("measured base acceleration", [](ObserverOptions& options) {
+  all.push_back(chain("four substeps", [](AugmentedModelOptions& options) { options.substeps = 4; }));
+  all.push_back(chain("kept initial state", [](AugmentedModelOptions& options) { options.keep_initial_state = true; }));
+  all.push_back(chain("measured base acceleration", [](AugmentedModelOptions& options) {
     options.inputs = {{InputModel::integrated}};
     options.process_noise.input.setConstant(0.1);
     options.prior.input_deviation.setConstant(1e-4);
@@ -103,7 +104,7 @@ double difference(const Filter& a, const Filter& b) {
   return std::max(mean, (scale.asDiagonal() * (p - q) * scale.asDiagonal()).cwiseAbs().maxCoeff());
 }
 
-LinearOutput connector_motion(const Observer& observer) { return observer.form().motion(); }
+LinearOutput connector_motion(const AugmentedModel& augmented_model) { return augmented_model.form().motion(); }
 
 class TiledFilter : public testing::TestWithParam<std::size_t> {};
 
@@ -111,22 +112,22 @@ class TiledFilter : public testing::TestWithParam<std::size_t> {};
 /// 300 steps of a filter that measures little of some states; rounding alone parts them.
 TEST_P(TiledFilter, EqualsTheDenseFilterStepByStep) {
   const Setting setting = settings()[GetParam()];
-  const Observer observer = setting.observer(StateCoordinates::modal);
+  const AugmentedModel augmented_model = setting.augmented_model(StateCoordinates::modal);
   const Record record = record_of(setting, 300);
-  TransitionMap transition(observer), dense_transition(observer);
-  InstantMap measurement(observer, sensor_outputs), dense_measurement(observer, sensor_outputs);
-  InstantMap seen(observer, connector_motion), dense_seen(observer, connector_motion);
+  ProcessModel transition(augmented_model), dense_transition(augmented_model);
+  MeasurementModel measurement(augmented_model, sensor_outputs), dense_measurement(augmented_model, sensor_outputs);
+  MeasurementModel seen(augmented_model, connector_motion), dense_seen(augmented_model, connector_motion);
   const auto tiled = make_filter(FilterKind::partially_linear, {}, &transition);
   const auto dense = make_filter(FilterKind::partially_linear);
   ASSERT_NE(dynamic_cast<PartiallyLinearFilter*>(tiled.get()), nullptr) << setting.name;
-  tiled->reset(observer.prior());
-  dense->reset(observer.prior());
+  tiled->reset(augmented_model.prior());
+  dense->reset(augmented_model.prior());
   Innovation a, b;
   double worst = 0.0;
   for (Index k = 1; k < record.measurements.cols(); ++k) {
     for (auto* map : {&transition, &dense_transition}) map->set_inputs(record.inputs.col(k - 1), record.inputs.col(k));
-    ASSERT_EQ(tiled->predict(transition, observer.process_noise()), FilterOutcome::usable) << setting.name << k;
-    ASSERT_EQ(dense->predict(dense_transition, observer.process_noise()), FilterOutcome::usable);
+    ASSERT_EQ(tiled->predict(transition, augmented_model.process_noise()), FilterOutcome::usable) << setting.name << k;
+    ASSERT_EQ(dense->predict(dense_transition, augmented_model.process_noise()), FilterOutcome::usable);
     std::vector<Index> rows{0, 1, 2, 3};
     if (k % 50 > 40) rows = {1, 3};  // samples that are missing
     if (k % 7 == 0) {                // predictions in a row
@@ -166,9 +167,9 @@ TEST_P(TiledFilter, EstimatesDoNotDependOnTheCoordinates) {
   const Setting setting = settings()[GetParam()];
   const Record record = record_of(setting, 200);
   const auto modal =
-      estimate(setting.observer(StateCoordinates::modal), record, {.filter = FilterKind::partially_linear});
+      estimate(setting.augmented_model(StateCoordinates::modal), record, {.filter = FilterKind::partially_linear});
   const auto physical =
-      estimate(setting.observer(StateCoordinates::physical), record, {.filter = FilterKind::partially_linear});
+      estimate(setting.augmented_model(StateCoordinates::physical), record, {.filter = FilterKind::partially_linear});
   ASSERT_FALSE(modal.failure) << modal.failure->reason;
   ASSERT_FALSE(physical.failure) << physical.failure->reason;
   for (Index i = 0; i < modal.state.mean.rows(); ++i) {
@@ -239,20 +240,20 @@ TEST(PartiallyLinearFilter, ResultsDoNotDependOnTheNumberOfThreads) {
   options.prior.displacement_deviation.setConstant(1e-4);
   options.process_noise.acceleration.setConstant(0.01);
   const auto sensors = make_outputs(model, {Chain::acceleration("2"), Chain::acceleration("150")});
-  const Observer observer(model.system(), sensors, {}, options);
+  const AugmentedModel augmented_model(model.system(), sensors, {}, options);
   const Chain chain;
   const MatrixXd inputs = chain.inputs(1000.0, 20);
-  std::vector<std::unique_ptr<TransitionMap>> transitions;
+  std::vector<std::unique_ptr<ProcessModel>> transitions;
   std::vector<std::unique_ptr<Filter>> filters;
   for (const int threads : {1, 2, 3}) {
-    transitions.push_back(std::make_unique<TransitionMap>(observer));
+    transitions.push_back(std::make_unique<ProcessModel>(augmented_model));
     filters.push_back(make_filter(FilterKind::partially_linear, {}, transitions.back().get(), threads));
-    filters.back()->reset(observer.prior());
-    InstantMap measurement(observer, sensor_outputs);
+    filters.back()->reset(augmented_model.prior());
+    MeasurementModel measurement(augmented_model, sensor_outputs);
     Innovation innovation;
     for (Index k = 1; k < inputs.cols(); ++k) {
       transitions.back()->set_inputs(inputs.col(k - 1), inputs.col(k));
-      ASSERT_EQ(filters.back()->predict(*transitions.back(), observer.process_noise()), FilterOutcome::usable);
+      ASSERT_EQ(filters.back()->predict(*transitions.back(), augmented_model.process_noise()), FilterOutcome::usable);
       measurement.set_inputs(inputs.col(k));
       ASSERT_EQ(filters.back()->update(measurement, MatrixXd::Identity(2, 2), VectorXd::Constant(2, 0.1 * double(k)),
                                        innovation),

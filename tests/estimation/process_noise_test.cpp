@@ -9,7 +9,7 @@
 #include "kalfem/system/laws/linear_laws.hpp"
 
 /// Every kind of process noise, prior and unknown in one linear case each, against the covariance by its definition and
-/// a textbook Kalman filter that works with that covariance and not with the observer's own.
+/// a textbook Kalman filter that works with that covariance and not with the augmented model's own.
 namespace kalfem {
 namespace {
 
@@ -33,12 +33,13 @@ MatrixXd integrated_noise(const MatrixXd& A, const MatrixXd& density, double int
   return sum;
 }
 
-/// A linear observer whose forces are F x + F_u u of the augmented state, as a discrete linear problem with Q as given.
-LinearProblem problem_of(const Observer& observer, const MatrixXd& F, const MatrixXd& F_u, const MatrixXd& Q,
-                         const MatrixXd& R) {
-  const auto& step = observer.step();
-  const auto& outputs = observer.form().outputs();
-  const Index n = observer.form().size(), all = observer.layout().size();
+/// A linear augmented model whose forces are F x + F_u u of the augmented state, as a discrete linear problem with Q as
+/// given.
+LinearProblem problem_of(const AugmentedModel& augmented_model, const MatrixXd& F, const MatrixXd& F_u,
+                         const MatrixXd& Q, const MatrixXd& R) {
+  const auto& step = augmented_model.step();
+  const auto& outputs = augmented_model.form().outputs();
+  const Index n = augmented_model.form().size(), all = augmented_model.layout().size();
   const auto wide = [&](const MatrixXd& narrow) {
     MatrixXd result = MatrixXd::Zero(narrow.rows(), all);
     result.leftCols(n) = narrow;
@@ -77,13 +78,13 @@ double apart(const VectorXd& found, const VectorXd& expected) {
 }
 
 /// `options.monitored` are the sensors again, as quantities without noise.
-Errors against_kalman(const Observer& observer, const LinearProblem& problem, const Record& record,
+Errors against_kalman(const AugmentedModel& augmented_model, const LinearProblem& problem, const Record& record,
                       const EstimationOptions& options) {
-  const auto result = estimate(observer, record, options);
+  const auto result = estimate(augmented_model, record, options);
   EXPECT_FALSE(result.failure.has_value());
-  KalmanFilter kalman{observer.physical(observer.prior().mean),
-                      observer.physical_covariance(observer.prior().covariance)};
-  const Index unknown = observer.layout().unknown();
+  KalmanFilter kalman{augmented_model.physical(augmented_model.prior().mean),
+                      augmented_model.physical_covariance(augmented_model.prior().covariance)};
+  const Index unknown = augmented_model.layout().unknown();
   const auto deviation_of = [](const MatrixXd& covariance) {
     return VectorXd(covariance.diagonal().cwiseMax(0.0).cwiseSqrt());
   };
@@ -127,7 +128,7 @@ struct Case {
       model,
       {Chain::acceleration("1"), Chain::acceleration("2"), {"d", ObservedQuantity::displacement, {{"body.1", 1.0}}}});
   MatrixXd R = Eigen::Vector3d(0.04, 0.09, 1e-8).asDiagonal();
-  ObserverOptions options;
+  AugmentedModelOptions options;
 
   Case() {
     options = all_known(model.system(), h);
@@ -141,9 +142,9 @@ struct Case {
   }
 
   /// The three forces over the augmented state and the inputs.
-  [[nodiscard]] std::pair<MatrixXd, MatrixXd> forces(const Observer& observer) const {
-    const auto& motion = observer.form().motion();
-    const auto& layout = observer.layout();
+  [[nodiscard]] std::pair<MatrixXd, MatrixXd> forces(const AugmentedModel& augmented_model) const {
+    const auto& motion = augmented_model.form().motion();
+    const auto& layout = augmented_model.layout();
     MatrixXd F = MatrixXd::Zero(3, layout.size()), F_u = MatrixXd::Zero(3, motion.input.cols());
     F.row(0).head(layout.linear) = 5e3 * motion.state.row(0) + 20.0 * motion.state.row(3);
     F_u.row(0) = 5e3 * motion.input.row(0) + 20.0 * motion.input.row(3);
@@ -168,20 +169,21 @@ struct Case {
 
   /// Every filter against the Kalman filter on a record drawn from the problem itself, one channel missing for a while.
   void check(const MatrixXd& Q) const {
-    const Observer observer(model.system(), sensors, {}, options);
-    ASSERT_EQ(Q.rows(), observer.layout().size());
-    const MatrixXd& own = observer.process_noise();
+    const AugmentedModel augmented_model(model.system(), sensors, {}, options);
+    ASSERT_EQ(Q.rows(), augmented_model.layout().size());
+    const MatrixXd& own = augmented_model.process_noise();
     EXPECT_LE((own - Q).norm(), 1e-9 * Q.norm());
     for (Index i = 0; i < Q.rows(); ++i)
       EXPECT_NEAR(own(i, i), Q(i, i), 1e-9 * Q(i, i)) << "state " << i << " of " << Q.rows();
-    const auto [F, F_u] = forces(observer);
-    const auto problem = problem_of(observer, F, F_u, Q, R);
-    auto record = draw_record(problem, observer.prior(), inputs(150), 3);
+    const auto [F, F_u] = forces(augmented_model);
+    const auto problem = problem_of(augmented_model, F, F_u, Q, R);
+    auto record = draw_record(problem, augmented_model.prior(), inputs(150), 3);
     record.measurements.block(1, 60, 1, 20).setConstant(std::numeric_limits<double>::quiet_NaN());
     for (const auto kind : {FilterKind::unscented, FilterKind::unscented_square_root, FilterKind::extended,
                             FilterKind::partially_linear, FilterKind::partially_linear_square_root}) {
       const auto choice = choose_filter(kind, model.system(), sensors, {}, options);
-      const auto errors = against_kalman(*choice.observer, problem, record, {.filter = kind, .monitored = sensors});
+      const auto errors =
+          against_kalman(*choice.augmented_model, problem, record, {.filter = kind, .monitored = sensors});
       std::printf("%s: %.1e\n", name_of(kind).c_str(), errors.largest());
       // Rounding: found 3e-7 where no process noise bounds the covariance, 2e-8 elsewhere, and 5e-9 with square roots.
       const bool root = kind == FilterKind::unscented_square_root || kind == FilterKind::partially_linear_square_root;
@@ -197,10 +199,10 @@ struct Case {
 
   /// Q of the motion and the input states at a density on the diagonal, nothing on the rest.
   [[nodiscard]] MatrixXd noise_of_motion(const VectorXd& density) const {
-    const Observer observer(model.system(), sensors, {}, options);
-    const Index n = observer.form().size();
-    MatrixXd Q = MatrixXd::Zero(observer.layout().size(), observer.layout().size());
-    Q.topLeftCorner(n, n) = integrated_noise(observer.form().dynamics(), density.asDiagonal(), h);
+    const AugmentedModel augmented_model(model.system(), sensors, {}, options);
+    const Index n = augmented_model.form().size();
+    MatrixXd Q = MatrixXd::Zero(augmented_model.layout().size(), augmented_model.layout().size());
+    Q.topLeftCorner(n, n) = integrated_noise(augmented_model.form().dynamics(), density.asDiagonal(), h);
     return Q;
   }
 };
@@ -233,9 +235,9 @@ TEST(ProcessNoiseOfEveryKind, DoesNotDependOnTheParts) {
   Q(7, 7) = h * 49.0;
   for (const int parts : {1, 2, 5}) {
     given.options.substeps = parts;
-    const Observer observer(given.model.system(), given.sensors, {}, given.options);
+    const AugmentedModel augmented_model(given.model.system(), given.sensors, {}, given.options);
     for (Index i = 0; i < Q.rows(); ++i)
-      EXPECT_NEAR(observer.process_noise()(i, i), Q(i, i), 1e-9 * Q(i, i)) << parts << " parts, state " << i;
+      EXPECT_NEAR(augmented_model.process_noise()(i, i), Q(i, i), 1e-9 * Q(i, i)) << parts << " parts, state " << i;
   }
 }
 
@@ -258,9 +260,9 @@ TEST(ProcessNoiseOfEveryKind, InputsThatAreStates) {
   given.options.process_noise.input << q, p;
   given.options.prior.input_deviation << 2e-3, s;
   given.options.prior.input_rate_deviation << 0.03, 0.0;
-  const Observer observer(given.model.system(), given.sensors, {}, given.options);
-  const Index road = observer.form().input_state(0), force = observer.form().input_state(1);
-  VectorXd density = VectorXd::Zero(observer.form().size());
+  const AugmentedModel augmented_model(given.model.system(), given.sensors, {}, given.options);
+  const Index road = augmented_model.form().input_state(0), force = augmented_model.form().input_state(1);
+  VectorXd density = VectorXd::Zero(augmented_model.form().size());
   density[road + 1] = q * q;
   density[force] = p * p;
   const MatrixXd Q = given.noise_of_motion(density);
@@ -268,9 +270,9 @@ TEST(ProcessNoiseOfEveryKind, InputsThatAreStates) {
   EXPECT_NEAR(Q(road, road + 1), q * q * h * h / 2, 1e-12 * q * q * h * h);
   EXPECT_NEAR(Q(road + 1, road + 1), q * q * h, 1e-12 * q * q * h);
   EXPECT_NEAR(Q(force, force), s * s * (1 - std::exp(-2 * h / tau)), 1e-12 * s * s);
-  EXPECT_NEAR(observer.prior().covariance(road, road), 4e-6, 1e-18);
-  EXPECT_NEAR(observer.prior().covariance(road + 1, road + 1), 9e-4, 1e-15);
-  EXPECT_NEAR(observer.prior().covariance(force, force), s * s, 1e-12);
+  EXPECT_NEAR(augmented_model.prior().covariance(road, road), 4e-6, 1e-18);
+  EXPECT_NEAR(augmented_model.prior().covariance(road + 1, road + 1), 9e-4, 1e-15);
+  EXPECT_NEAR(augmented_model.prior().covariance(force, force), s * s, 1e-12);
   given.check(Q);
 }
 
@@ -281,18 +283,18 @@ TEST(ProcessNoiseOfEveryKind, WalksOfTransformedUnknowns) {
     Case given;
     given.options.unknowns[0].transform = transform;
     given.options.unknowns[0].random_walk = 7.0;
-    const Observer observer(given.model.system(), given.sensors, {}, given.options);
+    const AugmentedModel augmented_model(given.model.system(), given.sensors, {}, given.options);
     // By hand at p = 3: log p' = 1 / p; logit of (p - 1) / 8: 8 / ((p - 1) (9 - p)).
     const double slope = transform.kind == TransformKind::log ? 1.0 / 3.0 : 8.0 / (2.0 * 6.0);
-    EXPECT_NEAR(observer.process_noise()(7, 7), h * std::pow(7.0 * slope, 2), 1e-12);
-    EXPECT_NEAR(observer.prior().covariance(7, 7), std::pow(1.5 * slope, 2), 1e-12);
-    EXPECT_NEAR(observer.prior().mean[7], transform.kind == TransformKind::log ? std::log(3.0) : std::log(2.0 / 6.0),
-                1e-12);
+    EXPECT_NEAR(augmented_model.process_noise()(7, 7), h * std::pow(7.0 * slope, 2), 1e-12);
+    EXPECT_NEAR(augmented_model.prior().covariance(7, 7), std::pow(1.5 * slope, 2), 1e-12);
+    EXPECT_NEAR(augmented_model.prior().mean[7],
+                transform.kind == TransformKind::log ? std::log(3.0) : std::log(2.0 / 6.0), 1e-12);
   }
 }
 
-/// The noise is that of the first observer wherever the linear part has been moved to since, in any coordinates: then
-/// the filter agrees with a Kalman filter of the moved model and the first noise.
+/// The noise is that of the first augmented model wherever the linear part has been moved to since, in any coordinates:
+/// then the filter agrees with a Kalman filter of the moved model and the first noise.
 TEST(ProcessNoiseOfEveryKind, StaysAfterANewLinearisation) {
   const auto model_at = [](double k) {
     return quarter_chain(2,
@@ -307,7 +309,7 @@ TEST(ProcessNoiseOfEveryKind, StaysAfterANewLinearisation) {
   };
   const auto model = model_at(5e3);
   const auto sensors = make_outputs(model, {Chain::acceleration("1"), Chain::acceleration("2")});
-  ObserverOptions options = all_known(model.system(), h);
+  AugmentedModelOptions options = all_known(model.system(), h);
   options.prior.displacement_deviation.setConstant(1e-3);
   options.prior.velocity_deviation.setConstant(0.05);
   options.process_noise.acceleration << 0.1, 0.2, 0.3;
@@ -315,20 +317,20 @@ TEST(ProcessNoiseOfEveryKind, StaysAfterANewLinearisation) {
   options.system_at = [&](const VectorXd& value) { return stiffer(value[0]); };
   for (const auto coordinates : {StateCoordinates::physical, StateCoordinates::modal}) {
     options.coordinates = coordinates;
-    const Observer first(stiffer(2e4), sensors, {}, options);
-    const Observer moved = first.about(VectorXd::Constant(1, 2.3e4), VectorXd::Constant(1, 400.0));
-    const auto physical = [](const Observer& observer) {
-      return observer.physical_covariance(observer.process_noise());
+    const AugmentedModel first(stiffer(2e4), sensors, {}, options);
+    const AugmentedModel moved = first.about(VectorXd::Constant(1, 2.3e4), VectorXd::Constant(1, 400.0));
+    const auto physical = [](const AugmentedModel& augmented_model) {
+      return augmented_model.physical_covariance(augmented_model.process_noise());
     };
     const MatrixXd Q = physical(first);
     EXPECT_NEAR(Q(6, 6), h * 1600.0, 1e-9);
     EXPECT_LT((Q.topLeftCorner(6, 6) -
-               integrated_noise(Observer(stiffer(2e4), sensors, {},
-                                         [&] {
-                                           auto plain = options;
-                                           plain.coordinates = StateCoordinates::physical;
-                                           return plain;
-                                         }())
+               integrated_noise(AugmentedModel(stiffer(2e4), sensors, {},
+                                               [&] {
+                                                 auto plain = options;
+                                                 plain.coordinates = StateCoordinates::physical;
+                                                 return plain;
+                                               }())
                                     .form()
                                     .dynamics(),
                                 (VectorXd(6) << 0, 0, 0, 0.01, 0.04, 0.09).finished().asDiagonal(), h))
@@ -355,7 +357,7 @@ TEST(UnknownOfTheLinearPart, IsSeenByASensorDirectly) {
   const double m = 2.0, z = 0.01, sigma = 40.0, R = 0.01, slope = -z / m;
   const auto model = oscillator(m, 0.0, 800.0);
   const auto sensors = make_outputs(model, {{"a", ObservedQuantity::acceleration, {{"body.x", 1.0}}}});
-  ObserverOptions options = all_known(model.system(), h);
+  AugmentedModelOptions options = all_known(model.system(), h);
   options.prior.mean.displacement << z;
   options.unknowns = {{"k", "N/m", {}, {TransformKind::none}, 800.0, sigma}};
   options.system_at = [&](const VectorXd& value) { return oscillator(m, 0.0, value[0]).system(); };
@@ -365,7 +367,7 @@ TEST(UnknownOfTheLinearPart, IsSeenByASensorDirectly) {
   for (const auto kind : {FilterKind::unscented, FilterKind::unscented_square_root, FilterKind::extended,
                           FilterKind::partially_linear, FilterKind::partially_linear_square_root}) {
     const auto choice = choose_filter(kind, model.system(), sensors, {}, options);
-    const auto result = estimate(*choice.observer, record, {.filter = kind, .monitored = sensors});
+    const auto result = estimate(*choice.augmented_model, record, {.filter = kind, .monitored = sensors});
     ASSERT_FALSE(result.failure.has_value());
     EXPECT_NEAR(result.unknowns.mean(0, 0), mean, 1e-6 * mean) << name_of(kind);
     EXPECT_NEAR(result.unknowns.deviation(0, 0), std::sqrt(variance), 1e-6 * std::sqrt(variance)) << name_of(kind);
@@ -384,7 +386,7 @@ TEST(HeldGains, OfAChannelThatWasMissingAtAKeptSampleAreThoseBeforeIt) {
   options.prior.displacement_deviation.setConstant(1e-3);
   options.prior.velocity_deviation.setConstant(0.05);
   options.process_noise.acceleration.setConstant(0.5);
-  const Observer observer(chain.model.system(), chain.sensors, {}, options);
+  const AugmentedModel augmented_model(chain.model.system(), chain.sensors, {}, options);
   const MatrixXd R = Eigen::Vector3d(0.04, 0.09, 1e-8).asDiagonal();
   const Index samples = 400;
   const MatrixXd inputs =
@@ -392,12 +394,12 @@ TEST(HeldGains, OfAChannelThatWasMissingAtAKeptSampleAreThoseBeforeIt) {
           ->sample(0.0, h, samples)
           .matrix()
           .transpose();
-  auto record = draw_record(closed_loop(observer, R), observer.prior(), inputs, 3);
+  auto record = draw_record(closed_loop(augmented_model, R), augmented_model.prior(), inputs, 3);
   const auto error = [&] {
     const auto result =
-        estimate(observer, record,
+        estimate(augmented_model, record,
                  {.gains = {.dense = 100, .stride = 20, .gains = {}}, .keep_gains = true, .monitored = chain.sensors});
-    const auto means = run_with_gains(observer, record, result.gains, chain.sensors, samples - 1);
+    const auto means = run_with_gains(augmented_model, record, result.gains, chain.sensors, samples - 1);
     EXPECT_TRUE(means.has_value());
     return (means->monitored - result.monitored.mean).norm() / result.monitored.mean.norm();
   };

@@ -3,7 +3,7 @@
 #include "estimation/brute_force.hpp"
 #include "estimation/kalman_filter.hpp"
 #include "estimation/linear_chain.hpp"
-#include "kalfem/estimation/observer_maps.hpp"
+#include "kalfem/estimation/process_model.hpp"
 #include "kalfem/system/signals/harmonic.hpp"
 
 // Sigma points of the channels w = N x + e alone: equal to those of the state wherever both must be exact.
@@ -230,7 +230,8 @@ TEST(ReducedPoints, NegativeVarianceAndMapsWithoutValueAreAnswers) {
 
 /// Some samples are missing.
 struct LinearRecord : LinearChainModel {
-  [[nodiscard]] Observer observer(int substeps, StateCoordinates coordinates = StateCoordinates::physical) const {
+  [[nodiscard]] AugmentedModel augmented_model(int substeps,
+                                               StateCoordinates coordinates = StateCoordinates::physical) const {
     auto options = all_known(model.system(), h);
     options.substeps = substeps;
     options.coordinates = coordinates;
@@ -238,7 +239,7 @@ struct LinearRecord : LinearChainModel {
     options.prior.velocity_deviation.setConstant(0.05);
     options.prior.mean.displacement << 1e-3, -2e-3, 0.0;
     options.process_noise.acceleration.setConstant(0.5);
-    return Observer(model.system(), sensors, {}, options);
+    return AugmentedModel(model.system(), sensors, {}, options);
   }
 };
 
@@ -252,7 +253,7 @@ class ReducedFilters : public testing::TestWithParam<Form> {};
 
 TEST_P(ReducedFilters, EqualAKalmanFilterOnALinearChain) {
   const LinearRecord linear;
-  const auto physical = linear.observer(1), observer = linear.observer(1, GetParam().coordinates);
+  const auto physical = linear.augmented_model(1), augmented_model = linear.augmented_model(1, GetParam().coordinates);
   const auto problem = closed_loop(physical, Eigen::Vector3d(0.04, 0.09, 1e-8).asDiagonal());
   const Index samples = 400;
   const MatrixXd inputs =
@@ -261,7 +262,7 @@ TEST_P(ReducedFilters, EqualAKalmanFilterOnALinearChain) {
   record.measurements.middleCols(100, 7).setConstant(NAN);
   for (Index k = 200; k < 260; ++k) record.measurements(k % 3, k) = NAN;
 
-  const auto result = estimate(observer, record, {.filter = GetParam().kind});
+  const auto result = estimate(augmented_model, record, {.filter = GetParam().kind});
   ASSERT_FALSE(result.failure) << result.failure->reason;
   KalmanFilter kalman{physical.prior().mean, physical.prior().covariance};
   double mean_error = 0.0, deviation_error = 0.0;
@@ -283,15 +284,15 @@ TEST_P(ReducedFilters, EqualAKalmanFilterOnALinearChain) {
 
 TEST_P(ReducedFilters, StayWithTheUnscentedFilterWhereManyPartsMakeManyChannels) {
   const LinearRecord linear;
-  const auto physical = linear.observer(6);  // many more channels than states
-  const auto observer = linear.observer(6, GetParam().coordinates);
+  const auto physical = linear.augmented_model(6);  // many more channels than states
+  const auto augmented_model = linear.augmented_model(6, GetParam().coordinates);
   const Index samples = 200;
   const MatrixXd inputs =
       make_sine({.amplitude = 3e-3, .frequency = 6.0})->sample(0.0, LinearRecord::h, samples).matrix().transpose();
-  const auto problem = closed_loop(linear.observer(1), Eigen::Vector3d(0.04, 0.09, 1e-8).asDiagonal());
+  const auto problem = closed_loop(linear.augmented_model(1), Eigen::Vector3d(0.04, 0.09, 1e-8).asDiagonal());
   const auto record = draw_record(problem, physical.prior(), inputs, 22);
   const auto expected = estimate(physical, record, {.filter = FilterKind::unscented});
-  const auto found = estimate(observer, record, {.filter = GetParam().kind});
+  const auto found = estimate(augmented_model, record, {.filter = GetParam().kind});
   ASSERT_FALSE(expected.failure || found.failure);
   EXPECT_LT(((found.state.mean - expected.state.mean).array() / expected.state.deviation.array()).abs().maxCoeff(),
             1e-8);
@@ -306,14 +307,14 @@ INSTANTIATE_TEST_SUITE_P(Forms, ReducedFilters,
 
 TEST(ReducedFiltersAgree, OnTheNonlinearChainAtAnySpread) {
   const Chain chain;
-  const auto observer = [&](StateCoordinates coordinates) {
+  const auto augmented_model = [&](StateCoordinates coordinates) {
     auto options = chain.options();
     options.substeps = 4;
     options.process_noise.acceleration.setConstant(0.2);
     options.coordinates = coordinates;
-    return Observer(chain.model.system(), chain.sensors, {}, options);
+    return AugmentedModel(chain.model.system(), chain.sensors, {}, options);
   };
-  const auto physical = observer(StateCoordinates::physical), modal = observer(StateCoordinates::modal);
+  const auto physical = augmented_model(StateCoordinates::physical), modal = augmented_model(StateCoordinates::modal);
   const auto record = Chain::record(chain.reference(0.8), 23);
   for (const double alpha : {2.0, 1.0}) {  // c = 12 and 3; of 12 channels the centre then weighs 0 and less
     EstimationOptions options{.filter = FilterKind::partially_linear};

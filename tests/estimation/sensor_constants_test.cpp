@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 struct ChainWithConstants : LinearChainModel {
   MatrixXd R = Eigen::Vector3d(0.04, 0.09, 1e-8).asDiagonal();
 
-  [[nodiscard]] ObserverOptions options() const {
+  [[nodiscard]] AugmentedModelOptions options() const {
     auto options = all_known(model.system(), h);
     options.prior.displacement_deviation.setConstant(1e-3);
     options.prior.velocity_deviation.setConstant(0.05);
@@ -53,16 +53,16 @@ class SensorConstants : public testing::TestWithParam<FilterKind> {};
 
 TEST_P(SensorConstants, AreEstimatedAsTheKalmanFilterDoes) {
   const ChainWithConstants chain;
-  const Observer observer(chain.model.system(), chain.sensors, {}, chain.options());
+  const AugmentedModel augmented_model(chain.model.system(), chain.sensors, {}, chain.options());
   const MatrixXd E = (MatrixXd(3, 2) << 0, 1, 0, 1, 1, 0).finished();
-  const auto problem = augmented(closed_loop(observer, chain.R), E);
+  const auto problem = augmented(closed_loop(augmented_model, chain.R), E);
   const Index samples = 300;
   const MatrixXd inputs =
       make_sine({.amplitude = 3e-3, .frequency = 6.0})->sample(0.0, chain.h, samples).matrix().transpose();
-  const auto record = draw_record(problem, observer.prior(), inputs, 3);
-  const auto result = estimate(observer, record, {.filter = GetParam()});
+  const auto record = draw_record(problem, augmented_model.prior(), inputs, 3);
+  const auto result = estimate(augmented_model, record, {.filter = GetParam()});
   ASSERT_FALSE(result.failure) << result.failure->reason;
-  KalmanFilter kalman{observer.prior().mean, observer.prior().covariance};
+  KalmanFilter kalman{augmented_model.prior().mean, augmented_model.prior().covariance};
   double mean_error = 0.0, deviation_error = 0.0;
   for (Index k = 0; k < samples; ++k) {
     if (k > 0) kalman.predict(problem, problem.drive(record.inputs.col(k - 1), record.inputs.col(k)));
@@ -90,7 +90,7 @@ TEST(SensorConstantsOptions, RefuseWhatIsNoConstantOfASensor) {
   const auto made = [&](const auto& change) {
     auto options = chain.options();
     change(options.unknowns.front());
-    return Observer(chain.model.system(), chain.sensors, {}, options).layout().unknowns;
+    return AugmentedModel(chain.model.system(), chain.sensors, {}, options).layout().unknowns;
   };
   EXPECT_EQ(made([](UnknownParameter&) {}), 2);
   EXPECT_THROW(made([](UnknownParameter& unknown) { unknown.sensors = {3}; }), InvalidInput);

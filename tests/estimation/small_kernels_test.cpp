@@ -1,4 +1,4 @@
-#include "kalfem/estimation/small_kernels.hpp"
+#include "kalfem/estimation/kernels/small_kernels.hpp"
 
 #include <gtest/gtest.h>
 

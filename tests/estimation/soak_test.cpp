@@ -4,7 +4,7 @@
 
 #include "base/figures.hpp"
 #include "estimation/chain_model.hpp"
-#include "kalfem/estimation/observer_maps.hpp"
+#include "kalfem/estimation/process_model.hpp"
 
 namespace kalfem {
 namespace {
@@ -15,14 +15,15 @@ using Eigen::VectorXd;
 
 constexpr Index period = 20000;  ///< samples after which the road comes again
 
-/// The chain as the observer models it, with the true parameters and with process noise of the observer's covariance.
+/// The chain as the augmented model models it, with the true parameters and with process noise of the augmented model's
+/// covariance.
 class TrueChain {
 public:
-  TrueChain(const Observer& observer, const VectorXd& unknowns)
-      : transition_(observer), outputs_(observer, sensor_outputs), random_(11, "soak") {
-    state_ = VectorXd::Zero(observer.layout().size());
+  TrueChain(const AugmentedModel& augmented_model, const VectorXd& unknowns)
+      : transition_(augmented_model), outputs_(augmented_model, sensor_outputs), random_(11, "soak") {
+    state_ = VectorXd::Zero(augmented_model.layout().size());
     state_.tail(unknowns.size()) = unknowns;
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(observer.process_noise());
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(augmented_model.process_noise());
     noise_root_ = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
   }
 
@@ -47,8 +48,8 @@ private:
     return map.linear * state_ + map.gain * out.matrix().transpose() + map.offset;
   }
 
-  TransitionMap transition_;
-  InstantMap outputs_;
+  ProcessModel transition_;
+  MeasurementModel outputs_;
   RandomStream random_;
   VectorXd state_, noise_ = VectorXd::Zero(24);
   MatrixXd noise_root_;
@@ -61,18 +62,18 @@ TEST(Soak, TenMillionStepsOfTheChain) {
   auto options = chain.options();
   options.coordinates = StateCoordinates::modal;
   options.process_noise.acceleration.setConstant(0.02);
-  const Observer observer(chain.model.system(), chain.sensors, {}, options);
+  const AugmentedModel augmented_model(chain.model.system(), chain.sensors, {}, options);
   const VectorXd truth = values({std::log(Chain::mu_k1), std::log(Chain::mu_c1)});
   const auto road = make_random({.rms = 3e-3, .lower = 0.5, .upper = 30.0, .duration = 20.0, .seed = 7});
   const MatrixXd inputs = road->sample(0.0, 1e-3, period).matrix().transpose();
   const double deviation = 0.5;
   const MatrixXd noise = deviation * deviation * MatrixXd::Identity(4, 4);
 
-  TrueChain structure(observer, truth);
-  TransitionMap transition(observer);
-  InstantMap measurement(observer, sensor_outputs);
+  TrueChain structure(augmented_model, truth);
+  ProcessModel transition(augmented_model);
+  MeasurementModel measurement(augmented_model, sensor_outputs);
   const auto filter = make_filter(FilterKind::partially_linear, {}, &transition);
-  filter->reset(observer.prior());
+  filter->reset(augmented_model.prior());
   Innovation innovation;
   double nis = 0.0, lowest = 1.0, worst = 0.0;
   const Index steps = 10'000'000, look = 100'000;
@@ -80,7 +81,7 @@ TEST(Soak, TenMillionStepsOfTheChain) {
     const VectorXd begin = inputs.col((k - 1) % period), end = inputs.col(k % period);
     structure.move(begin, end);
     transition.set_inputs(begin, end);
-    ASSERT_EQ(filter->predict(transition, observer.process_noise()), FilterOutcome::usable) << k;
+    ASSERT_EQ(filter->predict(transition, augmented_model.process_noise()), FilterOutcome::usable) << k;
     measurement.set_inputs(end);
     ASSERT_EQ(filter->update(measurement, noise, structure.measured(end, deviation), innovation), FilterOutcome::usable)
         << k;

@@ -5,8 +5,8 @@
 #include <set>
 
 #include "formats/abaqus_decks.hpp"
-#include "kalfem/model/constraints.hpp"
-#include "kalfem/model/reduced_equations.hpp"
+#include "kalfem/model/assembly/constraint_elimination.hpp"
+#include "kalfem/model/assembly/constraints.hpp"
 
 namespace kalfem {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "kalfem/formats/abaqus.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
-#include "kalfem/model/assembly.hpp"
+#include "kalfem/model/assembly/assembly.hpp"
 
 namespace kalfem {
 

@@ -1,12 +1,12 @@
-#include "kalfem/formats/channel_title.hpp"
+#include "kalfem/formats/tables/channel_title.hpp"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 
 #include "base/scratch_folder.hpp"
-#include "kalfem/formats/csv.hpp"
-#include "kalfem/formats/frf_table.hpp"
+#include "kalfem/formats/tables/csv.hpp"
+#include "kalfem/formats/tables/frf_table.hpp"
 
 namespace kalfem {
 namespace {

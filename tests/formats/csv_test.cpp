@@ -1,4 +1,4 @@
-#include "kalfem/formats/csv.hpp"
+#include "kalfem/formats/tables/csv.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include "base/data_folder.hpp"
 #include "base/scratch_folder.hpp"
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/formats/lvm.hpp"
+#include "kalfem/formats/tables/lvm.hpp"
 
 namespace kalfem {
 namespace {

@@ -1,4 +1,4 @@
-#include "kalfem/formats/free_response.hpp"
+#include "kalfem/records/free_response.hpp"
 #include "base/absent.hpp"
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 
 #include "formats/measured_record.hpp"
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/formats/local_polynomial.hpp"
+#include "kalfem/records/local_polynomial.hpp"
 
 namespace kalfem {
 namespace {

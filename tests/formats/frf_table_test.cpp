@@ -1,4 +1,4 @@
-#include "kalfem/formats/frf_table.hpp"
+#include "kalfem/formats/tables/frf_table.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "kalfem/formats/gmsh.hpp"
+#include "kalfem/formats/gmsh/gmsh.hpp"
 #include "base/absent.hpp"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 
 #include "base/scratch_folder.hpp"
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/formats/gmsh_builder.hpp"
+#include "kalfem/formats/gmsh/gmsh_builder.hpp"
 
 namespace kalfem {
 namespace {

@@ -1,4 +1,4 @@
-#include "kalfem/formats/hdf5_file.hpp"
+#include "kalfem/formats/hdf5/hdf5_file.hpp"
 
 #include <gtest/gtest.h>
 #include <filesystem>

@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "formats/matrices_refusal.hpp"
-#include "kalfem/formats/hdf5_file.hpp"
+#include "kalfem/formats/hdf5/hdf5_file.hpp"
 
 namespace kalfem {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "base/scratch_folder.hpp"
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/formats/hdf5_file.hpp"
+#include "kalfem/formats/hdf5/hdf5_file.hpp"
 #include "kalfem/formats/matrices/matrix_model.hpp"
 
 namespace kalfem {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "base/data_folder.hpp"
-#include "kalfem/formats/csv.hpp"
-#include "kalfem/formats/hdf5_file.hpp"
+#include "kalfem/formats/hdf5/hdf5_file.hpp"
+#include "kalfem/formats/tables/csv.hpp"
 
 namespace kalfem {
 

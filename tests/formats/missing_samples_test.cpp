@@ -5,8 +5,8 @@
 
 #include "base/scratch_folder.hpp"
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/formats/csv.hpp"
-#include "kalfem/formats/lvm.hpp"
+#include "kalfem/formats/tables/csv.hpp"
+#include "kalfem/formats/tables/lvm.hpp"
 
 // Records in which samples are missing, rows that are not wanted, and records that were cut off.
 namespace kalfem {

@@ -4,8 +4,8 @@
 #include <map>
 
 #include "kalfem/formats/nastran.hpp"
-#include "kalfem/model/assembly.hpp"
-#include "kalfem/model/mass_properties.hpp"
+#include "kalfem/model/assembly/assembly.hpp"
+#include "kalfem/model/assembly/mass_properties.hpp"
 #include "model/fe_models.hpp"
 
 namespace kalfem::test {

@@ -1,4 +1,4 @@
-#include "kalfem/formats/noise_level.hpp"
+#include "kalfem/records/noise_level.hpp"
 
 #include <gtest/gtest.h>
 

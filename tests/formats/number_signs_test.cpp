@@ -6,10 +6,10 @@
 #include <fstream>
 
 #include "base/scratch_folder.hpp"
-#include "kalfem/formats/gmsh.hpp"
+#include "kalfem/formats/gmsh/gmsh.hpp"
 #include "kalfem/formats/matrices/entries.hpp"
 #include "kalfem/formats/nastran/number.hpp"
-#include "kalfem/formats/text_table.hpp"
+#include "kalfem/formats/tables/text_table.hpp"
 
 namespace kalfem {
 namespace {

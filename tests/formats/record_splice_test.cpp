@@ -1,4 +1,4 @@
-#include "kalfem/formats/record_splice.hpp"
+#include "kalfem/records/record_splice.hpp"
 #include "base/absent.hpp"
 
 #include <gtest/gtest.h>

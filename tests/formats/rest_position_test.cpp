@@ -5,7 +5,7 @@
 #include <random>
 
 #include "formats/measured_record.hpp"
-#include "kalfem/formats/free_response.hpp"
+#include "kalfem/records/free_response.hpp"
 
 // The first standstill after a release counts, whatever happens behind it; where there is none, the rest is guessed.
 namespace kalfem {

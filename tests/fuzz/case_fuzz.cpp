@@ -1,5 +1,5 @@
-#include "kalfem/casefile/case_reader.hpp"
 #include "kalfem/casefile/description_form.hpp"
+#include "kalfem/yaml/case_reader.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const auto form = kalfem::description::case_form();

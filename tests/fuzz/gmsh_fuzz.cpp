@@ -1,5 +1,5 @@
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/formats/gmsh.hpp"
+#include "kalfem/formats/gmsh/gmsh.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   try {

@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/formats/lvm.hpp"
+#include "kalfem/formats/tables/lvm.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto file = std::filesystem::temp_directory_path() / ("kalfem-fuzz-" + std::to_string(getpid()) + ".lvm");

@@ -1,13 +1,13 @@
-#include "kalfem/model/assembly.hpp"
+#include "kalfem/model/assembly/assembly.hpp"
 
 #include <gtest/gtest.h>
 
 #include <set>
 
 #include "kalfem/linalg/lowest_modes.hpp"
+#include "kalfem/model/assembly/fe_linear_model.hpp"
 #include "kalfem/model/elements/beam.hpp"
 #include "kalfem/model/elements/point_mass.hpp"
-#include "kalfem/model/fe_linear_model.hpp"
 #include "model/fe_models.hpp"
 
 namespace kalfem {

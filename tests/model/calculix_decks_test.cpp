@@ -11,7 +11,7 @@
 #include "base/scratch_folder.hpp"
 #include "kalfem/formats/abaqus.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
-#include "kalfem/model/assembly.hpp"
+#include "kalfem/model/assembly/assembly.hpp"
 #include "model/calculix.hpp"
 
 // Decks of CalculiX's own test suite with their reference output, and decks made here that CalculiX (ccx) solves beside

@@ -5,7 +5,7 @@
 #include "base/absent.hpp"
 #include "base/scratch_folder.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
-#include "kalfem/model/assembly.hpp"
+#include "kalfem/model/assembly/assembly.hpp"
 #include "model/calculix.hpp"
 #include "model/inp_writer.hpp"
 

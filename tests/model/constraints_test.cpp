@@ -1,9 +1,9 @@
-#include "kalfem/model/constraints.hpp"
+#include "kalfem/model/assembly/constraints.hpp"
 
 #include <gtest/gtest.h>
 
-#include "kalfem/model/connectivity.hpp"
-#include "kalfem/model/mechanisms.hpp"
+#include "kalfem/model/assembly/mechanisms.hpp"
+#include "kalfem/model/mesh/connectivity.hpp"
 #include "model/fe_models.hpp"
 
 namespace kalfem {

@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-#include "kalfem/model/properties.hpp"
+#include "kalfem/model/mesh/properties.hpp"
 
 namespace kalfem {
 namespace {

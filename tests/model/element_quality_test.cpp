@@ -1,10 +1,10 @@
-#include "kalfem/model/element_quality.hpp"
+#include "kalfem/model/checks/element_quality.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "kalfem/model/cell_corners.hpp"
+#include "kalfem/model/mesh/cell_corners.hpp"
 
 namespace kalfem {
 namespace {

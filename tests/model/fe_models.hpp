@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "kalfem/linalg/lowest_modes.hpp"
-#include "kalfem/model/assembly.hpp"
-#include "kalfem/model/mass_properties.hpp"
+#include "kalfem/model/assembly/assembly.hpp"
+#include "kalfem/model/assembly/mass_properties.hpp"
 
 namespace kalfem::test {
 

@@ -6,7 +6,7 @@
 
 #include "base/absent.hpp"
 #include "base/data_folder.hpp"
-#include "kalfem/model/fe_linear_model.hpp"
+#include "kalfem/model/assembly/fe_linear_model.hpp"
 #include "model/fe_models.hpp"
 
 // The beam model of the GARTEUR SM-AG19 testbed, built from its authors' tables of nodes, beams, sections and points,

@@ -1,10 +1,10 @@
-#include "kalfem/model/health.hpp"
+#include "kalfem/model/checks/model_check.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "kalfem/model/coincident_nodes.hpp"
+#include "kalfem/model/mesh/coincident_nodes.hpp"
 #include "model/fe_models.hpp"
 
 namespace kalfem {
@@ -13,8 +13,8 @@ namespace {
 using Eigen::Index;
 using test::add_cell;
 using test::add_node;
-using Severity = HealthSeverity;
-using Topic = HealthTopic;
+using Severity = FindingSeverity;
+using Topic = FindingTopic;
 
 /// A steel plate of 1 m x 0.6 m x 10 mm, free.
 FiniteElementModel plate() {
@@ -23,15 +23,15 @@ FiniteElementModel plate() {
   return model;
 }
 
-HealthReport health_of(const FiniteElementModel& model) { return check_health(model, assemble(model)); }
+ModelCheckReport model_check_of(const FiniteElementModel& model) { return check_model(model, assemble(model)); }
 
-const HealthFinding* find(const HealthReport& report, Topic topic, const std::string& text) {
+const ModelFinding* find(const ModelCheckReport& report, Topic topic, const std::string& text) {
   for (const auto& finding : report.findings)
     if (finding.topic == topic && finding.what.find(text) != std::string::npos) return &finding;
   return nullptr;
 }
 
-std::string all_of(const HealthReport& report) {
+std::string all_of(const ModelCheckReport& report) {
   std::string text;
   for (const auto& finding : report.findings)
     text += to_string(finding.severity) + " [" + to_string(finding.topic) + "] " + finding.what + ": " + finding.why +
@@ -47,7 +47,7 @@ std::vector<Index> side(const FiniteElementModel& model, double x) {
 }
 
 TEST(Health, ASoundFreePlateHasNothingAgainstIt) {
-  const HealthReport report = health_of(plate());
+  const ModelCheckReport report = model_check_of(plate());
   EXPECT_EQ(report.count(Severity::error) + report.count(Severity::warning), 0) << all_of(report);
   ASSERT_TRUE(report.mass && report.grounding);
   EXPECT_NEAR(report.mass->mass, 7850.0 * 0.006, 1e-9);
@@ -71,13 +71,13 @@ TEST(Health, ASoundFreePlateHasNothingAgainstIt) {
 TEST(Health, SupportsHoldWhatTheyHold) {
   FiniteElementModel model = plate();
   model.fixed.push_back({"edge", side(model, 0.0), {true, true, true, true, true, true}});
-  const HealthReport clamped = health_of(model);
+  const ModelCheckReport clamped = model_check_of(model);
   EXPECT_EQ(clamped.grounding->free, 0);
   EXPECT_EQ(clamped.fixed_dofs, 42);
   EXPECT_EQ(clamped.count(Severity::warning), 0) << all_of(clamped);
   model.fixed[0] = {
       "plane", side(model, 0.0), {false, false, true, false, false, false}};  // x, y and about z stay free
-  const HealthReport partly = health_of(model);
+  const ModelCheckReport partly = model_check_of(model);
   EXPECT_EQ(partly.grounding->free, 4) << all_of(partly);  // and the turn about the held edge
   EXPECT_FALSE(partly.grounding->motions[0].strained);
   EXPECT_TRUE(partly.grounding->motions[2].strained);
@@ -89,7 +89,7 @@ TEST(Health, SoftGroundSpringsAreSupportsAndNotStray) {
   for (const Index node : {Index{0}, Index{10}, Index{66}})
     for (int d = 0; d < 3; ++d)
       model.springs.push_back({.name = "s" + std::to_string(3 * node + d), .from = {node, d}, .stiffness = 10.0});
-  const HealthReport report = health_of(model);
+  const ModelCheckReport report = model_check_of(model);
   EXPECT_EQ(report.grounded_dofs, 9);
   EXPECT_EQ(report.grounding->free, 0);
   EXPECT_EQ(report.grounding->stray_count, 0) << all_of(report);
@@ -99,7 +99,7 @@ TEST(Health, ASpringAcrossADistanceIsAStrayGrounding) {
   // a spring along z between nodes that stand apart along x takes force when the plate turns about y
   FiniteElementModel model = plate();
   model.springs.push_back({.name = "cross", .from = {0, 2}, .to = NodalDof{5, 2}, .stiffness = 1e6});
-  const HealthReport report = health_of(model);
+  const ModelCheckReport report = model_check_of(model);
   EXPECT_EQ(report.grounding->free, 5);
   EXPECT_EQ(report.grounding->stray_count, 2);
   ASSERT_EQ(report.stray_dofs.size(), 2u);
@@ -109,16 +109,16 @@ TEST(Health, ASpringAcrossADistanceIsAStrayGrounding) {
   EXPECT_EQ(finding->severity, Severity::warning);
   // beside a support too
   model.fixed.push_back({"edge", side(model, 1.0), {true, true, true, true, true, true}});
-  EXPECT_EQ(health_of(model).grounding->stray_count, 2);
+  EXPECT_EQ(model_check_of(model).grounding->stray_count, 2);
 }
 
 TEST(Health, RigidLinksAndHeldMastersAreNotStray) {
   FiniteElementModel model = plate();
   const Index hub = add_node(model.mesh, {-0.2, 0.3, 0.1});
   model.links.push_back({"hub", hub, side(model, 0.0)});
-  EXPECT_EQ(health_of(model).grounding->free, 6);
+  EXPECT_EQ(model_check_of(model).grounding->free, 6);
   model.fixed.push_back({"hub", {hub}, {true, true, true, true, true, true}});
-  const HealthReport held = health_of(model);
+  const ModelCheckReport held = model_check_of(model);
   EXPECT_EQ(held.grounding->free, 0);
   EXPECT_EQ(held.grounding->stray_count, 0) << all_of(held);
 }
@@ -135,7 +135,7 @@ TEST(Health, UnzippedSeamsAreSeen) {
     }
   for (Index j = 0; j < 2; ++j)
     add_cell(mesh, "plate", CellShape::quadrilateral4, {77 + 2 * j, 78 + 2 * j, 80 + 2 * j, 79 + 2 * j});
-  const HealthReport report = health_of(model);
+  const ModelCheckReport report = model_check_of(model);
   EXPECT_EQ(report.coincident_pairs, 3);
   EXPECT_EQ(report.unjoined_pairs, 3);
   EXPECT_EQ(report.parts, (std::vector<Index>{77, 6}));
@@ -147,7 +147,7 @@ TEST(Health, UnzippedSeamsAreSeen) {
   // joined by springs and links they are hinges on purpose
   model.links.push_back({"first", 10, {seam[0]}});
   model.springs.push_back({.name = "second", .from = {21, 0}, .to = NodalDof{seam[1], 0}, .stiffness = 1e5});
-  const HealthReport joined = health_of(model);
+  const ModelCheckReport joined = model_check_of(model);
   EXPECT_EQ(joined.coincident_pairs, 3);
   EXPECT_EQ(joined.unjoined_pairs, 1);
 }
@@ -155,7 +155,7 @@ TEST(Health, UnzippedSeamsAreSeen) {
 TEST(Health, NodesThatNothingTouches) {
   FiniteElementModel model = plate();
   add_node(model.mesh, {0.5, 0.3, 0.2});
-  const HealthReport report = health_of(model);
+  const ModelCheckReport report = model_check_of(model);
   EXPECT_EQ(report.free_nodes, 1);
   EXPECT_NE(find(report, Topic::mesh, "n78"), nullptr) << all_of(report);
 }
@@ -167,11 +167,11 @@ TEST(Health, MechanismsAreNamed) {
   model.properties["strut"] =
       test::beam_property(circular_section(0.02), Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX());
   model.masses.push_back({.name = "lamp", .node = end, .mass = 2.0});
-  EXPECT_TRUE(health_of(model).mechanisms.empty());
+  EXPECT_TRUE(model_check_of(model).mechanisms.empty());
   const Index bob = add_node(model.mesh, {1.0, 0.0, 0.5});  // hangs on a spring along z alone
   model.masses.push_back({.name = "bob", .node = bob, .mass = 1.0});
   model.springs.push_back({.name = "wire", .from = {end, 2}, .to = NodalDof{bob, 2}, .stiffness = 1e4});
-  const HealthReport report = health_of(model);
+  const ModelCheckReport report = model_check_of(model);
   EXPECT_EQ(report.mechanisms, (std::vector<std::string>{"n79.x", "n79.y"})) << all_of(report);
   EXPECT_NE(find(report, Topic::connections, "n79.x"), nullptr);
 }
@@ -180,7 +180,7 @@ TEST(Health, MillimetresAndTonnesAreRecognised) {
   FiniteElementModel model = test::model_of(test::plate_mesh(1000.0, 600.0, 10, 6));
   model.materials["steel"] = {.youngs_modulus = 2.1e5, .poissons_ratio = 0.3, .density = 7.85e-9};
   model.properties["plate"] = ShellProperty{"steel", 10.0};
-  const HealthReport report = health_of(model);
+  const ModelCheckReport report = model_check_of(model);
   const auto* units = find(report, Topic::units, "mm, t, s");
   ASSERT_NE(units, nullptr) << all_of(report);
   EXPECT_EQ(units->severity, Severity::warning);
@@ -193,13 +193,13 @@ TEST(Health, MillimetresAndTonnesAreRecognised) {
 TEST(Health, AThicknessInMillimetresIsSeen) {
   FiniteElementModel model = plate();
   model.properties["plate"] = ShellProperty{"steel", 10.0};
-  EXPECT_NE(find(health_of(model), Topic::units, "thickness of region 'plate'"), nullptr);
+  EXPECT_NE(find(model_check_of(model), Topic::units, "thickness of region 'plate'"), nullptr);
 }
 
 TEST(Health, MaterialsAndRegionsThatAreNotUsed) {
   FiniteElementModel model = plate();
   model.materials["spare"] = {.youngs_modulus = 7e10, .poissons_ratio = 0.3, .density = 2700.0};
-  const HealthReport report = health_of(model);
+  const ModelCheckReport report = model_check_of(model);
   EXPECT_NE(find(report, Topic::materials, "'spare' is not used"), nullptr);
   ASSERT_EQ(report.materials.size(), 2u);
   EXPECT_EQ(report.materials[0].resembles, "aluminium");
@@ -209,7 +209,7 @@ TEST(Health, MaterialsAndRegionsThatAreNotUsed) {
 TEST(Health, BadlyShapedCellsAreCountedByRegion) {
   FiniteElementModel model = plate();
   model.mesh.nodes(0, 12) = 0.005;  // squeezes one cell, stretches its neighbour
-  const HealthReport report = health_of(model);
+  const ModelCheckReport report = model_check_of(model);
   ASSERT_EQ(report.quality.size(), 1u);
   EXPECT_EQ(report.quality[0].measured, 60);
   EXPECT_GT(report.quality[0].measures[static_cast<std::size_t>(QualityMeasure::taper)].beyond, 0);
@@ -220,9 +220,9 @@ TEST(Health, SpringsOutOfProportionAreNamed) {
   FiniteElementModel model = plate();
   const double at_node = test::steel.youngs_modulus * 0.01;  // the order of the plate's own stiffness
   model.springs.push_back({.name = "stop", .from = {5, 0}, .to = NodalDof{6, 0}, .stiffness = 1e9 * at_node});
-  EXPECT_NE(find(health_of(model), Topic::stiffness, "'stop'"), nullptr);
+  EXPECT_NE(find(model_check_of(model), Topic::stiffness, "'stop'"), nullptr);
   model.springs[0].stiffness = 1e2 * at_node;
-  EXPECT_EQ(find(health_of(model), Topic::stiffness, "'stop'"), nullptr);
+  EXPECT_EQ(find(model_check_of(model), Topic::stiffness, "'stop'"), nullptr);
 }
 
 // Bare matrices.
@@ -244,7 +244,7 @@ std::vector<PlacedDof> places(const FiniteElementModel& model) {
 
 TEST(HealthOfMatrices, KnowsMassGroundingAndFrequencies) {
   const FiniteElementModel model = plate();
-  const HealthReport report = check_health(matrices(model), places(model));
+  const ModelCheckReport report = check_model(matrices(model), places(model));
   EXPECT_EQ(report.count(Severity::error) + report.count(Severity::warning), 0) << all_of(report);
   ASSERT_TRUE(report.mass && report.grounding);
   EXPECT_NEAR(report.mass->mass, 47.1, 1e-9);
@@ -253,7 +253,7 @@ TEST(HealthOfMatrices, KnowsMassGroundingAndFrequencies) {
   EXPECT_EQ(report.grounding->free, 6);
   ASSERT_EQ(report.lowest_frequencies.size(), 12u);
   EXPECT_EQ(std::ranges::count(report.lowest_frequencies, 0.0), 6);
-  const HealthReport unplaced = check_health(matrices(model));
+  const ModelCheckReport unplaced = check_model(matrices(model));
   EXPECT_FALSE(unplaced.mass || unplaced.grounding);
 }
 
@@ -261,7 +261,7 @@ TEST(HealthOfMatrices, WrongPlacesOrStrayStiffnessShow) {
   const FiniteElementModel model = plate();
   LinearModel bare = matrices(model);
   bare.stiffness.coeffRef(100, 100) *= 1.001;
-  const HealthReport report = check_health(bare, places(model));
+  const ModelCheckReport report = check_model(bare, places(model));
   EXPECT_EQ(report.grounding->stray_count, 1) << all_of(report);
   ASSERT_EQ(report.stray_dofs.size(), 1u);
   EXPECT_EQ(report.stray_dofs[0], bare.dofs[100]);
@@ -271,34 +271,34 @@ TEST(HealthOfMatrices, AsymmetryAndIndefinitenessAreErrors) {
   const FiniteElementModel model = plate();
   LinearModel skew = matrices(model);
   skew.stiffness.coeffRef(3, 9) += 1e6;
-  const HealthReport asymmetric = check_health(skew);
+  const ModelCheckReport asymmetric = check_model(skew);
   EXPECT_GT(asymmetric.stiffness_matrix.asymmetry, 1e-6);
   EXPECT_NE(find(asymmetric, Topic::stiffness, "not symmetric"), nullptr);
 
   LinearModel negative = matrices(model);
   negative.mass.coeffRef(7, 7) = -1.0;
-  const HealthReport of_negative = check_health(negative);
+  const ModelCheckReport of_negative = check_model(negative);
   EXPECT_EQ(of_negative.mass_matrix.negative_diagonal, 1);
   EXPECT_NE(find(of_negative, Topic::mass, negative.dofs[7]), nullptr) << all_of(of_negative);
 
   LinearModel indefinite = matrices(model);
   indefinite.stiffness.coeffRef(50, 50) *= 0.5;
-  EXPECT_EQ(check_health(indefinite).stiffness_matrix.semi_definite, false);
+  EXPECT_EQ(check_model(indefinite).stiffness_matrix.semi_definite, false);
 
   LinearModel infinite = matrices(model);
   infinite.stiffness.coeffRef(50, 50) = std::numeric_limits<double>::quiet_NaN();
-  const HealthReport of_infinite = check_health(infinite, places(model));
+  const ModelCheckReport of_infinite = check_model(infinite, places(model));
   EXPECT_FALSE(of_infinite.stiffness_matrix.finite);
   EXPECT_EQ(of_infinite.count(Severity::error), 1) << all_of(of_infinite);
 }
 
 TEST(HealthOfMatrices, EmptyAndMasslessModelsAreFindings) {
   LinearModel empty;
-  EXPECT_EQ(check_health(empty).degrees_of_freedom, 0);
+  EXPECT_EQ(check_model(empty).degrees_of_freedom, 0);
   LinearModel zero;
   zero.dofs = {"a", "b"};
   zero.mass = zero.stiffness = SparseMatrix(2, 2);
-  EXPECT_GE(check_health(zero, std::vector<PlacedDof>(2)).count(Severity::error), 1);
+  EXPECT_GE(check_model(zero, std::vector<PlacedDof>(2)).count(Severity::error), 1);
 }
 
 TEST(CoincidentNodes, AgreeWithBruteForceOnBothSidesOfBoxes) {

@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "kalfem/formats/gmsh.hpp"
+#include "kalfem/formats/gmsh/gmsh.hpp"
 #include "kalfem/model/finite_element_model.hpp"
 
 // The vehicle's frame, and the same as a CalculiX input deck.

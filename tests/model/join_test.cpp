@@ -1,4 +1,4 @@
-#include "kalfem/model/join.hpp"
+#include "kalfem/model/assembly/assemble_parts.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 // Springs along any deformation, matrices as they are, and nodes that follow the mean motion of others.
 #include <gtest/gtest.h>
 
-#include "kalfem/model/assembly.hpp"
-#include "kalfem/model/constraints.hpp"
-#include "kalfem/model/mass_properties.hpp"
+#include "kalfem/model/assembly/assembly.hpp"
+#include "kalfem/model/assembly/constraints.hpp"
+#include "kalfem/model/assembly/mass_properties.hpp"
 #include "kalfem/model/scalar_points.hpp"
 #include "model/fe_models.hpp"
 

@@ -7,10 +7,10 @@
 #include <numbers>
 
 #include "kalfem/linalg/lowest_modes.hpp"
+#include "kalfem/model/assembly/mass_properties.hpp"
 #include "kalfem/model/elements/shell3.hpp"
 #include "kalfem/model/elements/shell4.hpp"
-#include "kalfem/model/lamination.hpp"
-#include "kalfem/model/mass_properties.hpp"
+#include "kalfem/model/mesh/laminate_theory.hpp"
 #include "model/element_helpers.hpp"
 #include "shell_models.hpp"
 

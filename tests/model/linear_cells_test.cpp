@@ -1,4 +1,4 @@
-#include "kalfem/model/linear_cells.hpp"
+#include "kalfem/model/mesh/split_quadratic_shells.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "kalfem/linalg/lowest_modes.hpp"
-#include "kalfem/model/lamination.hpp"
+#include "kalfem/model/mesh/laminate_theory.hpp"
 #include "model/fe_models.hpp"
 
 namespace kalfem {

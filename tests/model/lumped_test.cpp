@@ -81,9 +81,9 @@ TEST(Lumped, RigidMotionWithAllGroundsGivesNoForce) {
   ASSERT_EQ(model.grounds.size(), 2u);
   const Eigen::Vector3d ones = Eigen::Vector3d::Ones();
   const Eigen::VectorXd pull = model.grounds[0].stiffness + model.grounds[1].stiffness;
-  const Eigen::VectorXd drag = model.grounds[0].damping + model.grounds[1].damping;
+  const Eigen::VectorXd cross_damping = model.grounds[0].damping + model.grounds[1].damping;
   EXPECT_LT((model.stiffness * ones - pull).norm(), 1e-10);  // rounding of 1e4
-  EXPECT_LT((model.damping * ones - drag).norm(), 1e-10);
+  EXPECT_LT((model.damping * ones - cross_damping).norm(), 1e-10);
   EXPECT_DOUBLE_EQ(model.grounds[0].stiffness[0], 1e4);  // a ground that rises pulls its mass up
   EXPECT_DOUBLE_EQ(model.grounds[1].stiffness[2], 7e3);
 }

@@ -1,4 +1,4 @@
-#include "kalfem/model/mean_motion.hpp"
+#include "kalfem/model/assembly/rbe3.hpp"
 
 #include <gtest/gtest.h>
 

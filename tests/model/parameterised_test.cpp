@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "kalfem/model/finite_element_parameters.hpp"
+#include "kalfem/model/assembly/finite_element_parameters.hpp"
 #include "kalfem/model/lumped_parameters.hpp"
 #include "model/fe_models.hpp"
 

@@ -13,8 +13,8 @@
 #include "base/figures.hpp"
 #include "kalfem/formats/nastran.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
-#include "kalfem/model/assembly.hpp"
-#include "kalfem/model/mass_properties.hpp"
+#include "kalfem/model/assembly/assembly.hpp"
+#include "kalfem/model/assembly/mass_properties.hpp"
 
 namespace kalfem {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "kalfem/linalg/sparse_factor.hpp"
-#include "kalfem/model/assembly.hpp"
+#include "kalfem/model/assembly/assembly.hpp"
 
 namespace kalfem::test {
 

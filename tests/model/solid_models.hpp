@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "kalfem/linalg/sparse_factor.hpp"
-#include "kalfem/model/assembly.hpp"
+#include "kalfem/model/assembly/assembly.hpp"
 #include "kalfem/model/elements/solid_rules.hpp"
 
 namespace kalfem::test {

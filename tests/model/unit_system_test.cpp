@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kalfem/model/assembly.hpp"
+#include "kalfem/model/assembly/assembly.hpp"
 #include "model/fe_models.hpp"
 
 namespace kalfem {

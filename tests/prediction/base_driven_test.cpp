@@ -97,9 +97,10 @@ TEST_F(DrivenBody, ModalDampingOfLowRankEqualsTheDenseMatrix) {
   low_rank.modal_damping.modes = normal_modes(body.mass, body.stiffness);
   low_rank.modal_damping.rates = VectorXd::LinSpaced(10, 1.0, 30.0);
   LinearModel dense = body;
-  const MatrixXd momenta = body.mass * low_rank.modal_damping.modes.shapes;
-  dense.damping +=
-      SparseMatrix(MatrixXd(momenta * low_rank.modal_damping.rates.asDiagonal() * momenta.transpose()).sparseView());
+  const MatrixXd mass_weighted_modes = body.mass * low_rank.modal_damping.modes.shapes;
+  dense.damping += SparseMatrix(
+      MatrixXd(mass_weighted_modes * low_rank.modal_damping.rates.asDiagonal() * mass_weighted_modes.transpose())
+          .sparseView());
   const auto predict = [&](const LinearModel& damped, Index exact_up_to) {
     return BaseDrivenSubstructure(damped, {0})
         .predict(all_points(10), {truth.displacement.row(1), truth.velocity.row(1), truth.acceleration.row(1)}, force(),

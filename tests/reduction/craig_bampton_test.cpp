@@ -24,7 +24,7 @@ TEST(CraigBampton, WithAllModesIsTheFullModel) {
   const LinearModel full = lattice::model({.columns = 10, .rows = 10, .support = 50.0});
   const Superelement element = craig_bampton(full, corners, {.modes = {.count = 96}});
   EXPECT_EQ(element.model.size(), 100);
-  EXPECT_EQ(element.evidence.next_left_out, 0.0);
+  EXPECT_EQ(element.error_indicators.next_left_out, 0.0);
   // a change of coordinates: rounding times the condition of T
   EXPECT_LT((frequencies(element.model, 100) - frequencies(full, 100)).cwiseAbs().maxCoeff(), 1e-9);
   EXPECT_LT((MatrixXd(element.model.damping) - element.basis.transpose() * full.damping * element.basis).norm(), 1e-9);
@@ -47,7 +47,7 @@ TEST(CraigBampton, WithoutModesIsGuyan) {
   const MatrixXd K_bi = K(none.boundary, interior), K_ii = K(interior, interior);
   const MatrixXd schur = K(none.boundary, none.boundary) - K_bi * K_ii.llt().solve(MatrixXd(K_bi.transpose()));
   EXPECT_LT((MatrixXd(static_one.model.stiffness) - schur).norm(), 1e-11 * schur.norm());
-  EXPECT_GT(static_one.evidence.next_left_out, 0.0);
+  EXPECT_GT(static_one.error_indicators.next_left_out, 0.0);
 }
 
 TEST(CraigBampton, FrequenciesFallToTheFullOnes) {
@@ -56,7 +56,7 @@ TEST(CraigBampton, FrequenciesFallToTheFullOnes) {
   const VectorXd exact = frequencies(full, 5);
   VectorXd last = VectorXd::Constant(5, std::numeric_limits<double>::infinity());
   for (const Index count : {0, 1, 4, 16, 64, 200}) {
-    const Superelement element = craig_bampton(full, boundary, {.modes = {.count = count}, .evidence = false});
+    const Superelement element = craig_bampton(full, boundary, {.modes = {.count = count}, .error_indicators = false});
     const VectorXd reduced = frequencies(element.model, 5);
     EXPECT_TRUE((reduced.array() >= exact.array() * (1.0 - 1e-9)).all()) << count;
     EXPECT_TRUE((reduced.array() <= last.array() * (1.0 + 1e-9)).all()) << count;
@@ -65,44 +65,45 @@ TEST(CraigBampton, FrequenciesFallToTheFullOnes) {
   EXPECT_LT(((last - exact).array() / exact.array()).maxCoeff(), 1e-4);
 }
 
-double worst_error(const ReductionEvidence& evidence) {
+double worst_error(const ReductionErrorIndicators& error_indicators) {
   double worst = 0.0;
-  for (const auto& mode : evidence.modes) worst = std::max(worst, mode.reduced / mode.full - 1.0);
+  for (const auto& mode : error_indicators.modes) worst = std::max(worst, mode.reduced / mode.full - 1.0);
   return worst;
 }
 
 TEST(CraigBampton, BelowHalfTheCutOffFrequenciesAreRight) {
   const LinearModel full = lattice::model({.columns = 60, .rows = 40, .support = 100.0});
   const std::vector<std::string> boundary = edge(59, 40);
-  const auto reduced = [&](bool truncation_vectors) {
-    return craig_bampton(full, boundary,
-                         {.modes = {.cutoff = 8.0}, .truncation_vectors = truncation_vectors, .compare_up_to = 4.0});
+  const auto reduced = [&](bool augmentation_vectors) {
+    return craig_bampton(
+        full, boundary, {.modes = {.cutoff = 8.0}, .augmentation_vectors = augmentation_vectors, .compare_up_to = 4.0});
   };
   const Superelement element = reduced(true), without = reduced(false);
-  const auto& evidence = element.evidence;
-  EXPECT_LE(evidence.highest_kept, 8.0);
-  EXPECT_GT(evidence.next_left_out, 8.0);
-  ASSERT_GT(evidence.modes.size(), 10u);
-  for (const auto& mode : evidence.modes) {
+  const auto& error_indicators = element.error_indicators;
+  EXPECT_LE(error_indicators.highest_kept, 8.0);
+  EXPECT_GT(error_indicators.next_left_out, 8.0);
+  ASSERT_GT(error_indicators.modes.size(), 10u);
+  for (const auto& mode : error_indicators.modes) {
     EXPECT_LE(mode.full, 4.0 + 1e-3);
     EXPECT_GE(mode.reduced, mode.full * (1.0 - 1e-9));
     EXPECT_GT(mode.mac, 0.9999) << mode.full;
   }
-  EXPECT_LT(worst_error(evidence), 1e-3);
-  EXPECT_LT(worst_error(evidence), 0.2 * worst_error(without.evidence));  // the vectors are what does it
-  EXPECT_LT(evidence.static_error, 1e-10);
+  EXPECT_LT(worst_error(error_indicators), 1e-3);
+  EXPECT_LT(worst_error(error_indicators),
+            0.2 * worst_error(without.error_indicators));  // the vectors are what does it
+  EXPECT_LT(error_indicators.static_error, 1e-10);
 }
 
 TEST(CraigBampton, NoTruncationVectorsAreLeftWhereAllModesAreKept) {
   const LinearModel full = lattice::model({.columns = 10, .rows = 10, .support = 50.0});
-  EXPECT_EQ(craig_bampton(full, corners, {.modes = {.count = 96}, .truncation_vectors = true}).model.size(), 100);
-  EXPECT_EQ(craig_bampton(full, corners, {.modes = {.count = 10}, .truncation_vectors = true}).model.size(), 18);
+  EXPECT_EQ(craig_bampton(full, corners, {.modes = {.count = 96}, .augmentation_vectors = true}).model.size(), 100);
+  EXPECT_EQ(craig_bampton(full, corners, {.modes = {.count = 10}, .augmentation_vectors = true}).model.size(), 18);
 }
 
 TEST(CraigBampton, TruncationVectorsAreUncoupledFromTheModes) {
   const LinearModel full = lattice::model({.columns = 20, .rows = 10, .support = 50.0});
   const Superelement element =
-      craig_bampton(full, {"0_0", "0_9", "19_5"}, {.modes = {.count = 6}, .truncation_vectors = true});
+      craig_bampton(full, {"0_0", "0_9", "19_5"}, {.modes = {.count = 6}, .augmentation_vectors = true});
   const MatrixXd mass = element.basis.transpose() * full.mass * element.basis,
                  stiffness = element.basis.transpose() * full.stiffness * element.basis;
   EXPECT_LT((mass - MatrixXd(element.model.mass)).norm(), 1e-10 * mass.norm());
@@ -114,7 +115,7 @@ TEST(CraigBampton, StaticsAtTheBoundaryAreExactWithAnyNumberOfModes) {
   const std::vector<std::string> boundary = {"39_0", "39_29", "20_11"};
   const SparseFactor factor(full.stiffness);
   for (const Index count : {0, 3}) {
-    const Superelement element = craig_bampton(full, boundary, {.modes = {.count = count}, .evidence = false});
+    const Superelement element = craig_bampton(full, boundary, {.modes = {.count = count}, .error_indicators = false});
     const MatrixXd flexible(element.model.stiffness);
     for (std::size_t j = 0; j < boundary.size(); ++j) {
       const VectorXd exact = factor.solve(VectorXd::Unit(full.size(), element.boundary[j]));
@@ -161,7 +162,7 @@ TEST(CraigBampton, TwoCoupledPartsAreTheWhole) {
   right.damping = SparseMatrix(right_size, right_size);
 
   const auto couple = [&](Index modes) {
-    const ReductionOptions options{.modes = {.count = modes}, .evidence = false};
+    const ReductionOptions options{.modes = {.count = modes}, .error_indicators = false};
     const Superelement one = craig_bampton(left, edge(12, rows), options);
     const Superelement two = craig_bampton(right, edge(12, rows), options);
     const Index m = one.model.size() - rows, n = two.model.size() - rows;
@@ -190,12 +191,12 @@ TEST(CraigBampton, AnInteriorThatIsFreeToMoveKeepsItsRigidBodyModes) {
   const LinearModel full = lattice::beam(300);
   for (const char* boundary : {"0.y", "150.y", "300.y"}) {
     const Superelement element = craig_bampton(full, {boundary}, {.modes = {.count = 6}});
-    EXPECT_EQ(element.evidence.rigid_modes, 1);
-    EXPECT_EQ(element.evidence.interface_frequencies[0], 0.0);
-    EXPECT_LT(element.evidence.static_error, 1e-6);
-    EXPECT_EQ(element.evidence.modes[0].reduced, 0.0);
-    EXPECT_EQ(element.evidence.modes[1].reduced, 0.0);
-    EXPECT_NEAR(element.evidence.modes[2].reduced / element.evidence.modes[2].full, 1.0, 1e-3);
+    EXPECT_EQ(element.error_indicators.rigid_modes, 1);
+    EXPECT_EQ(element.error_indicators.fixed_interface_frequencies[0], 0.0);
+    EXPECT_LT(element.error_indicators.static_error, 1e-6);
+    EXPECT_EQ(element.error_indicators.modes[0].reduced, 0.0);
+    EXPECT_EQ(element.error_indicators.modes[1].reduced, 0.0);
+    EXPECT_NEAR(element.error_indicators.modes[2].reduced / element.error_indicators.modes[2].full, 1.0, 1e-3);
     // exact at zero frequency: both rigid-body motions of the beam, without force
     MatrixXd motions(full.size(), 2);
     for (Index i = 0; i < full.size(); i += 2) motions.middleRows(i, 2) << 1.0, double(i) / 600.0, 0.0, 1.0;
@@ -214,8 +215,8 @@ TEST(CraigBampton, AnInteriorThatIsFreeToMoveKeepsItsRigidBodyModes) {
 TEST(CraigBampton, WithoutABoundaryTheModesAreTheModelsOwn) {
   const LinearModel full = lattice::model({.columns = 24, .rows = 17});
   const Superelement element = craig_bampton(full, {}, {.modes = {.count = 7}});
-  EXPECT_EQ(element.evidence.rigid_modes, 1);
-  EXPECT_LT((element.evidence.interface_frequencies - frequencies(full, 7)).norm(), 1e-9);
+  EXPECT_EQ(element.error_indicators.rigid_modes, 1);
+  EXPECT_LT((element.error_indicators.fixed_interface_frequencies - frequencies(full, 7)).norm(), 1e-9);
   std::vector<std::string> everything = lattice::model({.columns = 3, .rows = 2}).dofs;
   const Superelement whole =
       craig_bampton(lattice::model({.columns = 3, .rows = 2}), everything, {.modes = {.count = 3}});
@@ -225,8 +226,9 @@ TEST(CraigBampton, WithoutABoundaryTheModesAreTheModelsOwn) {
 TEST(CraigBampton, DampingIsTheProjectionOfTheWholeOfIt) {
   LinearModel full = lattice::model({.columns = 12, .rows = 9, .support = 40.0});
   add_modal_damping(full, {0.02, 0.05}, {.count = 10});
-  const MatrixXd momenta = full.mass * full.modal_damping.modes.shapes;
-  const MatrixXd C = MatrixXd(full.damping) + momenta * full.modal_damping.rates.asDiagonal() * momenta.transpose();
+  const MatrixXd mass_weighted_modes = full.mass * full.modal_damping.modes.shapes;
+  const MatrixXd C = MatrixXd(full.damping) +
+                     mass_weighted_modes * full.modal_damping.rates.asDiagonal() * mass_weighted_modes.transpose();
   const Superelement element = craig_bampton(full, {"11_0", "5_5"}, {.modes = {.count = 8}});
   const MatrixXd expected = element.basis.transpose() * C * element.basis;
   EXPECT_LT((MatrixXd(element.model.damping) - expected).norm(), 1e-12 * expected.norm());
@@ -252,20 +254,21 @@ TEST(CraigBampton, EffectiveMassChoosesTheFewestModes) {
   const LinearModel full = lattice::model({.columns = 30, .rows = 20});
   const std::vector<std::string> boundary = edge(0, 20);
   const auto part = [&](Index count) {
-    const Superelement element = craig_bampton(full, boundary, {.modes = {.count = count}, .evidence = false});
+    const Superelement element = craig_bampton(full, boundary, {.modes = {.count = count}, .error_indicators = false});
     // held along an edge the interior follows as a whole: its mass is the sum of the masses
     VectorXd following = VectorXd::Ones(600);
     following(element.boundary).setZero();
     const MatrixXd shapes = element.basis.rightCols(count);
     return (shapes.transpose() * (full.mass * following)).squaredNorm() / following.dot(full.mass * following);
   };
-  const Superelement element = craig_bampton(full, boundary, {.modes = {.effective_mass = 0.9}, .evidence = false});
-  const Index kept = element.evidence.interface_frequencies.size();
+  const Superelement element =
+      craig_bampton(full, boundary, {.modes = {.effective_mass = 0.9}, .error_indicators = false});
+  const Index kept = element.error_indicators.fixed_interface_frequencies.size();
   EXPECT_GE(part(kept), 0.9);
   EXPECT_LT(part(kept - 1), 0.9);
   const Superelement both =
-      craig_bampton(full, boundary, {.modes = {.count = 60, .effective_mass = 0.9}, .evidence = false});
-  EXPECT_EQ(both.evidence.interface_frequencies.size(), std::max<Index>(60, kept));
+      craig_bampton(full, boundary, {.modes = {.count = 60, .effective_mass = 0.9}, .error_indicators = false});
+  EXPECT_EQ(both.error_indicators.fixed_interface_frequencies.size(), std::max<Index>(60, kept));
 }
 
 TEST(CraigBampton, SaysWhatIsWrongWithTheInput) {
@@ -292,16 +295,17 @@ TEST(CraigBampton, SaysWhatIsWrongWithTheInput) {
 }
 
 TEST(ReductionWarnings, SpeakOfWhatIsMissing) {
-  ReductionEvidence evidence{.modes = {{10.0, 10.01, 0.99, 0.01}, {20.0, 21.0, 0.7, 0.1}, {90.0, 120.0, 0.1, 1.0}}};
-  EXPECT_EQ(reduction_warnings(evidence, 50.0, 15.0).size(), 0u);
-  EXPECT_EQ(reduction_warnings(evidence, 50.0, 30.0).size(), 1u);  // the second mode
-  evidence.next_left_out = 40.0;
-  EXPECT_EQ(reduction_warnings(evidence, 30.0, 12.0).size(), 0u);
-  EXPECT_EQ(reduction_warnings(evidence, 50.0, 12.0).size(), 1u);
-  EXPECT_EQ(reduction_warnings(evidence, 30.0, 15.0).size(), 1u);
-  EXPECT_EQ(reduction_warnings(evidence, 50.0, 15.0).size(), 2u);
-  evidence.static_error = 1e-3;
-  EXPECT_EQ(reduction_warnings(evidence, 30.0, 12.0).size(), 1u);
+  ReductionErrorIndicators error_indicators{
+      .modes = {{10.0, 10.01, 0.99, 0.01}, {20.0, 21.0, 0.7, 0.1}, {90.0, 120.0, 0.1, 1.0}}};
+  EXPECT_EQ(reduction_warnings(error_indicators, 50.0, 15.0).size(), 0u);
+  EXPECT_EQ(reduction_warnings(error_indicators, 50.0, 30.0).size(), 1u);  // the second mode
+  error_indicators.next_left_out = 40.0;
+  EXPECT_EQ(reduction_warnings(error_indicators, 30.0, 12.0).size(), 0u);
+  EXPECT_EQ(reduction_warnings(error_indicators, 50.0, 12.0).size(), 1u);
+  EXPECT_EQ(reduction_warnings(error_indicators, 30.0, 15.0).size(), 1u);
+  EXPECT_EQ(reduction_warnings(error_indicators, 50.0, 15.0).size(), 2u);
+  error_indicators.static_error = 1e-3;
+  EXPECT_EQ(reduction_warnings(error_indicators, 30.0, 12.0).size(), 1u);
 }
 
 TEST(ModalDamping, GivesEachModeItsRatioAndTheRestTheLastRate) {
@@ -314,8 +318,9 @@ TEST(ModalDamping, GivesEachModeItsRatioAndTheRestTheLastRate) {
     LinearModel model = undamped;
     add_modal_damping(model, {0.01, 0.02, 0.05}, {.count = 12});
     const LowestModes all = lowest_modes(model.stiffness, model.mass, {.count = 135});
-    const MatrixXd momenta = model.mass * model.modal_damping.modes.shapes;
-    const MatrixXd C = MatrixXd(model.damping) + momenta * model.modal_damping.rates.asDiagonal() * momenta.transpose();
+    const MatrixXd mass_weighted_modes = model.mass * model.modal_damping.modes.shapes;
+    const MatrixXd C = MatrixXd(model.damping) +
+                       mass_weighted_modes * model.modal_damping.rates.asDiagonal() * mass_weighted_modes.transpose();
     const MatrixXd modal = all.vectors.transpose() * C * all.vectors;
     const VectorXd omega = all.values.cwiseSqrt();
     for (Index i = 0; i < 135; ++i) {

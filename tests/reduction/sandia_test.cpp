@@ -11,10 +11,10 @@
 #include "kalfem/formats/matrices/matrix_model.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/linalg/sparse_select.hpp"
-#include "kalfem/model/join.hpp"
+#include "kalfem/model/assembly/assemble_parts.hpp"
 #include "kalfem/prediction/base_driven.hpp"
 #include "kalfem/reduction/superelement.hpp"
-#include "kalfem/system/output_map.hpp"
+#include "kalfem/system/sensors/output_map.hpp"
 #include "kalfem/system/signals/pulse.hpp"
 #include "reduction/frequencies.hpp"
 
@@ -77,7 +77,7 @@ VectorXd published(const std::string& name) {
 LinearModel reduced(const LinearModel& full, const std::vector<std::string>& boundary, const std::string& prefix,
                     const std::vector<std::string>& also_kept = {}) {
   LinearModel model =
-      craig_bampton(full, boundary, {.modes = {.count = 40}, .also_kept = also_kept, .evidence = false}).model;
+      craig_bampton(full, boundary, {.modes = {.count = 40}, .also_kept = also_kept, .error_indicators = false}).model;
   for (auto& name : model.dofs)
     if (name.starts_with("mode")) name = prefix + name;
   return model;
@@ -108,13 +108,14 @@ TEST_F(Sandia, OurCraigBamptonModelIsThatOfTheProductionCode) {
   const LinearModel theirs = superelement_of_a(), a = part("a");
   const auto boundary = interface_of(theirs);
   ASSERT_EQ(boundary.size(), 75u);
-  const Superelement ours = craig_bampton(a, boundary, {.modes = {.count = 30}, .evidence = false});
+  const Superelement ours = craig_bampton(a, boundary, {.modes = {.count = 30}, .error_indicators = false});
   ASSERT_EQ(ours.model.size(), theirs.size());
 
   const auto published_frequencies = published("cbr1_fixed_interface");
   ASSERT_EQ(published_frequencies.size(), 30);
   for (Index i = 0; i < 30; ++i)
-    EXPECT_NEAR(ours.evidence.interface_frequencies[i], published_frequencies[i], 1e-6 * published_frequencies[i]);
+    EXPECT_NEAR(ours.error_indicators.fixed_interface_frequencies[i], published_frequencies[i],
+                1e-6 * published_frequencies[i]);
 
   std::vector<std::string> modes;
   for (int i = 1; i <= 30; ++i) modes.push_back("q" + std::to_string(i));
@@ -135,7 +136,8 @@ TEST_F(Sandia, OurCraigBamptonModelIsThatOfTheProductionCode) {
   EXPECT_LT(difference(select(m, our_modes, our_modes), select(theirs.mass, their_modes, their_modes)), 1e-8);
   // Signs of modes and the basis of repeated ones are free; the part that modes of one frequency take of the boundary's
   // momentum, M_bm M_bm^T, is not. The last mode is one of a pair, of which the other is left out.
-  EXPECT_NEAR(ours.evidence.next_left_out, ours.evidence.highest_kept, 0.02 * ours.evidence.highest_kept);
+  EXPECT_NEAR(ours.error_indicators.next_left_out, ours.error_indicators.highest_kept,
+              0.02 * ours.error_indicators.highest_kept);
   const MatrixXd our_part(select(m, our_boundary, our_modes));
   const MatrixXd their_part(select(theirs.mass, their_boundary, their_modes));
   const double scale = (their_part * their_part.transpose()).cwiseAbs().maxCoeff();

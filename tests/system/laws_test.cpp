@@ -6,7 +6,7 @@
 #include <new>
 
 #include "kalfem/base/random.hpp"
-#include "kalfem/system/law_library.hpp"
+#include "kalfem/system/laws/law_library.hpp"
 #include "kalfem/system/laws/polynomial_laws.hpp"
 #include "system/law_bench.hpp"
 

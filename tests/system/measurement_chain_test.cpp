@@ -1,4 +1,4 @@
-#include "kalfem/system/measurement_chain.hpp"
+#include "kalfem/system/sensors/measurement_chain.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,15 +14,15 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-MeasurementChain chain_of(ChainStage stage) { return MeasurementChain({.stages = {stage}}); }
+MeasurementChain chain_of(ChainSection section) { return MeasurementChain({.sections = {section}}); }
 double decibel(const MeasurementChain& chain, double f) {
   return 20 * std::log10(std::abs(chain.frequency_response(f)));
 }
 
 TEST(Butterworth, MagnitudeIsItsClosedForm) {
   for (int order = 1; order <= 12; ++order) {
-    const auto low = chain_of(FilterStage{.order = order, .cutoff = 100});
-    const auto high = chain_of(FilterStage{.band = FilterBand::high_pass, .order = order, .cutoff = 100});
+    const auto low = chain_of(FilterSection{.order = order, .cutoff = 100});
+    const auto high = chain_of(FilterSection{.band = FilterBand::high_pass, .order = order, .cutoff = 100});
     EXPECT_EQ(low.states(), order);
     for (const double f : {1.0, 30.0, 100.0, 250.0, 5000.0}) {
       EXPECT_NEAR(std::norm(low.frequency_response(f)) * (1 + std::pow(f / 100, 2 * order)), 1.0, 1e-12);
@@ -34,7 +34,7 @@ TEST(Butterworth, MagnitudeIsItsClosedForm) {
 }
 
 TEST(Butterworth, PolesOfTheRealisationLieOnTheCircle) {
-  const auto chain = chain_of(FilterStage{.order = 8, .cutoff = 2000});
+  const auto chain = chain_of(FilterSection{.order = 8, .cutoff = 2000});
   const Eigen::VectorXcd poles = chain.realise().A.eigenvalues();
   for (const auto& pole : poles) {
     EXPECT_NEAR(std::abs(pole) / (2 * pi * 2000), 1.0, 1e-10);
@@ -45,7 +45,7 @@ TEST(Butterworth, PolesOfTheRealisationLieOnTheCircle) {
 TEST(BandPass, EdgesAreThreeDecibelDownAndTheCentreIsUnity) {
   for (const auto family : {FilterFamily::butterworth, FilterFamily::bessel})
     for (const int order : {1, 2, 3, 5, 12}) {
-      const auto chain = chain_of(FilterStage{
+      const auto chain = chain_of(FilterSection{
           .family = family, .band = FilterBand::band_pass, .order = order, .cutoff = 0.5, .upper_cutoff = 400});
       EXPECT_EQ(chain.states(), 2 * order);
       EXPECT_NEAR(decibel(chain, 0.5), -3.0103, 1e-4);
@@ -89,7 +89,7 @@ TEST(Bessel, RootsSatisfyTheirPolynomialAtEveryOrder) {
 TEST(Bessel, GroupDelayIsMaximallyFlat) {
   const double fc = 100.0;
   for (const int order : {4, 8}) {
-    const auto chain = chain_of(FilterStage{.family = FilterFamily::bessel, .order = order, .cutoff = fc});
+    const auto chain = chain_of(FilterSection{.family = FilterFamily::bessel, .order = order, .cutoff = fc});
     EXPECT_NEAR(decibel(chain, fc), -3.0103, 1e-4);
     const auto delay = [&](double f) {
       const double h = 1e-3;
@@ -103,7 +103,7 @@ TEST(Bessel, GroupDelayIsMaximallyFlat) {
 }
 
 double delay_error_degrees(int order, double f_delay) {
-  const auto chain = chain_of(DelayStage{.delay = 1e-3, .order = order});
+  const auto chain = chain_of(DelaySection{.delay = 1e-3, .order = order});
   const auto ratio = chain.frequency_response(f_delay / 1e-3) * std::polar(1.0, 2 * pi * f_delay);
   EXPECT_NEAR(std::abs(ratio), 1.0, 1e-12);
   return std::abs(std::arg(ratio)) * 180 / pi;
@@ -122,16 +122,16 @@ TEST(Delay, DelaysABandLimitedSignal) {
   const double delay = 2.5e-3, rate = 20000;
   const Eigen::VectorXd x = signal->sample(0, 1 / rate, 40000).col(0);
   const Eigen::VectorXd truth = signal->sample(-delay, 1 / rate, 40000).col(0);
-  const Eigen::VectorXd y = chain_of(DelayStage{.delay = delay}).filter(x, rate);
+  const Eigen::VectorXd y = chain_of(DelaySection{.delay = delay}).filter(x, rate);
   // straight lines between samples: (w h)^2 / 12 = 8e-5 at 100 Hz; phase error at f delay = 0.25 far below
   EXPECT_LT((y - truth).norm() / truth.norm(), 1e-4);
 }
 
 TEST(Filter, SineReachesTheFrequencyResponse) {
-  const MeasurementChain chain({.stages = {FilterStage{.order = 8, .cutoff = 200},
-                                           FilterStage{.band = FilterBand::high_pass, .order = 2, .cutoff = 2},
-                                           ResonanceStage{.frequency = 900, .damping = 0.05}, DelayStage{.delay = 1e-3},
-                                           GainStage{.gain = -3.0}}});
+  const MeasurementChain chain({.sections = {FilterSection{.order = 8, .cutoff = 200},
+                                             FilterSection{.band = FilterBand::high_pass, .order = 2, .cutoff = 2},
+                                             ResonanceSection{.frequency = 900, .damping = 0.05},
+                                             DelaySection{.delay = 1e-3}, GainSection{.gain = -3.0}}});
   EXPECT_EQ(chain.states(), 18);
   const double f = 60, rate = 50000;
   const Eigen::Index n = 150000;
@@ -145,9 +145,9 @@ TEST(Filter, SineReachesTheFrequencyResponse) {
 
 TEST(Filter, RealisationHasTheSameResponseAsTheSections) {
   const MeasurementChain chain(
-      {.stages = {FilterStage{.family = FilterFamily::bessel, .order = 7, .cutoff = 300},
-                  FilterStage{.band = FilterBand::band_pass, .order = 3, .cutoff = 1, .upper_cutoff = 2000},
-                  DelayStage{.delay = 2e-3, .order = 4}}});
+      {.sections = {FilterSection{.family = FilterFamily::bessel, .order = 7, .cutoff = 300},
+                    FilterSection{.band = FilterBand::band_pass, .order = 3, .cutoff = 1, .upper_cutoff = 2000},
+                    DelaySection{.delay = 2e-3, .order = 4}}});
   const auto [A, B, C, D] = chain.realise();
   const Eigen::MatrixXcd identity = Eigen::MatrixXcd::Identity(A.rows(), A.cols());
   for (const double f : {0.1, 3.0, 150.0, 900.0}) {
@@ -160,7 +160,7 @@ TEST(Filter, RealisationHasTheSameResponseAsTheSections) {
 
 TEST(Filter, IsExactForAStraightLine) {
   const double tau = 1 / (2 * pi * 10);
-  const auto chain = chain_of(FilterStage{.order = 1, .cutoff = 10});
+  const auto chain = chain_of(FilterSection{.order = 1, .cutoff = 10});
   const Eigen::ArrayXd t = Eigen::ArrayXd::LinSpaced(101, 0, 10);  // steps of six time constants
   const Eigen::ArrayXd y = chain.filter((3.0 * t).matrix(), 10.0);
   // ramp response 3 (t - tau + tau exp(-t / tau))
@@ -168,13 +168,14 @@ TEST(Filter, IsExactForAStraightLine) {
 }
 
 TEST(Filter, StartsSteadyOrFromZero) {
-  const auto chain = MeasurementChain({.stages = {FilterStage{.order = 12, .cutoff = 3000}, GainStage{.gain = 2}}});
+  const auto chain =
+      MeasurementChain({.sections = {FilterSection{.order = 12, .cutoff = 3000}, GainSection{.gain = 2}}});
   const Eigen::VectorXd constant = Eigen::VectorXd::Constant(2000, 9.81);
   EXPECT_LT((chain.filter(constant, 20000).array() - 19.62).abs().maxCoeff(), 1e-10);
   const Eigen::VectorXd rising = chain.filter(constant, 20000, FilterStart::zero);
   EXPECT_EQ(rising(0), 0.0);
   EXPECT_NEAR(rising(1999), 19.62, 1e-9);
-  const auto high = chain_of(FilterStage{.band = FilterBand::high_pass, .order = 4, .cutoff = 1});
+  const auto high = chain_of(FilterSection{.band = FilterBand::high_pass, .order = 4, .cutoff = 1});
   EXPECT_LT(high.filter(constant, 20000).cwiseAbs().maxCoeff(), 1e-10);
 }
 
@@ -185,19 +186,19 @@ TEST(MeasurementChain, EmptyIsTheIdentity) {
   EXPECT_EQ(identity.realise().D, 1.0);
   const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(5, 0, 1);
   EXPECT_EQ(identity.filter(x, 1.0), x);
-  EXPECT_TRUE(chain_of(DelayStage{.delay = 0.0}).is_identity());
+  EXPECT_TRUE(chain_of(DelaySection{.delay = 0.0}).is_identity());
 }
 
 TEST(MeasurementChain, RefusesBadStagesAllAtOnce) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const MeasurementChainOptions options{
-      .stages = {FilterStage{.order = 13, .cutoff = nan},
-                 FilterStage{.band = FilterBand::band_pass, .cutoff = 5, .upper_cutoff = 5},
-                 DelayStage{.delay = -1, .order = 3}, ResonanceStage{.frequency = 0, .damping = nan},
-                 GainStage{.gain = 0}}};
+      .sections = {FilterSection{.order = 13, .cutoff = nan},
+                   FilterSection{.band = FilterBand::band_pass, .cutoff = 5, .upper_cutoff = 5},
+                   DelaySection{.delay = -1, .order = 3}, ResonanceSection{.frequency = 0, .damping = nan},
+                   GainSection{.gain = 0}}};
   EXPECT_EQ(validate(options).issues().size(), 8u);
   EXPECT_THROW(MeasurementChain{options}, InvalidInput);
-  const auto chain = chain_of(FilterStage{.cutoff = 1});
+  const auto chain = chain_of(FilterSection{.cutoff = 1});
   EXPECT_THROW((void)chain.filter(Eigen::Vector2d(0, nan), 10), InvalidInput);
   EXPECT_THROW((void)chain.filter(Eigen::Vector2d(0, 1), 0), InvalidInput);
 }

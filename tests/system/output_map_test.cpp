@@ -1,4 +1,4 @@
-#include "kalfem/system/output_map.hpp"
+#include "kalfem/system/sensors/output_map.hpp"
 
 #include <gtest/gtest.h>
 

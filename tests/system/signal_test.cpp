@@ -10,7 +10,7 @@
 #include <unsupported/Eigen/FFT>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/base/time_series.hpp"
+#include "kalfem/records/time_series.hpp"
 #include "kalfem/system/signals/harmonic.hpp"
 #include "kalfem/system/signals/pulse.hpp"
 #include "kalfem/system/signals/random_signal.hpp"

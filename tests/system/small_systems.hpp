@@ -2,7 +2,7 @@
 
 #include "kalfem/model/lumped.hpp"
 #include "kalfem/system/coupling.hpp"
-#include "kalfem/system/law_library.hpp"
+#include "kalfem/system/laws/law_library.hpp"
 
 namespace kalfem {
 

@@ -1,11 +1,11 @@
-#include "kalfem/system/structure_damping.hpp"
+#include "kalfem/system/global_modal_damping.hpp"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/system/law_library.hpp"
+#include "kalfem/system/laws/law_library.hpp"
 #include "system/small_systems.hpp"
 
 namespace kalfem {
@@ -15,7 +15,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 /// A wheel without dashpot on a moving ground, and a body on two connectors: one to the wheel, one to the ground.
-CoupledModel structure(const std::optional<StructureDamping>& damping) {
+CoupledModel structure(const std::optional<GlobalModalDamping>& damping) {
   LumpedSubstructure wheel{.name = "wheel", .masses = {{"w", 1.5}}, .springs = {{"tyre", "ground", "w", 2e4}}};
   LumpedSubstructure body{.name = "body",
                           .masses = {{"1", 1.0}, {"2", 2.0}, {"3", 0.5}},
@@ -48,9 +48,9 @@ MatrixXd stiffness_by_hand() {
   return K;
 }
 
-TEST(StructureDamping, GivesEveryModeOfTheWholeItsRatio) {
+TEST(GlobalModalDamping, GivesEveryModeOfTheWholeItsRatio) {
   const std::vector<double> ratios{0.01, 0.03};
-  const auto model = structure(StructureDamping{ratios});
+  const auto model = structure(GlobalModalDamping{ratios});
   const auto& system = model.system();
   EXPECT_LT((MatrixXd(stiffness_at_rest(system)) - stiffness_by_hand()).norm(), 1e-9 * stiffness_by_hand().norm());
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes(stiffness_by_hand(), MatrixXd(system.mass));
@@ -60,18 +60,18 @@ TEST(StructureDamping, GivesEveryModeOfTheWholeItsRatio) {
   EXPECT_LT((damping - expected).norm(), 1e-8 * expected.norm());  // the eigensolvers' rounding
 }
 
-TEST(StructureDamping, DoesNotDragAtWhatMovesWithTheGround) {
-  const auto damped = structure(StructureDamping{{0.05}}), undamped = structure({});
+TEST(GlobalModalDamping, DoesNotDragAtWhatMovesWithTheGround) {
+  const auto damped = structure(GlobalModalDamping{{0.05}}), undamped = structure({});
   // Both springs and the tie stand on the one ground: the structure follows it as a whole.
-  const VectorXd drag = damped.system().full_damping() * VectorXd::Ones(4);
+  const VectorXd cross_damping = damped.system().full_damping() * VectorXd::Ones(4);
   const VectorXd carried = damped.system().inputs[1].rate - undamped.system().inputs[1].rate;
-  EXPECT_GT(drag.norm(), 1.0);
-  EXPECT_LT((drag - carried).norm(), 1e-8 * drag.norm());
+  EXPECT_GT(cross_damping.norm(), 1.0);
+  EXPECT_LT((cross_damping - carried).norm(), 1e-8 * cross_damping.norm());
   EXPECT_EQ(damped.system().inputs[0].rate, undamped.system().inputs[0].rate);
 }
 
-TEST(StructureDamping, BeyondItsLimitModesHaveTheRateOfTheLastOne) {
-  const auto model = structure(StructureDamping{{0.02}, 15.0});
+TEST(GlobalModalDamping, BeyondItsLimitModesHaveTheRateOfTheLastOne) {
+  const auto model = structure(GlobalModalDamping{{0.02}, 15.0});
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes(stiffness_by_hand(), MatrixXd(model.system().mass));
   const VectorXd omega = modes.eigenvalues().cwiseSqrt();
   const auto below = (omega.array() <= 2.0 * std::numbers::pi * 15.0).count();
@@ -83,7 +83,7 @@ TEST(StructureDamping, BeyondItsLimitModesHaveTheRateOfTheLastOne) {
     EXPECT_NEAR(rates[i], 0.04 * omega[std::min(i, below - 1)], 1e-7 * omega[3]) << i;
 }
 
-TEST(StructureDamping, IsRefusedBesideModalDampingAndWithoutElasticity) {
+TEST(GlobalModalDamping, IsRefusedBesideModalDampingAndWithoutElasticity) {
   const auto message_of = [](const std::function<void()>& work) -> std::string {
     try {
       work();
@@ -92,14 +92,14 @@ TEST(StructureDamping, IsRefusedBesideModalDampingAndWithoutElasticity) {
     }
     return "";
   };
-  EXPECT_NE(message_of([] { structure(StructureDamping{{-0.1}}); }).find("ratio"), std::string::npos);
+  EXPECT_NE(message_of([] { structure(GlobalModalDamping{{-0.1}}); }).find("ratio"), std::string::npos);
   const auto bottomless = function_law([](double, double) {
     return FunctionLaw::Value{0.0, std::numeric_limits<double>::infinity(), 0.0};
   });
   LumpedSubstructure body{.name = "body", .masses = {{"x", 1.0}}, .springs = {{"s", "ground", "x", 1e3}}};
   EXPECT_NE(message_of([&] {
               CoupledModel({{"body", assemble(body)}}, {{"odd", "body.ground", "body.x", bottomless, VectorXd()}}, {},
-                           StructureDamping{{0.01}});
+                           GlobalModalDamping{{0.01}});
             }).find("'odd'"),
             std::string::npos);
 }

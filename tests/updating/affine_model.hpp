@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "kalfem/model/assembly.hpp"
-#include "kalfem/model/fe_linear_model.hpp"
+#include "kalfem/model/assembly/assembly.hpp"
+#include "kalfem/model/assembly/fe_linear_model.hpp"
 #include "kalfem/model/parameterised_model.hpp"
 
 namespace kalfem::test {

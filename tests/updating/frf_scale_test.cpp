@@ -5,7 +5,7 @@
 #include "base/data_folder.hpp"
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/random.hpp"
-#include "kalfem/formats/frf_table.hpp"
+#include "kalfem/formats/tables/frf_table.hpp"
 #include "kalfem/updating/frf_residual.hpp"
 #include "kalfem/updating/least_squares.hpp"
 #include "updating/chain_model.hpp"

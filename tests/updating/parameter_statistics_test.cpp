@@ -47,7 +47,7 @@ TEST(ParameterStatistics, CovarianceOfLinearRegressionInClosedForm) {
     return MatrixXd(d.asDiagonal() * m * d.asDiagonal());
   };
   EXPECT_NEAR(*plain.reduced_chi_squared, chi_squared, 1e-12 * chi_squared);
-  EXPECT_GT(plain.widening, 4.0);
+  EXPECT_GT(plain.variance_inflation, 4.0);
   EXPECT_LT((plain.deviations - expected.diagonal().cwiseSqrt()).cwiseQuotient(plain.deviations).norm(), 1e-10);
   EXPECT_LT((plain.correlation - unit(expected)).norm(), 1e-10);
   EXPECT_LT((unit(plain.covariance) - unit(expected)).norm(), 1e-10);
@@ -58,7 +58,7 @@ TEST(ParameterStatistics, CovarianceOfLinearRegressionInClosedForm) {
   MatrixXd precision = matrix.transpose() * matrix;
   precision(1, 1) += 100.0;
   const VectorXd deviations = MatrixXd(precision.inverse()).diagonal().cwiseSqrt();
-  EXPECT_EQ(with_prior.widening, 1.0);
+  EXPECT_EQ(with_prior.variance_inflation, 1.0);
   EXPECT_LT((with_prior.deviations - deviations).cwiseQuotient(deviations).norm(), 1e-10);
   EXPECT_NEAR(with_prior.to_prior[1], deviations[1] / 0.1, 1e-10);
   EXPECT_EQ(with_prior.to_prior[0], 0.0);
@@ -162,9 +162,9 @@ TEST(ParameterStatistics, NamesWhatCannotBeToldApartAndWhatIsNotSeen) {
   const Plate plate;
   const auto statistics = parameter_statistics(plate.parameters, plate.values, plate.value);
   EXPECT_EQ(statistics.seen, (std::vector{Seen::poorly, Seen::poorly, Seen::well, Seen::not_at_all}));
-  ASSERT_EQ(statistics.blind.size(), 1U);
-  EXPECT_EQ(statistics.blind[0].parameters, (std::vector<Index>{0, 1}));
-  EXPECT_NEAR(statistics.blind[0].changes[1], -0.5, 1e-9) << "half the thickness, squared, makes up for E";
+  ASSERT_EQ(statistics.unidentifiable.size(), 1U);
+  EXPECT_EQ(statistics.unidentifiable[0].parameters, (std::vector<Index>{0, 1}));
+  EXPECT_NEAR(statistics.unidentifiable[0].changes[1], -0.5, 1e-9) << "half the thickness, squared, makes up for E";
   EXPECT_TRUE(std::isinf(statistics.deviations[0]));
   EXPECT_TRUE(std::isinf(statistics.deviations[1]));
   EXPECT_TRUE(std::isinf(statistics.deviations[3]));
@@ -192,7 +192,7 @@ TEST(ParameterStatistics, PriorsDecideWhereTheResidualIsBlind) {
   EXPECT_NEAR(statistics.deviations[3], 0.005, 1e-15);
   EXPECT_NEAR(statistics.to_prior[3], 1.0, 1e-12);
   EXPECT_EQ(statistics.seen, (std::vector{Seen::poorly, Seen::poorly, Seen::well, Seen::not_at_all}));
-  EXPECT_EQ(statistics.blind.size(), 1U);
+  EXPECT_EQ(statistics.unidentifiable.size(), 1U);
 }
 
 TEST(ParameterStatistics, SeparatesTwoPairsThatCannotBeToldApart) {
@@ -202,8 +202,8 @@ TEST(ParameterStatistics, SeparatesTwoPairsThatCannotBeToldApart) {
   jacobian << first, second, 3.0 * first, -second, 1e3 * normals(random, 20);
   const auto parameters = free_parameters(VectorXd::Ones(5));
   const auto statistics = parameter_statistics(parameters, VectorXd::Ones(5), {normals(random, 20), jacobian});
-  ASSERT_EQ(statistics.blind.size(), 2U);
-  for (const auto& combination : statistics.blind) {
+  ASSERT_EQ(statistics.unidentifiable.size(), 2U);
+  for (const auto& combination : statistics.unidentifiable) {
     ASSERT_EQ(combination.parameters.size(), 2U);
     const bool is_first = combination.parameters[0] == 0;
     EXPECT_NEAR(combination.changes[1], is_first ? -1.0 / 3.0 : 1.0, 1e-6);
@@ -258,7 +258,7 @@ TEST(ParameterStatistics, LeavesHeldParametersOut) {
   const auto statistics = parameter_statistics(parameters, VectorXd::Ones(3), {normals(random, 50), jacobian});
   EXPECT_EQ(statistics.seen, (std::vector{Seen::well, Seen::well, Seen::held}));
   EXPECT_EQ(statistics.deviations[2], 0.0);
-  EXPECT_TRUE(statistics.blind.empty());
+  EXPECT_TRUE(statistics.unidentifiable.empty());
   EXPECT_TRUE(statistics.covariance.allFinite());
   EXPECT_NEAR(statistics.degrees_of_freedom, 48.0, 1e-9);
 }

@@ -5,7 +5,7 @@
 
 #include "base/absent.hpp"
 #include "base/data_folder.hpp"
-#include "kalfem/formats/frf_table.hpp"
+#include "kalfem/formats/tables/frf_table.hpp"
 #include "kalfem/updating/frf_residual.hpp"
 #include "kalfem/updating/least_squares.hpp"
 #include "updating/chain_model.hpp"

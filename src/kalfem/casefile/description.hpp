@@ -7,23 +7,24 @@
 #include <variant>
 #include <vector>
 
-#include "kalfem/casefile/case_source.hpp"
 #include "kalfem/casefile/finite_element_description.hpp"
-#include "kalfem/casefile/form.hpp"
 #include "kalfem/casefile/update_description.hpp"
-#include "kalfem/casefile/values.hpp"
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/estimation/filter.hpp"
 #include "kalfem/estimation/parameter_transform.hpp"
 #include "kalfem/formats/matrices.hpp"
-#include "kalfem/system/measurement_chain.hpp"
-#include "kalfem/system/output_map.hpp"
+#include "kalfem/system/sensors/measurement_chain.hpp"
+#include "kalfem/system/sensors/output_map.hpp"
 #include "kalfem/system/signals/ground_motion.hpp"
 #include "kalfem/system/signals/harmonic.hpp"
 #include "kalfem/system/signals/pulse.hpp"
+#include "kalfem/yaml/case_source.hpp"
+#include "kalfem/yaml/form.hpp"
+#include "kalfem/yaml/values.hpp"
 
 /// A case as its file says it: what the user wrote, with the place of every name that is looked up later. study.hpp
-/// makes the model, the signals and the observer from it. Meanings and units of the keys stand in description_form.cpp.
+/// makes the model, the signals and the augmented model from it. Meanings and units of the keys stand in
+/// description_form.cpp.
 namespace kalfem::description {
 
 struct Spring {
@@ -41,7 +42,7 @@ struct Damping {
   double modal_up_to = 500.0;  ///< of finite elements: modes up to this frequency have ratios of their own
 };
 
-struct StructureDamping {
+struct GlobalModalDamping {
   std::vector<double> modal;
   double up_to = 500.0;  ///< with finite elements
 };
@@ -147,8 +148,8 @@ using ObservedPoints =
 struct Sensor {
   ObservedPoints observed;
   bool relative = false;
-  Value noise;                    ///< a percentage of the channel's rms, or in the sensor's unit
-  std::vector<ChainStage> chain;  ///< measurement chain
+  Value noise;                      ///< a percentage of the channel's rms, or in the sensor's unit
+  std::vector<ChainSection> chain;  ///< measurement chain
   std::optional<std::string> channel;
   Located<std::string> unit;     ///< of the channel; empty: that of all columns or of the column's title, else SI
   bool accept_constant = false;  ///< the channel may hold one value throughout
@@ -215,7 +216,7 @@ struct InterfaceForce {
 struct Interface {
   std::variant<InterfaceAcceleration, InterfaceForce> motion;
 };
-struct LocalObserver {
+struct LocalModelDescription {
   std::vector<Name> substructures;
   Named<Located<Interface>> interface;
 };
@@ -228,7 +229,7 @@ struct Estimation {
   Named<Located<ConnectorStatePrior>> initial_connector_states;
   Noise process_noise;
   double settle = 2.0;
-  std::optional<LocalObserver> local;
+  std::optional<LocalModelDescription> local;
   bool estimate_initial_state = false;
   int passes = 1;
   int substeps = 4;
@@ -256,7 +257,7 @@ struct Case {
   std::string title;
   Named<Substructure> substructures;
   Named<Connector> connectors;
-  std::optional<Located<StructureDamping>> damping;
+  std::optional<Located<GlobalModalDamping>> damping;
   Named<Excitation> excitation;
   Named<Sensor> sensors;
   std::optional<Simulation> simulate;

@@ -1,7 +1,7 @@
 #include "kalfem/casefile/description_form.hpp"
 
-#include "kalfem/casefile/fields.hpp"
 #include "kalfem/casefile/plausible.hpp"
+#include "kalfem/yaml/fields.hpp"
 
 namespace kalfem::description {
 
@@ -38,16 +38,16 @@ Form<Connector> connector() {
                      .optional("states", &Connector::states, named(mapping(state)), "law expression: internal states"));
 }
 
-Form<std::vector<ChainStage>> measurement_chain() {
+Form<std::vector<ChainSection>> measurement_chain() {
   struct Filter {
     int order = 4;
     std::optional<double> low_pass, high_pass;
     std::optional<std::array<double, 2>> band_pass;
   };
-  struct Stage {
+  struct Step {
     std::optional<Filter> butterworth, bessel;
     std::optional<double> delay;
-    std::optional<ResonanceStage> resonance;
+    std::optional<ResonanceSection> resonance;
     std::optional<double> gain;
   };
   const auto filter =
@@ -57,58 +57,58 @@ Form<std::vector<ChainStage>> measurement_chain() {
                   .optional("high_pass", &Filter::high_pass, number("Hz", plausible::frequency()), "cut-off, -3 dB")
                   .optional("band_pass", &Filter::band_pass, tuple<2>(number("Hz", plausible::frequency())),
                             "lower and upper edge, -3 dB"));
-  const auto resonance =
-      mapping(Fields<ResonanceStage>()
-                  .required("frequency", &ResonanceStage::frequency, number("Hz", plausible::frequency()), "resonance")
-                  .optional("damping", &ResonanceStage::damping, number("-", Bounds::positive()), "ratio to critical"));
-  const auto stage = mapping(Fields<Stage>()
-                                 .optional("butterworth", &Stage::butterworth, filter, "maximally flat filter")
-                                 .optional("bessel", &Stage::bessel, filter, "filter of constant delay")
-                                 .optional("delay", &Stage::delay, number("s", plausible::sensor_delay()), "pure delay")
-                                 .optional("resonance", &Stage::resonance, resonance, "roll-off of an accelerometer")
-                                 .optional("gain", &Stage::gain, number("-"), "constant factor"));
-  const auto make_filter_stage = [](const Filter& given, FilterFamily family) -> ChainStage {
+  const auto resonance = mapping(
+      Fields<ResonanceSection>()
+          .required("frequency", &ResonanceSection::frequency, number("Hz", plausible::frequency()), "resonance")
+          .optional("damping", &ResonanceSection::damping, number("-", Bounds::positive()), "ratio to critical"));
+  const auto stage = mapping(Fields<Step>()
+                                 .optional("butterworth", &Step::butterworth, filter, "maximally flat filter")
+                                 .optional("bessel", &Step::bessel, filter, "filter of constant delay")
+                                 .optional("delay", &Step::delay, number("s", plausible::sensor_delay()), "pure delay")
+                                 .optional("resonance", &Step::resonance, resonance, "roll-off of an accelerometer")
+                                 .optional("gain", &Step::gain, number("-"), "constant factor"));
+  const auto make_filter_section = [](const Filter& given, FilterFamily family) -> ChainSection {
     const int bands = given.low_pass.has_value() + given.high_pass.has_value() + given.band_pass.has_value();
     if (bands != 1)
       throw InvalidInput("the " + std::string(family == FilterFamily::bessel ? "bessel" : "butterworth") +
                              " filter has " + std::to_string(bands) + " bands",
                          "it has one of low_pass, high_pass, band_pass", "give one of them");
     if (given.band_pass)
-      return FilterStage{family, FilterBand::band_pass, given.order, (*given.band_pass)[0], (*given.band_pass)[1]};
-    return FilterStage{family, given.low_pass ? FilterBand::low_pass : FilterBand::high_pass, given.order,
-                       given.low_pass ? *given.low_pass : *given.high_pass, 0.0};
+      return FilterSection{family, FilterBand::band_pass, given.order, (*given.band_pass)[0], (*given.band_pass)[1]};
+    return FilterSection{family, given.low_pass ? FilterBand::low_pass : FilterBand::high_pass, given.order,
+                         given.low_pass ? *given.low_pass : *given.high_pass, 0.0};
   };
-  const auto to = [=](const std::vector<Stage>& stages) {
+  const auto to = [=](const std::vector<Step>& stages) {
     MeasurementChainOptions options;
     for (const auto& each : stages) {
-      if (each.butterworth) options.stages.push_back(make_filter_stage(*each.butterworth, FilterFamily::butterworth));
-      if (each.bessel) options.stages.push_back(make_filter_stage(*each.bessel, FilterFamily::bessel));
-      if (each.delay) options.stages.push_back(DelayStage{*each.delay});
+      if (each.butterworth) options.stages.push_back(make_filter_section(*each.butterworth, FilterFamily::butterworth));
+      if (each.bessel) options.stages.push_back(make_filter_section(*each.bessel, FilterFamily::bessel));
+      if (each.delay) options.stages.push_back(DelaySection{*each.delay});
       if (each.resonance) options.stages.push_back(*each.resonance);
-      if (each.gain) options.stages.push_back(GainStage{*each.gain});
+      if (each.gain) options.stages.push_back(GainSection{*each.gain});
     }
     validate(options).raise();
     return options.stages;
   };
-  const auto from = [](const std::vector<ChainStage>& stages) {
-    std::vector<Stage> written;
+  const auto from = [](const std::vector<ChainSection>& stages) {
+    std::vector<Step> written;
     for (const auto& each : stages) {
-      Stage one;
-      if (const auto* f = std::get_if<FilterStage>(&each)) {
+      Step one;
+      if (const auto* f = std::get_if<FilterSection>(&each)) {
         Filter filter_written{f->order, {}, {}, {}};
         if (f->band == FilterBand::low_pass) filter_written.low_pass = f->cutoff;
         if (f->band == FilterBand::high_pass) filter_written.high_pass = f->cutoff;
         if (f->band == FilterBand::band_pass) filter_written.band_pass = {f->cutoff, f->upper_cutoff};
         (f->family == FilterFamily::butterworth ? one.butterworth : one.bessel) = filter_written;
       }
-      if (const auto* d = std::get_if<DelayStage>(&each)) one.delay = d->delay;
-      if (const auto* r = std::get_if<ResonanceStage>(&each)) one.resonance = *r;
-      if (const auto* g = std::get_if<GainStage>(&each)) one.gain = g->gain;
+      if (const auto* d = std::get_if<DelaySection>(&each)) one.delay = d->delay;
+      if (const auto* r = std::get_if<ResonanceSection>(&each)) one.resonance = *r;
+      if (const auto* g = std::get_if<GainSection>(&each)) one.gain = g->gain;
       written.push_back(one);
     }
     return written;
   };
-  return convert<std::vector<ChainStage>>(list(stage), to, from);
+  return convert<std::vector<ChainSection>>(list(stage), to, from);
 }
 
 template <ObservedQuantity Q>
@@ -239,11 +239,11 @@ Form<Case> case_form() {
                               .optional("substeps", &Prediction::substeps, integer(1, 1000),
                                         "steps per sample of a large substructure's time integration");
   const auto damping =
-      Fields<StructureDamping>()
-          .required("modal", &StructureDamping::modal, one_or_list(number("-", Bounds::between(0, 0.999))),
+      Fields<GlobalModalDamping>()
+          .required("modal", &GlobalModalDamping::modal, one_or_list(number("-", Bounds::between(0, 0.999))),
                     "ratio to critical of every mode, or of each in turn (the last holds for the rest)")
           .optional(
-              "up_to", &StructureDamping::up_to, number("Hz", plausible::frequency()),
+              "up_to", &GlobalModalDamping::up_to, number("Hz", plausible::frequency()),
               "with finite elements: modes up to here have their own ratio, all above it the rate of the last one");
   const auto all = mapping(
       Fields<Case>()

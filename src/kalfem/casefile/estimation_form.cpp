@@ -1,6 +1,6 @@
 #include "kalfem/casefile/description_form.hpp"
-#include "kalfem/casefile/fields.hpp"
 #include "kalfem/casefile/plausible.hpp"
+#include "kalfem/yaml/fields.hpp"
 
 namespace kalfem::description {
 
@@ -27,7 +27,7 @@ Form<Unknown> unknown() {
           .optional("applies_to", &Unknown::applies_to, list(name()), "several parameters that share this value"));
 }
 
-Form<LocalObserver> local_observer() {
+Form<LocalModelDescription> local_model() {
   const auto acceleration =
       Fields<InterfaceAcceleration>()
           .required("sensor", &InterfaceAcceleration::sensor, name(), "sensor whose record drives the interface")
@@ -40,11 +40,12 @@ Form<LocalObserver> local_observer() {
   const auto interface = Fields<Interface>().one_of(
       &Interface::motion, when("acceleration", mapping(acceleration), "a measured acceleration moves the point"),
       when("force", mapping(force), "an unknown force acts at the point in place of what is cut off"));
-  return mapping(
-      Fields<LocalObserver>()
-          .required("substructures", &LocalObserver::substructures, one_or_list(name()), "what the observer holds")
-          .required("interface", &LocalObserver::interface, named(located(mapping(interface)), NameRule::dotted),
-                    "points where the rest of the structure was"));
+  return mapping(Fields<LocalModelDescription>()
+                     .required("substructures", &LocalModelDescription::substructures, one_or_list(name()),
+                               "what the filter's model holds")
+                     .required("interface", &LocalModelDescription::interface,
+                               named(located(mapping(interface)), NameRule::dotted),
+                               "points where the rest of the structure was"));
 }
 
 }  // namespace
@@ -99,7 +100,8 @@ Form<Estimation> estimation() {
           .optional("process_noise", &Estimation::process_noise, mapping(noise), "what the model leaves out")
           .optional("settle", &Estimation::settle, number("s", plausible::time()),
                     "errors and NIS are summed up from here on")
-          .optional("local", &Estimation::local, local_observer(), "hold only a part of the structure in the observer")
+          .optional("local", &Estimation::local, local_model(),
+                    "hold only a part of the structure in the filter's model")
           .optional("estimate_initial_state", &Estimation::estimate_initial_state, boolean(),
                     "carry the initial state as constants: a fixed-point smoother")
           .optional("substeps", &Estimation::substeps, integer(1, 64),

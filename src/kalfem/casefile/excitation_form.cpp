@@ -1,6 +1,6 @@
 #include "kalfem/casefile/description_form.hpp"
-#include "kalfem/casefile/fields.hpp"
 #include "kalfem/casefile/plausible.hpp"
+#include "kalfem/yaml/fields.hpp"
 
 namespace kalfem::description {
 

@@ -7,10 +7,10 @@
 #include <variant>
 #include <vector>
 
-#include "kalfem/casefile/values.hpp"
 #include "kalfem/formats/read_deck.hpp"
-#include "kalfem/model/properties.hpp"
+#include "kalfem/model/mesh/properties.hpp"
 #include "kalfem/model/unit_system.hpp"
+#include "kalfem/yaml/values.hpp"
 
 /// Finite-element substructures as the case file says them, see description.hpp.
 namespace kalfem::description {
@@ -122,7 +122,7 @@ struct Reduction {
   ReductionMethod method = ReductionMethod::craig_bampton;
   std::optional<int> modes;
   std::optional<double> up_to, effective_mass;
-  bool truncation_vectors = true;
+  bool augmentation_vectors = true;
   std::vector<Name> boundary;
 };
 

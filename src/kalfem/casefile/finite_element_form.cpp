@@ -1,6 +1,6 @@
 #include "kalfem/casefile/description_form.hpp"
-#include "kalfem/casefile/fields.hpp"
 #include "kalfem/casefile/plausible.hpp"
+#include "kalfem/yaml/fields.hpp"
 
 namespace kalfem::description {
 
@@ -218,7 +218,7 @@ Form<Reduction> reduction() {
           .optional("up_to", &Reduction::up_to, number("Hz", plausible::frequency()), "modes up to here")
           .optional("effective_mass", &Reduction::effective_mass, number("-", Bounds::between(0, 1)),
                     "modes until they carry this part of the mass that boundary motion accelerates")
-          .optional("truncation_vectors", &Reduction::truncation_vectors, boolean(),
+          .optional("truncation_vectors", &Reduction::augmentation_vectors, boolean(),
                     "shapes under boundary acceleration that make up for the modes left out, one a boundary degree of "
                     "freedom")
           .optional(

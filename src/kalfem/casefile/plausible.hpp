@@ -1,6 +1,6 @@
 #pragma once
 
-#include "kalfem/casefile/bounds.hpp"
+#include "kalfem/yaml/bounds.hpp"
 
 /// Bounds in SI that no structure and no measurement leaves, from atomic-force cantilevers to suspension bridges. They
 /// refuse slips of the pen such as a mass of 1e-300 kg, which would make numbers without a meaning.

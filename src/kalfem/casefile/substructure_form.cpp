@@ -1,6 +1,6 @@
 #include "kalfem/casefile/description_form.hpp"
-#include "kalfem/casefile/fields.hpp"
 #include "kalfem/casefile/plausible.hpp"
+#include "kalfem/yaml/fields.hpp"
 
 namespace kalfem::description {
 
@@ -66,7 +66,7 @@ Form<Substructure> substructure() {
                                "named weighted sums of degrees of freedom: LH: {heave: 1, pitch: -0.75}")
                      .optional("damping", &Substructure::damping, mapping(damping), "beside the dashpots")
                      .optional("reduction", &Substructure::reduction, located(reduction()),
-                               "of a finite-element model in the observer"));
+                               "of a finite-element model in the filter's model"));
 }
 
 }  // namespace kalfem::description

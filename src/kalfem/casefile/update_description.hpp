@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "kalfem/casefile/finite_element_description.hpp"
-#include "kalfem/casefile/values.hpp"
-#include "kalfem/formats/frf_table.hpp"
+#include "kalfem/formats/tables/frf_table.hpp"
 #include "kalfem/updating/frf_scale.hpp"
+#include "kalfem/yaml/values.hpp"
 
 /// The updating of a case as its file says it, see description.hpp.
 namespace kalfem::description {

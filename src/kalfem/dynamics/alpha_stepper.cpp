@@ -40,9 +40,9 @@ public:
   LowRankSolver(const SparseFactor& sparse, const ModalDamping& damping, const SparseMatrix& mass, double factor)
       : sparse_(sparse), rates_(damping.rates), factor_(factor) {
     if (empty()) return;
-    momenta_ = mass * damping.modes.shapes;
-    response_ = sparse.solve(momenta_);
-    MatrixXd small = factor * (rates_.asDiagonal() * (momenta_.transpose() * response_));
+    mass_weighted_modes_ = mass * damping.modes.shapes;
+    response_ = sparse.solve(mass_weighted_modes_);
+    MatrixXd small = factor * (rates_.asDiagonal() * (mass_weighted_modes_.transpose() * response_));
     small.diagonal().array() += 1.0;
     small_.compute(small);
   }
@@ -53,7 +53,7 @@ public:
     x.resize(b.size());
     sparse_.solve(b, x);
     if (empty()) return;
-    const VectorXd difference = momenta_.transpose() * (rate - factor_ * x);
+    const VectorXd difference = mass_weighted_modes_.transpose() * (rate - factor_ * x);
     x.noalias() += response_ * small_.solve(rates_.cwiseProduct(difference));
   }
 
@@ -61,7 +61,7 @@ private:
   const SparseFactor& sparse_;
   VectorXd rates_;
   double factor_;
-  MatrixXd momenta_, response_;  ///< U = M Phi and S^-1 U, n x p
+  MatrixXd mass_weighted_modes_, response_;  ///< U = M Phi and S^-1 U, n x p
   Eigen::PartialPivLU<MatrixXd> small_;
 };
 
@@ -74,8 +74,8 @@ private:
 /// so that a_free = M*^-1 [ M (s (1-a_m) y - a_m a0) + C w + P u - a_f B f0 ] - s y, with the predictor y of the
 /// displacement and w = gamma/(beta h) y less the predictor of the velocity: one back-solve and one sparse product.
 ///
-/// The scheme's a belongs to a time (a_f - a_m) h earlier than d and v [EBS02]: what is given out is carried forward, to
-/// second order.
+/// The scheme's a belongs to a time (a_f - a_m) h earlier than d and v [EBS02]: what is given out is carried forward,
+/// to second order.
 class AlphaStepper final : public Stepper {
 public:
   AlphaStepper(const LocallyNonlinearSystem& system, double step, const AlphaParameters& p,

@@ -11,11 +11,12 @@ using Eigen::VectorXd;
 constexpr double commuting_tolerance = 1e-5;
 
 /// diag(Phi^T A Phi) where A Phi = M Phi diag(...), each mode against the size of A's largest action on the modes.
-std::optional<VectorXd> diagonal_action(const SparseMatrix& matrix, const MatrixXd& shapes, const MatrixXd& momenta) {
+std::optional<VectorXd> diagonal_action(const SparseMatrix& matrix, const MatrixXd& shapes,
+                                        const MatrixXd& mass_weighted_modes) {
   const MatrixXd action = matrix * shapes;
   const VectorXd diagonal = (shapes.cwiseProduct(action)).colwise().sum();
-  const MatrixXd rest = action - momenta * diagonal.asDiagonal();
-  const double scale = (momenta * diagonal.asDiagonal()).colwise().norm().maxCoeff();
+  const MatrixXd rest = action - mass_weighted_modes * diagonal.asDiagonal();
+  const double scale = (mass_weighted_modes * diagonal.asDiagonal()).colwise().norm().maxCoeff();
   if (rest.colwise().norm().maxCoeff() > commuting_tolerance * scale) return std::nullopt;
   return diagonal;
 }
@@ -38,14 +39,14 @@ VectorXd split_load(const DampedModeSplit& split, const VectorXd& load) {
   const VectorXd modal = split.shapes.transpose() * load;
   VectorXd result(load.size() + modal.size());
   result << load, modal;
-  if (!modal.isZero()) result.head(load.size()) -= split.momenta * modal;
+  if (!modal.isZero()) result.head(load.size()) -= split.mass_weighted_modes * modal;
   return result;
 }
 
 }  // namespace
 
 VectorXd DampedModeSplit::split(const VectorXd& motion) const {
-  const VectorXd modal = momenta.transpose() * motion;
+  const VectorXd modal = mass_weighted_modes.transpose() * motion;
   VectorXd result(motion.size() + modal.size());
   result << motion - shapes * modal, modal;
   return result;
@@ -77,8 +78,8 @@ std::optional<DampedModeSplit> split_damped_modes(const LocallyNonlinearSystem& 
   const auto& damped = system.modal_damping;
   if (damped.rates.size() == 0) return std::nullopt;
   DampedModeSplit split{{}, damped.modes.shapes, system.mass * damped.modes.shapes};
-  const auto stiffness = diagonal_action(system.stiffness, split.shapes, split.momenta);
-  const auto damping = diagonal_action(system.damping, split.shapes, split.momenta);
+  const auto stiffness = diagonal_action(system.stiffness, split.shapes, split.mass_weighted_modes);
+  const auto damping = diagonal_action(system.damping, split.shapes, split.mass_weighted_modes);
   if (!stiffness || !damping) return std::nullopt;
 
   auto& in_q = split.system;

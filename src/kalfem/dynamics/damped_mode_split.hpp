@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "kalfem/system/locally_nonlinear_system.hpp"
-#include "kalfem/system/output_map.hpp"
+#include "kalfem/system/sensors/output_map.hpp"
 
 namespace kalfem {
 
@@ -14,9 +14,9 @@ namespace kalfem {
 ///     diag(M, 1) q'' + diag(C, D) q' + diag(K, Omega^2) q = [(1 - M Phi Phi^T) p; Phi^T p]
 /// for every load p. A time step then costs no product with the n x p matrix of modes.
 struct DampedModeSplit {
-  LocallyNonlinearSystem system;  ///< in q, n + p; its modal_damping is empty
-  Eigen::MatrixXd shapes;         ///< Phi, n x p
-  Eigen::MatrixXd momenta;        ///< M Phi, n x p
+  LocallyNonlinearSystem system;        ///< in q, n + p; its modal_damping is empty
+  Eigen::MatrixXd shapes;               ///< Phi, n x p
+  Eigen::MatrixXd mass_weighted_modes;  ///< M Phi, n x p
 
   /// q of a motion z.
   [[nodiscard]] Eigen::VectorXd split(const Eigen::VectorXd& motion) const;

@@ -6,8 +6,8 @@
 #include "kalfem/linalg/block_diagonal_form.hpp"
 #include "kalfem/linalg/first_order_hold.hpp"
 #include "kalfem/system/locally_nonlinear_system.hpp"
-#include "kalfem/system/measurement_chain.hpp"
-#include "kalfem/system/output_map.hpp"
+#include "kalfem/system/sensors/measurement_chain.hpp"
+#include "kalfem/system/sensors/output_map.hpp"
 
 namespace kalfem {
 

@@ -29,10 +29,11 @@ ModalCoordinates::ModalCoordinates(const LocallyNonlinearSystem& physical) {
   const MatrixXd mass(physical.mass);
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> pairs(MatrixXd(physical.stiffness), mass);
   if (pairs.info() != Eigen::Success)
-    throw InvalidInput("the observer's mass matrix is not positive definite", "every degree of freedom needs mass",
+    throw InvalidInput("the filter's model's mass matrix is not positive definite",
+                       "every degree of freedom needs mass",
                        "reduce the substructure, or give the degree of freedom a mass");
   shapes = pairs.eigenvectors();
-  momenta = mass * shapes;
+  mass_weighted_modes = mass * shapes;
   VectorXd squares = pairs.eigenvalues();
   for (auto& square : squares)
     if (std::abs(square) <= rounding * squares.cwiseAbs().maxCoeff()) square = 0.0;

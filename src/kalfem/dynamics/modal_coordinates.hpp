@@ -1,7 +1,7 @@
 #pragma once
 
 #include "kalfem/system/locally_nonlinear_system.hpp"
-#include "kalfem/system/output_map.hpp"
+#include "kalfem/system/sensors/output_map.hpp"
 
 namespace kalfem {
 
@@ -13,9 +13,9 @@ struct ModalCoordinates {
   /// Dense, for systems of moderate size. Throws InvalidInput where M is not positive definite.
   explicit ModalCoordinates(const LocallyNonlinearSystem& physical);
 
-  LocallyNonlinearSystem system;  ///< in q
-  Eigen::MatrixXd shapes;         ///< Phi, n x n
-  Eigen::MatrixXd momenta;        ///< M Phi, n x n: q = momenta^T z
+  LocallyNonlinearSystem system;        ///< in q
+  Eigen::MatrixXd shapes;               ///< Phi, n x n
+  Eigen::MatrixXd mass_weighted_modes;  ///< M Phi, n x n: q = mass-weighted modes^T z
 };
 
 /// The same outputs as functions of q, z = Phi q.

@@ -4,7 +4,7 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/dynamics/damped_mode_split.hpp"
-#include "kalfem/dynamics/matched_poles.hpp"
+#include "kalfem/dynamics/period_correction.hpp"
 #include "kalfem/dynamics/stepper.hpp"
 
 namespace kalfem {
@@ -185,7 +185,7 @@ SimulationResult simulate(const LocallyNonlinearSystem& system, const std::vecto
   check(system, signals, initial, options);
   const auto scheme = alpha_parameters(options);
   auto split = scheme ? split_damped_modes(system) : std::nullopt;
-  if (split) match_poles(split->system, system.size(), options.step, *scheme);
+  if (split) correct_periods(split->system, system.size(), options.step, *scheme);
   const auto in_coordinates = [&](const VectorXd& motion) { return split ? split->split(motion) : motion; };
   const auto steps = static_cast<Index>(std::llround(options.duration / options.step));
   const auto& stepped = split ? split->system : system;

@@ -6,7 +6,7 @@
 #include "kalfem/base/progress.hpp"
 #include "kalfem/dynamics/trajectory.hpp"
 #include "kalfem/system/connector_forces.hpp"
-#include "kalfem/system/output_map.hpp"
+#include "kalfem/system/sensors/output_map.hpp"
 #include "kalfem/system/signal.hpp"
 
 namespace kalfem {
@@ -48,7 +48,7 @@ struct SimulationOptions {
 
 /// Transient of the system under its inputs (one signal an input). The state at time 0 is stored first.
 /// Modal damping is stepped in the coordinates of DampedModeSplit where that can be, with the damped modes' own periods
-/// and decay (match_poles()).
+/// and decay (correct_periods()).
 /// Throws InvalidInput on unsuitable options; a diverging or non-converging solve is a failure in the result.
 SimulationResult simulate(const LocallyNonlinearSystem& system, const std::vector<SignalPtr>& signals,
                           const InitialState& initial, const SimulationOptions& options);

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "kalfem/estimation/small_kernels.hpp"
+#include "kalfem/estimation/kernels/small_kernels.hpp"
 
 namespace kalfem {
 

@@ -1,7 +1,7 @@
 #include "kalfem/estimation/covariance_filter.hpp"
 
 #include "kalfem/estimation/covariance_factor.hpp"
-#include "kalfem/estimation/small_kernels.hpp"
+#include "kalfem/estimation/kernels/small_kernels.hpp"
 
 namespace kalfem {
 

@@ -6,7 +6,7 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/estimation/consistency.hpp"
-#include "kalfem/estimation/filter_apparatus.hpp"
+#include "kalfem/estimation/filter_setup.hpp"
 
 namespace kalfem {
 
@@ -19,15 +19,15 @@ namespace {
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 /// The fewest variables that sigma points stand for: all states, or the channels of a measurement.
-Index sigma_point_variables(const Observer& observer, FilterKind filter) {
-  const auto& layout = observer.layout();
+Index sigma_point_variables(const AugmentedModel& augmented_model, FilterKind filter) {
+  const auto& layout = augmented_model.layout();
   const bool of_channels = filter == FilterKind::partially_linear || filter == FilterKind::partially_linear_square_root;
-  return of_channels ? InstantMap(observer, sensor_outputs).selection.rows() : layout.size();
+  return of_channels ? MeasurementModel(augmented_model, sensor_outputs).selection.rows() : layout.size();
 }
 
-void check_sigma_points(const Observer& observer, const EstimationOptions& options, IssueList& issues) {
+void check_sigma_points(const AugmentedModel& augmented_model, const EstimationOptions& options, IssueList& issues) {
   const auto& [alpha, beta, kappa, points] = options.unscented;
-  const auto n = static_cast<double>(sigma_point_variables(observer, options.filter));
+  const auto n = static_cast<double>(sigma_point_variables(augmented_model, options.filter));
   const double spread = kappa ? n + *kappa : 1.0;
   if (alpha > 0.0 && spread > 0.0 && std::isfinite(alpha * alpha * spread) && std::isfinite(beta)) return;
   issues.add({},
@@ -38,40 +38,40 @@ void check_sigma_points(const Observer& observer, const EstimationOptions& optio
              "use 1 and 2, and leave kappa out");
 }
 
-void check(const Observer& observer, const Record& record, const EstimationOptions& options) {
+void check(const AugmentedModel& augmented_model, const Record& record, const EstimationOptions& options) {
   IssueList issues;
-  const Index l = observer.form().outputs().state.rows(), n_u = observer.system().input_count();
+  const Index l = augmented_model.form().outputs().state.rows(), n_u = augmented_model.system().input_count();
   if (record.measurements.rows() != l || record.noise.rows() != l || record.noise.cols() != l)
     issues.add({}, "record or noise does not have one channel a sensor", "");
-  const Index samples = record.measurements.cols(), fine = (samples - 1) * observer.options().substeps + 1;
+  const Index samples = record.measurements.cols(), fine = (samples - 1) * augmented_model.options().substeps + 1;
   if (record.inputs.rows() != 3 * n_u || (record.inputs.cols() != samples && record.inputs.cols() != fine))
     issues.add({}, "inputs and measurements do not have the same samples", "");
-  if (!record.inputs.allFinite()) issues.add({}, "an input is not finite", "the observer is driven by it");
+  if (!record.inputs.allFinite()) issues.add({}, "an input is not finite", "the filter's model is driven by it");
   if (!record.noise.allFinite() || (record.noise.diagonal().array() < 0.0).any())
     issues.add({}, "a sensor's noise is negative or not finite", "it is a covariance", "give every sensor its noise");
-  const IssueList of_options = validate(observer, options);
+  const IssueList of_options = validate(augmented_model, options);
   for (const auto& [place, what, why, fix] : of_options.issues()) issues.add(place, what, why, fix);
   if (record.measurements.cols() < 1) issues.add({}, "the record is empty", "");
   issues.raise();
 }
 
 /// One pass of a filter over a record: predict, update, keep.
-class Pass {
+class RecordRun {
 public:
-  Pass(const Observer& observer, const Record& record, const EstimationOptions& options)
-      : observer_(observer),
+  RecordRun(const AugmentedModel& augmented_model, const Record& record, const EstimationOptions& options)
+      : augmented_model_(augmented_model),
         record_(record),
         options_(options),
-        input_stride_(record.inputs.cols() > record.measurements.cols() ? observer.options().substeps : 1),
-        apparatus_(std::make_unique<FilterApparatus>(
-            std::shared_ptr<const Observer>(std::shared_ptr<void>(), &observer), options)),
-        linear_unknowns_(linear_unknowns(observer.options())) {
+        input_stride_(record.inputs.cols() > record.measurements.cols() ? augmented_model.options().substeps : 1),
+        filter_setup_(std::make_unique<FilterSetup>(
+            std::shared_ptr<const AugmentedModel>(std::shared_ptr<void>(), &augmented_model), options)),
+        linear_unknowns_(linear_unknowns(augmented_model.options())) {
     allocate();
     linearised_about_ = linear_estimate();
   }
 
   EstimationResult run(const Gaussian& prior) {
-    apparatus_->filter->reset(prior);
+    filter_setup_->filter->reset(prior);
     const Index samples = record_.measurements.cols();
     Stopwatch watch;
     for (Index k = 0; k < samples; ++k) {
@@ -85,20 +85,20 @@ public:
       if (outcome == FilterOutcome::usable) outcome = linearise_where_it_moved(k);
       result_.time.predict += watch.lap();
       if (outcome != FilterOutcome::usable) {
-        result_.failure = {outcome, static_cast<double>(k) * observer_.options().step, to_string(outcome)};
+        result_.failure = {outcome, static_cast<double>(k) * augmented_model_.options().step, to_string(outcome)};
         break;
       }
       if (options_.progress && k % 512 == 0)
         options_.progress("estimate", static_cast<double>(k) / static_cast<double>(samples));
     }
-    result_.final_covariance = here().physical_covariance(apparatus_->filter->covariance());
-    if (result_.linearisations > 0) result_.observer = apparatus_->observer;
+    result_.final_covariance = here().physical_covariance(filter_setup_->filter->covariance());
+    if (result_.linearisations > 0) result_.augmented_model = filter_setup_->augmented_model;
     return std::move(result_);
   }
 
 private:
-  /// The observer as it is linearised now.
-  [[nodiscard]] const Observer& here() const { return *apparatus_->observer; }
+  /// The augmented model as it is linearised now.
+  [[nodiscard]] const AugmentedModel& here() const { return *filter_setup_->augmented_model; }
 
   void allocate() {
     const Index samples = record_.measurements.cols(), l = record_.measurements.rows();
@@ -106,8 +106,8 @@ private:
       const MatrixXd empty = MatrixXd::Constant(rows, samples, not_a_number);
       return EstimatedSeries{empty, empty};
     };
-    result_.state = series(observer_.layout().size());
-    result_.unknowns = series(observer_.layout().unknowns);
+    result_.state = series(augmented_model_.layout().size());
+    result_.unknowns = series(augmented_model_.layout().unknowns);
     result_.monitored = series(options_.monitored.size());
     result_.innovation = result_.innovation_deviation = MatrixXd::Constant(l, samples, not_a_number);
     result_.nis = VectorXd::Constant(samples, not_a_number);
@@ -116,19 +116,19 @@ private:
   }
 
   FilterOutcome predict(Index k) {
-    auto& [observer, transition, filter, measurement, monitored] = *apparatus_;
+    auto& [augmented_model, transition, filter, measurement, monitored] = *filter_setup_;
     if (input_stride_ > 1)
       transition.set_inputs(record_.inputs.middleCols((k - 1) * input_stride_, input_stride_ + 1));
     else
       transition.set_inputs(record_.inputs.col(k - 1), record_.inputs.col(k));
     if (!linear_unknowns_.empty()) transition.set_mean(filter->mean());
-    return filter->predict(transition, observer->process_noise());
+    return filter->predict(transition, augmented_model->process_noise());
   }
 
   FilterOutcome update(Index k) {
     select_measured(k);
     if (rows_.empty()) return FilterOutcome::usable;
-    auto& [observer, transition, filter, measurement, monitored] = *apparatus_;
+    auto& [augmented_model, transition, filter, measurement, monitored] = *filter_setup_;
     measurement.set_inputs(record_.inputs.col(k * input_stride_));
     if (!linear_unknowns_.empty()) measurement.set_mean(filter->mean());
     const auto outcome = filter->update(measurement, noise_, record_.measurements(rows_, k), innovation_);
@@ -145,21 +145,21 @@ private:
   /// last gain, because the gain is held over samples at which it may be there again.
   void keep_gain(Index k) {
     if (!options_.keep_gains || !options_.gains.keeps(k)) return;
-    const auto& measurement = apparatus_->measurement;
-    const Index l = record_.measurements.rows(), n = observer_.layout().size();
+    const auto& measurement = filter_setup_->measurement;
+    const Index l = record_.measurements.rows(), n = augmented_model_.layout().size();
     auto& kept = result_.gains.gains;
     MatrixXd gain = kept.empty() ? MatrixXd(MatrixXd::Zero(n, l)) : kept.back();
     if (!rows_.empty()) {
       const MatrixXd slope = measurement.linear + measurement.gain * channel_slopes() * measurement.selection;
       const MatrixXd weighted = noise_.llt().solve(slope);
-      gain(Eigen::all, rows_) = here().physical(apparatus_->filter->covariance() * weighted.transpose());
+      gain(Eigen::all, rows_) = here().physical(filter_setup_->filter->covariance() * weighted.transpose());
     }
     kept.push_back(std::move(gain));
   }
 
   /// phi' at the mean, p x q, by differences over a small part of each channel's deviation.
   MatrixXd channel_slopes() {
-    auto& [observer, transition, filter, measurement, monitored] = *apparatus_;
+    auto& [augmented_model, transition, filter, measurement, monitored] = *filter_setup_;
     const VectorXd at = measurement.selection * filter->mean() + measurement.input_offset;
     const Index q = at.size(), p = measurement.gain.cols();
     const MatrixXd selected = measurement.selection * filter->covariance() * measurement.selection.transpose();
@@ -183,31 +183,31 @@ private:
       if (std::isfinite(record_.measurements(row, k))) present_.push_back(row);
     if (present_ == rows_ && k > 0) return;
     rows_ = present_;
-    apparatus_->measurement.select_rows(rows_);
+    filter_setup_->measurement.select_rows(rows_);
     noise_ = record_.noise(rows_, rows_);
   }
 
   /// Of all states, or only of those that have the same meaning in any coordinates.
   void keep_deviations(Index k) {
-    const auto& layout = observer_.layout();
+    const auto& layout = augmented_model_.layout();
     auto deviations = result_.state.deviation.col(k);
-    if (observer_.options().coordinates == StateCoordinates::modal && options_.state_deviations) {
-      deviations = here().physical_covariance(apparatus_->filter->covariance()).diagonal().cwiseMax(0.0).cwiseSqrt();
+    if (augmented_model_.options().coordinates == StateCoordinates::modal && options_.state_deviations) {
+      deviations = here().physical_covariance(filter_setup_->filter->covariance()).diagonal().cwiseMax(0.0).cwiseSqrt();
       return;
     }
-    const VectorXd own = apparatus_->filter->standard_deviation();
+    const VectorXd own = filter_setup_->filter->standard_deviation();
     const auto rows = options_.state_deviations ? Eigen::seqN(Index{0}, layout.size())
                                                 : Eigen::seqN(layout.linear, layout.connector_states + layout.unknowns);
     deviations(rows) = own(rows);
   }
 
   FilterOutcome keep(Index k) {
-    const auto& layout = observer_.layout();
-    auto& [observer, transition, filter, measurement, monitored] = *apparatus_;
-    result_.state.mean.col(k) = observer->physical(filter->mean());
+    const auto& layout = augmented_model_.layout();
+    auto& [augmented_model, transition, filter, measurement, monitored] = *filter_setup_;
+    result_.state.mean.col(k) = augmented_model->physical(filter->mean());
     keep_deviations(k);
     for (Index i = 0; i < layout.unknowns; ++i) {
-      const auto& transform = observer_.options().unknowns[static_cast<std::size_t>(i)].transform;
+      const auto& transform = augmented_model_.options().unknowns[static_cast<std::size_t>(i)].transform;
       const double state = result_.state.mean(layout.unknown() + i, k);
       result_.unknowns.mean(i, k) = transform.to_parameter(state);
       result_.unknowns.deviation(i, k) = transform.slope(state) * result_.state.deviation(layout.unknown() + i, k);
@@ -229,7 +229,7 @@ private:
     LinearEstimate estimate{VectorXd(count), VectorXd(count)};
     for (Index i = 0; i < count; ++i) {
       const Index at = linear_unknowns_[static_cast<std::size_t>(i)];
-      const auto& unknown = observer_.options().unknowns[static_cast<std::size_t>(at)];
+      const auto& unknown = augmented_model_.options().unknowns[static_cast<std::size_t>(at)];
       estimate.values[i] = k ? result_.unknowns.mean(at, *k) : unknown.initial;
       estimate.deviations[i] = k ? result_.unknowns.deviation(at, *k) : unknown.deviation;
     }
@@ -241,21 +241,21 @@ private:
     auto now = linear_estimate(k);
     if (!now.outdates(linearised_about_)) return FilterOutcome::usable;
     try {
-      apparatus_ = linearised_anew(observer_, now, *apparatus_, options_);
+      filter_setup_ = relinearised(augmented_model_, now, *filter_setup_, options_);
     } catch (const InvalidInput&) {
       return FilterOutcome::linear_part_impossible;
     }
-    apparatus_->measurement.select_rows(rows_);
+    filter_setup_->measurement.select_rows(rows_);
     linearised_about_ = std::move(now);
     ++result_.linearisations;
     return FilterOutcome::usable;
   }
 
-  const Observer& observer_;
+  const AugmentedModel& augmented_model_;
   const Record& record_;
   const EstimationOptions& options_;
   Index input_stride_;  ///< columns of the inputs per sample
-  std::unique_ptr<FilterApparatus> apparatus_;
+  std::unique_ptr<FilterSetup> filter_setup_;
   std::vector<Index> linear_unknowns_;
   LinearEstimate linearised_about_;
   Innovation innovation_;
@@ -266,31 +266,33 @@ private:
 };
 
 /// The prior of the next pass: parameters and initial state of the last one, the first prior's covariance.
-Gaussian next_prior(const Observer& observer, const EstimationResult& result) {
-  const auto& layout = observer.layout();
+Gaussian next_prior(const AugmentedModel& augmented_model, const EstimationResult& result) {
+  const auto& layout = augmented_model.layout();
   const VectorXd last = result.state.mean.col(result.state.mean.cols() - 1);
-  return observer.prior_about(last.segment(layout.unknown(), layout.unknowns),
-                              last.segment(layout.initial_state(), layout.linear), last.tail(layout.connector_states));
+  return augmented_model.prior_about(last.segment(layout.unknown(), layout.unknowns),
+                                     last.segment(layout.initial_state(), layout.linear),
+                                     last.tail(layout.connector_states));
 }
 
 }  // namespace
 
-IssueList validate(const Observer& observer, const EstimationOptions& options) {
+IssueList validate(const AugmentedModel& augmented_model, const EstimationOptions& options) {
   IssueList issues;
-  check_sigma_points(observer, options, issues);
+  check_sigma_points(augmented_model, options, issues);
   if (options.deviation_stride < 1) issues.add({}, "the stride of standard deviations is below 1", "");
   if (options.passes < 1) issues.add({}, "the number of passes is below 1", "");
-  if (options.passes > 1 && !observer.options().keep_initial_state)
+  if (options.passes > 1 && !augmented_model.options().keep_initial_state)
     issues.add({}, "several passes without an estimate of the initial state", "each pass starts from it",
                "set estimate_initial_state: true");
   return issues;
 }
 
-EstimationResult estimate(const Observer& observer, const Record& record, const EstimationOptions& options) {
-  check(observer, record, options);
-  EstimationResult result = Pass(observer, record, options).run(observer.prior());
+EstimationResult estimate(const AugmentedModel& augmented_model, const Record& record,
+                          const EstimationOptions& options) {
+  check(augmented_model, record, options);
+  EstimationResult result = RecordRun(augmented_model, record, options).run(augmented_model.prior());
   for (int pass = 1; pass < options.passes && !result.failure; ++pass)
-    result = Pass(observer, record, options).run(next_prior(observer, result));
+    result = RecordRun(augmented_model, record, options).run(next_prior(augmented_model, result));
   return result;
 }
 

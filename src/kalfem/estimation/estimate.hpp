@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "kalfem/base/progress.hpp"
+#include "kalfem/estimation/augmented_model.hpp"
 #include "kalfem/estimation/filter.hpp"
 #include "kalfem/estimation/fixed_gain.hpp"
-#include "kalfem/estimation/observer.hpp"
 
 namespace kalfem {
 
@@ -73,15 +73,16 @@ struct EstimationResult {
   EstimationTime time;
   /// About the last values of the unknowns of the linear part, and how often it was linearised anew; empty where it
   /// never was.
-  std::shared_ptr<const Observer> observer;
+  std::shared_ptr<const AugmentedModel> augmented_model;
   int linearisations = 0;
 };
 
-/// What is wrong with the options for this observer: sigma points without weights, passes that have no start.
-IssueList validate(const Observer& observer, const EstimationOptions& options);
+/// What is wrong with the options for this augmented model: sigma points without weights, passes that have no start.
+IssueList validate(const AugmentedModel& augmented_model, const EstimationOptions& options);
 
 /// Runs the filter over the record. Throws InvalidInput where sizes do not fit or an input is not finite.
-EstimationResult estimate(const Observer& observer, const Record& record, const EstimationOptions& options);
+EstimationResult estimate(const AugmentedModel& augmented_model, const Record& record,
+                          const EstimationOptions& options);
 
 /// Interval that holds `probability` of a parameter's distribution (normal in the filter's state) about its estimate.
 struct Interval {

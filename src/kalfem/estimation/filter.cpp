@@ -1,7 +1,7 @@
 #include "kalfem/estimation/filter.hpp"
 
 #include "kalfem/estimation/covariance_filter.hpp"
-#include "kalfem/estimation/partially_linear_filter.hpp"
+#include "kalfem/estimation/partially_linear/partially_linear_filter.hpp"
 #include "kalfem/estimation/square_root_filter.hpp"
 
 namespace kalfem {

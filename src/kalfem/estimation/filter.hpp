@@ -5,7 +5,7 @@
 
 #include "kalfem/estimation/gaussian.hpp"
 #include "kalfem/estimation/innovation.hpp"
-#include "kalfem/estimation/partially_linear_map.hpp"
+#include "kalfem/estimation/partially_linear/partially_linear_map.hpp"
 #include "kalfem/estimation/unscented_transform.hpp"
 
 namespace kalfem {

@@ -1,6 +1,6 @@
 #include "kalfem/estimation/filter_choice.hpp"
 
-#include "kalfem/estimation/tile_layout.hpp"
+#include "kalfem/estimation/kernels/tile_layout.hpp"
 
 namespace kalfem {
 namespace {
@@ -10,25 +10,26 @@ std::string counted(Eigen::Index count, const std::string& what) {
 }
 
 /// What the sigma points of a partially linear filter stand for.
-std::string channels_in_words(const Observer& observer) {
-  const auto& system = observer.system();
-  return counted(system.connector_count(), "connector") + " and " + counted(observer.layout().unknowns, "unknown");
+std::string channels_in_words(const AugmentedModel& augmented_model) {
+  const auto& system = augmented_model.system();
+  return counted(system.connector_count(), "connector") + " and " +
+         counted(augmented_model.layout().unknowns, "unknown");
 }
 
 }  // namespace
 
 FilterChoice choose_filter(std::optional<FilterKind> requested, const LocallyNonlinearSystem& system,
                            const OutputMap& sensors, const std::vector<MeasurementChain>& chains,
-                           ObserverOptions options) {
+                           AugmentedModelOptions options) {
   const auto make = [&](StateCoordinates coordinates) {
     options.coordinates = coordinates;
-    return std::make_shared<const Observer>(system, sensors, chains, options);
+    return std::make_shared<const AugmentedModel>(system, sensors, chains, options);
   };
   if (requested && *requested != FilterKind::partially_linear)
     return {*requested, make(StateCoordinates::physical), "as the case asks"};
   const std::string asked = requested ? "as the case asks; " : "";
   const auto modal = make(StateCoordinates::modal);
-  const Eigen::Index block = modal->observer_form().largest_block;
+  const Eigen::Index block = modal->augmented_model_form().largest_block;
   if (block <= tile_size)
     return {FilterKind::partially_linear, modal,
             asked + "linear but for " + channels_in_words(*modal) +

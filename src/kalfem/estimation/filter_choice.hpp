@@ -4,15 +4,15 @@
 #include <optional>
 #include <string>
 
+#include "kalfem/estimation/augmented_model.hpp"
 #include "kalfem/estimation/filter.hpp"
-#include "kalfem/estimation/observer.hpp"
 
 namespace kalfem {
 
-/// The filter of a run, the observer in the coordinates that suit it, and why.
+/// The filter of a run, the augmented model in the coordinates that suit it, and why.
 struct FilterChoice {
   FilterKind filter = FilterKind::unscented;
-  std::shared_ptr<const Observer> observer;
+  std::shared_ptr<const AugmentedModel> augmented_model;
   std::string reason;  ///< in words
 };
 
@@ -21,6 +21,6 @@ struct FilterChoice {
 /// coordinates, with a dense covariance. `options.coordinates` is chosen here. Throws InvalidInput as Observer does.
 FilterChoice choose_filter(std::optional<FilterKind> requested, const LocallyNonlinearSystem& system,
                            const OutputMap& sensors, const std::vector<MeasurementChain>& chains,
-                           ObserverOptions options);
+                           AugmentedModelOptions options);
 
 }  // namespace kalfem

@@ -3,7 +3,7 @@
 #include <cassert>
 
 #include "kalfem/estimation/estimate.hpp"
-#include "kalfem/estimation/observer_maps.hpp"
+#include "kalfem/estimation/process_model.hpp"
 
 namespace kalfem {
 
@@ -12,7 +12,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// A map of an observer at one point, y = A x + G phi(N x + e) + b.
+/// A map of an augmented model at one point, y = A x + G phi(N x + e) + b.
 template <class Map>
 class PointMap {
 public:
@@ -39,7 +39,7 @@ private:
   Eigen::ArrayXXd in_, out_;
 };
 
-void set_inputs(TransitionMap& transition, const Record& record, Index stride, Index k) {
+void set_inputs(ProcessModel& transition, const Record& record, Index stride, Index k) {
   if (stride > 1)
     transition.set_inputs(record.inputs.middleCols((k - 1) * stride, stride + 1));
   else
@@ -48,18 +48,19 @@ void set_inputs(TransitionMap& transition, const Record& record, Index stride, I
 
 }  // namespace
 
-std::optional<FixedGainMeans> run_with_gains(const Observer& observer, const Record& record, const GainSchedule& gains,
-                                             const OutputMap& monitored, Index state_at) {
-  assert(observer.options().coordinates == StateCoordinates::physical);
+std::optional<FixedGainMeans> run_with_gains(const AugmentedModel& augmented_model, const Record& record,
+                                             const GainSchedule& gains, const OutputMap& monitored, Index state_at) {
+  assert(augmented_model.options().coordinates == StateCoordinates::physical);
   const Index samples = record.measurements.cols(),
-              stride = record.inputs.cols() > samples ? observer.options().substeps : 1;
-  TransitionMap transition(observer);
-  InstantMap measurement(observer, sensor_outputs);
-  InstantMap watched(observer, [&](const Observer& each) { return each.observer_form().outputs(monitored); });
+              stride = record.inputs.cols() > samples ? augmented_model.options().substeps : 1;
+  ProcessModel transition(augmented_model);
+  MeasurementModel measurement(augmented_model, sensor_outputs);
+  MeasurementModel watched(augmented_model,
+                           [&](const AugmentedModel& each) { return each.augmented_model_form().outputs(monitored); });
   PointMap predict(transition);
-  PointMap<InstantMap> measure(measurement), watch(watched);
+  PointMap<MeasurementModel> measure(measurement), watch(watched);
   FixedGainMeans means{Eigen::MatrixXd(monitored.size(), samples), {}};
-  VectorXd state = observer.prior().mean, predicted = state, output, innovation, values;
+  VectorXd state = augmented_model.prior().mean, predicted = state, output, innovation, values;
   for (Index k = 0; k < samples; ++k) {
     if (k > 0) {
       set_inputs(transition, record, stride, k);

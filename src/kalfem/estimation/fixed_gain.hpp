@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "kalfem/estimation/observer.hpp"
-#include "kalfem/system/output_map.hpp"
+#include "kalfem/estimation/augmented_model.hpp"
+#include "kalfem/system/sensors/output_map.hpp"
 
 namespace kalfem {
 
@@ -27,18 +27,19 @@ struct GainSchedule {
   }
 };
 
-/// Means that a fixed-gain observer gives.
+/// Means that a fixed-gain augmented model gives.
 struct FixedGainMeans {
   Eigen::MatrixXd monitored;  ///< rows x samples
   Eigen::VectorXd state;      ///< of the augmented state at the sample that was asked for
 };
 
-/// Runs the mean of an observer over a record with gains that are given,
+/// Runs the mean of an augmented model over a record with gains that are given,
 ///     x- = f(x+),   x+ = x- + K_k (y_k - h(x-)),
 /// with the maps at the mean in the place of their means over sigma points: no covariance, so a step costs a tenth of a
 /// filter's. It tells how estimates move with the model when the gains are held: the difference of two such runs with
-/// the same gains. `observer` is in physical coordinates. Nothing where a connector force cannot be evaluated.
-std::optional<FixedGainMeans> run_with_gains(const Observer& observer, const Record& record, const GainSchedule& gains,
-                                             const OutputMap& monitored, Eigen::Index state_at);
+/// the same gains. `augmented model` is in physical coordinates. Nothing where a connector force cannot be evaluated.
+std::optional<FixedGainMeans> run_with_gains(const AugmentedModel& augmented_model, const Record& record,
+                                             const GainSchedule& gains, const OutputMap& monitored,
+                                             Eigen::Index state_at);
 
 }  // namespace kalfem

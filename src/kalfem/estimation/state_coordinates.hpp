@@ -4,19 +4,19 @@
 
 namespace kalfem {
 
-/// What the linear part of an observer's state is made of.
+/// What the linear part of an augmented model's state is made of.
 enum class StateCoordinates {
   physical,  ///< displacements and velocities, states of inputs and sensors
   modal      ///< amplitudes xi, x = T xi, in which the propagator is block diagonal (BlockDiagonalForm)
 };
 
-/// The first-order form of an observer and the way between its coordinates and the physical ones.
-struct ObserverForm {
+/// The first-order form of an augmented model and the way between its coordinates and the physical ones.
+struct AugmentedModelForm {
   /// Throws InvalidInput where FirstOrderForm does, and in modal coordinates where the mass matrix is not positive
   /// definite.
-  ObserverForm(const LocallyNonlinearSystem& system, const OutputMap& sensors,
-               const std::vector<MeasurementChain>& chains, const std::vector<InputTreatment>& inputs,
-               StateCoordinates coordinates);
+  AugmentedModelForm(const LocallyNonlinearSystem& system, const OutputMap& sensors,
+                     const std::vector<MeasurementChain>& chains, const std::vector<InputTreatment>& inputs,
+                     StateCoordinates coordinates);
 
   StateCoordinates coordinates;
   FirstOrderForm first_order;      ///< in these coordinates

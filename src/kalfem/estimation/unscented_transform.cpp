@@ -1,7 +1,7 @@
 #include "kalfem/estimation/unscented_transform.hpp"
 
-#include "kalfem/estimation/channel_factor.hpp"
-#include "kalfem/estimation/small_kernels.hpp"
+#include "kalfem/estimation/kernels/small_kernels.hpp"
+#include "kalfem/estimation/partially_linear/argument_factor.hpp"
 
 namespace kalfem {
 
@@ -21,7 +21,7 @@ void multiply_factor(const MatrixXd& a, const MatrixXd& factor, FactorShape shap
 
 UnscentedTransform UnscentedTransform::linearised() {
   UnscentedTransform transform;
-  transform.channels_ = ChannelTransform::linearised();
+  transform.channels_ = ArgumentTransform::linearised();
   return transform;
 }
 
@@ -31,18 +31,18 @@ bool UnscentedTransform::apply(PartiallyLinearMap& map, const VectorXd& mean, co
   multiply_factor(map.selection, factor, shape, selected_);
   if (of_channels) {
     multiply_transposed(selected_, selected_, channel_covariance_);
-    if (!channel_factor(channel_covariance_, channel_factor_)) return false;
+    if (!argument_factor(channel_covariance_, argument_factor_)) return false;
   }
   centre_ = map.input_offset;
   centre_.noalias() += map.selection * mean;
-  if (!channels_.apply(map, centre_, of_channels ? channel_factor_ : selected_)) return false;
+  if (!channels_.apply(map, centre_, of_channels ? argument_factor_ : selected_)) return false;
 
   mean_ = map.offset;
   mean_.noalias() += map.linear * mean;
   mean_.noalias() += map.gain.lazyProduct(channels_.mean());
   multiply_factor(map.linear, factor, shape, deviations_);
   if (of_channels) {
-    solve_channels(channel_factor_, selected_);
+    solve_channels(argument_factor_, selected_);
     channel_delta_.noalias() = selected_.transpose() * channels_.delta();
   }
   add_product_transposed(map.gain, of_channels ? channel_delta_ : channels_.delta(), deviations_);

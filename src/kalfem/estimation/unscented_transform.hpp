@@ -1,6 +1,6 @@
 #pragma once
 
-#include "kalfem/estimation/channel_transform.hpp"
+#include "kalfem/estimation/partially_linear/argument_transform.hpp"
 
 namespace kalfem {
 
@@ -8,7 +8,7 @@ namespace kalfem {
 enum class FactorShape { general, lower_triangular };
 
 /// The unscented transform of a partially linear map. With points of the state it equals that over the full set of
-/// 2 n + 1 points, without forming the images of the linear part. With delta_i and Sigma of the ChannelTransform along
+/// 2 n + 1 points, without forming the images of the linear part. With delta_i and Sigma of the ArgumentTransform along
 /// the columns of N S and
 ///     D = A S + G [delta_1 ... delta_n]
 /// the images of the pair i lie at mean(y) +- sqrt(c) D_i + G sigma_i, so that
@@ -41,10 +41,10 @@ public:
   void add_covariance(const PartiallyLinearMap& map, Eigen::MatrixXd& covariance);
 
 private:
-  ChannelTransform channels_;
+  ArgumentTransform channels_;
   Eigen::VectorXd mean_, centre_;
   Eigen::MatrixXd deviations_, gain_scatter_, selected_;
-  Eigen::MatrixXd channel_covariance_, channel_factor_, channel_delta_;
+  Eigen::MatrixXd channel_covariance_, argument_factor_, channel_delta_;
 };
 
 }  // namespace kalfem

@@ -13,16 +13,16 @@ namespace {
 constexpr double no_direction = 1e-14;
 
 /// Makes the columns M-orthonormal, W = W' T with the columns of W' in place of W and those of M W' in place of its
-/// `momenta` M W; directions shorter than `shortest` are dropped, so that T is r x k.
-MatrixXd normalise(double shortest, MatrixXd& block, MatrixXd& momenta) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> gram(block.transpose() * momenta);
+/// `mass-weighted modes` M W; directions shorter than `shortest` are dropped, so that T is r x k.
+MatrixXd normalise(double shortest, MatrixXd& block, MatrixXd& mass_weighted_modes) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> gram(block.transpose() * mass_weighted_modes);
   const Index dropped = (gram.eigenvalues().array() <= shortest * shortest).count();  // ascending: the first ones
   const Index kept = block.cols() - dropped;
   const Eigen::VectorXd lengths = gram.eigenvalues().tail(kept).cwiseSqrt();
   const MatrixXd directions = gram.eigenvectors().rightCols(kept);
   const MatrixXd scaled = directions * lengths.cwiseInverse().asDiagonal();
   block = block * scaled;
-  momenta = momenta * scaled;
+  mass_weighted_modes = mass_weighted_modes * scaled;
   return lengths.asDiagonal() * directions.transpose();
 }
 
@@ -32,28 +32,29 @@ BlockLanczos::BlockLanczos(const SparseFactor& factor, const Eigen::SparseMatrix
                            Index capacity)
     : factor_(factor), mass_(mass), width_(width), basis_(mass.rows(), capacity) {}
 
-MatrixXd BlockLanczos::image_of(const MatrixXd& momenta) {
-  solves_ += momenta.cols();
-  return factor_.solve(momenta);
+MatrixXd BlockLanczos::image_of(const MatrixXd& mass_weighted_modes) {
+  solves_ += mass_weighted_modes.cols();
+  return factor_.solve(mass_weighted_modes);
 }
 
 /// Splits the block as Q projections + Q' triangle and puts Q' behind the first `columns` of the basis. The first pass
 /// takes the part in the columns from `near` on, where there is any but rounding; the second, after the normalisation,
 /// what rounding and cancellation have left in all of them.
 void BlockLanczos::attach(MatrixXd block, Index near, Index columns, MatrixXd& projections, MatrixXd& triangle) {
-  momenta_ = mass_ * block;
-  const double scale = std::sqrt(block.cwiseProduct(momenta_).colwise().sum().maxCoeff());
+  mass_weighted_modes_ = mass_ * block;
+  const double scale = std::sqrt(block.cwiseProduct(mass_weighted_modes_).colwise().sum().maxCoeff());
   const auto close = basis_.middleCols(near, columns - near), basis = basis_.leftCols(columns);
   projections.setZero(columns, block.cols());
-  projections.bottomRows(columns - near).noalias() = close.transpose() * momenta_;
+  projections.bottomRows(columns - near).noalias() = close.transpose() * mass_weighted_modes_;
   block.noalias() -= close * projections.bottomRows(columns - near);
-  momenta_ = mass_ * block;
-  triangle = normalise(no_direction * scale, block, momenta_);
-  const MatrixXd remainder = basis.transpose() * momenta_;
+  mass_weighted_modes_ = mass_ * block;
+  triangle = normalise(no_direction * scale, block, mass_weighted_modes_);
+  const MatrixXd remainder = basis.transpose() * mass_weighted_modes_;
   block.noalias() -= basis * remainder;
-  momenta_ = mass_ * block;
+  mass_weighted_modes_ = mass_ * block;
   projections += remainder * triangle;
-  triangle = normalise(0.5, block, momenta_) * triangle;  // nothing that is left had length 1: it lay in the basis
+  triangle =
+      normalise(0.5, block, mass_weighted_modes_) * triangle;  // nothing that is left had length 1: it lay in the basis
   last_ = block.cols();
   basis_.middleCols(columns, last_) = block;
 }
@@ -61,7 +62,7 @@ void BlockLanczos::attach(MatrixXd block, Index near, Index columns, MatrixXd& p
 bool BlockLanczos::step() {
   if (last_ == 0) return false;
   const Index columns = size_ + last_;
-  const MatrixXd image = image_of(momenta_);
+  const MatrixXd image = image_of(mass_weighted_modes_);
   const Index begin = size_, width = last_;
   MatrixXd projections, triangle;
   attach(image, coupled_, columns, projections, triangle);

@@ -39,7 +39,8 @@ public:
   [[nodiscard]] Eigen::Index solves() const { return solves_; }
 
 private:
-  Eigen::MatrixXd image_of(const Eigen::MatrixXd& momenta);  ///< A^-1 M V of vectors V with the momenta M V
+  Eigen::MatrixXd image_of(
+      const Eigen::MatrixXd& mass_weighted_modes);  ///< A^-1 M V of vectors V with the mass-weighted modes M V
   void attach(Eigen::MatrixXd block, Eigen::Index near, Eigen::Index columns, Eigen::MatrixXd& projections,
               Eigen::MatrixXd& triangle);
 
@@ -49,11 +50,11 @@ private:
   Eigen::Index size_ = 0;  ///< columns to which the operator was applied; the last block follows them
   Eigen::Index last_ = 0;  ///< width of the last block
   Eigen::Index solves_ = 0;
-  Eigen::MatrixXd basis_;      ///< n x capacity, M-orthonormal
-  Eigen::MatrixXd momenta_;    ///< M Q of the last block, n x last_
-  Eigen::MatrixXd projected_;  ///< Q^T M A^-1 M Q, of the first `size_` columns
-  Eigen::Index coupled_ = 0;   ///< first column of the basis with which the last block is coupled
-  Eigen::MatrixXd coupling_;   ///< last_ x size_: A^-1 M Q = Q projected + Q_last coupling
+  Eigen::MatrixXd basis_;                ///< n x capacity, M-orthonormal
+  Eigen::MatrixXd mass_weighted_modes_;  ///< M Q of the last block, n x last_
+  Eigen::MatrixXd projected_;            ///< Q^T M A^-1 M Q, of the first `size_` columns
+  Eigen::Index coupled_ = 0;             ///< first column of the basis with which the last block is coupled
+  Eigen::MatrixXd coupling_;             ///< last_ x size_: A^-1 M Q = Q projected + Q_last coupling
   std::mt19937 random_;
 };
 

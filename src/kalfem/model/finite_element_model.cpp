@@ -4,7 +4,7 @@
 #include <cmath>
 #include <set>
 
-#include "kalfem/model/constraints.hpp"
+#include "kalfem/model/assembly/constraints.hpp"
 
 namespace kalfem {
 namespace {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/model/mesh.hpp"
-#include "kalfem/model/properties.hpp"
+#include "kalfem/model/mesh/mesh.hpp"
+#include "kalfem/model/mesh/properties.hpp"
 
 namespace kalfem {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "kalfem/model/affine_term.hpp"
+#include "kalfem/model/assembly/affine_term.hpp"
 
 namespace kalfem {
 

@@ -7,8 +7,8 @@
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/linalg/sparse_factor.hpp"
 #include "kalfem/linalg/sparse_select.hpp"
+#include "kalfem/reduction/constraint_modes.hpp"
 #include "kalfem/reduction/mode_selection.hpp"
-#include "kalfem/reduction/static_modes.hpp"
 
 namespace kalfem {
 
@@ -61,8 +61,9 @@ std::vector<std::string> names_of(const LinearModel& model, const std::vector<In
 ModalDamping interior_damping(const LinearModel& model, const SparseMatrix& interior_mass,
                               const std::vector<Index>& interior) {
   if (model.modal_damping.rates.size() == 0) return {};
-  const MatrixXd momenta = model.mass * model.modal_damping.modes.shapes;
-  return {{model.modal_damping.modes.frequencies, SparseFactor(interior_mass).solve(momenta(interior, Eigen::all))},
+  const MatrixXd mass_weighted_modes = model.mass * model.modal_damping.modes.shapes;
+  return {{model.modal_damping.modes.frequencies,
+           SparseFactor(interior_mass).solve(mass_weighted_modes(interior, Eigen::all))},
           model.modal_damping.rates};
 }
 
@@ -73,7 +74,7 @@ VectorXd interior_part(const VectorXd& vector, const std::vector<Index>& interio
 }  // namespace
 
 BaseDrivenSubstructure::BaseDrivenSubstructure(const LinearModel& model, std::vector<Index> boundary,
-                                               const MatrixXd& drag)
+                                               const MatrixXd& cross_damping)
     : boundary_(std::move(boundary)) {
   const Partition parts = partition(model, names_of(model, boundary_));
   interior_ = parts.interior;
@@ -93,7 +94,7 @@ BaseDrivenSubstructure::BaseDrivenSubstructure(const LinearModel& model, std::ve
 
   const auto n_b = static_cast<Index>(boundary_.size());
   shapes_ = MatrixXd::Zero(model.size(), n_b);
-  shapes_(interior_, Eigen::all) = static_modes(parts, factored, rigid_modes);
+  shapes_(interior_, Eigen::all) = constraint_modes(parts, factored, rigid_modes);
   shapes_(boundary_, Eigen::all).setIdentity();
   const MatrixXd inertia = model.mass * shapes_,
                  damping = model.damping * shapes_ + damping_force(model.modal_damping, model.mass, shapes_);
@@ -101,8 +102,8 @@ BaseDrivenSubstructure::BaseDrivenSubstructure(const LinearModel& model, std::ve
     driven_.inputs.push_back({model.dofs[static_cast<std::size_t>(boundary_[static_cast<std::size_t>(b)])], "m",
                               VectorXd::Zero(driven_.size()), -damping.col(b)(interior_), -inertia.col(b)(interior_)});
   const VectorXd none = VectorXd::Zero(driven_.size());
-  for (Index o = 0; o < drag.cols(); ++o)
-    driven_.inputs.push_back({"outside " + std::to_string(o + 1), "m", none, -drag.col(o)(interior_), none});
+  for (Index o = 0; o < cross_damping.cols(); ++o)
+    driven_.inputs.push_back({"outside " + std::to_string(o + 1), "m", none, -cross_damping.col(o)(interior_), none});
 }
 
 /// Rows S of all degrees of freedom as S_i q + S [Psi; 1] z_b.

@@ -4,7 +4,7 @@
 
 #include "kalfem/base/progress.hpp"
 #include "kalfem/system/locally_nonlinear_system.hpp"
-#include "kalfem/system/output_map.hpp"
+#include "kalfem/system/sensors/output_map.hpp"
 #include "kalfem/system/signal.hpp"
 
 namespace kalfem {
@@ -54,7 +54,7 @@ public:
   /// Throws InvalidInput where there is no interior, or where the interior still moves freely with the boundary held
   /// (naming a degree of freedom that does).
   BaseDrivenSubstructure(const LinearModel& model, std::vector<Eigen::Index> boundary,
-                         const Eigen::MatrixXd& drag = {});
+                         const Eigen::MatrixXd& cross_damping = {});
 
   /// `points`: rows over all degrees of freedom, points x n.
   [[nodiscard]] PredictedMotion predict(const SparseRows& points, const BoundaryMotion& boundary,

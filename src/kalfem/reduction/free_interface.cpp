@@ -5,11 +5,11 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/stopwatch.hpp"
-#include "kalfem/reduction/evidence.hpp"
+#include "kalfem/reduction/constraint_modes.hpp"
+#include "kalfem/reduction/error_indicators.hpp"
 #include "kalfem/reduction/mode_selection.hpp"
 #include "kalfem/reduction/projection.hpp"
 #include "kalfem/reduction/ritz.hpp"
-#include "kalfem/reduction/static_modes.hpp"
 
 namespace kalfem {
 
@@ -140,9 +140,9 @@ bool to_macneal(const LinearModel& full, const std::vector<std::string>& names, 
   return true;
 }
 
-double comparison_band(const ReductionEvidence& evidence, const FreeInterfaceOptions& options) {
+double comparison_band(const ReductionErrorIndicators& error_indicators, const FreeInterfaceOptions& options) {
   if (options.compare_up_to > 0.0) return options.compare_up_to;
-  return 0.5 * (evidence.highest_kept > 0.0 ? evidence.highest_kept : evidence.next_left_out);
+  return 0.5 * (error_indicators.highest_kept > 0.0 ? error_indicators.highest_kept : error_indicators.next_left_out);
 }
 
 }  // namespace
@@ -162,22 +162,25 @@ Superelement free_interface(const LinearModel& model, const std::vector<std::str
   element.basis = transformation(parts, space.static_part, space.modes.vectors);
   element.model =
       projected_model(model, element.basis, space.modes.values, with_modes(names, space.modes.values.size()));
-  ReductionEvidence& evidence = element.evidence;
-  evidence.reason = kept.reason + ", and the residual flexibility and mass of the boundary";
+  ReductionErrorIndicators& error_indicators = element.error_indicators;
+  error_indicators.reason = kept.reason + ", and the residual flexibility and mass of the boundary";
   if (options.kind == FreeInterfaceKind::macneal)
-    evidence.reason = to_macneal(model, names, kept.modes.values, element)
-                          ? kept.reason + ", and the residual flexibility of the boundary without its mass"
-                          : evidence.reason + " (so few modes are left out that MacNeal's form does not exist)";
-  evidence.static_error = static_error(parts, space.static_part);
-  evidence.interface_frequencies = natural_frequencies(kept.modes.values);
-  evidence.highest_kept = kept.modes.values.size() > 0 ? evidence.interface_frequencies.tail(1)[0] : 0.0;
-  evidence.next_left_out = natural_frequencies(VectorXd::Constant(1, kept.modes.next.value_or(0.0)))[0];
-  evidence.rigid_modes = kept.rigid;
-  evidence.factor_bytes = std::max(free.factor_bytes, space.factor_bytes);
-  evidence.solves = kept.modes.solves + space.solves;
-  evidence.seconds = watch.seconds();
-  if (options.evidence)
-    evidence.modes = compare_modes(model, element.model, element.basis, comparison_band(evidence, options));
+    error_indicators.reason =
+        to_macneal(model, names, kept.modes.values, element)
+            ? kept.reason + ", and the residual flexibility of the boundary without its mass"
+            : error_indicators.reason + " (so few modes are left out that MacNeal's form does not exist)";
+  error_indicators.static_error = static_error(parts, space.static_part);
+  error_indicators.fixed_interface_frequencies = natural_frequencies(kept.modes.values);
+  error_indicators.highest_kept =
+      kept.modes.values.size() > 0 ? error_indicators.fixed_interface_frequencies.tail(1)[0] : 0.0;
+  error_indicators.next_left_out = natural_frequencies(VectorXd::Constant(1, kept.modes.next.value_or(0.0)))[0];
+  error_indicators.rigid_modes = kept.rigid;
+  error_indicators.factor_bytes = std::max(free.factor_bytes, space.factor_bytes);
+  error_indicators.solves = kept.modes.solves + space.solves;
+  error_indicators.seconds = watch.seconds();
+  if (options.error_indicators)
+    error_indicators.modes =
+        compare_modes(model, element.model, element.basis, comparison_band(error_indicators, options));
   return element;
 }
 

@@ -18,7 +18,7 @@ struct FreeInterfaceOptions {
   std::vector<std::string> also_kept = {};  ///< degrees of freedom treated as boundary beside it, such as sensors'
   double compare_up_to = 0.0;  ///< band of the evidence's comparison [Hz]; 0: half the highest kept, or half the first
                                ///< left out where only rigid-body modes are kept
-  bool evidence = true;        ///< compare at all (costs the full model's modes)
+  bool error_indicators = true;  ///< compare at all (costs the full model's modes)
 };
 
 /// Free-interface reduction: the lowest modes Phi of the component whose boundary is free (Lambda their values), with
@@ -30,9 +30,9 @@ struct FreeInterfaceOptions {
 /// and so are the modes kept while nothing is attached. The component may be free, partly held or fully held.
 ///
 /// Rubin: K_r = T^T K T and M_r = T^T M T, n_b + modes coordinates. Psi_r is not formed: for a held component the space
-/// of Phi and Psi_r is that of [Psi, Phi - Psi Phi_b] with the static modes Psi of craig_bampton(); a free one adds the
-/// interior's answer K_ii^-1 (M R)_i to the inertia forces of the rigid-body motions that boundary forces cause. What
-/// vanishes on the boundary is made uncoupled and mass-normalised: so "mode1", ... are approximate fixed-interface
+/// of Phi and Psi_r is that of [Psi, Phi - Psi Phi_b] with the constraint modes Psi of craig_bampton(); a free one adds
+/// the interior's answer K_ii^-1 (M R)_i to the inertia forces of the rigid-body motions that boundary forces cause.
+/// What vanishes on the boundary is made uncoupled and mass-normalised: so "mode1", ... are approximate fixed-interface
 /// modes. Each coordinate of the space is kept once, so with all modes this is the full model. Frequencies are upper
 /// bounds.
 ///

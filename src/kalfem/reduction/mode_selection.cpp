@@ -44,11 +44,11 @@ void check(const ModeSelection& selection) {
 
 /// The fewest leading modes that take this part of the mass in every direction; one more than there are when all of
 /// them do not reach it.
-Index modes_for_mass(const MatrixXd& momenta, const VectorXd& masses, const MatrixXd& shapes, double part) {
+Index modes_for_mass(const MatrixXd& mass_weighted_modes, const VectorXd& masses, const MatrixXd& shapes, double part) {
   VectorXd missing = part * masses;
   Index kept = 0;
   while (kept <= shapes.cols() && (missing.array() > 0.0).any()) {
-    if (kept < shapes.cols()) missing -= (momenta.transpose() * shapes.col(kept)).cwiseAbs2();
+    if (kept < shapes.cols()) missing -= (mass_weighted_modes.transpose() * shapes.col(kept)).cwiseAbs2();
     ++kept;
   }
   return kept;
@@ -69,11 +69,11 @@ public:
   }
 
   Index up_to_mass(const MatrixXd& following, double part) {
-    const MatrixXd momenta = parts_.mass_ii * following;
-    const VectorXd masses = following.cwiseProduct(momenta).colwise().sum();
+    const MatrixXd mass_weighted_modes = parts_.mass_ii * following;
+    const VectorXd masses = following.cwiseProduct(mass_weighted_modes).colwise().sum();
     for (Index count = first_guess;; count *= 2) {
       up_to_count(count);
-      const Index needed = modes_for_mass(momenta, masses, modes.vectors, part);
+      const Index needed = modes_for_mass(mass_weighted_modes, masses, modes.vectors, part);
       if (needed <= modes.values.size() || !modes.next) return std::min(needed, modes.values.size());
     }
   }

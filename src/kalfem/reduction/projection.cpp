@@ -71,8 +71,9 @@ SparseMatrix projected_damping(const LinearModel& model, const MatrixXd& T) {
   const SparseMatrix local = projected(model.damping, T);
   const auto& [modes, rates] = model.modal_damping;
   if (rates.size() == 0) return local;
-  const MatrixXd momenta = T.transpose() * (model.mass * modes.shapes);
-  return symmetric(MatrixXd(local) + momenta * rates.asDiagonal() * momenta.transpose()).sparseView();
+  const MatrixXd mass_weighted_modes = T.transpose() * (model.mass * modes.shapes);
+  return symmetric(MatrixXd(local) + mass_weighted_modes * rates.asDiagonal() * mass_weighted_modes.transpose())
+      .sparseView();
 }
 
 LinearModel projected_surroundings(const LinearModel& model, const MatrixXd& T, std::vector<std::string> names) {

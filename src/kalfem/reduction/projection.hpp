@@ -17,10 +17,10 @@ Eigen::MatrixXd transformation(const Partition& parts, const Eigen::MatrixXd& st
 /// T^T (C + C_m) T, r x r, without ever forming the modal damping C_m.
 SparseMatrix projected_damping(const LinearModel& model, const Eigen::MatrixXd& T);
 
-/// The model in the coordinates q of z = T q with T = [I 0; Psi Phi]: static modes Psi, in equilibrium in the interior,
-/// and mass-normalised modes Phi of the interior with these values [(rad/s)^2]. So the last block of the mass is the
-/// identity, that of the stiffness diagonal, and the stiffness has no coupling between the two. Grounds and points are
-/// carried over; the damping holds C_m.
+/// The model in the coordinates q of z = T q with T = [I 0; Psi Phi]: constraint modes Psi, in equilibrium in the
+/// interior, and mass-normalised modes Phi of the interior with these values [(rad/s)^2]. So the last block of the mass
+/// is the identity, that of the stiffness diagonal, and the stiffness has no coupling between the two. Grounds and
+/// points are carried over; the damping holds C_m.
 LinearModel projected_model(const LinearModel& model, const Eigen::MatrixXd& T, const Eigen::VectorXd& values,
                             std::vector<std::string> names);
 

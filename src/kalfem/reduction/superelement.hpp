@@ -32,18 +32,18 @@ struct ModeComparison {
 };
 
 /// What a reduction reports about itself.
-struct ReductionEvidence {
+struct ReductionErrorIndicators {
   std::vector<ModeComparison> modes;
   double static_error = 0.0;  ///< largest |K_ii psi + K_ib| / |K_ib| of a boundary degree of freedom's static mode psi
-  Eigen::VectorXd interface_frequencies = {};  ///< fixed-interface modes kept [Hz]
-  double highest_kept = 0.0;                   ///< of the fixed-interface modes [Hz]; 0: none
-  double next_left_out = 0.0;                  ///< first that was left out [Hz], to 1 %; 0: there is none
-  Eigen::Index rigid_modes = 0;                ///< of the interior while the boundary is held, all kept
-  std::string reason = {};                     ///< why so many modes, in words
-  double seconds = 0.0;                        ///< without the comparison with the full model
-  double factor_bytes = 0.0;                   ///< memory of the factor of K_ii [byte]
-  Eigen::Index solves = 0;                     ///< back-solves with it
-  EliminationOrder order = {};                 ///< of it: Craig-Bampton only
+  Eigen::VectorXd fixed_interface_frequencies = {};  ///< fixed-interface modes kept [Hz]
+  double highest_kept = 0.0;                         ///< of the fixed-interface modes [Hz]; 0: none
+  double next_left_out = 0.0;                        ///< first that was left out [Hz], to 1 %; 0: there is none
+  Eigen::Index rigid_modes = 0;                      ///< of the interior while the boundary is held, all kept
+  std::string reason = {};                           ///< why so many modes, in words
+  double seconds = 0.0;                              ///< without the comparison with the full model
+  double factor_bytes = 0.0;                         ///< memory of the factor of K_ii [byte]
+  Eigen::Index solves = 0;                           ///< back-solves with it
+  EliminationOrder order = {};                       ///< of it: Craig-Bampton only
 };
 
 /// A linear substructure in few coordinates, z = T q, with the map back to the full model.
@@ -52,7 +52,7 @@ struct Superelement {
                           ///< the full model's points as combinations of these
   Eigen::MatrixXd basis;  ///< T, n x r: displacement of all full degrees of freedom per reduced one
   std::vector<Eigen::Index> boundary;  ///< indices of the boundary in the full model
-  ReductionEvidence evidence;
+  ReductionErrorIndicators error_indicators;
 
   /// Displacement of the full model's degrees of freedom; works for velocities and accelerations too.
   [[nodiscard]] Eigen::MatrixXd recover(const Eigen::MatrixXd& reduced) const { return basis * reduced; }
@@ -61,18 +61,19 @@ struct Superelement {
 struct ReductionOptions {
   ModeSelection modes = {};                 ///< Craig-Bampton only, at least one criterion
   std::vector<std::string> also_kept = {};  ///< degrees of freedom treated as boundary beside it, such as sensors'
-  bool truncation_vectors = false;          ///< add the shapes that make up for the modes left out, see
-                                            ///< truncation_vectors.hpp: at most one a boundary degree of freedom
-  EliminationOrder order = {};  ///< of an earlier reduction with the same pattern and boundary, see the evidence
-  double compare_up_to = 0.0;  ///< band in which the evidence compares with the full model's modes [Hz]; 0: half the
-                               ///< highest kept, or half the first left out where none is kept
-  bool evidence = true;        ///< compare at all (costs the full model's modes)
+  bool augmentation_vectors = false;        ///< add the shapes that make up for the modes left out, see
+                                            ///< augmentation_vectors.hpp: at most one a boundary degree of freedom
+  EliminationOrder order = {};   ///< of an earlier reduction with the same pattern and boundary, see the evidence
+  double compare_up_to = 0.0;    ///< band in which the evidence compares with the full model's modes [Hz]; 0: half the
+                                 ///< highest kept, or half the first left out where none is kept
+  bool error_indicators = true;  ///< compare at all (costs the full model's modes)
 };
 
 /// Craig-Bampton: static boundary modes Psi = -K_ii^-1 K_ib and mass-normalised modes Phi of the interior held at the
 /// boundary [CB68],
 ///     z = T q,  T = [I 0; Psi Phi],  M_r = T^T M T,  C_r = T^T (C + C_m) T,  K_r = T^T K T.
-/// One factorisation of K_ii serves both. With truncation vectors, "truncation1", ..., follow the modes.
+/// One factorisation of K_ii serves both. With modal truncation augmentation vectors, "truncation1", ..., follow the
+/// modes.
 ///
 /// Where the held boundary leaves the interior free to move, K_ii is singular: its rigid-body modes R are then kept
 /// before all others, and Psi is the solution of K_ii Psi = -K_ib with R^T M_ii Psi = 0. It exists because K is
@@ -89,8 +90,8 @@ Superelement guyan(const LinearModel& model, const std::vector<std::string>& bou
 
 /// What in the evidence speaks against using the reduction, in sentences: modes left out within the band that is
 /// excited or within three times the sensors' bandwidth (six times is better), frequencies or shapes in that bandwidth
-/// that differ, static modes that are not exact. Both bands [Hz].
-std::vector<std::string> reduction_warnings(const ReductionEvidence& evidence, double excitation_band,
+/// that differ, constraint modes that are not exact. Both bands [Hz].
+std::vector<std::string> reduction_warnings(const ReductionErrorIndicators& error_indicators, double excitation_band,
                                             double sensor_bandwidth);
 
 }  // namespace kalfem

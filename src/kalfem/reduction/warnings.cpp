@@ -19,20 +19,18 @@ std::string hertz(double frequency) {
 
 }  // namespace
 
-std::vector<std::string> reduction_warnings(const ReductionEvidence& evidence, double excitation_band,
+std::vector<std::string> reduction_warnings(const ReductionErrorIndicators& error_indicators, double excitation_band,
                                             double sensor_bandwidth) {
   std::vector<std::string> warnings;
-  const double left_out = evidence.next_left_out;
+  const double left_out = error_indicators.next_left_out;
   if (left_out > 0.0 && left_out < excitation_band)
-    warnings.push_back("the first mode left out, at " + hertz(left_out) +
-                       ", is inside the band of the excitation, " + hertz(excitation_band) +
-                       ": the excitation drives motion that the reduced model does not have");
+    warnings.push_back("the first mode left out, at " + hertz(left_out) + ", is inside the band of the excitation, " +
+                       hertz(excitation_band) + ": the excitation drives motion that the reduced model does not have");
   if (left_out > 0.0 && left_out < 3.0 * sensor_bandwidth)
-    warnings.push_back("the modes end below " + hertz(left_out) +
-                       ", less than three times the sensors' " + "bandwidth of " + hertz(sensor_bandwidth) +
-                       ": keep modes up to " + hertz(3.0 * sensor_bandwidth) + ", better up to " +
-                       hertz(6.0 * sensor_bandwidth));
-  for (const auto& mode : evidence.modes) {
+    warnings.push_back("the modes end below " + hertz(left_out) + ", less than three times the sensors' " +
+                       "bandwidth of " + hertz(sensor_bandwidth) + ": keep modes up to " +
+                       hertz(3.0 * sensor_bandwidth) + ", better up to " + hertz(6.0 * sensor_bandwidth));
+  for (const auto& mode : error_indicators.modes) {
     if (mode.full > sensor_bandwidth) break;
     const bool frequency_off = mode.reduced - mode.full > frequency_tolerance * mode.full;
     if (!frequency_off && mode.mac >= least_mac) continue;
@@ -42,8 +40,8 @@ std::vector<std::string> reduction_warnings(const ReductionEvidence& evidence, d
                        hertz(mode.reduced) + " in the reduced one, with an assurance criterion of " + mac +
                        ": keep more modes or more of the boundary");
   }
-  if (evidence.static_error > static_tolerance)
-    warnings.push_back("the static modes leave " + std::to_string(evidence.static_error) +
+  if (error_indicators.static_error > static_tolerance)
+    warnings.push_back("the constraint modes leave " + std::to_string(error_indicators.static_error) +
                        " of the boundary's forces unbalanced: the interior's stiffness is nearly singular");
   return warnings;
 }

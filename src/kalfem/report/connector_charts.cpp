@@ -26,20 +26,20 @@ VectorXd force(const ConnectorLaw& law, const VectorXd& parameters, const Vector
   return f.matrix();
 }
 
-/// Parameters of one connector in the observer as a function of the unknowns' states.
+/// Parameters of one connector in the augmented model as a function of the unknowns' states.
 class IdentifiedConnector {
 public:
-  IdentifiedConnector(const EstimationStage& stage, Index connector) : stage_(stage), connector_(connector) {
-    const auto& layout = stage.observer->layout();
-    last_ = stage.result.state.mean.cols() - 1;
-    state_ = stage.result.state.mean.col(last_).segment(layout.unknown(), layout.unknowns);
+  IdentifiedConnector(const EstimationOutcome& outcome, Index connector) : outcome_(outcome), connector_(connector) {
+    const auto& layout = outcome.augmented_model->layout();
+    last_ = outcome.result.state.mean.cols() - 1;
+    state_ = outcome.result.state.mean.col(last_).segment(layout.unknown(), layout.unknowns);
     covariance_ =
-        stage.result.final_covariance.block(layout.unknown(), layout.unknown(), layout.unknowns, layout.unknowns);
+        outcome.result.final_covariance.block(layout.unknown(), layout.unknown(), layout.unknowns, layout.unknowns);
   }
 
   [[nodiscard]] VectorXd parameters(const VectorXd& state) const {
-    VectorXd values = stage_.observer->system().connectors[static_cast<std::size_t>(connector_)].parameters;
-    const auto& unknowns = stage_.observer->options().unknowns;
+    VectorXd values = outcome_.augmented_model->system().connectors[static_cast<std::size_t>(connector_)].parameters;
+    const auto& unknowns = outcome_.augmented_model->options().unknowns;
     for (std::size_t i = 0; i < unknowns.size(); ++i)
       for (const auto& target : unknowns[i].targets)
         if (target.connector == connector_)
@@ -49,7 +49,7 @@ public:
 
   /// Curve with the band that the parameters' covariance gives to first order.
   [[nodiscard]] Series curve(const VectorXd& deformation, const VectorXd& rate) const {
-    const auto& law = *stage_.observer->system().connectors[static_cast<std::size_t>(connector_)].law;
+    const auto& law = *outcome_.augmented_model->system().connectors[static_cast<std::size_t>(connector_)].law;
     const VectorXd mean = force(law, parameters(state_), deformation, rate);
     MatrixXd slope(mean.size(), state_.size());
     for (Index i = 0; i < state_.size(); ++i) {
@@ -68,16 +68,16 @@ public:
   }
 
 private:
-  const EstimationStage& stage_;
+  const EstimationOutcome& outcome_;
   Index connector_, last_ = 0;
   VectorXd state_;
   MatrixXd covariance_;
 };
 
-const PointQuantity* find(const EstimationStage& stage, const std::string& name, ObservedQuantity quantity) {
+const PointQuantity* find(const EstimationOutcome& outcome, const std::string& name, ObservedQuantity quantity) {
   const auto found =
-      std::ranges::find_if(stage.points, [&](const auto& p) { return p.point == name && p.quantity == quantity; });
-  return found == stage.points.end() ? nullptr : &*found;
+      std::ranges::find_if(outcome.points, [&](const auto& p) { return p.point == name && p.quantity == quantity; });
+  return found == outcome.points.end() ? nullptr : &*found;
 }
 
 const Connector* true_connector(const Study& study, const std::string& name) {
@@ -87,11 +87,11 @@ const Connector* true_connector(const Study& study, const std::string& name) {
   return found == connectors.end() ? nullptr : &*found;
 }
 
-Chart characteristic(const Study& study, const EstimationStage& stage, Index index, bool over_rate) {
-  const auto& connector = stage.observer->system().connectors[static_cast<std::size_t>(index)];
-  const auto* range = find(stage, connector.name,
+Chart characteristic(const Study& study, const EstimationOutcome& outcome, Index index, bool over_rate) {
+  const auto& connector = outcome.augmented_model->system().connectors[static_cast<std::size_t>(index)];
+  const auto* range = find(outcome, connector.name,
                            over_rate ? ObservedQuantity::connector_rate : ObservedQuantity::connector_deformation);
-  const double largest = std::max(1e-12, range->mean.tail(range->mean.size() - stage.settled).cwiseAbs().maxCoeff());
+  const double largest = std::max(1e-12, range->mean.tail(range->mean.size() - outcome.settled).cwiseAbs().maxCoeff());
   const VectorXd x = VectorXd::LinSpaced(curve_points, -largest, largest), zero = VectorXd::Zero(curve_points);
   const VectorXd &deformation = over_rate ? zero : x, &rate = over_rate ? x : zero;
   Chart chart{.id = connector.name + (over_rate ? "-damper" : "-spring"),
@@ -100,7 +100,7 @@ Chart characteristic(const Study& study, const EstimationStage& stage, Index ind
               .x_label = over_rate ? "deformation rate [m/s]" : "deformation [m]",
               .y_label = "force [N]",
               .x = series_values(x),
-              .series = {IdentifiedConnector(stage, index).curve(deformation, rate)},
+              .series = {IdentifiedConnector(outcome, index).curve(deformation, rate)},
               .half_width = true};
   if (const auto* truth = true_connector(study, connector.name))
     chart.series.push_back({.label = "true",
@@ -110,10 +110,10 @@ Chart characteristic(const Study& study, const EstimationStage& stage, Index ind
 }
 
 /// Force over deformation as it went, over the last part of the record.
-Chart path(const EstimationStage& stage, const std::string& name) {
-  const auto *force_history = find(stage, name, ObservedQuantity::connector_force),
-             *deformation = find(stage, name, ObservedQuantity::connector_deformation);
-  const Index count = std::min<Index>(2000, force_history->mean.size() - stage.settled);
+Chart path(const EstimationOutcome& outcome, const std::string& name) {
+  const auto *force_history = find(outcome, name, ObservedQuantity::connector_force),
+             *deformation = find(outcome, name, ObservedQuantity::connector_deformation);
+  const Index count = std::min<Index>(2000, force_history->mean.size() - outcome.settled);
   Chart chart{.id = name + "-path",
               .title = name + ": path",
               .caption = "The last part of the record.",
@@ -134,20 +134,20 @@ Chart path(const EstimationStage& stage, const std::string& name) {
 
 }  // namespace
 
-Section connectors_section(const Study& study, const EstimationStage& stage) {
+Section connectors_section(const Study& study, const EstimationOutcome& outcome) {
   Section section{"Connectors", "The identified laws.", {}};
-  const auto& connectors = stage.observer->system().connectors;
+  const auto& connectors = outcome.augmented_model->system().connectors;
   for (std::size_t j = 0; j < connectors.size(); ++j) {
-    const bool unknown = std::ranges::any_of(stage.observer->options().unknowns, [&](const auto& each) {
+    const bool unknown = std::ranges::any_of(outcome.augmented_model->options().unknowns, [&](const auto& each) {
       return std::ranges::any_of(each.targets,
                                  [&](const auto& target) { return target.connector == static_cast<Index>(j); });
     });
     if (!unknown) continue;
     if (connectors[j].law->states().empty()) {
-      section.items.emplace_back(characteristic(study, stage, static_cast<Index>(j), false));
-      section.items.emplace_back(characteristic(study, stage, static_cast<Index>(j), true));
+      section.items.emplace_back(characteristic(study, outcome, static_cast<Index>(j), false));
+      section.items.emplace_back(characteristic(study, outcome, static_cast<Index>(j), true));
     }
-    section.items.emplace_back(path(stage, connectors[j].name));
+    section.items.emplace_back(path(outcome, connectors[j].name));
   }
   return section;
 }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "kalfem/model/cell_corners.hpp"
+#include "kalfem/model/mesh/cell_corners.hpp"
 
 namespace kalfem {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "kalfem/model/mesh.hpp"
+#include "kalfem/model/mesh/mesh.hpp"
 
 namespace kalfem {
 

@@ -16,14 +16,14 @@ namespace {
 struct Estimate {
   double value, deviation;
 };
-std::optional<Estimate> estimated_rest(const EstimationStage& stage, const std::string& sensor) {
-  const auto& unknowns = stage.observer->options().unknowns;
-  const Index last = stage.result.unknowns.mean.cols() - 1;
+std::optional<Estimate> estimated_rest(const EstimationOutcome& outcome, const std::string& sensor) {
+  const auto& unknowns = outcome.augmented_model->options().unknowns;
+  const Index last = outcome.result.unknowns.mean.cols() - 1;
   for (std::size_t i = 0; i < unknowns.size(); ++i)
     for (const Index output : unknowns[i].sensors)
-      if (stage.measurements.channels[static_cast<std::size_t>(output)].name == sensor)
-        return Estimate{stage.result.unknowns.mean(static_cast<Index>(i), last),
-                        stage.result.unknowns.deviation(static_cast<Index>(i), last)};
+      if (outcome.measurements.channels[static_cast<std::size_t>(output)].name == sensor)
+        return Estimate{outcome.result.unknowns.mean(static_cast<Index>(i), last),
+                        outcome.result.unknowns.deviation(static_cast<Index>(i), last)};
   return std::nullopt;
 }
 

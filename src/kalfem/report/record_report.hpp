@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "kalfem/casefile/stages.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 
 namespace kalfem {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "kalfem/base/time_series.hpp"
+#include "kalfem/records/time_series.hpp"
 
 namespace kalfem {
 namespace {

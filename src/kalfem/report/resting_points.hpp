@@ -3,7 +3,7 @@
 #include <map>
 #include <vector>
 
-#include "kalfem/casefile/stages.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 
 namespace kalfem {
 

@@ -15,7 +15,7 @@
 #include "kalfem/base/utf8.hpp"
 #include "kalfem/base/write_failure.hpp"
 #include "kalfem/casefile/description_form.hpp"
-#include "kalfem/casefile/updating_checkpoint.hpp"
+#include "kalfem/pipeline/updating_checkpoint.hpp"
 #include "kalfem/report/field_files.hpp"
 #include "kalfem/report/results_file.hpp"
 #include "kalfem/report/study_page.hpp"

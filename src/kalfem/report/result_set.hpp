@@ -5,7 +5,7 @@
 
 #include "kalfem/base/output_folder.hpp"
 #include "kalfem/base/stopwatch.hpp"
-#include "kalfem/casefile/stages.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 
 namespace kalfem {
 

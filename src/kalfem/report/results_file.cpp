@@ -1,7 +1,7 @@
 #include "kalfem/report/results_file.hpp"
 
 #include "kalfem/base/version.hpp"
-#include "kalfem/formats/hdf5_file.hpp"
+#include "kalfem/formats/hdf5/hdf5_file.hpp"
 
 namespace kalfem {
 namespace {
@@ -69,41 +69,41 @@ private:
   double sample_rate_;
 };
 
-void write_truth(SeriesFile& file, const Study& study, const SimulationStage& stage) {
-  file.write_points("/truth", stage.points);
-  const auto& inputs = stage.reference.simulation.trajectory.inputs;
+void write_truth(SeriesFile& file, const Study& study, const SimulationOutcome& outcome) {
+  file.write_points("/truth", outcome.points);
+  const auto& inputs = outcome.reference.simulation.trajectory.inputs;
   for (Eigen::Index i = 0; i < study.model->system().input_count(); ++i) {
     const auto& input = study.model->system().inputs[static_cast<std::size_t>(i)];
     file.write("/inputs/" + input.name, inputs.row(i).transpose(), input.unit);
   }
 }
 
-void write_estimate(SeriesFile& file, const EstimationStage& stage) {
-  file.write_points("/estimate", stage.points);
-  const auto& unknowns = stage.observer->options().unknowns;
+void write_estimate(SeriesFile& file, const EstimationOutcome& outcome) {
+  file.write_points("/estimate", outcome.points);
+  const auto& unknowns = outcome.augmented_model->options().unknowns;
   for (std::size_t i = 0; i < unknowns.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     const std::string name = "/estimate/parameters/" + unknowns[i].name;
-    file.write(name, stage.result.unknowns.mean.row(row).transpose(), unknowns[i].unit);
-    file.write(name + "_std", stage.result.unknowns.deviation.row(row).transpose(), unknowns[i].unit);
+    file.write(name, outcome.result.unknowns.mean.row(row).transpose(), unknowns[i].unit);
+    file.write(name + "_std", outcome.result.unknowns.deviation.row(row).transpose(), unknowns[i].unit);
   }
-  for (std::size_t i = 0; i < stage.measurements.channels.size(); ++i) {
+  for (std::size_t i = 0; i < outcome.measurements.channels.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
-    const auto& channel = stage.measurements.channels[i];
-    file.write("/innovation/value/" + channel.name, stage.result.innovation.row(row).transpose(), channel.unit);
-    file.write("/innovation/deviation/" + channel.name, stage.result.innovation_deviation.row(row).transpose(),
+    const auto& channel = outcome.measurements.channels[i];
+    file.write("/innovation/value/" + channel.name, outcome.result.innovation.row(row).transpose(), channel.unit);
+    file.write("/innovation/deviation/" + channel.name, outcome.result.innovation_deviation.row(row).transpose(),
                channel.unit);
-    if (stage.open_loop) file.write("/open_loop/" + channel.name, stage.open_loop_sensors.col(row), channel.unit);
+    if (outcome.open_loop) file.write("/open_loop/" + channel.name, outcome.open_loop_sensors.col(row), channel.unit);
   }
-  file.write("/innovation/nis", stage.result.nis, "-");
+  file.write("/innovation/nis", outcome.result.nis, "-");
 }
 
 /// Every stage: the residual, what was tried, what was accepted last. Then the responses that were compared.
-void write_updating(SeriesFile& file, const Study& study, const UpdatingStage& stage) {
-  const auto stages = static_cast<Eigen::Index>(stage.trace.size());
+void write_updating(SeriesFile& file, const Study& study, const UpdatingOutcome& outcome) {
+  const auto stages = static_cast<Eigen::Index>(outcome.trace.size());
   const auto column = [&](const auto& value) {
     Eigen::VectorXd values(stages);
-    for (Eigen::Index k = 0; k < stages; ++k) values[k] = value(stage.trace[static_cast<std::size_t>(k)]);
+    for (Eigen::Index k = 0; k < stages; ++k) values[k] = value(outcome.trace[static_cast<std::size_t>(k)]);
     return values;
   };
   file.write_column("/updating/residual", column([](const auto& step) { return step.residual; }), "-");
@@ -115,7 +115,7 @@ void write_updating(SeriesFile& file, const Study& study, const UpdatingStage& s
     file.write_column(name, column([&](const auto& step) { return step.parameters[index]; }), parameter.unit);
     file.write_column(name + "_tried", column([&](const auto& step) { return step.tried[index]; }), parameter.unit);
   }
-  for (const auto& comparison : stage.comparisons)
+  for (const auto& comparison : outcome.comparisons)
     for (std::size_t i = 0; i < comparison.responses.size(); ++i) {
       const auto& curve = comparison.responses[i];
       const std::string group = "/updating/responses/" + comparison.name + "/" + std::to_string(i + 1);

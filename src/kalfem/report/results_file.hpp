@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "kalfem/casefile/stages.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 
 namespace kalfem {
 

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "kalfem/casefile/study.hpp"
+#include "kalfem/study/study.hpp"
 
 namespace kalfem {
 

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "kalfem/casefile/modifications.hpp"
+#include "kalfem/pipeline/structural_modifications.hpp"
 #include "kalfem/report/connector_charts.hpp"
-#include "kalfem/report/health_section.hpp"
+#include "kalfem/report/model_check_section.hpp"
 #include "kalfem/report/record_report.hpp"
 #include "kalfem/report/resting_points.hpp"
 #include "kalfem/report/series_values.hpp"
@@ -37,18 +37,19 @@ Series with_band(const std::string& label, const VectorXd& mean, const VectorXd&
   return series;
 }
 
-Section parameters_section(const Study& study, const EstimationStage& stage) {
-  Section section{"Parameters", "Estimates over time with their 95 % bands.", {parameter_table(study, stage)}};
-  const auto& layout = stage.observer->layout();
+Section parameters_section(const Study& study, const EstimationOutcome& outcome) {
+  Section section{"Parameters", "Estimates over time with their 95 % bands.", {parameter_table(study, outcome)}};
+  const auto& layout = outcome.augmented_model->layout();
   for (Index i = 0; i < layout.unknowns; ++i) {
     const auto index = static_cast<std::size_t>(i);
-    const auto& unknown = stage.observer->options().unknowns[index];
-    Series estimate{
-        .label = "estimate", .y = series_values(stage.result.unknowns.mean.row(i).transpose()), .role = Role::estimate};
-    for (Index k = 0; k < stage.result.unknowns.mean.cols(); ++k) {
+    const auto& unknown = outcome.augmented_model->options().unknowns[index];
+    Series estimate{.label = "estimate",
+                    .y = series_values(outcome.result.unknowns.mean.row(i).transpose()),
+                    .role = Role::estimate};
+    for (Index k = 0; k < outcome.result.unknowns.mean.cols(); ++k) {
       const auto interval =
-          confidence_interval(unknown.transform, stage.result.state.mean(layout.unknown() + i, k),
-                              stage.result.state.deviation(layout.unknown() + i, k), band_probability);
+          confidence_interval(unknown.transform, outcome.result.state.mean(layout.unknown() + i, k),
+                              outcome.result.state.deviation(layout.unknown() + i, k), band_probability);
       estimate.lower.push_back(interval.lower);
       estimate.upper.push_back(interval.upper);
     }
@@ -56,10 +57,10 @@ Section parameters_section(const Study& study, const EstimationStage& stage) {
                 .title = unknown.name,
                 .x_label = "time [s]",
                 .y_label = unknown.name + " [" + unknown.unit + "]",
-                .x = times(stage.measurements),
+                .x = times(outcome.measurements),
                 .series = {estimate},
                 .half_width = true};
-    if (const auto& truth = study.observer->true_parameters[index])
+    if (const auto& truth = study.augmented_model->true_parameters[index])
       chart.series.push_back({.label = "truth", .y = std::vector<double>(chart.x.size(), *truth), .role = Role::truth});
     section.items.emplace_back(std::move(chart));
   }
@@ -73,66 +74,67 @@ const PointQuantity* find(const std::vector<PointQuantity>& points, const std::s
   return found == points.end() ? nullptr : &*found;
 }
 
-std::vector<std::string> shown_points(const Study& study, const EstimationStage& stage) {
+std::vector<std::string> shown_points(const Study& study, const EstimationOutcome& outcome) {
   std::vector<std::string> names;
   for (const auto& name : study.given.report.displacements) names.push_back(name.value);
   if (!names.empty()) return names;
-  const RestingPoints resting(stage.points, stage.settled);
-  for (const auto& point : stage.points)
+  const RestingPoints resting(outcome.points, outcome.settled);
+  for (const auto& point : outcome.points)
     if (point.quantity == ObservedQuantity::displacement && names.size() < 2 && !resting.rests(point))
       names.push_back(point.point);
   return names;
 }
 
 /// "NRMSE 0.31 % in the band of the excitation, 0.5 to 30 Hz; 59.9 % of the whole signal, after 2 s."
-std::string error_words(const Study& study, const EstimationStage& stage, const std::vector<PointQuantity>& points,
+std::string error_words(const Study& study, const EstimationOutcome& outcome, const std::vector<PointQuantity>& points,
                         const PointQuantity& point) {
-  if (RestingPoints(points, stage.settled).rests(point)) return "The reference is at rest there.";
+  if (RestingPoints(points, outcome.settled).rests(point)) return "The reference is at rest there.";
   if (!point.nrmse) return "";
   const std::string after = fmt::format(", after {} s.", four_digits(study.given.estimate->settle));
-  if (!point.nrmse_in_band || !stage.band) return "NRMSE " + per_cent(*point.nrmse) + after;
+  if (!point.nrmse_in_band || !outcome.band) return "NRMSE " + per_cent(*point.nrmse) + after;
   return fmt::format("NRMSE {} in the band of the excitation, {} to {} Hz; {} of the whole signal",
-                     per_cent(*point.nrmse_in_band), four_digits(stage.band->from), four_digits(stage.band->to),
+                     per_cent(*point.nrmse_in_band), four_digits(outcome.band->from), four_digits(outcome.band->to),
                      per_cent(*point.nrmse)) +
          after;
 }
 
-Chart motion_chart(const Study& study, const EstimationStage& stage, const PointQuantity& point, bool zoomed) {
-  const double from = stage.measurements.time(stage.settled);
+Chart motion_chart(const Study& study, const EstimationOutcome& outcome, const PointQuantity& point, bool zoomed) {
+  const double from = outcome.measurements.time(outcome.settled);
   Chart chart{.id = fmt::format("displacement-{}{}", point.point, zoomed ? "-zoom" : ""),
               .title = "Displacement of " + point.point + (zoomed ? ", zoomed" : ""),
               .x_label = "time [s]",
               .y_label = "displacement [m]",
-              .x = times(stage.measurements),
+              .x = times(outcome.measurements),
               .series = {with_band("estimate", point.mean, point.deviation, Role::estimate)}};
   if (point.truth.size() > 0)
     chart.series.push_back({.label = "simulated", .y = series_values(point.truth), .role = Role::truth});
-  chart.caption = error_words(study, stage, stage.points, point);
+  chart.caption = error_words(study, outcome, outcome.points, point);
   if (zoomed) chart.x_window = AxisRange{from, std::min(from + study.given.report.zoom, chart.x.back())};
   return chart;
 }
 
-Section motion_section(const Study& study, const EstimationStage& stage) {
+Section motion_section(const Study& study, const EstimationOutcome& outcome) {
   Section section{"Estimated motion", "Displacements that were not measured, whole and after settling.", {}};
-  for (const auto& name : shown_points(study, stage))
-    if (const auto* point = find(stage.points, name, ObservedQuantity::displacement)) {
-      section.items.emplace_back(motion_chart(study, stage, *point, false));
-      if (stage.settled + 1 < stage.measurements.samples())
-        section.items.emplace_back(motion_chart(study, stage, *point, true));
+  for (const auto& name : shown_points(study, outcome))
+    if (const auto* point = find(outcome.points, name, ObservedQuantity::displacement)) {
+      section.items.emplace_back(motion_chart(study, outcome, *point, false));
+      if (outcome.settled + 1 < outcome.measurements.samples())
+        section.items.emplace_back(motion_chart(study, outcome, *point, true));
     }
-  if (auto table = error_table("NRMSE against the reference", study, stage.points, stage.settled); !table.rows.empty())
+  if (auto table = error_table("NRMSE against the reference", study, outcome.points, outcome.settled);
+      !table.rows.empty())
     section.items.emplace_back(std::move(table));
   return section;
 }
 
-Section prediction_section(const Study& study, const EstimationStage& estimation, const PredictionStage& stage) {
-  Section section{"Prediction of '" + stage.substructure + "'",
+Section prediction_section(const Study& study, const EstimationOutcome& estimation, const PredictionOutcome& outcome) {
+  Section section{"Prediction of '" + outcome.substructure + "'",
                   "The linear substructure alone, driven by its estimated boundary accelerations.",
                   {}};
   const double from = estimation.measurements.time(estimation.settled);
-  const RestingPoints resting(stage.points, estimation.settled);
+  const RestingPoints resting(outcome.points, estimation.settled);
   int drawn = 0;
-  for (const auto& point : stage.points) {
+  for (const auto& point : outcome.points) {
     const bool of_interest = point.quantity == ObservedQuantity::acceleration && shown(study, point.point);
     if (!of_interest || resting.rests(point) || drawn == 4) continue;
     ++drawn;
@@ -145,30 +147,30 @@ Section prediction_section(const Study& study, const EstimationStage& estimation
                 .half_width = true};
     if (point.truth.size() > 0)
       chart.series.push_back({.label = "simulated", .y = series_values(point.truth), .role = Role::truth});
-    chart.caption = error_words(study, estimation, stage.points, point);
+    chart.caption = error_words(study, estimation, outcome.points, point);
     if (from < chart.x.back())
       chart.x_window = AxisRange{from, std::min(from + study.given.report.zoom, chart.x.back())};
     section.items.emplace_back(std::move(chart));
   }
-  if (auto table = error_table("NRMSE against the whole simulation", study, stage.points, estimation.settled);
+  if (auto table = error_table("NRMSE against the whole simulation", study, outcome.points, estimation.settled);
       !table.rows.empty())
     section.items.emplace_back(std::move(table));
   return section;
 }
 
 /// Mean of NIS over windows of about a hundredth of the record, with the 95 % band of such a mean.
-Chart nis_chart(const EstimationStage& stage) {
-  const Index samples = stage.result.nis.size(), window = std::max<Index>(1, samples / 100);
+Chart nis_chart(const EstimationOutcome& outcome) {
+  const Index samples = outcome.result.nis.size(), window = std::max<Index>(1, samples / 100);
   Chart chart{.id = "nis", .title = "Normalised innovation squared", .x_label = "time [s]", .y_label = "mean NIS [-]"};
   Series mean{.label = fmt::format("mean of {} samples", window), .y = {}, .role = Role::estimate};
   Series expected{.label = "expected, with 95 % band", .y = {}, .role = Role::limit};
   for (Index begin = 0; begin + window <= samples; begin += window) {
     double sum = 0.0, degrees = 0.0, count = 0.0;
     for (Index k = begin; k < begin + window; ++k)
-      if (std::isfinite(stage.result.nis[k]))
-        sum += stage.result.nis[k], degrees += stage.result.measured[k], count += 1.0;
+      if (std::isfinite(outcome.result.nis[k]))
+        sum += outcome.result.nis[k], degrees += outcome.result.measured[k], count += 1.0;
     if (count == 0.0) continue;
-    chart.x.push_back(stage.measurements.time(begin + window / 2));
+    chart.x.push_back(outcome.measurements.time(begin + window / 2));
     mean.y.push_back(sum / count);
     expected.y.push_back(degrees / count);
     expected.lower.push_back(chi_squared_quantile(0.025, degrees) / count);
@@ -178,49 +180,51 @@ Chart nis_chart(const EstimationStage& stage) {
   return chart;
 }
 
-Section consistency_section(const EstimationStage& stage) {
-  Section section{
-      "Innovations",
-      fmt::format("Mean NIS {:.3f} where {:.3f} is right; {:.1f} % of the samples lie in the 95 % band.",
-                  stage.consistency.mean_nis, stage.consistency.expected_nis, 100.0 * stage.consistency.fraction_in_95),
-      {nis_chart(stage)}};
-  for (std::size_t i = 0; i < stage.measurements.channels.size(); ++i) {
+Section consistency_section(const EstimationOutcome& outcome) {
+  Section section{"Innovations",
+                  fmt::format("Mean NIS {:.3f} where {:.3f} is right; {:.1f} % of the samples lie in the 95 % band.",
+                              outcome.consistency.mean_nis, outcome.consistency.expected_nis,
+                              100.0 * outcome.consistency.fraction_in_95),
+                  {nis_chart(outcome)}};
+  for (std::size_t i = 0; i < outcome.measurements.channels.size(); ++i) {
     const auto row = static_cast<Index>(i);
-    const auto& channel = stage.measurements.channels[i];
-    const VectorXd zero = VectorXd::Zero(stage.result.innovation.cols());
+    const auto& channel = outcome.measurements.channels[i];
+    const VectorXd zero = VectorXd::Zero(outcome.result.innovation.cols());
     section.items.emplace_back(
         Chart{.id = "innovation-" + channel.name,
               .title = "Innovation of " + channel.name,
-              .caption = fmt::format("RMS / noise = {:.3f}.", stage.consistency.innovation_to_noise[row]),
+              .caption = fmt::format("RMS / noise = {:.3f}.", outcome.consistency.innovation_to_noise[row]),
               .x_label = "time [s]",
               .y_label = "innovation [" + channel.unit + "]",
-              .x = times(stage.measurements),
+              .x = times(outcome.measurements),
               .series = {{.label = "innovation",
-                          .y = series_values(stage.result.innovation.row(row).transpose()),
+                          .y = series_values(outcome.result.innovation.row(row).transpose()),
                           .role = Role::measured},
-                         with_band("expected 95 %", zero, stage.result.innovation_deviation.row(row).transpose(),
+                         with_band("expected 95 %", zero, outcome.result.innovation_deviation.row(row).transpose(),
                                    Role::limit)},
               .half_width = true});
   }
   return section;
 }
 
-Section open_loop_section(const EstimationStage& stage) {
+Section open_loop_section(const EstimationOutcome& outcome) {
   Section section{"The record again, open loop",
                   "Simulated from the estimated parameters and initial state alone, without any correction.",
-                  {open_loop_table(stage)}};
-  for (std::size_t i = 0; i < stage.measurements.channels.size(); ++i) {
+                  {open_loop_table(outcome)}};
+  for (std::size_t i = 0; i < outcome.measurements.channels.size(); ++i) {
     const auto column = static_cast<Index>(i);
-    const auto& channel = stage.measurements.channels[i];
+    const auto& channel = outcome.measurements.channels[i];
     section.items.emplace_back(Chart{
         .id = "open-loop-" + channel.name,
         .title = channel.name,
         .x_label = "time [s]",
         .y_label = "[" + channel.unit + "]",
-        .x = times(stage.measurements),
+        .x = times(outcome.measurements),
         .series = {
-            {.label = "measured", .y = series_values(stage.measurements.values.col(column)), .role = Role::measured},
-            {.label = "simulated", .y = series_values(stage.open_loop_sensors.col(column)), .role = Role::predicted}}});
+            {.label = "measured", .y = series_values(outcome.measurements.values.col(column)), .role = Role::measured},
+            {.label = "simulated",
+             .y = series_values(outcome.open_loop_sensors.col(column)),
+             .role = Role::predicted}}});
   }
   return section;
 }
@@ -238,27 +242,29 @@ std::string answer(const StudyResults& results) {
     return updated + (results.simulation ? "The simulation ran to its end." : updated.empty() ? "Modes computed." : "");
   const auto& consistency = results.estimation->consistency;
   std::string text = updated + fmt::format("{} unknown parameters estimated; mean NIS {:.2f} where {:.2f} is right.",
-                                           results.estimation->observer->layout().unknowns, consistency.mean_nis,
+                                           results.estimation->augmented_model->layout().unknowns, consistency.mean_nis,
                                            consistency.expected_nis);
   for (const auto& warning : results.warnings) text += " Warning: " + warning + ".";
   return text;
 }
 
-Section simulation_section(const SimulationStage& stage) {
+Section simulation_section(const SimulationOutcome& outcome) {
   Section section{"Record", "Simulated sensors, with noise.", {}};
-  for (std::size_t i = 0; i < stage.measurements.channels.size(); ++i) {
+  for (std::size_t i = 0; i < outcome.measurements.channels.size(); ++i) {
     const auto column = static_cast<Index>(i);
-    const auto& channel = stage.measurements.channels[i];
-    section.items.emplace_back(Chart{
-        .id = "record-" + channel.name,
-        .title = channel.name,
-        .x_label = "time [s]",
-        .y_label = "[" + channel.unit + "]",
-        .x = times(stage.measurements),
-        .series =
-            {{.label = "recorded", .y = series_values(stage.measurements.values.col(column)), .role = Role::measured},
-             {.label = "without noise", .y = series_values(stage.reference.sensors.col(column)), .role = Role::truth}},
-        .half_width = true});
+    const auto& channel = outcome.measurements.channels[i];
+    section.items.emplace_back(Chart{.id = "record-" + channel.name,
+                                     .title = channel.name,
+                                     .x_label = "time [s]",
+                                     .y_label = "[" + channel.unit + "]",
+                                     .x = times(outcome.measurements),
+                                     .series = {{.label = "recorded",
+                                                 .y = series_values(outcome.measurements.values.col(column)),
+                                                 .role = Role::measured},
+                                                {.label = "without noise",
+                                                 .y = series_values(outcome.reference.sensors.col(column)),
+                                                 .role = Role::truth}},
+                                     .half_width = true});
   }
   return section;
 }
@@ -270,9 +276,9 @@ Section model_section(const Study& study, const StudyResults& results) {
     section.text += fmt::format("'{}' has {} degrees of freedom and weighs {}. ", elements.part->name,
                                 elements.part->full.size(), mass_text(*elements.part));
     if (elements.reduced)
-      section.text += fmt::format("The observer holds {} coordinates of it: {} of the boundary, {}. ",
+      section.text += fmt::format("The filter's model holds {} coordinates of it: {} of the boundary, {}. ",
                                   elements.reduced->model.size(), elements.reduced->boundary.size(),
-                                  elements.reduced->evidence.reason);
+                                  elements.reduced->error_indicators.reason);
   }
   for (const auto& warning : study.warnings) section.text += "Warning: " + warning + ". ";
   return section;
@@ -301,24 +307,24 @@ Page make_page(const Study& study, const StudyResults& results) {
                                  (results.updating ? deviations_leave_out : ""),
                              {modification_table(results.modifications)}});
   if (results.estimation) {
-    const auto& stage = *results.estimation;
-    if (stage.observer->layout().unknowns > 0) page.sections.push_back(parameters_section(study, stage));
-    if (stage.open_loop) page.sections.push_back(open_loop_section(stage));
-    if (!stage.open_loop_failure.empty())
-      page.sections.push_back({"The record again, open loop", "No comparison: " + stage.open_loop_failure + ".", {}});
-    page.sections.push_back(motion_section(study, stage));
-    if (auto section = connectors_section(study, stage); !section.items.empty())
+    const auto& outcome = *results.estimation;
+    if (outcome.augmented_model->layout().unknowns > 0) page.sections.push_back(parameters_section(study, outcome));
+    if (outcome.open_loop) page.sections.push_back(open_loop_section(outcome));
+    if (!outcome.open_loop_failure.empty())
+      page.sections.push_back({"The record again, open loop", "No comparison: " + outcome.open_loop_failure + ".", {}});
+    page.sections.push_back(motion_section(study, outcome));
+    if (auto section = connectors_section(study, outcome); !section.items.empty())
       page.sections.push_back(std::move(section));
-    if (results.prediction) page.sections.push_back(prediction_section(study, stage, *results.prediction));
-    page.sections.push_back(consistency_section(stage));
+    if (results.prediction) page.sections.push_back(prediction_section(study, outcome, *results.prediction));
+    page.sections.push_back(consistency_section(outcome));
   } else if (results.simulation && results.usable()) {
     page.sections.push_back(simulation_section(*results.simulation));
   }
   if (!study.finite_elements.empty()) page.sections.push_back(model_section(study, results));
   for (const auto& [part, reduced, reference] : study.finite_elements)
-    page.sections.push_back(
-        health_section(part->name, part->elements,
-                       health_of(*part, {.mechanisms = false, .definiteness = false, .frequencies = 0}), part->notes));
+    page.sections.push_back(model_check_section(
+        part->name, part->elements,
+        model_check_of(*part, {.mechanisms = false, .definiteness = false, .frequencies = 0}), part->notes));
   return page;
 }
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "kalfem/base/version.hpp"
-#include "kalfem/casefile/modifications.hpp"
+#include "kalfem/pipeline/structural_modifications.hpp"
 #include "kalfem/report/json_number.hpp"
 #include "kalfem/report/record_report.hpp"
 #include "kalfem/report/resting_points.hpp"
@@ -18,19 +18,19 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 Json reduction_summary(const Superelement& superelement) {
-  const auto& evidence = superelement.evidence;
+  const auto& error_indicators = superelement.error_indicators;
   Json modes = Json::array();
-  for (const auto& mode : evidence.modes)
+  for (const auto& mode : error_indicators.modes)
     modes.push_back({{"full_hz", number(mode.full)},
                      {"reduced_hz", number(mode.reduced)},
                      {"mac", number(mode.mac)},
                      {"residual", number(mode.residual)}});
   return {{"dofs", superelement.model.size()},
           {"boundary", superelement.boundary.size()},
-          {"reason", evidence.reason},
-          {"highest_kept_hz", number(evidence.highest_kept)},
-          {"next_left_out_hz", number(evidence.next_left_out)},
-          {"static_error", number(evidence.static_error)},
+          {"reason", error_indicators.reason},
+          {"highest_kept_hz", number(error_indicators.highest_kept)},
+          {"next_left_out_hz", number(error_indicators.next_left_out)},
+          {"static_error", number(error_indicators.static_error)},
           {"modes", modes}};
 }
 
@@ -56,24 +56,25 @@ Json model_summary(const Study& study, const StudyResults& results) {
   for (const auto& elements : study.finite_elements)
     if (elements.reduced) parts[elements.part->name]["reduction"] = reduction_summary(*elements.reduced);
   return {{"dofs", dofs},
-          {"reduced_dofs", study.observer ? study.observer->model->system().size() : study.model->system().size()},
+          {"reduced_dofs",
+           study.augmented_model ? study.augmented_model->model->system().size() : study.model->system().size()},
           {"connectors", study.model->system().connector_count()},
           {"substructures", parts}};
 }
 
-Json parameters_summary(const Study& study, const EstimationStage& stage) {
+Json parameters_summary(const Study& study, const EstimationOutcome& outcome) {
   Json parameters = Json::object();
-  const auto last = stage.result.unknowns.mean.cols() - 1;
-  const auto& layout = stage.observer->layout();
+  const auto last = outcome.result.unknowns.mean.cols() - 1;
+  const auto& layout = outcome.augmented_model->layout();
   for (Eigen::Index i = 0; i < layout.unknowns; ++i) {
     const auto index = static_cast<std::size_t>(i);
-    const auto& unknown = stage.observer->options().unknowns[index];
-    const auto interval = confidence_interval(unknown.transform, stage.result.state.mean(layout.unknown() + i, last),
-                                              stage.result.state.deviation(layout.unknown() + i, last));
-    parameters[unknown.name] = {{"true", number(study.observer->true_parameters[index])},
+    const auto& unknown = outcome.augmented_model->options().unknowns[index];
+    const auto interval = confidence_interval(unknown.transform, outcome.result.state.mean(layout.unknown() + i, last),
+                                              outcome.result.state.deviation(layout.unknown() + i, last));
+    parameters[unknown.name] = {{"true", number(study.augmented_model->true_parameters[index])},
                                 {"initial", number(unknown.initial)},
-                                {"estimate", number(stage.result.unknowns.mean(i, last))},
-                                {"std", number(stage.result.unknowns.deviation(i, last))},
+                                {"estimate", number(outcome.result.unknowns.mean(i, last))},
+                                {"std", number(outcome.result.unknowns.deviation(i, last))},
                                 {"interval_95", {number(interval.lower), number(interval.upper)}},
                                 {"unit", unknown.unit}};
   }
@@ -106,42 +107,43 @@ void add_errors(Json& errors, const PointQuantity& point, const RestingPoints& r
   if (point.nrmse_in_band) errors[key + "_in_band"] = rests ? Json(nullptr) : number(*point.nrmse_in_band);
 }
 
-Json errors_by_point(const EstimationStage& stage) {
-  const RestingPoints resting(stage.points, stage.settled);
+Json errors_by_point(const EstimationOutcome& outcome) {
+  const RestingPoints resting(outcome.points, outcome.settled);
   Json errors = Json::object();
-  for (const auto& point : stage.points)
+  for (const auto& point : outcome.points)
     if (point.truth.size() > 0) add_errors(errors[point.point], point, resting);
   return errors;
 }
 
-Json open_loop_summary(const EstimationStage& stage) {
+Json open_loop_summary(const EstimationOutcome& outcome) {
   Json sensors = Json::object();
-  for (std::size_t i = 0; i < stage.open_loop_nrmse.size(); ++i)
-    sensors[stage.measurements.channels[i].name] = {{"nrmse", number(stage.open_loop_nrmse[i])},
-                                                    {"rest_error", number(stage.open_loop_rest_error[i])}};
+  for (std::size_t i = 0; i < outcome.open_loop_nrmse.size(); ++i)
+    sensors[outcome.measurements.channels[i].name] = {{"nrmse", number(outcome.open_loop_nrmse[i])},
+                                                      {"rest_error", number(outcome.open_loop_rest_error[i])}};
   return sensors;
 }
 
-Json estimation_summary(const EstimationStage& stage) {
+Json estimation_summary(const EstimationOutcome& outcome) {
   Json ratios = Json::object();
-  for (std::size_t i = 0; i < stage.measurements.channels.size(); ++i)
-    ratios[stage.measurements.channels[i].name] =
-        number(stage.consistency.innovation_to_noise[static_cast<Eigen::Index>(i)]);
-  Json summary = {{"filter", name_of(stage.filter)},
-                  {"filter_reason", stage.filter_reason},
-                  {"steps", stage.measurements.samples()},
-                  {"state_dimension", stage.observer->layout().size()},
-                  {"log_likelihood", number(stage.result.log_likelihood)},
+  for (std::size_t i = 0; i < outcome.measurements.channels.size(); ++i)
+    ratios[outcome.measurements.channels[i].name] =
+        number(outcome.consistency.innovation_to_noise[static_cast<Eigen::Index>(i)]);
+  Json summary = {{"filter", name_of(outcome.filter)},
+                  {"filter_reason", outcome.filter_reason},
+                  {"steps", outcome.measurements.samples()},
+                  {"state_dimension", outcome.augmented_model->layout().size()},
+                  {"log_likelihood", number(outcome.result.log_likelihood)},
                   {"nis",
-                   {{"mean", number(stage.consistency.mean_nis)},
-                    {"expected", number(stage.consistency.expected_nis)},
-                    {"fraction_in_95", number(stage.consistency.fraction_in_95)}}},
+                   {{"mean", number(outcome.consistency.mean_nis)},
+                    {"expected", number(outcome.consistency.expected_nis)},
+                    {"fraction_in_95", number(outcome.consistency.fraction_in_95)}}},
                   {"innovation_to_noise", ratios}};
-  if (stage.reductions > 0 || stage.result.linearisations > 0)
-    summary["linear_unknowns"] = {{"linearisations", stage.result.linearisations}, {"reductions", stage.reductions}};
-  if (const auto states = errors_by_point(stage); !states.empty()) summary["states"] = states;
-  if (stage.open_loop) summary["open_loop"] = open_loop_summary(stage);
-  if (!stage.open_loop_failure.empty()) summary["open_loop_failure"] = stage.open_loop_failure;
+  if (outcome.reductions > 0 || outcome.result.linearisations > 0)
+    summary["linear_unknowns"] = {{"linearisations", outcome.result.linearisations},
+                                  {"reductions", outcome.reductions}};
+  if (const auto states = errors_by_point(outcome); !states.empty()) summary["states"] = states;
+  if (outcome.open_loop) summary["open_loop"] = open_loop_summary(outcome);
+  if (!outcome.open_loop_failure.empty()) summary["open_loop_failure"] = outcome.open_loop_failure;
   return summary;
 }
 
@@ -171,14 +173,14 @@ Json timing_summary(const Study& study, const StudyResults& results) {
   if (!study.finite_elements.empty()) timing["reduce_s"] = number(study.reduce_seconds);
   if (results.simulation) timing["simulate_s"] = number(results.simulation->seconds);
   if (results.estimation) {
-    const auto& stage = *results.estimation;
-    const auto steps = static_cast<double>(stage.measurements.samples());
-    timing["estimate_s"] = number(stage.seconds);
-    timing["estimate_us_per_step"] = number(1e6 * stage.result.time.filter() / steps);
-    timing["real_time_factor"] = number(steps / stage.measurements.sample_rate / stage.result.time.filter());
-    timing["estimate_split_s"] = {{"predict", number(stage.result.time.predict)},
-                                  {"update", number(stage.result.time.update)},
-                                  {"output", number(stage.result.time.output)}};
+    const auto& outcome = *results.estimation;
+    const auto steps = static_cast<double>(outcome.measurements.samples());
+    timing["estimate_s"] = number(outcome.seconds);
+    timing["estimate_us_per_step"] = number(1e6 * outcome.result.time.filter() / steps);
+    timing["real_time_factor"] = number(steps / outcome.measurements.sample_rate / outcome.result.time.filter());
+    timing["estimate_split_s"] = {{"predict", number(outcome.result.time.predict)},
+                                  {"update", number(outcome.result.time.update)},
+                                  {"output", number(outcome.result.time.output)}};
   }
   if (results.prediction) timing["predict_s"] = number(results.prediction->seconds);
   if (results.updating) timing["update_s"] = number(results.updating->seconds);
@@ -186,7 +188,7 @@ Json timing_summary(const Study& study, const StudyResults& results) {
 }
 
 /// Nothing where the step was not halved.
-Json last_change(const Study& study, const Reference& reference) {
+Json last_change(const Study& study, const ConvergedSolution& reference) {
   return study.given.simulate->substeps ? Json() : number(reference.last_change);
 }
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "kalfem/casefile/modifications.hpp"
+#include "kalfem/pipeline/structural_modifications.hpp"
 #include "kalfem/report/record_report.hpp"
 #include "kalfem/report/resting_points.hpp"
 #include "kalfem/report/updating_tables.hpp"
@@ -40,10 +40,10 @@ std::string padded(const std::string& text, std::size_t columns, bool right) {
   return right ? blank + text : text + blank;
 }
 
-std::string band_words(const EstimationStage& stage) {
-  return stage.band ? fmt::format(" (band of the excitation: {} to {} Hz)", four_digits(stage.band->from),
-                                  four_digits(stage.band->to))
-                    : std::string();
+std::string band_words(const EstimationOutcome& outcome) {
+  return outcome.band ? fmt::format(" (band of the excitation: {} to {} Hz)", four_digits(outcome.band->from),
+                                    four_digits(outcome.band->to))
+                      : std::string();
 }
 
 }  // namespace
@@ -65,12 +65,12 @@ Table modes_table(const Study& study, const StudyResults& results) {
   for (const auto& part : results.modes) {
     const auto elements =
         std::ranges::find_if(study.finite_elements, [&](const auto& each) { return each.part->name == part.name; });
-    const auto* evidence =
-        elements != study.finite_elements.end() && elements->reduced ? &elements->reduced->evidence : nullptr;
+    const auto* error_indicators =
+        elements != study.finite_elements.end() && elements->reduced ? &elements->reduced->error_indicators : nullptr;
     for (Eigen::Index i = 0; i < part.frequencies.size(); ++i) {
       std::vector<std::string> row{part.name, std::to_string(i + 1), four_digits(part.frequencies[i]), "", "", ""};
-      if (const auto mode = static_cast<std::size_t>(i); evidence && mode < evidence->modes.size()) {
-        const auto& compared = evidence->modes[mode];
+      if (const auto mode = static_cast<std::size_t>(i); error_indicators && mode < error_indicators->modes.size()) {
+        const auto& compared = error_indicators->modes[mode];
         row[3] = four_digits(compared.reduced);
         row[4] = compared.full > 0.0 ? fmt::format("{:.4f} %", 100.0 * (compared.reduced / compared.full - 1.0)) : "-";
         row[5] = fmt::format("{:.6f}", compared.mac);
@@ -81,16 +81,16 @@ Table modes_table(const Study& study, const StudyResults& results) {
   return table;
 }
 
-Table parameter_table(const Study& study, const EstimationStage& stage) {
+Table parameter_table(const Study& study, const EstimationOutcome& outcome) {
   Table table{"Parameters", {"parameter", "unit", "initial", "estimate", "std", "truth", "error"}, {}, {}};
-  const auto last = stage.result.unknowns.mean.cols() - 1;
-  for (std::size_t i = 0; i < stage.observer->options().unknowns.size(); ++i) {
+  const auto last = outcome.result.unknowns.mean.cols() - 1;
+  for (std::size_t i = 0; i < outcome.augmented_model->options().unknowns.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
-    const auto& unknown = stage.observer->options().unknowns[i];
-    const auto& truth = study.observer->true_parameters[i];
-    const double estimate = stage.result.unknowns.mean(row, last);
+    const auto& unknown = outcome.augmented_model->options().unknowns[i];
+    const auto& truth = study.augmented_model->true_parameters[i];
+    const double estimate = outcome.result.unknowns.mean(row, last);
     table.rows.push_back({unknown.name, unknown.unit, four_digits(unknown.initial), four_digits(estimate),
-                          four_digits(stage.result.unknowns.deviation(row, last)), truth ? four_digits(*truth) : "-",
+                          four_digits(outcome.result.unknowns.deviation(row, last)), truth ? four_digits(*truth) : "-",
                           truth && *truth != 0.0 ? per_cent(estimate / *truth - 1.0) : "-"});
   }
   return table;
@@ -125,13 +125,13 @@ Table error_table(const std::string& title, const Study& study, const std::vecto
   return table;
 }
 
-Table open_loop_table(const EstimationStage& stage) {
+Table open_loop_table(const EstimationOutcome& outcome) {
   Table table{"Open loop against the record", {"sensor", "NRMSE about rest", "rest error"}, {}, {}};
-  for (std::size_t i = 0; i < stage.open_loop_nrmse.size(); ++i)
-    table.rows.push_back({stage.measurements.channels[i].name,
-                          stage.open_loop_nrmse[i] < 1e3 ? fmt::format("{:.3f}", stage.open_loop_nrmse[i])
-                                                         : four_digits(stage.open_loop_nrmse[i]),
-                          four_digits(stage.open_loop_rest_error[i]) + " " + stage.measurements.channels[i].unit});
+  for (std::size_t i = 0; i < outcome.open_loop_nrmse.size(); ++i)
+    table.rows.push_back({outcome.measurements.channels[i].name,
+                          outcome.open_loop_nrmse[i] < 1e3 ? fmt::format("{:.3f}", outcome.open_loop_nrmse[i])
+                                                           : four_digits(outcome.open_loop_nrmse[i]),
+                          four_digits(outcome.open_loop_rest_error[i]) + " " + outcome.measurements.channels[i].unit});
   return table;
 }
 
@@ -156,11 +156,11 @@ std::string to_text(const Table& table) {
 }
 
 /// How the unknowns of the linear part were followed; nothing where there are none.
-std::string linearisation_words(const EstimationStage& stage) {
-  if (stage.reductions == 0 && stage.result.linearisations == 0) return "";
+std::string linearisation_words(const EstimationOutcome& outcome) {
+  if (outcome.reductions == 0 && outcome.result.linearisations == 0) return "";
   return fmt::format(
-      "Linear part: linearised anew {} times{}\n", stage.result.linearisations,
-      stage.reductions > 1 ? fmt::format(", reduced {} times: the last at the estimates", stage.reductions) : "");
+      "Linear part: linearised anew {} times{}\n", outcome.result.linearisations,
+      outcome.reductions > 1 ? fmt::format(", reduced {} times: the last at the estimates", outcome.reductions) : "");
 }
 
 std::string mass_text(const FiniteElementPart& part) {
@@ -180,7 +180,7 @@ std::string console_report(const Study& study, const StudyResults& results) {
                         mass_text(*elements.part));
     if (elements.reduced)
       text += fmt::format("; reduced to {} ({} of the boundary, {})", elements.reduced->model.size(),
-                          elements.reduced->boundary.size(), elements.reduced->evidence.reason);
+                          elements.reduced->boundary.size(), elements.reduced->error_indicators.reason);
     text += "\n";
   }
   if (!study.finite_elements.empty())
@@ -201,26 +201,26 @@ std::string console_report(const Study& study, const StudyResults& results) {
   if (const auto words = record_words(study, results); !words.empty()) text += words + "\n";
   if (results.updating) text += console_updating(study, results);
   if (results.estimation) {
-    const auto& stage = *results.estimation;
-    const auto& time = stage.result.time;
-    const auto samples = static_cast<double>(stage.measurements.samples());
-    text += "Estimated parameters\n" + to_text(parameter_table(study, stage)) + "\n";
-    text += fmt::format("NIS {:.2f} where {:.2f} is right, {} inside the 95 % band\n", stage.consistency.mean_nis,
-                        stage.consistency.expected_nis, per_cent(stage.consistency.fraction_in_95));
+    const auto& outcome = *results.estimation;
+    const auto& time = outcome.result.time;
+    const auto samples = static_cast<double>(outcome.measurements.samples());
+    text += "Estimated parameters\n" + to_text(parameter_table(study, outcome)) + "\n";
+    text += fmt::format("NIS {:.2f} where {:.2f} is right, {} inside the 95 % band\n", outcome.consistency.mean_nis,
+                        outcome.consistency.expected_nis, per_cent(outcome.consistency.fraction_in_95));
     text += fmt::format(
         "{} states, {} steps, {:.2f} us a step: {:.3g} x real time (predict {}, update {}; output {} beside it)\n"
         "Filter {}: {}\n{}\n",
-        stage.observer->layout().size(), stage.measurements.samples(), 1e6 * time.filter() / samples,
-        samples / stage.measurements.sample_rate / time.filter(), per_cent(time.predict / time.filter()),
-        per_cent(time.update / time.filter()), per_cent(time.output / time.filter()), name_of(stage.filter),
-        stage.filter_reason, linearisation_words(stage));
-    if (const auto table = error_table("", study, stage.points, stage.settled); !table.rows.empty())
+        outcome.augmented_model->layout().size(), outcome.measurements.samples(), 1e6 * time.filter() / samples,
+        samples / outcome.measurements.sample_rate / time.filter(), per_cent(time.predict / time.filter()),
+        per_cent(time.update / time.filter()), per_cent(time.output / time.filter()), name_of(outcome.filter),
+        outcome.filter_reason, linearisation_words(outcome));
+    if (const auto table = error_table("", study, outcome.points, outcome.settled); !table.rows.empty())
       text += fmt::format("Estimated motion, NRMSE after {} s{}\n", four_digits(study.given.estimate->settle),
-                          band_words(stage)) +
+                          band_words(outcome)) +
               to_text(table) + "\n";
-    if (!stage.open_loop_failure.empty()) text += "No open-loop comparison: " + stage.open_loop_failure + "\n\n";
-    if (stage.open_loop)
-      text += "Open loop from the estimated parameters and initial state\n" + to_text(open_loop_table(stage)) + "\n";
+    if (!outcome.open_loop_failure.empty()) text += "No open-loop comparison: " + outcome.open_loop_failure + "\n\n";
+    if (outcome.open_loop)
+      text += "Open loop from the estimated parameters and initial state\n" + to_text(open_loop_table(outcome)) + "\n";
   }
   if (results.prediction)
     if (const auto table = error_table("", study, results.prediction->points, results.estimation->settled);

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "kalfem/casefile/stages.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 #include "kalfem/report/page.hpp"
 
 namespace kalfem {
@@ -10,7 +10,7 @@ namespace kalfem {
 /// Modes of the finite-element substructures, and how the reduced ones compare.
 Table modes_table(const Study& study, const StudyResults& results);
 /// Unknowns with initial value, estimate, standard deviation, truth and deviation from it.
-Table parameter_table(const Study& study, const EstimationStage& stage);
+Table parameter_table(const Study& study, const EstimationOutcome& outcome);
 /// Everything of lumped parts and connectors; of finite elements the points that the case wants shown, if it names
 /// some.
 bool shown(const Study& study, const std::string& point);
@@ -19,7 +19,7 @@ bool shown(const Study& study, const std::string& point);
 Table error_table(const std::string& title, const Study& study, const std::vector<PointQuantity>& points,
                   Eigen::Index settled);
 /// Open-loop re-simulation against the record.
-Table open_loop_table(const EstimationStage& stage);
+Table open_loop_table(const EstimationOutcome& outcome);
 
 /// Parameters, consistency and errors as a person reads them on a terminal.
 std::string console_report(const Study& study, const StudyResults& results);

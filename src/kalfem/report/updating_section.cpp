@@ -16,28 +16,29 @@ namespace {
 std::vector<double> list(const Eigen::VectorXd& values) { return {values.begin(), values.end()}; }
 
 /// The parameters of every stage, as parts of where they started.
-Chart trace_chart(const Study& study, const UpdatingStage& stage) {
+Chart trace_chart(const Study& study, const UpdatingOutcome& outcome) {
   Chart chart{.id = "updating-trace",
               .title = "Parameters by stage",
               .caption = "As accepted, in parts of the first values.",
               .x_label = "stage",
               .y_label = "value / initial [-]"};
-  for (std::size_t k = 0; k < stage.trace.size(); ++k) chart.x.push_back(static_cast<double>(k + 1));
+  for (std::size_t k = 0; k < outcome.trace.size(); ++k) chart.x.push_back(static_cast<double>(k + 1));
   for (std::size_t i = 0; i < study.updating->parameters.size(); ++i) {
     const auto& parameter = study.updating->parameters[i];
     Series series{.label = parameter.name, .role = Role::other};
-    for (const auto& step : stage.trace) series.y.push_back(step.parameters[static_cast<Index>(i)] / parameter.scale());
+    for (const auto& step : outcome.trace)
+      series.y.push_back(step.parameters[static_cast<Index>(i)] / parameter.scale());
     chart.series.push_back(std::move(series));
   }
   return chart;
 }
 
-Chart residual_chart(const UpdatingStage& stage) {
+Chart residual_chart(const UpdatingOutcome& outcome) {
   Chart chart{.id = "updating-residual", .title = "Residual by stage", .x_label = "stage", .y_label = "rms [std]"};
   Series series{.label = "accepted", .role = Role::estimate};
-  for (std::size_t k = 0; k < stage.trace.size(); ++k) {
+  for (std::size_t k = 0; k < outcome.trace.size(); ++k) {
     chart.x.push_back(static_cast<double>(k + 1));
-    series.y.push_back(stage.trace[k].residual);
+    series.y.push_back(outcome.trace[k].residual);
   }
   chart.series.push_back(std::move(series));
   return chart;
@@ -66,30 +67,31 @@ std::string sentence(std::string words) {
   return words;
 }
 
-std::string words_on(const UpdatingStage& stage) {
-  std::string text = fmt::format("{} evaluations, {} steps, {:.1f} s, by {}. {}. ", stage.evaluations, stage.iterations,
-                                 stage.seconds, stage.method, sentence(stage.termination));
-  for (const auto& remark : stage.remarks) text += "\n\n" + sentence(remark) + ".";
+std::string words_on(const UpdatingOutcome& outcome) {
+  std::string text = fmt::format("{} evaluations, {} steps, {:.1f} s, by {}. {}. ", outcome.evaluations,
+                                 outcome.iterations, outcome.seconds, outcome.method, sentence(outcome.termination));
+  for (const auto& remark : outcome.remarks) text += "\n\n" + sentence(remark) + ".";
   return text;
 }
 
 }  // namespace
 
 Section updating_section(const Study& study, const StudyResults& results) {
-  const auto& stage = *results.updating;
-  Section section{"Updated model", words_on(stage), {updated_parameter_table(study, stage), comparison_table(stage)}};
+  const auto& outcome = *results.updating;
+  Section section{
+      "Updated model", words_on(outcome), {updated_parameter_table(study, outcome), comparison_table(outcome)}};
   if (auto table = before_and_after_table(study, results); !table.rows.empty())
     section.items.emplace_back(std::move(table));
-  for (const auto& comparison : stage.comparisons)
+  for (const auto& comparison : outcome.comparisons)
     if (!comparison.modes_final.empty()) section.items.emplace_back(paired_mode_table(comparison));
-  if (stage.statistics.correlation.rows() > 1) section.items.emplace_back(correlation_table(study, stage));
-  if (!stage.sensitivities.empty()) section.items.emplace_back(sensitivity_table(stage));
-  if (stage.trace.size() > 1) {
-    section.items.emplace_back(trace_chart(study, stage));
-    section.items.emplace_back(residual_chart(stage));
-    section.items.emplace_back(updating_trace_table(study, stage));
+  if (outcome.statistics.correlation.rows() > 1) section.items.emplace_back(correlation_table(study, outcome));
+  if (!outcome.sensitivities.empty()) section.items.emplace_back(sensitivity_table(outcome));
+  if (outcome.trace.size() > 1) {
+    section.items.emplace_back(trace_chart(study, outcome));
+    section.items.emplace_back(residual_chart(outcome));
+    section.items.emplace_back(updating_trace_table(study, outcome));
   }
-  for (const auto& comparison : stage.comparisons)
+  for (const auto& comparison : outcome.comparisons)
     for (std::size_t i = 0; i < comparison.responses.size(); ++i)
       section.items.emplace_back(response_chart(comparison.name, comparison.responses[i], i + 1));
   return section;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "kalfem/casefile/stages.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 #include "kalfem/report/page.hpp"
 
 namespace kalfem {

@@ -32,17 +32,17 @@ const char* name_of(Seen seen) {
   return "held";
 }
 
-Json parameters_of(const Study& study, const UpdatingStage& stage) {
+Json parameters_of(const Study& study, const UpdatingOutcome& outcome) {
   Json all = Json::object();
-  const auto& [deviations, covariance, correlation, to_prior, freedom, chi, widening, seen, blind, pairs, at_bound] =
-      stage.statistics;
+  const auto& [deviations, covariance, correlation, to_prior, freedom, chi, variance_inflation, seen, unidentifiable,
+               pairs, at_bound] = outcome.statistics;
   for (std::size_t i = 0; i < study.updating->parameters.size(); ++i) {
     const auto& parameter = study.updating->parameters[i];
     const auto index = static_cast<Index>(i);
     Json& own = all[parameter.name];
     own = {{"true", number(study.updating->true_parameters[i])},
            {"initial", number(parameter.initial)},
-           {"estimate", number(stage.values[index])},
+           {"estimate", number(outcome.values[index])},
            {"std", index < deviations.size() ? number(deviations[index]) : Json(nullptr)},
            {"unit", parameter.unit},
            {"lower", number(parameter.lower)},
@@ -64,9 +64,9 @@ Json modes_of(const std::vector<PairedMode>& modes) {
   return list;
 }
 
-Json comparisons_of(const UpdatingStage& stage) {
+Json comparisons_of(const UpdatingOutcome& outcome) {
   Json all = Json::object();
-  for (const auto& each : stage.comparisons) {
+  for (const auto& each : outcome.comparisons) {
     Json& own = all[each.name];
     own = {{"of", each.kind},
            {"values", each.size},
@@ -83,9 +83,9 @@ Json comparisons_of(const UpdatingStage& stage) {
   return all;
 }
 
-Json trace_of(const UpdatingStage& stage) {
+Json trace_of(const UpdatingOutcome& outcome) {
   Json list = Json::array();
-  for (const auto& step : stage.trace)
+  for (const auto& step : outcome.trace)
     list.push_back({{"residual", number(step.residual)},
                     {"accepted", step.accepted},
                     {"tried", numbers(step.tried)},
@@ -93,9 +93,9 @@ Json trace_of(const UpdatingStage& stage) {
   return list;
 }
 
-Json sensitivities_of(const UpdatingStage& stage) {
+Json sensitivities_of(const UpdatingOutcome& outcome) {
   Json all = Json::object();
-  for (const auto& each : stage.sensitivities)
+  for (const auto& each : outcome.sensitivities)
     all[each.parameter] = {{"deviation", number(each.deviation)},
                            {"uncertainty", number(each.uncertainty)},
                            {"verdict", words(each.verdict)}};
@@ -104,34 +104,34 @@ Json sensitivities_of(const UpdatingStage& stage) {
 
 }  // namespace
 
-Json updating_summary(const Study& study, const UpdatingStage& stage) {
-  Json summary = {{"parameters", parameters_of(study, stage)},
-                  {"iterations", stage.iterations},
-                  {"evaluations", stage.evaluations},
-                  {"residual_initial", number(stage.residual_initial)},
-                  {"residual_final", number(stage.residual_final)},
-                  {"converged", stage.converged},
-                  {"termination", stage.termination},
-                  {"method", stage.method},
-                  {"remarks", stage.remarks},
-                  {"comparisons", comparisons_of(stage)}};
-  if (stage.statistics.reduced_chi_squared)
-    summary["reduced_chi_squared"] = number(*stage.statistics.reduced_chi_squared);
+Json updating_summary(const Study& study, const UpdatingOutcome& outcome) {
+  Json summary = {{"parameters", parameters_of(study, outcome)},
+                  {"iterations", outcome.iterations},
+                  {"evaluations", outcome.evaluations},
+                  {"residual_initial", number(outcome.residual_initial)},
+                  {"residual_final", number(outcome.residual_final)},
+                  {"converged", outcome.converged},
+                  {"termination", outcome.termination},
+                  {"method", outcome.method},
+                  {"remarks", outcome.remarks},
+                  {"comparisons", comparisons_of(outcome)}};
+  if (outcome.statistics.reduced_chi_squared)
+    summary["reduced_chi_squared"] = number(*outcome.statistics.reduced_chi_squared);
   Json correlation = Json::array(), covariance = Json::array();
-  for (Index i = 0; i < stage.statistics.correlation.rows(); ++i) {
-    correlation.push_back(numbers(stage.statistics.correlation.row(i).transpose()));
-    covariance.push_back(numbers(stage.statistics.covariance.row(i).transpose()));
+  for (Index i = 0; i < outcome.statistics.correlation.rows(); ++i) {
+    correlation.push_back(numbers(outcome.statistics.correlation.row(i).transpose()));
+    covariance.push_back(numbers(outcome.statistics.covariance.row(i).transpose()));
   }
   summary["correlation"] = correlation;
   summary["covariance"] = covariance;
-  summary["stages"] = trace_of(stage);
-  if (stage.resumed_at > 0) summary["resumed_at"] = stage.resumed_at;
-  if (!stage.sensitivities.empty()) summary["sensitivities"] = sensitivities_of(stage);
-  if (stage.unknowns_before.size() > 0) {
+  summary["stages"] = trace_of(outcome);
+  if (outcome.resumed_at > 0) summary["resumed_at"] = outcome.resumed_at;
+  if (!outcome.sensitivities.empty()) summary["sensitivities"] = sensitivities_of(outcome);
+  if (outcome.unknowns_before.size() > 0) {
     Json before = Json::object();
-    const auto& unknowns = study.observer->options.unknowns;
+    const auto& unknowns = study.augmented_model->options.unknowns;
     for (std::size_t i = 0; i < unknowns.size(); ++i)
-      before[unknowns[i].name] = number(stage.unknowns_before[static_cast<Index>(i)]);
+      before[unknowns[i].name] = number(outcome.unknowns_before[static_cast<Index>(i)]);
     summary["unknowns_without_updating"] = before;
   }
   return summary;

@@ -2,11 +2,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "kalfem/casefile/stages.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 
 namespace kalfem {
 
 /// The object "updating" of summary.json.
-nlohmann::ordered_json updating_summary(const Study& study, const UpdatingStage& stage);
+nlohmann::ordered_json updating_summary(const Study& study, const UpdatingOutcome& outcome);
 
 }  // namespace kalfem

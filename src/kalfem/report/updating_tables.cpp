@@ -35,25 +35,26 @@ double mean_frequency_error(const std::vector<PairedMode>& modes) {
   return count > 0 ? sum / count : std::nan("");
 }
 
-Table updated_parameter_table(const Study& study, const UpdatingStage& stage) {
+Table updated_parameter_table(const Study& study, const UpdatingOutcome& outcome) {
   Table table{
       "Updated parameters", {"parameter", "unit", "initial", "updated", "change", "std", "truth", "error"}, {}, {}};
   for (std::size_t i = 0; i < study.updating->parameters.size(); ++i) {
     const auto& parameter = study.updating->parameters[i];
     const auto& truth = study.updating->true_parameters[i];
-    const double value = stage.values[static_cast<Index>(i)];
+    const double value = outcome.values[static_cast<Index>(i)];
     table.rows.push_back({parameter.name, parameter.unit, four_digits(parameter.initial), four_digits(value),
                           parameter.initial != 0.0 ? signed_per_cent(value / parameter.initial - 1.0) : "-",
-                          finite(stage.statistics.deviations[static_cast<Index>(i)]), truth ? four_digits(*truth) : "-",
+                          finite(outcome.statistics.deviations[static_cast<Index>(i)]),
+                          truth ? four_digits(*truth) : "-",
                           truth && *truth != 0.0 ? signed_per_cent(value / *truth - 1.0) : "-"});
   }
   return table;
 }
 
-Table comparison_table(const UpdatingStage& stage) {
+Table comparison_table(const UpdatingOutcome& outcome) {
   Table table{
       "Comparisons (standard deviations)", {"comparison", "of", "values", "weight", "rms before", "rms after"}, {}, {}};
-  for (const auto& each : stage.comparisons)
+  for (const auto& each : outcome.comparisons)
     table.rows.push_back({each.name, each.kind, std::to_string(each.size), four_digits(each.weight),
                           finite(each.rms_initial), finite(each.rms_final)});
   return table;
@@ -74,12 +75,12 @@ Table paired_mode_table(const ComparisonResult& comparison) {
   return table;
 }
 
-Table updating_trace_table(const Study& study, const UpdatingStage& stage) {
+Table updating_trace_table(const Study& study, const UpdatingOutcome& outcome) {
   Table table{"Stages", {"stage", "residual", "accepted", "time"}, {}, {}};
   for (const auto& parameter : study.updating->parameters)
     table.columns.push_back(parameter.name + " [" + parameter.unit + "]");
-  for (std::size_t i = 0; i < stage.trace.size(); ++i) {
-    const auto& step = stage.trace[i];
+  for (std::size_t i = 0; i < outcome.trace.size(); ++i) {
+    const auto& step = outcome.trace[i];
     table.rows.push_back({std::to_string(i + 1), finite(step.residual), step.accepted ? "yes" : "no",
                           fmt::format("{:.2f} s", step.seconds)});
     for (const double value : step.tried) table.rows.back().push_back(four_digits(value));
@@ -87,9 +88,9 @@ Table updating_trace_table(const Study& study, const UpdatingStage& stage) {
   return table;
 }
 
-Table correlation_table(const Study& study, const UpdatingStage& stage) {
+Table correlation_table(const Study& study, const UpdatingOutcome& outcome) {
   Table table{"Correlation of the parameters", {""}, {}, {}};
-  const auto& correlation = stage.statistics.correlation;
+  const auto& correlation = outcome.statistics.correlation;
   for (Index i = 0; i < correlation.rows(); ++i) {
     const auto& name = study.updating->parameters[static_cast<std::size_t>(i)].name;
     table.columns.push_back(name);
@@ -100,16 +101,16 @@ Table correlation_table(const Study& study, const UpdatingStage& stage) {
   return table;
 }
 
-Table sensitivity_table(const UpdatingStage& stage) {
+Table sensitivity_table(const UpdatingOutcome& outcome) {
   Table table{"Derivatives against differences", {"parameter", "deviation", "uncertainty", "verdict"}, {}, {}};
-  for (const auto& each : stage.sensitivities)
+  for (const auto& each : outcome.sensitivities)
     table.rows.push_back({each.parameter, fmt::format("{:.1e}", each.deviation),
                           fmt::format("{:.1e}", each.uncertainty), words(each.verdict)});
   return table;
 }
 
 /// Empty beyond the last mode.
-static std::string predicted_frequency(const ModificationResult& modification, Index mode) {
+static std::string predicted_frequency(const StructuralModificationResult& modification, Index mode) {
   if (mode >= modification.frequencies.size()) return "";
   const std::string frequency = fmt::format("{:.2f}", modification.frequencies[mode]);
   if (modification.deviations.size() == 0) return frequency;
@@ -117,7 +118,7 @@ static std::string predicted_frequency(const ModificationResult& modification, I
   return frequency + (std::isfinite(deviation) ? fmt::format(" +- {:.2f}", deviation) : " +- ?");
 }
 
-Table modification_table(const std::vector<ModificationResult>& modifications) {
+Table modification_table(const std::vector<StructuralModificationResult>& modifications) {
   Table table{"Natural frequencies of modifications [Hz]", {"mode"}, {}, {}};
   Index longest = 0;
   for (const auto& each : modifications) {
@@ -137,12 +138,12 @@ Table before_and_after_table(const Study& study, const StudyResults& results) {
               {},
               {}};
   if (!results.estimation || results.updating->unknowns_before.size() == 0) return table;
-  const auto& unknowns = results.estimation->observer->options().unknowns;
+  const auto& unknowns = results.estimation->augmented_model->options().unknowns;
   const auto& after = results.estimation->result.unknowns.mean;
   for (std::size_t i = 0; i < unknowns.size(); ++i) {
     const auto row = static_cast<Index>(i);
     const double without = results.updating->unknowns_before[row], with = after(row, after.cols() - 1);
-    const auto& truth = study.observer->true_parameters[i];
+    const auto& truth = study.augmented_model->true_parameters[i];
     const auto error = [&](double value) {
       return truth && *truth != 0.0 ? signed_per_cent(value / *truth - 1.0) : "-";
     };
@@ -153,25 +154,25 @@ Table before_and_after_table(const Study& study, const StudyResults& results) {
 }
 
 std::string console_updating(const Study& study, const StudyResults& results) {
-  const auto& stage = *results.updating;
+  const auto& outcome = *results.updating;
   std::string text = fmt::format(
-      "Updated in {} evaluations ({} steps), {:.1f} s: {}{}\nby {}\n", stage.evaluations, stage.iterations,
-      stage.seconds, stage.termination,
-      stage.resumed_at > 0 ? fmt::format("; {} evaluations were made by an earlier run", stage.resumed_at) : "",
-      stage.method);
-  text += fmt::format("residual {} -> {} standard deviations\n\n", finite(stage.residual_initial),
-                      finite(stage.residual_final));
-  text += section("Updated parameters", updated_parameter_table(study, stage));
-  for (const auto& remark : stage.remarks) text += "  " + remark + "\n";
-  if (!stage.remarks.empty()) text += "\n";
-  text += section("Comparisons (standard deviations)", comparison_table(stage));
-  for (const auto& each : stage.comparisons)
+      "Updated in {} evaluations ({} steps), {:.1f} s: {}{}\nby {}\n", outcome.evaluations, outcome.iterations,
+      outcome.seconds, outcome.termination,
+      outcome.resumed_at > 0 ? fmt::format("; {} evaluations were made by an earlier run", outcome.resumed_at) : "",
+      outcome.method);
+  text += fmt::format("residual {} -> {} standard deviations\n\n", finite(outcome.residual_initial),
+                      finite(outcome.residual_final));
+  text += section("Updated parameters", updated_parameter_table(study, outcome));
+  for (const auto& remark : outcome.remarks) text += "  " + remark + "\n";
+  if (!outcome.remarks.empty()) text += "\n";
+  text += section("Comparisons (standard deviations)", comparison_table(outcome));
+  for (const auto& each : outcome.comparisons)
     if (!each.modes_final.empty())
       text += section(fmt::format("Modes of '{}': mean error {} before, {} after", each.name,
                                   per_cent(mean_frequency_error(each.modes_initial)),
                                   per_cent(mean_frequency_error(each.modes_final))),
                       paired_mode_table(each));
-  text += section("Derivatives against differences", sensitivity_table(stage));
+  text += section("Derivatives against differences", sensitivity_table(outcome));
   text += section("Unknowns of the filter without and with the updating", before_and_after_table(study, results));
   return text;
 }

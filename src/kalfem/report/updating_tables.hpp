@@ -2,23 +2,23 @@
 
 #include <string>
 
-#include "kalfem/casefile/stages.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 #include "kalfem/report/page.hpp"
 
 namespace kalfem {
 
 /// Refined parameters with initial value, result, standard deviation, truth and what changed.
-Table updated_parameter_table(const Study& study, const UpdatingStage& stage);
+Table updated_parameter_table(const Study& study, const UpdatingOutcome& outcome);
 /// Each comparison before and after, in standard deviations.
-Table comparison_table(const UpdatingStage& stage);
+Table comparison_table(const UpdatingOutcome& outcome);
 /// Measured and model frequencies of a comparison, before and after.
 Table paired_mode_table(const ComparisonResult& comparison);
 /// Every evaluation with the parameters that it tried.
-Table updating_trace_table(const Study& study, const UpdatingStage& stage);
-Table correlation_table(const Study& study, const UpdatingStage& stage);
-Table sensitivity_table(const UpdatingStage& stage);
+Table updating_trace_table(const Study& study, const UpdatingOutcome& outcome);
+Table correlation_table(const Study& study, const UpdatingOutcome& outcome);
+Table sensitivity_table(const UpdatingOutcome& outcome);
 /// Natural frequencies of each modification.
-Table modification_table(const std::vector<ModificationResult>& modifications);
+Table modification_table(const std::vector<StructuralModificationResult>& modifications);
 /// Unknowns of the filter before and after the updating; without rows where there are none.
 Table before_and_after_table(const Study& study, const StudyResults& results);
 

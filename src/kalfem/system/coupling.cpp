@@ -4,7 +4,7 @@
 #include <cmath>
 #include <set>
 
-#include "kalfem/system/law_library.hpp"
+#include "kalfem/system/laws/law_library.hpp"
 
 namespace kalfem {
 namespace {
@@ -106,8 +106,9 @@ std::string unit_of(InputKind kind) {
 }
 
 CoupledModel::CoupledModel(std::vector<Substructure> substructures, const std::vector<ConnectorDescription>& connectors,
-                           const std::vector<InputDescription>& inputs, const std::optional<StructureDamping>& damping)
-    : substructures_(std::move(substructures)), inputs_(inputs), structure_damping_(damping.has_value()) {
+                           const std::vector<InputDescription>& inputs,
+                           const std::optional<GlobalModalDamping>& damping)
+    : substructures_(std::move(substructures)), inputs_(inputs), global_modal_damping_(damping.has_value()) {
   assemble_linear_part();
   base_accelerations_ = Eigen::MatrixXd::Zero(system_.size(), static_cast<Eigen::Index>(inputs.size()));
   IssueList issues;
@@ -122,7 +123,7 @@ CoupledModel::CoupledModel(std::vector<Substructure> substructures, const std::v
     }
   for (const auto& connector : connectors) add_connector(connector, issues);
   issues.raise();
-  if (damping) add_structure_damping(system_, *damping, moving_grounds(inputs));
+  if (damping) add_global_modal_damping(system_, *damping, moving_grounds(inputs));
 }
 
 void CoupledModel::assemble_linear_part() {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/system/global_modal_damping.hpp"
 #include "kalfem/system/locally_nonlinear_system.hpp"
-#include "kalfem/system/structure_damping.hpp"
 
 namespace kalfem {
 
@@ -68,7 +68,7 @@ public:
   /// `damping`: of the whole structure's modes, where no substructure has modal damping of its own.
   /// Throws InvalidInput with every unknown point, doubled name or unsuitable parameter found.
   CoupledModel(std::vector<Substructure> substructures, const std::vector<ConnectorDescription>& connectors,
-               const std::vector<InputDescription>& inputs, const std::optional<StructureDamping>& damping = {});
+               const std::vector<InputDescription>& inputs, const std::optional<GlobalModalDamping>& damping = {});
 
   [[nodiscard]] const LocallyNonlinearSystem& system() const { return system_; }
   [[nodiscard]] const std::vector<Substructure>& substructures() const { return substructures_; }
@@ -85,7 +85,7 @@ public:
   };
   [[nodiscard]] Placed find_substructure(const std::string& name) const;
   /// Whether damping is of the whole structure's modes.
-  [[nodiscard]] bool structure_damping() const { return structure_damping_; }
+  [[nodiscard]] bool global_modal_damping() const { return global_modal_damping_; }
   /// Index of a degree of freedom, -1 when there is none.
   [[nodiscard]] Eigen::Index dof_index(const std::string& dof) const;
   /// Coordinate per displacement of a typical point, n (LinearModel::scale).
@@ -109,7 +109,7 @@ private:
   std::vector<Substructure> substructures_;
   std::vector<InputDescription> inputs_;
   LocallyNonlinearSystem system_;
-  bool structure_damping_ = false;
+  bool global_modal_damping_ = false;
   std::unordered_map<std::string, Eigen::Index> dof_indices_;
   Eigen::VectorXd coordinate_scale_;
   Eigen::MatrixXd base_accelerations_;

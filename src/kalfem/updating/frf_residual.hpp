@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "kalfem/base/frequency_response.hpp"
+#include "kalfem/records/frequency_response.hpp"
 #include "kalfem/updating/frf_model.hpp"
 #include "kalfem/updating/frf_scale.hpp"
 #include "kalfem/updating/residual.hpp"

@@ -12,7 +12,7 @@ namespace {
 using Eigen::Index;
 using Parameters = std::vector<UpdatingParameter>;
 
-constexpr double notable_widening = 1.5;  // of variances: below it, mere chance or not worth a word
+constexpr double notable_inflation = 1.5;  // of variances: below it, mere chance or not worth a word
 
 const UpdatingParameter& at(const Parameters& parameters, Index i) { return parameters[static_cast<std::size_t>(i)]; }
 
@@ -30,7 +30,7 @@ std::string change_in_words(const UpdatingParameter& p, double parts) {
   return fmt::format("{} by {:+.2g} {}", p.name, parts * p.scale(), p.unit);
 }
 
-std::string blind_in_words(const BlindCombination& combination, const Parameters& parameters) {
+std::string unidentifiable_in_words(const UnidentifiableCombination& combination, const Parameters& parameters) {
   constexpr double shown = 0.1;  // size of the greatest change in the sentence
   std::vector<std::string> names, changes;
   for (std::size_t k = 0; k < combination.parameters.size(); ++k) {
@@ -44,8 +44,8 @@ std::string blind_in_words(const BlindCombination& combination, const Parameters
       listed(names), listed(changes));
 }
 
-bool is_in_blind(const ParameterStatistics& statistics, Index i) {
-  for (const auto& combination : statistics.blind)
+bool is_unidentifiable(const ParameterStatistics& statistics, Index i) {
+  for (const auto& combination : statistics.unidentifiable)
     for (const Index member : combination.parameters)
       if (member == i) return true;
   return false;
@@ -77,18 +77,19 @@ std::vector<std::string> parameter_findings(const Parameters& parameters, const 
     const auto index = static_cast<Index>(i);
     if (statistics.seen[i] == Seen::not_at_all)
       findings.push_back(parameters[i].name + " is not informed by the residual at all: it stays where it was");
-    if (statistics.seen[i] == Seen::poorly && !is_in_blind(statistics, index))
+    if (statistics.seen[i] == Seen::poorly && !is_unidentifiable(statistics, index))
       findings.push_back(poorly_in_words(parameters[i], statistics, index));
     if (statistics.at_bound[i]) findings.push_back(bound_in_words(parameters[i], values[index]));
   }
-  for (const auto& combination : statistics.blind) findings.push_back(blind_in_words(combination, parameters));
+  for (const auto& combination : statistics.unidentifiable)
+    findings.push_back(unidentifiable_in_words(combination, parameters));
   for (const auto& [first, second, correlation] : statistics.correlated)
     findings.push_back(fmt::format("{} and {} are correlated by {:.4f}: errors of one are made up for by the other",
                                    at(parameters, first).name, at(parameters, second).name, correlation));
-  if (statistics.widening > notable_widening)
+  if (statistics.variance_inflation > notable_inflation)
     findings.push_back(fmt::format(
         "residuals are {:.2g} times as large as their stated deviations: the parameters' deviations are widened for it",
-        std::sqrt(statistics.widening)));
+        std::sqrt(statistics.variance_inflation)));
   return findings;
 }
 

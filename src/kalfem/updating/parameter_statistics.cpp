@@ -12,9 +12,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double zero_column = 1e-14;  // of the longest: rounding
-constexpr double part_in_null = 1e-3;  // a parameter with a smaller part in a null direction is determined
-constexpr double part_in_blind = 0.1;  // of the greatest change: a smaller one is not worth a word
+constexpr double zero_column = 1e-14;        // of the longest: rounding
+constexpr double part_in_null = 1e-3;        // a parameter with a smaller part in a null direction is determined
+constexpr double part_unidentifiable = 0.1;  // of the greatest change: a smaller one is not worth a word
 
 /// The linearised problem of the free parameters in parts of their scales: |r + R d|^2 + |P d|^2.
 struct Linearised {
@@ -90,7 +90,8 @@ void make_sparse(MatrixXd& directions) {
 }
 
 /// Directions in which the residual tells less than the prior, or in which both leave a deviation of a whole scale.
-MatrixXd blind_directions(const Linearised& problem, double widening, const ParameterStatisticsOptions& options) {
+MatrixXd unidentifiable_directions(const Linearised& problem, double variance_inflation,
+                                   const ParameterStatisticsOptions& options) {
   std::vector<Index> seen;
   for (Index k = 0; k < problem.factor.cols(); ++k)
     if (!problem.unseen[static_cast<std::size_t>(k)]) seen.push_back(k);
@@ -98,46 +99,49 @@ MatrixXd blind_directions(const Linearised& problem, double widening, const Para
   if (count == 0) return {problem.factor.cols(), 0};
   const Eigen::JacobiSVD<MatrixXd> svd(MatrixXd(problem.factor(Eigen::all, seen)), Eigen::ComputeThinV);
   MatrixXd found = MatrixXd::Zero(problem.factor.cols(), count);
-  Index blind = 0;
+  Index unidentifiable = 0;
   for (Index k = 0; k < count; ++k) {
-    const double sigma = svd.singularValues()[k], told = sigma / std::sqrt(widening);
+    const double sigma = svd.singularValues()[k], told = sigma / std::sqrt(variance_inflation);
     const double prior = problem.prior(seen).cwiseProduct(svd.matrixV().col(k)).norm();
     const bool null = sigma <= options.rank_tolerance * svd.singularValues()[0];
     const bool below_prior = prior > options.poor_ratio * std::hypot(told, prior);
     const bool below_scale = std::hypot(told, prior) * options.poor_deviation < 1.0;
     if (!null && !below_prior && !below_scale) continue;
-    for (std::size_t i = 0; i < seen.size(); ++i) found(seen[i], blind) = svd.matrixV()(static_cast<Index>(i), k);
-    ++blind;
+    for (std::size_t i = 0; i < seen.size(); ++i)
+      found(seen[i], unidentifiable) = svd.matrixV()(static_cast<Index>(i), k);
+    ++unidentifiable;
   }
-  found.conservativeResize(Eigen::NoChange, blind);
+  found.conservativeResize(Eigen::NoChange, unidentifiable);
   make_sparse(found);
   return found;
 }
 
 /// Names the parameters of a blind direction. One alone is poorly seen, but no combination.
-void add_blind(ParameterStatistics& statistics, const Linearised& problem, const VectorXd& direction) {
+void add_unidentifiable(ParameterStatistics& statistics, const Linearised& problem, const VectorXd& direction) {
   std::vector<Index> order;
   for (Index k = 0; k < direction.size(); ++k)
-    if (std::abs(direction[k]) > part_in_blind * direction.cwiseAbs().maxCoeff()) order.push_back(k);
+    if (std::abs(direction[k]) > part_unidentifiable * direction.cwiseAbs().maxCoeff()) order.push_back(k);
   std::stable_sort(order.begin(), order.end(),
                    [&](Index a, Index b) { return std::abs(direction[a]) > std::abs(direction[b]); });
-  BlindCombination combination;
+  UnidentifiableCombination combination;
   for (const Index k : order) {
     const Index parameter = problem.free[static_cast<std::size_t>(k)];
     combination.parameters.push_back(parameter);
     combination.changes.push_back(direction[k] / direction[order.front()]);
     statistics.seen[static_cast<std::size_t>(parameter)] = Seen::poorly;
   }
-  if (order.size() > 1) statistics.blind.push_back(std::move(combination));
+  if (order.size() > 1) statistics.unidentifiable.push_back(std::move(combination));
 }
 
-bool is_blind_pair(const ParameterStatistics& statistics, Index first, Index second) {
-  return std::any_of(statistics.blind.begin(), statistics.blind.end(), [&](const BlindCombination& combination) {
-    const auto has = [&](Index i) {
-      return std::find(combination.parameters.begin(), combination.parameters.end(), i) != combination.parameters.end();
-    };
-    return has(first) && has(second);
-  });
+bool is_unidentifiable_pair(const ParameterStatistics& statistics, Index first, Index second) {
+  return std::any_of(statistics.unidentifiable.begin(), statistics.unidentifiable.end(),
+                     [&](const UnidentifiableCombination& combination) {
+                       const auto has = [&](Index i) {
+                         return std::find(combination.parameters.begin(), combination.parameters.end(), i) !=
+                                combination.parameters.end();
+                       };
+                       return has(first) && has(second);
+                     });
 }
 
 /// Fills in deviations, covariance and correlation of all parameters from those of the free ones.
@@ -178,7 +182,7 @@ void find_correlated(ParameterStatistics& statistics, double high) {
   const Index count = statistics.correlation.rows();
   for (Index i = 0; i < count; ++i)
     for (Index j = i + 1; j < count; ++j)
-      if (std::abs(statistics.correlation(i, j)) > high && !is_blind_pair(statistics, i, j))
+      if (std::abs(statistics.correlation(i, j)) > high && !is_unidentifiable_pair(statistics, i, j))
         statistics.correlated.push_back({i, j, statistics.correlation(i, j)});
 }
 
@@ -199,13 +203,13 @@ ParameterStatistics parameter_statistics(const std::vector<UpdatingParameter>& p
   statistics.degrees_of_freedom = static_cast<double>(value.values.size()) - inverse.effective_parameters;
   if (statistics.degrees_of_freedom >= 1.0)
     statistics.reduced_chi_squared = value.values.squaredNorm() / statistics.degrees_of_freedom;
-  statistics.widening = std::max(1.0, statistics.reduced_chi_squared.value_or(1.0));
+  statistics.variance_inflation = std::max(1.0, statistics.reduced_chi_squared.value_or(1.0));
 
   const MatrixXd told = problem.factor * inverse.matrix;
-  fill_covariance(statistics, problem, inverse.matrix + (statistics.widening - 1.0) * told.transpose() * told,
+  fill_covariance(statistics, problem, inverse.matrix + (statistics.variance_inflation - 1.0) * told.transpose() * told,
                   inverse.undetermined);
-  const MatrixXd blind = blind_directions(problem, statistics.widening, options);
-  for (Index k = 0; k < blind.cols(); ++k) add_blind(statistics, problem, blind.col(k));
+  const MatrixXd unidentifiable = unidentifiable_directions(problem, statistics.variance_inflation, options);
+  for (Index k = 0; k < unidentifiable.cols(); ++k) add_unidentifiable(statistics, problem, unidentifiable.col(k));
   judge_parameters(statistics, parameters, values, value.jacobian.transpose() * value.values, options);
   for (std::size_t k = 0; k < problem.free.size(); ++k)
     if (problem.unseen[k]) statistics.seen[static_cast<std::size_t>(problem.free[k])] = Seen::not_at_all;

@@ -20,7 +20,7 @@ struct ParameterStatisticsOptions {
 enum class Seen { well, poorly, not_at_all, held };  ///< held: equal bounds
 
 /// A direction in the space of parameters along which the residual hardly changes.
-struct BlindCombination {
+struct UnidentifiableCombination {
   std::vector<Eigen::Index> parameters;  ///< those that take part, the greatest change first
   std::vector<double> changes;           ///< in parts of their scales; the greatest is 1
 };
@@ -38,11 +38,11 @@ struct ParameterStatistics {
   Eigen::VectorXd to_prior;     ///< deviation / that of the prior; 0 where there is no prior
   double degrees_of_freedom = 0.0;            ///< N - effective number of parameters
   std::optional<double> reduced_chi_squared;  ///< |r|^2 / degrees of freedom; nothing where they are fewer than one
-  double widening = 1.0;                      ///< kappa, of the residual's variances
+  double variance_inflation = 1.0;            ///< kappa, of the residual's variances
   std::vector<Seen> seen;
-  std::vector<BlindCombination> blind;     ///< each of two parameters or more
-  std::vector<CorrelatedPair> correlated;  ///< not those of one blind combination
-  std::vector<bool> at_bound;              ///< ended at a bound, and the residual pulls beyond it
+  std::vector<UnidentifiableCombination> unidentifiable;  ///< each of two parameters or more
+  std::vector<CorrelatedPair> correlated;                 ///< not those of one blind combination
+  std::vector<bool> at_bound;                             ///< ended at a bound, and the residual pulls beyond it
 };
 
 /// Statistics of theta at the minimum of |r|^2 / 2 and the priors' share, from the residual and its Jacobian there:

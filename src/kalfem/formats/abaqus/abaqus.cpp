@@ -8,8 +8,8 @@
 #include "kalfem/formats/abaqus/regions.hpp"
 #include "kalfem/formats/abaqus/supports.hpp"
 #include "kalfem/formats/shell_surfaces.hpp"
-#include "kalfem/formats/text_table.hpp"
-#include "kalfem/model/linear_cells.hpp"
+#include "kalfem/formats/tables/text_table.hpp"
+#include "kalfem/model/mesh/split_quadratic_shells.hpp"
 
 namespace kalfem {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-#include "kalfem/model/mesh.hpp"
-#include "kalfem/model/properties.hpp"
+#include "kalfem/model/mesh/mesh.hpp"
+#include "kalfem/model/mesh/properties.hpp"
 
 namespace kalfem::abaqus {
 

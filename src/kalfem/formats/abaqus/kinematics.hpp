@@ -4,8 +4,8 @@
 #include <unordered_map>
 
 #include "kalfem/formats/abaqus/placed_deck.hpp"
-#include "kalfem/model/mean_motion.hpp"
-#include "kalfem/model/reduced_equations.hpp"
+#include "kalfem/model/assembly/constraint_elimination.hpp"
+#include "kalfem/model/assembly/rbe3.hpp"
 
 namespace kalfem::abaqus {
 

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "kalfem/formats/abaqus/placed_deck.hpp"
-#include "kalfem/model/lamination.hpp"
+#include "kalfem/model/mesh/laminate_theory.hpp"
 
 namespace kalfem::abaqus {
 

@@ -13,7 +13,7 @@
 namespace kalfem::abaqus {
 
 /// The name of a set or the number of a node or element, as it stands in the deck.
-struct Reference {
+struct ConvergedSolution {
   std::string text;
   Where where;
 };
@@ -52,8 +52,8 @@ struct RawSet {
     std::string instance;  ///< whose numbers they are; empty: those of the set's own scope
     std::vector<std::int64_t> labels;
     std::vector<Range> ranges;
-    std::vector<Reference> names;          ///< sets, or numbers with an instance
-    std::optional<Reference> of_elements;  ///< all nodes of this element set
+    std::vector<ConvergedSolution> names;          ///< sets, or numbers with an instance
+    std::optional<ConvergedSolution> of_elements;  ///< all nodes of this element set
     Where where = {};
   };
   std::string name;  ///< as first spelled
@@ -81,9 +81,9 @@ struct Scope {
   std::string name;
   RawNodes nodes;
   std::vector<RawElement> elements;
-  std::vector<std::int64_t> connectivity;   ///< numbers of nodes; -1 - i: named_nodes[i]
-  std::vector<Reference> named_nodes;       ///< "instance.number"
-  std::map<std::string, RawSet> node_sets;  ///< by name in capitals
+  std::vector<std::int64_t> connectivity;      ///< numbers of nodes; -1 - i: named_nodes[i]
+  std::vector<ConvergedSolution> named_nodes;  ///< "instance.number"
+  std::map<std::string, RawSet> node_sets;     ///< by name in capitals
   std::map<std::string, RawSet> element_sets;
   std::vector<Block> blocks;  ///< everything else, in its order
 };

@@ -7,7 +7,7 @@
 #include "kalfem/formats/gzip.hpp"
 #include "kalfem/formats/matrices/entries.hpp"
 #include "kalfem/formats/matrices/readers.hpp"
-#include "kalfem/formats/text_table.hpp"
+#include "kalfem/formats/tables/text_table.hpp"
 #include "kalfem/model/finite_element_model.hpp"
 
 namespace kalfem {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "kalfem/formats/hdf5_file.hpp"
+#include "kalfem/formats/hdf5/hdf5_file.hpp"
 #include "kalfem/formats/matrices/writers.hpp"
 
 namespace kalfem {

@@ -3,7 +3,7 @@
 
 #include "kalfem/formats/nastran/model_building.hpp"
 #include "kalfem/formats/nastran/rigid_equations.hpp"
-#include "kalfem/model/reduced_equations.hpp"
+#include "kalfem/model/assembly/constraint_elimination.hpp"
 
 namespace kalfem::nastran {
 namespace {

@@ -1,8 +1,8 @@
 #include <numbers>
 
 #include "kalfem/formats/nastran/model_building.hpp"
-#include "kalfem/model/lamination.hpp"
-#include "kalfem/model/linear_cells.hpp"
+#include "kalfem/model/mesh/laminate_theory.hpp"
+#include "kalfem/model/mesh/split_quadratic_shells.hpp"
 
 namespace kalfem::nastran {
 namespace {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "kalfem/formats/nastran/card.hpp"
-#include "kalfem/model/mesh.hpp"
+#include "kalfem/model/mesh/mesh.hpp"
 
 namespace kalfem::nastran {
 

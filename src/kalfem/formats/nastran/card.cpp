@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "kalfem/formats/gmsh_scanner.hpp"
+#include "kalfem/formats/gmsh/gmsh_scanner.hpp"
 #include "kalfem/formats/nastran/number.hpp"
 
 namespace kalfem::nastran {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "kalfem/formats/gmsh_scanner.hpp"
+#include "kalfem/formats/gmsh/gmsh_scanner.hpp"
 
 namespace kalfem::nastran {
 namespace {

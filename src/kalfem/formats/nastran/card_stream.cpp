@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "kalfem/formats/gmsh_scanner.hpp"
+#include "kalfem/formats/gmsh/gmsh_scanner.hpp"
 #include "kalfem/formats/nastran/number.hpp"
-#include "kalfem/formats/text_table.hpp"
+#include "kalfem/formats/tables/text_table.hpp"
 
 namespace kalfem::nastran {
 namespace {

@@ -3,7 +3,7 @@
 #include <array>
 
 #include "kalfem/formats/nastran/number.hpp"
-#include "kalfem/formats/text_table.hpp"
+#include "kalfem/formats/tables/text_table.hpp"
 
 namespace kalfem::nastran {
 namespace {

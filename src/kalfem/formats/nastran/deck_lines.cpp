@@ -2,7 +2,7 @@
 
 #include "kalfem/formats/included_text.hpp"
 #include "kalfem/formats/nastran/card_stream.hpp"
-#include "kalfem/formats/text_table.hpp"
+#include "kalfem/formats/tables/text_table.hpp"
 
 namespace kalfem::nastran {
 namespace {

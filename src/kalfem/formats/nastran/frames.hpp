@@ -2,7 +2,7 @@
 
 #include <map>
 
-#include "kalfem/formats/gmsh_builder.hpp"
+#include "kalfem/formats/gmsh/gmsh_builder.hpp"
 #include "kalfem/formats/nastran/bulk_data.hpp"
 #include "kalfem/formats/nastran/card_stream.hpp"
 

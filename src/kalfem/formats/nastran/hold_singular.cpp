@@ -1,7 +1,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "kalfem/formats/nastran/model_building.hpp"
-#include "kalfem/model/reduced_equations.hpp"
+#include "kalfem/model/assembly/constraint_elimination.hpp"
 
 namespace kalfem::nastran {
 namespace {

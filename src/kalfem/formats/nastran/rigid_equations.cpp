@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "kalfem/model/mean_motion.hpp"
+#include "kalfem/model/assembly/rbe3.hpp"
 
 namespace kalfem::nastran {
 namespace {

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/model/properties.hpp"
+#include "kalfem/model/mesh/properties.hpp"
 
 namespace kalfem::nastran {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "kalfem/model/properties.hpp"
+#include "kalfem/model/mesh/properties.hpp"
 
 namespace kalfem {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "kalfem/model/elements/element.hpp"
-#include "kalfem/model/properties.hpp"
+#include "kalfem/model/mesh/properties.hpp"
 
 namespace kalfem {
 

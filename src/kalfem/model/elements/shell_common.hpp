@@ -1,6 +1,6 @@
 #pragma once
 
-#include "kalfem/model/properties.hpp"
+#include "kalfem/model/mesh/properties.hpp"
 
 namespace kalfem {
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "kalfem/model/elements/element.hpp"
-#include "kalfem/model/mesh.hpp"
-#include "kalfem/model/properties.hpp"
+#include "kalfem/model/mesh/mesh.hpp"
+#include "kalfem/model/mesh/properties.hpp"
 
 namespace kalfem {
 

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "kalfem/model/cell_corners.hpp"
+#include "kalfem/model/mesh/cell_corners.hpp"
 
 namespace kalfem {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <Eigen/Dense>
 
-#include "kalfem/model/mesh.hpp"
+#include "kalfem/model/mesh/mesh.hpp"
 
 namespace kalfem {
 

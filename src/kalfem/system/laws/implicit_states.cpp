@@ -36,7 +36,7 @@ StateVector rates_by_rate(const StateRates& rates, const ConnectorMotion& at, co
 }
 
 /// One implicit stage s = base + w h g(motion, s).
-struct Stage {
+struct Step {
   const StateRates& rates;
   ConnectorMotion motion;
   double step;  ///< w h [s]
@@ -50,18 +50,18 @@ struct Stage {
 };
 
 /// Damped Newton iteration on the stage, from s and into s.
-bool solve(const Stage& stage, StateVector& s) {
+bool solve(const Step& section, StateVector& s) {
   constexpr int max_iterations = 50, max_halvings = 20;
-  StateVector residual = stage.residual(s);
+  StateVector residual = section.residual(s);
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
-    StateVector correction = stage.factored_jacobian(s).solve(residual);
+    StateVector correction = section.factored_jacobian(s).solve(residual);
     if (!correction.allFinite()) return false;
     const double old_norm = residual.norm();
     // Beyond rounding a smaller residual cannot be asked for: the correction itself tells that this is the end.
     const bool last = (correction.array().abs() <= 1e-12 * s.array().abs() + 1e-300).all();
     for (int halving = 0; halving <= max_halvings; ++halving, correction *= 0.5) {
       const StateVector trial = s - correction;
-      residual = stage.residual(trial);
+      residual = section.residual(trial);
       if (last || halving == max_halvings || residual.norm() < old_norm) {
         s = trial;
         break;
@@ -81,23 +81,23 @@ AdvancedStates advance_states(const StateRates& rates, double duration, const Co
   const double reach = (1.0 - weight) / weight;  // the first stage's share of the second, by its own increment
   AdvancedStates out;
 
-  Stage stage{rates, between(begin, end, weight), weight * duration, s};
+  Step section{rates, between(begin, end, weight), weight * duration, s};
   StateVector middle = s;
-  out.converged = solve(stage, middle);
-  const auto middle_jacobian = stage.factored_jacobian(middle);
+  out.converged = solve(section, middle);
+  const auto middle_jacobian = section.factored_jacobian(middle);
   // The stage's motion moves by `weight` for each unit of the motion at the end.
   const StateVector middle_by_d =
-      middle_jacobian.solve(weight * stage.step * rates_by_deformation(rates, stage.motion, middle));
+      middle_jacobian.solve(weight * section.step * rates_by_deformation(rates, section.motion, middle));
   const StateVector middle_by_v =
-      middle_jacobian.solve(weight * stage.step * rates_by_rate(rates, stage.motion, middle));
+      middle_jacobian.solve(weight * section.step * rates_by_rate(rates, section.motion, middle));
 
-  stage.motion = end;
-  stage.base = s + reach * (middle - s);
+  section.motion = end;
+  section.base = s + reach * (middle - s);
   out.s = middle;
-  out.converged = solve(stage, out.s) && out.converged;
-  const auto jacobian = stage.factored_jacobian(out.s);
-  out.by_d = jacobian.solve(reach * middle_by_d + stage.step * rates_by_deformation(rates, end, out.s));
-  out.by_v = jacobian.solve(reach * middle_by_v + stage.step * rates_by_rate(rates, end, out.s));
+  out.converged = solve(section, out.s) && out.converged;
+  const auto jacobian = section.factored_jacobian(out.s);
+  out.by_d = jacobian.solve(reach * middle_by_d + section.step * rates_by_deformation(rates, end, out.s));
+  out.by_v = jacobian.solve(reach * middle_by_v + section.step * rates_by_rate(rates, end, out.s));
   return out;
 }
 

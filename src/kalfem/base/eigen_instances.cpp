@@ -1,2 +1,0 @@
-#define KALFEM_EIGEN_INSTANCE template
-#include "kalfem/base/eigen_instances.hpp"

@@ -1,0 +1,209 @@
+#include "kalfem/dynamics/converged_solution.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <map>
+#include <vector>
+
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/worker_pool.hpp"
+#include "kalfem/records/time_series.hpp"
+
+namespace kalfem {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+constexpr std::size_t most_extrapolations = 2;
+/// Of successive changes of plain solutions, where their order of two shows: four, but for what the next power adds.
+constexpr double least_ratio = 3.0, most_ratio = 5.0;
+/// Change of a halving to that two halvings before, above which they lead nowhere.
+constexpr double stagnant_ratio = 0.7;
+/// Smaller changes come from rounding and from the solution for the connector forces.
+constexpr double stagnant_change = 1e-4;
+
+MatrixXd every(const MatrixXd& fine, Index substeps) { return fine(Eigen::seq(0, Eigen::last, substeps), Eigen::all); }
+
+/// Passes the fine-step outputs through the measurement chains, then samples them.
+MatrixXd record(const MatrixXd& fine, const std::vector<MeasurementChain>& chains, double fine_rate, Index substeps) {
+  MatrixXd filtered = fine;
+  for (std::size_t i = 0; i < chains.size(); ++i)
+    filtered.col(static_cast<Index>(i)) = chains[i].filter(fine.col(static_cast<Index>(i)), fine_rate);
+  return every(filtered, substeps);
+}
+
+double largest_change(const MatrixXd& finer, const MatrixXd& coarser) {
+  double change = 0.0;
+  for (Index j = 0; j < finer.cols(); ++j) change = std::max(change, nrmse(coarser.col(j), finer.col(j)));
+  return change;
+}
+
+/// A solution at the record's samples.
+struct Sampled {
+  SimulationResult simulation;
+  MatrixXd sensors;
+
+  /// This one and `coarser`, of twice the step, with the error of order h^(2 power) taken out.
+  [[nodiscard]] Sampled extrapolated(const Sampled& coarser, Index power) const {
+    const double weight = 1.0 / (std::pow(4.0, static_cast<double>(power)) - 1.0);
+    const auto extrapolate = [&](MatrixXd& finer, const MatrixXd& other) { finer += weight * (finer - other); };
+    Sampled result = *this;
+    extrapolate(result.sensors, coarser.sensors);
+    extrapolate(result.simulation.every_sample, coarser.simulation.every_sample);
+    for (const auto motion : {&Trajectory::displacement, &Trajectory::velocity, &Trajectory::acceleration,
+                              &Trajectory::force, &Trajectory::connector_states})
+      extrapolate(result.simulation.trajectory.*motion, coarser.simulation.trajectory.*motion);
+    return result;
+  }
+};
+
+/// What is left of the error of S_k,j when the step is halved, where plain solutions err by a third of their last
+/// change: a change of S_k,j counts as one of S_k,0 with the same error.
+double gain(std::size_t extrapolations) { return 3.0 / (std::pow(4.0, static_cast<double>(extrapolations + 1)) - 1.0); }
+
+/// The solutions S_k,0 ... S_k,j of one step, from the plain one and those of twice the step.
+std::vector<Sampled> extrapolations(Sampled plain, const std::vector<Sampled>& coarser) {
+  std::vector<Sampled> row{std::move(plain)};
+  for (std::size_t j = 1; j <= std::min(coarser.size(), most_extrapolations); ++j)
+    row.push_back(row[j - 1].extrapolated(coarser[j - 1], static_cast<Index>(j)));
+  return row;
+}
+
+/// How far the last halving of the step has moved the sensors' records.
+struct Movement {
+  double plain = 1.0;              ///< of S_k,0
+  double least = 1.0;              ///< of the S_k,j that has moved least, by its gain
+  std::size_t extrapolations = 0;  ///< j
+};
+
+/// `before`: the change of the plain solutions in the halving before.
+Movement movement(const std::vector<Sampled>& finer, const std::vector<Sampled>& coarser, double before) {
+  Movement moved;
+  if (coarser.empty()) return moved;
+  moved.plain = moved.least = largest_change(finer[0].sensors, coarser[0].sensors);
+  const bool second_order = before > least_ratio * moved.plain && before < most_ratio * moved.plain;
+  for (std::size_t j = 1; j < coarser.size(); ++j) {
+    const double change = (second_order ? gain(j) : 1.0) * largest_change(finer[j].sensors, coarser[j].sensors);
+    if (change <= moved.least) moved.least = change, moved.extrapolations = j;
+  }
+  return moved;
+}
+
+void check(const ConvergenceOptions& options) {
+  IssueList issues;
+  if (!(options.sample_rate > 0.0) || !std::isfinite(options.sample_rate))
+    issues.add({}, "the sampling rate is " + std::to_string(options.sample_rate) + " Hz", "it must be positive");
+  if (options.first_substeps < 1 || options.max_substeps < options.first_substeps)
+    issues.add({},
+               "the time steps per sample go from " + std::to_string(options.first_substeps) + " to " +
+                   std::to_string(options.max_substeps),
+               "the first is at least 1, the last no less");
+  if (!(options.tolerance > 0.0))
+    issues.add({}, "the tolerance of the reference is " + std::to_string(options.tolerance), "it must be positive");
+  issues.raise();
+}
+
+/// Simulations of one system with different steps, some of them made ahead.
+class Simulations {
+public:
+  Simulations(const LocallyNonlinearSystem& system, const std::vector<SignalPtr>& signals, const InitialState& initial,
+              SimulationOptions options, double sample_rate)
+      : system_(system),
+        signals_(signals),
+        initial_(initial),
+        options_(std::move(options)),
+        sample_rate_(sample_rate) {}
+
+  [[nodiscard]] double step(Index substeps) const { return 1.0 / (sample_rate_ * static_cast<double>(substeps)); }
+
+  /// Those with `first`, 2 `first` and 4 `first` steps a sample, the last in a thread of its own.
+  void make_ahead(Index first) {
+    const std::vector<Index> shares[] = {{4 * first}, {first, 2 * first}};
+    for (const auto& share : shares)
+      for (const Index substeps : share) ahead_[substeps];
+    std::exception_ptr thrown[2];
+    WorkerPool(2).run(2, [&](int thread) {
+      try {
+        for (const Index substeps : shares[thread])
+          ahead_.at(substeps) = simulated(substeps, thread == 0 ? options_.progress : Progress{});
+      } catch (...) {
+        thrown[thread] = std::current_exception();
+      }
+    });
+    for (const auto& each : thrown)
+      if (each) std::rethrow_exception(each);
+  }
+
+  SimulationResult take(Index substeps) {
+    const auto made = ahead_.extract(substeps);
+    return made ? std::move(made.mapped()) : simulated(substeps, options_.progress);
+  }
+
+private:
+  [[nodiscard]] SimulationResult simulated(Index substeps, const Progress& progress) const {
+    SimulationOptions options = options_;
+    options.step = step(substeps);
+    options.keep_every = substeps;
+    options.progress = progress;
+    return simulate(system_, signals_, initial_, options);
+  }
+
+  const LocallyNonlinearSystem& system_;
+  const std::vector<SignalPtr>& signals_;
+  const InitialState& initial_;
+  SimulationOptions options_;
+  double sample_rate_;
+  std::map<Index, SimulationResult> ahead_;
+};
+
+}  // namespace
+
+bool ConvergedSolution::stagnates() const {
+  return changes.size() >= 3 && changes.back() > stagnant_change &&
+         changes.back() > stagnant_ratio * changes[changes.size() - 3];
+}
+
+ConvergedSolution simulate_converged(const LocallyNonlinearSystem& system, const std::vector<SignalPtr>& signals,
+                                     const InitialState& initial, const OutputMap& sensors,
+                                     const std::vector<MeasurementChain>& chains, SimulationOptions simulation,
+                                     const ConvergenceOptions& options) {
+  check(options);
+  ConvergedSolution reference;
+  std::vector<Sampled> coarser;
+  std::vector<double> changes;
+  Movement moved;
+  simulation.every_step = sensors;
+  const bool ahead = options.refine && options.threads > 1 && !simulation.snapshot && sensors.size() > 0 &&
+                     4 * options.first_substeps <= options.max_substeps;
+  Simulations simulations(system, signals, initial, std::move(simulation), options.sample_rate);
+  if (ahead) simulations.make_ahead(options.first_substeps);
+  for (Index substeps = options.first_substeps; substeps <= options.max_substeps; substeps *= 2) {
+    reference = {.simulation = simulations.take(substeps), .substeps = substeps, .last_change = 1.0};
+    if (reference.simulation.failure) {
+      coarser.clear();
+      changes.clear();
+      moved = {};
+      if (!options.refine) break;
+      continue;  // a smaller step may converge
+    }
+    Sampled plain{std::move(reference.simulation), {}};
+    plain.sensors = record(plain.simulation.every_step, chains, 1.0 / simulations.step(substeps), substeps);
+    plain.simulation.every_step.resize(0, 0);
+    auto row = extrapolations(std::move(plain), coarser);
+    moved = movement(row, coarser, moved.plain);
+    reference.simulation = row[moved.extrapolations].simulation;
+    reference.sensors = row[moved.extrapolations].sensors;
+    reference.extrapolations = static_cast<Index>(moved.extrapolations);
+    reference.last_change = moved.least;
+    if (!coarser.empty()) changes.push_back(moved.least);
+    reference.changes = changes;
+    reference.converged = !coarser.empty() && moved.least <= options.tolerance;
+    coarser = std::move(row);
+    if (reference.converged || sensors.size() == 0 || !options.refine) break;
+  }
+  return reference;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,64 @@
+#include "kalfem/estimation/partially_linear/argument_factor.hpp"
+
+#include <cmath>
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+namespace {
+
+constexpr double pivot_floor = 1e-12;  ///< of a channel's variance; its root is far above rounding
+
+}  // namespace
+
+bool argument_factor(const MatrixXd& covariance, MatrixXd& factor) {
+  const Index q = covariance.rows();
+  factor.setZero(q, q);
+  for (Index j = 0; j < q; ++j) {
+    const double variance = covariance(j, j);
+    if (!(variance >= 0.0) || !std::isfinite(variance)) return false;
+    if (variance == 0.0) continue;
+    double pivot = variance;
+    for (Index k = 0; k < j; ++k) pivot -= factor(j, k) * factor(j, k);
+    if (!(pivot > pivot_floor * variance)) {  // what is left of its covariances with others is rounding
+      factor(j, j) = std::sqrt(pivot_floor * variance);
+      continue;
+    }
+    factor(j, j) = std::sqrt(pivot);
+    const double inverse = 1.0 / factor(j, j);
+    for (Index i = j + 1; i < q; ++i) {
+      double value = covariance(i, j);
+      for (Index k = 0; k < j; ++k) value -= factor(i, k) * factor(j, k);
+      factor(i, j) = value * inverse;
+    }
+  }
+  return factor.allFinite();
+}
+
+void solve_channels(const MatrixXd& factor, MatrixXd& b) {
+  const Index q = factor.rows();
+  for (Index column = 0; column < b.cols(); ++column)
+    for (Index i = 0; i < q; ++i) {
+      if (factor(i, i) == 0.0) {
+        b(i, column) = 0.0;
+        continue;
+      }
+      double value = b(i, column);
+      for (Index k = 0; k < i; ++k) value -= factor(i, k) * b(k, column);
+      b(i, column) = value / factor(i, i);
+    }
+}
+
+void solve_channels_transposed(const MatrixXd& factor, MatrixXd& b) {
+  for (Index i = factor.rows() - 1; i >= 0; --i) {
+    const double inverse = factor(i, i) == 0.0 ? 0.0 : 1.0 / factor(i, i);
+    for (Index column = 0; column < b.cols(); ++column) {
+      const double value = b(i, column) *= inverse;
+      for (Index k = 0; k < i; ++k) b(k, column) -= factor(i, k) * value;
+    }
+  }
+}
+
+}  // namespace kalfem

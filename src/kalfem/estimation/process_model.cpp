@@ -1,0 +1,236 @@
+#include "kalfem/estimation/process_model.hpp"
+
+#include <algorithm>
+
+namespace kalfem {
+
+using Eigen::ArrayXXd;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Ref;
+using Eigen::VectorXd;
+
+namespace {
+
+/// Channels of internal states and unknowns. They come first, those of motion behind them: these may depend on each
+/// other almost exactly, and a triangular factor of their covariance then ends in small entries only.
+Index picked_channels(const StateLayout& layout) { return layout.connector_states + layout.unknowns; }
+
+/// Rows that pick internal states and unknowns from the augmented state.
+void select_states_and_unknowns(const StateLayout& layout, MatrixXd& selection) {
+  const Index count = picked_channels(layout);
+  selection.block(0, layout.connector_state(), count, count).setIdentity();
+}
+
+/// Parameters at the points from the unknowns.
+void set_unknowns(const AugmentedModel& augmented_model, const ArrayXXd& in, ConnectorForces& forces) {
+  Index column = augmented_model.layout().connector_states;
+  for (const auto& unknown : augmented_model.options().unknowns) {
+    for (const auto& target : unknown.targets)
+      unknown.transform.to_parameter(in.col(column), forces.parameter(target.connector, target.parameter));
+    ++column;
+  }
+}
+
+void fit_points(ConnectorForces& forces, Index points) {
+  if (forces.points() != points) forces.resize(points);
+}
+
+/// Channels of connector motion at one instant: d, d', and d'' where some law depends on it.
+Index motion_channels(const LocallyNonlinearSystem& system) {
+  const bool accelerations = std::ranges::any_of(
+      system.connectors, [](const Connector& connector) { return connector.law->uses_acceleration(); });
+  return (accelerations ? 3 : 2) * system.connector_count();
+}
+
+/// Forces at the first instant from states, unknowns and the motion there.
+bool solve_instant(const AugmentedModel& augmented_model, const ArrayXXd& in, Index motion, ConnectorForces& forces) {
+  const Index first = picked_channels(augmented_model.layout());
+  forces.free_motion().leftCols(motion) = in.middleCols(first, motion);
+  forces.begin_motion().leftCols(motion) = in.middleCols(first, motion);
+  forces.begin_states() = in.leftCols(augmented_model.layout().connector_states);
+  const auto outcome = forces.solve(augmented_model.step().instant_compliance, 0.0);
+  return outcome.finite && outcome.converged;
+}
+
+/// Weights of a column of instants for values that are linear from the first to the last.
+MatrixXd between_ends(const MatrixXd& weights, Index instants) {
+  const Index width = weights.cols() / instants;
+  MatrixXd ends = MatrixXd::Zero(weights.rows(), 2 * width);
+  for (Index i = 0; i < instants; ++i) {
+    const double share = static_cast<double>(i) / static_cast<double>(instants - 1);
+    ends.leftCols(width) += (1.0 - share) * weights.middleCols(i * width, width);
+    ends.rightCols(width) += share * weights.middleCols(i * width, width);
+  }
+  return ends;
+}
+
+}  // namespace
+
+ProcessModel::ProcessModel(const AugmentedModel& augmented_model)
+    : augmented_model_(&augmented_model),
+      parts_(augmented_model.options().substeps),
+      motion_(motion_channels(augmented_model.system())),
+      forces_(augmented_model.system(), augmented_model.options().forces),
+      tangent_(augmented_model) {
+  const auto& layout = augmented_model.layout();
+  const auto& step = augmented_model.step();
+  const auto& seen = augmented_model.form().motion();
+  const MatrixXd motion = seen.state.topRows(motion_), motion_of_input = seen.input.topRows(motion_);
+  const Index n = layout.size(), x = layout.linear, s = layout.connector_states, m = step.begin_force.cols(),
+              u = step.begin_input.cols(), instants = parts_ + 1;
+
+  const Index first = picked_channels(layout);
+  selection = MatrixXd::Zero(first + motion_ * instants, n);
+  force_motion_ = MatrixXd::Zero(motion_ * parts_, m * parts_);
+  input_motion_ = MatrixXd::Zero(motion_ * instants, u * instants);
+  MatrixXd transition = MatrixXd::Identity(x, x), forces = MatrixXd::Zero(x, m * instants);
+  input_state_ = MatrixXd::Zero(x, u * instants);
+  selection.middleRows(first, motion_).leftCols(x) = motion;
+  input_motion_.topLeftCorner(motion_, u) = motion_of_input;
+  for (Index part = 1; part <= parts_; ++part) {
+    transition = step.transition * transition;
+    forces = step.transition * forces;
+    input_state_ = step.transition * input_state_;
+    forces.middleCols((part - 1) * m, m) += step.begin_force;
+    input_state_.middleCols((part - 1) * u, u) += step.begin_input;
+    input_state_.middleCols(part * u, u) += step.end_input;
+    selection.middleRows(first + motion_ * part, motion_).leftCols(x) = motion * transition;
+    force_motion_.middleRows(motion_ * (part - 1), motion_) = motion * forces.leftCols(m * parts_);
+    input_motion_.middleRows(motion_ * part, motion_) = motion * input_state_;
+    input_motion_.block(motion_ * part, u * part, motion_, u) += motion_of_input;
+    forces.middleCols(part * m, m) += step.end_force;
+  }
+  straight_state_ = between_ends(input_state_, instants);
+  straight_motion_ = between_ends(input_motion_, instants);
+  select_states_and_unknowns(layout, selection);
+
+  linear = MatrixXd::Identity(n, n);
+  linear.topLeftCorner(x, x) = transition;
+  linear.block(x, x, s, s).setZero();
+  moving_gain = tangent_.size();
+  gain = MatrixXd::Zero(n, m * instants + s + moving_gain);
+  gain.topRows(x).leftCols(forces.cols()) = forces;
+  gain.block(x, forces.cols(), s, s).setIdentity();
+  offset = VectorXd::Zero(n);
+  input_offset = VectorXd::Zero(selection.rows());
+}
+
+void ProcessModel::set_inputs(const Ref<const MatrixXd>& inputs) {
+  tangent_.each([&](ProcessModel& beside) { beside.set_inputs(inputs); });
+  ends_ = inputs.reshaped();
+  offset.head(input_state_.rows()).noalias() = input_state_ * ends_;
+  input_offset.tail(input_motion_.rows()).noalias() = input_motion_ * ends_;
+}
+
+void ProcessModel::set_inputs(const Ref<const VectorXd>& begin, const Ref<const VectorXd>& end) {
+  tangent_.each([&](ProcessModel& beside) { beside.set_inputs(begin, end); });
+  ends_.resize(2 * begin.size());
+  ends_ << begin, end;
+  offset.head(straight_state_.rows()).noalias() = straight_state_ * ends_;
+  input_offset.tail(straight_motion_.rows()).noalias() = straight_motion_ * ends_;
+}
+
+void ProcessModel::set_mean(const VectorXd& mean) {
+  if (moving_gain == 0) return;
+  derivatives_usable_ = tangent_.derivatives(mean, derivatives_);
+  if (derivatives_usable_) gain.rightCols(moving_gain) = augmented_model_->own(derivatives_);
+}
+
+bool ProcessModel::evaluate(const ArrayXXd& in, ArrayXXd& out) {
+  if (!derivatives_usable_) return false;
+  const auto& layout = augmented_model_->layout();
+  const Index m = forces_.force().cols();
+  fit_points(forces_, in.rows());
+  set_unknowns(*augmented_model_, in, forces_);
+  if (!solve_instant(*augmented_model_, in, motion_, forces_)) return false;
+  out.leftCols(m) = forces_.force();
+  for (Index part = 1; part <= parts_; ++part) {
+    forces_.begin_motion() = forces_.motion();
+    if (part > 1) forces_.begin_states() = forces_.states();
+    if (!solve_part(part, in, out)) return false;
+    out.middleCols(part * m, m) = forces_.force();
+  }
+  out.middleCols((parts_ + 1) * m, layout.connector_states) = forces_.states();
+  tangent_.set_channels(in, layout.connector_states, out);
+  return true;
+}
+
+/// Forces at the end of one part from those at the ends of the earlier ones, in the columns of `out`.
+bool ProcessModel::solve_part(Index part, const ArrayXXd& in, const ArrayXXd& out) {
+  const Index earlier = part * forces_.force().cols();
+  forces_.free_motion().leftCols(motion_) =
+      in.middleCols(picked_channels(augmented_model_->layout()) + part * motion_, motion_);
+  for (Index row = 0; row < motion_; ++row)
+    for (Index j = 0; j < earlier; ++j)
+      add_scaled(force_motion_((part - 1) * motion_ + row, j), out, j, forces_.free_motion(), row);
+  const auto outcome = forces_.solve(augmented_model_->step().compliance, augmented_model_->step().step);
+  return outcome.finite && outcome.converged;
+}
+
+AugmentedModelOutput sensor_outputs(const AugmentedModel& augmented_model) {
+  AugmentedModelOutput output(augmented_model.form().outputs());
+  const auto& unknowns = augmented_model.options().unknowns;
+  for (std::size_t i = 0; i < unknowns.size(); ++i)
+    for (const Index sensor : unknowns[i].sensors) {
+      if (output.unknowns.size() == 0)
+        output.unknowns = MatrixXd::Zero(output.of_system.state.rows(), augmented_model.layout().unknowns);
+      output.unknowns(sensor, static_cast<Index>(i)) = 1.0;
+    }
+  return output;
+}
+
+MeasurementModel::MeasurementModel(const AugmentedModel& augmented_model, const OutputsOf& outputs)
+    : augmented_model_(&augmented_model),
+      motion_(motion_channels(augmented_model.system())),
+      all_(outputs(augmented_model)),
+      forces_(augmented_model.system(), augmented_model.options().forces),
+      tangent_(augmented_model, outputs) {
+  moving_gain = tangent_.size();
+  const auto& layout = augmented_model.layout();
+  selection = MatrixXd::Zero(picked_channels(layout) + motion_, layout.size());
+  selection.bottomRows(motion_).leftCols(layout.linear) = augmented_model.form().motion().state.topRows(motion_);
+  select_states_and_unknowns(layout, selection);
+  input_offset = VectorXd::Zero(selection.rows());
+  std::vector<Index> rows(static_cast<std::size_t>(all_.of_system.state.rows()));
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = static_cast<Index>(i);
+  select_rows(rows);
+}
+
+void MeasurementModel::select_rows(const std::vector<Index>& rows) {
+  const auto& layout = augmented_model_->layout();
+  const auto& [state, input, force] = all_.of_system;
+  linear = MatrixXd::Zero(static_cast<Index>(rows.size()), layout.size());
+  linear.leftCols(state.cols()) = state(rows, Eigen::all);
+  if (all_.unknowns.size() > 0) linear.middleCols(layout.unknown(), layout.unknowns) = all_.unknowns(rows, Eigen::all);
+  gain = MatrixXd::Zero(linear.rows(), force.cols() + moving_gain);
+  gain.leftCols(force.cols()) = force(rows, Eigen::all);
+  input_ = input(rows, Eigen::all);
+  offset = VectorXd::Zero(linear.rows());
+  tangent_.each([&](MeasurementModel& beside) { beside.select_rows(rows); });
+  ++revision;
+}
+
+void MeasurementModel::set_mean(const VectorXd& mean) {
+  if (moving_gain == 0) return;
+  derivatives_usable_ = tangent_.derivatives(mean, derivatives_);
+  if (derivatives_usable_) gain.rightCols(moving_gain) = derivatives_;
+}
+
+void MeasurementModel::set_inputs(const Ref<const VectorXd>& inputs) {
+  tangent_.each([&](MeasurementModel& beside) { beside.set_inputs(inputs); });
+  offset.noalias() = input_.lazyProduct(inputs);
+  input_offset.tail(motion_).noalias() = augmented_model_->form().motion().input.topRows(motion_).lazyProduct(inputs);
+}
+
+bool MeasurementModel::evaluate(const ArrayXXd& in, ArrayXXd& out) {
+  if (!derivatives_usable_) return false;
+  fit_points(forces_, in.rows());
+  set_unknowns(*augmented_model_, in, forces_);
+  if (!solve_instant(*augmented_model_, in, motion_, forces_)) return false;
+  out.leftCols(forces_.force().cols()) = forces_.force();
+  tangent_.set_channels(in, augmented_model_->layout().connector_states, out);
+  return true;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <memory>
+
+#include "kalfem/estimation/parameter_tangent.hpp"
+#include "kalfem/estimation/partially_linear/partially_linear_map.hpp"
+#include "kalfem/system/connector_forces.hpp"
+
+namespace kalfem {
+
+/// Transition of the augmented state over one sample interval, in N equal parts over which the connector forces are
+/// linear:
+///     x_i = A_h x_(i-1) + G_0 f_(i-1) + G_1 f_i + drive_i,   i = 1 ... N.
+/// Channels in: internal states, unknowns, connector motion at the begin and, as far as the linear part and the inputs
+/// give it, at the end of each part (d and d', 2m each; d'' too where a law depends on it). Channels out: the N + 1
+/// forces, internal states at the end, unknowns of the linear part (ParameterTangent). The state itself is moved once
+/// over the whole interval.
+class ProcessModel final : public PartiallyLinearMap {
+public:
+  explicit ProcessModel(const AugmentedModel& augmented_model);
+
+  /// Inputs [r; r'; r''] at the N + 1 instants, 3 n_u x (N + 1).
+  void set_inputs(const Eigen::Ref<const Eigen::MatrixXd>& inputs);
+  /// The same for inputs that are linear over the whole interval.
+  void set_inputs(const Eigen::Ref<const Eigen::VectorXd>& begin, const Eigen::Ref<const Eigen::VectorXd>& end);
+  /// The mean about which the unknowns of the linear part act, after the inputs.
+  void set_mean(const Eigen::VectorXd& mean);
+  bool evaluate(const Eigen::ArrayXXd& in, Eigen::ArrayXXd& out) override;
+
+private:
+  bool solve_part(Eigen::Index part, const Eigen::ArrayXXd& in, const Eigen::ArrayXXd& out);
+
+  const AugmentedModel* augmented_model_;
+  Eigen::Index parts_, motion_;  ///< channels of motion at one instant
+  ConnectorForces forces_;
+  /// Connector motion at the end of part i per earlier force j, block (i - 1, j), motion_ x m each.
+  Eigen::MatrixXd force_motion_;
+  /// State at the end, and motion at all instants, per input at each instant: n_x and motion_ (N + 1) rows. `straight`:
+  /// per input at the two ends, where it is linear between them.
+  Eigen::MatrixXd input_state_, input_motion_, straight_state_, straight_motion_;
+  Eigen::VectorXd ends_;
+  ParameterTangent<ProcessModel> tangent_;
+  Eigen::MatrixXd derivatives_;
+  bool derivatives_usable_ = true;
+};
+
+/// Outputs of an augmented model: of its system, and what its unknowns add to them.
+struct AugmentedModelOutput {
+  LinearOutput of_system;
+  Eigen::MatrixXd unknowns = {};  ///< rows x unknowns; empty: they add nothing
+
+  AugmentedModelOutput(LinearOutput output) : of_system(std::move(output)) {}  // NOLINT: the usual case
+};
+
+/// Which outputs of an augmented model: of its sensors, or any others.
+using OutputsOf = std::function<AugmentedModelOutput(const AugmentedModel&)>;
+AugmentedModelOutput sensor_outputs(const AugmentedModel& augmented_model);
+
+/// Outputs at an instant as a function of the augmented state, through the connector forces of that instant. Channels
+/// in: internal states, unknowns, connector motion without the forces (2m or 3m). Channels out: forces, unknowns of the
+/// linear part (ParameterTangent).
+class MeasurementModel final : public PartiallyLinearMap {
+public:
+  MeasurementModel(const AugmentedModel& augmented_model, const OutputsOf& outputs);
+
+  void set_inputs(const Eigen::Ref<const Eigen::VectorXd>& inputs);
+  /// The mean about which the unknowns of the linear part act, after the inputs.
+  void set_mean(const Eigen::VectorXd& mean);
+  /// Only these rows of the output from now on (samples that are missing are left out).
+  void select_rows(const std::vector<Eigen::Index>& rows);
+  bool evaluate(const Eigen::ArrayXXd& in, Eigen::ArrayXXd& out) override;
+
+private:
+  const AugmentedModel* augmented_model_;
+  Eigen::Index motion_;
+  AugmentedModelOutput all_;
+  Eigen::MatrixXd input_;
+  ConnectorForces forces_;
+  ParameterTangent<MeasurementModel> tangent_;
+  Eigen::MatrixXd derivatives_;
+  bool derivatives_usable_ = true;
+};
+
+}  // namespace kalfem

@@ -1,0 +1,162 @@
+#include <string>
+
+#include "kalfem/formats/gmsh/gmsh_versions.hpp"
+
+namespace kalfem::gmsh4 {
+
+namespace {
+
+constexpr std::size_t size_bytes = 8, int_bytes = 4, real_bytes = 8;
+
+/// A count of items of so many words, or bytes, each at least.
+std::int64_t read_count(GmshScanner& in, const char* items, std::size_t words, std::size_t bytes) {
+  const std::size_t start = in.start();
+  return in.check_count(in.int64((std::string("the number of ") + items).c_str()), items, start, words, bytes);
+}
+
+void skip_ints(GmshScanner& in, const char* what) {
+  const std::int64_t count = read_count(in, what, 1, int_bytes);
+  for (std::int64_t i = 0; i < count; ++i) in.int32(what);
+}
+
+/// One entity: its number, where `partitioned` its parent and partitions, its extent, its physical groups, its
+/// boundary.
+void read_entity(GmshScanner& in, GmshBuilder& mesh, EntityGroups& groups, int dimension, bool partitioned) {
+  const std::int64_t number = in.int32("an entity's number");
+  if (partitioned) {
+    in.int32("the dimension of an entity's parent");
+    in.int32("the number of an entity's parent");
+    skip_ints(in, "partitions of an entity");
+  }
+  for (int i = 0; i < (dimension == 0 ? 3 : 6); ++i) in.real("an entity's extent");
+  const std::int64_t count = read_count(in, "physical groups of an entity", 1, int_bytes);
+  auto& own = groups[{dimension, number}];
+  for (std::int64_t i = 0; i < count; ++i) own.push_back(mesh.group(dimension, in.int32("a physical group")));
+  if (dimension > 0) skip_ints(in, "bounding entities");
+}
+
+void read_all_entities(GmshScanner& in, GmshBuilder& mesh, EntityGroups& groups, bool partitioned) {
+  std::int64_t counts[4];
+  for (auto& count : counts) count = read_count(in, "entities", 5, int_bytes + 3 * real_bytes + size_bytes);
+  for (int dimension = 0; dimension < 4; ++dimension)
+    for (std::int64_t i = 0; i < counts[dimension]; ++i) read_entity(in, mesh, groups, dimension, partitioned);
+}
+
+/// The head of nodes or elements: blocks and items in all. The lowest and highest number that follow are not needed.
+struct Head {
+  std::int64_t blocks = 0, items = 0;
+};
+
+Head read_head(GmshScanner& in, const char* items, std::size_t words, std::size_t bytes) {
+  Head head;
+  head.blocks = read_count(in, "blocks", 4, 3 * int_bytes + size_bytes);
+  head.items = read_count(in, items, words, bytes);
+  in.int64("the lowest number");
+  in.int64("the highest number");
+  return head;
+}
+
+/// The count in a block's head, which must not go beyond what the section announced.
+std::int64_t read_block_count(GmshScanner& in, const char* items, std::int64_t left) {
+  const std::size_t start = in.start();
+  const std::int64_t count = in.int64((std::string("the number of ") + items + " of a block").c_str());
+  if (count < 0 || count > left)
+    in.fail(start, "a block announces " + std::to_string(count) + " " + items,
+            "the section has " + std::to_string(left) + " left", "write the mesh again");
+  return count;
+}
+
+void check_left(GmshScanner& in, const char* items, std::int64_t left) {
+  if (left > 0)
+    in.fail(in.start(), "the blocks end " + std::to_string(left) + " " + items + " early",
+            "they must hold as many as the section announces", "write the mesh again");
+}
+
+struct NumberInFile {
+  std::int64_t number = 0;
+  std::size_t start = 0;
+};
+
+/// Numbers of the nodes first, then their coordinates, with those in the entity's own parameters where it says so.
+std::int64_t read_node_block(GmshScanner& in, GmshBuilder& mesh, std::int64_t left,
+                             std::vector<NumberInFile>& numbers) {
+  const std::size_t start = in.start();
+  const std::int64_t dimension = in.int32("an entity's dimension");
+  if (dimension < 0 || dimension > 3)
+    in.fail(start, "an entity's dimension is " + std::to_string(dimension), "it must be 0, 1, 2 or 3",
+            "write the mesh again");
+  in.int32("an entity's number");
+  const std::int64_t parameters = in.int32("whether nodes are parametric") != 0 ? dimension : 0;
+  const std::int64_t count = read_block_count(in, "nodes", left);
+  numbers.clear();
+  for (std::int64_t i = 0; i < count; ++i) {
+    const std::size_t own = in.start();
+    numbers.push_back({in.int64("a node's number"), own});
+  }
+  for (const auto& node : numbers) {
+    const std::size_t line = in.start();
+    Eigen::Vector3d place;
+    for (double& coordinate : place) coordinate = in.real("a node's coordinate");
+    for (std::int64_t i = 0; i < parameters; ++i) in.real("a node's parametric coordinate");
+    in.end_record(line, "a node");
+    mesh.add_node(node.number, place, node.start);
+  }
+  return count;
+}
+
+std::int64_t read_element_block(GmshScanner& in, GmshBuilder& mesh, const EntityGroups& groups, std::int64_t left,
+                                std::vector<std::int64_t>& nodes) {
+  const std::int64_t dimension = in.int32("an entity's dimension");
+  const std::int64_t entity = in.int32("an entity's number");
+  const std::size_t start = in.start();
+  const std::int64_t number = in.int32("an element type");
+  const GmshType* type = find_gmsh_type(number);
+  if (!type)
+    in.fail(start, "elements are of type " + std::to_string(number), "Gmsh's format has no such type",
+            "write the mesh again");
+  const std::int64_t count = read_block_count(in, "elements", left);
+  const auto found = groups.find({dimension, entity});
+  const auto own = found == groups.end() ? std::span<const std::size_t>() : found->second;
+  nodes.resize(static_cast<std::size_t>(type->nodes));
+  for (std::int64_t i = 0; i < count; ++i) {
+    const std::size_t line = in.start();
+    const std::int64_t id = in.int64("an element's number");
+    for (auto& node : nodes) node = in.int64("an element's node");
+    in.end_record(line, "an element of this type");
+    mesh.add_element(*type, id, nodes, own, line);
+  }
+  return count;
+}
+
+}  // namespace
+
+void read_entities(GmshScanner& in, GmshBuilder& mesh, EntityGroups& groups) {
+  read_all_entities(in, mesh, groups, false);
+}
+
+void read_partitioned_entities(GmshScanner& in, GmshBuilder& mesh, EntityGroups& groups) {
+  in.int64("the number of partitions");
+  const std::int64_t ghosts = read_count(in, "ghost entities", 2, 2 * int_bytes);
+  for (std::int64_t i = 0; i < 2 * ghosts; ++i) in.int32("a ghost entity");
+  read_all_entities(in, mesh, groups, true);
+}
+
+void read_nodes(GmshScanner& in, GmshBuilder& mesh) {
+  const Head head = read_head(in, "nodes", 4, size_bytes + 3 * real_bytes);
+  mesh.reserve_nodes(head.items);
+  std::vector<NumberInFile> numbers;
+  std::int64_t left = head.items;
+  for (std::int64_t i = 0; i < head.blocks; ++i) left -= read_node_block(in, mesh, left, numbers);
+  check_left(in, "nodes", left);
+  mesh.finish_nodes();
+}
+
+void read_elements(GmshScanner& in, GmshBuilder& mesh, const EntityGroups& groups) {
+  const Head head = read_head(in, "elements", 2, 2 * size_bytes);
+  std::vector<std::int64_t> nodes;
+  std::int64_t left = head.items;
+  for (std::int64_t i = 0; i < head.blocks; ++i) left -= read_element_block(in, mesh, groups, left, nodes);
+  check_left(in, "elements", left);
+}
+
+}  // namespace kalfem::gmsh4

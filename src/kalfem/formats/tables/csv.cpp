@@ -1,0 +1,267 @@
+#include "kalfem/formats/tables/csv.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <numeric>
+
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/text.hpp"
+#include "kalfem/base/units.hpp"
+#include "kalfem/formats/tables/channel_title.hpp"
+#include "kalfem/formats/tables/text_table.hpp"
+#include "kalfem/formats/tables/time_axis.hpp"
+
+namespace kalfem {
+
+namespace {
+
+/// How this file is written: the options with what was found filled in.
+struct Dialect {
+  char separator = ',';
+  char decimal = '.';
+  bool header = true;
+};
+
+bool is_header(std::string_view line, const Dialect& dialect) {
+  const auto cells = split_cells(line, dialect.separator);
+  return std::ranges::any_of(
+      cells, [&](std::string_view cell) { return !is_missing_value(cell) && !parse_number(cell, dialect.decimal); });
+}
+
+Dialect find_dialect(const std::vector<TextLine>& lines, const CsvOptions& options) {
+  Dialect dialect;
+  dialect.separator = options.separator.value_or(find_separator(lines));
+  dialect.decimal = options.decimal.value_or(find_decimal(lines, dialect.separator));
+  dialect.header = options.header.value_or(is_header(lines.front().text, dialect));
+  return dialect;
+}
+
+void check(const CsvOptions& options) {
+  constexpr std::string_view separators = ";\t, ";
+  IssueList issues;
+  if (options.separator && separators.find(*options.separator) == std::string_view::npos)
+    issues.add({}, std::string("CSV separator is '") + *options.separator + "'",
+               "it must be a semicolon, tab, comma or space");
+  if (options.decimal && *options.decimal != '.' && *options.decimal != ',')
+    issues.add({}, std::string("CSV decimal sign is '") + *options.decimal + "'", "it must be a point or a comma");
+  if (options.separator && options.decimal && *options.separator == *options.decimal)
+    issues.add({}, "CSV separator and decimal sign are both a comma", "they must differ");
+  if (options.sample_rate && !(*options.sample_rate > 0.0 && std::isfinite(*options.sample_rate)))
+    issues.add({}, "the sampling rate is " + std::to_string(*options.sample_rate) + " Hz",
+               "it must be positive and finite");
+  if (options.rows && *options.rows < 1)
+    issues.add({}, std::to_string(*options.rows) + " rows of a table are asked for", "it must be at least one");
+  if (!(options.jitter >= 0.0 && options.jitter < 0.5))
+    issues.add({}, "jitter is " + std::to_string(options.jitter), "it must be at least 0 and below 0.5 of an interval");
+  issues.raise();
+}
+
+std::vector<std::string> names_of(const std::vector<Channel>& titles) {
+  std::vector<std::string> names;
+  for (const auto& title : titles) names.push_back(title.name);
+  return names;
+}
+
+std::string in_words(const std::vector<std::string>& names) {
+  std::string all;
+  for (const auto& name : names) all += (all.empty() ? "" : ", ") + name;
+  return all;
+}
+
+/// Whole titles where columns would otherwise be named alike: "x [mm]" and "x [m/s]".
+void tell_apart(std::vector<Channel>& channels, const std::vector<std::string>& titles) {
+  const auto short_names = names_of(channels);
+  for (std::size_t i = 0; i < channels.size(); ++i)
+    if (std::ranges::count(short_names, short_names[i]) > 1) channels[i].name = titles[i];
+}
+
+std::vector<Channel> titles_of(const TextLine& first, const Dialect& dialect, FileProblems& problems) {
+  auto cells = split_cells(first.text, dialect.separator);
+  if (cells.size() > 1 && cells.back().empty()) cells.pop_back();
+  std::vector<Channel> channels;
+  std::vector<std::string> titles;
+  for (const auto cell : cells) {
+    const bool named = dialect.header && !cell.empty();
+    titles.push_back(named ? std::string(cell) : "column_" + std::to_string(titles.size() + 1));
+    channels.push_back(named ? channel_of(cell) : Channel{titles.back(), ""});
+    if (std::ranges::count(titles, titles.back()) > 1)
+      problems.add(first.number, "two columns are named '" + titles.back() + "'", "names must differ",
+                   "rename one of them");
+  }
+  tell_apart(channels, titles);
+  return channels;
+}
+
+/// Positions of the wanted columns; of all when none is named.
+std::vector<std::size_t> positions_of(const std::vector<std::string>& wanted, const std::vector<Channel>& titles,
+                                      int title_line, FileProblems& problems) {
+  const auto names = names_of(titles);
+  std::vector<std::size_t> positions;
+  for (const auto& name : wanted) {
+    const auto found = find_channel(titles, name);
+    if (found < 0)
+      problems.add(title_line, "there is no column '" + name + "'" + did_you_mean(name, names), "",
+                   "the file has: " + in_words(names));
+    else
+      positions.push_back(static_cast<std::size_t>(found));
+  }
+  if (!wanted.empty()) return positions;
+  positions.resize(names.size());
+  std::iota(positions.begin(), positions.end(), std::size_t{0});
+  return positions;
+}
+
+/// Name of the time column of a file with these columns, or "" when it has none.
+std::string find_time_column(const std::vector<std::string>& names, const std::string& asked, FileProblems& problems) {
+  if (asked.empty()) {
+    constexpr std::array known{"t", "time", "t_s", "time_s", "x_value", "zeit"};
+    const std::string first = lower_case(names.front());
+    return std::ranges::find(known, first) != known.end() ? names.front() : "";
+  }
+  if (std::ranges::find(names, asked) != names.end()) return asked;
+  const auto position = parse_number(asked, '.');
+  if (position && *position >= 1 && *position <= double(names.size()) && *position == std::floor(*position))
+    return names[static_cast<std::size_t>(*position) - 1];
+  problems.add(0, "there is no time column '" + asked + "'" + did_you_mean(asked, names), "",
+               "give a column's name, or its position from 1 to " + std::to_string(names.size()));
+  return "";
+}
+
+/// What else counts as a row than lines with content.
+enum class BlankRows {
+  none,   ///< a blank line says nothing
+  count,  ///< a row without values: times stand by the rows' order alone
+};
+
+/// A file opened, its dialect and titles known, its numbers not yet read.
+class CsvFile {
+public:
+  CsvFile(const std::filesystem::path& path, const CsvOptions& options)
+      : problems(path.string()), options_(options), text_(read_text(path)), lines_(content_lines(text_)) {
+    if (lines_.empty()) throw InvalidInput(Issue{{path.string(), 0}, "the file holds no data", "", "check the path"});
+    if (options.rows) lines_.resize(std::min(lines_.size(), static_cast<std::size_t>(*options.rows) + 1));
+    dialect_ = find_dialect(lines_, options);
+    titles = titles_of(lines_.front(), dialect_, problems);
+    problems.raise();
+  }
+
+  [[nodiscard]] int title_line() const { return dialect_.header ? lines_.front().number : 0; }
+
+  /// The rows of the named columns (empty: all), of which the first `complete` must not miss values.
+  CsvTable read(const std::vector<std::string>& wanted, std::size_t complete, BlankRows blank) {
+    const auto positions = positions_of(wanted, titles, title_line(), problems);
+    problems.raise();
+    NumberRows rows(positions, names_of(titles), dialect_.decimal);
+    if (options_.missing) rows.allow_missing_from(complete);
+    for (const TextLine& line : row_lines(blank)) add_row(rows, line);
+    problems.raise();
+    CsvTable table{{}, rows.matrix(), rows.lines(), title_line()};
+    for (const auto position : positions) table.columns.push_back(titles[position]);
+    return table;
+  }
+
+  FileProblems problems;
+  std::vector<Channel> titles;
+
+private:
+  [[nodiscard]] std::vector<TextLine> row_lines(BlankRows blank) const {
+    std::vector<TextLine> rows = blank == BlankRows::count ? with_blank_rows() : lines_;
+    if (dialect_.header) rows.erase(rows.begin());
+    if (options_.rows) rows.resize(std::min(rows.size(), static_cast<std::size_t>(*options_.rows)));
+    return rows;
+  }
+
+  /// The lines with those between them that hold separators and blanks alone; a line without any separator is such a
+  /// row where there is one column.
+  [[nodiscard]] std::vector<TextLine> with_blank_rows() const {
+    std::vector<TextLine> rows;
+    auto content = lines_.begin();
+    for (const TextLine& line : split_lines(text_)) {
+      if (content == lines_.end()) break;
+      if (line.number == content->number)
+        rows.push_back(*content++);
+      else if (content != lines_.begin() && trimmed(line.text).empty() &&
+               (titles.size() == 1 || (dialect_.separator == '\t' && line.text.find('\t') != std::string_view::npos)))
+        rows.push_back(line);
+    }
+    return rows;
+  }
+
+  void add_row(NumberRows& rows, const TextLine& line) {
+    auto cells = split_cells(line.text, dialect_.separator);
+    if (cells.empty()) cells.emplace_back();
+    if (cells.size() == titles.size() + 1 && cells.back().empty()) cells.pop_back();
+    if (cells.size() == titles.size()) return rows.add(line.number, cells, problems);
+    problems.add(
+        line.number,
+        "the line has " + std::to_string(cells.size()) + " cells, the first line " + std::to_string(titles.size()),
+        "every line needs the same number of cells", "mend the line; check separator and decimal sign");
+  }
+
+  CsvOptions options_;
+  std::string text_;
+  std::vector<TextLine> lines_;
+  Dialect dialect_;
+};
+
+double seconds_per(const Channel& time, FileProblems& problems) {
+  constexpr std::array spelled_out{"", "sec", "second", "seconds", "sek"};
+  if (std::ranges::find(spelled_out, lower_case(time.unit)) != spelled_out.end()) return 1.0;
+  try {
+    return to_si("1 " + time.unit, "s");
+  } catch (const InvalidInput&) {
+    problems.add(0, "the time column '" + time.name + "' is in '" + time.unit + "'", "that is no unit of time",
+                 "write s, ms or us");
+    return 1.0;
+  }
+}
+
+/// Takes the first column of the table as time.
+TimeSeries with_time_column(CsvTable table, const CsvOptions& options, FileProblems& problems) {
+  const Channel time = table.columns.front();
+  const double unit = seconds_per(time, problems);
+  const TimeAxis axis =
+      time_axis(table.values.col(0) * unit, table.lines,
+                {.column = time.name, .jitter = options.jitter, .sample_rate = options.sample_rate}, problems);
+  problems.raise();
+  return {axis.sample_rate,
+          axis.start,
+          {table.columns.begin() + 1, table.columns.end()},
+          table.values.rightCols(table.values.cols() - 1)};
+}
+
+}  // namespace
+
+CsvTable read_csv_table(const std::filesystem::path& path, const CsvOptions& options) {
+  check(options);
+  return CsvFile(path, options).read(options.columns, 0, BlankRows::none);
+}
+
+CsvRecord read_csv_record(const std::filesystem::path& path, const CsvOptions& options) {
+  check(options);
+  CsvFile file(path, options);
+  const auto names = names_of(file.titles);
+  const std::string time = find_time_column(names, options.time_column, file.problems);
+  if (time.empty() && !options.sample_rate)
+    file.problems.add(0, "neither a time column nor a sampling rate is known", "a record needs one of them",
+                      "name the time column or give the sampling rate in Hz");
+  file.problems.raise();
+
+  std::vector<std::string> wanted = options.columns.empty() ? names : options.columns;
+  std::erase(wanted, time);
+  if (time.empty()) {
+    CsvTable table = file.read(wanted, 0, BlankRows::count);
+    return {{*options.sample_rate, 0.0, std::move(table.columns), std::move(table.values)}, table.title_line};
+  }
+  wanted.insert(wanted.begin(), time);
+  CsvTable table = file.read(wanted, 1, BlankRows::none);
+  return {with_time_column(std::move(table), options, file.problems), file.title_line()};
+}
+
+TimeSeries read_csv(const std::filesystem::path& path, const CsvOptions& options) {
+  return read_csv_record(path, options).series;
+}
+
+}  // namespace kalfem

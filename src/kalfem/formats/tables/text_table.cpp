@@ -1,0 +1,173 @@
+#include "kalfem/formats/tables/text_table.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <utility>
+
+#include "kalfem/base/text.hpp"
+
+namespace kalfem {
+
+namespace {
+
+constexpr std::size_t most_listed = 12;
+
+bool is_blank(char c) { return c == ' ' || c == '\t'; }
+
+std::string_view unquoted(std::string_view cell) {
+  if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') cell = cell.substr(1, cell.size() - 2);
+  return cell;
+}
+
+std::vector<std::string_view> split_blanks(std::string_view line) {
+  std::vector<std::string_view> cells;
+  for (std::size_t begin = 0; begin < line.size();) {
+    if (is_blank(line[begin])) {
+      ++begin;
+      continue;
+    }
+    const bool quoted = line[begin] == '"';
+    std::size_t end = quoted ? line.find('"', begin + 1) : line.find_first_of(" \t", begin);
+    end = end == std::string_view::npos ? line.size() : end + (quoted ? 1 : 0);
+    cells.push_back(unquoted(line.substr(begin, end - begin)));
+    begin = end;
+  }
+  return cells;
+}
+
+}  // namespace
+
+std::string read_text(const std::filesystem::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream || std::filesystem::is_directory(path))
+    throw InvalidInput(Issue{
+        {path.string(), 0}, "the file cannot be read", "it does not exist or is no readable file", "check the path"});
+  std::string text(std::istreambuf_iterator<char>(stream), {});
+  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
+  return text;
+}
+
+std::vector<TextLine> split_lines(std::string_view text) {
+  std::vector<TextLine> lines;
+  int number = 0;
+  while (!text.empty()) {
+    const std::size_t end = text.find('\n');
+    std::string_view line = text.substr(0, end);
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    lines.push_back({line, ++number});
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  }
+  return lines;
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+std::vector<TextLine> content_lines(std::string_view text) {
+  std::vector<TextLine> lines = split_lines(text);
+  std::erase_if(lines, [](const TextLine& line) {
+    const std::string_view content = trimmed(line.text);
+    return content.empty() || content.front() == '#' || content.front() == '%';
+  });
+  return lines;
+}
+
+char find_separator(const std::vector<TextLine>& lines) {
+  const std::string_view line = lines[std::min<std::size_t>(1, lines.size() - 1)].text;
+  for (const char candidate : {';', '\t', ',', ' '})
+    if (trimmed(line).find(candidate) != std::string_view::npos) return candidate;
+  return line.find('\t') == std::string_view::npos ? ',' : '\t';  // a row that ends in empty cells
+}
+
+char find_decimal(const std::vector<TextLine>& lines, char separator) {
+  if (separator == ',') return '.';
+  int commas = 0;
+  for (std::size_t i = 1; i < lines.size() && commas < 50; ++i) {
+    if (lines[i].text.find('.') != std::string_view::npos) return '.';
+    if (lines[i].text.find(',') != std::string_view::npos) ++commas;
+  }
+  return commas > 0 ? ',' : '.';
+}
+
+std::vector<std::string_view> split_cells(std::string_view line, char separator) {
+  if (separator == ' ') return split_blanks(line);
+  std::vector<std::string_view> cells;
+  bool quoted = false;
+  std::size_t begin = 0;
+  for (std::size_t i = 0; i <= line.size(); ++i) {
+    if (i < line.size() && line[i] == '"') quoted = !quoted;
+    if (i < line.size() && (quoted || line[i] != separator)) continue;
+    cells.push_back(unquoted(trimmed(line.substr(begin, i - begin))));
+    begin = i + 1;
+  }
+  return cells;
+}
+
+std::optional<double> parse_number(std::string_view cell, char decimal) {
+  std::array<char, 64> copy{};
+  if (decimal != '.') {
+    if (cell.size() > copy.size() || cell.find('.') != std::string_view::npos) return std::nullopt;
+    for (std::size_t i = 0; i < cell.size(); ++i) copy[i] = cell[i] == decimal ? '.' : cell[i];
+    cell = {copy.data(), cell.size()};
+  }
+  if (cell.starts_with('+') && !cell.starts_with("+-")) cell.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  if (end != cell.data() + cell.size() || error == std::errc::invalid_argument) return std::nullopt;
+  if (error == std::errc::result_out_of_range) return HUGE_VAL;
+  return value;
+}
+
+bool is_missing_value(std::string_view cell) {
+  constexpr std::array words{"", "nan", "-nan", "na", "n/a", "#n/a", "null", "none", "-", "--", "-nan(ind)", "1.#qnan"};
+  return std::ranges::find(words, lower_case(cell)) != words.end();
+}
+
+void FileProblems::add(int line, std::string what, std::string why, std::string fix) {
+  if (count_++ < most_listed) listed_.add({file_, line}, std::move(what), std::move(why), std::move(fix));
+}
+
+void FileProblems::raise() const {
+  IssueList all = listed_;
+  if (count_ > most_listed)
+    all.add(all.issues().back().location,
+            "and " + std::to_string(count_ - most_listed) + " more problems of this kind");
+  all.raise();
+}
+
+NumberRows::NumberRows(std::vector<std::size_t> columns, std::vector<std::string> names, char decimal)
+    : columns_(std::move(columns)), names_(std::move(names)), decimal_(decimal) {}
+
+void NumberRows::add(int line, const std::vector<std::string_view>& cells, FileProblems& problems) {
+  lines_.push_back(line);
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    const std::string_view cell = cells[columns_[i]];
+    const std::optional<double> number = parse_number(cell, decimal_);
+    const bool usable = number && std::isfinite(*number), missing = is_missing_value(cell);
+    numbers_.push_back(usable ? *number : NAN);
+    if (usable || (missing && missing_from_ && i >= *missing_from_)) continue;
+    problems.add(line,
+                 "column '" + names_[columns_[i]] + "' " +
+                     (cell.empty() ? "is empty" : "holds '" + std::string(cell.substr(0, 40)) + "'"),
+                 "every sample must be a finite number",
+                 missing && !missing_from_
+                     ? "repair or cut the record here, leave the column out, or allow missing samples "
+                       "(record.skip_missing: true)"
+                     : "repair or cut the record here, or leave the column out");
+  }
+}
+
+Eigen::MatrixXd NumberRows::matrix() const {
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  return Eigen::Map<const RowMajor>(numbers_.data(), static_cast<Eigen::Index>(lines_.size()),
+                                    static_cast<Eigen::Index>(columns_.size()));
+}
+
+}  // namespace kalfem

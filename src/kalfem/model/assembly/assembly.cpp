@@ -1,0 +1,410 @@
+#include "kalfem/model/assembly/assembly.hpp"
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+#include "kalfem/model/assembly/constraints.hpp"
+#include "kalfem/model/assembly/sparse_sum.hpp"
+#include "kalfem/model/elements/beam.hpp"
+#include "kalfem/model/elements/laminate.hpp"
+#include "kalfem/model/elements/point_mass.hpp"
+#include "kalfem/model/elements/shell3.hpp"
+#include "kalfem/model/elements/shell4.hpp"
+#include "kalfem/model/elements/solid.hpp"
+
+namespace kalfem {
+namespace {
+
+using Powers = std::map<std::string, int>;
+using Terms = std::map<Powers, SparseMatrix>;
+using Values = std::map<std::string, double>;
+
+/// Of more problems of one kind than this, only the number is told.
+constexpr std::size_t most_cells_told = 12;
+
+template <int columns>
+Eigen::Matrix<double, 3, columns> corners(const Mesh& mesh, const Cell& cell) {
+  Eigen::Matrix<double, 3, columns> places;
+  for (int i = 0; i < columns; ++i) places.col(i) = mesh.nodes.col(mesh.nodes_of(cell)[static_cast<std::size_t>(i)]);
+  return places;
+}
+
+/// Element matrices of the cells of one kind of property.
+struct ElementMaker {
+  const FiniteElementModel& model;
+  const Cell& cell;
+  std::size_t place;  ///< of the cell in its region
+  const std::vector<BeamPart>& parts;
+
+  ElementMatrices operator()(const ShellProperty& shell) const {
+    const double nu = model.materials.at(shell.material).poissons_ratio;
+    return cell.shape == CellShape::triangle3 ? shell3(corners<3>(model.mesh, cell), nu, shell, model.mass_kind)
+                                              : shell4(corners<4>(model.mesh, cell), nu, shell, model.mass_kind);
+  }
+  ElementMatrices operator()(const BeamProperty& property) const {
+    const double nu = model.materials.at(property.material).poissons_ratio;
+    return beam(corners<2>(model.mesh, cell), property, property.placement(place), nu, model.mass_kind, parts);
+  }
+  ElementMatrices operator()(const LaminateProperty& property) const {
+    return laminate(all_nodes(), property, property.direction(place), model.mass_kind);
+  }
+  ElementMatrices operator()(const SolidProperty& property) const {
+    const double nu = model.materials.at(property.material).poissons_ratio;
+    return solid(cell.shape, all_nodes(), property, nu, model.mass_kind);
+  }
+
+  [[nodiscard]] Eigen::Matrix3Xd all_nodes() const { return model.mesh.nodes(Eigen::all, model.mesh.nodes_of(cell)); }
+};
+
+std::string factor_name(const std::string& region, BeamPart part) { return region + "." + to_string(part); }
+
+Powers named_powers(const PropertyPowers& powers, const std::string& region, const std::string& material) {
+  Powers named;
+  if (powers.youngs_modulus != 0) named[material + ".youngs_modulus"] = powers.youngs_modulus;
+  if (powers.density != 0) named[material + ".density"] = powers.density;
+  if (powers.thickness != 0) named[region + ".thickness"] = powers.thickness;
+  if (powers.part != BeamPart::none) named[factor_name(region, powers.part)] = 1;
+  return named;
+}
+
+void add_to(Terms& terms, const Powers& powers, SparseMatrix matrix) {
+  auto [place, is_new] = terms.try_emplace(powers, std::move(matrix));
+  if (!is_new) place->second = SparseMatrix(place->second + matrix);
+}
+
+/// At least one term, so that the sum has its size.
+std::vector<AffineTerm> to_list(Terms terms, Eigen::Index size) {
+  std::vector<AffineTerm> list;
+  if (terms.empty()) list.push_back({{}, SparseMatrix(size, size)});
+  while (!terms.empty()) {
+    auto first = terms.extract(terms.begin());
+    list.push_back({first.key(), std::move(first.mapped())});
+  }
+  return list;
+}
+
+/// Degrees of freedom at which an element, spring or mass acts, by position among all.
+std::vector<bool> touched_dofs(const FiniteElementModel& model) {
+  std::vector<bool> touched(static_cast<std::size_t>(6 * model.mesh.node_count()), false);
+  const auto touch = [&](const NodalDof& dof) { touched[static_cast<std::size_t>(all_index(dof))] = true; };
+  for (const auto& [region, property] : model.properties)
+    for (const auto cell : model.mesh.regions.at(region))
+      for (const auto node : model.mesh.nodes_of(model.mesh.cells[static_cast<std::size_t>(cell)]))
+        for (int direction = 0; direction < motions_per_node(property); ++direction) touch({node, direction});
+  for (const auto& mass : model.masses) {
+    const auto matrix = point_mass(mass);
+    for (int direction = 0; direction < 6; ++direction)
+      if (matrix(direction, direction) != 0.0) touch({mass.node, direction});
+  }
+  for (const auto& spring : model.springs) {
+    touch(spring.from);
+    if (spring.to) touch(*spring.to);
+  }
+  for (const auto& joint : model.joints)
+    for (const auto& [dof, coefficient] : joint.deformation) touch(dof);
+  for (const auto& item : model.matrices)
+    for (const auto& dof : item.dofs) touch(dof);
+  return touched;
+}
+
+/// Sums up the parts of a model over the free degrees of freedom that the elimination leaves.
+class Assembler {
+public:
+  /// `factors`: those by which the stiffness of beam regions is divided.
+  Assembler(const FiniteElementModel& model, const Elimination& elimination, const Values& factors)
+      : rigid_mass(model.mesh), model_(model), transform_(elimination.transform), factors_(factors) {}
+
+  void add_region(const std::string& region, const RegionProperty& property, IssueList& issues);
+  void add_masses();
+  void add_springs();
+  void add_matrices();
+
+  Terms stiffness, mass;
+  SparseMatrix damping;
+  std::vector<GroundCoupling> grounds;
+  RigidMassSum rigid_mass;
+
+private:
+  using Triplets = std::vector<Eigen::Triplet<double>>;
+  using TripletTerms = std::map<Powers, Triplets>;
+  using Sums = std::map<PropertyPowers, std::vector<double>>;
+
+  /// Into which a region's stiffness is divided.
+  [[nodiscard]] std::vector<BeamPart> asked_parts(const std::string& region, const RegionProperty& property) const {
+    const auto* beam = std::get_if<BeamProperty>(&property);
+    if (!beam) return {BeamPart::none};
+    auto parts = parts_of(*beam);
+    return factors_.contains(factor_name(region, parts.front())) ? parts : std::vector{BeamPart::none};
+  }
+
+  [[nodiscard]] const Cell& cell(Eigen::Index index) const {
+    return model_.mesh.cells[static_cast<std::size_t>(index)];
+  }
+
+  /// Targets of the row `row` of a small matrix that stands at the position `all` among all degrees of freedom.
+  void append_targets(int row, Eigen::Index all, Scatter& scatter) const {
+    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(transform_, all); it; ++it)
+      scatter.push_back({row, static_cast<int>(it.col()), it.value()});
+  }
+
+  template <typename Nodes>
+  void scatter_of(const Nodes& nodes, int motions, Scatter& scatter) const {
+    scatter.clear();
+    int row = 0;
+    for (const auto node : nodes)
+      for (int direction = 0; direction < motions; ++direction) append_targets(row++, 6 * node + direction, scatter);
+  }
+
+  static void append(const Scatter& scatter, const Eigen::MatrixXd& matrix, Triplets& triplets) {
+    for (const auto& [i, row, row_coefficient] : scatter)
+      for (const auto& [j, column, column_coefficient] : scatter)
+        triplets.emplace_back(row, column, row_coefficient * column_coefficient * matrix(i, j));
+  }
+
+  [[nodiscard]] SparseMatrix from_triplets(const Triplets& triplets) const {
+    SparseMatrix matrix(transform_.cols(), transform_.cols());
+    matrix.setFromTriplets(triplets.begin(), triplets.end());
+    return matrix.pruned();
+  }
+
+  [[nodiscard]] SparseSumPattern pattern_of(const std::vector<Eigen::Index>& cells, int motions) const;
+  static void add_terms(const SparseSumPattern& pattern, const Scatter& scatter, const std::vector<ElementTerm>& terms,
+                        Sums& sums);
+  void report(const std::vector<std::pair<Eigen::Index, std::string>>& bad, const std::string& region,
+              IssueList& issues) const;
+
+  GroundCoupling& ground(const std::string& name) {
+    for (auto& coupling : grounds)
+      if (coupling.ground == name) return coupling;
+    const auto zero = Eigen::VectorXd::Zero(transform_.cols());
+    return grounds.emplace_back(GroundCoupling{name, zero, zero});
+  }
+
+  /// A ground that moves by r pulls with k r at `from`.
+  void add_ground_force(const NodalSpring& spring, const Scatter& from) {
+    auto& coupling = ground(spring.ground);
+    for (const auto& target : from) {
+      coupling.stiffness[target.column] += spring.stiffness * target.coefficient;
+      coupling.damping[target.column] += spring.damping * target.coefficient;
+    }
+  }
+
+  const FiniteElementModel& model_;
+  const Eigen::SparseMatrix<double, Eigen::RowMajor>& transform_;
+  const Values& factors_;
+};
+
+SparseSumPattern Assembler::pattern_of(const std::vector<Eigen::Index>& cells, int motions) const {
+  Scatter scatter;
+  return {transform_.cols(), [&](const SparseSumPattern::Visitor& visit) {
+            for (const auto index : cells) {
+              scatter_of(model_.mesh.nodes_of(cell(index)), motions, scatter);
+              visit(scatter);
+            }
+          }};
+}
+
+void Assembler::add_region(const std::string& region, const RegionProperty& property, IssueList& issues) {
+  const auto& cells = model_.mesh.regions.at(region);
+  const int motions = motions_per_node(property);
+  const auto pattern = pattern_of(cells, motions);
+  const auto parts = asked_parts(region, property);
+  Sums stiffness_sums, mass_sums;
+  std::map<PropertyPowers, Matrix6> rigid_sums;
+  Scatter scatter;
+  std::vector<std::pair<Eigen::Index, std::string>> bad;
+  for (std::size_t i = 0; i < cells.size(); ++i) try {
+      const auto& each = cell(cells[i]);
+      const auto matrices = std::visit(ElementMaker{model_, each, i, parts}, property);
+      scatter_of(model_.mesh.nodes_of(each), motions, scatter);
+      add_terms(pattern, scatter, matrices.stiffness, stiffness_sums);
+      add_terms(pattern, scatter, matrices.mass, mass_sums);
+      for (const auto& term : matrices.mass)
+        rigid_sums.try_emplace(term.powers, Matrix6::Zero()).first->second +=
+            rigid_mass.of(model_.mesh.nodes_of(each), motions, term.matrix);
+    } catch (const ElementShapeError& error) {
+      bad.emplace_back(cells[i], error.what());
+    }
+  report(bad, region, issues);
+  const auto move_sums = [&](Sums& sums, Terms& terms) {
+    for (auto& [powers, sum] : sums) {
+      const auto values = std::move(sum);  // as large as the matrix: not kept beside it for longer
+      add_to(terms, named_powers(powers, region, material_of(property)), pattern.matrix(values));
+    }
+  };
+  for (const auto& [powers, sum] : rigid_sums) rigid_mass.add(named_powers(powers, region, material_of(property)), sum);
+  move_sums(mass_sums, mass);
+  move_sums(stiffness_sums, stiffness);
+}
+
+void Assembler::add_terms(const SparseSumPattern& pattern, const Scatter& scatter,
+                          const std::vector<ElementTerm>& terms, Sums& sums) {
+  for (const auto& term : terms) {
+    const auto [place, is_new] = sums.try_emplace(term.powers);
+    if (is_new) place->second = pattern.zero();
+    pattern.add(scatter, term.matrix, place->second);
+  }
+}
+
+void Assembler::report(const std::vector<std::pair<Eigen::Index, std::string>>& bad, const std::string& region,
+                       IssueList& issues) const {
+  const SourceLocation file{model_.mesh.source, 0};
+  const std::string title = " of region '" + region + "' cannot be integrated";
+  for (std::size_t i = 0; i < std::min(bad.size(), most_cells_told); ++i) {
+    const auto& [index, why] = bad[i];
+    issues.add(file, to_string(cell(index).shape) + " " + std::to_string(cell(index).id) + title, why,
+               "mend the mesh there");
+  }
+  if (bad.size() > most_cells_told)
+    issues.add(file, std::to_string(bad.size() - most_cells_told) + " more cells" + title);
+}
+
+void Assembler::add_masses() {
+  TripletTerms triplets;
+  Scatter scatter;
+  for (const auto& item : model_.masses) {
+    scatter_of(std::array{item.node}, 6, scatter);
+    PointMass unit = item, inertia = item;
+    unit.mass = 1.0;
+    unit.inertia.setZero();
+    inertia.mass = 0.0;
+    const auto add = [&](const PointMass& part, const Powers& powers) {
+      const Eigen::MatrixXd matrix = point_mass(part);
+      append(scatter, matrix, triplets[powers]);
+      rigid_mass.add(powers, rigid_mass.of(std::array{item.node}, 6, matrix));
+    };
+    add(unit, {{item.name + ".mass", 1}});
+    if (!item.inertia.isZero(0.0)) add(inertia, {});
+  }
+  for (const auto& [powers, entries] : triplets) add_to(mass, powers, from_triplets(entries));
+}
+
+void Assembler::add_springs() {
+  TripletTerms triplets;
+  Triplets dashpots;
+  Scatter scatter;
+  for (const auto& spring : model_.springs) {
+    scatter.clear();
+    append_targets(0, all_index(spring.from), scatter);
+    if (spring.to)
+      append_targets(1, all_index(*spring.to), scatter);
+    else
+      add_ground_force(spring, scatter);
+    const Eigen::MatrixXd unit = Eigen::Matrix2d{{1.0, -1.0}, {-1.0, 1.0}};
+    append(scatter, unit, triplets[{{spring.name + ".stiffness", 1}}]);
+    if (spring.damping != 0.0) append(scatter, spring.damping * unit, dashpots);
+  }
+  for (const auto& joint : model_.joints) {
+    scatter.clear();
+    Eigen::VectorXd coefficients(static_cast<Eigen::Index>(joint.deformation.size()));
+    for (int row = 0; row < coefficients.size(); ++row) {
+      const auto& [dof, coefficient] = joint.deformation[static_cast<std::size_t>(row)];
+      append_targets(row, all_index(dof), scatter);
+      coefficients[row] = coefficient;
+    }
+    const Eigen::MatrixXd unit = coefficients * coefficients.transpose();
+    append(scatter, unit, triplets[{{joint.name + ".stiffness", 1}}]);
+    if (joint.damping != 0.0) append(scatter, joint.damping * unit, dashpots);
+  }
+  for (const auto& [powers, entries] : triplets) add_to(stiffness, powers, from_triplets(entries));
+  damping = from_triplets(dashpots);
+}
+
+/// S^T A S with the rows S of the transform at the matrices' degrees of freedom.
+void Assembler::add_matrices() {
+  for (const auto& item : model_.matrices) {
+    SparseMatrix rows(static_cast<Eigen::Index>(item.dofs.size()), transform_.cols());
+    std::vector<Eigen::Triplet<double>> entries;
+    Scatter scatter;
+    for (std::size_t i = 0; i < item.dofs.size(); ++i)
+      append_targets(static_cast<int>(i), all_index(item.dofs[i]), scatter);
+    for (const auto& [row, column, coefficient] : scatter) entries.emplace_back(row, column, coefficient);
+    rows.setFromTriplets(entries.begin(), entries.end());
+    const auto projected = [&](const SparseMatrix& matrix) { return SparseMatrix(rows.transpose() * matrix * rows); };
+    if (item.stiffness.size() > 0) add_to(stiffness, {}, projected(item.stiffness));
+    if (item.mass.size() > 0) {
+      add_to(mass, {}, projected(item.mass));
+      rigid_mass.add({}, rigid_mass.of(item.dofs, item.mass));
+    }
+    if (item.damping.size() > 0) damping = SparseMatrix(damping + projected(item.damping));
+  }
+}
+
+/// All factors of the beam regions that the options name one of.
+Values asked_factors(const FiniteElementModel& model, const AssemblyOptions& options) {
+  auto factors = beam_factors(model);
+  const auto region_of = [](const std::string& name) { return name.substr(0, name.rfind('.')); };
+  std::set<std::string> regions;
+  for (const auto& name : options.parameters)
+    if (factors.contains(name)) regions.insert(region_of(name));
+  std::erase_if(factors, [&](const auto& factor) { return !regions.contains(region_of(factor.first)); });
+  return factors;
+}
+
+void require_own_names(const Values& factors, const Values& values, const std::string& source) {
+  IssueList issues;
+  for (const auto& [name, value] : factors)
+    if (values.contains(name))
+      issues.add({source, 0}, "'" + name + "' is a factor of a beam region and the stiffness of a spring",
+                 "names of parameters are unique", "rename the spring or the region");
+  issues.raise();
+}
+
+Values present_values(const FiniteElementModel& model) {
+  Values values;
+  for (const auto& [region, property] : model.properties) {
+    const auto name = material_of(property);
+    if (name.empty()) continue;
+    const auto& material = model.materials.at(name);
+    values[name + ".youngs_modulus"] = material.youngs_modulus;
+    values[name + ".density"] = material.density;
+    if (const auto* shell = std::get_if<ShellProperty>(&property)) values[region + ".thickness"] = shell->thickness;
+  }
+  for (const auto& mass : model.masses) values[mass.name + ".mass"] = mass.mass;
+  for (const auto& spring : model.springs) values[spring.name + ".stiffness"] = spring.stiffness;
+  for (const auto& joint : model.joints) values[joint.name + ".stiffness"] = joint.stiffness;
+  return values;
+}
+
+}  // namespace
+
+Eigen::Index AssembledModel::find(const NodalDof& dof) const {
+  const auto place = std::ranges::lower_bound(dofs, dof);
+  return place != dofs.end() && *place == dof ? place - dofs.begin() : -1;
+}
+
+Values beam_factors(const FiniteElementModel& model) {
+  Values factors;
+  for (const auto& [region, property] : model.properties)
+    if (const auto* beam = std::get_if<BeamProperty>(&property))
+      for (const auto part : parts_of(*beam)) factors[factor_name(region, part)] = 1.0;
+  return factors;
+}
+
+AssembledModel assemble(const FiniteElementModel& model, const AssemblyOptions& options) {
+  if (auto issues = validate(model); !issues.empty()) throw InvalidInput(std::move(issues));
+  auto elimination = eliminate(model, touched_dofs(model), options.independent);
+  auto values = present_values(model);
+  const auto factors = asked_factors(model, options);
+  require_own_names(factors, values, model.mesh.source);
+  values.insert(factors.begin(), factors.end());
+  Assembler assembler(model, elimination, factors);
+  IssueList issues;
+  for (const auto& [region, property] : model.properties) assembler.add_region(region, property, issues);
+  issues.raise();
+  assembler.add_masses();
+  assembler.add_springs();
+  assembler.add_matrices();
+  const auto size = static_cast<Eigen::Index>(elimination.dofs.size());
+  return {.parameters = std::move(values),
+          .stiffness = to_list(std::move(assembler.stiffness), size),
+          .mass = to_list(std::move(assembler.mass), size),
+          .damping = std::move(assembler.damping),
+          .grounds = std::move(assembler.grounds),
+          .rigid_mass = assembler.rigid_mass.list(),
+          .dofs = std::move(elimination.dofs),
+          .expansion = elimination.transform};
+}
+
+}  // namespace kalfem

@@ -1,0 +1,92 @@
+#include "kalfem/model/assembly/constraint_elimination.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace kalfem {
+
+namespace {
+
+/// A coefficient below this share of the equation's largest is rounding.
+constexpr double coefficient_rounding = 1e-11;
+
+double largest(const std::map<NodalDof, double>& terms) {
+  double value = 0.0;
+  for (const auto& [dof, coefficient] : terms) value = std::max(value, std::abs(coefficient));
+  return value;
+}
+
+void drop_below(std::map<NodalDof, double>& terms, double limit) {
+  std::erase_if(terms, [&](const auto& term) { return std::abs(term.second) <= limit; });
+}
+
+}  // namespace
+
+bool ReducedEquations::add(const std::string& name, const DofSum& given, std::optional<NodalDof> preferred,
+                           const SourceLocation& where) {
+  std::map<NodalDof, double> terms;
+  double scale = 0.0;
+  for (const auto& [dof, coefficient] : given) {
+    terms[dof] += coefficient;
+    scale = std::max(scale, std::abs(coefficient));
+  }
+  // Pivots of earlier equations are replaced; what comes in with them is no pivot.
+  for (const auto& [dof, coefficient] : std::map(terms)) {
+    const auto earlier = row_of_pivot_.find(dof);
+    if (earlier == row_of_pivot_.end()) continue;
+    for (const auto& [other, share] : rows_[earlier->second].terms) terms[other] -= coefficient * share;
+    terms.erase(dof);
+  }
+  drop_below(terms, coefficient_rounding * scale);
+  if (terms.empty()) return false;
+
+  const double top = largest(terms);
+  NodalDof pivot;
+  if (preferred && terms.contains(*preferred) && std::abs(terms.at(*preferred)) > 1e-6 * top)
+    pivot = *preferred;
+  else
+    pivot = std::max_element(terms.begin(), terms.end(), [](const auto& a, const auto& b) {
+              return std::abs(a.second) < std::abs(b.second) * (1.0 - 1e-9);
+            })->first;
+  const double divisor = terms.at(pivot);
+  for (auto& [dof, coefficient] : terms) coefficient /= divisor;
+  drop_below(terms, coefficient_rounding * largest(terms));
+
+  const std::size_t index = rows_.size();
+  for (const std::size_t row : std::exchange(rows_with_[pivot], {})) {
+    auto& others = rows_[row].terms;
+    const auto held = others.find(pivot);
+    if (held == others.end()) continue;
+    const double factor = held->second;
+    others.erase(held);
+    for (const auto& [dof, coefficient] : terms) {
+      if (dof == pivot) continue;
+      others[dof] -= factor * coefficient;
+      rows_with_[dof].push_back(row);
+    }
+    drop_below(others, coefficient_rounding * largest(others));
+  }
+  for (const auto& [dof, coefficient] : terms) rows_with_[dof].push_back(index);
+  row_of_pivot_[pivot] = index;
+  rows_.push_back({name, std::move(terms), pivot, where});
+  return true;
+}
+
+void ReducedEquations::store(FiniteElementModel& model) const {
+  std::map<std::pair<std::string, Eigen::Index>, std::size_t> fixed_at;
+  for (const auto& row : rows_) {
+    if (row.terms.size() == 1) {
+      const auto [place, is_new] = fixed_at.try_emplace({row.name, row.pivot.node}, model.fixed.size());
+      if (is_new) model.fixed.push_back({row.name, {row.pivot.node}, {}});
+      model.fixed[place->second].directions[static_cast<std::size_t>(row.pivot.direction)] = true;
+      continue;
+    }
+    MultiPointConstraint constraint{row.name, {{row.pivot, 1.0}}, row.where};
+    for (const auto& [dof, coefficient] : row.terms)
+      if (dof != row.pivot) constraint.terms.emplace_back(dof, coefficient);
+    model.constraints.push_back(std::move(constraint));
+  }
+}
+
+}  // namespace kalfem

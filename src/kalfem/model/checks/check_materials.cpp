@@ -1,0 +1,177 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "kalfem/model/checks/single_checks.hpp"
+#include "kalfem/model/mesh/cell_corners.hpp"
+
+namespace kalfem::report {
+namespace {
+
+using Eigen::Index;
+using Severity = FindingSeverity;
+using Topic = FindingTopic;
+
+constexpr double least_size = 5e-3, most_size = 500.0;  ///< of a structure that is tested for vibration [m]
+constexpr double much_stiffer = 1e6;
+
+struct KindName {
+  std::string operator()(const ShellProperty&) const { return "shell"; }
+  std::string operator()(const LaminateProperty&) const { return "laminate"; }
+  std::string operator()(const BeamProperty&) const { return "beam"; }
+  std::string operator()(const SolidProperty&) const { return "solid"; }
+};
+
+/// Mass of a region of the given length, area or volume.
+struct MassOfRegion {
+  double density, measure;
+  double operator()(const ShellProperty& shell) const {
+    return (density * shell.thickness + shell.nonstructural_mass) * measure;
+  }
+  double operator()(const LaminateProperty& laminate) const { return laminate.mass * measure; }
+  double operator()(const BeamProperty& beam) const {
+    return (density * beam.section.area + beam.nonstructural_mass) * measure;
+  }
+  double operator()(const SolidProperty&) const { return density * measure; }
+};
+
+RegionHealth region_check(const FiniteElementModel& model, const std::string& name, const std::vector<Index>& cells) {
+  RegionHealth region{.name = name, .kind = {}, .material = {}, .cells = static_cast<Index>(cells.size())};
+  int highest = 0;
+  for (const auto index : cells)
+    highest = std::max(highest, dimension(model.mesh.cells[static_cast<std::size_t>(index)].shape));
+  for (const auto index : cells) {
+    const Cell& cell = model.mesh.cells[static_cast<std::size_t>(index)];
+    if (dimension(cell.shape) == highest && highest > 0) region.measure += cell_measure(model.mesh, cell);
+  }
+  const auto property = model.properties.find(name);
+  if (property == model.properties.end()) return region;
+  region.kind = std::visit(KindName{}, property->second);
+  region.material = material_of(property->second);
+  if (const auto* shell = std::get_if<ShellProperty>(&property->second)) region.thickness = shell->thickness;
+  if (const auto* beam = std::get_if<BeamProperty>(&property->second)) region.area = beam->section.area;
+  const auto material = model.materials.find(region.material);
+  const double density = material == model.materials.end() ? 0.0 : material->second.density;
+  region.mass = std::visit(MassOfRegion{density, region.measure}, property->second);
+  return region;
+}
+
+void tell_regions(const ModelCheckReport& report, std::vector<ModelFinding>& findings) {
+  const double size = (report.highest - report.lowest).norm();
+  for (const auto& region : report.regions) {
+    if (region.kind.empty() && region.cells > 0 && region.measure > 0.0)
+      findings.push_back(
+          {Severity::note, Topic::mesh,
+           "the region '" + region.name + "' of " + std::to_string(region.cells) + " cells has no property",
+           "it is not part of the model", "give it one if it should be"});
+    const double width = region.thickness > 0.0 ? region.thickness : std::sqrt(region.area);
+    if (width > 0.25 * size && size > 0.0)
+      findings.push_back({Severity::warning, Topic::units,
+                          "the " + std::string(region.thickness > 0.0 ? "thickness" : "width") + " of region '" +
+                              region.name + "', " + told(width) + " m, is " + told(width / size) +
+                              " of the size of the whole structure",
+                          "shells and beams are thin; perhaps its unit is another than that of the coordinates",
+                          "check the units of sections and coordinates"});
+  }
+}
+
+/// `in_si`: another material is a usual one in SI, beside which an odd one is a stand-in: a dummy, a smeared core.
+void tell_material(const MaterialHealth& material, bool in_si, std::vector<ModelFinding>& findings) {
+  if (material.used_by.empty()) {
+    findings.push_back({Severity::note, Topic::materials, "the material '" + material.name + "' is not used", "", ""});
+    return;
+  }
+  const auto& values = material.values;
+  if (!material.resembles.empty() || !(values.youngs_modulus > 0.0)) return;
+  const std::string title = "the material '" + material.name + "' (E = " + told(values.youngs_modulus) +
+                            " Pa, density " + told(values.density) + " kg/m^3, wave speed " +
+                            told(material.wave_speed) + " m/s)";
+  if (!(values.density > 0.0)) {
+    findings.push_back({Severity::note, Topic::materials, title + " has no density", "its cells carry no mass", ""});
+    return;
+  }
+  const auto fitting = units_that_fit(values);
+  if (fitting.empty() || in_si) {
+    findings.push_back(
+        {Severity::note, Topic::materials, title + " is no usual structural material",
+         "waves run at about 5000 m/s in metals, 2000 to 10000 in composites, 4000 in wood, 30 to 400 in rubber",
+         "check its values and units"});
+    return;
+  }
+  const auto& guess = fitting.front();
+  std::string others;
+  for (std::size_t i = 1; i < fitting.size(); ++i)
+    others += std::string(i == 1 ? ", or " : ", ") + fitting[i].units.name;
+  findings.push_back(
+      {Severity::warning, Topic::units,
+       title + " is no usual material in SI; in " + guess.units.name + others + " it would be " + guess.material.name,
+       "the model seems to be written in other units than SI, so masses and frequencies would be wrong",
+       std::string("declare the units: length ") + guess.units.length + ", mass " + guess.units.mass + ", time " +
+           guess.units.time});
+}
+
+void tell_size(const ModelCheckReport& report, std::vector<ModelFinding>& findings) {
+  const double size = (report.highest - report.lowest).norm();
+  if (report.nodes < 2 || size == 0.0 || (size >= least_size && size <= most_size)) return;
+  findings.push_back({Severity::warning, Topic::units, "the model is " + told(size) + " m large",
+                      size > most_size ? "coordinates in millimetres that are read as metres look so"
+                                       : "coordinates in another unit than metres look so",
+                      "declare the unit of length, unless the structure is of this size"});
+}
+
+}  // namespace
+
+void check_materials(const FiniteElementModel& model, ModelCheckReport& report) {
+  std::map<std::string, std::vector<std::string>> users;
+  for (const auto& [region, cells] : model.mesh.regions) {
+    report.regions.push_back(region_check(model, region, cells));
+    if (!report.regions.back().material.empty()) users[report.regions.back().material].push_back(region);
+  }
+  for (const auto& [name, values] : model.materials) {
+    const auto usual = usual_material(values.youngs_modulus, values.density);
+    report.materials.push_back({.name = name,
+                                .values = values,
+                                .wave_speed = wave_speed(values),
+                                .resembles = usual ? usual->name : "",
+                                .used_by = users[name]});
+  }
+  const bool in_si = std::ranges::any_of(report.materials, [](const MaterialHealth& material) {
+    return !material.resembles.empty() && !material.used_by.empty();
+  });
+  for (const auto& material : report.materials) tell_material(material, in_si, report.findings);
+  tell_regions(report, report.findings);
+  tell_size(report, report.findings);
+}
+
+void check_springs(const FiniteElementModel& model, const AssembledModel& assembled, const SparseMatrix& stiffness,
+                   ModelCheckReport& report) {
+  const Eigen::VectorXd diagonal = stiffness.diagonal();
+  std::map<Index, double> of_springs;  // what all springs give to a diagonal entry
+  const auto add = [&](const NodalDof& dof, double value) {
+    if (const Index place = assembled.find(dof); place >= 0) of_springs[place] += value;
+  };
+  for (const auto& spring : model.springs) {
+    add(spring.from, spring.stiffness);
+    if (spring.to) add(*spring.to, spring.stiffness);
+  }
+  ModelFinding finding{Severity::warning, Topic::stiffness, "",
+                       "so large a ratio costs as many digits in every solution",
+                       "join the nodes by a rigid link instead, or take a stiffness nearer to that of the structure"};
+  std::vector<std::string> names;
+  Index count = 0;
+  for (const auto& spring : model.springs) {
+    const Index place = assembled.find(spring.from);
+    if (place < 0) continue;
+    const double others = diagonal[place] - of_springs[place];
+    if (!(others > 1e-12 * diagonal[place]) || spring.stiffness <= much_stiffer * others) continue;
+    if (names.size() < most_named)
+      names.push_back("'" + spring.name + "' (" + told(spring.stiffness / others) + " times)");
+    if (finding.nodes.size() < 1000) finding.nodes.push_back(spring.from.node);
+    ++count;
+  }
+  finding.what =
+      std::to_string(count) + " springs are a million times stiffer than what they hang on: " + listed(names, count);
+  if (count > 0) report.findings.push_back(std::move(finding));
+}
+
+}  // namespace kalfem::report

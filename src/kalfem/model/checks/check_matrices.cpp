@@ -1,0 +1,221 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "kalfem/linalg/sparse_factor.hpp"
+#include "kalfem/model/checks/single_checks.hpp"
+
+namespace kalfem::report {
+namespace {
+
+using Eigen::Index;
+using Severity = FindingSeverity;
+using Topic = FindingTopic;
+
+constexpr double visible_asymmetry = 1e-9;
+constexpr double small_part = 1e-10;  ///< of the diagonal, added so that a singular matrix counts as semi-definite
+constexpr std::size_t most_dofs_told = 5;
+constexpr std::array motion_names = {"along x", "along y", "along z", "about x", "about y", "about z"};
+
+double largest_entry(const SparseMatrix& matrix) {
+  double largest = 0.0;
+  for (Index j = 0; j < matrix.cols(); ++j)
+    for (SparseMatrix::InnerIterator it(matrix, j); it; ++it) {
+      if (!std::isfinite(it.value())) return std::abs(it.value());
+      largest = std::max(largest, std::abs(it.value()));
+    }
+  return largest;
+}
+
+}  // namespace
+
+std::string told(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+std::string listed(const std::vector<std::string>& names, Index count) {
+  std::string text;
+  const std::size_t first = std::min(names.size(), most_dofs_told);
+  for (std::size_t i = 0; i < first; ++i) text += (i == 0 ? "" : ", ") + names[i];
+  if (const auto more = count - static_cast<Index>(first); more > 0) text += " and " + std::to_string(more) + " more";
+  return text;
+}
+
+Index indefinite_dof(const SparseMatrix& matrix) {
+  const Eigen::VectorXd diagonal = matrix.diagonal();
+  for (Index j = 0; j < matrix.cols(); ++j)
+    for (SparseMatrix::InnerIterator it(matrix, j); it; ++it)
+      if (diagonal[j] == 0.0 && it.value() != 0.0) return j;  // [0 a; a b] has a negative eigenvalue
+  const Eigen::VectorXd scale =
+      (diagonal.array() > 0.0).select(diagonal.cwiseMax(1e-300).cwiseSqrt().cwiseInverse(), 1.0);
+  SparseMatrix further(matrix.rows(), matrix.cols());
+  further.reserve(Eigen::VectorXi::Ones(matrix.cols()));
+  for (Index i = 0; i < matrix.rows(); ++i) further.insert(i, i) = diagonal[i] > 0.0 ? small_part : 1.0;
+  try {
+    const SparseFactor factor(SparseMatrix(SparseMatrix(scale.asDiagonal() * matrix * scale.asDiagonal()) + further));
+    return -1;
+  } catch (const NotPositiveDefinite& error) {
+    return error.column();
+  }
+}
+
+MatrixHealth check_matrix(const SparseMatrix& matrix, const std::string& name, FindingTopic topic, bool definite,
+                          const std::vector<std::string>& dofs, std::vector<ModelFinding>& findings) {
+  MatrixHealth report;
+  const double largest = largest_entry(matrix);
+  report.finite = std::isfinite(largest);
+  if (!report.finite) {
+    findings.push_back({Severity::error, topic, "the " + name + " has entries that are not finite",
+                        "nothing can be computed with it", "look for divisions by zero in its source"});
+    return report;
+  }
+  if (largest == 0.0) {
+    if (matrix.rows() > 0)
+      findings.push_back(
+          {Severity::error, topic, "the " + name + " is zero", "there are no modes", "check what was read"});
+    return report;
+  }
+  report.asymmetry = largest_entry(SparseMatrix(matrix - SparseMatrix(matrix.transpose()))) / largest;
+  if (report.asymmetry > visible_asymmetry)
+    findings.push_back({Severity::error, topic,
+                        "the " + name + " is not symmetric: entries differ by " + told(report.asymmetry) +
+                            " of the largest one from those across the diagonal",
+                        "all methods here need symmetric matrices",
+                        "export the symmetric part, or check that both triangles were read"});
+  const Eigen::VectorXd diagonal = matrix.diagonal();
+  std::vector<std::string> negative;
+  for (Index i = 0; i < diagonal.size(); ++i) {
+    if (diagonal[i] == 0.0) ++report.empty_diagonal;
+    if (diagonal[i] >= 0.0) continue;
+    if (negative.size() < most_dofs_told) negative.push_back(dofs[static_cast<std::size_t>(i)]);
+    ++report.negative_diagonal;
+  }
+  if (report.negative_diagonal > 0) {
+    report.semi_definite = false;
+    findings.push_back(
+        {Severity::error, topic,
+         "the " + name + " has negative entries on its diagonal: " + listed(negative, report.negative_diagonal),
+         "no structure has such energy", "check the signs in its source"});
+  } else if (definite) {
+    const Index failing = indefinite_dof(matrix);
+    report.semi_definite = failing < 0;
+    if (failing >= 0)
+      findings.push_back(
+          {Severity::error, topic,
+           "the " + name + " is indefinite, which shows first at " + dofs[static_cast<std::size_t>(failing)],
+           "some motion would have negative energy",
+           "check signs, masses and stiffnesses that were subtracted, and that both triangles agree"});
+  }
+  return report;
+}
+
+std::vector<std::string> tell_grounding(const GroundingCheck& grounding, bool supported,
+                                        const std::vector<std::string>& dofs, std::vector<ModelFinding>& findings) {
+  std::string held, free;
+  for (std::size_t d = 0; d < 6; ++d) {
+    if (!grounding.motions[d].exists) continue;
+    std::string& list = grounding.motions[d].strained ? held : free;
+    list += (list.empty() ? "" : ", ") + std::string(motion_names[d]);
+  }
+  if (grounding.existing > 0) {
+    const std::string motions = std::to_string(grounding.existing) + " rigid-body motions";
+    if (grounding.free == grounding.existing)
+      findings.push_back({Severity::note, Topic::grounding,
+                          "the structure is free: all its " + motions + " take no force",
+                          supported ? "the supports hold none of them" : "it will have as many modes at 0 Hz", ""});
+    else if (grounding.free == 0)
+      findings.push_back(
+          {Severity::note, Topic::grounding, "the structure is held against all its " + motions, "", ""});
+    else
+      findings.push_back({Severity::note, Topic::grounding,
+                          "the structure is held against " + std::to_string(grounding.existing - grounding.free) +
+                              " of its " + motions +
+                              (held.empty() ? "" : " (force is needed to move it " + held + ")") +
+                              (free.empty() ? "" : ", free to move " + free),
+                          std::to_string(grounding.free) + " combinations of them take no force: modes at 0 Hz", ""});
+  }
+  std::vector<std::string> names;
+  for (const auto& stray : grounding.stray) names.push_back(dofs[static_cast<std::size_t>(stray.dof)]);
+  if (grounding.stray_count > 0)
+    findings.push_back({supported || grounding.free < grounding.existing ? Severity::warning : Severity::note,
+                        Topic::grounding,
+                        "moved as a rigid body the structure takes force at " + listed(names, grounding.stray_count) +
+                            ", up to " + told(grounding.stray.front().ratio) +
+                            " of the forces that should cancel there, though nothing holds it there",
+                        "a spring between nodes at different places, a constraint that is no rigid body's, or "
+                        "condensed matrices tie the "
+                        "structure to the ground",
+                        "make such springs act along the line between their nodes, or move the nodes together; check "
+                        "constraints there"});
+  return names;
+}
+
+void tell_mass(const MassProperties& mass, const Eigen::Vector3d& moving, const Eigen::Vector3d& lowest,
+               const Eigen::Vector3d& highest, std::vector<ModelFinding>& findings) {
+  if (!(moving.maxCoeff() > 0.0)) {
+    findings.push_back({Severity::error, Topic::mass, "nothing that moves has mass", "there are no modes",
+                        "give the materials a density, or add masses"});
+    return;
+  }
+  const double margin = 0.05 * (highest - lowest).norm();
+  if (((mass.centre - lowest).array() < -margin).any() || ((mass.centre - highest).array() > margin).any())
+    findings.push_back({Severity::warning, Topic::mass,
+                        "the centre of mass (" + told(mass.centre[0]) + ", " + told(mass.centre[1]) + ", " +
+                            told(mass.centre[2]) + ") lies outside the model",
+                        "no body has its centre outside its own box unless a large mass hangs on an offset",
+                        "check offsets of masses and the mass matrix"});
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(mass.inertia, Eigen::EigenvaluesOnly);
+  const auto& moments = principal.eigenvalues();
+  const double largest = moments[2];
+  if (moments[0] < -1e-6 * largest || moments[2] > (moments[0] + moments[1]) * (1.0 + 1e-3) + 1e-12 * largest)
+    findings.push_back({Severity::warning, Topic::mass,
+                        "the principal moments of inertia " + told(moments[0]) + ", " + told(moments[1]) + ", " +
+                            told(moments[2]) + " are those of no body",
+                        "each is at most the sum of the two others", "check inertias of masses and the mass matrix"});
+}
+
+void check_massless(const std::vector<std::string>& dofs, const SparseMatrix& mass, const SparseMatrix& stiffness,
+                    std::vector<ModelFinding>& findings) {
+  const Eigen::VectorXd m = mass.diagonal(), k = stiffness.diagonal();
+  std::vector<std::string> names;
+  Index count = 0;
+  for (Index i = 0; i < m.size(); ++i) {
+    if (m[i] != 0.0 || k[i] != 0.0) continue;
+    if (names.size() < 8) names.push_back(dofs[static_cast<std::size_t>(i)]);
+    ++count;
+  }
+  if (count > 0)
+    findings.push_back(
+        {Severity::error, Topic::mass,
+         std::to_string(count) + " degrees of freedom have neither mass nor stiffness: " + listed(names, count),
+         "their motion is undetermined", "hold them, or give them mass or stiffness"});
+}
+
+Index count_grounded(const std::vector<GroundCoupling>& grounds, Index size) {
+  Index count = 0;
+  for (Index i = 0; i < size; ++i)
+    count += std::ranges::any_of(grounds, [&](const auto& g) { return g.stiffness[i] != 0.0 || g.damping[i] != 0.0; });
+  return count;
+}
+
+RigidFrame frame_of(const ModelCheckReport& report) {
+  const double size = (report.highest - report.lowest).norm();
+  return {0.5 * (report.lowest + report.highest), size > 0.0 ? 0.5 * size : 1.0};
+}
+
+void set_box(const Eigen::Matrix3Xd& places, ModelCheckReport& report) {
+  if (places.cols() == 0) return;
+  report.lowest = places.rowwise().minCoeff();
+  report.highest = places.rowwise().maxCoeff();
+}
+
+void sort(std::vector<ModelFinding>& findings) {
+  std::ranges::stable_sort(findings, [](const ModelFinding& a, const ModelFinding& b) {
+    return a.severity != b.severity ? a.severity > b.severity : a.topic < b.topic;
+  });
+}
+
+}  // namespace kalfem::report

@@ -1,0 +1,46 @@
+#include "kalfem/pipeline/reported_quantities.hpp"
+
+#include <cmath>
+
+#include "kalfem/records/time_series.hpp"
+
+namespace kalfem {
+
+namespace {
+
+constexpr ObservedQuantity point_quantities[] = {ObservedQuantity::displacement, ObservedQuantity::velocity,
+                                                 ObservedQuantity::acceleration};
+constexpr ObservedQuantity connector_quantities[] = {
+    ObservedQuantity::connector_deformation, ObservedQuantity::connector_rate, ObservedQuantity::connector_force};
+
+}  // namespace
+
+std::vector<OutputDescription> reported_quantities(const CoupledModel& model) {
+  std::vector<OutputDescription> outputs;
+  for (const auto& point : model.reported_points())
+    for (const auto quantity : point_quantities) outputs.push_back({point, quantity, {{point, 1.0}}, false});
+  for (const auto& connector : model.system().connectors)
+    for (const auto quantity : connector_quantities)
+      outputs.push_back({connector.name, quantity, {{connector.name, 1.0}}, false});
+  return outputs;
+}
+
+const PointQuantity* find_quantity(const std::vector<PointQuantity>& quantities, const std::string& point,
+                                   ObservedQuantity quantity) {
+  for (const auto& each : quantities)
+    if (each.point == point && each.quantity == quantity) return &each;
+  return nullptr;
+}
+
+void compare(PointQuantity& quantity, const Eigen::VectorXd& truth, const Comparison& comparison) {
+  quantity.truth = truth;
+  const Eigen::Index count = truth.size() - comparison.settled;
+  if (count < 1 || truth.size() != quantity.mean.size()) return;
+  const Eigen::VectorXd mean = quantity.mean.tail(count), expected = truth.tail(count);
+  if (const double error = nrmse(mean, expected); std::isfinite(error)) quantity.nrmse = error;
+  if (!comparison.band || count < 2 || quantity.quantity != ObservedQuantity::acceleration) return;
+  const double error = nrmse_in_band(mean, expected, comparison.sample_rate, *comparison.band);
+  if (std::isfinite(error)) quantity.nrmse_in_band = error;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include "kalfem/pipeline/run_study.hpp"
+
+namespace kalfem {
+
+/// What is reported of a model: displacement, velocity and acceleration of its reported points, then deformation, rate
+/// and force of its connectors.
+std::vector<OutputDescription> reported_quantities(const CoupledModel& model);
+
+/// The quantity of that point or connector, nullptr where it is not among them.
+const PointQuantity* find_quantity(const std::vector<PointQuantity>& quantities, const std::string& point,
+                                   ObservedQuantity quantity);
+
+/// What counts when an estimate is compared with the truth.
+struct Comparison {
+  Eigen::Index settled = 0;  ///< first sample
+  double sample_rate = 0.0;  ///< [Hz]
+  std::optional<FrequencyBand> band;
+};
+
+/// Sets the truth and the error against it; of an acceleration also the error in the band.
+void compare(PointQuantity& quantity, const Eigen::VectorXd& truth, const Comparison& comparison);
+
+}  // namespace kalfem

@@ -1,0 +1,188 @@
+#include "kalfem/pipeline/run_estimation.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "kalfem/base/stopwatch.hpp"
+#include "kalfem/pipeline/reported_quantities.hpp"
+#include "kalfem/study/filter_run.hpp"
+#include "kalfem/study/study_elements.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+/// The augmented model's system at the estimated parameters.
+LocallyNonlinearSystem estimated_system(const EstimationOutcome& outcome) {
+  const auto& options = outcome.augmented_model->options();
+  const VectorXd estimates = outcome.result.unknowns.mean.rightCols(1);
+  const auto linear = linear_unknowns(options);
+  LocallyNonlinearSystem system =
+      linear.empty() ? outcome.augmented_model->system() : options.system_at(estimates(linear));
+  const auto& unknowns = options.unknowns;
+  for (std::size_t i = 0; i < unknowns.size(); ++i)
+    for (const auto& target : unknowns[i].targets)
+      system.connectors[static_cast<std::size_t>(target.connector)].parameters[target.parameter] =
+          estimates[static_cast<Index>(i)];
+  return system;
+}
+
+/// The case's excitation with the record's first sample at time 0.
+std::vector<SignalPtr> signals_from(const Study& study, double start) {
+  std::vector<SignalPtr> signals;
+  for (const auto& signal : study.signals) signals.push_back(delayed(signal, -start));
+  return signals;
+}
+
+/// The record again from the estimated parameters and initial state, without any correction by measurements. What the
+/// sensors show beside the motion is added.
+ConvergedSolution simulate_record_again(const Study& study, const AugmentedModelSetup& setup,
+                                        const EstimationOutcome& outcome) {
+  const auto& layout = outcome.augmented_model->layout();
+  const Index last = outcome.result.state.mean.cols() - 1;
+  const VectorXd start = outcome.result.state.mean.col(last).segment(layout.initial_state(), layout.linear);
+  const VectorXd states = outcome.result.state.mean.col(last).tail(layout.connector_states);
+  std::vector<OutputDescription> outputs;
+  std::vector<MeasurementChain> chains;
+  for (const auto& sensor : setup.sensors) {
+    outputs.push_back(sensor.output);
+    chains.push_back(sensor.chain);
+  }
+  SimulationOptions options;
+  options.integrator = Integrator::exact;
+  options.duration = static_cast<double>(last) / study.sample_rate();
+  ConvergedSolution reference = simulate_converged(
+      estimated_system(outcome), signals_from(study, outcome.measurements.start),
+      {start.head(layout.dofs), start.segment(layout.dofs, layout.dofs), states}, make_outputs(*setup.model, outputs),
+      chains, options, {.sample_rate = study.sample_rate(), .first_substeps = 1, .max_substeps = 64});
+  if (reference.sensors.size() == 0) return reference;
+  const auto& unknowns = outcome.augmented_model->options().unknowns;
+  for (std::size_t i = 0; i < unknowns.size(); ++i)
+    for (const Index sensor : unknowns[i].sensors)
+      reference.sensors.col(sensor).array() += outcome.result.unknowns.mean(static_cast<Index>(i), last);
+  return reference;
+}
+
+/// A simulation that is so many times as large as the record has left it for good.
+constexpr double diverged = 1e6;
+
+/// Why the simulation is no comparison, in words; empty: it is one.
+std::string failure_of(const ConvergedSolution& reference, const TimeSeries& measured) {
+  if (const auto& failure = reference.simulation.failure)
+    return "the simulation from the estimates stopped at " + shortest(measured.start + failure->time) +
+           " s: " + failure->reason;
+  for (Index j = 0; j < reference.sensors.cols(); ++j) {
+    const double simulated = reference.sensors.col(j).cwiseAbs().maxCoeff();
+    const auto record = measured.values.col(j).array();
+    const double recorded = record.isFinite().select(record.abs(), 0.0).maxCoeff();
+    if (!reference.sensors.col(j).allFinite() || simulated > diverged * std::max(recorded, 1e-300))
+      return "the simulation from the estimates grows beyond a million times the record of '" +
+             measured.channels[static_cast<std::size_t>(j)].name + "': the estimated structure is unstable";
+  }
+  return "";
+}
+
+void compare_open_loop(const MatrixXd& simulated, EstimationOutcome& outcome) {
+  const Index samples = outcome.measurements.samples();
+  const Index tail = std::max<Index>(1, samples / 20);  // where the structure rests at the end
+  for (Index j = 0; j < simulated.cols(); ++j) {
+    const VectorXd measured = outcome.measurements.values.col(j);
+    const auto missing = measured.array().isNaN();
+    const VectorXd end = measured.tail(tail), known = end.array().isNaN().select(0.0, end);
+    const double rest = known.sum() / std::max(1.0, static_cast<double>((!end.array().isNaN()).count()));
+    const VectorXd error = missing.select(0.0, simulated.col(j) - measured);
+    const VectorXd about_rest = missing.select(0.0, measured.array() - rest);
+    const double scale = rms(about_rest);
+    outcome.open_loop_nrmse.push_back(scale > 0.0 ? rms(error) / scale : std::numeric_limits<double>::infinity());
+    outcome.open_loop_rest_error.push_back(simulated.col(j).tail(tail).mean() - rest);
+  }
+}
+
+/// Compares the record with its simulation. That this diverges is an outcome: the estimates are then no model.
+void simulate_open_loop(const Study& study, const AugmentedModelSetup& setup, EstimationOutcome& outcome) {
+  ConvergedSolution reference = simulate_record_again(study, setup, outcome);
+  outcome.open_loop_failure = failure_of(reference, outcome.measurements);
+  if (!outcome.open_loop_failure.empty()) return;
+  outcome.open_loop = std::move(reference.simulation);
+  outcome.open_loop_sensors = std::move(reference.sensors);
+  compare_open_loop(outcome.open_loop_sensors, outcome);
+}
+
+/// Standard deviations of motion change slowly: a hundred times a second will do.
+int samples_between_deviations(double sample_rate) {
+  return std::max(1, static_cast<int>(std::lround(sample_rate / 100.0)));
+}
+
+/// Modal coordinates of close poles are an ill-conditioned basis: the covariance may lose its sign there and keep it in
+/// physical coordinates, where a step costs more.
+bool loses_sign_in_modal_coordinates(const EstimationResult& result, const AugmentedModel& augmented_model) {
+  return result.failure && result.failure->outcome == FilterOutcome::covariance_not_positive_definite &&
+         augmented_model.options().coordinates == StateCoordinates::modal;
+}
+
+}  // namespace
+
+EstimationOutcome run_estimation(const Study& study, const AugmentedModelSetup& setup, const StudyResults& results,
+                                 const Progress& progress, std::string& failure) {
+  const Stopwatch watch;
+  const auto& given = *study.given.estimate;
+  const FullRecord record = full_record(study, results);
+  FilterRun run = make_filter_run(study, setup, record);
+  EstimationOutcome outcome;
+  outcome.measurements = run.measurements;
+  outcome.noise.assign(run.noise.begin(), run.noise.end());
+  const auto monitored = reported_quantities(*setup.model);
+  const EstimationOptions options{.filter = run.choice.filter,
+                                  .unscented = given.unscented,
+                                  .threads = filter_threads(study),
+                                  .passes = given.passes,
+                                  .state_deviations = false,
+                                  .deviation_stride = samples_between_deviations(study.sample_rate()),
+                                  .monitored = make_outputs(*setup.model, monitored),
+                                  .progress = progress};
+  outcome.result = estimate(*run.choice.augmented_model, run.record, options);
+  if (loses_sign_in_modal_coordinates(outcome.result, *run.choice.augmented_model)) {
+    const std::string reason = run.choice.reason;
+    run = make_filter_run(study, setup, record, StateCoordinates::physical);
+    run.choice.filter = options.filter;
+    run.choice.reason = reason + "; in physical coordinates, as rounding in modal ones cost the covariance its sign";
+    outcome.result = estimate(*run.choice.augmented_model, run.record, options);
+  }
+  outcome.filter = run.choice.filter;
+  outcome.filter_reason = run.choice.reason;
+  outcome.augmented_model = run.choice.augmented_model;
+  if (outcome.result.augmented_model) outcome.augmented_model = outcome.result.augmented_model;
+  if (outcome.result.failure)
+    failure = "the filter stopped at " + shortest(outcome.measurements.start + outcome.result.failure->time) +
+              " s: " + outcome.result.failure->reason;
+
+  outcome.settled = std::min<Index>(static_cast<Index>(std::llround(given.settle * study.sample_rate())),
+                                    outcome.measurements.samples() - 1);
+  outcome.band = excitation_band(study.given);
+  outcome.consistency = summarise_consistency(outcome.result.nis, outcome.result.measured, outcome.result.innovation,
+                                              run.noise, outcome.settled);
+  for (std::size_t i = 0; i < monitored.size(); ++i) {
+    const auto row = static_cast<Index>(i);
+    PointQuantity quantity{monitored[i].name,
+                           monitored[i].quantity,
+                           outcome.result.monitored.mean.row(row).transpose(),
+                           outcome.result.monitored.deviation.row(row).transpose(),
+                           {},
+                           {},
+                           {}};
+    if (results.simulation)
+      if (const auto* truth = find_quantity(results.simulation->points, quantity.point, quantity.quantity))
+        compare(quantity, truth->mean, {outcome.settled, study.sample_rate(), outcome.band});
+    outcome.points.push_back(std::move(quantity));
+  }
+  if (given.estimate_initial_state && !outcome.result.failure && !given.local)
+    simulate_open_loop(study, setup, outcome);
+  outcome.seconds = watch.seconds();
+  return outcome;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,250 @@
+#include "kalfem/pipeline/run_study.hpp"
+
+#include <cmath>
+
+#include "kalfem/base/random.hpp"
+#include "kalfem/base/stopwatch.hpp"
+#include "kalfem/pipeline/field_series.hpp"
+#include "kalfem/pipeline/prior_conflicts.hpp"
+#include "kalfem/pipeline/reported_quantities.hpp"
+#include "kalfem/pipeline/run_estimation.hpp"
+#include "kalfem/pipeline/run_prediction.hpp"
+#include "kalfem/pipeline/run_updating.hpp"
+#include "kalfem/pipeline/structural_modifications.hpp"
+#include "kalfem/pipeline/substructure_modes.hpp"
+#include "kalfem/study/augmented_model_setup.hpp"
+#include "kalfem/study/filter_run.hpp"
+#include "kalfem/study/initial_state.hpp"
+#include "kalfem/study/study_elements.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+/// Degrees of freedom from which a simulation is worth a thread of its own.
+constexpr Index large_model = 2000;
+
+std::vector<MeasurementChain> chains_of(const std::vector<StudySensor>& sensors) {
+  std::vector<MeasurementChain> chains;
+  for (const auto& sensor : sensors) chains.push_back(sensor.chain);
+  return chains;
+}
+
+/// Adds white noise of each sensor's own stream, so that one sensor more does not change the others.
+void add_noise(const Study& study, SimulationOutcome& outcome) {
+  const auto& clean = outcome.reference.sensors;
+  outcome.measurements = {study.given.simulate->sample_rate, 0.0, {}, clean};
+  for (std::size_t i = 0; i < study.sensors.size(); ++i) {
+    const auto column = static_cast<Index>(i);
+    const auto& sensor = study.sensors[i];
+    outcome.noise.push_back(sensor.deviation(rms(clean.col(column))));
+    outcome.measurements.channels.push_back({sensor.name, sensor.unit});
+    RandomStream random(study.given.simulate->seed, sensor.name);
+    for (Index k = 0; k < clean.rows(); ++k)
+      outcome.measurements.values(k, column) += outcome.noise.back() * random.normal();
+  }
+}
+
+ConvergenceOptions reference_options(const description::Simulation& given, int threads) {
+  const Index first = given.substeps ? given.substeps->value : given.first_substeps,
+              last = given.substeps ? given.substeps->value : given.max_substeps;
+  return {.sample_rate = given.sample_rate,
+          .first_substeps = first,
+          .max_substeps = last,
+          .tolerance = given.tolerance,
+          .refine = !given.substeps,
+          .threads = threads};
+}
+
+/// Why there is no reference, and what to do. Where trajectories part whatever the step, no finer step helps.
+std::string not_converged(const ConvergedSolution& reference, int max_substeps) {
+  if (!reference.stagnates())
+    return "the reference did not converge: halving the step to 1/" + std::to_string(reference.substeps) +
+           " of a sample still changes a sensor's record by " + shortest(reference.last_change) +
+           " of its rms; raise simulate.max_substeps or simulate.tolerance";
+  std::string changes;
+  for (std::size_t i = reference.changes.size() - 3; i < reference.changes.size(); ++i)
+    changes += (changes.empty()                     ? ""
+                : i + 1 == reference.changes.size() ? " and "
+                                                    : ", ") +
+               shortest(std::round(1e3 * reference.changes[i]) / 1e3);
+  return "the motion is chaotic or very sensitive: halving the step does not reduce the difference between two records "
+         "(" +
+         changes +
+         " of a sensor's rms in the last three halvings), so that more substeps cannot help; take a fixed step with "
+         "simulate.substeps: " +
+         std::to_string(max_substeps) + ", which gives one of the possible motions, or simulate a shorter time";
+}
+
+SimulationOutcome run_simulation(const Study& study, const Progress& progress, std::vector<FieldSeries>& fields,
+                                 std::string& failure) {
+  const auto& given = *study.given.simulate;
+  std::vector<OutputDescription> outputs;
+  for (const auto& sensor : study.sensors) outputs.push_back(sensor.output);
+  const Stopwatch watch;
+  SimulationOptions options;
+  options.integrator = given.integrator;
+  options.duration = given.duration;
+  options.hht_alpha = given.hht_alpha;
+  options.spectral_radius = given.spectral_radius;
+  options.progress = progress;
+  options.keep_motion = false;
+  const auto reported = reported_quantities(*study.model);
+  options.every_sample = make_outputs(*study.model, reported);
+  FieldCollector collector(study);
+  collector.attach(options);
+  SimulationOutcome outcome;
+  outcome.reference =
+      simulate_converged(study.model->system(), study.signals, initial_state(study, *study.model),
+                         make_outputs(*study.model, outputs), chains_of(study.sensors), options,
+                         reference_options(given, study.model->system().size() > large_model ? processors() : 1));
+  if (outcome.reference.simulation.failure)
+    failure = "the simulation stopped at " + shortest(outcome.reference.simulation.failure->time) +
+              " s: " + outcome.reference.simulation.failure->reason;
+  else if (!outcome.reference.converged && !study.sensors.empty() && !given.substeps)
+    failure = not_converged(outcome.reference, given.max_substeps);
+  else
+    add_noise(study, outcome);
+  const auto& values = outcome.reference.simulation.every_sample;
+  for (std::size_t i = 0; i < reported.size(); ++i)
+    outcome.points.push_back(
+        {reported[i].name, reported[i].quantity, values.col(static_cast<Index>(i)), {}, {}, {}, {}});
+  outcome.reference.simulation.every_sample.resize(0, 0);
+  if (auto series = collector.take()) fields.push_back(std::move(*series));
+  outcome.seconds = watch.seconds();
+  return outcome;
+}
+
+/// The structure that the updating ended at: the augmented model's, and the one to predict from.
+struct Updated {
+  AugmentedModelSetup augmented_model;
+  StructureParts parts;
+  VectorXd values;  ///< of its parameters
+};
+
+Updated updated_structure(const Study& study, const ParameterisedStructure& structure,
+                          const UpdatingOutcome& updating) {
+  const StructureParts parts = structure.at(updating.values).parts;
+  IssueList issues;
+  AugmentedModelSetup augmented_model =
+      make_augmented_model_setup(study, parts, present_values(*study.updating, updating.values), issues);
+  issues.raise();
+  return {std::move(augmented_model), parts, updating.values};
+}
+
+/// Relative distance from where the finite elements were reduced beyond which estimates of linear unknowns are made
+/// again: fixed bases err by about its square. And how often that is done.
+constexpr double reduction_reach = 0.02;
+constexpr int most_reductions = 3;
+
+/// The last estimates of the filter's linear unknowns.
+VectorXd linear_estimates(const EstimationOutcome& estimation) {
+  return estimation.result.unknowns.mean.rightCols(1)(linear_unknowns(estimation.augmented_model->options()), 0);
+}
+
+/// The structure to predict from, at the estimates of the filter's unknowns; nothing where it is the case's own, and
+/// where the estimates make none.
+std::optional<CoupledModel> estimated_model(const Study& study, const AugmentedModelSetup& augmented_model,
+                                            const std::optional<Updated>& updated, const EstimationOutcome& estimation,
+                                            std::string& failure) try {
+  const bool bound = !augmented_model.linear_unknowns.bindings.empty();
+  StructureParts parts = updated ? updated->parts
+                         : bound ? parts_at(study, augmented_model.linear_unknowns, linear_estimates(estimation))
+                                 : reference_parts(study);
+  const auto refined = updated ? present_values(*study.updating, updated->values) : PresentValues{};
+  const bool changed = set_unknowns(study, study.given.predict->substructure.value,
+                                    estimation.result.unknowns.mean.rightCols(1), refined, parts);
+  if (!changed && !updated && !bound) return std::nullopt;
+  return couple(parts);
+} catch (const InvalidInput& error) {
+  failure = "the estimates make no structure to predict from: " + error.issues().front().what;
+  return std::nullopt;
+}
+
+/// How far values of the linear unknowns are from where the finite elements were reduced, of those that their bases
+/// depend on, relative.
+double distance(const LinearUnknowns& unknowns, const VectorXd& values) {
+  double largest = 0.0;
+  for (const auto& [index, parameter] : unknowns.bindings) {
+    const auto* target = std::get_if<FiniteElementParameter>(&parameter.target);
+    if (!target || target->kind != FiniteElementParameter::Kind::matrix) continue;
+    const double before = unknowns.reduced_at[index];
+    if (before != 0.0) largest = std::max(largest, std::abs(values[index] / before - 1.0));
+  }
+  return largest;
+}
+
+/// Estimates with the augmented model of `setup`. Where linear unknowns end far from where the finite elements were
+/// reduced, `setup` becomes the augmented model with these reduced at the estimates, and the record is gone through
+/// again.
+EstimationOutcome estimate_in_bases_of_estimates(const Study& study, AugmentedModelSetup& setup,
+                                                 const StudyResults& results, const Progress& progress,
+                                                 std::string& failure) {
+  auto outcome = run_estimation(study, setup, results, progress, failure);
+  if (setup.linear_unknowns.bindings.empty()) return outcome;
+  for (outcome.reductions = 1; outcome.reductions < most_reductions && failure.empty();) {
+    const VectorXd values = linear_estimates(outcome);
+    if (distance(setup.linear_unknowns, values) < reduction_reach) break;
+    IssueList issues;
+    setup = make_augmented_model_setup(study, study.parts, {}, issues, values);
+    issues.raise();
+    const int reductions = outcome.reductions + 1;
+    outcome = run_estimation(study, setup, results, progress, failure);
+    outcome.reductions = reductions;
+  }
+  return outcome;
+}
+
+/// The last estimates of the filter's unknowns with the structure as the updating finds it.
+VectorXd unknowns_at_start(const Study& study, const StudyResults& results) {
+  std::string failure;
+  const auto before = run_estimation(study, *study.augmented_model, results, {}, failure);
+  return failure.empty() ? VectorXd(before.result.unknowns.mean.rightCols(1)) : VectorXd();
+}
+
+}  // namespace
+
+StudyResults run_study(const Study& study, Step last, const RunOptions& options) {
+  const Stopwatch watch;
+  StudyResults results;
+  const bool updates = last >= Step::update && study.updating;
+  const auto structure = updates ? parameterised_structure(study) : nullptr;
+  auto comparisons = updates ? make_comparisons(study, structure) : std::vector<ComparisonResidual>();
+  results.modes = substructure_modes(study, study.given.report.modes);
+  if (last >= Step::simulate && study.given.simulate)
+    results.simulation = run_simulation(study, options.progress, results.fields, results.failure);
+  std::optional<Updated> updated;
+  if (results.usable() && updates) {
+    results.updating = run_updating(study, std::move(comparisons), results, structure, options, results.failure);
+    if (study.augmented_model && results.usable()) {
+      results.updating->unknowns_before = unknowns_at_start(study, results);
+      updated.emplace(updated_structure(study, *structure, *results.updating));
+    }
+  }
+  PriorConflicts conflicts;
+  std::optional<AugmentedModelSetup> augmented_model = updated ? updated->augmented_model : study.augmented_model;
+  if (results.usable() && last >= Step::estimate && augmented_model) {
+    results.estimation =
+        estimate_in_bases_of_estimates(study, *augmented_model, results, options.progress, results.failure);
+    if (results.usable()) conflicts = prior_conflicts(*results.estimation);
+    if (!updated && augmented_model->linear_unknowns.bindings
+                        .empty())  // else the basis of the pictures is not that of the augmented model
+      if (auto series = estimated_fields(study, *results.estimation)) results.fields.push_back(std::move(*series));
+  }
+  if (results.usable() && last >= Step::predict && study.given.predict) {
+    const auto estimated = estimated_model(study, *augmented_model, updated, *results.estimation, results.failure);
+    if (results.usable())
+      results.prediction = run_prediction(study, estimated ? *estimated : *study.model, results, options.progress);
+  }
+  if (results.usable() && last >= Step::predict) results.modifications = predict_modifications(study, results.updating);
+  results.warnings = std::move(conflicts.warnings);
+  for (const auto& text : conflicts.failures) results.failure += (results.usable() ? "" : "; ") + text;
+  results.total_seconds = study.reduce_seconds + watch.seconds();
+  return results;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,165 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+
+#include "kalfem/base/progress.hpp"
+#include "kalfem/dynamics/converged_solution.hpp"
+#include "kalfem/estimation/consistency.hpp"
+#include "kalfem/estimation/estimate.hpp"
+#include "kalfem/prediction/base_driven.hpp"
+#include "kalfem/records/spectrum.hpp"
+#include "kalfem/study/study.hpp"
+#include "kalfem/updating/modal_residual.hpp"
+#include "kalfem/updating/parameter_statistics.hpp"
+#include "kalfem/updating/sensitivity_check.hpp"
+
+namespace kalfem {
+
+/// One quantity of one point as the estimation or the prediction gives it, with the reference where there is one.
+struct PointQuantity {
+  std::string point;
+  ObservedQuantity quantity = ObservedQuantity::displacement;
+  Eigen::VectorXd mean;
+  Eigen::VectorXd deviation;            ///< empty where not known
+  Eigen::VectorXd truth;                ///< empty where not known
+  std::optional<double> nrmse;          ///< against the truth, after settling
+  std::optional<double> nrmse_in_band;  ///< of an acceleration: the same of the part in the excitation's band
+};
+
+/// The reference solution and the record made from it.
+struct SimulationOutcome {
+  ConvergedSolution reference;
+  TimeSeries measurements;            ///< with noise, one channel a sensor
+  std::vector<double> noise;          ///< standard deviation per sensor
+  std::vector<PointQuantity> points;  ///< the reported points and connectors, free of noise
+  double seconds = 0.0;
+};
+
+/// Undamped free vibration of one substructure as the case gives it.
+struct SubstructureModes {
+  std::string name;
+  Eigen::Index dofs = 0;
+  double mass = 0.0;            ///< of the whole, also of what is held [kg]
+  Eigen::VectorXd frequencies;  ///< [Hz]; of a finite-element model the lowest only
+  Eigen::MatrixXd shapes;       ///< dofs x modes, mass-normalised
+};
+
+/// Displacement of every degree of freedom of a finite-element substructure at some times, for pictures.
+struct FieldSeries {
+  std::string name;  ///< "frame_simulated"
+  std::string substructure;
+  std::vector<double> times;     ///< [s]
+  Eigen::MatrixXd displacement;  ///< dofs of the full model x times
+};
+
+struct EstimationOutcome {
+  FilterKind filter = FilterKind::unscented;
+  std::string filter_reason;  ///< why this one, in words
+  std::shared_ptr<const AugmentedModel> augmented_model;
+  EstimationResult result;
+  TimeSeries measurements;  ///< of the sensors that the augmented model uses
+  std::vector<double> noise;
+  ConsistencySummary consistency;
+  std::vector<PointQuantity>
+      points;                ///< displacement, velocity, acceleration of points; deformation, rate, force of connectors
+  Eigen::Index settled = 0;  ///< first sample that counts
+  std::optional<FrequencyBand> band;  ///< of the excitation, where it has one
+  double seconds = 0.0;
+  int reductions = 0;  ///< of the finite elements, each with a run over the record, for the linear unknowns; 0: none
+  std::optional<SimulationResult>
+      open_loop;                      ///< the record again from the estimated parameters and initial state alone
+  std::string open_loop_failure;      ///< in words, where that simulation failed; the members beside it are empty then
+  Eigen::MatrixXd open_loop_sensors;  ///< samples x sensors
+  std::vector<double> open_loop_nrmse;       ///< per sensor, about the channel's rest
+  std::vector<double> open_loop_rest_error;  ///< last value against the channel's, per sensor
+};
+
+struct PredictionOutcome {
+  std::string substructure;
+  std::vector<PointQuantity> points;
+  double seconds = 0.0;
+};
+
+/// One evaluation in the course of an updating.
+struct UpdatingStep {
+  bool accepted = false;
+  Eigen::VectorXd tried;       ///< parameters
+  Eigen::VectorXd parameters;  ///< accepted last
+  double residual = 0.0;       ///< rms of the weighted residual at those
+  double seconds = 0.0;
+};
+
+/// Magnitude of one frequency response.
+struct FrfCurve {
+  std::string name;                                ///< "2 per force at 1"
+  Eigen::VectorXd lines, measured, before, after;  ///< [Hz], |H|, the model's with its best factor
+  std::optional<double> scale;                     ///< best factor on the updated model, where it is free
+};
+
+/// A comparison before and after the updating.
+struct ComparisonResult {
+  std::string name, kind;
+  double weight = 1.0;
+  Eigen::Index size = 0;
+  double rms_initial = 0.0, rms_final = 0.0;           ///< of the residual, in standard deviations
+  std::vector<FrfCurve> responses;                     ///< of frequency responses
+  std::vector<PairedMode> modes_initial, modes_final;  ///< of natural frequencies
+};
+
+struct UpdatingOutcome {
+  std::string method;  ///< in words, what was used
+  std::vector<ComparisonResult> comparisons;
+  Eigen::VectorXd values;  ///< one a parameter
+  ParameterStatistics statistics;
+  std::vector<std::string> remarks;  ///< what the data do not tell, in sentences
+  std::string termination;           ///< why it ended, in words
+  bool converged = false;
+  double residual_initial = 0.0, residual_final = 0.0;  ///< rms of the weighted residual
+  int evaluations = 0, iterations = 0;
+  int resumed_at = 0;  ///< evaluations that an earlier run had made
+  std::vector<UpdatingStep> trace;
+  std::vector<SensitivityComparison> sensitivities;  ///< where the case asks for them
+  Eigen::VectorXd unknowns_before;  ///< last estimates of the filter before the updating; empty: no filter
+  double seconds = 0.0;
+};
+
+/// Natural frequencies of the updated structure after a change.
+struct StructuralModificationResult {
+  std::string name, substructure;
+  Eigen::VectorXd frequencies;  ///< [Hz]
+  /// Standard deviations of `frequencies` [Hz] that the updated parameters leave, see predict_modifications(); infinite
+  /// where the measurements do not determine a parameter that moves the frequency. Empty without an updating.
+  Eigen::VectorXd deviations;
+};
+
+/// What was computed; stages that did not run are empty.
+struct StudyResults {
+  std::vector<SubstructureModes> modes;
+  std::vector<FieldSeries> fields;
+  std::optional<SimulationOutcome> simulation;
+  std::optional<EstimationOutcome> estimation;
+  std::optional<PredictionOutcome> prediction;
+  std::optional<UpdatingOutcome> updating;
+  std::vector<StructuralModificationResult> modifications;
+  std::vector<std::string> warnings;  ///< on the results, beside those of the study
+  std::string failure;                ///< in words, where the numbers are not usable
+  double total_seconds = 0.0;
+
+  [[nodiscard]] bool usable() const { return failure.empty(); }
+};
+
+enum class Step { modes, simulate, estimate, predict, update };
+
+struct RunOptions {
+  Progress progress = {};
+  std::filesystem::path folder = {};  ///< where a long updating keeps its place; empty: nowhere
+  std::function<void(int number, const UpdatingStep&)> on_updating_step = {};
+};
+
+/// Runs the stages of the case up to the given one, each as far as the case declares it. An updating comes before the
+/// estimation and the prediction that are reported: they are of the updated structure.
+StudyResults run_study(const Study& study, Step last, const RunOptions& options = {});
+
+}  // namespace kalfem

@@ -1,0 +1,307 @@
+#include "kalfem/pipeline/run_updating.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kalfem/base/stopwatch.hpp"
+#include "kalfem/pipeline/updating_checkpoint.hpp"
+#include "kalfem/study/comparisons.hpp"
+#include "kalfem/study/filter_run.hpp"
+#include "kalfem/updating/evolution.hpp"
+#include "kalfem/updating/frf_residual.hpp"
+#include "kalfem/updating/multi_start.hpp"
+#include "kalfem/updating/parameter_findings.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+namespace d = description;
+using Parameters = std::vector<UpdatingParameter>;
+
+/// The weighted sum of all comparisons, as sharp as the round has them.
+ResidualSum sum_of(const std::vector<ComparisonResidual>& comparisons, std::size_t round) {
+  std::vector<ResidualSum::Term> terms;
+  for (const auto& comparison : comparisons) terms.push_back({comparison.round(round), comparison.weight});
+  return ResidualSum(std::move(terms));
+}
+
+std::size_t continuation_steps_of(const std::vector<ComparisonResidual>& comparisons) {
+  std::size_t continuation_steps = 1;
+  for (const auto& comparison : comparisons)
+    continuation_steps = std::max(continuation_steps, comparison.continuation_steps.size());
+  return continuation_steps;
+}
+
+double rms_of(double cost, Index size) { return std::sqrt(2.0 * cost / static_cast<double>(std::max<Index>(1, size))); }
+
+GaussNewtonOptions search_options(const d::Updating& given) {
+  GaussNewtonOptions options;
+  options.max_evaluations = given.stages;
+  options.step_tolerance = given.tolerance;
+  options.cost_floor = 1e-6;  // residuals are in standard deviations
+  return options;
+}
+
+/// The search stage by stage, with its place kept in a file between them.
+class Search {
+public:
+  Search(const Study& study, const RunOptions& options, UpdatingOutcome& outcome)
+      : study_(study),
+        options_(options),
+        outcome_(outcome),
+        checkpoint_(options.folder, fingerprint_of(study, outcome.residual_initial), outcome.values.size()) {}
+
+  /// From the given start, where the residual may be known already, or from where an earlier run was stopped. `last`:
+  /// the residual at the end, with its Jacobian, where it was computed.
+  GaussNewton run(const ResidualSum& residual, const VectorXd& start, const ResidualValue* first,
+                  std::optional<ResidualValue>& last) {
+    const auto options = search_options(*study_.given.update);
+    GaussNewtonState state = starting_at(start, options);
+    if (auto earlier = checkpoint_.read()) {
+      state = std::move(earlier->state);
+      outcome_.trace = std::move(earlier->trace);
+      outcome_.resumed_at = state.evaluations;
+    }
+    GaussNewton search(study_.updating->parameters, options, state);
+    while (!search.finished()) {
+      const Stopwatch watch;
+      const VectorXd tried = search.proposal();
+      const bool known = first && search.state().evaluations == 0;
+      auto value = known ? std::optional(*first) : residual.evaluate(tried, search.needs_jacobian());
+      const bool accepted = search.tell(value);
+      if (accepted) last = std::move(value);
+      keep({accepted, tried, search.state().parameters, rms_of(search.state().residual_cost, residual.size()),
+            watch.seconds()});
+      checkpoint_.write({search.state(), outcome_.trace});
+    }
+    return search;
+  }
+
+  void keep(UpdatingStep step) {
+    outcome_.trace.push_back(std::move(step));
+    if (options_.on_updating_step)
+      options_.on_updating_step(static_cast<int>(outcome_.trace.size()), outcome_.trace.back());
+  }
+
+private:
+  const Study& study_;
+  const RunOptions& options_;
+  UpdatingOutcome& outcome_;
+  UpdatingCheckpoint checkpoint_;
+};
+
+/// Where a search ended, with the residual there.
+using LastResidual = std::optional<ResidualValue>;
+
+/// From wide to sharp, each round from where the last one ended; only the last one is kept in a file.
+LastResidual search_from_one_start(const Study& study, const std::vector<ComparisonResidual>& comparisons,
+                                   const ResidualValue& first, const RunOptions& options, UpdatingOutcome& outcome) {
+  outcome.method = "Gauss-Newton in a trust region";
+  const std::size_t continuation_steps = continuation_steps_of(comparisons);
+  VectorXd start = initial_values(study.updating->parameters);
+  for (std::size_t round = 0; round + 1 < continuation_steps; ++round) {
+    LeastSquaresOptions least_squares{.search = search_options(*study.given.update), .start = start, .watch = {}};
+    const auto outcome = minimise(sum_of(comparisons, round), study.updating->parameters, least_squares);
+    outcome.evaluations += outcome.evaluations;
+    outcome.iterations += outcome.iterations;
+    start = outcome.parameters;
+  }
+  if (continuation_steps > 1)
+    outcome.method += ", frequency responses smoothed at first, in " + std::to_string(continuation_steps) + " rounds";
+  LastResidual last;
+  const auto done =
+      Search(study, options, outcome)
+          .run(sum_of(comparisons, continuation_steps - 1), start, continuation_steps == 1 ? &first : nullptr, last);
+  outcome.values = done.state().parameters;
+  outcome.termination = words(*done.finished());
+  outcome.converged = converged(*done.finished());
+  outcome.evaluations += done.state().evaluations;
+  outcome.iterations += done.state().iterations;
+  return last;
+}
+
+LastResidual search_from_many_starts(const Study& study, const ResidualSum& residual, UpdatingOutcome& outcome) {
+  const auto& given = *study.given.update;
+  MultiStartOptions options{.starts = given.starts, .seed = given.seed, .search = {}};
+  options.search.search = search_options(given);
+  const auto outcome = minimise_from_many(residual, study.updating->parameters, options);
+  outcome.values = outcome.best.parameters;
+  outcome.termination = outcome.best.reason();
+  outcome.converged = outcome.best.usable();
+  outcome.evaluations = outcome.evaluations;
+  outcome.iterations = outcome.best.iterations;
+  outcome.method = "Gauss-Newton in a trust region from " + std::to_string(given.starts) + " starts, of which " +
+                   std::to_string(outcome.converged) + " converged, to " + std::to_string(outcome.minima.size()) +
+                   (outcome.minima.size() == 1 ? " minimum" : " different minima");
+  return outcome.best.residual;
+}
+
+LastResidual search_by_evolution(const Study& study, const ResidualSum& residual, UpdatingOutcome& outcome) {
+  const auto& given = *study.given.update;
+  EvolutionOptions options;
+  options.search.generations = static_cast<unsigned>(given.evolution.generations);
+  options.search.seed = static_cast<unsigned>(given.evolution.seed);
+  const auto count = static_cast<double>(study.updating->parameters.size());
+  options.search.population = given.evolution.population > 0
+                                  ? static_cast<unsigned>(given.evolution.population)
+                                  : static_cast<unsigned>(std::max(8.0, 4.0 + std::floor(3.0 * std::log(count))));
+  options.polishing->search = search_options(given);
+  const auto outcome = evolve(residual, study.updating->parameters, options);
+  outcome.method = "CMA-ES, then Gauss-Newton in a trust region";
+  outcome.values = outcome.parameters;
+  outcome.termination = outcome.reason();
+  outcome.converged = outcome.found() && (!outcome.polished || outcome.polished->usable());
+  outcome.evaluations = outcome.evaluations + (outcome.polished ? outcome.polished->evaluations : 0);
+  outcome.iterations = static_cast<int>(outcome.trace.size());
+  if (!outcome.polished) return std::nullopt;
+  return outcome.polished->residual;
+}
+
+/// " per force at 1"
+std::string per_input(const FrfSet& set) {
+  return (set.input == FrfInput::force ? " per force at " : " per motion of ") + set.place;
+}
+
+std::vector<FrfCurve> curves(const FrfResidual& residual, const VectorXd& start, const VectorXd& end) {
+  std::vector<FrfCurve> all;
+  const auto before = residual.model_responses(start), after = residual.model_responses(end);
+  const auto scales_before = residual.scales(before), scales_after = residual.scales(after);
+  for (std::size_t i = 0; i < residual.compared().size(); ++i) {
+    const auto& measured = residual.compared()[i];
+    const auto& set = residual.sets()[i];
+    for (Index j = 0; j < measured.values.cols(); ++j)
+      all.push_back({set.outputs[static_cast<std::size_t>(j)] + per_input(set), measured.lines,
+                     measured.values.col(j).cwiseAbs(), scales_before[i][j] * before[i].col(j).cwiseAbs(),
+                     scales_after[i][j] * after[i].col(j).cwiseAbs(),
+                     residual.has_free_scale() ? std::optional(scales_after[i][j]) : std::nullopt});
+  }
+  return all;
+}
+
+/// Rms of each comparison at the start and at the end, mode by mode and line by line where it has them.
+void compare(const Study& study, const std::vector<ComparisonResidual>& comparisons, const ResidualValue& first,
+             const ResidualValue& last, UpdatingOutcome& outcome) {
+  const VectorXd start = initial_values(study.updating->parameters);
+  Index row = 0;
+  for (const auto& comparison : comparisons) {
+    const auto& residual = *comparison.continuation_steps.back();
+    ComparisonResult result;
+    result.name = comparison.name;
+    result.kind = comparison.kind;
+    result.weight = comparison.weight;
+    result.size = residual.size();
+    const auto rms = [&](const ResidualValue& value) {
+      return rms_of(0.5 * value.values.segment(row, result.size).squaredNorm(), result.size) /
+             std::sqrt(comparison.weight);
+    };
+    result.rms_initial = rms(first);
+    result.rms_final = rms(last);
+    row += result.size;
+    if (const auto* modal = dynamic_cast<const ModalResidual*>(&residual)) {
+      result.modes_initial = modal->compare(start);
+      result.modes_final = modal->compare(outcome.values);
+    }
+    if (const auto* frf = dynamic_cast<const FrfResidual*>(&residual))
+      result.responses = curves(*frf, start, outcome.values);
+    outcome.comparisons.push_back(std::move(result));
+  }
+}
+
+/// Records are differentiated by finite differences themselves, one-sided ones, so that they agree less closely.
+SensitivityCheckOptions check_options(const std::vector<ComparisonResidual>& comparisons) {
+  constexpr double of_records = 0.1;
+  SensitivityCheckOptions options;
+  for (const auto& comparison : comparisons)
+    if (comparison.of_record) options.tolerance = of_records;
+  return options;
+}
+
+[[noreturn]] void refuse_first_values(const Study& study) {
+  throw InvalidInput(Issue{study.given.source.at({"update", "parameters"}),
+                           "update.parameters: the model has no response at their first values",
+                           "the search starts there", "change the first values"});
+}
+
+/// Throws InvalidInput with the place of every parameter that the comparisons do not depend on.
+void require_effects(const Study& study, const Eigen::MatrixXd& jacobian) {
+  IssueList issues;
+  for (const auto& name : without_effect(study.updating->parameters, jacobian))
+    issues.add(study.given.source.at({"update", "parameters", name}),
+               "update.parameters." + name + ": no comparison depends on it", "a parameter is found by what it changes",
+               "remove it, or compare with a measurement that it changes");
+  issues.raise();
+}
+
+/// The sum of the comparisons that need no record at the first values; nothing where there are none of them.
+std::optional<ResidualValue> first_values_without_record(const Study& study,
+                                                         std::vector<ComparisonResidual> comparisons) {
+  std::erase_if(comparisons, [](const ComparisonResidual& each) { return each.of_record; });
+  if (comparisons.empty()) return std::nullopt;
+  const ResidualSum residual = sum_of(comparisons, continuation_steps_of(comparisons) - 1);
+  auto value = residual.evaluate(initial_values(study.updating->parameters), true);
+  if (!value) refuse_first_values(study);
+  return value;
+}
+
+/// Why there is no residual at the first values, where the comparisons with the record are the reason.
+std::string failure_at_first_values(const Study& study, const std::vector<ComparisonResidual>& comparisons) {
+  first_values_without_record(study, comparisons);
+  return "at the first values of the updated parameters the filter or the simulation of the record fails; change them, "
+         "or the priors of the filter's unknowns";
+}
+
+std::string unusable(const UpdatingOutcome& outcome, const LastResidual& last) {
+  if (!last || !std::isfinite(outcome.residual_final) || !outcome.values.allFinite())
+    return "the updating found no parameters at which the model has a response";
+  return "";
+}
+
+}  // namespace
+
+UpdatingOutcome run_updating(const Study& study, std::vector<ComparisonResidual> comparisons,
+                             const StudyResults& results,
+                             const std::shared_ptr<const ParameterisedStructure>& structure, const RunOptions& options,
+                             std::string& failure) {
+  const Stopwatch watch;
+  const auto& given = *study.given.update;
+  const Parameters& parameters = study.updating->parameters;
+  add_record_comparisons(study, results, structure, comparisons);
+  const ResidualSum residual = sum_of(comparisons, continuation_steps_of(comparisons) - 1);
+  UpdatingOutcome outcome;
+  outcome.values = initial_values(parameters);
+  const auto first = residual.evaluate(outcome.values, true);
+  if (!first) {
+    failure = failure_at_first_values(study, comparisons);
+    return outcome;
+  }
+  require_effects(study, first->jacobian);
+  outcome.residual_initial = rms_of(0.5 * first->values.squaredNorm(), residual.size());
+  if (given.check_sensitivities)
+    outcome.sensitivities = check_sensitivities(residual, parameters, outcome.values, check_options(comparisons));
+
+  LastResidual last = given.method == d::UpdatingMethod::evolution ? search_by_evolution(study, residual, outcome)
+                      : given.starts > 1                           ? search_from_many_starts(study, residual, outcome)
+                                         : search_from_one_start(study, comparisons, *first, options, outcome);
+  if (!last || last->jacobian.size() == 0) last = residual.evaluate(outcome.values, true);
+  if (last) outcome.residual_final = rms_of(0.5 * last->values.squaredNorm(), residual.size());
+  failure = unusable(outcome, last);
+  if (failure.empty()) {
+    outcome.statistics = parameter_statistics(parameters, outcome.values, *last);
+    outcome.remarks = parameter_findings(parameters, outcome.values, outcome.statistics);
+    compare(study, comparisons, *first, *last, outcome);
+  }
+  outcome.seconds = watch.seconds();
+  return outcome;
+}
+
+void check_first_values(const Study& study) {
+  const auto comparisons = make_comparisons(study, parameterised_structure(study));
+  const auto first = first_values_without_record(study, comparisons);
+  if (first && comparisons.size() == study.given.update->comparisons.size()) require_effects(study, first->jacobian);
+}
+
+}  // namespace kalfem

@@ -1,0 +1,282 @@
+#include "kalfem/study/case_checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <unordered_set>
+
+#include "kalfem/dynamics/simulate.hpp"
+#include "kalfem/system/signals/smooth_step.hpp"
+
+namespace kalfem {
+namespace {
+
+namespace d = description;
+
+template <class T>
+std::vector<std::string> names_of(const Named<T>& entries) {
+  std::vector<std::string> names;
+  for (const auto& [name, entry] : entries) names.push_back(name);
+  return names;
+}
+
+void check_name(const d::Name& name, const std::string& kind, const std::vector<std::string>& known,
+                const std::string& fix, IssueList& issues) {
+  if (std::ranges::find(known, name.value) == known.end())
+    issues.add(name.location,
+               name.path + ": there is no " + kind + " '" + name.value + "'" + did_you_mean(name.value, known), "",
+               fix);
+}
+
+/// The names that an entry stands for: its own where it names no others.
+template <class Entry>
+std::vector<d::Name> targets_of(const std::string& name, const Entry& entry, const SourceLocation& place,
+                                const std::string& path) {
+  if (!entry.applies_to.empty()) return entry.applies_to;
+  return {{name, place, path}};
+}
+
+/// A fixed number of steps, or halving from one number to another until a tolerance is met.
+void check_steps(const d::Simulation& given, IssueList& issues) {
+  const d::Simulation defaults;
+  if (given.substeps && (given.tolerance != defaults.tolerance || given.first_substeps != defaults.first_substeps ||
+                         given.max_substeps != defaults.max_substeps))
+    issues.add(given.substeps->location,
+               given.substeps->path + " fixes the step, and tolerance, first_substeps or max_substeps are given too",
+               "with a fixed step nothing is halved", "take `substeps` or these out");
+}
+
+}  // namespace
+
+void check_sections(const d::Case& given, IssueList& issues) {
+  if (given.simulate) check_steps(*given.simulate, issues);
+  const auto place = [&](const char* section) { return given.source.at({section}); };
+  if (given.simulate && given.record)
+    issues.add(place("record"), "the case has both `simulate` and `record`", "there can be one record only",
+               "take one of them out");
+  if (given.estimate && !given.simulate && !given.record)
+    issues.add(place("estimate"), "the case estimates but has no record", "", "add `simulate` or `record`");
+  if (given.estimate && given.sensors.empty())
+    issues.add(place("estimate"), "the case estimates but has no sensors", "", "add at least one under `sensors`");
+  if (given.record && given.sensors.empty())
+    issues.add(place("record"), "the case has a record but no sensors", "sensors say what its columns are",
+               "add at least one under `sensors`");
+  if (given.predict && !given.estimate)
+    issues.add(place("predict"), "the case predicts but does not estimate",
+               "the prediction is driven by the estimated boundary motion", "add `estimate`");
+  if (given.substructures.empty())
+    issues.add(place("substructures"), "substructures is empty", "there is no structure", "describe at least one");
+}
+
+void check_sensor_names(const d::Case& given, const std::vector<std::string>& points, IssueList& issues) {
+  const auto connectors = names_of(given.connectors);
+  const std::unordered_set<std::string> known_points(points.begin(), points.end());
+  for (const auto& [name, sensor] : given.sensors) {
+    const auto& [seen, location, path] =
+        std::visit([](const auto& observed) -> const d::Points& { return observed.points; }, sensor.observed);
+    const bool of_connector = std::visit(
+        [](const auto& observed) { return observed.quantity > ObservedQuantity::acceleration; }, sensor.observed);
+    for (const auto& [target, weight] : seen) {
+      const d::Name named{target, location, path};
+      if (of_connector)
+        check_name(named, "connector", connectors, "name one of `connectors`", issues);
+      else if (!known_points.contains(target))
+        check_name(named, "point", points, "points are written substructure.name", issues);
+    }
+  }
+}
+
+void check_reported_names(const d::Case& given, const std::vector<std::string>& points, IssueList& issues) {
+  std::vector<std::string> meshes;
+  for (const auto& [name, part] : given.substructures)
+    if (part.finite_elements) meshes.push_back(name);
+  if (given.predict)
+    check_name(given.predict->substructure, "substructure", names_of(given.substructures), "name one that there is",
+               issues);
+  if (given.report.fields)
+    check_name(given.report.fields->substructure, "finite-element substructure", meshes,
+               "the motion of a mesh is drawn: name one that has finite_elements", issues);
+  for (const auto& name : given.report.displacements)
+    check_name(name, "point", points, "name a point whose motion is reported, substructure.name", issues);
+}
+
+namespace {
+
+/// What the time integration cannot step.
+void check_integrator(const Study& study, IssueList& issues) {
+  constexpr Eigen::Index most_exact = 5000;
+  const auto& system = study.model->system();
+  const Eigen::VectorXd mass = system.mass.diagonal();
+  const Eigen::Index massless = (mass.array() <= 0.0).count();
+  if (massless > 0) {
+    Eigen::Index first = 0;
+    mass.minCoeff(&first);
+    issues.add(study.given.source.at({"simulate"}),
+               std::to_string(massless) + " degrees of freedom have no mass, the first of them '" +
+                   system.dofs[static_cast<std::size_t>(first)] + "'",
+               "every one needs mass to be stepped in time", "give them mass, or take reference: superelement");
+  }
+  if (study.given.simulate->integrator == Integrator::exact && system.size() > most_exact)
+    issues.add(study.given.source.at({"simulate", "integrator"}),
+               "simulate.integrator: exact given for " + std::to_string(system.size()) + " degrees of freedom",
+               "its matrices are full: at most " + std::to_string(most_exact),
+               "take newmark, or reference: superelement");
+}
+
+/// One step from rest, where it costs nothing: values too far apart leave no matrix that can be factored.
+void check_first_step(const Study& study, IssueList& issues) {
+  constexpr Eigen::Index most_dofs = 1000;
+  const auto& system = study.model->system();
+  if (system.size() > most_dofs) return;
+  const auto& given = *study.given.simulate;
+  SimulationOptions options;
+  options.integrator = given.integrator;
+  options.hht_alpha = given.hht_alpha;
+  options.spectral_radius = given.spectral_radius;
+  options.step = options.duration = 1.0 / (given.sample_rate * given.first_substeps);
+  options.keep_motion = false;
+  const std::vector<SignalPtr> still(static_cast<std::size_t>(system.input_count()), make_constant(0.0));
+  try {
+    simulate(system, still, at_rest(system.size(), system.connector_states()), options);
+  } catch (const InvalidInput& error) {
+    add_at(study.given.source.at({"simulate"}), error, issues);
+  }
+}
+
+}  // namespace
+
+void check_simulation(const Study& study, IssueList& issues) {
+  if (!study.given.simulate) return;
+  check_integrator(study, issues);
+  if (issues.empty()) check_first_step(study, issues);
+  const auto& given = *study.given.simulate;
+  const auto place = [&](const char* key) { return study.given.source.at({"simulate", key}); };
+  constexpr double most_samples = 1e8;
+  const double samples = given.duration * given.sample_rate;
+  if (samples < 1.0)
+    issues.add(
+        place("duration"),
+        "simulate.duration: " + shortest(given.duration) + " s at " + shortest(given.sample_rate) + " Hz is no sample",
+        "the record would hold its start alone", "lengthen the duration or raise sample_rate");
+  if (samples > most_samples)
+    issues.add(place("duration"),
+               "simulate.duration: " + shortest(given.duration) + " s at " + shortest(given.sample_rate) + " Hz are " +
+                   shortest(samples) + " samples",
+               "at most " + shortest(most_samples) + " are simulated", "shorten the duration or lower sample_rate");
+  if (given.max_substeps < given.first_substeps)
+    issues.add(place("max_substeps"),
+               "simulate.max_substeps: " + std::to_string(given.max_substeps) + " given with first_substeps of " +
+                   std::to_string(given.first_substeps),
+               "it must be no less", "raise it, or lower first_substeps");
+  for (const auto& [point, start] : given.initial)
+    if (study.model->dof_index(point) < 0)
+      issues.add(
+          start.location,
+          start.path + ": '" + point + "' is no degree of freedom" + did_you_mean(point, study.model->system().dofs),
+          "", "name one of a lumped substructure");
+}
+
+void check_pictures(const Study& study, IssueList& issues) {
+  const double zoom = study.given.report.zoom;
+  if (!study.given.source.gives({"report", "zoom"})) return;
+  if (study.sample_rate() > 0.0 && zoom * study.sample_rate() < 2.0)
+    issues.add(study.given.source.at({"report", "zoom"}),
+               "report.zoom: " + shortest(zoom) + " s at " + shortest(study.sample_rate()) + " Hz given",
+               "it holds less than two samples", "lengthen it");
+}
+
+void check_signals(const Study& study, IssueList& issues) {
+  double from = 0.0, to = 0.0;
+  if (study.given.simulate) {
+    const double finest = study.sample_rate() * study.given.simulate->first_substeps;
+    to = std::ceil(study.given.simulate->duration * finest * (1.0 - 1e-12)) / finest;
+  } else if (study.record) {
+    from = study.record->series.start;
+    to = study.record->series.time(study.record->series.samples() - 1);
+  } else {
+    return;
+  }
+  for (std::size_t i = 0; i < study.signals.size(); ++i) try {
+      static_cast<void>(study.signals[i]->sample(from, 1.0, 1));
+      static_cast<void>(study.signals[i]->sample(to, 1.0, 1));
+    } catch (const InvalidInput& error) {
+      const auto& input = study.parts.inputs[i];
+      for (const auto& issue : error.issues())
+        issues.add(input.location, "excitation." + input.name + ": " + issue.what, issue.why, issue.fix);
+    }
+}
+
+namespace {
+
+/// The interface moves as its own point was measured, and no other.
+void check_driving_sensor(const d::Case& given, const std::string& point, const d::Name& name, IssueList& issues) {
+  const auto sensor = std::ranges::find(given.sensors, name.value, &std::pair<std::string, d::Sensor>::first);
+  if (sensor == given.sensors.end()) {
+    check_name(name, "sensor", names_of(given.sensors), "name one of `sensors`", issues);
+    return;
+  }
+  const std::string fix = "name an accelerometer at '" + point + "'";
+  const auto* seen = std::get_if<d::Observed<ObservedQuantity::acceleration>>(&sensor->second.observed);
+  if (!seen) {
+    issues.add(name.location, name.path + ": sensor '" + name.value + "' does not measure acceleration",
+               "the interface is driven by an acceleration", fix);
+    return;
+  }
+  const auto& points = seen->points.value;
+  if (points == Named<double>{{point, 1.0}}) return;
+  const std::string measured = points.size() == 1 ? "'" + points.front().first + "'" : "several points";
+  issues.add(name.location, name.path + ": sensor '" + name.value + "' measures " + measured + ", not '" + point + "'",
+             "the interface moves as its own point was measured", fix);
+}
+
+}  // namespace
+
+void check_estimation(const d::Case& given, IssueList& issues) {
+  if (!given.estimate) return;
+  const auto& estimate = *given.estimate;
+  const auto place = [&](const char* key) { return given.source.at({"estimate", key}); };
+  if (estimate.passes > 1 && !estimate.estimate_initial_state)
+    issues.add(place("passes"), "estimate.passes is above 1 without estimate_initial_state",
+               "each pass starts from the initial state that the last one estimated",
+               "set estimate.estimate_initial_state: true");
+  if (estimate.initial_state_from_record)
+    for (const auto& [point, start] : estimate.initial_state)
+      if (start.value.displacement != 0.0 || start.value.velocity != 0.0)
+        issues.add(start.location, start.path + ": a mean is given beside initial_state_from_record",
+                   "the record would replace it",
+                   "remove the mean (deviations may stay), or initial_state_from_record");
+  for (const auto& [name, sensor] : given.sensors)
+    if (sensor.noise.value.value == 0.0)
+      issues.add(sensor.noise.location, sensor.noise.path + ": the noise is 0",
+                 "the filter cannot weigh a sensor without noise", "give a small one");
+  if (!estimate.local) return;
+  for (const auto& [point, interface] : estimate.local->interface)
+    if (const auto* driven = std::get_if<d::InterfaceAcceleration>(&interface.value.motion))
+      check_driving_sensor(given, point, driven->sensor, issues);
+}
+
+void check_parameters_once(const d::Case& given, IssueList& issues) {
+  std::map<std::string, std::string> refined;
+  if (given.update)
+    for (const auto& [name, parameter] : given.update->parameters)
+      for (const auto& target : targets_of(name, parameter.value, parameter.location, parameter.path))
+        refined.emplace(target.value, "update.parameters." + name);
+  if (!given.estimate) return;
+  std::map<std::string, std::string> estimated;
+  for (const auto& [name, unknown] : given.estimate->unknown) {
+    const std::string owner = "estimate.unknown." + name;
+    for (const auto& target : targets_of(name, unknown, unknown.initial.location, owner)) {
+      const auto [first, is_new] = estimated.emplace(target.value, owner);
+      const auto update = refined.find(target.value);
+      if (!is_new)
+        issues.add(target.location, owner + ": '" + target.value + "' is estimated already by " + first->second,
+                   "a parameter has one value", "take one of them out");
+      if (update != refined.end())
+        issues.add(target.location, owner + ": '" + target.value + "' is refined already by " + update->second,
+                   "the updating and the filter would each give it a value", "take one of them out");
+    }
+  }
+}
+
+}  // namespace kalfem

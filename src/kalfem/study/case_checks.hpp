@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "kalfem/study/study.hpp"
+
+/// What a case may not say, as far as it shows without computing: sections that need each other, names that do not
+/// exist, keys that contradict one another. Problems go to `issues` with their place.
+namespace kalfem {
+
+/// Sections that need or exclude each other.
+void check_sections(const description::Case& given, IssueList& issues);
+/// Points and connectors that sensors name. `points`: those of the structure.
+void check_sensor_names(const description::Case& given, const std::vector<std::string>& points, IssueList& issues);
+/// Substructures and points that `predict` and `report` name. `points`: those whose motion is reported.
+void check_reported_names(const description::Case& given, const std::vector<std::string>& points, IssueList& issues);
+/// Length, sampling and steps of `simulate`, and where it starts.
+void check_simulation(const Study& study, IssueList& issues);
+/// Lengths of the report's pictures against the record's sampling.
+void check_pictures(const Study& study, IssueList& issues);
+/// Signals that are not known over the whole record.
+void check_signals(const Study& study, IssueList& issues);
+/// What the filter starts from and what drives it.
+void check_estimation(const description::Case& given, IssueList& issues);
+/// Parameters that `update` refines and `estimate` estimates.
+void check_parameters_once(const description::Case& given, IssueList& issues);
+
+}  // namespace kalfem

@@ -1,0 +1,438 @@
+#include "kalfem/study/comparisons.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "kalfem/formats/tables/csv.hpp"
+#include "kalfem/formats/tables/frf_table.hpp"
+#include "kalfem/pipeline/run_prediction.hpp"
+#include "kalfem/study/parameter_lookup.hpp"
+#include "kalfem/study/record_file.hpp"
+#include "kalfem/study/record_residual.hpp"
+#include "kalfem/study/simulation_residual.hpp"
+#include "kalfem/study/unknown_builder.hpp"
+#include "kalfem/updating/frf_residual.hpp"
+#include "kalfem/updating/modal_residual.hpp"
+#include "kalfem/updating/static_residual.hpp"
+#include "kalfem/yaml/bounds.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+namespace d = description;
+
+constexpr double default_frequency_deviation = 0.01;
+/// Smoothing of frequency responses goes down to this part of the first width before it ends.
+constexpr double smoothing_range = 10.0;
+
+const d::Name& substructure_of(const d::Comparison& given) {
+  static const d::Name none;
+  return std::visit(
+      [](const auto& data) -> const d::Name& {
+        if constexpr (requires { data.substructure; }) return data.substructure;
+        return none;
+      },
+      given.data);
+}
+
+/// Unknowns of the filter among the elements of a substructure that is driven by the boundary's estimated motion: the
+/// comparison would hold them as the case gives them.
+void check_unknowns_of_driven_part(const Study& study, const d::Name& substructure, IssueList& issues) {
+  for (const auto& [name, given] : study.given.estimate->unknown)
+    for (const auto& target : names_of(name, given)) {
+      const auto element = find_parameter(study.parts, target.value);
+      if (!element || element->kind == ParameterReference::Kind::connector) continue;
+      if (study.parts.substructures[element->part].name != substructure.value) continue;
+      issues.add(target.location,
+                 target.path + ": '" + target.value + "' is an unknown of the filter, and " + substructure.path +
+                     " compares the record with its substructure",
+                 "there it would keep the value that the case gives", "refine it under update.parameters instead");
+    }
+}
+
+const std::vector<d::Name>* sensors_of(const d::Comparison& given) {
+  if (const auto* driven = std::get_if<d::DrivenHistory>(&given.data)) return &driven->sensors;
+  if (const auto* simulated = std::get_if<d::SimulatedHistory>(&given.data)) return &simulated->sensors;
+  return nullptr;
+}
+
+/// Factor that turns a column of frequencies into Hz: rad/s and rpm are angular.
+double factor_to_hertz(const std::string& unit) {
+  if (unit.empty()) return 1.0;
+  const Unit parsed = parse_unit(unit);
+  if (parsed.dimension == parse_unit("Hz").dimension) return parsed.factor;
+  if (parsed.dimension == parse_unit("rad/s").dimension) return parsed.factor / (2.0 * std::numbers::pi);
+  throw InvalidInput("the frequencies are in '" + unit + "'", "that is no unit of frequency", "give them in Hz");
+}
+
+std::vector<double> measured_frequencies(const d::Frequencies& given) {
+  if (const auto* listed = std::get_if<std::vector<double>>(&given)) return *listed;
+  const auto& column = std::get<d::TableColumn>(given);
+  const auto table = read_csv_table(column.file, {.columns = {column.column}, .rows = column.first});
+  try {
+    const VectorXd frequencies = factor_to_hertz(table.columns.front().unit) * table.values.col(0);
+    return {frequencies.begin(), frequencies.end()};
+  } catch (const InvalidInput& error) {
+    IssueList issues;
+    issues.add(error, {column.file.string(), table.title_line});
+    throw InvalidInput(issues.issues());
+  }
+}
+
+/// A point by its name in the substructure: a degree of freedom or a named combination.
+DofCombination point_of(const LinearModel& model, const d::Name& name) {
+  if (const auto point = model.points.find(name.value); point != model.points.end()) return point->second;
+  if (std::ranges::find(model.dofs, name.value) != model.dofs.end()) return {{name.value, 1.0}};
+  std::vector<std::string> known;
+  for (const auto& [point, combination] : model.points) known.push_back(point);
+  if (!model.points_only) known.insert(known.end(), model.dofs.begin(), model.dofs.end());
+  throw InvalidInput(name.issue("there is no point '" + name.value + "'" + did_you_mean(name.value, known)));
+}
+
+/// Sensors of motion that see points of one substructure only.
+std::vector<std::string> sensors_on(const Study& study, const std::string& substructure) {
+  std::vector<std::string> names;
+  for (const auto& sensor : study.sensors)
+    if (sensor.output.quantity <= ObservedQuantity::acceleration &&
+        std::ranges::all_of(sensor.output.points,
+                            [&](const auto& point) { return point.first.starts_with(substructure + "."); }))
+      names.push_back(sensor.name);
+  return names;
+}
+
+/// Those that the case names, or all on the substructure.
+std::vector<std::string> compared_sensors(const Study& study, const d::DrivenHistory& given) {
+  const auto own = sensors_on(study, given.substructure.value);
+  std::vector<std::string> sensors;
+  IssueList issues;
+  for (const auto& name : given.sensors) {
+    sensors.push_back(name.value);
+    if (std::ranges::find(own, name.value) == own.end())
+      issues.add(name.location,
+                 name.path + ": sensor '" + name.value + "' does not see the motion of '" + given.substructure.value +
+                     "' alone",
+                 "its points must lie there");
+  }
+  issues.raise();
+  if (sensors.empty()) sensors = own;
+  if (sensors.empty())
+    throw InvalidInput(given.substructure.issue("no sensor sees the motion of '" + given.substructure.value + "'",
+                                                "there is nothing to compare"));
+  return sensors;
+}
+
+std::vector<std::string> compared_sensors(const Study& study, const d::SimulatedHistory& given) {
+  std::vector<std::string> sensors;
+  for (const auto& sensor : study.sensors)
+    if (std::ranges::any_of(given.sensors,
+                            [&](const auto& name) { return name.value == "all" || name.value == sensor.name; }))
+      sensors.push_back(sensor.name);
+  if (sensors.empty()) throw InvalidInput("it names no sensor", "", "name some, or write simulation: all");
+  return sensors;
+}
+
+/// An entry that stands twice would count twice.
+void check_twice(const std::vector<d::Name>& names, IssueList& issues) {
+  std::set<std::string> seen;
+  for (const auto& name : names)
+    if (!seen.insert(name.value).second)
+      issues.add(name.location, name.path + ": '" + name.value + "' is given twice", "it would count twice",
+                 "take one of them out");
+}
+
+double samples_of(const Study& study) {
+  if (study.record) return static_cast<double>(study.record->series.samples());
+  return study.given.simulate->duration * study.given.simulate->sample_rate + 1.0;
+}
+
+/// Makes the residual of each kind of comparison.
+class ResidualMaker {
+public:
+  ResidualMaker(const Study& study, const StudyResults& results,
+                std::shared_ptr<const ParameterisedStructure> structure, std::string name)
+      : study_(study), results_(results), structure_(std::move(structure)), name_(std::move(name)) {}
+
+  ComparisonResidual operator()(const d::ModalData& given) const {
+    const auto model = structure_->model_of(given.substructure.value);
+    const auto start_model = model->at(start()).model;
+    const auto frequencies = measured_frequencies(given.frequencies.value);
+    if (!given.model_modes.empty() && given.model_modes.size() != frequencies.size())
+      throw InvalidInput(given.frequencies.issue(std::to_string(frequencies.size()) + " frequencies and " +
+                                                     std::to_string(given.model_modes.size()) + " model_modes",
+                                                 "", "give one of each, or no model_modes"));
+    std::vector<MeasuredMode> measured;
+    for (std::size_t i = 0; i < frequencies.size(); ++i) {
+      MeasuredMode mode;
+      mode.frequency = frequencies[i];
+      mode.deviation = deviation(given.deviation, frequencies[i]);
+      if (i < given.model_modes.size()) mode.model_mode = given.model_modes[i];
+      measured.push_back(std::move(mode));
+    }
+    std::vector<DofCombination> points;
+    if (given.shapes) add_shapes(*given.shapes, start_model, measured, points);
+    ModalResidualOptions options;
+    options.above = given.above;
+    options.pairing.least_mac = given.minimum_mac;
+    return {name_,
+            "natural frequencies" + std::string(given.shapes ? " and mode shapes" : "") + " of '" +
+                given.substructure.value + "'",
+            {std::make_shared<ModalResidual>(model, measured, points, start(), options)}};
+  }
+
+  ComparisonResidual operator()(const d::FrfData& given) const {
+    std::vector<MeasuredFrf> measured;
+    for (const auto& input : given.inputs) measured.push_back(measured_frf(given, input));
+    FrfResidualOptions options;
+    options.form = given.compare == d::FrfComparison::logarithm       ? FrfForm::log
+                   : given.compare == d::FrfComparison::log_magnitude ? FrfForm::log_magnitude
+                                                                      : FrfForm::complex_difference;
+    options.scale = given.scale;
+    for (const auto& band : given.bands) options.bands.push_back({band[0], band[1]});
+    options.relative_deviation = given.deviation;
+    options.floor = given.floor;
+    ComparisonResidual comparison{name_, "frequency responses of '" + given.substructure.value + "'", {}};
+    const auto model = structure_->model_of(given.substructure.value);
+    const auto widths = given.smoothing > 0.0 ? smoothing_widths(given.smoothing, given.smoothing / smoothing_range)
+                                              : std::vector<double>{0.0};
+    for (const double width : widths) {
+      options.smoothing = width;
+      comparison.continuation_steps.push_back(std::make_shared<FrfResidual>(model, measured, start(), options));
+    }
+    return comparison;
+  }
+
+  ComparisonResidual operator()(const d::StaticData& given) const {
+    const auto model = structure_->model_of(given.substructure.value);
+    const auto start_model = model->at(start()).model;
+    StaticTest test{name_, {}, {}};
+    double largest = 0.0;
+    for (const auto& [point, value] : given.displacements) largest = std::max(largest, std::abs(value.value));
+    for (const auto& [point, force] : given.loads)
+      test.forces.push_back({point_of(start_model, {point, force.location, force.path}), force.value});
+    for (const auto& [point, value] : given.displacements)
+      test.displacements.push_back(
+          {point_of(start_model, {point, value.location, value.path}), value.value, given.deviation * largest});
+    return {name_,
+            "static displacements of '" + given.substructure.value + "'",
+            {std::make_shared<StaticResidual>(model, std::vector{test}, start())}};
+  }
+
+  ComparisonResidual operator()(const d::DrivenHistory& given) const {
+    const auto sensors = compared_sensors(study_, given);
+    return {name_,
+            "record of '" + given.substructure.value + "' driven by the estimated motion of its boundary",
+            {std::make_shared<RecordResidual>(
+                study_, full_record(study_, results_), structure_,
+                RecordResidual::Options{.name = name_,
+                                        .substructure = given.substructure.value,
+                                        .sensors = sensors,
+                                        .hold_gains = given.derivatives == d::HistoryDerivatives::automatic
+                                                          ? !study_.finite_elements.empty()
+                                                          : given.derivatives == d::HistoryDerivatives::held_gains})}};
+  }
+
+  ComparisonResidual operator()(const d::SimulatedHistory& given) const {
+    const auto sensors = compared_sensors(study_, given);
+    return {name_,
+            "record against the simulation",
+            {std::make_shared<SimulationResidual>(study_, full_record(study_, results_), structure_,
+                                                  SimulationResidual::Options{.name = name_, .sensors = sensors})}};
+  }
+
+private:
+  [[nodiscard]] VectorXd start() const { return initial_values(study_.updating->parameters); }
+
+  [[nodiscard]] MeasuredFrf measured_frf(const d::FrfData& given, const d::FrfInput& input) const {
+    MeasuredFrf measured;
+    if (const auto* force = std::get_if<d::FrfForce>(&input.input)) {
+      measured.set = {FrfInput::force, force->point.value, {}, {}};
+    } else {
+      measured.set = {FrfInput::ground_acceleration, std::get<d::FrfGround>(input.input).ground.value, {}, {}};
+    }
+    for (const auto& output : given.outputs) measured.set.outputs.push_back(output.value);
+    measured.set.quantity = given.quantity == d::FrfQuantity::displacement ? ResponseQuantity::displacement
+                            : given.quantity == d::FrfQuantity::velocity   ? ResponseQuantity::velocity
+                                                                           : ResponseQuantity::acceleration;
+    if (const auto* table = std::get_if<d::FrfFile>(&input.source)) {
+      measured.name = table->file.value.string();
+      measured.response = read_frf_table(table->file.value, {.outputs = input.columns, .content = table->values});
+      convert_to_si(measured.response, unit_of(given.quantity), input, table->file.value.string());
+      return measured;
+    }
+    const auto& source = std::get<d::FrfRecordSource>(input.source);
+    measured.name = source.file.value.string();
+    const std::vector<std::string> outputs = input.columns.empty() ? measured.set.outputs : input.columns;
+    if (std::ranges::find(outputs, source.input) != outputs.end())
+      throw InvalidInput(source.file.issue("the column '" + source.input + "' is input and output", "",
+                                           "name the outputs' columns under `columns`"));
+    std::vector<WantedChannel> columns;
+    for (const auto& output : outputs)
+      columns.push_back({.column = output, .owner = owner(), .unit = unit_of(given.quantity)});
+    columns.push_back({.column = source.input, .owner = owner(), .unit = unit_of(input)});
+    const TimeSeries record =
+        read_record_file(source.file.value, columns, {.sample_rate = source.sample_rate, .dataset = source.dataset});
+    const auto segment = static_cast<Index>(std::llround(source.segment * record.sample_rate));
+    measured.response = estimate_h1(std::span(&record, 1), source.input, outputs, {.segment = segment}).response;
+    return measured;
+  }
+
+  [[nodiscard]] std::string owner() const { return "update.compare." + name_; }
+
+  static std::string unit_of(d::FrfQuantity quantity) {
+    return quantity == d::FrfQuantity::displacement ? "m" : quantity == d::FrfQuantity::velocity ? "m/s" : "m/s^2";
+  }
+  static std::string unit_of(const d::FrfInput& input) {
+    return std::holds_alternative<d::FrfForce>(input.input) ? "N" : "m/s^2";
+  }
+
+  /// Responses of a table whose titles name their units, per force or per acceleration of the ground.
+  void convert_to_si(FrequencyResponse& response, const std::string& output_unit, const d::FrfInput& input,
+                     const std::string& file) const {
+    const std::string unit = "(" + output_unit + ")/(" + unit_of(input) + ")";
+    IssueList issues;
+    for (std::size_t j = 0; j < response.outputs.size(); ++j) {
+      Channel& output = response.outputs[j];
+      const double factor =
+          factor_to_si({.column = output.name, .owner = owner(), .unit = unit}, output, {file, 0}, issues);
+      response.values.col(static_cast<Index>(j)) *= factor;
+      if (response.deviations.size() > 0) response.deviations.col(static_cast<Index>(j)) *= factor;
+      output.unit = unit;
+    }
+    issues.raise();
+  }
+
+  static double deviation(const d::Value& given, double frequency) {
+    if (given.path.empty()) return default_frequency_deviation * frequency;
+    const bool relative = !given.value.bare && given.value.dimension == Dimension{};
+    return relative ? given.value.value * frequency : checked_number(given, "Hz", Bounds::positive());
+  }
+
+  static void add_shapes(const d::ShapeTable& given, const LinearModel& model, std::vector<MeasuredMode>& measured,
+                         std::vector<DofCombination>& points) {
+    const auto table = read_csv_table(given.file);
+    for (const auto& point : given.points) points.push_back(point_of(model, point));
+    const auto rows = static_cast<Index>(points.size()), columns = static_cast<Index>(measured.size());
+    if (table.values.rows() != rows || table.values.cols() != columns)
+      throw InvalidInput(
+          given.file.string() + " holds " + std::to_string(table.values.rows()) + " rows and " +
+              std::to_string(table.values.cols()) + " columns of numbers",
+          "there are " + std::to_string(rows) + " points and " + std::to_string(columns) + " frequencies",
+          "give one row a point and one column a mode");
+    for (Index i = 0; i < columns; ++i) {
+      measured[static_cast<std::size_t>(i)].shape = table.values.col(i);
+      measured[static_cast<std::size_t>(i)].shape_deviation = given.deviation;
+    }
+  }
+
+  const Study& study_;
+  const StudyResults& results_;
+  std::shared_ptr<const ParameterisedStructure> structure_;
+  std::string name_;
+};
+
+void make_all(const Study& study, const StudyResults& results,
+              const std::shared_ptr<const ParameterisedStructure>& structure, bool of_record,
+              std::vector<ComparisonResidual>& all) {
+  IssueList issues;
+  for (const auto& [name, given] : study.given.update->comparisons) {
+    if ((sensors_of(given.value) != nullptr) != of_record) continue;
+    try {
+      all.push_back(std::visit(ResidualMaker(study, results, structure, name), given.value.data));
+      all.back().weight = given.value.weight;
+      all.back().of_record = of_record;
+    } catch (const InvalidInput& error) {
+      add_at(given.location, error, issues);
+    }
+  }
+  issues.raise();
+}
+
+}  // namespace
+
+std::vector<ComparisonResidual> make_comparisons(const Study& study,
+                                                 const std::shared_ptr<const ParameterisedStructure>& structure) {
+  std::vector<ComparisonResidual> all;
+  make_all(study, {}, structure, false, all);
+  return all;
+}
+
+void add_record_comparisons(const Study& study, const StudyResults& results,
+                            const std::shared_ptr<const ParameterisedStructure>& structure,
+                            std::vector<ComparisonResidual>& comparisons) {
+  make_all(study, results, structure, true, comparisons);
+}
+
+void check_comparisons(const Study& study, IssueList& issues) {
+  std::vector<std::string> parts, sensors;
+  for (const auto& [name, part] : study.given.substructures) parts.push_back(name);
+  for (const auto& sensor : study.sensors) sensors.push_back(sensor.name);
+  double weights = 0.0;
+  for (const auto& [name, given] : study.given.update->comparisons) weights += given.value.weight;
+  if (!study.given.update->comparisons.empty() && weights == 0.0)
+    issues.add(study.given.source.at({"update", "compare"}), "every comparison has the weight 0",
+               "nothing is left to refine the model by", "give one of them a weight");
+  for (const auto& [name, given] : study.given.update->comparisons) {
+    const auto& part = substructure_of(given.value);
+    if (!part.path.empty() && std::ranges::find(parts, part.value) == parts.end())
+      issues.add(part.location,
+                 part.path + ": there is no substructure '" + part.value + "'" + did_you_mean(part.value, parts));
+    if (study.given.damping && std::holds_alternative<d::FrfData>(given.value.data))
+      issues.add(given.location,
+                 given.path + " compares one substructure, whose damping is that of the whole structure's modes",
+                 "its own is not known", "give the substructure modal damping in the place of `damping`");
+    if (const auto* frf = std::get_if<d::FrfData>(&given.value.data)) check_twice(frf->outputs, issues);
+    if (const auto* modal = std::get_if<d::ModalData>(&given.value.data))
+      if (std::set<int>(modal->model_modes.begin(), modal->model_modes.end()).size() < modal->model_modes.size())
+        issues.add(given.location, given.path + ".model_modes: a mode is given twice",
+                   "each measured mode is one of the model's", "mend the numbers");
+    const auto* named = sensors_of(given.value);
+    if (!named) continue;
+    check_twice(*named, issues);
+    const std::size_t before = issues.issues().size();
+    for (const auto& sensor : *named)
+      if ((sensor.value != "all" || std::holds_alternative<d::DrivenHistory>(given.value.data)) &&
+          std::ranges::find(sensors, sensor.value) == sensors.end())
+        issues.add(sensor.location,
+                   sensor.path + ": there is no sensor '" + sensor.value + "'" + did_you_mean(sensor.value, sensors));
+    if (!study.given.simulate && !study.given.record)
+      issues.add(given.location, given.path + " compares with a record and the case has none", "",
+                 "add `record` or `simulate`");
+    if (std::holds_alternative<d::DrivenHistory>(given.value.data) && study.given.estimate)
+      check_unknowns_of_driven_part(study, part, issues);
+    if (issues.issues().size() == before) try {
+        if (const auto* driven = std::get_if<d::DrivenHistory>(&given.value.data)) compared_sensors(study, *driven);
+        if (const auto* simulated = std::get_if<d::SimulatedHistory>(&given.value.data))
+          compared_sensors(study, *simulated);
+      } catch (const InvalidInput& error) {
+        add_at(given.location, error, issues);
+      }
+    if (std::holds_alternative<d::DrivenHistory>(given.value.data) && !study.given.estimate)
+      issues.add(given.location, given.path + " needs the boundary's motion and the case does not estimate it", "",
+                 "add `estimate`");
+  }
+}
+
+void check_driven_histories(const Study& study, const CoupledModel& start, IssueList& issues) {
+  for (const auto& [name, given] : study.given.update->comparisons) {
+    const auto* driven = std::get_if<d::DrivenHistory>(&given.value.data);
+    if (!driven) continue;
+    try {
+      check_driven(study, start, driven->substructure);
+    } catch (const InvalidInput& error) {
+      add_at(driven->substructure.location, error, issues);
+    }
+    const double settle = study.given.estimate->settle;
+    if (settle * study.sample_rate() >= samples_of(study) - 1.5)
+      issues.add(study.given.source.at({"estimate", "settle"}),
+                 "estimate.settle: " + shortest(settle) + " s are as long as the record",
+                 "'" + given.path + "' compares what comes after them", "shorten it");
+  }
+}
+
+}  // namespace kalfem

@@ -1,0 +1,365 @@
+#include "kalfem/study/finite_element_builder.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+
+#include "kalfem/formats/gmsh/gmsh.hpp"
+#include "kalfem/formats/gmsh/table_mesh.hpp"
+#include "kalfem/model/mesh/split_quadratic_shells.hpp"
+#include "kalfem/model/unit_system.hpp"
+#include "kalfem/study/assembly.hpp"
+#include "kalfem/study/matrix_source.hpp"
+
+namespace kalfem {
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+namespace d = description;
+
+Vector3d vector(const std::array<double, 3>& values) { return {values[0], values[1], values[2]}; }
+
+BeamSection section_of(const d::RectangleSection& given) { return rectangular_section(given.width, given.height); }
+BeamSection section_of(const d::CircleSection& given) { return circular_section(given.diameter); }
+BeamSection section_of(const d::CircularTubeSection& given) {
+  return circular_tube_section(given.diameter, given.wall);
+}
+BeamSection section_of(const d::RectangularTubeSection& given) {
+  return rectangular_tube_section(given.width, given.height, given.wall);
+}
+BeamSection section_of(const d::GeneralSection& given) {
+  return {given.area, given.inertia_y, given.inertia_z, given.torsion, given.shear_factor_y, given.shear_factor_z};
+}
+
+RegionProperty property_of(const d::Region& given) {
+  if (const auto* shell = std::get_if<d::ShellRegion>(&given.property))
+    return ShellProperty{given.material.value, shell->thickness, shell->offset, 0.0};
+  if (const auto* solid = std::get_if<d::SolidRegion>(&given.property))
+    return SolidProperty{given.material.value, solid->kind, {}};
+  const auto& beam = std::get<d::BeamRegion>(given.property);
+  const BeamSection section = std::visit([](const auto& each) { return section_of(each); }, beam.section.section);
+  const Vector3d offset = vector(beam.offset);
+  return BeamProperty{given.material.value, section, {{vector(beam.up), offset.replicate<1, 2>(), {}}}};
+}
+
+std::string metres(double length) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g m", length);
+  return text;
+}
+
+/// "[0.5, 0, 1] m".
+std::string written(const Vector3d& place) {
+  char text[96];
+  std::snprintf(text, sizeof text, "[%.6g, %.6g, %.6g] m", place[0], place[1], place[2]);
+  return text;
+}
+
+std::array<bool, 6> chosen(const std::vector<std::string>& directions) {
+  std::array<bool, 6> result{};
+  result.fill(directions.empty());
+  for (const auto& name : directions) result[static_cast<std::size_t>(direction_index(name))] = true;
+  return result;
+}
+
+template <class Map>
+std::vector<std::string> names_of(const Map& map) {
+  std::vector<std::string> names;
+  for (const auto& entry : map) names.push_back(entry.first);
+  return names;
+}
+
+/// Builds one model step by step; a name that is not found is an issue with its place, and the rest goes on.
+class Builder {
+public:
+  Builder(const std::string& name, const d::Substructure& given)
+      : name_(name), given_(given), fe_(*given.finite_elements) {}
+
+  NamedElements build() {
+    read_source();
+    add_properties();
+    replace_quadratic(model_);
+    name_nodes();
+    add_masses();
+    add_springs();
+    add_links_and_supports();
+    forget_groups_of_nodes();
+    issues_.raise();
+    return {std::move(model_), std::move(nodes_), std::move(notes_)};
+  }
+
+private:
+  void read_source() {
+    try {
+      std::visit([&](const auto& source) { read(source); }, fe_.source);
+    } catch (const InvalidInput& error) {
+      IssueList issues;
+      issues.add(error, fe_.location());
+      issues.raise();
+    }
+    model_.name = name_;
+    if (fe_.mass_matrix) model_.mass_kind = *fe_.mass_matrix;
+  }
+
+  void read(const d::MeshFile& mesh) {
+    model_.mesh = read_gmsh(mesh.file.value);
+    model_.mesh.nodes *= mesh.scale;
+    require_regions("give each physical group its property");
+  }
+
+  void read(const d::TableFiles& tables) {
+    model_.mesh = read_table_mesh(tables.nodes.value, tables.elements.value, {.scale = tables.scale});
+    require_regions("give each region of the elements its property");
+  }
+
+  void require_regions(const std::string& fix) {
+    if (fe_.regions.empty())
+      issues_.add(fe_.location(), "substructures." + name_ + ".finite_elements has no `regions`",
+                  "a mesh does not say what its cells are made of", fix);
+  }
+
+  void read(const d::DeckFile& file) {
+    Deck deck = read_deck(file.file.value, file.format);
+    accept_missing(deck.notes, file);
+    model_ = std::move(deck.model);
+    notes_ = std::move(deck.notes);
+    to_si(model_, file.units);
+  }
+
+  void accept_missing(std::vector<DeckNote>& notes, const d::DeckFile& file) {
+    std::vector<std::string> accepted;
+    for (const auto& name : file.accept_missing) accepted.push_back(name.value);
+    const auto idle = kalfem::accept_missing(notes, accepted, issues_);
+    for (const auto& name : file.accept_missing)
+      if (std::ranges::find(idle, name.value) != idle.end())
+        issues_.add(name.location, name.path + ": nothing in the deck by the name of '" + name.value + "' is missing",
+                    "what is accepted would hide the next thing of that name", "take it out, or mend the name");
+  }
+
+  void read(const d::MatrixFiles& files) {
+    Deck deck = matrices_as_deck(files);
+    model_ = std::move(deck.model);
+    notes_ = std::move(deck.notes);
+    has_places_ = files.coordinates.has_value();
+    if (has_places_) return;
+    for (const auto& [name, place] : fe_.nodes)
+      if (place.value.group.empty()) refuse_without_coordinates(place.location, place.path);
+    for (const auto& [name, link] : fe_.links) refuse_without_coordinates(link.nodes.location, link.nodes.path);
+  }
+
+  void refuse_without_coordinates(const SourceLocation& location, const std::string& path) {
+    issues_.add(location, path + ": matrices do not say where their nodes are", "it needs places",
+                "give `coordinates`, or name nodes by their numbers");
+  }
+
+  void add_properties() {
+    check_material_names();
+    for (const auto& [name, material] : fe_.materials)
+      model_.materials[name] = {material.youngs_modulus, material.poissons_ratio, material.density};
+    for (const auto& [name, region] : fe_.regions) {
+      const auto& place = region.material;
+      if (!model_.mesh.regions.contains(name))
+        issues_.add(place.location,
+                    "region '" + name + "' is no group of " + model_.mesh.source +
+                        did_you_mean(name, names_of(model_.mesh.regions)),
+                    "a property needs cells", "name one of its groups");
+      else if (!model_.materials.contains(place.value))
+        issues_.add(place.location,
+                    place.path + ": there is no material '" + place.value + "'" +
+                        did_you_mean(place.value, names_of(model_.materials)),
+                    "", "define it under `materials`");
+      else
+        model_.properties[name] = property_of(region);
+    }
+  }
+
+  /// Of a deck the case gives materials that differ from its own: another name would change nothing.
+  void check_material_names() {
+    if (!std::holds_alternative<d::DeckFile>(fe_.source)) return;
+    for (const auto& [name, material] : fe_.materials) {
+      const auto made_of_it = [&](const auto& region) { return region.second.material.value == name; };
+      if (!model_.materials.contains(name) && std::ranges::none_of(fe_.regions, made_of_it))
+        issues_.add(fe_.location(),
+                    "substructures." + name_ + ".finite_elements.materials." + name + ": the deck has no material '" +
+                        name + "'" + did_you_mean(name, names_of(model_.materials)),
+                    "it would change nothing", "name one of the deck's materials, or one that a region is made of");
+    }
+  }
+
+  void name_nodes() {
+    const NodeFinder finder(model_.mesh);
+    for (const auto& [name, place] : fe_.nodes) {
+      if (!place.value.group.empty()) {
+        if (const Index node = node_of_group(place, finder); node >= 0) nodes_.push_back({name, node});
+        continue;
+      }
+      const Vector3d at = vector(place.value.at);
+      const Index node = nearest_node(model_.mesh, at);
+      nodes_.push_back({name, node, (model_.mesh.nodes.col(node) - at).norm()});
+    }
+    check_places();
+  }
+
+  [[nodiscard]] const Located<d::NodePlace>& place_of(const std::string& name) const {
+    return std::ranges::find(fe_.nodes, name, &std::pair<std::string, Located<d::NodePlace>>::first)->second;
+  }
+
+  /// A place means a node of the elements around it: it lies nearer to the node than these elements are large, and no
+  /// other place that was given means the same node.
+  void check_places() {
+    if (!has_places_) return;
+    std::vector<Index> found;
+    for (const auto& named : nodes_) found.push_back(named.node);
+    const auto sizes = element_sizes(model_.mesh, found);
+    for (std::size_t i = 0; i < nodes_.size(); ++i)
+      if (nodes_[i].distance && *nodes_[i].distance > sizes[i] * (1.0 + 1e-9) + 1e-12)
+        refuse_far_place(nodes_[i], sizes[i]);
+      else
+        for (std::size_t j = 0; j < i; ++j) refuse_shared_node(nodes_[j], nodes_[i], sizes[i]);
+  }
+
+  [[nodiscard]] std::string title_of(Index node) const {
+    return "node " + std::to_string(model_.mesh.node_ids[static_cast<std::size_t>(node)]) + " at " +
+           written(model_.mesh.nodes.col(node));
+  }
+
+  void refuse_far_place(const NamedNode& named, double size) {
+    const auto& place = place_of(named.name);
+    issues_.add(place.location,
+                place.path + ": the nearest node to " + written(vector(place.value.at)) + " is " +
+                    title_of(named.node) + ", " + metres(*named.distance) + " away",
+                "the elements there are " + metres(size) + " large: the place lies outside of the model",
+                "give coordinates in metres (compare the units of the model), or the number of a node");
+  }
+
+  /// Two different places on one node would be one motion under two names.
+  void refuse_shared_node(const NamedNode& one, const NamedNode& other, double size) {
+    if (one.node != other.node || !one.distance || !other.distance) return;
+    const auto &first = place_of(one.name), &second = place_of(other.name);
+    const Vector3d apart = vector(first.value.at) - vector(second.value.at);
+    if (apart.norm() <= 1e-2 * size) return;
+    issues_.add(second.location,
+                second.path + " " + written(vector(second.value.at)) + " and '" + one.name + "' " +
+                    written(vector(first.value.at)) + " both fall on " + title_of(other.node),
+                "the mesh is too coarse to tell the two places apart: they would be one motion",
+                "refine the mesh there, or give both the number of that node");
+  }
+
+  Index node_of_group(const Located<d::NodePlace>& place, const NodeFinder& finder) {
+    const std::string& word = place.value.group;
+    if (const auto set = model_.mesh.node_sets.find(word); set != model_.mesh.node_sets.end()) {
+      if (set->second.size() == 1) return set->second.front();
+      issues_.add(place.location,
+                  place.path + ": the group '" + word + "' has " + std::to_string(set->second.size()) + " nodes",
+                  "a named node is one", "give a node number or coordinates");
+      return -1;
+    }
+    std::int64_t number = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+    const bool is_number = error == std::errc{} && end == word.data() + word.size();
+    if (const Index node = is_number ? finder.find(number) : -1; node >= 0) return node;
+    issues_.add(place.location,
+                place.path + ": " + model_.mesh.source + " has no " + (is_number ? "node " : "group ") + "'" + word +
+                    "'" + did_you_mean(word, names_of(model_.mesh.node_sets)),
+                "", "name a group of one node, a node number, or coordinates [x, y, z]");
+    return -1;
+  }
+
+  /// Index of a named node, -1 with an issue where there is none.
+  Index find_node(const std::string& name, const SourceLocation& location, const std::string& path) {
+    const auto found = std::ranges::find(nodes_, name, &NamedNode::name);
+    if (found != nodes_.end()) return found->node;
+    if (std::ranges::find(fe_.nodes, name, &std::pair<std::string, Located<d::NodePlace>>::first) == fe_.nodes.end())
+      issues_.add(location, path + ": there is no node '" + name + "'" + did_you_mean(name, names_of(fe_.nodes)), "",
+                  "name it under `nodes`");
+    return -1;
+  }
+
+  void add_masses() {
+    for (const auto& [name, mass] : fe_.masses)
+      if (const Index node = find_node(mass.at.value, mass.at.location, mass.at.path); node >= 0)
+        model_.masses.push_back({name, node, mass.mass, vector(mass.inertia).asDiagonal(), vector(mass.offset)});
+  }
+
+  [[nodiscard]] bool is_ground(const std::string& name) const {
+    return name == "ground" || std::ranges::find(given_.grounds, name) != given_.grounds.end();
+  }
+
+  std::optional<NodalDof> spring_end(const d::Name& end) {
+    const auto dot = end.value.rfind('.');
+    const int direction = dot == std::string::npos ? -1 : direction_index(end.value.substr(dot + 1));
+    if (direction < 0) {
+      issues_.add(end.location, end.path + ": '" + end.value + "' has no direction", "a spring acts along one motion",
+                  "write node.x, y, z, rx, ry or rz, or a ground");
+      return std::nullopt;
+    }
+    const Index node = find_node(end.value.substr(0, dot), end.location, end.path);
+    if (node < 0) return std::nullopt;
+    return NodalDof{node, direction};
+  }
+
+  void add_springs() {
+    for (const auto& spring : given_.springs) {
+      const bool from_ground = is_ground(spring.from.value), to_ground = is_ground(spring.to.value);
+      if (from_ground && to_ground) {
+        issues_.add(spring.from.location, spring.from.path + ": the spring joins two grounds", "it has no effect", "");
+        continue;
+      }
+      const auto first = spring_end(from_ground ? spring.to : spring.from);
+      NodalSpring nodal{spring_name(spring), first.value_or(NodalDof{}), {}, "ground", spring.stiffness,
+                        spring.damping};
+      if (from_ground || to_ground)
+        nodal.ground = (from_ground ? spring.from : spring.to).value;
+      else
+        nodal.to = spring_end(spring.to);
+      if (first && (nodal.to || from_ground || to_ground)) model_.springs.push_back(nodal);
+    }
+  }
+
+  /// Nodes of a group of the mesh, or one named node.
+  std::vector<Index> node_group(const Located<std::string>& place) {
+    if (const auto set = model_.mesh.node_sets.find(place.value); set != model_.mesh.node_sets.end())
+      return set->second;
+    const Index node = find_node(place.value, place.location, place.path);
+    return node < 0 ? std::vector<Index>{} : std::vector<Index>{node};
+  }
+
+  void add_links_and_supports() {
+    for (const auto& [name, link] : fe_.links) {
+      const Index master = find_node(link.master.value, link.master.location, link.master.path);
+      auto slaves = node_group(link.nodes);
+      std::erase(slaves, master);
+      if (master >= 0 && !slaves.empty()) model_.links.push_back({name, master, slaves, chosen(link.directions)});
+    }
+    for (const auto& [name, fixed] : fe_.fixed)
+      if (const auto nodes = node_group(fixed.nodes); !nodes.empty())
+        model_.fixed.push_back({name, nodes, chosen(fixed.directions)});
+  }
+
+  /// A group of cells that only says which nodes are held or linked needs no property.
+  void forget_groups_of_nodes() {
+    const auto forget = [&](const std::string& group) {
+      if (!model_.properties.contains(group)) model_.mesh.regions.erase(group);
+    };
+    for (const auto& [name, link] : fe_.links) forget(link.nodes.value);
+    for (const auto& [name, fixed] : fe_.fixed) forget(fixed.nodes.value);
+  }
+
+  const std::string& name_;
+  const d::Substructure& given_;
+  const d::FiniteElements& fe_;
+  FiniteElementModel model_;
+  std::vector<DeckNote> notes_;
+  std::vector<NamedNode> nodes_;
+  IssueList issues_;
+  bool has_places_ = true;  ///< matrices alone may have none
+};
+
+}  // namespace
+
+NamedElements build_finite_elements(const std::string& name, const d::Substructure& given) {
+  return Builder(name, given).build();
+}
+
+}  // namespace kalfem

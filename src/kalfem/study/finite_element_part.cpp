@@ -1,0 +1,282 @@
+#include "kalfem/study/finite_element_part.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kalfem/model/assembly/mechanisms.hpp"
+#include "kalfem/model/mesh/connectivity.hpp"
+#include "kalfem/model/modal_damping.hpp"
+#include "kalfem/reduction/free_interface.hpp"
+#include "kalfem/study/finite_element_builder.hpp"
+
+namespace kalfem {
+namespace {
+
+using Eigen::Index;
+namespace d = description;
+
+/// Sensors' bandwidth where there are none, or none with an upper limit [Hz].
+constexpr double default_bandwidth = 100.0;
+
+/// Motions of a named node that the boundary is to hold, for a place such as "p1" or "p1.rx".
+struct BoundaryPlace {
+  Located<std::string> place;
+  std::vector<NodalDof> dofs;
+};
+
+std::vector<NodalDof> translations_of(Index node) { return {{node, 0}, {node, 1}, {node, 2}}; }
+
+/// "p1": the translations of the node; "p1.rx": that motion, and its node's translations where `whole_node` is set.
+/// Empty where there is no such node.
+std::vector<NodalDof> dofs_of(const FiniteElementPart& part, const std::string& place, bool whole_node) {
+  const auto dot = place.find('.');
+  const auto found = std::ranges::find(part.nodes, place.substr(0, dot), &NamedNode::name);
+  if (found == part.nodes.end()) return {};
+  if (dot == std::string::npos) return translations_of(found->node);
+  const int direction = direction_index(place.substr(dot + 1));
+  if (direction < 0) return {};
+  auto dofs = whole_node ? translations_of(found->node) : std::vector<NodalDof>{};
+  if (!whole_node || direction >= 3) dofs.push_back({found->node, direction});
+  return dofs;
+}
+
+/// Each attached node keeps its three translations: forces along one of them alone would leave the rest to move freely
+/// in the fixed-interface modes.
+std::vector<BoundaryPlace> attached_boundary(const FiniteElementPart& part, const d::Substructure& given,
+                                             const std::vector<std::string>& attached) {
+  std::vector<BoundaryPlace> boundary;
+  const auto add = [&](const std::string& place) { boundary.push_back({{place}, dofs_of(part, place, true)}); };
+  for (const auto& point : attached) {
+    const auto weighted = std::ranges::find(given.points, point, &std::pair<std::string, Named<double>>::first);
+    if (weighted == given.points.end())
+      add(point);
+    else
+      for (const auto& [place, weight] : weighted->second) add(place);
+  }
+  return boundary;
+}
+
+std::vector<BoundaryPlace> given_boundary(const FiniteElementPart& part, const d::Reduction& given) {
+  std::vector<std::string> known;
+  for (const auto& node : part.nodes) known.push_back(node.name);
+  std::vector<BoundaryPlace> boundary;
+  IssueList issues;
+  for (const auto& place : given.boundary) {
+    boundary.push_back({place, dofs_of(part, place.value, false)});
+    if (boundary.back().dofs.empty())
+      issues.add(place.location,
+                 place.path + ": there is no node '" + place.value + "'" + did_you_mean(place.value, known),
+                 "the boundary is made of named nodes", "name one of `nodes`, or node.direction");
+  }
+  issues.raise();
+  return boundary;
+}
+
+std::vector<NodalDof> all_dofs(const std::vector<BoundaryPlace>& boundary) {
+  std::vector<NodalDof> dofs;
+  for (const auto& each : boundary) dofs.insert(dofs.end(), each.dofs.begin(), each.dofs.end());
+  return dofs;
+}
+
+bool is_held(const FiniteElementModel& model, const NodalDof& dof) {
+  return std::ranges::any_of(model.fixed, [&](const FixedNodes& support) {
+    return support.directions[static_cast<std::size_t>(dof.direction)] &&
+           std::ranges::find(support.nodes, dof.node) != support.nodes.end();
+  });
+}
+
+/// What becomes of the motions that the boundary is to hold.
+class BoundaryMaker {
+public:
+  explicit BoundaryMaker(FiniteElementPart& part) : part_(part), rows_(part.assembled.expansion) {}
+
+  /// `is_given`: by the user, so that each place must be possible; what connectors and forces touch is checked by them.
+  void add(const BoundaryPlace& place, bool is_given, IssueList& issues) {
+    std::vector<std::string> still, following;
+    for (const auto& dof : place.dofs) {
+      const std::string name = dof_name(part_.elements.mesh, dof);
+      if (part_.assembled.find(dof) >= 0) {
+        if (std::ranges::find(part_.boundary, name) == part_.boundary.end()) part_.boundary.push_back(name);
+      } else {
+        (moves(dof) ? following : still).push_back(direction_names[static_cast<std::size_t>(dof.direction)]);
+      }
+    }
+    if (is_given && still.size() == place.dofs.size()) refuse(place, issues);
+    if (is_given && !following.empty())
+      part_.warnings.push_back("the boundary keeps no coordinate of its own for " + place.place.value + " along " +
+                               listed(following) + ": links make it follow exactly from the other boundary nodes");
+    if (is_given && !still.empty() && still.size() < place.dofs.size())
+      part_.warnings.push_back("the boundary node " + place.place.value + " does not move along " + listed(still));
+  }
+
+private:
+  [[nodiscard]] bool moves(const NodalDof& dof) const {
+    return rows_.innerVector(6 * dof.node + dof.direction).nonZeros() > 0;
+  }
+
+  static std::string listed(const std::vector<std::string>& words) {
+    std::string text;
+    for (const auto& word : words) text += (text.empty() ? "" : ", ") + word;
+    return text;
+  }
+
+  void refuse(const BoundaryPlace& place, IssueList& issues) const {
+    const bool held =
+        std::ranges::any_of(place.dofs, [&](const NodalDof& dof) { return is_held(part_.elements, dof); });
+    issues.add(place.place.location, place.place.path + ": '" + place.place.value + "' does not move",
+               held ? "a support holds it, so nothing can act there"
+                    : "no element, spring or mass moves there, or it follows what is held",
+               "name a node or direction that moves");
+  }
+
+  FiniteElementPart& part_;
+  Eigen::SparseMatrix<double, Eigen::RowMajor> rows_;  ///< motion of each nodal degree of freedom by the free ones
+};
+
+/// Points that connectors and forces touch, without the substructure's grounds: of those that do not exist or do not
+/// move, the connectors and forces themselves are refused.
+bool touches_nodes(const d::Substructure& given, const std::vector<std::string>& attached) {
+  return std::ranges::any_of(attached, [&](const std::string& point) {
+    return point != "ground" && std::ranges::find(given.grounds, point) == given.grounds.end();
+  });
+}
+
+/// A reduction that was asked for keeps something at its boundary.
+void require_boundary(const FiniteElementPart& part, const Located<d::Reduction>& reduction) {
+  if (!part.boundary.empty()) return;
+  throw InvalidInput(
+      Issue{reduction.location, reduction.path + ": the reduction of '" + part.name + "' has no boundary",
+            "no connector or force touches the substructure, and `boundary` names no node",
+            "name the nodes to keep under `boundary`, or leave `reduction` out: the full model is used"});
+}
+
+void add_weighted_points(const d::Substructure& given, LinearModel& model) {
+  for (const auto& [point, weights] : given.points) {
+    DofCombination sum;
+    for (const auto& [place, weight] : weights) {
+      const auto found = model.points.find(place);
+      if (found == model.points.end())
+        throw InvalidInput("point '" + point + "' uses '" + place + "', which is no motion of a named node",
+                           "a point is a weighted sum of node.direction", "name the node under `nodes`");
+      for (const auto& [dof, coefficient] : found->second) sum[dof] += weight * coefficient;
+    }
+    model.points[point] = sum;
+  }
+}
+
+/// Connectors and excitations may name a ground at which no spring ends.
+void add_grounds(const d::Substructure& given, LinearModel& model) {
+  std::vector<std::string> names{"ground"};
+  names.insert(names.end(), given.grounds.begin(), given.grounds.end());
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(model.size());
+  for (const auto& name : names)
+    if (std::ranges::find(model.grounds, name, &GroundCoupling::ground) == model.grounds.end())
+      model.grounds.push_back({name, none, none});
+}
+
+void require_no_mechanism(const FiniteElementModel& elements, const AssembledModel& assembled) {
+  const auto free = find_mechanisms(elements, assembled);
+  if (free.empty()) return;
+  std::string names;
+  for (std::size_t i = 0; i < std::min<std::size_t>(free.size(), 10); ++i) names += (i == 0 ? "" : ", ") + free[i];
+  throw InvalidInput("substructure '" + elements.name + "' is a mechanism: it moves without strain at " + names +
+                         (free.size() > 10 ? " and " + std::to_string(free.size() - 10) + " more" : ""),
+                     "its motion there is not determined", "hold or join these degrees of freedom");
+}
+
+/// A mass-normalised mode of a body of mass m moves a typical point by 1 / sqrt(m).
+Superelement completed(const FiniteElementPart& part, Superelement superelement) {
+  auto& model = superelement.model;
+  const auto boundary = static_cast<Index>(superelement.boundary.size());
+  model.points_only = true;
+  model.coordinate_scale = Eigen::VectorXd::Ones(model.size());
+  model.coordinate_scale.tail(model.size() - boundary).setConstant(std::sqrt(part.moving_mass.mean()));
+  return superelement;
+}
+
+Superelement reduce_by(d::ReductionMethod method, const LinearModel& full, const std::vector<std::string>& boundary,
+                       const ReductionOptions& options) {
+  switch (method) {
+    case d::ReductionMethod::guyan:
+      return guyan(full, boundary, options);
+    case d::ReductionMethod::rubin:
+      return free_interface(full, boundary, {.kind = FreeInterfaceKind::rubin, .modes = options.modes});
+    case d::ReductionMethod::macneal:
+      return free_interface(full, boundary, {.kind = FreeInterfaceKind::macneal, .modes = options.modes});
+    case d::ReductionMethod::craig_bampton:
+      break;
+  }
+  return craig_bampton(full, boundary, options);
+}
+
+}  // namespace
+
+FiniteElementPart make_finite_element_part(const std::string& name, const d::Substructure& given,
+                                           const std::vector<std::string>& attached,
+                                           const std::vector<std::string>& parameters) {
+  FiniteElementPart part;
+  part.name = name;
+  auto [elements, nodes, notes] = build_finite_elements(name, given);
+  part.elements = std::move(elements);
+  part.nodes = std::move(nodes);
+  part.notes = std::move(notes);
+  const bool is_given = given.reduction && !given.reduction->value.boundary.empty();
+  const auto boundary =
+      is_given ? given_boundary(part, given.reduction->value) : attached_boundary(part, given, attached);
+  try {
+    require_connected(part.elements);
+    part.assembled = assemble(
+        part.elements, {.parameters = {parameters.begin(), parameters.end()}, .independent = all_dofs(boundary)});
+    if (!part.elements.mesh.cells.empty()) require_no_mechanism(part.elements, part.assembled);
+    part.mass = mass_properties(part.assembled);
+    part.moving_mass = moving_mass(part.elements, part.assembled);
+    part.full = linear_model(part.elements, part.assembled, part.nodes,
+                             {given.damping.mass_factor, given.damping.stiffness_factor});
+    part.full.points_only = true;
+    add_grounds(given, part.full);
+    add_weighted_points(given, part.full);
+    if (!given.damping.modal.empty())
+      add_modal_damping(part.full, given.damping.modal, {.up_to = given.damping.modal_up_to});
+  } catch (const InvalidInput& error) {
+    IssueList issues;
+    issues.add(error, given.finite_elements->location());
+    issues.raise();
+  }
+  IssueList issues;
+  BoundaryMaker maker(part);
+  for (const auto& place : boundary) maker.add(place, is_given, issues);
+  issues.raise();
+  if (given.reduction && !touches_nodes(given, attached)) require_boundary(part, *given.reduction);
+  return part;
+}
+
+Superelement reduce(const FiniteElementPart& part, const std::optional<Located<d::Reduction>>& given,
+                    double sensor_bandwidth) {
+  const d::Reduction reduction = given ? given->value : d::Reduction{};
+  ReductionOptions options;
+  options.modes.count = reduction.modes;
+  options.modes.cutoff = reduction.up_to;
+  options.modes.effective_mass = reduction.effective_mass;
+  options.augmentation_vectors = reduction.augmentation_vectors;
+  if (!reduction.modes && !reduction.up_to && !reduction.effective_mass)
+    options.modes.cutoff = 3.0 * (std::isfinite(sensor_bandwidth) ? sensor_bandwidth : default_bandwidth);
+  return completed(part, reduce_by(reduction.method, part.full, part.boundary, options));
+}
+
+Superelement reduce_again(const FiniteElementPart& part, const LinearModel& full,
+                          const std::optional<Located<d::Reduction>>& given, const ReductionErrorIndicators& first) {
+  const d::Reduction reduction = given ? given->value : d::Reduction{};
+  return completed(part, reduce_by(reduction.method, full, part.boundary,
+                                   {.modes = {.count = first.fixed_interface_frequencies.size()},
+                                    .augmentation_vectors = reduction.augmentation_vectors,
+                                    .order = first.order,
+                                    .error_indicators = false}));
+}
+
+Superelement reduce_up_to(const FiniteElementPart& part, double frequency) {
+  return completed(
+      part, craig_bampton(part.full, part.boundary,
+                          {.modes = {.cutoff = frequency}, .augmentation_vectors = true, .error_indicators = false}));
+}
+
+}  // namespace kalfem

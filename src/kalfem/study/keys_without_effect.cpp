@@ -1,0 +1,173 @@
+#include "kalfem/study/keys_without_effect.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace kalfem {
+namespace {
+
+namespace d = description;
+using Path = std::vector<std::string>;
+
+class Collector {
+public:
+  explicit Collector(const d::Case& given) : given_(given) {}
+
+  std::vector<std::string> collect() {
+    of_simulation();
+    for (const auto& [name, part] : given_.substructures) of_substructure(name, part);
+    for (const auto& [name, sensor] : given_.sensors) of_sensor(name, sensor);
+    of_estimation();
+    of_updating();
+    of_report();
+    return std::move(warnings_);
+  }
+
+private:
+  /// Warns of the key where the case gives it.
+  void warn(const Path& path, const std::string& why) {
+    if (!given_.source.gives(path)) return;
+    std::string text = "line " + std::to_string(given_.source.at(path).line) + ": ";
+    for (std::size_t i = 0; i < path.size(); ++i) text += (i == 0 ? "" : ".") + path[i];
+    warnings_.push_back(text + " has no effect: " + why);
+  }
+
+  void of_simulation() {
+    if (!given_.simulate) return;
+    const auto& simulate = *given_.simulate;
+    if (simulate.integrator != Integrator::hht_alpha)
+      warn({"simulate", "hht_alpha"}, "it belongs to integrator: hht_alpha");
+    if (simulate.integrator != Integrator::generalized_alpha)
+      warn({"simulate", "spectral_radius"}, "it belongs to integrator: generalized_alpha");
+    if (!simulate.superelements) warn({"simulate", "modes_up_to"}, "it belongs to reference: superelement");
+    if (simulate.superelements && !has_finite_elements())
+      warn({"simulate", "reference"}, "the case has no finite elements");
+  }
+
+  void of_substructure(const std::string& name, const d::Substructure& part) {
+    const Path path = {"substructures", name};
+    const auto below = [&](std::initializer_list<std::string> keys) {
+      Path longer = path;
+      longer.insert(longer.end(), keys);
+      return longer;
+    };
+    if (!part.finite_elements) {
+      warn(below({"reduction"}), "the substructure has no finite elements");
+      warn(below({"damping", "modal_up_to"}), "the substructure has no finite elements");
+      return;
+    }
+    if (part.damping.modal.empty()) warn(below({"damping", "modal_up_to"}), "there is no modal damping");
+    if (part.reduction) of_reduction(path, part.reduction->value);
+    const auto& source = part.finite_elements->source;
+    if (std::holds_alternative<d::MatrixFiles>(source))
+      for (const char* key : {"materials", "mass_matrix"})
+        warn(below({"finite_elements", key}), "matrices have no elements");
+    if (!std::holds_alternative<d::MeshFile>(source) && !std::holds_alternative<d::TableFiles>(source)) return;
+    for (const auto& [material, given] : part.finite_elements->materials) {
+      const auto made_of_it = [&](const auto& region) { return region.second.material.value == material; };
+      if (std::ranges::none_of(part.finite_elements->regions, made_of_it))
+        warn(below({"finite_elements", "materials", material}), "no region is made of it");
+    }
+  }
+
+  void of_reduction(const Path& substructure, const d::Reduction& reduction) {
+    const bool guyan = reduction.method == d::ReductionMethod::guyan;
+    const bool craig_bampton = reduction.method == d::ReductionMethod::craig_bampton;
+    const auto of_other_method = [&](const std::string& key, const std::string& why) {
+      warn({substructure[0], substructure[1], "reduction", key}, why);
+    };
+    if (guyan)
+      for (const char* key : {"modes", "up_to", "effective_mass"}) of_other_method(key, "method: guyan keeps no modes");
+    if (!craig_bampton) of_other_method("truncation_vectors", "they belong to method: craig_bampton");
+  }
+
+  void of_sensor(const std::string& name, const d::Sensor& sensor) {
+    const bool of_connector = std::visit(
+        [](const auto& observed) { return observed.quantity > ObservedQuantity::acceleration; }, sensor.observed);
+    if (of_connector) warn({"sensors", name, "relative"}, "a connector does not see the base's motion");
+    if (!given_.record) warn({"sensors", name, "channel"}, "the case reads no record");
+  }
+
+  void of_estimation() {
+    if (!given_.estimate) return;
+    const auto& estimate = *given_.estimate;
+    if (estimate.filter == FilterKind::extended)
+      for (const char* key : {"alpha", "beta", "kappa"}) warn({"estimate", key}, "filter: ekf has no sigma points");
+    if (estimate.filter && *estimate.filter != FilterKind::partially_linear && !given_.update)
+      warn({"estimate", "threads"}, "only filter: partially_linear_ukf shares its work");
+    for (const auto& [name, unknown] : estimate.unknown)
+      if (unknown.transform && *unknown.transform != TransformKind::logit)
+        warn({"estimate", "unknown", name, "bounds"}, "only transform: logit keeps a parameter between bounds");
+    if (estimate.local) of_local(*estimate.local);
+  }
+
+  /// A connector that the local augmented model leaves out acts on what it holds all the same.
+  void of_local(const d::LocalModelDescription& local) {
+    std::set<std::string> held, ends;
+    for (const auto& name : local.substructures) held.insert(name.value);
+    for (const auto& [point, interface] : local.interface) ends.insert(point);
+    const auto is_held = [&](const d::Name& point) {
+      return held.contains(point.value.substr(0, point.value.find('.')));
+    };
+    for (const auto& [name, connector] : given_.connectors) {
+      if (is_held(connector.from) == is_held(connector.to)) continue;
+      const auto& [inside, outside] =
+          is_held(connector.from) ? std::tie(connector.from, connector.to) : std::tie(connector.to, connector.from);
+      if (!ends.contains(outside.value) && !ends.contains(inside.value))
+        warn({"connectors", name}, "estimate.local leaves its end '" + outside.value +
+                                       "' out; make that point an interface with its acceleration, or '" +
+                                       inside.value + "' one with a force");
+    }
+    for (const auto& [point, interface] : local.interface) {
+      const auto* driven = std::get_if<d::InterfaceAcceleration>(&interface.value.motion);
+      if (!driven) continue;
+      const auto touches = [&](const auto& each) {
+        const auto& [from, to] = std::tie(each.second.from, each.second.to);
+        return (from.value == point && is_held(to)) || (to.value == point && is_held(from));
+      };
+      if (std::ranges::none_of(given_.connectors, touches))
+        warn({"estimate", "local", "interface", point}, "no connector joins it to what the filter's model holds");
+      warn({"sensors", driven->sensor.value, "chain"},
+           "the interface '" + point + "' moves as the sensor recorded, its measurement chain is not undone");
+    }
+  }
+
+  void of_updating() {
+    if (!given_.update) return;
+    const auto& update = *given_.update;
+    const bool evolves = update.method == d::UpdatingMethod::evolution;
+    if (!evolves) warn({"update", "evolution"}, "it belongs to method: cma_es");
+    if (evolves) warn({"update", "starts"}, "method: cma_es spreads its own points");
+    if (evolves || update.starts == 1) warn({"update", "seed"}, "there is one starting point");
+    for (const auto& [name, given] : update.comparisons) {
+      const auto* modal = std::get_if<d::ModalData>(&given.value.data);
+      if (modal && !modal->shapes) warn({"update", "compare", name, "minimum_mac"}, "no mode shapes are compared");
+      if (std::holds_alternative<d::FrfData>(given.value.data) && (evolves || update.starts > 1))
+        warn({"update", "compare", name, "smoothing"}, "it serves a search from one starting point");
+    }
+  }
+
+  void of_report() {
+    if (!given_.estimate)
+      for (const char* key : {"displacements", "zoom"}) warn({"report", key}, "the case does not estimate");
+    if (!given_.estimate && !given_.simulate) warn({"report", "fields"}, "the case neither simulates nor estimates");
+    if (has_finite_elements()) return;
+    warn({"report", "modes"}, "the case has no finite elements");
+    warn({"report", "superelements"}, "the case has no finite elements");
+    warn({"damping", "up_to"}, "the case has no finite elements");
+  }
+
+  [[nodiscard]] bool has_finite_elements() const {
+    return std::ranges::any_of(given_.substructures,
+                               [](const auto& part) { return part.second.finite_elements.has_value(); });
+  }
+
+  const d::Case& given_;
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace
+
+std::vector<std::string> keys_without_effect(const d::Case& given) { return Collector(given).collect(); }
+
+}  // namespace kalfem

@@ -1,0 +1,153 @@
+#include "kalfem/study/record_file.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/formats/hdf5/hdf5_file.hpp"
+#include "kalfem/formats/tables/channel_title.hpp"
+#include "kalfem/formats/tables/csv.hpp"
+#include "kalfem/formats/tables/lvm.hpp"
+
+namespace kalfem {
+namespace {
+
+using Eigen::Index;
+
+/// A table as it stands in its file: in the file's units.
+struct RawRecord {
+  TimeSeries series;
+  SourceLocation titles;  ///< where names and units stand
+};
+
+std::vector<std::string> columns_of(const std::vector<WantedChannel>& wanted) {
+  std::vector<std::string> columns;
+  for (const auto& channel : wanted) columns.push_back(channel.column);
+  return columns;
+}
+
+/// The wanted channels of a table, in their order.
+TimeSeries select(const TimeSeries& table, const std::vector<WantedChannel>& wanted, const SourceLocation& titles) {
+  TimeSeries selected{
+      table.sample_rate, table.start, {}, Eigen::MatrixXd(table.samples(), static_cast<Index>(wanted.size()))};
+  std::vector<std::string> known;
+  std::string all;
+  for (const auto& channel : table.channels) {
+    known.push_back(channel.name);
+    all += (all.empty() ? "" : ", ") + channel.name;
+  }
+  IssueList issues;
+  for (std::size_t j = 0; j < wanted.size(); ++j) {
+    const Index column = find_channel(table.channels, wanted[j].column);
+    if (column < 0) {
+      issues.add(titles, "there is no channel '" + wanted[j].column + "'" + did_you_mean(wanted[j].column, known), "",
+                 "the file has: " + all);
+      continue;
+    }
+    selected.channels.push_back(table.channels[static_cast<std::size_t>(column)]);
+    selected.values.col(static_cast<Index>(j)) = table.values.col(column);
+  }
+  issues.raise();
+  return selected;
+}
+
+double rate_of(const Hdf5File& file, const std::string& dataset, std::optional<double> given, const std::string& path) {
+  if (given) return *given;
+  for (const char* name : {"sample_rate", "sampling_rate", "fs_Hz", "fs", "sample_rate_Hz"})
+    if (file.has_attribute(dataset, name)) return file.number_attribute(dataset, name);
+  throw InvalidInput({{path, 0},
+                      "the dataset '" + dataset + "' does not say its sampling rate",
+                      "it has no attribute sample_rate, fs or fs_Hz",
+                      "give sample_rate in the case"});
+}
+
+/// Column by its number, as written in the case.
+Index column_number(const std::string& channel, Index columns, const std::string& path) {
+  Index number = -1;
+  const auto [end, error] = std::from_chars(channel.data(), channel.data() + channel.size(), number);
+  if (error != std::errc() || end != channel.data() + channel.size() || number < 0 || number >= columns)
+    throw InvalidInput({{path, 0},
+                        "there is no column '" + channel + "'",
+                        "columns of a dataset are numbered 0 to " + std::to_string(columns - 1),
+                        "give such a number"});
+  return number;
+}
+
+/// Units of a dataset's columns: one for all, one each, or none.
+std::vector<std::string> units_of(const Hdf5File& file, const std::string& dataset, Index columns,
+                                  const std::string& path) {
+  const auto count = static_cast<std::size_t>(columns);
+  for (const char* name : {"unit", "units"}) {
+    if (!file.has_attribute(dataset, name)) continue;
+    auto units = file.texts_attribute(dataset, name);
+    if (units.size() == 1) units.resize(count, std::string(units.front()));
+    if (units.size() == count) return units;
+    throw InvalidInput({{path, 0},
+                        "the attribute '" + std::string(name) + "' of '" + dataset + "' holds " +
+                            std::to_string(units.size()) + " units",
+                        "the dataset has " + std::to_string(columns) + " columns",
+                        "write one for all of them, or one each"});
+  }
+  return std::vector<std::string>(count);
+}
+
+RawRecord read_hdf5(const std::string& path, const std::vector<WantedChannel>& wanted,
+                    const RecordFileOptions& options) {
+  const auto file = Hdf5File::open(path);
+  const std::string& dataset = options.dataset;
+  if (!file.contains(dataset) || dataset.empty()) {
+    const auto known = file.datasets();
+    std::string all;
+    for (std::size_t i = 0; i < std::min<std::size_t>(known.size(), 12); ++i) all += (i ? ", " : "") + known[i];
+    throw InvalidInput({{path, 0},
+                        "there is no dataset '" + dataset + "'" + did_you_mean(dataset, known),
+                        "",
+                        "the file has: " + all});
+  }
+  const auto values = file.read_matrix(dataset);
+  const auto units = units_of(file, dataset, values.cols(), path);
+  RawRecord record{{rate_of(file, dataset, options.sample_rate, path),
+                    0.0,
+                    {},
+                    Eigen::MatrixXd(values.rows(), static_cast<Index>(wanted.size()))},
+                   {path, 0}};
+  for (std::size_t j = 0; j < wanted.size(); ++j) {
+    const Index column = column_number(wanted[j].column, values.cols(), path);
+    record.series.channels.push_back({wanted[j].column, units[static_cast<std::size_t>(column)]});
+    record.series.values.col(static_cast<Index>(j)) = values.col(column);
+  }
+  return record;
+}
+
+RawRecord read_raw(const std::filesystem::path& file, const std::vector<WantedChannel>& wanted,
+                   const RecordFileOptions& options) {
+  const std::string path = file.string(), ending = file.extension().string();
+  if (ending == ".h5" || ending == ".hdf5") return read_hdf5(path, wanted, options);
+  if (ending == ".lvm") {
+    const SourceLocation titles{path, 0};
+    return {select(read_lvm(file, options.missing), wanted, titles), titles};
+  }
+  CsvOptions csv;
+  csv.columns = columns_of(wanted);
+  csv.sample_rate = options.sample_rate;
+  csv.missing = options.missing;
+  const CsvRecord record = read_csv_record(file, csv);
+  const SourceLocation titles{path, record.title_line};
+  return {select(record.series, wanted, titles), titles};
+}
+
+}  // namespace
+
+TimeSeries read_record_file(const std::filesystem::path& file, const std::vector<WantedChannel>& wanted,
+                            const RecordFileOptions& options) {
+  auto [series, titles] = read_raw(file, wanted, options);
+  IssueList issues;
+  for (std::size_t j = 0; j < wanted.size(); ++j) {
+    series.values.col(static_cast<Index>(j)) *= factor_to_si(wanted[j], series.channels[j], titles, issues);
+    series.channels[j] = {wanted[j].column, wanted[j].unit};
+  }
+  issues.raise();
+  return std::move(series);
+}
+
+}  // namespace kalfem

@@ -1,0 +1,257 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "kalfem/study/assembly.hpp"
+#include "kalfem/study/record_file.hpp"
+#include "kalfem/system/signals/ground_motion.hpp"
+#include "kalfem/system/signals/harmonic.hpp"
+#include "kalfem/system/signals/pulse.hpp"
+#include "kalfem/system/signals/random_signal.hpp"
+#include "kalfem/system/signals/road_profile.hpp"
+#include "kalfem/system/signals/sampled.hpp"
+#include "kalfem/system/signals/smooth_step.hpp"
+#include "kalfem/yaml/bounds.hpp"
+
+namespace kalfem {
+namespace {
+
+namespace d = description;
+
+/// Knots of the integration of a signal in a period of its highest frequency: the error is 1e-9 of the motion.
+constexpr double knots_per_period = 32.0;
+/// Drift that was taken out, to the rest of the motion, above which it is told.
+constexpr double told_drift = 0.1;
+
+/// Unit of an excitation as the user gives it.
+std::string unit_of(const d::Excitation& excitation) {
+  if (std::holds_alternative<d::BaseDisplacement>(excitation.target)) return unit_of(InputKind::base_displacement);
+  return unit_of(std::holds_alternative<d::Force>(excitation.target) ? InputKind::force : InputKind::base_acceleration);
+}
+
+template <class Signal>
+SourceLocation place_of(const Signal& signal) {
+  if constexpr (requires { signal.rms.location; }) return signal.rms.location;
+  if constexpr (requires { signal.amplitude.location; }) return signal.amplitude.location;
+  if constexpr (requires { signal.input.location; }) return signal.input.location;
+  return {};
+}
+
+/// Signals of a case that were made already: as they are given, and as the displacement that they give by integration.
+struct MadeSignals {
+  const d::Case& given;
+  double duration;
+  std::vector<std::string>& notes;
+  std::map<std::pair<std::string, bool>, SignalPtr> made = {};
+};
+
+SignalPtr signal_of(MadeSignals& all, const std::string& name, bool integrated);
+
+/// Makes the signal of one excitation.
+class SignalMaker {
+public:
+  /// `integrated`: it is the acceleration of grounds, and their displacement is wanted.
+  SignalMaker(MadeSignals& all, const std::string& name, const d::Excitation& excitation, bool integrated)
+      : all_(all), name_(name), excitation_(excitation), unit_(unit_of(excitation)), integrated_(integrated) {}
+
+  SignalPtr make() {
+    check_drift();
+    const auto signal = std::visit([&](const auto& each) { return from(each); }, excitation_.signal);
+    return excitation_.scale == 1.0 ? signal : scaled(signal, excitation_.scale);
+  }
+
+private:
+  [[nodiscard]] bool follows_another() const {
+    return std::holds_alternative<d::Delayed>(excitation_.signal) ||
+           std::holds_alternative<d::Trailing>(excitation_.signal);
+  }
+  /// Whether the displacement is to be what the acceleration gives from rest.
+  [[nodiscard]] bool keeps_drift() const { return excitation_.drift && excitation_.drift->value == Drift::keep; }
+
+  void check_drift() const {
+    if (!excitation_.drift) return;
+    const auto refuse = [&](const std::string& why, const std::string& fix) {
+      const auto& [value, location, path] = *excitation_.drift;
+      throw InvalidInput(Issue{location, path + " says nothing here", why, fix});
+    };
+    if (!integrated_ && !follows_another())
+      refuse("only the acceleration of grounds by name is integrated to their displacement",
+             "take it out, or accelerate the grounds by name");
+    if (follows_another()) refuse("the motion is that of the input that it follows", "give `drift` at that input");
+    const bool lasting = std::holds_alternative<d::Impulse>(excitation_.signal) ||
+                         std::holds_alternative<d::Constant>(excitation_.signal);
+    if (lasting && !keeps_drift())
+      refuse("an impulse or a constant acceleration moves the ground for good: there is no drift in it",
+             "take it out, or write drift: keep");
+  }
+
+  /// Whether the lines of a spectrum are integrated one by one.
+  [[nodiscard]] bool integrates_lines() const { return integrated_ && !keeps_drift(); }
+
+  SignalPtr from(const d::RandomSignal& g) {
+    const double duration = g.duration.value_or(all_.duration);
+    const auto signal = make_random({.rms = checked_number(g.rms, unit_, Bounds::nonnegative()),
+                                     .lower = g.band[0],
+                                     .upper = g.band[1],
+                                     .duration = duration,
+                                     .fade_in = g.fade_in,
+                                     .integrated_twice = integrates_lines(),
+                                     .seed = g.seed,
+                                     .name = name_});
+    return integrates_lines() ? signal : integrated_from_rest(signal, g.band[1], duration);
+  }
+  SignalPtr from(const d::Sine& g) {
+    const auto signal = make_sine({.amplitude = checked_number(g.amplitude, unit_),
+                                   .frequency = g.frequency,
+                                   .phase = g.phase,
+                                   .fade_in = g.fade_in,
+                                   .integrated_twice = integrates_lines()});
+    return integrates_lines() ? signal : integrated_from_rest(signal, g.frequency, all_.duration);
+  }
+  SignalPtr from(const d::SweptSine& g) {
+    const double duration = g.duration.value_or(all_.duration);
+    const auto signal = make_swept_sine({.amplitude = checked_number(g.amplitude, unit_),
+                                         .from = g.from,
+                                         .to = g.to,
+                                         .duration = duration,
+                                         .sweep = g.kind,
+                                         .fade_in = g.fade_in});
+    return integrated_from_rest(signal, std::max(g.from, g.to), duration);
+  }
+  SignalPtr from(const d::Impulse& g) {
+    return make_pulse({.amplitude = checked_number(g.amplitude, unit_),
+                       .start = g.start,
+                       .duration = g.duration,
+                       .shape = g.shape,
+                       .integrated_twice = integrated_});
+  }
+  SignalPtr from(const d::Road& g) {
+    if (unit_ != "m")
+      throw InvalidInput("a road is a displacement [m]", "here a value in " + unit_ + " is needed",
+                         "move a ground by it: base_displacement");
+    return make_road_profile({.road_class = g.road_class,
+                              .speed = g.speed,
+                              .lower = g.band[0],
+                              .upper = g.band[1],
+                              .duration = g.duration.value_or(all_.duration),
+                              .fade_in = g.fade_in,
+                              .seed = g.seed,
+                              .name = name_});
+  }
+  SignalPtr from(const d::FileSignal& g) {
+    const TimeSeries table = read_record_file(g.file,
+                                              {{.column = g.channel.value,
+                                                .owner = "excitation." + name_,
+                                                .unit = unit_,
+                                                .unit_key = "excitation." + name_ + ".unit",
+                                                .unit_given = g.unit}},
+                                              {.sample_rate = g.sample_rate});
+    const auto signal = make_sampled(table.values.col(0), {.sample_rate = table.sample_rate, .start = table.start});
+    return integrated({.start = table.start, .step = 1.0 / table.sample_rate, .knots = table.samples()}, signal);
+  }
+  SignalPtr from(const d::Delayed& g) { return after(g.input, g.delay); }
+  SignalPtr from(const d::Trailing& g) { return after(g.input, g.wheelbase / g.speed); }
+  SignalPtr from(const d::Constant& g) {
+    const auto signal = make_constant(checked_number(g.value, unit_));
+    return integrated({.step = all_.duration, .knots = 2, .drift = Drift::keep}, signal);
+  }
+
+  /// The displacement, where that is wanted, of an acceleration up to this frequency [Hz].
+  SignalPtr integrated_from_rest(const SignalPtr& signal, double highest, double duration) {
+    const double step = 1.0 / (knots_per_period * highest);
+    const auto knots = static_cast<Eigen::Index>(std::ceil(std::max(duration, all_.duration) / step)) + 1;
+    return integrated({.step = step, .knots = knots}, signal);
+  }
+
+  SignalPtr integrated(IntegrationOptions options, const SignalPtr& signal) {
+    if (!integrated_) return signal;
+    if (!std::holds_alternative<d::Constant>(excitation_.signal))
+      options.drift = keeps_drift() ? Drift::keep : Drift::remove;
+    const auto motion = std::make_shared<const GroundMotion>(signal, options);
+    if (std::holds_alternative<d::FileSignal>(excitation_.signal) && motion->removed().part > told_drift)
+      tell(motion->removed());
+    return motion;
+  }
+
+  /// What was taken for errors of the accelerometer.
+  void tell(const GroundMotion::Removed& removed) {
+    const auto three_digits = [](double value) {
+      const double unit = value == 0.0 ? 1.0 : std::pow(10.0, std::floor(std::log10(std::abs(value))) - 2.0);
+      return shortest(std::round(value / unit) * unit);
+    };
+    all_.notes.push_back("excitation '" + name_ + "': its acceleration is taken to have an offset of " +
+                         three_digits(removed.offset) + " m/s^2, and the ground to start at " +
+                         three_digits(-removed.velocity) +
+                         " m/s: without that it would drift; `drift: keep` integrates the acceleration as it is");
+  }
+
+  SignalPtr after(const d::Name& input, double delay) {
+    const auto earlier = std::ranges::find_if(
+        all_.given.excitation, [&](const auto& each) { return each.first == input.value || each.first == name_; });
+    if (input.value == name_ || earlier->first != input.value)
+      throw InvalidInput(
+          input.issue("there is no input '" + input.value + "' before this one", "", "name an input above"));
+    if (unit_of(earlier->second) != unit_)
+      throw InvalidInput(input.issue("input '" + input.value + "' is in " + unit_of(earlier->second),
+                                     "this one needs values in " + unit_, "name an input of the same kind"));
+    return delayed(signal_of(all_, input.value, integrated_), delay);
+  }
+
+  MadeSignals& all_;
+  const std::string& name_;
+  const d::Excitation& excitation_;
+  std::string unit_;
+  bool integrated_;
+};
+
+SignalPtr signal_of(MadeSignals& all, const std::string& name, bool integrated) {
+  auto& signal = all.made[{name, integrated}];
+  const auto found = std::ranges::find(all.given.excitation, name, &std::pair<std::string, d::Excitation>::first);
+  if (!signal) signal = SignalMaker(all, found->first, found->second, integrated).make();
+  return signal;
+}
+
+SourceLocation place_of(const d::Excitation& excitation) {
+  if (const auto* base = std::get_if<d::BaseDisplacement>(&excitation.target)) return base->ground.location;
+  if (const auto* force = std::get_if<d::Force>(&excitation.target)) return force->point.location;
+  return std::get<d::BaseAcceleration>(excitation.target).direction.location;
+}
+
+/// Line of a value of the signal, of its target where it has none that keeps its place.
+SourceLocation location_of(const d::Case& given, const std::string& name) {
+  const auto found = std::ranges::find(given.excitation, name, &std::pair<std::string, d::Excitation>::first);
+  const auto place = std::visit([](const auto& signal) { return place_of(signal); }, found->second.signal);
+  return place.file.empty() ? place_of(found->second) : place;
+}
+
+/// Whether the input moves grounds by their acceleration.
+bool is_integrated(const d::Case& given, const InputDescription& input) {
+  const auto found = std::ranges::find(given.excitation, input.name, &std::pair<std::string, d::Excitation>::first);
+  return input.kind == InputKind::base_displacement &&
+         std::holds_alternative<d::BaseAcceleration>(found->second.target);
+}
+
+}  // namespace
+
+std::vector<SignalPtr> make_signals(const description::Case& given, const std::vector<InputDescription>& inputs,
+                                    double duration, IssueList& issues, std::vector<std::string>& notes) {
+  MadeSignals all{given, duration, notes};
+  std::vector<SignalPtr> signals;
+  for (const auto& input : inputs) {
+    try {
+      signals.push_back(signal_of(all, input.name, is_integrated(given, input)));
+    } catch (const InvalidInput& error) {
+      const auto known = location_of(given, input.name);
+      IssueList placed;
+      add_at(known.line > 0 ? known : given.source.at({"excitation", input.name}), error, placed);
+      for (const auto& issue : placed.issues()) {
+        const std::string path = "excitation." + input.name;
+        const bool named = issue.what.starts_with(path);
+        issues.add(issue.location, named ? issue.what : path + ": " + issue.what, issue.why, issue.fix);
+      }
+    }
+  }
+  return signals;
+}
+
+}  // namespace kalfem

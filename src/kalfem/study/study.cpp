@@ -1,0 +1,293 @@
+#include "kalfem/study/study.hpp"
+
+#include <cmath>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "kalfem/casefile/description_form.hpp"
+#include "kalfem/pipeline/run_prediction.hpp"
+#include "kalfem/pipeline/structural_modifications.hpp"
+#include "kalfem/study/augmented_model_setup.hpp"
+#include "kalfem/study/case_checks.hpp"
+#include "kalfem/study/comparisons.hpp"
+#include "kalfem/study/filter_run.hpp"
+#include "kalfem/study/keys_without_effect.hpp"
+#include "kalfem/study/parameterised_structure.hpp"
+#include "kalfem/study/study_elements.hpp"
+#include "kalfem/study/updating_setup.hpp"
+#include "kalfem/yaml/bounds.hpp"
+#include "kalfem/yaml/case_reader.hpp"
+
+namespace kalfem {
+namespace {
+
+namespace d = description;
+
+StudySensor make_sensor(const std::string& name, const d::Sensor& given) {
+  StudySensor sensor;
+  sensor.name = name;
+  std::visit(
+      [&](const auto& observed) {
+        sensor.output = {
+            name, observed.quantity, {observed.points.value.begin(), observed.points.value.end()}, given.relative};
+      },
+      given.observed);
+  sensor.unit = unit_of(sensor.output.quantity);
+  sensor.relative_noise = !given.noise.value.bare && given.noise.value.dimension == Dimension{};
+  sensor.noise =
+      sensor.relative_noise ? given.noise.value.value : checked_number(given.noise, sensor.unit, Bounds::nonnegative());
+  if (!(sensor.noise >= 0.0))
+    throw InvalidInput(given.noise.issue("the noise is negative", "it is a standard deviation"));
+  sensor.chain = MeasurementChain({given.chain});
+  return sensor;
+}
+
+/// What a sensor relative to the base is relative to must move.
+void check_relative(const Study& study, const d::Sensor& given, const d::Points& points, IssueList& issues) {
+  const bool uniform = std::ranges::any_of(
+      study.parts.inputs, [](const auto& input) { return input.kind == InputKind::base_acceleration; });
+  const bool of_connector = std::visit(
+      [](const auto& observed) { return observed.quantity > ObservedQuantity::acceleration; }, given.observed);
+  if (given.relative && !uniform && !of_connector)
+    issues.add(points.location,
+               points.path + " is relative to the accelerated base, but the case accelerates no whole base",
+               "with grounds that move one by one, displacements are absolute",
+               "write {point: 1, ground: -1} for the motion relative to a ground");
+}
+
+void add_sensors(Study& study, IssueList& issues) {
+  for (const auto& [name, given] : study.given.sensors) {
+    const auto location = std::visit([](const auto& observed) { return observed.points.location; }, given.observed);
+    try {
+      study.sensors.push_back(make_sensor(name, given));
+      std::visit([&](const auto& observed) { check_relative(study, given, observed.points, issues); }, given.observed);
+      make_outputs(*study.model, {study.sensors.back().output});
+    } catch (const InvalidInput& error) {
+      issues.add(error, location);
+    }
+  }
+}
+
+/// The parts from which the augmented model is made: an updating begins at its own first guesses.
+StructureParts starting_parts(const Study& study) {
+  if (!study.updating) return study.parts;
+  return parameterised_structure(study)->at(initial_values(study.updating->parameters)).parts;
+}
+
+/// What is allowed but probably not meant.
+void warn(Study& study) {
+  if (study.given.estimate && study.given.simulate && study.given.estimate->settle >= study.given.simulate->duration)
+    study.warnings.push_back(
+        "estimate.settle is no shorter than the record: errors and NIS are of its last sample alone");
+  if (!study.augmented_model) return;
+  for (const auto& unknown : study.augmented_model->options.unknowns) {
+    const auto entry =
+        std::ranges::find(study.given.estimate->unknown, unknown.name, &std::pair<std::string, d::Unknown>::first);
+    if (entry == study.given.estimate->unknown.end()) continue;  // a rest position, which may be negative
+    const auto& given = entry->second;
+    if (unknown.transform.kind == TransformKind::none && given.std && !given.std->value.bare &&
+        unknown.initial != 0.0 && unknown.deviation > 0.6 * std::abs(unknown.initial))
+      study.warnings.push_back("unknown '" + unknown.name +
+                               "' has a wide prior and no transform: sigma points may become negative; "
+                               "set transform: log");
+  }
+}
+
+}  // namespace
+
+double Study::sample_rate() const {
+  return record ? record->series.sample_rate : given.simulate ? given.simulate->sample_rate : 0.0;
+}
+
+namespace {
+
+/// Made once: a table of hundreds of keys.
+const Form<d::Case>& form_of_cases() {
+  static const Form<d::Case> form = d::case_form();
+  return form;
+}
+
+/// Makes a study step by step. A step is left out where something that it needs has a problem, so that the problems of
+/// independent parts of a case are told together and none is told that only follows from another.
+class StudyMaker {
+public:
+  StudyMaker(d::Case given, const std::string& file, const IssueList& already_found) : issues_(already_found) {
+    study_.file = file;
+    study_.given = std::move(given);
+    if (study_.given.source.empty()) study_.given.source = CaseSource(file, nullptr);
+    unsound_ = study_.given.source.sections_of(issues_.issues());
+    if (std::ranges::any_of(unsound_, [](const auto& name) { return !is_section(name); })) unsound_.insert("file");
+    not_read_ = unsound_;
+    leave_out_unsound();
+  }
+
+  Study make() {
+    read_structure();
+    read_record();
+    read_updating();
+    read_estimation();
+    raise_in_line_order(issues_);
+    warn(study_);
+    for (auto& warning : keys_without_effect(study_.given)) study_.warnings.push_back(std::move(warning));
+    warn_of_reductions(study_);
+    return std::move(study_);
+  }
+
+private:
+  using Names = std::vector<std::string>;
+
+  void read_structure() {
+    const Names around = {"connectors", "excitation", "sensors", "simulate", "estimate", "update", "modifications"};
+    step("sections", {"file", "substructures", "sensors"}, {},
+         [&](IssueList& issues) { check_sections(study_.given, issues); });
+    step("elements", has_finite_elements() ? joined({"substructures"}, around) : Names{"substructures"},
+         {"substructures"}, [&](IssueList& issues) { add_finite_elements(study_, issues); });
+    step("parts", {"substructures", "elements"}, {"substructures"},
+         [&](IssueList& issues) { study_.parts = make_parts(study_.given, reduced_parts(study_), issues); });
+    step("names", {"substructures", "elements"}, {"substructures"}, [&](IssueList& issues) { check_names(issues); });
+    step("model", {"substructures", "elements", "parts", "connectors", "excitation", "damping"}, {"damping"},
+         [&](IssueList&) { study_.model = std::make_shared<const CoupledModel>(couple(reference_parts(study_))); });
+  }
+
+  void read_record() {
+    step("record", {"record", "sensors"}, {"record", "file"}, [&](IssueList&) {
+      if (study_.given.record) study_.record = read_measured_record(study_.given);
+    });
+    step("placed sensors", {"model", "sensors"}, {"sensors"}, [&](IssueList& issues) { add_sensors(study_, issues); });
+    step("noise of the record", {"record", "placed sensors"}, {"record"}, [&](IssueList&) {
+      if (study_.record) full_record(study_, {});  // every channel has its noise
+    });
+    const bool needs_duration = std::ranges::any_of(study_.given.excitation, lasts_as_long_as_the_simulation);
+    const bool has_duration = !needs_duration || !not_read_.contains("simulate");
+    const Names grounds = {"substructures", "elements"};  // other problems of the excitation do not matter here
+    step("signals", has_duration ? grounds : joined({"simulate"}, grounds), {"excitation"}, [&](IssueList& issues) {
+      const double duration = study_.given.simulate ? study_.given.simulate->duration : 10.0;
+      study_.signals = make_signals(study_.given, study_.parts.inputs, duration, issues, study_.warnings);
+    });
+    step("simulate", {"model", "simulate"}, {"simulate"}, [&](IssueList& issues) { check_simulation(study_, issues); });
+    step("pictures", {"report", "record", "simulate"}, {"report"},
+         [&](IssueList& issues) { check_pictures(study_, issues); });
+    step("excitation", {"parts", "signals", "simulate", "record"}, {"excitation"},
+         [&](IssueList& issues) { check_signals(study_, issues); });
+  }
+
+  void read_updating() {
+    step("parameters", {"estimate", "update"}, {"estimate"},
+         [&](IssueList& issues) { check_parameters_once(study_.given, issues); });
+    step("update", {"parts", "model", "placed sensors", "simulate", "record", "estimate", "update"}, {"update"},
+         [&](IssueList& issues) {
+           if (study_.given.update) study_.updating = make_updating_setup(study_, issues);
+         });
+    step("comparisons", {"update", "parameters"}, {"update"}, [&](IssueList&) {
+      if (study_.updating) make_comparisons(study_, parameterised_structure(study_));
+    });
+    step("modifications", {"parts", "model", "modifications"}, {"modifications"},
+         [&](IssueList& issues) { check_modifications(study_, issues); });
+    step("modified", {"modifications"}, {"modifications"},
+         [&](IssueList&) { predict_modifications(study_, std::nullopt); });
+  }
+
+  void read_estimation() {
+    step("estimate", {"sensors", "estimate"}, {"estimate"},
+         [&](IssueList& issues) { check_estimation(study_.given, issues); });
+    const Names all = {"sections", "parts",    "model",  "placed sensors", "signals",   "record",
+                       "simulate", "estimate", "update", "excitation",     "parameters"};
+    step("observer", all, {"estimate"}, [&](IssueList& issues) {
+      if (!study_.given.estimate) return;
+      const StructureParts start = starting_parts(study_);
+      study_.augmented_model = make_augmented_model_setup(study_, start, {}, issues);
+      start_ = study_.updating ? std::make_shared<const CoupledModel>(couple(start)) : study_.model;
+      check_needed_samples(study_, issues);
+    });
+    step("filter", joined({"observer"}, all), {"estimate", "kappa"}, [&](IssueList&) {
+      if (study_.augmented_model) check_filter(study_);
+    });
+    step("prediction", joined({"observer", "predict"}, all), {"predict", "substructure"}, [&](IssueList&) {
+      if (study_.given.predict) check_driven(study_, *start_, study_.given.predict->substructure);
+    });
+    step("histories", joined({"observer"}, all), {"update", "compare"}, [&](IssueList& issues) {
+      if (study_.given.update && start_) check_driven_histories(study_, *start_, issues);
+    });
+  }
+
+  /// Runs a step where all that it needs is sound. What it finds makes `result` unsound, and the sections that hold the
+  /// places; `place` is for problems that do not know theirs.
+  void step(const std::string& result, const Names& needs, const Names& place,
+            const std::function<void(IssueList&)>& run) {
+    if (std::ranges::any_of(needs, [&](const auto& name) { return unsound_.contains(name); })) {
+      unsound_.insert(result);
+      return;
+    }
+    IssueList found, placed;
+    try {
+      run(found);
+    } catch (const InvalidInput& error) {
+      add_at(study_.given.source.at(place), error, found);
+    }
+    if (found.empty()) return;
+    add_at(study_.given.source.at(place), InvalidInput(found.issues()), placed);
+    unsound_.insert(result);
+    unsound_.merge(study_.given.source.sections_of(placed.issues()));
+    for (const auto& [location, what, why, fix] : placed.issues()) issues_.add(location, what, why, fix);
+  }
+
+  void check_names(IssueList& issues) {
+    const CoupledModel points = couple({study_.parts.substructures, study_.parts.finite_elements, {}, {}});
+    if (!unsound_.contains("sensors") && !not_read_.contains("connectors"))
+      check_sensor_names(study_.given, points.point_names(), issues);
+    if (!unsound_.contains("report") && !unsound_.contains("predict"))
+      check_reported_names(study_.given, points.reported_points(), issues);
+  }
+
+  /// Sections that cannot be used are left empty, so that no problem follows from what they may have meant.
+  void leave_out_unsound() {
+    auto& given = study_.given;
+    if (unsound_.contains("connectors")) given.connectors.clear();
+    if (unsound_.contains("excitation")) given.excitation.clear();
+    if (unsound_.contains("damping")) given.damping.reset();
+  }
+
+  [[nodiscard]] bool has_finite_elements() const {
+    return std::ranges::any_of(study_.given.substructures,
+                               [](const auto& part) { return part.second.finite_elements.has_value(); });
+  }
+
+  /// Whether the signal's duration is that of the simulation, as it has none of its own.
+  static bool lasts_as_long_as_the_simulation(const std::pair<std::string, d::Excitation>& given) {
+    return std::visit(
+        [](const auto& signal) {
+          if constexpr (requires { signal.duration.has_value(); }) return !signal.duration.has_value();
+          return false;
+        },
+        given.second.signal);
+  }
+
+  static bool is_section(const std::string& name) {
+    return form_of_cases().schema().json().at("properties").contains(name);
+  }
+
+  static Names joined(Names one, const Names& other) {
+    one.insert(one.end(), other.begin(), other.end());
+    return one;
+  }
+
+  Study study_;
+  std::shared_ptr<const CoupledModel> start_;  ///< what a prediction, or an updating, starts from
+  IssueList issues_;
+  std::set<std::string> unsound_;   ///< sections and results with a problem
+  std::set<std::string> not_read_;  ///< sections that could not be read as they stand
+};
+
+}  // namespace
+
+Study load_study(const std::string& file) {
+  IssueList issues;
+  d::Case given = read_case_text(read_text_file(file), file, form_of_cases(), issues);
+  if (given.source.empty()) raise_in_line_order(issues);
+  return StudyMaker(std::move(given), file, issues).make();
+}
+
+Study make_study(d::Case given, const std::string& file) { return StudyMaker(std::move(given), file, {}).make(); }
+
+}  // namespace kalfem

@@ -1,0 +1,154 @@
+#include "kalfem/study/updating_setup.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "kalfem/study/comparisons.hpp"
+#include "kalfem/study/parameterised_structure.hpp"
+#include "kalfem/yaml/bounds.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+
+namespace {
+
+namespace d = description;
+
+class ParameterBuilder {
+public:
+  ParameterBuilder(const Study& study, UpdatingSetup& setup, IssueList& issues)
+      : study_(study), setup_(setup), issues_(issues) {}
+
+  void add(const std::string& name, const Located<d::UpdatedParameter>& given) {
+    const d::Name own{name, given.location, given.path};
+    const auto names = given.value.applies_to.empty() ? std::vector<d::Name>{own} : given.value.applies_to;
+    std::vector<StructureParameter> targets;
+    for (const auto& each : names)
+      if (auto target = resolved(each, name)) targets.push_back(std::move(*target));
+    if (targets.size() != names.size()) return;
+    try {
+      add(name, given.value, targets);
+    } catch (const InvalidInput& error) {
+      issues_.add(error, own.location);
+    }
+  }
+
+private:
+  std::optional<StructureParameter> resolved(const d::Name& target, const std::string& owner) {
+    auto parameter = find_structure_parameter(study_, target.value);
+    if (!parameter)
+      issues_.add(
+          target.location,
+          target.path + ": there is no parameter '" + target.value + "'" +
+              did_you_mean(target.value, structure_parameter_names(study_)),
+          "the updating refines numbers of linear substructures; those of connectors are unknowns of the filter");
+    else if (const auto issue = unlike_ratios(study_, *parameter, target))
+      issues_.add(issue->location, issue->what, issue->why, issue->fix);
+    const auto all_ratios = target.value.find(".damping.modal");  // one of them is refined by all of them
+    if (all_ratios != std::string::npos) {
+      const std::string whole = target.value.substr(0, all_ratios) + ".damping.modal";
+      for (const auto& [taken, by] : owners_)
+        if (taken != target.value && (taken == whole || (target.value == whole && taken.starts_with(whole + "."))))
+          issues_.add(target.location, target.path + ": '" + target.value + "' and '" + taken + "' are both refined",
+                      "damping.modal is all ratios as one", "take one of them out");
+    }
+    const auto [first, is_new] = owners_.try_emplace(target.value, owner);
+    if (!is_new)
+      issues_.add(target.location,
+                  target.path + ": '" + target.value + "' is refined already by '" + first->second + "'",
+                  "a parameter has one value", "take one of them out");
+    return parameter;
+  }
+
+  void add(const std::string& name, const d::UpdatedParameter& given, const std::vector<StructureParameter>& targets) {
+    const std::string unit = targets.front().unit;
+    for (const auto& target : targets)
+      if (target.unit != unit)
+        throw InvalidInput(name + " applies to numbers in " + unit + " and in " + target.unit, "they share one value",
+                           "give parameters of one kind");
+    UpdatingParameter parameter{name, unit, targets.front().value};
+    if (given.initial) parameter.initial = checked_number(*given.initial, unit);
+    if (given.std) parameter.deviation = deviation(*given.std, unit, parameter.initial);
+    set_bounds(given, unit, parameter);
+    std::optional<double> truth;
+    if (study_.given.simulate) truth = targets.front().value;
+    if (given.truth) truth = checked_number(*given.truth, unit);
+    const auto index = static_cast<Index>(setup_.parameters.size());
+    for (const auto& target : targets) setup_.bindings.push_back({index, target});
+    setup_.parameters.push_back(parameter);
+    setup_.true_parameters.push_back(truth);
+  }
+
+  double deviation(const d::Value& given, const std::string& unit, double initial) const {
+    const bool percentage = !given.value.bare && given.value.dimension == Dimension{};
+    const double deviation = percentage ? given.value.value * std::abs(initial) : checked_number(given, unit);
+    if (!(deviation > 0.0)) throw InvalidInput(given.issue("the standard deviation of the prior is not positive"));
+    return deviation;
+  }
+
+  /// What is positive by nature stays so without being told.
+  void set_bounds(const d::UpdatedParameter& given, const std::string& unit, UpdatingParameter& parameter) const {
+    parameter.lower = 0.0;
+    if (!given.bounds) {
+      if (!(parameter.initial >= 0.0))
+        throw InvalidInput("update.parameters." + parameter.name + ": it starts at " + shortest(parameter.initial),
+                           "such a parameter is not negative", "change its initial value");
+      return;
+    }
+    const auto bound = [&](const Quantity& quantity) {
+      return checked_number({quantity, given.bounds->location, given.bounds->path}, unit);
+    };
+    parameter.lower = bound(given.bounds->value[0]);
+    parameter.upper = bound(given.bounds->value[1]);
+    if (!(parameter.lower < parameter.upper))
+      throw InvalidInput("update.parameters." + parameter.name + ": the lower bound is not below the upper one", "",
+                         "write bounds: [lower, upper]");
+    if (parameter.initial < parameter.lower || parameter.initial > parameter.upper)
+      throw InvalidInput("update.parameters." + parameter.name + ": it starts at " + shortest(parameter.initial) +
+                             ", outside its bounds " + shortest(parameter.lower) + " to " + shortest(parameter.upper),
+                         "the updating moves from the start within the bounds", "move one of them");
+  }
+
+  const Study& study_;
+  UpdatingSetup& setup_;
+  IssueList& issues_;
+  std::map<std::string, std::string> owners_;
+};
+
+/// What an evolution strategy needs and Gauss-Newton does not.
+void check_search(const Study& study, const UpdatingSetup& setup, IssueList& issues) {
+  constexpr int fewest_points = 5;
+  const auto& given = *study.given.update;
+  if (given.method != d::UpdatingMethod::evolution) return;
+  for (const auto& parameter : setup.parameters)
+    if (!std::isfinite(parameter.lower) || !std::isfinite(parameter.upper))
+      issues.add(study.given.source.at({"update", "parameters", parameter.name}),
+                 "update.parameters." + parameter.name + " has no bounds", "method: cma_es searches between bounds",
+                 "give bounds: [lower, upper]");
+  if (given.evolution.population > 0 && given.evolution.population < fewest_points)
+    issues.add(study.given.source.at({"update", "evolution", "population"}),
+               "update.evolution.population: " + std::to_string(given.evolution.population) + " given",
+               "CMA-ES needs at least " + std::to_string(fewest_points) + " points a generation",
+               "raise it, or leave it out");
+}
+
+}  // namespace
+
+UpdatingSetup make_updating_setup(const Study& study, IssueList& issues) {
+  UpdatingSetup setup;
+  ParameterBuilder builder(study, setup, issues);
+  for (const auto& [name, given] : study.given.update->parameters) builder.add(name, given);
+  if (study.given.update->parameters.empty())
+    issues.add(study.given.source.at({"update", "parameters"}), "update.parameters is empty",
+               "there is nothing to refine", "name at least one");
+  if (study.given.update->comparisons.empty())
+    issues.add(study.given.source.at({"update", "compare"}), "update.compare is empty",
+               "there is nothing to refine the model by", "give at least one comparison");
+  check_comparisons(study, issues);
+  check_search(study, setup, issues);
+  return setup;
+}
+
+}  // namespace kalfem

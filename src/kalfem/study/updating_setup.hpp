@@ -1,0 +1,11 @@
+#pragma once
+
+#include "kalfem/study/study.hpp"
+
+namespace kalfem {
+
+/// The parameters of the case's `update`. Problems go to `issues` with their place: names that no substructure has,
+/// bounds that exclude the start, one parameter under two names.
+UpdatingSetup make_updating_setup(const Study& study, IssueList& issues);
+
+}  // namespace kalfem

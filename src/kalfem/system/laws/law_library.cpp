@@ -1,0 +1,161 @@
+#include "kalfem/system/laws/law_library.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <sstream>
+
+#include "kalfem/system/laws/bouc_wen_law.hpp"
+#include "kalfem/system/laws/elastoplastic_laws.hpp"
+#include "kalfem/system/laws/friction_laws.hpp"
+#include "kalfem/system/laws/gap_law.hpp"
+#include "kalfem/system/laws/polynomial_laws.hpp"
+#include "kalfem/system/laws/saturating_law.hpp"
+
+namespace kalfem {
+namespace {
+
+/// The degree that a coefficient's name such as "k3" states, or 0 where it is no such name.
+int degree_of(const std::string& name) {
+  if (name.size() < 2 || name.size() > 3 || (name[0] != 'k' && name[0] != 'c') || name[1] == '0') return 0;
+  const bool digits = std::all_of(name.begin() + 1, name.end(), [](char c) { return c >= '0' && c <= '9'; });
+  return digits ? std::stoi(name.substr(1)) : 0;
+}
+
+ConnectorLawPtr polynomial_of(const LawArguments& arguments) {
+  int stiffness_degree = 0, damping_degree = 0;
+  IssueList issues;
+  for (const auto& name : arguments.parameter_names) {
+    const int degree = degree_of(name);
+    if (degree == 0)
+      issues.add({}, "polynomial: the parameter '" + name + "'", "coefficients are called k1, k2, ... and c1, c2, ...",
+                 "write k3 for the coefficient of d^3");
+    int& highest = name.starts_with("k") ? stiffness_degree : damping_degree;
+    highest = std::max(highest, degree);
+  }
+  issues.raise();
+  return polynomial_law(stiffness_degree, damping_degree);
+}
+
+ConnectorLawPtr expression_of(const LawArguments& arguments) {
+  ExpressionLawOptions options{.force = arguments.force, .parameters = {}, .states = arguments.states};
+  for (const auto& name : arguments.parameter_names) options.parameters.push_back({name, "", "of the user's own law"});
+  return expression_law(options);
+}
+
+struct Entry {
+  std::string name, equation, meaning;
+  std::function<ConnectorLawPtr(const LawArguments&)> make;
+  LawArguments example = {};
+};
+
+const std::vector<Entry>& entries() {
+  static const std::vector<Entry> all{
+      {"linear", "f = k d + c v", "spring and dashpot", [](const auto&) { return linear_law(); }},
+      {"saturating", "f = k d + mu_k1 d/(mu_k2 + |d|) + c v + mu_c1 v/(mu_c2 + |v|)",
+       "suspension whose spring and damper saturate", [](const auto&) { return saturating_law(); }},
+      {"cubic", "f = k d + k3 d^3 + c v + c3 v^3", "hardening or softening spring and damper",
+       [](const auto&) { return cubic_law(); }},
+      {"polynomial",
+       "f = sum_i k_i d^i + sum_i c_i v^i",
+       "spring and damper of any degree, even terms too",
+       polynomial_of,
+       {.parameter_names = {"k1", "k2", "k3", "c1"}}},
+      {"gap", "f = k d + c v + stops: k_stop overlap + c_stop v while in contact and pushing",
+       "bump stop on one side or both", [](const auto&) { return gap_law(); }},
+      {"coulomb", "f = k d + c v + f_c tanh(v/v_ref)", "dry friction, regularised",
+       [](const auto&) { return coulomb_law(); }},
+      {"stribeck", "f = k d + c v + (f_c + (f_s - f_c) exp(-(v/v_s)^2)) tanh(v/v_ref)",
+       "dry friction that falls from static to sliding", [](const auto&) { return stribeck_law(); }},
+      {"jenkins", "f = k d + c v + k_stick (d - slip), the last term bounded by f_slip",
+       "dry friction that truly sticks: a spring in series with a slider", [](const auto&) { return jenkins_law(); }},
+      {"bilinear", "f = alpha k d + (1 - alpha) k (d - slip) + c v, the middle term bounded by (1 - alpha) f_y",
+       "elastoplastic spring with kinematic hardening", [](const auto&) { return bilinear_law(); }},
+      {"bouc_wen", "f = alpha k d + (1 - alpha) k z + c v, z' = A v - beta |v| |z|^(n-1) z - gamma v |z|^n",
+       "smooth hysteresis", [](const auto&) { return bouc_wen_law(); }},
+      {"inerter", "f = b a", "force in proportion to relative acceleration", [](const auto&) { return inerter_law(); }},
+      {"preload", "f = f0", "constant force", [](const auto&) { return preload_law(); }},
+      {"linear_change", "f = (k - k_nominal) d + (c - c_nominal) v + (b - b_nominal) a",
+       "departure of a linear spring, dashpot or mass from its nominal value",
+       [](const LawArguments& arguments) { return linear_change_law(arguments.nominal); }},
+      {"expression",
+       "f = the user's expression of x, v, a, its parameters and its states",
+       "a law in the user's own words",
+       expression_of,
+       {.parameter_names = {"k", "c"}, .force = "k*x + c*v"}},
+  };
+  return all;
+}
+
+/// What a range asks for, and whether a value has it.
+struct Requirement {
+  std::string words;
+  bool met;
+};
+
+Requirement require(Range range, double value) {
+  switch (range) {
+    case Range::nonnegative:
+      return {"it must not be negative", value >= 0.0};
+    case Range::positive:
+      return {"it must be positive", value > 0.0};
+    case Range::fraction:
+      return {"it must lie between 0 and 1", value >= 0.0 && value <= 1.0};
+    case Range::at_least_one:
+      return {"it must be at least 1", value >= 1.0};
+    case Range::any:
+      break;
+  }
+  return {"any number will do", true};
+}
+
+std::string describe(const LawQuantity& parameter, double value) {
+  std::ostringstream text;
+  text << "parameter '" << parameter.name << "' is " << value;
+  if (!parameter.unit.empty() && parameter.unit != "-") text << " " << parameter.unit;
+  return text.str();
+}
+
+}  // namespace
+
+ConnectorLawPtr make_law(const std::string& name, const LawArguments& arguments) {
+  std::vector<std::string> known;
+  std::string list;
+  for (const auto& entry : entries()) {
+    if (entry.name == name) return entry.make(arguments);
+    known.push_back(entry.name);
+    list += (list.empty() ? "" : ", ") + entry.name;
+  }
+  throw InvalidInput("unknown connector law '" + name + "'" + did_you_mean(name, known), "", "the laws are " + list);
+}
+
+std::vector<LawDescription> law_library() {
+  std::vector<LawDescription> library;
+  for (const auto& entry : entries()) {
+    const auto law = entry.make(entry.example);
+    library.push_back({entry.name, entry.equation, entry.meaning, law->parameters(), law->states()});
+  }
+  return library;
+}
+
+std::vector<Issue> validate_parameters(const ConnectorLaw& law, const Eigen::Ref<const Eigen::VectorXd>& values) {
+  const auto& parameters = law.parameters();
+  IssueList issues;
+  if (values.size() != static_cast<Eigen::Index>(parameters.size())) {
+    issues.add({}, "law '" + law.name() + "' was given " + std::to_string(values.size()) + " parameter values",
+               "it has " + std::to_string(parameters.size()) + " parameters", "give one value for each");
+    return issues.issues();
+  }
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    const auto& parameter = parameters[static_cast<std::size_t>(i)];
+    const bool may_be_infinite = std::isinf(parameter.default_value) && values[i] == parameter.default_value;
+    const auto requirement = require(parameter.range, values[i]);
+    if (!std::isfinite(values[i]) && !may_be_infinite)
+      issues.add({}, describe(parameter, values[i]), "it must be a finite number", "give the " + parameter.meaning);
+    else if (!requirement.met)
+      issues.add({}, describe(parameter, values[i]), requirement.words, "give the " + parameter.meaning);
+  }
+  return issues.issues();
+}
+
+}  // namespace kalfem

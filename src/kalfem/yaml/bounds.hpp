@@ -1,0 +1,31 @@
+#pragma once
+
+#include <limits>
+#include <string>
+
+#include "kalfem/yaml/values.hpp"
+
+namespace kalfem {
+
+/// The numbers that are accepted: low <= x <= high, or < where the end is open.
+struct Bounds {
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  bool low_open = false, high_open = false;
+
+  static Bounds any() { return {}; }
+  static Bounds positive() { return {.low = 0.0, .low_open = true}; }
+  static Bounds nonnegative() { return {.low = 0.0}; }
+  static Bounds between(double low, double high) { return {.low = low, .high = high}; }
+
+  [[nodiscard]] bool contain(double x) const;
+  /// "> 0", "in [0, 1]" ..., "" when every number is accepted.
+  [[nodiscard]] std::string describe() const;
+};
+
+/// The value in SI when the unit and the bounds fit; throws InvalidInput.
+double checked_number(const std::string& text, const std::string& unit, const Bounds& bounds);
+/// As above for a quantity whose unit was not known when it was read; throws InvalidInput with its place.
+double checked_number(const Located<Quantity>& given, const std::string& unit, const Bounds& bounds = {});
+
+}  // namespace kalfem

@@ -1,0 +1,100 @@
+#include "kalfem/yaml/schema.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace kalfem {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t meaning_column = 56;
+
+Json scalar_json(const YamlNode& node) {
+  if (!node.literal) return node.text;
+  if (node.text == "true" || node.text == "false") return node.text == "true";
+  const char *begin = node.text.data(), *end = begin + node.text.size();
+  std::uint64_t whole = 0;
+  if (const auto [stop, error] = std::from_chars(begin, end, whole); error == std::errc{} && stop == end) return whole;
+  double number = 0.0;
+  if (const auto [stop, error] = std::from_chars(begin, end, number);
+      error == std::errc{} && stop == end && std::isfinite(number))
+    return number;
+  return node.text;
+}
+
+std::string line(const std::string& left, const std::string& meaning) {
+  const std::string gap = left.size() + 2 > meaning_column ? "  " : std::string(meaning_column - left.size(), ' ');
+  return left + (meaning.empty() ? "" : gap + meaning) + "\n";
+}
+
+bool is_needed(const Json& object, const std::string& key) {
+  const Json needed = object.value("required", Json::array());
+  return std::find(needed.begin(), needed.end(), key) != needed.end();
+}
+
+std::string qualifier(const Json& object, const std::string& key, const Json& property) {
+  if (property.contains("x-needed")) return " (" + property["x-needed"].get<std::string>() + ")";
+  if (is_needed(object, key)) return " (required)";
+  if (property.contains("default") && !property["default"].is_object())
+    return " (default " + property["default"].dump() + ")";
+  return "";
+}
+
+/// What stands below the line of a key: its own keys, those of its items, the words of a choice.
+std::string below(const Json& schema, const std::string& indent) {
+  std::string text;
+  if (schema.contains("properties"))
+    for (const auto& [key, property] : schema["properties"].items()) {
+      const std::string written = below(property, "").empty() ? " " + property.value("x-written", "") : "";
+      text += line(indent + key + ":" + written + qualifier(schema, key, property), property.value("description", ""));
+      text += below(property, indent + "  ");
+    }
+  if (schema.contains("additionalProperties") && schema["additionalProperties"].is_object()) {
+    const Json& item = schema["additionalProperties"];
+    const std::string inner = below(item, indent + "  ");
+    text += indent + "<name>:" + (inner.empty() ? " " + item.value("x-written", "") : "") + "\n" + inner;
+  }
+  if (schema.contains("items"))
+    if (const std::string inner = below(schema["items"], indent + "  "); !inner.empty())
+      text += indent + "- each:\n" + inner;
+  for (const auto& alternative : schema.value("anyOf", Json::array()))
+    if (const std::string inner = below(alternative, indent + "  "); !inner.empty())
+      text += indent + "or " + alternative.value("x-written", "") + "\n" + inner;
+  for (const auto& word : schema.value("oneOf", Json::array()))
+    if (const std::string meaning = word.value("description", ""); !meaning.empty())
+      text += line(indent + "  = " + word.value("const", ""), meaning);
+  return text;
+}
+
+}  // namespace
+
+Json to_json(const YamlNode& node) {
+  switch (node.kind) {
+    case YamlNode::Kind::null:
+      return nullptr;
+    case YamlNode::Kind::scalar:
+      return scalar_json(node);
+    case YamlNode::Kind::list: {
+      Json list = Json::array();
+      for (const auto& item : node.items) list.push_back(to_json(*item));
+      return list;
+    }
+    case YamlNode::Kind::map:
+      break;
+  }
+  Json map = Json::object();
+  for (const auto& entry : node.entries) map[entry.key] = to_json(*entry.value);
+  return map;
+}
+
+Json json_schema(const FormSchema& form, const std::string& title) {
+  Json schema{{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", title}};
+  schema.update(form.json());
+  return schema;
+}
+
+std::string reference_text(const Json& schema) { return below(schema, ""); }
+
+}  // namespace kalfem

@@ -1,0 +1,149 @@
+#include "kalfem/yaml/yaml_node.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include "kalfem/base/text.hpp"
+#include "kalfem/base/utf8.hpp"
+
+namespace kalfem {
+namespace {
+
+bool is_plain_character(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' || c == '.' || c == '/';
+}
+
+/// Words that YAML readers take for something else than text.
+bool is_reserved(const std::string& text) {
+  const std::string word = lower_case(text);
+  constexpr std::array words{"null", "true", "false", "yes", "no", "on", "off", "y", "n", "nan", "inf"};
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+std::string in_quotes(const std::string& text) {
+  std::string out = "\"";
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (text.compare(i, 2, "${") == 0) out += '$';  // a literal ${, not an environment variable
+    if (c == '"' || c == '\\') {
+      out += {'\\', c};
+    } else if (c == '\n') {
+      out += "\\n";
+    } else {
+      out += c;
+    }
+  }
+  return with_unicode_escapes(out) + '"';
+}
+
+std::string key_text(const std::string& key) {
+  const bool plain = !key.empty() && key.front() != '-' && key.front() != '.' &&
+                     std::all_of(key.begin(), key.end(), is_plain_character) && !is_reserved(key);
+  return plain ? key : in_quotes(key);
+}
+
+std::string scalar_text(const YamlNode& node) {
+  if (node.literal) return node.text;
+  const bool plain =
+      !node.text.empty() && (std::isalpha(static_cast<unsigned char>(node.text.front())) || node.text.front() == '/') &&
+      std::all_of(node.text.begin(), node.text.end(), [](char c) { return is_plain_character(c) || c == ' '; }) &&
+      node.text.back() != ' ' && !is_reserved(node.text);
+  return plain ? node.text : in_quotes(node.text);
+}
+
+bool is_scalar(const YamlNodePtr& node) {
+  return node->kind == YamlNode::Kind::scalar || node->kind == YamlNode::Kind::null;
+}
+
+bool fits_one_line(const YamlNode& node) {
+  switch (node.kind) {
+    case YamlNode::Kind::map:
+      return node.entries.empty();
+    case YamlNode::Kind::list:
+      return std::all_of(node.items.begin(), node.items.end(), is_scalar);
+    default:
+      return true;
+  }
+}
+
+std::string one_line(const YamlNode& node) {
+  switch (node.kind) {
+    case YamlNode::Kind::null:
+      return "null";
+    case YamlNode::Kind::scalar:
+      return scalar_text(node);
+    case YamlNode::Kind::map:
+      return "{}";
+    case YamlNode::Kind::list:
+      break;
+  }
+  std::string text;
+  for (const auto& item : node.items) text += (text.empty() ? "" : ", ") + one_line(*item);
+  return "[" + text + "]";
+}
+
+std::string with_comment(const YamlNode& node) {
+  return one_line(node) + (node.comment.empty() ? "" : "  # " + node.comment) + "\n";
+}
+
+std::string block(const YamlNode& node, const std::string& indent) {
+  if (fits_one_line(node)) return indent + with_comment(node);
+  std::string text;
+  for (const auto& entry : node.entries) {
+    text += indent + key_text(entry.key) + ":";
+    text += fits_one_line(*entry.value) ? " " + with_comment(*entry.value) : "\n" + block(*entry.value, indent + "  ");
+  }
+  for (const auto& item : node.items) {
+    const std::string inner = block(*item, indent + "  ");
+    text += indent + "- " + inner.substr(indent.size() + 2);
+  }
+  return text;
+}
+
+}  // namespace
+
+const YamlEntry* YamlNode::find(const std::string& key) const {
+  const auto found =
+      std::find_if(entries.begin(), entries.end(), [&](const YamlEntry& entry) { return entry.key == key; });
+  return found == entries.end() ? nullptr : &*found;
+}
+
+YamlNodePtr yaml_literal(std::string text, std::string comment) {
+  YamlNode node{.kind = YamlNode::Kind::scalar, .text = std::move(text)};
+  node.comment = std::move(comment);
+  return std::make_shared<YamlNode>(std::move(node));
+}
+
+YamlNodePtr yaml_text(std::string text) {
+  return std::make_shared<YamlNode>(
+      YamlNode{.kind = YamlNode::Kind::scalar, .text = std::move(text), .literal = false});
+}
+
+YamlNodePtr yaml_list(std::vector<YamlNodePtr> items, std::string comment) {
+  YamlNode node{.kind = YamlNode::Kind::list, .items = std::move(items)};
+  node.comment = std::move(comment);
+  return std::make_shared<YamlNode>(std::move(node));
+}
+
+YamlNodePtr yaml_map(std::vector<YamlEntry> entries) {
+  return std::make_shared<YamlNode>(YamlNode{.kind = YamlNode::Kind::map, .entries = std::move(entries)});
+}
+
+std::string describe(const YamlNode& node) {
+  switch (node.kind) {
+    case YamlNode::Kind::null:
+      return "nothing";
+    case YamlNode::Kind::list:
+      return "a list";
+    case YamlNode::Kind::map:
+      return "a map";
+    case YamlNode::Kind::scalar:
+      break;
+  }
+  return "'" + node.text.substr(0, 80) + (node.text.size() > 80 ? "..." : "") + "'";
+}
+
+std::string to_yaml(const YamlNode& root) { return block(root, ""); }
+
+}  // namespace kalfem
