@@ -21,7 +21,7 @@ using namespace kalfem::benchmarks;
 using Eigen::Index;
 using Eigen::VectorXd;
 
-std::vector<std::string> names_of(const std::vector<StudySensor>& sensors) {
+std::vector<std::string> names_of(const std::vector<Sensor>& sensors) {
   std::vector<std::string> names;
   for (const auto& sensor : sensors) names.push_back(sensor.name);
   return names;
@@ -37,7 +37,7 @@ void simulate_once(const Study& study, const CoupledModel& model, Index substeps
   options.duration = study.given.simulate->duration;
   options.keep_motion = false;
   options.every_step = make_outputs(model, outputs);
-  simulate(model.system(), study.signals, initial_state(study, model), options);
+  simulate(model.system(), study.structure->signals, initial_state(study.given.simulate->initial, model), options);
 }
 
 void time_simulation_residual(const Study& study, const FullRecord& record) {
@@ -80,7 +80,7 @@ void time_stages(const Study& study, const FullRecord& record, int repetitions) 
                                 {.name = "record",
                                  .substructure = given.substructure.value,
                                  .sensors = names_of(study.sensors),
-                                 .hold_gains = !study.finite_elements.empty()});
+                                 .hold_gains = !study.structure->finite_elements.empty()});
   const VectorXd start = initial_values(study.updating->parameters);
   std::vector<double> first, later, reductions, filters, predictions, sums;
   for (int repetition = 0; repetition < repetitions; ++repetition) {
@@ -101,7 +101,7 @@ void time_stages(const Study& study, const FullRecord& record, int repetitions) 
   line("  ratio to the three", median(later) / median(sums), "");
 }
 
-FullRecord simulated_record(const Study& study) { return full_record(study, run_study(study, Step::simulate)); }
+FullRecord simulated_record(const Study& study) { return record_of(study, run_study(study, Step::simulate)); }
 
 }  // namespace
 

@@ -34,7 +34,8 @@ double simulated(const Study& study, const OutputMap& sensors, double step, Inde
   options.duration = step * static_cast<double>(steps);
   options.keep_motion = false;
   options.every_step = sensors;
-  return seconds([&] { simulate(system, study.signals, at_rest(system.size(), system.connector_states()), options); });
+  return seconds(
+      [&] { simulate(system, study.structure->signals, at_rest(system.size(), system.connector_states()), options); });
 }
 
 void time_steps(const Study& study) {

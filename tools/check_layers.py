@@ -25,10 +25,12 @@ ALLOWED = {
     "yaml": {"base"},
 }
 LIBRARY = set(ALLOWED) - {"yaml"}
-ALLOWED["casefile"] = LIBRARY | {"yaml"}
-ALLOWED["study"] = LIBRARY | {"yaml", "casefile", "pipeline"}
-ALLOWED["pipeline"] = LIBRARY | {"yaml", "casefile", "study"}
-ALLOWED["report"] = LIBRARY | {"yaml", "casefile", "study", "pipeline"}
+CORE = LIBRARY - {"formats"}
+ALLOWED["identification"] = CORE
+ALLOWED["casefile"] = LIBRARY | {"identification", "yaml"}
+ALLOWED["study"] = ALLOWED["casefile"] | {"casefile"}
+ALLOWED["pipeline"] = ALLOWED["study"] | {"study"}
+ALLOWED["report"] = ALLOWED["pipeline"] | {"pipeline"}
 INCLUDE = re.compile(r'#include "kalfem/(\w+)/')
 
 

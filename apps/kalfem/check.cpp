@@ -77,13 +77,14 @@ void check_parts(const Study& study, const std::string& page_file) {
             .status = PageStatus::ok,
             .summary = "The case can be run.",
             .sections = {}};
-  for (const auto& elements : study.finite_elements) {
-    const auto& part = *elements.part;
+  for (std::size_t i = 0; i < study.structure->finite_elements.size(); ++i) {
+    const auto& part = *study.structure->finite_elements[i].part;
+    const auto& notes = study.element_notes[i].notes;
     const ModelCheckReport report = model_check_of(part);
     const Table places = places_table(part);
-    print("Substructure '{}'\n\n{}", part.name, model_check_text(report, part.notes));
+    print("Substructure '{}'\n\n{}", part.name, model_check_text(report, notes));
     if (!places.rows.empty()) print("{}\n{}\n", places.title, to_text(places));
-    page.sections.push_back(model_check_section(part.name, part.elements, report, part.notes));
+    page.sections.push_back(model_check_section(part.name, part.elements, report, notes));
     if (!places.rows.empty()) page.sections.back().items.emplace_back(places);
   }
   if (!page_file.empty()) write_file_atomically(page_file, render_html(page));

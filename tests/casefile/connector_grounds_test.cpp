@@ -102,7 +102,7 @@ TEST(ConnectorGrounds, AConnectorStandsBetweenAMovedAndAFixedGround) {
       const auto study = study_of(across("frame.table", fixed, integrator));
       const auto results = run_study(study, Step::simulate);
       ASSERT_TRUE(results.usable()) << results.failure;
-      const auto r = study.signals[0]->sample(0.0, 2e-3, 1001);
+      const auto r = study.structure->signals[0]->sample(0.0, 2e-3, 1001);
       const Eigen::ArrayXd d = -r.col(0);
       EXPECT_LT(difference(simulated(results, "across", connector_deformation), d.matrix()), 1e-12);
       const Eigen::VectorXd force = 300.0 * d + 1e7 * d.cube() - 4.0 * r.col(1);

@@ -133,7 +133,7 @@ void start_from_the_record() {
                           {"sensors", "{yb: {displacement: s.b, noise: 1 mm}, ya: {displacement: s.a, noise: 1 mm}}"}};
   const auto start = [&](const std::string& text) {
     const auto study = with_estimate(stiffness_unknown + text, measured);
-    const auto run = make_filter_run(study, *study.augmented_model, full_record(study, {}));
+    const auto run = make_filter_run(study.problem, *study.augmented_model, record_of(study, {}));
     return run.choice.augmented_model->options().prior.mean;
   };
   const auto found = start(", initial_state_from_record: true");
@@ -189,7 +189,7 @@ void local_models_move_as_measured() {
   near(setup.model->system().connectors[0].deformation, vector({-1.0}));
   // Its own record drives it, and its noise is that of a white signal held over the sample interval: s / sqrt(f).
   const auto results = run(study, Step::simulate);
-  const auto filter = make_filter_run(study, setup, full_record(study, results));
+  const auto filter = make_filter_run(study.problem, setup, record_of(study, results));
   near(filter.choice.augmented_model->options().process_noise.input, vector({0.02 / std::sqrt(100.0)}));
   const auto& foot = results.simulation->measurements.values.col(1);
   near(filter.record.inputs(2, 4), foot[1]);  // four parts a sample
@@ -230,7 +230,7 @@ std::pair<EstimationResult, EstimationResult> both_filters(const std::string& te
   const auto results = run(study, Step::estimate);
   const auto& outcome = *results.estimation;
   EXPECT_EQ(outcome.filter, options.filter) << text;
-  const auto filter = make_filter_run(study, *study.augmented_model, full_record(study, results));
+  const auto filter = make_filter_run(study.problem, *study.augmented_model, record_of(study, results));
   return {outcome.result, estimate(*filter.choice.augmented_model, filter.record, options)};
 }
 
@@ -267,7 +267,7 @@ void passes_over_the_record() {
   EXPECT_TRUE(options_of(study).keep_initial_state);
   const auto results = run(study, Step::estimate);
   const auto& outcome = *results.estimation;
-  const auto filter = make_filter_run(study, *study.augmented_model, full_record(study, results));
+  const auto filter = make_filter_run(study.problem, *study.augmented_model, record_of(study, results));
   const auto expected = [&](int passes) {
     return estimate(*filter.choice.augmented_model, filter.record, {.filter = outcome.filter, .passes = passes})
         .log_likelihood;
@@ -302,13 +302,14 @@ void parts_of_an_interval() {
   near(options_of(study).step, 0.01);
   EXPECT_EQ(options_of(with_estimate(stiffness_unknown)).substeps, 4);
   const auto results = run(study, Step::simulate);
-  EXPECT_EQ(make_filter_run(study, *study.augmented_model, full_record(study, results)).record.inputs.cols(), 351);
+  EXPECT_EQ(make_filter_run(study.problem, *study.augmented_model, record_of(study, results)).record.inputs.cols(),
+            351);
 }
 
 void threads() {
-  EXPECT_EQ(filter_threads(with_estimate(stiffness_unknown + ", threads: 3")), 3);
-  EXPECT_EQ(filter_threads(with_estimate(stiffness_unknown + ", threads: 0")), processors());
-  EXPECT_EQ(filter_threads(with_estimate(stiffness_unknown)), processors());
+  EXPECT_EQ(filter_threads(with_estimate(stiffness_unknown + ", threads: 3").problem->settings), 3);
+  EXPECT_EQ(filter_threads(with_estimate(stiffness_unknown + ", threads: 0").problem->settings), processors());
+  EXPECT_EQ(filter_threads(with_estimate(stiffness_unknown).problem->settings), processors());
 }
 
 /// Two substructures joined by a connector; the one that is predicted is named.

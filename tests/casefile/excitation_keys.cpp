@@ -130,7 +130,7 @@ void delayed_signals() {
                       "{g: {force: s.a, sine: {amplitude: 5, frequency: 3}}, e: {force: s.a, sine: {amplitude: 2, "
                       "frequency: 4}}, late: {force: s.b, " +
                           text + "}}"}}));
-    same_signal(*study.signals[2], *delayed(make_sine({.amplitude = 2, .frequency = 4}), seconds));
+    same_signal(*study.structure->signals[2], *delayed(make_sine({.amplitude = 2, .frequency = 4}), seconds));
   };
   delay("delayed: {input: e, delay: 30 ms}", 0.03);
   delay("trailing_axle: {input: e, wheelbase: 3 m, speed: 72 km/h}", 0.15);

@@ -20,7 +20,7 @@ Study with_part(const std::string& text, const Sections& more = {}) {
 Study with_elements(const std::string& text) { return with_part("finite_elements: {" + text + "}"); }
 Study with_beam(const std::string& more) { return with_elements(beam_elements(more)); }
 
-const FiniteElementPart& part_of(const Study& study) { return *study.finite_elements.at(0).part; }
+const FiniteElementPart& part_of(const Study& study) { return *study.structure->finite_elements.at(0).part; }
 const FiniteElementModel& elements_of(const Study& study) { return part_of(study).elements; }
 
 const double diameter = 0.02, area = std::numbers::pi * diameter * diameter / 4,
@@ -119,7 +119,7 @@ void missing_parts_of_decks() {
   EXPECT_THROW(with(", accept_missing: [NOVELTY, CONTACT PAIR, GAP]"), InvalidInput);  // the deck has no gap
   const auto study = with(", accept_missing: [NOVELTY, CONTACT PAIR]"), whole = with_elements("deck: bar.inp");
   std::vector<std::string> doubtful;
-  for (const auto& note : part_of(study).notes) {
+  for (const auto& note : study.element_notes.at(0).notes) {
     EXPECT_NE(note.kind, DeckNoteKind::missing) << note.what;
     if (note.kind == DeckNoteKind::doubtful) doubtful.push_back(note.what);
   }
@@ -456,7 +456,7 @@ void reduction_sizes() {
                                  {{"excitation", "{f: {force: b.tip.z, constant: 1 N}}"},
                                   {"sensors", "{y: {acceleration: b.tip.z, noise: 1" + chain + "}}"},
                                   {"simulate", simulate}});
-    return study.finite_elements.at(0).reduced->error_indicators.highest_kept;
+    return study.structure->finite_elements.at(0).reduced->error_indicators.highest_kept;
   };
   const std::string filter = ", chain: [{butterworth: {low_pass: 400 Hz}}]";
   near(with_sensor(filter, ""), highest("up_to: 1200 Hz"));

@@ -112,7 +112,7 @@ TEST_F(FreeResponseCases, TheStartIsNoBetterKnownThanTheRestPosition) {
     write(duration);
     std::ofstream(folder_ / "case.yaml") << released_case;
     const Study study = load_study((folder_ / "case.yaml").string());
-    const auto run = make_filter_run(study, *study.augmented_model, full_record(study, {}));
+    const auto run = make_filter_run(study.problem, *study.augmented_model, record_of(study, {}));
     const double rest =
         study.record->free_response->rest_is_unknown() ? study.record->free_response->deviation[0] : 0.0;
     EXPECT_EQ(rest > 0.0, duration < 5.0);

@@ -115,7 +115,7 @@ TEST(MultiSupport, AnAccelerometersOffsetDoesNotPullTheSupportsApart) {
             std::string::npos)
       << study.warnings[0];
   EXPECT_NE(study.warnings[0].find("drift: keep"), std::string::npos);
-  const auto found = study.signals[0]->sample(0.0, 1e-2, 401), expected = motion->sample(0.0, 1e-2, 401);
+  const auto found = study.structure->signals[0]->sample(0.0, 1e-2, 401), expected = motion->sample(0.0, 1e-2, 401);
   EXPECT_LT((found - expected).col(0).abs().maxCoeff(), 0.03 * expected.col(0).abs().maxCoeff());
   const auto kept = study_of(driven_by(left + ", drift: keep}"));
   EXPECT_TRUE(kept.warnings.empty());

@@ -205,7 +205,7 @@ TEST(ResultsFile, HoldsEverySeriesUnderItsName) {
   check("/innovation/deviation/yb", estimate.innovation_deviation.row(1).transpose(), "m");
   check("/innovation/nis", estimate.nis, "-");
   check("/measurements/yw", results.simulation->measurements.values.col(0), "m/s^2");
-  const VectorXd force = study.signals[0]->sample(0.0, 0.01, 201).col(0).matrix();
+  const VectorXd force = study.structure->signals[0]->sample(0.0, 0.01, 201).col(0).matrix();
   EXPECT_LT((file.read("/inputs/f") - force).norm(), 1e-12 * force.norm());
   EXPECT_EQ(file.text_attribute("/inputs/f", "unit"), "N");
   EXPECT_LT((file.read("/time") - VectorXd::LinSpaced(201, 0.0, 2.0)).norm(), 1e-12);

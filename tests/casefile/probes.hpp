@@ -42,7 +42,7 @@ inline Eigen::VectorXd modal_ratios(const Study& study) {
 
 /// Value, rate and acceleration of the first input at a time.
 inline Eigen::Vector3d signal_at(const Study& study, double time, std::size_t input = 0) {
-  return study.signals.at(input)->sample(time, 1.0, 1).matrix().row(0).transpose();
+  return study.structure->signals.at(input)->sample(time, 1.0, 1).matrix().row(0).transpose();
 }
 
 /// Values of two signals at `count` times from 0 on are the same, and not all zero.

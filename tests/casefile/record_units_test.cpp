@@ -26,7 +26,7 @@ protected:
     SCOPED_TRACE(changes.empty() ? "" : changes.front().second);
     try {
       const Study study = load(changes);
-      const auto force_samples = study.signals.at(0)->sample(0.0, 1.0 / rate, 101);
+      const auto force_samples = study.structure->signals.at(0)->sample(0.0, 1.0 / rate, 101);
       for (int k = 0; k <= 100; ++k) {
         const double t = k / rate;
         EXPECT_NEAR(study.record->series.values(k, 0), displacement(t), 1e-11);

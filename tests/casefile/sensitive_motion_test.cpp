@@ -49,7 +49,7 @@ TEST(SensitiveMotion, AFixedStepGivesOneOfTheMotions) {
   // it is the plain solution with that step
   const auto study = study_of(changed(rattle, "first_substeps: 8, max_substeps: 128", "substeps: 16"));
   const auto once =
-      simulate(study.model->system(), study.signals, at_rest(1, 0),
+      simulate(study.model->system(), study.structure->signals, at_rest(1, 0),
                {.integrator = Integrator::newmark, .step = 1.0 / 1600, .duration = 60.0, .keep_every = 16});
   EXPECT_EQ(once.trajectory.displacement.row(0).transpose(), fixed.simulation->reference.sensors.col(0));
 }

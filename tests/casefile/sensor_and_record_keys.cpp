@@ -65,7 +65,7 @@ void noise_is_absolute_or_a_part_of_the_rms() {
   const Eigen::VectorXd noise = results.simulation->measurements.values.col(0) - clean;
   // 2001 samples: the rms of the noise is known to 1.6 %, three deviations.
   near(rms(noise), results.simulation->noise[0], 3.0 / std::sqrt(2.0 * 2001));
-  const auto filter = make_filter_run(study, *study.augmented_model, full_record(study, results));
+  const auto filter = make_filter_run(study.problem, *study.augmented_model, record_of(study, results));
   near(filter.record.noise(0, 0), std::pow(results.simulation->noise[0], 2));
 }
 

@@ -32,9 +32,10 @@ void integrators() {
     const auto study = with_simulation(scheme.text + ", tolerance: 5, first_substeps: 1, max_substeps: 2");
     auto options = scheme.options;
     options.duration = 0.5;
-    const auto reference = simulate_converged(
-        system_of(study), study.signals, at_rest(2, 0), make_outputs(*study.model, {study.sensors[0].output}), {},
-        options, {.sample_rate = 100, .first_substeps = 1, .max_substeps = 2, .tolerance = 5});
+    const auto reference =
+        simulate_converged(system_of(study), study.structure->signals, at_rest(2, 0),
+                           make_outputs(*study.model, {study.sensors[0].output}), {}, options,
+                           {.sample_rate = 100, .first_substeps = 1, .max_substeps = 2, .tolerance = 5});
     records.push_back(clean_record(study));
     EXPECT_LT(relative_difference(records.back(), reference.sensors), 1e-12) << scheme.text;
     for (std::size_t i = 0; i + 1 < records.size(); ++i)
@@ -67,7 +68,7 @@ void fixed_steps() {
     EXPECT_EQ(reference.substeps, substeps);
     EXPECT_TRUE(reference.changes.empty());
     const auto once =
-        simulate(system_of(study), study.signals, at_rest(2, 0),
+        simulate(system_of(study), study.structure->signals, at_rest(2, 0),
                  {.integrator = Integrator::newmark, .step = 0.01 / substeps, .duration = 0.5, .keep_every = substeps});
     near(Eigen::VectorXd(reference.sensors.col(0)), Eigen::VectorXd(once.trajectory.displacement.row(1).transpose()));
   }

@@ -103,8 +103,8 @@ TEST_F(LateRecord, IsDrivenByWhatActedThen) {
   const auto study = late();
   EXPECT_EQ(study.record->series.samples(), 201);
   EXPECT_NEAR(study.record->series.start, 0.3, 1e-12);
-  const auto filter = make_filter_run(study, *study.augmented_model, full_record(study, {}));
-  const auto signals = study.signals[1]->sample(0.3, 0.005 / 4, 801);
+  const auto filter = make_filter_run(study.problem, *study.augmented_model, record_of(study, {}));
+  const auto signals = study.structure->signals[1]->sample(0.3, 0.005 / 4, 801);
   EXPECT_LT((filter.record.inputs.row(1).transpose() - signals.col(0).matrix()).norm(),
             1e-12 * signals.col(0).matrix().norm());
   const auto results = run(study, Step::estimate);
@@ -140,7 +140,7 @@ TEST_F(LateRecord, IsComparedWithWhatHappenedThen) {
 TEST_F(LateRecord, IsNotLearntFromBeyondItsUse) {
   auto study = late();
   study.record->used = 120;
-  const auto filter = make_filter_run(study, *study.augmented_model, full_record(study, {}));
+  const auto filter = make_filter_run(study.problem, *study.augmented_model, record_of(study, {}));
   EXPECT_TRUE(filter.record.measurements.leftCols(120).allFinite());
   EXPECT_TRUE(filter.record.measurements.rightCols(81).array().isNaN().all());
   EXPECT_TRUE(filter.measurements.values.allFinite());
@@ -175,11 +175,11 @@ TEST(Stages, NoiseOfARecordIsAPartOfItsRms) {
       estimated_case({{"simulate", ""},
                       {"record", "{file: rms.csv}"},
                       {"sensors", "{z: {displacement: s.a, noise: 0.2}, y: {displacement: s.b, noise: 5 %}}"}}));
-  const auto record = full_record(study, {});
+  const auto record = record_of(study, {});
   near(record.noise[0], 0.2);
   near(record.noise[1], 0.15);
   EXPECT_EQ(record.series.channels[1].unit, "m");
-  const auto filter = make_filter_run(study, *study.augmented_model, record);
+  const auto filter = make_filter_run(study.problem, *study.augmented_model, record);
   near(filter.record.noise(0, 0), 0.04);
   near(filter.record.noise(1, 1), 0.0225);
 }
@@ -272,7 +272,7 @@ TEST(Stages, LinearUnknownsOfFiniteElementsMoveTheirSuperelement) {
   near(*study.augmented_model->true_parameters[0], 210e9);
   EXPECT_EQ(study.augmented_model->options.unknowns[0].transform.kind, TransformKind::log);
   const auto stiffness_at = [&](double value) {
-    const auto parts = parts_at(study, linear, VectorXd::Constant(1, value));
+    const auto parts = parts_at(*study.problem, linear, VectorXd::Constant(1, value));
     return Eigen::MatrixXd(parts.finite_elements.at(0).model->stiffness);
   };
   EXPECT_LT(relative_difference(stiffness_at(220e9), 1.1 * stiffness_at(200e9)), 1e-9);

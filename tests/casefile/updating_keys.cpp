@@ -338,7 +338,7 @@ void frequency_responses_of_records() {
                                        "{f: {force: s.a, random: {rms: 10, band: [0.1, 40], duration: 80, fade_in: "
                                        "0}}}"},
                                       {"simulate", "{duration: 80 s, sample_rate: 100 Hz}"}});
-  const VectorXd force = study.signals[0]->sample(0.0, 0.01, 8001).col(0).matrix();
+  const VectorXd force = study.structure->signals[0]->sample(0.0, 0.01, 8001).col(0).matrix();
   const std::vector<double> input(force.begin(), force.end());
   write_file("shaker.csv", csv_of(100.0, {{"a", column(0)}, {"b", column(1)}, {"p", input}}));
   MatrixXd table(8001, 3);

@@ -10,9 +10,9 @@
 #include "kalfem/casefile/finite_element_description.hpp"
 #include "kalfem/casefile/update_description.hpp"
 #include "kalfem/dynamics/simulate.hpp"
-#include "kalfem/estimation/filter.hpp"
-#include "kalfem/estimation/parameter_transform.hpp"
 #include "kalfem/formats/matrices.hpp"
+#include "kalfem/identification/estimation_problem.hpp"
+#include "kalfem/identification/initial_state.hpp"
 #include "kalfem/system/sensors/measurement_chain.hpp"
 #include "kalfem/system/sensors/output_map.hpp"
 #include "kalfem/system/signals/ground_motion.hpp"
@@ -20,7 +20,6 @@
 #include "kalfem/system/signals/pulse.hpp"
 #include "kalfem/yaml/case_source.hpp"
 #include "kalfem/yaml/form.hpp"
-#include "kalfem/yaml/values.hpp"
 
 /// A case as its file says it: what the user wrote, with the place of every name that is looked up later. study.hpp
 /// makes the model, the signals and the augmented model from it. Meanings and units of the keys stand in
@@ -172,9 +171,6 @@ struct Record {
   std::optional<FreeResponse> free_response;
 };
 
-struct PointStart {
-  double displacement = 0.0, velocity = 0.0;
-};
 struct Simulation {
   double duration = 10.0, sample_rate = 1000.0;
   Integrator integrator = Integrator::newmark;
@@ -184,7 +180,7 @@ struct Simulation {
   bool superelements = false;            ///< in the place of full finite-element models
   double modes_up_to = 1200.0;           ///< of these superelements [Hz]
   std::uint64_t seed = 1;                ///< of the sensors' noise
-  Named<Located<PointStart>> initial;
+  InitialMotion initial;
 };
 
 struct Unknown {
@@ -196,30 +192,6 @@ struct Unknown {
   std::optional<Value> truth;
   std::vector<Name> applies_to;
 };
-struct PointPrior {
-  double displacement = 0.0, velocity = 0.0, displacement_std = 0.0, velocity_std = 0.0;
-};
-struct ConnectorStatePrior {
-  double value = 0.0, std = 0.0;
-};
-struct Noise {
-  double acceleration = 0.0;             ///< on every degree of freedom
-  Named<Located<double>> accelerations;  ///< on single ones
-};
-struct InterfaceAcceleration {
-  Name sensor;  ///< the recorded channel that drives the interface
-  double displacement_std = 0.0, velocity_std = 0.0;
-};
-struct InterfaceForce {
-  double std = 0.0, correlation_time = 0.1;
-};
-struct Interface {
-  std::variant<InterfaceAcceleration, InterfaceForce> motion;
-};
-struct LocalModelDescription {
-  std::vector<Name> substructures;
-  Named<Located<Interface>> interface;
-};
 struct Estimation {
   std::optional<FilterKind> filter;  ///< none: chosen by what the system allows
   UnscentedOptions unscented;
@@ -227,9 +199,9 @@ struct Estimation {
   Named<Located<PointPrior>> initial_state;
   bool initial_state_from_record = false;
   Named<Located<ConnectorStatePrior>> initial_connector_states;
-  Noise process_noise;
+  AccelerationNoise process_noise;
   double settle = 2.0;
-  std::optional<LocalModelDescription> local;
+  std::optional<LocalModelOptions> local;
   bool estimate_initial_state = false;
   int passes = 1;
   int substeps = 4;

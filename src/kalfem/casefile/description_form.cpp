@@ -81,14 +81,15 @@ Form<std::vector<ChainSection>> measurement_chain() {
   const auto to = [=](const std::vector<Step>& stages) {
     MeasurementChainOptions options;
     for (const auto& each : stages) {
-      if (each.butterworth) options.stages.push_back(make_filter_section(*each.butterworth, FilterFamily::butterworth));
-      if (each.bessel) options.stages.push_back(make_filter_section(*each.bessel, FilterFamily::bessel));
-      if (each.delay) options.stages.push_back(DelaySection{*each.delay});
-      if (each.resonance) options.stages.push_back(*each.resonance);
-      if (each.gain) options.stages.push_back(GainSection{*each.gain});
+      if (each.butterworth)
+        options.sections.push_back(make_filter_section(*each.butterworth, FilterFamily::butterworth));
+      if (each.bessel) options.sections.push_back(make_filter_section(*each.bessel, FilterFamily::bessel));
+      if (each.delay) options.sections.push_back(DelaySection{*each.delay});
+      if (each.resonance) options.sections.push_back(*each.resonance);
+      if (each.gain) options.sections.push_back(GainSection{*each.gain});
     }
     validate(options).raise();
-    return options.stages;
+    return options.sections;
   };
   const auto from = [](const std::vector<ChainSection>& stages) {
     std::vector<Step> written;

@@ -27,7 +27,7 @@ Form<Unknown> unknown() {
           .optional("applies_to", &Unknown::applies_to, list(name()), "several parameters that share this value"));
 }
 
-Form<LocalModelDescription> local_model() {
+Form<LocalModelOptions> local_model() {
   const auto acceleration =
       Fields<InterfaceAcceleration>()
           .required("sensor", &InterfaceAcceleration::sensor, name(), "sensor whose record drives the interface")
@@ -40,10 +40,10 @@ Form<LocalModelDescription> local_model() {
   const auto interface = Fields<Interface>().one_of(
       &Interface::motion, when("acceleration", mapping(acceleration), "a measured acceleration moves the point"),
       when("force", mapping(force), "an unknown force acts at the point in place of what is cut off"));
-  return mapping(Fields<LocalModelDescription>()
-                     .required("substructures", &LocalModelDescription::substructures, one_or_list(name()),
+  return mapping(Fields<LocalModelOptions>()
+                     .required("substructures", &LocalModelOptions::substructures, one_or_list(name()),
                                "what the filter's model holds")
-                     .required("interface", &LocalModelDescription::interface,
+                     .required("interface", &LocalModelOptions::interface,
                                named(located(mapping(interface)), NameRule::dotted),
                                "points where the rest of the structure was"));
 }
@@ -61,10 +61,10 @@ Form<Estimation> estimation() {
       Fields<ConnectorStatePrior>()
           .optional("value", &ConnectorStatePrior::value, number("-"), "mean, in the state's SI unit")
           .optional("std", &ConnectorStatePrior::std, deviation("-"), "deviation, in the state's SI unit");
-  const auto noise = Fields<Noise>()
-                         .optional("acceleration", &Noise::acceleration, deviation("m/s^2/sqrt(Hz)"),
+  const auto noise = Fields<AccelerationNoise>()
+                         .optional("acceleration", &AccelerationNoise::acceleration, deviation("m/s^2/sqrt(Hz)"),
                                    "white acceleration on every degree of freedom")
-                         .optional("accelerations", &Noise::accelerations,
+                         .optional("accelerations", &AccelerationNoise::accelerations,
                                    named(located(deviation("m/s^2/sqrt(Hz)")), NameRule::dotted), "on single ones");
   const auto unscented =
       Fields<UnscentedOptions>()

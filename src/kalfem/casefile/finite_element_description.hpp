@@ -7,15 +7,16 @@
 #include <variant>
 #include <vector>
 
+#include "kalfem/base/located.hpp"
+#include "kalfem/base/units.hpp"
 #include "kalfem/formats/read_deck.hpp"
+#include "kalfem/identification/finite_element_part.hpp"
 #include "kalfem/model/mesh/properties.hpp"
 #include "kalfem/model/unit_system.hpp"
-#include "kalfem/yaml/values.hpp"
 
 /// Finite-element substructures as the case file says them, see description.hpp.
 namespace kalfem::description {
 
-using Name = Located<std::string>;
 using Value = Located<Quantity>;        ///< a number whose unit depends on what it is for
 using Points = Located<Named<double>>;  ///< a point, or a weighted sum of points
 
@@ -117,7 +118,6 @@ struct FiniteElements {
   /// Place of the file (the first one) in the case.
   [[nodiscard]] const SourceLocation& location() const;
 };
-enum class ReductionMethod { craig_bampton, rubin, macneal, guyan };
 struct Reduction {
   ReductionMethod method = ReductionMethod::craig_bampton;
   std::optional<int> modes;

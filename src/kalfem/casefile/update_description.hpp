@@ -7,10 +7,10 @@
 #include <variant>
 #include <vector>
 
+#include "kalfem/base/located.hpp"
 #include "kalfem/casefile/finite_element_description.hpp"
 #include "kalfem/formats/tables/frf_table.hpp"
 #include "kalfem/updating/frf_scale.hpp"
-#include "kalfem/yaml/values.hpp"
 
 /// The updating of a case as its file says it, see description.hpp.
 namespace kalfem::description {

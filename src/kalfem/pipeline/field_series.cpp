@@ -11,9 +11,9 @@ using Eigen::VectorXd;
 
 namespace {
 
-const StudyElements* pictured(const Study& study) {
+const FiniteElementSubstructure* pictured(const Study& study) {
   if (!study.given.report.fields) return nullptr;
-  for (const auto& elements : study.finite_elements)
+  for (const auto& elements : study.structure->finite_elements)
     if (elements.part->name == study.given.report.fields->substructure.value) return &elements;
   return nullptr;
 }

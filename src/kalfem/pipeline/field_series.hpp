@@ -17,7 +17,7 @@ private:
   void add(double time, const Eigen::VectorXd& displacement);
 
   const Study& study_;
-  const StudyElements* elements_ = nullptr;
+  const FiniteElementSubstructure* elements_ = nullptr;
   Eigen::Index offset_ = 0;
   FieldSeries series_;
   std::vector<Eigen::VectorXd> frames_;

@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "kalfem/base/stopwatch.hpp"
+#include "kalfem/identification/filter_run.hpp"
 #include "kalfem/pipeline/reported_quantities.hpp"
-#include "kalfem/study/filter_run.hpp"
 #include "kalfem/study/study_elements.hpp"
 
 namespace kalfem {
@@ -34,7 +34,7 @@ LocallyNonlinearSystem estimated_system(const EstimationOutcome& outcome) {
 /// The case's excitation with the record's first sample at time 0.
 std::vector<SignalPtr> signals_from(const Study& study, double start) {
   std::vector<SignalPtr> signals;
-  for (const auto& signal : study.signals) signals.push_back(delayed(signal, -start));
+  for (const auto& signal : study.structure->signals) signals.push_back(delayed(signal, -start));
   return signals;
 }
 
@@ -130,15 +130,15 @@ EstimationOutcome run_estimation(const Study& study, const AugmentedModelSetup& 
                                  const Progress& progress, std::string& failure) {
   const Stopwatch watch;
   const auto& given = *study.given.estimate;
-  const FullRecord record = full_record(study, results);
-  FilterRun run = make_filter_run(study, setup, record);
+  const FullRecord record = record_of(study, results);
+  FilterRun run = make_filter_run(study.problem, setup, record);
   EstimationOutcome outcome;
   outcome.measurements = run.measurements;
   outcome.noise.assign(run.noise.begin(), run.noise.end());
   const auto monitored = reported_quantities(*setup.model);
   const EstimationOptions options{.filter = run.choice.filter,
                                   .unscented = given.unscented,
-                                  .threads = filter_threads(study),
+                                  .threads = filter_threads(study.problem->settings),
                                   .passes = given.passes,
                                   .state_deviations = false,
                                   .deviation_stride = samples_between_deviations(study.sample_rate()),
@@ -147,7 +147,7 @@ EstimationOutcome run_estimation(const Study& study, const AugmentedModelSetup& 
   outcome.result = estimate(*run.choice.augmented_model, run.record, options);
   if (loses_sign_in_modal_coordinates(outcome.result, *run.choice.augmented_model)) {
     const std::string reason = run.choice.reason;
-    run = make_filter_run(study, setup, record, StateCoordinates::physical);
+    run = make_filter_run(study.problem, setup, record, StateCoordinates::physical);
     run.choice.filter = options.filter;
     run.choice.reason = reason + "; in physical coordinates, as rounding in modal ones cost the covariance its sign";
     outcome.result = estimate(*run.choice.augmented_model, run.record, options);

@@ -3,8 +3,9 @@
 #include <algorithm>
 
 #include "kalfem/base/stopwatch.hpp"
+#include "kalfem/identification/driven_substructure.hpp"
 #include "kalfem/pipeline/reported_quantities.hpp"
-#include "kalfem/study/driven_substructure.hpp"
+#include "kalfem/study/driven_check.hpp"
 
 namespace kalfem {
 
@@ -22,20 +23,15 @@ MatrixXd base_accelerations(const Study& study, const CoupledModel& model, const
                             double start, Index samples) {
   MatrixXd added = MatrixXd::Zero(samples, static_cast<Index>(points.size()));
   const auto& directions = model.base_accelerations();
-  for (std::size_t i = 0; i < study.signals.size(); ++i) {
+  for (std::size_t i = 0; i < study.structure->signals.size(); ++i) {
     const auto input = static_cast<Index>(i);
     if (directions.col(input).isZero(0.0)) continue;
-    const VectorXd signal = study.signals[i]->sample(start, 1.0 / study.sample_rate(), samples).col(0).matrix();
+    const VectorXd signal =
+        study.structure->signals[i]->sample(start, 1.0 / study.sample_rate(), samples).col(0).matrix();
     for (std::size_t p = 0; p < points.size(); ++p)
       added.col(static_cast<Index>(p)) += model.motion(points[p]).dofs.dot(directions.col(input)) * signal;
   }
   return added;
-}
-
-InvalidInput not_estimated(const description::Name& substructure, const std::string& point) {
-  return InvalidInput(substructure.issue("the filter's model does not estimate the motion of '" + point + "'",
-                                         "the substructure is driven by it",
-                                         "hold the point in the filter's model or make it an interface"));
 }
 
 BoundaryMotion boundary_motion(const Study& study, const EstimationOutcome& estimation,
@@ -94,22 +90,13 @@ ReportedRows reported_rows(const CoupledModel& model, const Place& place) {
 
 }  // namespace
 
-void check_driven(const Study& study, const CoupledModel& model, const description::Name& substructure) {
-  constexpr Index largest_driven = 2000;  // degrees of freedom; larger ones are factored once, when they are driven
-  if (model.find_substructure(substructure.value).part.model->size() > largest_driven) return;
-  const DrivenSubstructure drive(study, model, substructure.value);
-  const auto estimated = study.augmented_model->model->reported_points();
-  for (const auto& point : drive.points())
-    if (std::ranges::find(estimated, point) == estimated.end()) throw not_estimated(substructure, point);
-}
-
 PredictionOutcome run_prediction(const Study& study, const CoupledModel& model, const StudyResults& results,
                                  const Progress& progress) {
   using enum ObservedQuantity;
   const Stopwatch watch;
   const auto& estimation = *results.estimation;
   PredictionOutcome outcome{study.given.predict->substructure.value, {}, 0.0};
-  const DrivenSubstructure drive(study, model, outcome.substructure);
+  const DrivenSubstructure drive(*study.structure, model, outcome.substructure);
   const auto [names, rows] = reported_rows(model, drive.place());
   const auto samples = estimation.measurements.samples();
   const auto base = [&](const std::vector<std::string>& points) {

@@ -4,17 +4,17 @@
 
 #include "kalfem/base/random.hpp"
 #include "kalfem/base/stopwatch.hpp"
+#include "kalfem/identification/augmented_model_setup.hpp"
+#include "kalfem/identification/filter_run.hpp"
+#include "kalfem/identification/initial_state.hpp"
 #include "kalfem/pipeline/field_series.hpp"
 #include "kalfem/pipeline/prior_conflicts.hpp"
 #include "kalfem/pipeline/reported_quantities.hpp"
 #include "kalfem/pipeline/run_estimation.hpp"
 #include "kalfem/pipeline/run_prediction.hpp"
 #include "kalfem/pipeline/run_updating.hpp"
-#include "kalfem/pipeline/structural_modifications.hpp"
 #include "kalfem/pipeline/substructure_modes.hpp"
-#include "kalfem/study/augmented_model_setup.hpp"
-#include "kalfem/study/filter_run.hpp"
-#include "kalfem/study/initial_state.hpp"
+#include "kalfem/study/full_record.hpp"
 #include "kalfem/study/study_elements.hpp"
 
 namespace kalfem {
@@ -28,7 +28,7 @@ namespace {
 /// Degrees of freedom from which a simulation is worth a thread of its own.
 constexpr Index large_model = 2000;
 
-std::vector<MeasurementChain> chains_of(const std::vector<StudySensor>& sensors) {
+std::vector<MeasurementChain> chains_of(const std::vector<Sensor>& sensors) {
   std::vector<MeasurementChain> chains;
   for (const auto& sensor : sensors) chains.push_back(sensor.chain);
   return chains;
@@ -98,10 +98,10 @@ SimulationOutcome run_simulation(const Study& study, const Progress& progress, s
   FieldCollector collector(study);
   collector.attach(options);
   SimulationOutcome outcome;
-  outcome.reference =
-      simulate_converged(study.model->system(), study.signals, initial_state(study, *study.model),
-                         make_outputs(*study.model, outputs), chains_of(study.sensors), options,
-                         reference_options(given, study.model->system().size() > large_model ? processors() : 1));
+  outcome.reference = simulate_converged(
+      study.model->system(), study.structure->signals, initial_state(study.given.simulate->initial, *study.model),
+      make_outputs(*study.model, outputs), chains_of(study.sensors), options,
+      reference_options(given, study.model->system().size() > large_model ? processors() : 1));
   if (outcome.reference.simulation.failure)
     failure = "the simulation stopped at " + shortest(outcome.reference.simulation.failure->time) +
               " s: " + outcome.reference.simulation.failure->reason;
@@ -131,7 +131,7 @@ Updated updated_structure(const Study& study, const ParameterisedStructure& stru
   const StructureParts parts = structure.at(updating.values).parts;
   IssueList issues;
   AugmentedModelSetup augmented_model =
-      make_augmented_model_setup(study, parts, present_values(*study.updating, updating.values), issues);
+      make_augmented_model_setup(*study.problem, parts, present_values(*study.updating, updating.values), issues);
   issues.raise();
   return {std::move(augmented_model), parts, updating.values};
 }
@@ -153,10 +153,11 @@ std::optional<CoupledModel> estimated_model(const Study& study, const AugmentedM
                                             std::string& failure) try {
   const bool bound = !augmented_model.linear_unknowns.bindings.empty();
   StructureParts parts = updated ? updated->parts
-                         : bound ? parts_at(study, augmented_model.linear_unknowns, linear_estimates(estimation))
-                                 : reference_parts(study);
+                         : bound
+                             ? parts_at(*study.problem, augmented_model.linear_unknowns, linear_estimates(estimation))
+                             : study.structure->reference_parts();
   const auto refined = updated ? present_values(*study.updating, updated->values) : PresentValues{};
-  const bool changed = set_unknowns(study, study.given.predict->substructure.value,
+  const bool changed = set_unknowns(*study.problem, study.given.predict->substructure.value,
                                     estimation.result.unknowns.mean.rightCols(1), refined, parts);
   if (!changed && !updated && !bound) return std::nullopt;
   return couple(parts);
@@ -170,7 +171,7 @@ std::optional<CoupledModel> estimated_model(const Study& study, const AugmentedM
 double distance(const LinearUnknowns& unknowns, const VectorXd& values) {
   double largest = 0.0;
   for (const auto& [index, parameter] : unknowns.bindings) {
-    const auto* target = std::get_if<FiniteElementParameter>(&parameter.target);
+    const auto* target = std::get_if<FiniteElementParameter>(&parameter.where);
     if (!target || target->kind != FiniteElementParameter::Kind::matrix) continue;
     const double before = unknowns.reduced_at[index];
     if (before != 0.0) largest = std::max(largest, std::abs(values[index] / before - 1.0));
@@ -190,7 +191,7 @@ EstimationOutcome estimate_in_bases_of_estimates(const Study& study, AugmentedMo
     const VectorXd values = linear_estimates(outcome);
     if (distance(setup.linear_unknowns, values) < reduction_reach) break;
     IssueList issues;
-    setup = make_augmented_model_setup(study, study.parts, {}, issues, values);
+    setup = make_augmented_model_setup(*study.problem, study.structure->parts, {}, issues, values);
     issues.raise();
     const int reductions = outcome.reductions + 1;
     outcome = run_estimation(study, setup, results, progress, failure);
@@ -206,7 +207,18 @@ VectorXd unknowns_at_start(const Study& study, const StudyResults& results) {
   return failure.empty() ? VectorXd(before.result.unknowns.mean.rightCols(1)) : VectorXd();
 }
 
+std::optional<UpdatedParameters> updated_parameters(const StudyResults& results) {
+  if (!results.updating) return std::nullopt;
+  return UpdatedParameters{results.updating->values, results.updating->statistics};
+}
+
 }  // namespace
+
+FullRecord record_of(const Study& study, const StudyResults& results) {
+  if (!results.simulation) return measured_record(study);
+  check_noise(study, results.simulation->noise, "the simulated channel");
+  return {results.simulation->measurements, results.simulation->noise, {}};
+}
 
 StudyResults run_study(const Study& study, Step last, const RunOptions& options) {
   const Stopwatch watch;
@@ -240,7 +252,8 @@ StudyResults run_study(const Study& study, Step last, const RunOptions& options)
     if (results.usable())
       results.prediction = run_prediction(study, estimated ? *estimated : *study.model, results, options.progress);
   }
-  if (results.usable() && last >= Step::predict) results.modifications = predict_modifications(study, results.updating);
+  if (results.usable() && last >= Step::predict)
+    results.modifications = predict_modifications(study, updated_parameters(results));
   results.warnings = std::move(conflicts.warnings);
   for (const auto& text : conflicts.failures) results.failure += (results.usable() ? "" : "; ") + text;
   results.total_seconds = study.reduce_seconds + watch.seconds();

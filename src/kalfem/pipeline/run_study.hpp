@@ -8,8 +8,10 @@
 #include "kalfem/dynamics/converged_solution.hpp"
 #include "kalfem/estimation/consistency.hpp"
 #include "kalfem/estimation/estimate.hpp"
+#include "kalfem/identification/filter_run.hpp"
 #include "kalfem/prediction/base_driven.hpp"
 #include "kalfem/records/spectrum.hpp"
+#include "kalfem/study/structural_modifications.hpp"
 #include "kalfem/study/study.hpp"
 #include "kalfem/updating/modal_residual.hpp"
 #include "kalfem/updating/parameter_statistics.hpp"
@@ -125,15 +127,6 @@ struct UpdatingOutcome {
   double seconds = 0.0;
 };
 
-/// Natural frequencies of the updated structure after a change.
-struct StructuralModificationResult {
-  std::string name, substructure;
-  Eigen::VectorXd frequencies;  ///< [Hz]
-  /// Standard deviations of `frequencies` [Hz] that the updated parameters leave, see predict_modifications(); infinite
-  /// where the measurements do not determine a parameter that moves the frequency. Empty without an updating.
-  Eigen::VectorXd deviations;
-};
-
 /// What was computed; stages that did not run are empty.
 struct StudyResults {
   std::vector<SubstructureModes> modes;
@@ -157,6 +150,9 @@ struct RunOptions {
   std::filesystem::path folder = {};  ///< where a long updating keeps its place; empty: nowhere
   std::function<void(int number, const UpdatingStep&)> on_updating_step = {};
 };
+
+/// The record that was simulated, or else measured, with the noise of each channel.
+FullRecord record_of(const Study& study, const StudyResults& results);
 
 /// Runs the stages of the case up to the given one, each as far as the case declares it. An updating comes before the
 /// estimation and the prediction that are reported: they are of the updated structure.

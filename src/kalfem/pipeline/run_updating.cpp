@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "kalfem/base/stopwatch.hpp"
+#include "kalfem/identification/filter_run.hpp"
 #include "kalfem/pipeline/updating_checkpoint.hpp"
 #include "kalfem/study/comparisons.hpp"
-#include "kalfem/study/filter_run.hpp"
 #include "kalfem/updating/evolution.hpp"
 #include "kalfem/updating/frf_residual.hpp"
 #include "kalfem/updating/multi_start.hpp"
@@ -46,14 +46,14 @@ GaussNewtonOptions search_options(const d::Updating& given) {
   return options;
 }
 
-/// The search stage by stage, with its place kept in a file between them.
+/// The search iteration by iteration, with its place kept in a file between them.
 class Search {
 public:
-  Search(const Study& study, const RunOptions& options, UpdatingOutcome& outcome)
+  Search(const Study& study, const RunOptions& options, UpdatingOutcome& updating)
       : study_(study),
         options_(options),
-        outcome_(outcome),
-        checkpoint_(options.folder, fingerprint_of(study, outcome.residual_initial), outcome.values.size()) {}
+        outcome_(updating),
+        checkpoint_(options.folder, fingerprint_of(study, updating.residual_initial), updating.values.size()) {}
 
   /// From the given start, where the residual may be known already, or from where an earlier run was stopped. `last`:
   /// the residual at the end, with its Jacobian, where it was computed.
@@ -99,48 +99,48 @@ using LastResidual = std::optional<ResidualValue>;
 
 /// From wide to sharp, each round from where the last one ended; only the last one is kept in a file.
 LastResidual search_from_one_start(const Study& study, const std::vector<ComparisonResidual>& comparisons,
-                                   const ResidualValue& first, const RunOptions& options, UpdatingOutcome& outcome) {
-  outcome.method = "Gauss-Newton in a trust region";
+                                   const ResidualValue& first, const RunOptions& options, UpdatingOutcome& updating) {
+  updating.method = "Gauss-Newton in a trust region";
   const std::size_t continuation_steps = continuation_steps_of(comparisons);
   VectorXd start = initial_values(study.updating->parameters);
   for (std::size_t round = 0; round + 1 < continuation_steps; ++round) {
     LeastSquaresOptions least_squares{.search = search_options(*study.given.update), .start = start, .watch = {}};
     const auto outcome = minimise(sum_of(comparisons, round), study.updating->parameters, least_squares);
-    outcome.evaluations += outcome.evaluations;
-    outcome.iterations += outcome.iterations;
+    updating.evaluations += outcome.evaluations;
+    updating.iterations += outcome.iterations;
     start = outcome.parameters;
   }
   if (continuation_steps > 1)
-    outcome.method += ", frequency responses smoothed at first, in " + std::to_string(continuation_steps) + " rounds";
+    updating.method += ", frequency responses smoothed at first, in " + std::to_string(continuation_steps) + " rounds";
   LastResidual last;
   const auto done =
-      Search(study, options, outcome)
+      Search(study, options, updating)
           .run(sum_of(comparisons, continuation_steps - 1), start, continuation_steps == 1 ? &first : nullptr, last);
-  outcome.values = done.state().parameters;
-  outcome.termination = words(*done.finished());
-  outcome.converged = converged(*done.finished());
-  outcome.evaluations += done.state().evaluations;
-  outcome.iterations += done.state().iterations;
+  updating.values = done.state().parameters;
+  updating.termination = words(*done.finished());
+  updating.converged = converged(*done.finished());
+  updating.evaluations += done.state().evaluations;
+  updating.iterations += done.state().iterations;
   return last;
 }
 
-LastResidual search_from_many_starts(const Study& study, const ResidualSum& residual, UpdatingOutcome& outcome) {
+LastResidual search_from_many_starts(const Study& study, const ResidualSum& residual, UpdatingOutcome& updating) {
   const auto& given = *study.given.update;
   MultiStartOptions options{.starts = given.starts, .seed = given.seed, .search = {}};
   options.search.search = search_options(given);
   const auto outcome = minimise_from_many(residual, study.updating->parameters, options);
-  outcome.values = outcome.best.parameters;
-  outcome.termination = outcome.best.reason();
-  outcome.converged = outcome.best.usable();
-  outcome.evaluations = outcome.evaluations;
-  outcome.iterations = outcome.best.iterations;
-  outcome.method = "Gauss-Newton in a trust region from " + std::to_string(given.starts) + " starts, of which " +
-                   std::to_string(outcome.converged) + " converged, to " + std::to_string(outcome.minima.size()) +
-                   (outcome.minima.size() == 1 ? " minimum" : " different minima");
+  updating.values = outcome.best.parameters;
+  updating.termination = outcome.best.reason();
+  updating.converged = outcome.best.usable();
+  updating.evaluations = outcome.evaluations;
+  updating.iterations = outcome.best.iterations;
+  updating.method = "Gauss-Newton in a trust region from " + std::to_string(given.starts) + " starts, of which " +
+                    std::to_string(outcome.converged) + " converged, to " + std::to_string(outcome.minima.size()) +
+                    (outcome.minima.size() == 1 ? " minimum" : " different minima");
   return outcome.best.residual;
 }
 
-LastResidual search_by_evolution(const Study& study, const ResidualSum& residual, UpdatingOutcome& outcome) {
+LastResidual search_by_evolution(const Study& study, const ResidualSum& residual, UpdatingOutcome& updating) {
   const auto& given = *study.given.update;
   EvolutionOptions options;
   options.search.generations = static_cast<unsigned>(given.evolution.generations);
@@ -151,12 +151,12 @@ LastResidual search_by_evolution(const Study& study, const ResidualSum& residual
                                   : static_cast<unsigned>(std::max(8.0, 4.0 + std::floor(3.0 * std::log(count))));
   options.polishing->search = search_options(given);
   const auto outcome = evolve(residual, study.updating->parameters, options);
-  outcome.method = "CMA-ES, then Gauss-Newton in a trust region";
-  outcome.values = outcome.parameters;
-  outcome.termination = outcome.reason();
-  outcome.converged = outcome.found() && (!outcome.polished || outcome.polished->usable());
-  outcome.evaluations = outcome.evaluations + (outcome.polished ? outcome.polished->evaluations : 0);
-  outcome.iterations = static_cast<int>(outcome.trace.size());
+  updating.method = "CMA-ES, then Gauss-Newton in a trust region";
+  updating.values = outcome.parameters;
+  updating.termination = outcome.reason();
+  updating.converged = outcome.found() && (!outcome.polished || outcome.polished->usable());
+  updating.evaluations = outcome.evaluations + (outcome.polished ? outcome.polished->evaluations : 0);
+  updating.iterations = static_cast<int>(outcome.trace.size());
   if (!outcome.polished) return std::nullopt;
   return outcome.polished->residual;
 }
@@ -184,7 +184,7 @@ std::vector<FrfCurve> curves(const FrfResidual& residual, const VectorXd& start,
 
 /// Rms of each comparison at the start and at the end, mode by mode and line by line where it has them.
 void compare(const Study& study, const std::vector<ComparisonResidual>& comparisons, const ResidualValue& first,
-             const ResidualValue& last, UpdatingOutcome& outcome) {
+             const ResidualValue& last, UpdatingOutcome& updating) {
   const VectorXd start = initial_values(study.updating->parameters);
   Index row = 0;
   for (const auto& comparison : comparisons) {
@@ -203,11 +203,11 @@ void compare(const Study& study, const std::vector<ComparisonResidual>& comparis
     row += result.size;
     if (const auto* modal = dynamic_cast<const ModalResidual*>(&residual)) {
       result.modes_initial = modal->compare(start);
-      result.modes_final = modal->compare(outcome.values);
+      result.modes_final = modal->compare(updating.values);
     }
     if (const auto* frf = dynamic_cast<const FrfResidual*>(&residual))
-      result.responses = curves(*frf, start, outcome.values);
-    outcome.comparisons.push_back(std::move(result));
+      result.responses = curves(*frf, start, updating.values);
+    updating.comparisons.push_back(std::move(result));
   }
 }
 
@@ -254,8 +254,8 @@ std::string failure_at_first_values(const Study& study, const std::vector<Compar
          "or the priors of the filter's unknowns";
 }
 
-std::string unusable(const UpdatingOutcome& outcome, const LastResidual& last) {
-  if (!last || !std::isfinite(outcome.residual_final) || !outcome.values.allFinite())
+std::string unusable(const UpdatingOutcome& updating, const LastResidual& last) {
+  if (!last || !std::isfinite(updating.residual_final) || !updating.values.allFinite())
     return "the updating found no parameters at which the model has a response";
   return "";
 }
@@ -269,33 +269,34 @@ UpdatingOutcome run_updating(const Study& study, std::vector<ComparisonResidual>
   const Stopwatch watch;
   const auto& given = *study.given.update;
   const Parameters& parameters = study.updating->parameters;
-  add_record_comparisons(study, results, structure, comparisons);
+  const bool has_record = results.simulation || study.record;
+  if (has_record) add_record_comparisons(study, record_of(study, results), structure, comparisons);
   const ResidualSum residual = sum_of(comparisons, continuation_steps_of(comparisons) - 1);
-  UpdatingOutcome outcome;
-  outcome.values = initial_values(parameters);
-  const auto first = residual.evaluate(outcome.values, true);
+  UpdatingOutcome updating;
+  updating.values = initial_values(parameters);
+  const auto first = residual.evaluate(updating.values, true);
   if (!first) {
     failure = failure_at_first_values(study, comparisons);
-    return outcome;
+    return updating;
   }
   require_effects(study, first->jacobian);
-  outcome.residual_initial = rms_of(0.5 * first->values.squaredNorm(), residual.size());
+  updating.residual_initial = rms_of(0.5 * first->values.squaredNorm(), residual.size());
   if (given.check_sensitivities)
-    outcome.sensitivities = check_sensitivities(residual, parameters, outcome.values, check_options(comparisons));
+    updating.sensitivities = check_sensitivities(residual, parameters, updating.values, check_options(comparisons));
 
-  LastResidual last = given.method == d::UpdatingMethod::evolution ? search_by_evolution(study, residual, outcome)
-                      : given.starts > 1                           ? search_from_many_starts(study, residual, outcome)
-                                         : search_from_one_start(study, comparisons, *first, options, outcome);
-  if (!last || last->jacobian.size() == 0) last = residual.evaluate(outcome.values, true);
-  if (last) outcome.residual_final = rms_of(0.5 * last->values.squaredNorm(), residual.size());
-  failure = unusable(outcome, last);
+  LastResidual last = given.method == d::UpdatingMethod::evolution ? search_by_evolution(study, residual, updating)
+                      : given.starts > 1                           ? search_from_many_starts(study, residual, updating)
+                                         : search_from_one_start(study, comparisons, *first, options, updating);
+  if (!last || last->jacobian.size() == 0) last = residual.evaluate(updating.values, true);
+  if (last) updating.residual_final = rms_of(0.5 * last->values.squaredNorm(), residual.size());
+  failure = unusable(updating, last);
   if (failure.empty()) {
-    outcome.statistics = parameter_statistics(parameters, outcome.values, *last);
-    outcome.remarks = parameter_findings(parameters, outcome.values, outcome.statistics);
-    compare(study, comparisons, *first, *last, outcome);
+    updating.statistics = parameter_statistics(parameters, updating.values, *last);
+    updating.remarks = parameter_findings(parameters, updating.values, updating.statistics);
+    compare(study, comparisons, *first, *last, updating);
   }
-  outcome.seconds = watch.seconds();
-  return outcome;
+  updating.seconds = watch.seconds();
+  return updating;
 }
 
 void check_first_values(const Study& study) {

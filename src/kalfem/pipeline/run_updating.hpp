@@ -1,8 +1,8 @@
 #pragma once
 
+#include "kalfem/identification/parameterised_structure.hpp"
 #include "kalfem/pipeline/run_study.hpp"
 #include "kalfem/study/comparisons.hpp"
-#include "kalfem/study/parameterised_structure.hpp"
 
 namespace kalfem {
 

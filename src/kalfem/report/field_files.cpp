@@ -40,7 +40,7 @@ void write_series(const fs::path& folder, const FiniteElementPart& part, const F
 }  // namespace
 
 void write_fields(const std::string& folder, const Study& study, const StudyResults& results) {
-  for (const auto& elements : study.finite_elements) {
+  for (const auto& elements : study.structure->finite_elements) {
     if (elements.part->elements.mesh.cells.empty()) continue;
     for (const auto& modes : results.modes)
       if (modes.name == elements.part->name) write_modes(folder, *elements.part, modes);

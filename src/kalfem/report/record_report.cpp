@@ -31,13 +31,13 @@ double last_time(const TimeSeries& series) { return series.time(series.samples()
 
 }  // namespace
 
-std::vector<RestPosition> rest_positions(const Study& study, const StudyResults& results) {
-  std::vector<RestPosition> positions;
+std::vector<RestFound> rest_positions(const Study& study, const StudyResults& results) {
+  std::vector<RestFound> positions;
   if (!study.record || !study.record->free_response) return positions;
   const auto& found = *study.record->free_response;
   for (std::size_t j = 0; j < study.sensors.size(); ++j) {
     const auto channel = static_cast<Index>(j);
-    RestPosition rest{study.sensors[j].name, study.sensors[j].unit, found.position[channel], {}};
+    RestFound rest{study.sensors[j].name, study.sensors[j].unit, found.position[channel], {}};
     if (found.rest_is_unknown()) {
       const auto estimate = results.estimation ? estimated_rest(*results.estimation, rest.sensor) : std::nullopt;
       rest.position += estimate ? estimate->value : 0.0;

@@ -8,14 +8,14 @@
 namespace kalfem {
 
 /// Where a sensor of a free response rests, in the file's coordinates.
-struct RestPosition {
+struct RestFound {
   std::string sensor, unit;
   double position = 0.0;            ///< [unit]
   std::optional<double> deviation;  ///< standard deviation of an estimated one [unit]
 };
 
 /// Rest positions that were found in the record, or with the estimates where it ends before the rest.
-std::vector<RestPosition> rest_positions(const Study& study, const StudyResults& results);
+std::vector<RestFound> rest_positions(const Study& study, const StudyResults& results);
 
 /// Part of the file, samples, how it was prepared, release and rest; for summary.json.
 nlohmann::ordered_json record_summary(const Study& study, const StudyResults& results);

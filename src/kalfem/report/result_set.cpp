@@ -150,7 +150,7 @@ ResultSet write_result_set(OutputFolder& folder, const Study& study, const Study
 void require_result_places(const fs::path& folder, const Study& study) {
   Names names(main_files.begin(), main_files.end());
   if (study.updating) names.emplace_back(checkpoint_name);
-  for (const auto& elements : study.finite_elements) names.push_back(elements.part->name + "_modes.vtu");
+  for (const auto& elements : study.structure->finite_elements) names.push_back(elements.part->name + "_modes.vtu");
   std::error_code ignored;
   for (const auto& name : names)
     if (fs::is_directory(folder / name, ignored)) fail_to_write(folder / name, EISDIR);

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "kalfem/pipeline/structural_modifications.hpp"
+#include "kalfem/study/structural_modifications.hpp"
 #include "kalfem/report/connector_charts.hpp"
 #include "kalfem/report/model_check_section.hpp"
 #include "kalfem/report/record_report.hpp"
@@ -272,7 +272,7 @@ Section simulation_section(const SimulationOutcome& outcome) {
 /// Modes of the finite-element substructures, how their reductions keep them, and what was warned of.
 Section model_section(const Study& study, const StudyResults& results) {
   Section section{"Finite-element substructures", "", {modes_table(study, results)}};
-  for (const auto& elements : study.finite_elements) {
+  for (const auto& elements : study.structure->finite_elements) {
     section.text += fmt::format("'{}' has {} degrees of freedom and weighs {}. ", elements.part->name,
                                 elements.part->full.size(), mass_text(*elements.part));
     if (elements.reduced)
@@ -320,11 +320,13 @@ Page make_page(const Study& study, const StudyResults& results) {
   } else if (results.simulation && results.usable()) {
     page.sections.push_back(simulation_section(*results.simulation));
   }
-  if (!study.finite_elements.empty()) page.sections.push_back(model_section(study, results));
-  for (const auto& [part, reduced, reference] : study.finite_elements)
+  if (!study.structure->finite_elements.empty()) page.sections.push_back(model_section(study, results));
+  for (std::size_t i = 0; i < study.structure->finite_elements.size(); ++i) {
+    const FiniteElementPart& part = *study.structure->finite_elements[i].part;
     page.sections.push_back(model_check_section(
-        part->name, part->elements,
-        model_check_of(*part, {.mechanisms = false, .definiteness = false, .frequencies = 0}), part->notes));
+        part.name, part.elements, model_check_of(part, {.mechanisms = false, .definiteness = false, .frequencies = 0}),
+        study.element_notes[i].notes));
+  }
   return page;
 }
 

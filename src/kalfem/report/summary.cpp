@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "kalfem/base/version.hpp"
-#include "kalfem/pipeline/structural_modifications.hpp"
+#include "kalfem/study/structural_modifications.hpp"
 #include "kalfem/report/json_number.hpp"
 #include "kalfem/report/record_report.hpp"
 #include "kalfem/report/resting_points.hpp"
@@ -47,13 +47,13 @@ Json model_summary(const Study& study, const StudyResults& results) {
     parts[part.name] = {{"dofs", part.dofs}, {"mass", number(part.mass)}, {"frequencies_hz", frequencies}};
     dofs += part.dofs;
   }
-  for (const auto& elements : study.finite_elements) {
+  for (const auto& elements : study.structure->finite_elements) {
     const auto& part = *elements.part;
     parts[part.name]["moving_mass"] = vector_json(part.moving_mass);
     if (!part.elements.mesh.nodes.isZero(0.0))  // of matrices without coordinates
       parts[part.name]["centre_of_gravity"] = vector_json(part.mass.centre);
   }
-  for (const auto& elements : study.finite_elements)
+  for (const auto& elements : study.structure->finite_elements)
     if (elements.reduced) parts[elements.part->name]["reduction"] = reduction_summary(*elements.reduced);
   return {{"dofs", dofs},
           {"reduced_dofs",
@@ -170,7 +170,7 @@ Json prediction_summary(const StudyResults& results) {
 
 Json timing_summary(const Study& study, const StudyResults& results) {
   Json timing = {{"total_s", number(results.total_seconds)}};
-  if (!study.finite_elements.empty()) timing["reduce_s"] = number(study.reduce_seconds);
+  if (!study.structure->finite_elements.empty()) timing["reduce_s"] = number(study.reduce_seconds);
   if (results.simulation) timing["simulate_s"] = number(results.simulation->seconds);
   if (results.estimation) {
     const auto& outcome = *results.estimation;

@@ -21,7 +21,7 @@ const char* ending(MatrixFormat format) {
 }  // namespace
 
 void write_superelements(const std::filesystem::path& folder, const Study& study) {
-  for (const auto& elements : study.finite_elements)
+  for (const auto& elements : study.structure->finite_elements)
     for (const auto format : study.given.report.superelements.value)
       if (elements.reduced)
         write_superelement(folder / (elements.part->name + "_reduced" + ending(format)), elements.reduced->model,

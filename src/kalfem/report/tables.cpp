@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "kalfem/pipeline/structural_modifications.hpp"
+#include "kalfem/study/structural_modifications.hpp"
 #include "kalfem/report/record_report.hpp"
 #include "kalfem/report/resting_points.hpp"
 #include "kalfem/report/updating_tables.hpp"
@@ -51,7 +51,7 @@ std::string band_words(const EstimationOutcome& outcome) {
 bool shown(const Study& study, const std::string& point) {
   const auto& wanted = study.given.report.displacements;
   const bool of_elements = std::ranges::any_of(
-      study.finite_elements, [&](const auto& each) { return point.starts_with(each.part->name + "."); });
+      study.structure->finite_elements, [&](const auto& each) { return point.starts_with(each.part->name + "."); });
   return !of_elements || wanted.empty() ||
          std::ranges::any_of(wanted, [&](const auto& name) { return name.value == point; });
 }
@@ -63,10 +63,11 @@ std::string four_digits(double value) { return std::isfinite(value) ? fmt::forma
 Table modes_table(const Study& study, const StudyResults& results) {
   Table table{"Modes", {"substructure", "mode", "full [Hz]", "reduced [Hz]", "difference", "MAC"}, {}, {}};
   for (const auto& part : results.modes) {
-    const auto elements =
-        std::ranges::find_if(study.finite_elements, [&](const auto& each) { return each.part->name == part.name; });
-    const auto* error_indicators =
-        elements != study.finite_elements.end() && elements->reduced ? &elements->reduced->error_indicators : nullptr;
+    const auto elements = std::ranges::find_if(study.structure->finite_elements,
+                                               [&](const auto& each) { return each.part->name == part.name; });
+    const auto* error_indicators = elements != study.structure->finite_elements.end() && elements->reduced
+                                       ? &elements->reduced->error_indicators
+                                       : nullptr;
     for (Eigen::Index i = 0; i < part.frequencies.size(); ++i) {
       std::vector<std::string> row{part.name, std::to_string(i + 1), four_digits(part.frequencies[i]), "", "", ""};
       if (const auto mode = static_cast<std::size_t>(i); error_indicators && mode < error_indicators->modes.size()) {
@@ -175,7 +176,7 @@ std::string mass_text(const FiniteElementPart& part) {
 
 std::string console_report(const Study& study, const StudyResults& results) {
   std::string text;
-  for (const auto& elements : study.finite_elements) {
+  for (const auto& elements : study.structure->finite_elements) {
     text += fmt::format("'{}': {} degrees of freedom, {}", elements.part->name, elements.part->full.size(),
                         mass_text(*elements.part));
     if (elements.reduced)
@@ -183,13 +184,13 @@ std::string console_report(const Study& study, const StudyResults& results) {
                           elements.reduced->boundary.size(), elements.reduced->error_indicators.reason);
     text += "\n";
   }
-  if (!study.finite_elements.empty())
+  if (!study.structure->finite_elements.empty())
     text += fmt::format("read, assembled and reduced in {:.1f} s\n\n", study.reduce_seconds);
   if (!results.simulation && !results.estimation) text += to_text(modes_table(study, results)) + "\n";
   if (results.simulation) {
     const auto& reference = results.simulation->reference;
-    const bool of_superelements =
-        std::ranges::any_of(study.finite_elements, [](const auto& each) { return each.reference != nullptr; });
+    const bool of_superelements = std::ranges::any_of(study.structure->finite_elements,
+                                                      [](const auto& each) { return each.reference != nullptr; });
     text +=
         fmt::format("Reference: {} degrees of freedom{}, {} s at {} Hz, {} steps a sample{} ({}), {:.1f} s\n\n",
                     study.model->system().size(), of_superelements ? " (superelements)" : "",

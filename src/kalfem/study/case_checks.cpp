@@ -21,7 +21,7 @@ std::vector<std::string> names_of(const Named<T>& entries) {
   return names;
 }
 
-void check_name(const d::Name& name, const std::string& kind, const std::vector<std::string>& known,
+void check_name(const Name& name, const std::string& kind, const std::vector<std::string>& known,
                 const std::string& fix, IssueList& issues) {
   if (std::ranges::find(known, name.value) == known.end())
     issues.add(name.location,
@@ -31,8 +31,8 @@ void check_name(const d::Name& name, const std::string& kind, const std::vector<
 
 /// The names that an entry stands for: its own where it names no others.
 template <class Entry>
-std::vector<d::Name> targets_of(const std::string& name, const Entry& entry, const SourceLocation& place,
-                                const std::string& path) {
+std::vector<Name> targets_of(const std::string& name, const Entry& entry, const SourceLocation& place,
+                             const std::string& path) {
   if (!entry.applies_to.empty()) return entry.applies_to;
   return {{name, place, path}};
 }
@@ -78,7 +78,7 @@ void check_sensor_names(const d::Case& given, const std::vector<std::string>& po
     const bool of_connector = std::visit(
         [](const auto& observed) { return observed.quantity > ObservedQuantity::acceleration; }, sensor.observed);
     for (const auto& [target, weight] : seen) {
-      const d::Name named{target, location, path};
+      const Name named{target, location, path};
       if (of_connector)
         check_name(named, "connector", connectors, "name one of `connectors`", issues);
       else if (!known_points.contains(target))
@@ -197,11 +197,11 @@ void check_signals(const Study& study, IssueList& issues) {
   } else {
     return;
   }
-  for (std::size_t i = 0; i < study.signals.size(); ++i) try {
-      static_cast<void>(study.signals[i]->sample(from, 1.0, 1));
-      static_cast<void>(study.signals[i]->sample(to, 1.0, 1));
+  for (std::size_t i = 0; i < study.structure->signals.size(); ++i) try {
+      static_cast<void>(study.structure->signals[i]->sample(from, 1.0, 1));
+      static_cast<void>(study.structure->signals[i]->sample(to, 1.0, 1));
     } catch (const InvalidInput& error) {
-      const auto& input = study.parts.inputs[i];
+      const auto& input = study.structure->parts.inputs[i];
       for (const auto& issue : error.issues())
         issues.add(input.location, "excitation." + input.name + ": " + issue.what, issue.why, issue.fix);
     }
@@ -210,7 +210,7 @@ void check_signals(const Study& study, IssueList& issues) {
 namespace {
 
 /// The interface moves as its own point was measured, and no other.
-void check_driving_sensor(const d::Case& given, const std::string& point, const d::Name& name, IssueList& issues) {
+void check_driving_sensor(const d::Case& given, const std::string& point, const Name& name, IssueList& issues) {
   const auto sensor = std::ranges::find(given.sensors, name.value, &std::pair<std::string, d::Sensor>::first);
   if (sensor == given.sensors.end()) {
     check_name(name, "sensor", names_of(given.sensors), "name one of `sensors`", issues);
@@ -252,7 +252,7 @@ void check_estimation(const d::Case& given, IssueList& issues) {
                  "the filter cannot weigh a sensor without noise", "give a small one");
   if (!estimate.local) return;
   for (const auto& [point, interface] : estimate.local->interface)
-    if (const auto* driven = std::get_if<d::InterfaceAcceleration>(&interface.value.motion))
+    if (const auto* driven = std::get_if<InterfaceAcceleration>(&interface.value.motion))
       check_driving_sensor(given, point, driven->sensor, issues);
 }
 

@@ -2,9 +2,9 @@
 
 #include <string>
 
+#include "kalfem/base/located.hpp"
 #include "kalfem/records/time_series.hpp"
 #include "kalfem/system/sensors/output_map.hpp"
-#include "kalfem/yaml/values.hpp"
 
 namespace kalfem {
 

@@ -7,12 +7,12 @@
 
 #include "kalfem/formats/tables/csv.hpp"
 #include "kalfem/formats/tables/frf_table.hpp"
-#include "kalfem/pipeline/run_prediction.hpp"
-#include "kalfem/study/parameter_lookup.hpp"
+#include "kalfem/identification/record_residual.hpp"
+#include "kalfem/identification/released_elements.hpp"
+#include "kalfem/identification/simulation_residual.hpp"
+#include "kalfem/study/driven_check.hpp"
+#include "kalfem/study/parameter_names.hpp"
 #include "kalfem/study/record_file.hpp"
-#include "kalfem/study/record_residual.hpp"
-#include "kalfem/study/simulation_residual.hpp"
-#include "kalfem/study/unknown_builder.hpp"
 #include "kalfem/updating/frf_residual.hpp"
 #include "kalfem/updating/modal_residual.hpp"
 #include "kalfem/updating/static_residual.hpp"
@@ -31,10 +31,10 @@ constexpr double default_frequency_deviation = 0.01;
 /// Smoothing of frequency responses goes down to this part of the first width before it ends.
 constexpr double smoothing_range = 10.0;
 
-const d::Name& substructure_of(const d::Comparison& given) {
-  static const d::Name none;
+const Name& substructure_of(const d::Comparison& given) {
+  static const Name none;
   return std::visit(
-      [](const auto& data) -> const d::Name& {
+      [](const auto& data) -> const Name& {
         if constexpr (requires { data.substructure; }) return data.substructure;
         return none;
       },
@@ -43,12 +43,13 @@ const d::Name& substructure_of(const d::Comparison& given) {
 
 /// Unknowns of the filter among the elements of a substructure that is driven by the boundary's estimated motion: the
 /// comparison would hold them as the case gives them.
-void check_unknowns_of_driven_part(const Study& study, const d::Name& substructure, IssueList& issues) {
+void check_unknowns_of_driven_part(const Study& study, const Name& substructure, IssueList& issues) {
+  const ParameterSet known(*study.structure);
   for (const auto& [name, given] : study.given.estimate->unknown)
     for (const auto& target : names_of(name, given)) {
-      const auto element = find_parameter(study.parts, target.value);
-      if (!element || element->kind == ParameterReference::Kind::connector) continue;
-      if (study.parts.substructures[element->part].name != substructure.value) continue;
+      const auto element = known.find(target.value);
+      if (!element || element->owner != substructure.value || !can_be_released(study.structure->parts, *element))
+        continue;
       issues.add(target.location,
                  target.path + ": '" + target.value + "' is an unknown of the filter, and " + substructure.path +
                      " compares the record with its substructure",
@@ -56,7 +57,7 @@ void check_unknowns_of_driven_part(const Study& study, const d::Name& substructu
     }
 }
 
-const std::vector<d::Name>* sensors_of(const d::Comparison& given) {
+const std::vector<Name>* sensors_of(const d::Comparison& given) {
   if (const auto* driven = std::get_if<d::DrivenHistory>(&given.data)) return &driven->sensors;
   if (const auto* simulated = std::get_if<d::SimulatedHistory>(&given.data)) return &simulated->sensors;
   return nullptr;
@@ -86,7 +87,7 @@ std::vector<double> measured_frequencies(const d::Frequencies& given) {
 }
 
 /// A point by its name in the substructure: a degree of freedom or a named combination.
-DofCombination point_of(const LinearModel& model, const d::Name& name) {
+DofCombination point_of(const LinearModel& model, const Name& name) {
   if (const auto point = model.points.find(name.value); point != model.points.end()) return point->second;
   if (std::ranges::find(model.dofs, name.value) != model.dofs.end()) return {{name.value, 1.0}};
   std::vector<std::string> known;
@@ -138,7 +139,7 @@ std::vector<std::string> compared_sensors(const Study& study, const d::Simulated
 }
 
 /// An entry that stands twice would count twice.
-void check_twice(const std::vector<d::Name>& names, IssueList& issues) {
+void check_twice(const std::vector<Name>& names, IssueList& issues) {
   std::set<std::string> seen;
   for (const auto& name : names)
     if (!seen.insert(name.value).second)
@@ -154,9 +155,10 @@ double samples_of(const Study& study) {
 /// Makes the residual of each kind of comparison.
 class ResidualMaker {
 public:
-  ResidualMaker(const Study& study, const StudyResults& results,
-                std::shared_ptr<const ParameterisedStructure> structure, std::string name)
-      : study_(study), results_(results), structure_(std::move(structure)), name_(std::move(name)) {}
+  /// `record`: of comparisons that need one.
+  ResidualMaker(const Study& study, const FullRecord* record, std::shared_ptr<const ParameterisedStructure> structure,
+                std::string name)
+      : study_(study), record_(record), structure_(std::move(structure)), name_(std::move(name)) {}
 
   ComparisonResidual operator()(const d::ModalData& given) const {
     const auto model = structure_->model_of(given.substructure.value);
@@ -228,21 +230,26 @@ public:
     return {name_,
             "record of '" + given.substructure.value + "' driven by the estimated motion of its boundary",
             {std::make_shared<RecordResidual>(
-                study_, full_record(study_, results_), structure_,
+                study_.problem, *record_, structure_, *study_.updating,
                 RecordResidual::Options{.name = name_,
                                         .substructure = given.substructure.value,
                                         .sensors = sensors,
                                         .hold_gains = given.derivatives == d::HistoryDerivatives::automatic
-                                                          ? !study_.finite_elements.empty()
+                                                          ? !study_.structure->finite_elements.empty()
                                                           : given.derivatives == d::HistoryDerivatives::held_gains})}};
   }
 
   ComparisonResidual operator()(const d::SimulatedHistory& given) const {
-    const auto sensors = compared_sensors(study_, given);
+    std::vector<Sensor> sensors;
+    for (const auto& name : compared_sensors(study_, given))
+      sensors.push_back(*std::ranges::find(study_.sensors, name, &Sensor::name));
+    SimulationResidual::Options options{.name = name_};
+    if (study_.given.simulate) options.initial = study_.given.simulate->initial;
+    if (study_.given.estimate) options.settle = study_.given.estimate->settle;
     return {name_,
             "record against the simulation",
-            {std::make_shared<SimulationResidual>(study_, full_record(study_, results_), structure_,
-                                                  SimulationResidual::Options{.name = name_, .sensors = sensors})}};
+            {std::make_shared<SimulationResidual>(study_.structure, std::move(sensors), *record_, structure_,
+                                                  study_.updating->parameters, options)}};
   }
 
 private:
@@ -331,21 +338,20 @@ private:
   }
 
   const Study& study_;
-  const StudyResults& results_;
+  const FullRecord* record_;
   std::shared_ptr<const ParameterisedStructure> structure_;
   std::string name_;
 };
 
-void make_all(const Study& study, const StudyResults& results,
-              const std::shared_ptr<const ParameterisedStructure>& structure, bool of_record,
-              std::vector<ComparisonResidual>& all) {
+void make_all(const Study& study, const FullRecord* record,
+              const std::shared_ptr<const ParameterisedStructure>& structure, std::vector<ComparisonResidual>& all) {
   IssueList issues;
   for (const auto& [name, given] : study.given.update->comparisons) {
-    if ((sensors_of(given.value) != nullptr) != of_record) continue;
+    if ((sensors_of(given.value) != nullptr) != (record != nullptr)) continue;
     try {
-      all.push_back(std::visit(ResidualMaker(study, results, structure, name), given.value.data));
+      all.push_back(std::visit(ResidualMaker(study, record, structure, name), given.value.data));
       all.back().weight = given.value.weight;
-      all.back().of_record = of_record;
+      all.back().of_record = record != nullptr;
     } catch (const InvalidInput& error) {
       add_at(given.location, error, issues);
     }
@@ -358,14 +364,14 @@ void make_all(const Study& study, const StudyResults& results,
 std::vector<ComparisonResidual> make_comparisons(const Study& study,
                                                  const std::shared_ptr<const ParameterisedStructure>& structure) {
   std::vector<ComparisonResidual> all;
-  make_all(study, {}, structure, false, all);
+  make_all(study, nullptr, structure, all);
   return all;
 }
 
-void add_record_comparisons(const Study& study, const StudyResults& results,
+void add_record_comparisons(const Study& study, const FullRecord& record,
                             const std::shared_ptr<const ParameterisedStructure>& structure,
                             std::vector<ComparisonResidual>& comparisons) {
-  make_all(study, results, structure, true, comparisons);
+  make_all(study, &record, structure, comparisons);
 }
 
 void check_comparisons(const Study& study, IssueList& issues) {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "kalfem/pipeline/run_study.hpp"
-#include "kalfem/study/parameterised_structure.hpp"
+#include "kalfem/identification/filter_run.hpp"
+#include "kalfem/study/updating_setup.hpp"
 #include "kalfem/updating/residual.hpp"
 
 namespace kalfem {
@@ -29,8 +29,8 @@ struct ComparisonResidual {
 std::vector<ComparisonResidual> make_comparisons(const Study& study,
                                                  const std::shared_ptr<const ParameterisedStructure>& structure);
 
-/// Adds the others behind them, once there is a record.
-void add_record_comparisons(const Study& study, const StudyResults& results,
+/// Adds the others behind them. `record`: measured or simulated.
+void add_record_comparisons(const Study& study, const FullRecord& record,
                             const std::shared_ptr<const ParameterisedStructure>& structure,
                             std::vector<ComparisonResidual>& comparisons);
 

@@ -286,7 +286,7 @@ private:
     return name == "ground" || std::ranges::find(given_.grounds, name) != given_.grounds.end();
   }
 
-  std::optional<NodalDof> spring_end(const d::Name& end) {
+  std::optional<NodalDof> spring_end(const Name& end) {
     const auto dot = end.value.rfind('.');
     const int direction = dot == std::string::npos ? -1 : direction_index(end.value.substr(dot + 1));
     if (direction < 0) {

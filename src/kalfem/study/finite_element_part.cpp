@@ -15,9 +15,6 @@ namespace {
 using Eigen::Index;
 namespace d = description;
 
-/// Sensors' bandwidth where there are none, or none with an upper limit [Hz].
-constexpr double default_bandwidth = 100.0;
-
 /// Motions of a named node that the boundary is to hold, for a place such as "p1" or "p1.rx".
 struct BoundaryPlace {
   Located<std::string> place;
@@ -88,7 +85,8 @@ bool is_held(const FiniteElementModel& model, const NodalDof& dof) {
 /// What becomes of the motions that the boundary is to hold.
 class BoundaryMaker {
 public:
-  explicit BoundaryMaker(FiniteElementPart& part) : part_(part), rows_(part.assembled.expansion) {}
+  explicit BoundaryMaker(DescribedPart& described)
+      : part_(described.part), warnings_(described.warnings), rows_(part_.assembled.expansion) {}
 
   /// `is_given`: by the user, so that each place must be possible; what connectors and forces touch is checked by them.
   void add(const BoundaryPlace& place, bool is_given, IssueList& issues) {
@@ -103,10 +101,10 @@ public:
     }
     if (is_given && still.size() == place.dofs.size()) refuse(place, issues);
     if (is_given && !following.empty())
-      part_.warnings.push_back("the boundary keeps no coordinate of its own for " + place.place.value + " along " +
-                               listed(following) + ": links make it follow exactly from the other boundary nodes");
+      warnings_.push_back("the boundary keeps no coordinate of its own for " + place.place.value + " along " +
+                          listed(following) + ": links make it follow exactly from the other boundary nodes");
     if (is_given && !still.empty() && still.size() < place.dofs.size())
-      part_.warnings.push_back("the boundary node " + place.place.value + " does not move along " + listed(still));
+      warnings_.push_back("the boundary node " + place.place.value + " does not move along " + listed(still));
   }
 
 private:
@@ -130,6 +128,7 @@ private:
   }
 
   FiniteElementPart& part_;
+  std::vector<std::string>& warnings_;
   Eigen::SparseMatrix<double, Eigen::RowMajor> rows_;  ///< motion of each nodal degree of freedom by the free ones
 };
 
@@ -184,42 +183,20 @@ void require_no_mechanism(const FiniteElementModel& elements, const AssembledMod
                      "its motion there is not determined", "hold or join these degrees of freedom");
 }
 
-/// A mass-normalised mode of a body of mass m moves a typical point by 1 / sqrt(m).
-Superelement completed(const FiniteElementPart& part, Superelement superelement) {
-  auto& model = superelement.model;
-  const auto boundary = static_cast<Index>(superelement.boundary.size());
-  model.points_only = true;
-  model.coordinate_scale = Eigen::VectorXd::Ones(model.size());
-  model.coordinate_scale.tail(model.size() - boundary).setConstant(std::sqrt(part.moving_mass.mean()));
-  return superelement;
-}
-
-Superelement reduce_by(d::ReductionMethod method, const LinearModel& full, const std::vector<std::string>& boundary,
-                       const ReductionOptions& options) {
-  switch (method) {
-    case d::ReductionMethod::guyan:
-      return guyan(full, boundary, options);
-    case d::ReductionMethod::rubin:
-      return free_interface(full, boundary, {.kind = FreeInterfaceKind::rubin, .modes = options.modes});
-    case d::ReductionMethod::macneal:
-      return free_interface(full, boundary, {.kind = FreeInterfaceKind::macneal, .modes = options.modes});
-    case d::ReductionMethod::craig_bampton:
-      break;
-  }
-  return craig_bampton(full, boundary, options);
-}
-
 }  // namespace
 
-FiniteElementPart make_finite_element_part(const std::string& name, const d::Substructure& given,
-                                           const std::vector<std::string>& attached,
-                                           const std::vector<std::string>& parameters) {
-  FiniteElementPart part;
+DescribedPart make_finite_element_part(const std::string& name, const d::Substructure& given,
+                                       const std::vector<std::string>& attached,
+                                       const std::vector<std::string>& parameters) {
+  DescribedPart described;
+  FiniteElementPart& part = described.part;
   part.name = name;
+  part.damping = {{given.damping.mass_factor, given.damping.stiffness_factor},
+                  {given.damping.modal, given.damping.modal_up_to}};
   auto [elements, nodes, notes] = build_finite_elements(name, given);
   part.elements = std::move(elements);
   part.nodes = std::move(nodes);
-  part.notes = std::move(notes);
+  described.notes = std::move(notes);
   const bool is_given = given.reduction && !given.reduction->value.boundary.empty();
   const auto boundary =
       is_given ? given_boundary(part, given.reduction->value) : attached_boundary(part, given, attached);
@@ -230,8 +207,7 @@ FiniteElementPart make_finite_element_part(const std::string& name, const d::Sub
     if (!part.elements.mesh.cells.empty()) require_no_mechanism(part.elements, part.assembled);
     part.mass = mass_properties(part.assembled);
     part.moving_mass = moving_mass(part.elements, part.assembled);
-    part.full = linear_model(part.elements, part.assembled, part.nodes,
-                             {given.damping.mass_factor, given.damping.stiffness_factor});
+    part.full = linear_model(part.elements, part.assembled, part.nodes, part.damping.rayleigh);
     part.full.points_only = true;
     add_grounds(given, part.full);
     add_weighted_points(given, part.full);
@@ -243,40 +219,19 @@ FiniteElementPart make_finite_element_part(const std::string& name, const d::Sub
     issues.raise();
   }
   IssueList issues;
-  BoundaryMaker maker(part);
+  BoundaryMaker maker(described);
   for (const auto& place : boundary) maker.add(place, is_given, issues);
   issues.raise();
   if (given.reduction && !touches_nodes(given, attached)) require_boundary(part, *given.reduction);
-  return part;
+  return described;
 }
 
-Superelement reduce(const FiniteElementPart& part, const std::optional<Located<d::Reduction>>& given,
-                    double sensor_bandwidth) {
-  const d::Reduction reduction = given ? given->value : d::Reduction{};
-  ReductionOptions options;
-  options.modes.count = reduction.modes;
-  options.modes.cutoff = reduction.up_to;
-  options.modes.effective_mass = reduction.effective_mass;
-  options.augmentation_vectors = reduction.augmentation_vectors;
-  if (!reduction.modes && !reduction.up_to && !reduction.effective_mass)
-    options.modes.cutoff = 3.0 * (std::isfinite(sensor_bandwidth) ? sensor_bandwidth : default_bandwidth);
-  return completed(part, reduce_by(reduction.method, part.full, part.boundary, options));
-}
-
-Superelement reduce_again(const FiniteElementPart& part, const LinearModel& full,
-                          const std::optional<Located<d::Reduction>>& given, const ReductionErrorIndicators& first) {
-  const d::Reduction reduction = given ? given->value : d::Reduction{};
-  return completed(part, reduce_by(reduction.method, full, part.boundary,
-                                   {.modes = {.count = first.fixed_interface_frequencies.size()},
-                                    .augmentation_vectors = reduction.augmentation_vectors,
-                                    .order = first.order,
-                                    .error_indicators = false}));
-}
-
-Superelement reduce_up_to(const FiniteElementPart& part, double frequency) {
-  return completed(
-      part, craig_bampton(part.full, part.boundary,
-                          {.modes = {.cutoff = frequency}, .augmentation_vectors = true, .error_indicators = false}));
+ReductionRequest reduction_request(const std::optional<Located<d::Reduction>>& given) {
+  if (!given) return {};
+  const d::Reduction& reduction = given->value;
+  return {reduction.method,
+          {.count = reduction.modes, .cutoff = reduction.up_to, .effective_mass = reduction.effective_mass},
+          reduction.augmentation_vectors};
 }
 
 }  // namespace kalfem

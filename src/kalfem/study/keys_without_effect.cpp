@@ -71,8 +71,8 @@ private:
   }
 
   void of_reduction(const Path& substructure, const d::Reduction& reduction) {
-    const bool guyan = reduction.method == d::ReductionMethod::guyan;
-    const bool craig_bampton = reduction.method == d::ReductionMethod::craig_bampton;
+    const bool guyan = reduction.method == ReductionMethod::guyan;
+    const bool craig_bampton = reduction.method == ReductionMethod::craig_bampton;
     const auto of_other_method = [&](const std::string& key, const std::string& why) {
       warn({substructure[0], substructure[1], "reduction", key}, why);
     };
@@ -102,13 +102,11 @@ private:
   }
 
   /// A connector that the local augmented model leaves out acts on what it holds all the same.
-  void of_local(const d::LocalModelDescription& local) {
+  void of_local(const LocalModelOptions& local) {
     std::set<std::string> held, ends;
     for (const auto& name : local.substructures) held.insert(name.value);
     for (const auto& [point, interface] : local.interface) ends.insert(point);
-    const auto is_held = [&](const d::Name& point) {
-      return held.contains(point.value.substr(0, point.value.find('.')));
-    };
+    const auto is_held = [&](const Name& point) { return held.contains(point.value.substr(0, point.value.find('.'))); };
     for (const auto& [name, connector] : given_.connectors) {
       if (is_held(connector.from) == is_held(connector.to)) continue;
       const auto& [inside, outside] =
@@ -119,7 +117,7 @@ private:
                                        inside.value + "' one with a force");
     }
     for (const auto& [point, interface] : local.interface) {
-      const auto* driven = std::get_if<d::InterfaceAcceleration>(&interface.value.motion);
+      const auto* driven = std::get_if<InterfaceAcceleration>(&interface.value.motion);
       if (!driven) continue;
       const auto touches = [&](const auto& each) {
         const auto& [from, to] = std::tie(each.second.from, each.second.to);

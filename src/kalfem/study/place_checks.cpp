@@ -33,7 +33,7 @@ public:
   }
 
 private:
-  bool find(const description::Name& name) {
+  bool find(const Name& name) {
     const bool found = known_.contains(name.value);
     if (!found)
       issues_.add(name.location,
@@ -67,7 +67,7 @@ private:
     if (points.value.size() == 1 && points.value.front().first == "all") return check_translation(points);
     std::size_t grounds = 0;
     for (const auto& [point, weight] : points.value) {
-      const description::Name name{point, points.location, points.path};
+      const Name name{point, points.location, points.path};
       if (!find(name) || !contains(grounds_, point)) continue;
       ++grounds;
       drive(name);
@@ -88,7 +88,7 @@ private:
   }
 
   /// Each ground has one motion, and something must feel it.
-  void drive(const description::Name& ground) {
+  void drive(const Name& ground) {
     const auto [first, added] = driven_.emplace(ground.value, ground);
     if (!added)
       issues_.add(ground.location, ground.path + ": the ground '" + ground.value + "' is driven twice",
@@ -126,7 +126,7 @@ private:
   CoupledModel model_;
   std::vector<std::string> points_;
   std::unordered_set<std::string> known_;
-  std::map<std::string, description::Name> driven_;  ///< grounds, with the first excitation that moves them
+  std::map<std::string, Name> driven_;  ///< grounds, with the first excitation that moves them
 };
 
 }  // namespace

@@ -185,7 +185,7 @@ private:
                          " m/s: without that it would drift; `drift: keep` integrates the acceleration as it is");
   }
 
-  SignalPtr after(const d::Name& input, double delay) {
+  SignalPtr after(const Name& input, double delay) {
     const auto earlier = std::ranges::find_if(
         all_.given.excitation, [&](const auto& each) { return each.first == input.value || each.first == name_; });
     if (input.value == name_ || earlier->first != input.value)

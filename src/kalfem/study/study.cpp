@@ -6,14 +6,17 @@
 #include <set>
 
 #include "kalfem/casefile/description_form.hpp"
-#include "kalfem/pipeline/run_prediction.hpp"
-#include "kalfem/pipeline/structural_modifications.hpp"
-#include "kalfem/study/augmented_model_setup.hpp"
+#include "kalfem/identification/augmented_model_setup.hpp"
+#include "kalfem/identification/filter_run.hpp"
+#include "kalfem/identification/parameterised_structure.hpp"
 #include "kalfem/study/case_checks.hpp"
 #include "kalfem/study/comparisons.hpp"
-#include "kalfem/study/filter_run.hpp"
+#include "kalfem/study/driven_check.hpp"
+#include "kalfem/study/estimation_problem_of.hpp"
+#include "kalfem/study/filter_checks.hpp"
+#include "kalfem/study/full_record.hpp"
 #include "kalfem/study/keys_without_effect.hpp"
-#include "kalfem/study/parameterised_structure.hpp"
+#include "kalfem/study/structural_modifications.hpp"
 #include "kalfem/study/study_elements.hpp"
 #include "kalfem/study/updating_setup.hpp"
 #include "kalfem/yaml/bounds.hpp"
@@ -24,8 +27,9 @@ namespace {
 
 namespace d = description;
 
-StudySensor make_sensor(const std::string& name, const d::Sensor& given) {
-  StudySensor sensor;
+Sensor make_sensor(const std::string& name, const d::Sensor& given, const SourceLocation& location) {
+  Sensor sensor;
+  sensor.location = location;
   sensor.name = name;
   std::visit(
       [&](const auto& observed) {
@@ -46,7 +50,7 @@ StudySensor make_sensor(const std::string& name, const d::Sensor& given) {
 /// What a sensor relative to the base is relative to must move.
 void check_relative(const Study& study, const d::Sensor& given, const d::Points& points, IssueList& issues) {
   const bool uniform = std::ranges::any_of(
-      study.parts.inputs, [](const auto& input) { return input.kind == InputKind::base_acceleration; });
+      study.structure->parts.inputs, [](const auto& input) { return input.kind == InputKind::base_acceleration; });
   const bool of_connector = std::visit(
       [](const auto& observed) { return observed.quantity > ObservedQuantity::acceleration; }, given.observed);
   if (given.relative && !uniform && !of_connector)
@@ -60,7 +64,7 @@ void add_sensors(Study& study, IssueList& issues) {
   for (const auto& [name, given] : study.given.sensors) {
     const auto location = std::visit([](const auto& observed) { return observed.points.location; }, given.observed);
     try {
-      study.sensors.push_back(make_sensor(name, given));
+      study.sensors.push_back(make_sensor(name, given, study.given.source.at({"sensors", name})));
       std::visit([&](const auto& observed) { check_relative(study, given, observed.points, issues); }, given.observed);
       make_outputs(*study.model, {study.sensors.back().output});
     } catch (const InvalidInput& error) {
@@ -71,7 +75,7 @@ void add_sensors(Study& study, IssueList& issues) {
 
 /// The parts from which the augmented model is made: an updating begins at its own first guesses.
 StructureParts starting_parts(const Study& study) {
-  if (!study.updating) return study.parts;
+  if (!study.updating) return study.structure->parts;
   return parameterised_structure(study)->at(initial_values(study.updating->parameters)).parts;
 }
 
@@ -114,6 +118,7 @@ class StudyMaker {
 public:
   StudyMaker(d::Case given, const std::string& file, const IssueList& already_found) : issues_(already_found) {
     study_.file = file;
+    study_.structure = structure_;
     study_.given = std::move(given);
     if (study_.given.source.empty()) study_.given.source = CaseSource(file, nullptr);
     unsound_ = study_.given.source.sections_of(issues_.issues());
@@ -142,12 +147,14 @@ private:
     step("sections", {"file", "substructures", "sensors"}, {},
          [&](IssueList& issues) { check_sections(study_.given, issues); });
     step("elements", has_finite_elements() ? joined({"substructures"}, around) : Names{"substructures"},
-         {"substructures"}, [&](IssueList& issues) { add_finite_elements(study_, issues); });
+         {"substructures"}, [&](IssueList& issues) { add_finite_elements(*structure_, study_, issues); });
     step("parts", {"substructures", "elements"}, {"substructures"},
-         [&](IssueList& issues) { study_.parts = make_parts(study_.given, reduced_parts(study_), issues); });
+         [&](IssueList& issues) { structure_->parts = make_parts(study_.given, structure_->reduced_parts(), issues); });
     step("names", {"substructures", "elements"}, {"substructures"}, [&](IssueList& issues) { check_names(issues); });
     step("model", {"substructures", "elements", "parts", "connectors", "excitation", "damping"}, {"damping"},
-         [&](IssueList&) { study_.model = std::make_shared<const CoupledModel>(couple(reference_parts(study_))); });
+         [&](IssueList&) {
+           study_.model = std::make_shared<const CoupledModel>(couple(structure_->reference_parts()));
+         });
   }
 
   void read_record() {
@@ -156,14 +163,14 @@ private:
     });
     step("placed sensors", {"model", "sensors"}, {"sensors"}, [&](IssueList& issues) { add_sensors(study_, issues); });
     step("noise of the record", {"record", "placed sensors"}, {"record"}, [&](IssueList&) {
-      if (study_.record) full_record(study_, {});  // every channel has its noise
+      if (study_.record) measured_record(study_);  // every channel has its noise
     });
     const bool needs_duration = std::ranges::any_of(study_.given.excitation, lasts_as_long_as_the_simulation);
     const bool has_duration = !needs_duration || !not_read_.contains("simulate");
     const Names grounds = {"substructures", "elements"};  // other problems of the excitation do not matter here
     step("signals", has_duration ? grounds : joined({"simulate"}, grounds), {"excitation"}, [&](IssueList& issues) {
       const double duration = study_.given.simulate ? study_.given.simulate->duration : 10.0;
-      study_.signals = make_signals(study_.given, study_.parts.inputs, duration, issues, study_.warnings);
+      structure_->signals = make_signals(study_.given, structure_->parts.inputs, duration, issues, study_.warnings);
     });
     step("simulate", {"model", "simulate"}, {"simulate"}, [&](IssueList& issues) { check_simulation(study_, issues); });
     step("pictures", {"report", "record", "simulate"}, {"report"},
@@ -195,10 +202,12 @@ private:
                        "simulate", "estimate", "update", "excitation",     "parameters"};
     step("observer", all, {"estimate"}, [&](IssueList& issues) {
       if (!study_.given.estimate) return;
+      study_.problem = std::make_shared<const EstimationProblem>(make_estimation_problem(study_, issues));
+      if (!issues.empty()) return;
       const StructureParts start = starting_parts(study_);
-      study_.augmented_model = make_augmented_model_setup(study_, start, {}, issues);
+      study_.augmented_model = make_augmented_model_setup(*study_.problem, start, {}, issues);
+      check_augmented_model(study_, issues);
       start_ = study_.updating ? std::make_shared<const CoupledModel>(couple(start)) : study_.model;
-      check_needed_samples(study_, issues);
     });
     step("filter", joined({"observer"}, all), {"estimate", "kappa"}, [&](IssueList&) {
       if (study_.augmented_model) check_filter(study_);
@@ -233,7 +242,7 @@ private:
   }
 
   void check_names(IssueList& issues) {
-    const CoupledModel points = couple({study_.parts.substructures, study_.parts.finite_elements, {}, {}});
+    const CoupledModel points = couple({structure_->parts.substructures, structure_->parts.finite_elements, {}, {}});
     if (!unsound_.contains("sensors") && !not_read_.contains("connectors"))
       check_sensor_names(study_.given, points.point_names(), issues);
     if (!unsound_.contains("report") && !unsound_.contains("predict"))
@@ -273,6 +282,7 @@ private:
   }
 
   Study study_;
+  std::shared_ptr<Structure> structure_ = std::make_shared<Structure>();  ///< of the study, while it is made
   std::shared_ptr<const CoupledModel> start_;  ///< what a prediction, or an updating, starts from
   IssueList issues_;
   std::set<std::string> unsound_;   ///< sections and results with a problem

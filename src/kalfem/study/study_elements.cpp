@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "kalfem/study/finite_element_part.hpp"
 #include "kalfem/base/stopwatch.hpp"
 
 namespace kalfem {
@@ -17,13 +18,6 @@ double sensor_bandwidth(const d::Case& given) {
   for (const auto& [name, sensor] : given.sensors)
     widest = std::max(widest, std::min(0.5 * rate, bandwidth({sensor.chain})));
   return widest > 0.0 ? widest : std::numeric_limits<double>::infinity();
-}
-
-/// The reduced model where there is one, else the full one.
-std::shared_ptr<const LinearModel> model_of(const FiniteElementPartPtr& part,
-                                            const std::shared_ptr<const Superelement>& reduced) {
-  if (reduced) return {reduced, &reduced->model};
-  return {part, &part->full};
 }
 
 /// Parameters of a substructure that the case estimates, refines or modifies, by their names in it.
@@ -50,29 +44,29 @@ std::vector<std::string> changing_parameters(const d::Case& given, const std::st
 }
 
 /// What may change the model one by one; the rest as a number.
-void warn_of_notes(const FiniteElementPart& part, std::vector<std::string>& warnings) {
+void warn_of_notes(const ElementNotes& part, std::vector<std::string>& warnings) {
   std::size_t unused = 0;
   for (const auto& note : part.notes)
     if (note.kind == DeckNoteKind::unused)
       ++unused;
     else
-      warnings.push_back("substructure '" + part.name +
+      warnings.push_back("substructure '" + part.substructure +
                          "': " + kalfem::to_string(Issue{note.where, note.what, note.consequence, ""}));
   if (unused > 0)
-    warnings.push_back("substructure '" + part.name + "': its deck holds " + std::to_string(unused) +
+    warnings.push_back("substructure '" + part.substructure + "': its deck holds " + std::to_string(unused) +
                        " kinds of things that are not used; `kalfem check` lists them");
 }
 
 /// Files of superelements are written of what is reduced.
-void check_superelement_files(Study& study, IssueList& issues) {
+void check_superelement_files(const Structure& structure, Study& study, IssueList& issues) {
   const auto& files = study.given.report.superelements;
   if (files.value.empty() || !issues.empty()) return;
-  const auto is_reduced = [](const StudyElements& elements) { return elements.reduced != nullptr; };
-  if (std::ranges::none_of(study.finite_elements, is_reduced))
+  const auto is_reduced = [](const FiniteElementSubstructure& elements) { return elements.reduced != nullptr; };
+  if (std::ranges::none_of(structure.finite_elements, is_reduced))
     issues.add(files.location, files.path + ": no substructure of the case is reduced", "there is nothing to write",
                "give a finite-element substructure `reduction: {boundary: [...]}`");
   else
-    for (const auto& elements : study.finite_elements)
+    for (const auto& elements : structure.finite_elements)
       if (!is_reduced(elements))
         study.warnings.push_back("substructure '" + elements.part->name +
                                  "' is not reduced, as nothing touches it: no superelement file is written of it");
@@ -94,55 +88,42 @@ std::optional<FrequencyBand> excitation_band(const d::Case& given) {
   return band.to > band.from ? std::optional(band) : std::nullopt;
 }
 
-void add_finite_elements(Study& study, IssueList& issues) {
+void add_finite_elements(Structure& structure, Study& study, IssueList& issues) {
   const Stopwatch watch;
   for (const auto& [name, given] : study.given.substructures) {
     if (!given.finite_elements) continue;
     try {
-      StudyElements elements;
-      elements.part = std::make_shared<const FiniteElementPart>(make_finite_element_part(
-          name, given, attached_points(study.given, name), changing_parameters(study.given, name)));
-      warn_of_notes(*elements.part, study.warnings);
-      for (const auto& warning : elements.part->warnings)
-        study.warnings.push_back("substructure '" + name + "': " + warning);
+      auto [part, notes, warnings] = make_finite_element_part(name, given, attached_points(study.given, name),
+                                                              changing_parameters(study.given, name));
+      study.element_notes.push_back({name, std::move(notes)});
+      warn_of_notes(study.element_notes.back(), study.warnings);
+      for (const auto& warning : warnings) study.warnings.push_back("substructure '" + name + "': " + warning);
+      FiniteElementSubstructure elements;
+      elements.part = std::make_shared<const FiniteElementPart>(std::move(part));
+      elements.reduction = reduction_request(given.reduction);
       if (!elements.part->boundary.empty()) {
         elements.reduced = std::make_shared<const Superelement>(
-            reduce(*elements.part, given.reduction, sensor_bandwidth(study.given)));
+            reduce(*elements.part, elements.reduction, sensor_bandwidth(study.given)));
         if (study.given.simulate && study.given.simulate->superelements)
           elements.reference =
               std::make_shared<const Superelement>(reduce_up_to(*elements.part, study.given.simulate->modes_up_to));
       }
-      study.finite_elements.push_back(std::move(elements));
+      structure.finite_elements.push_back(std::move(elements));
     } catch (const InvalidInput& error) {
       add_at(given.finite_elements->location(), error, issues);
     }
   }
-  check_superelement_files(study, issues);
+  check_superelement_files(structure, study, issues);
   study.reduce_seconds = watch.seconds();
-}
-
-std::vector<Substructure> reduced_parts(const Study& study) {
-  std::vector<Substructure> parts;
-  for (const auto& [part, reduced, reference] : study.finite_elements)
-    parts.push_back({part->name, model_of(part, reduced)});
-  return parts;
-}
-
-StructureParts reference_parts(const Study& study) {
-  StructureParts parts = study.parts;
-  parts.finite_elements.clear();
-  for (const auto& [part, reduced, reference] : study.finite_elements)
-    parts.finite_elements.push_back({part->name, model_of(part, reference)});
-  return parts;
 }
 
 void warn_of_reductions(Study& study) {
   const auto excited = excitation_band(study.given);
-  for (const auto& [part, reduced, reference] : study.finite_elements)
-    if (reduced && study.augmented_model)
-      for (const auto& warning :
-           reduction_warnings(reduced->error_indicators, excited ? excited->to : 0.0, sensor_bandwidth(study.given)))
-        study.warnings.push_back("substructure '" + part->name + "': " + warning);
+  for (const auto& elements : study.structure->finite_elements)
+    if (elements.reduced && study.augmented_model)
+      for (const auto& warning : reduction_warnings(elements.reduced->error_indicators, excited ? excited->to : 0.0,
+                                                    sensor_bandwidth(study.given)))
+        study.warnings.push_back("substructure '" + elements.part->name + "': " + warning);
 }
 
 }  // namespace kalfem

@@ -5,14 +5,9 @@
 
 namespace kalfem {
 
-/// Meshes, assembles and reduces every finite-element substructure of the case. Problems go to `issues`.
-void add_finite_elements(Study& study, IssueList& issues);
-
-/// The finite-element substructures as the augmented model holds them.
-std::vector<Substructure> reduced_parts(const Study& study);
-
-/// The case's parts as its record is simulated from them.
-StructureParts reference_parts(const Study& study);
+/// Meshes, assembles and reduces every finite-element substructure of the case into `structure`; what there is to say
+/// of them goes to the study, problems to `issues`.
+void add_finite_elements(Structure& structure, Study& study, IssueList& issues);
 
 /// Frequencies that the random, sine and swept excitations of a case hold; nothing where there is none.
 std::optional<FrequencyBand> excitation_band(const description::Case& given);

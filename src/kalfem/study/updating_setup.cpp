@@ -5,7 +5,7 @@
 #include <map>
 
 #include "kalfem/study/comparisons.hpp"
-#include "kalfem/study/parameterised_structure.hpp"
+#include "kalfem/study/parameter_names.hpp"
 #include "kalfem/yaml/bounds.hpp"
 
 namespace kalfem {
@@ -19,12 +19,12 @@ namespace d = description;
 class ParameterBuilder {
 public:
   ParameterBuilder(const Study& study, UpdatingSetup& setup, IssueList& issues)
-      : study_(study), setup_(setup), issues_(issues) {}
+      : study_(study), known_(*study.structure), setup_(setup), issues_(issues) {}
 
   void add(const std::string& name, const Located<d::UpdatedParameter>& given) {
-    const d::Name own{name, given.location, given.path};
-    const auto names = given.value.applies_to.empty() ? std::vector<d::Name>{own} : given.value.applies_to;
-    std::vector<StructureParameter> targets;
+    const Name own{name, given.location, given.path};
+    const auto names = given.value.applies_to.empty() ? std::vector<Name>{own} : given.value.applies_to;
+    std::vector<Parameter> targets;
     for (const auto& each : names)
       if (auto target = resolved(each, name)) targets.push_back(std::move(*target));
     if (targets.size() != names.size()) return;
@@ -36,15 +36,15 @@ public:
   }
 
 private:
-  std::optional<StructureParameter> resolved(const d::Name& target, const std::string& owner) {
-    auto parameter = find_structure_parameter(study_, target.value);
+  std::optional<Parameter> resolved(const Name& target, const std::string& owner) {
+    auto parameter = known_.find(target.value);
+    if (parameter && parameter->of_connector()) parameter.reset();
     if (!parameter)
       issues_.add(
           target.location,
-          target.path + ": there is no parameter '" + target.value + "'" +
-              did_you_mean(target.value, structure_parameter_names(study_)),
+          target.path + ": there is no parameter '" + target.value + "'" + did_you_mean(target.value, known_.names()),
           "the updating refines numbers of linear substructures; those of connectors are unknowns of the filter");
-    else if (const auto issue = unlike_ratios(study_, *parameter, target))
+    else if (const auto issue = unlike_ratios(study_.given, *parameter, target))
       issues_.add(issue->location, issue->what, issue->why, issue->fix);
     const auto all_ratios = target.value.find(".damping.modal");  // one of them is refined by all of them
     if (all_ratios != std::string::npos) {
@@ -62,7 +62,7 @@ private:
     return parameter;
   }
 
-  void add(const std::string& name, const d::UpdatedParameter& given, const std::vector<StructureParameter>& targets) {
+  void add(const std::string& name, const d::UpdatedParameter& given, const std::vector<Parameter>& targets) {
     const std::string unit = targets.front().unit;
     for (const auto& target : targets)
       if (target.unit != unit)
@@ -112,6 +112,7 @@ private:
   }
 
   const Study& study_;
+  ParameterSet known_;
   UpdatingSetup& setup_;
   IssueList& issues_;
   std::map<std::string, std::string> owners_;
@@ -149,6 +150,12 @@ UpdatingSetup make_updating_setup(const Study& study, IssueList& issues) {
   check_comparisons(study, issues);
   check_search(study, setup, issues);
   return setup;
+}
+
+std::shared_ptr<const ParameterisedStructure> parameterised_structure(const Study& study) {
+  const auto& [parameters, bindings, truth] = *study.updating;
+  return std::make_shared<const ParameterisedStructure>(study.structure, bindings,
+                                                        static_cast<Index>(parameters.size()));
 }
 
 }  // namespace kalfem

@@ -8,4 +8,7 @@ namespace kalfem {
 /// bounds that exclude the start, one parameter under two names.
 UpdatingSetup make_updating_setup(const Study& study, IssueList& issues);
 
+/// The case's structure as a function of what its updating refines.
+std::shared_ptr<const ParameterisedStructure> parameterised_structure(const Study& study);
+
 }  // namespace kalfem

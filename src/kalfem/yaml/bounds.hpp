@@ -3,7 +3,8 @@
 #include <limits>
 #include <string>
 
-#include "kalfem/yaml/values.hpp"
+#include "kalfem/base/located.hpp"
+#include "kalfem/base/units.hpp"
 
 namespace kalfem {
 

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "kalfem/base/units.hpp"
 #include "kalfem/yaml/bounds.hpp"
 #include "kalfem/yaml/form.hpp"
 

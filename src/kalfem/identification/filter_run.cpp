@@ -1,0 +1,175 @@
+#include "kalfem/identification/filter_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <thread>
+
+#include "kalfem/records/local_polynomial.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+TimeSeries channels_of(const TimeSeries& series, const std::vector<Sensor>& sensors) {
+  TimeSeries selected{
+      series.sample_rate, series.start, {}, MatrixXd(series.samples(), static_cast<Index>(sensors.size()))};
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    const Index column = series.find(sensors[i].name);
+    selected.channels.push_back(series.channels[static_cast<std::size_t>(column)]);
+    selected.values.col(static_cast<Index>(i)) = series.values.col(column);
+  }
+  return selected;
+}
+
+/// Samples with so many equal parts between each two, straight lines between them.
+VectorXd interpolated(const VectorXd& samples, Index parts) {
+  VectorXd fine((samples.size() - 1) * parts + 1);
+  for (Index k = 0; k < fine.size(); ++k) {
+    const Index before = std::min(k / parts, samples.size() - 2);
+    const double weight = static_cast<double>(k - before * parts) / static_cast<double>(parts);
+    fine[k] = (1.0 - weight) * samples[before] + weight * samples[before + 1];
+  }
+  return fine;
+}
+
+/// [r; r'; r''] of the augmented model's inputs at every substep: excitation signals, recorded accelerations in the
+/// place of r'', zero for unknown forces.
+MatrixXd inputs_of(const EstimationProblem& problem, const AugmentedModelSetup& setup, const FullRecord& record) {
+  const auto& sources = setup.input_sources;
+  const auto n_u = static_cast<Index>(sources.size());
+  const Index parts = setup.options.substeps, fine = (record.series.samples() - 1) * parts + 1;
+  MatrixXd inputs = MatrixXd::Zero(3 * n_u, fine);
+  for (Index i = 0; i < n_u; ++i) {
+    const std::string& source = sources[static_cast<std::size_t>(i)];
+    if (source.empty()) continue;
+    if (source.front() == '@') {
+      inputs.row(2 * n_u + i) =
+          interpolated(record.series.values.col(record.series.find(source.substr(1))), parts).transpose();
+      continue;
+    }
+    for (std::size_t j = 0; j < problem.structure->parts.inputs.size(); ++j) {
+      if (problem.structure->parts.inputs[j].name != source) continue;
+      const double step = 1.0 / (problem.sample_rate * static_cast<double>(parts));
+      const auto sampled = problem.structure->signals[j]->sample(record.series.start, step, fine);
+      for (Index derivative = 0; derivative < 3; ++derivative)
+        inputs.row(derivative * n_u + i) = sampled.col(derivative).matrix().transpose();
+    }
+  }
+  return inputs;
+}
+
+/// Prior standard deviation of a sensor's rest position; 0 where it is known.
+double rest_deviation(const AugmentedModelOptions& options, std::size_t sensor) {
+  for (const auto& unknown : options.unknowns)
+    if (std::ranges::find(unknown.sensors, static_cast<Index>(sensor)) != unknown.sensors.end())
+      return unknown.deviation;
+  return 0.0;
+}
+
+/// Displacements and velocities at the first sample, least squares from the displacement sensors, what these see of
+/// moving grounds taken off. Displacements are no better known than the rest positions that they are measured from.
+/// `inputs`: [r; r'; r''] there.
+void set_start_from_record(const AugmentedModelSetup& setup, const TimeSeries& series, const VectorXd& inputs,
+                           StatePrior& prior) {
+  std::vector<OutputDescription> outputs;
+  std::vector<Index> columns;
+  std::vector<double> of_rest;
+  for (std::size_t i = 0; i < setup.sensors.size(); ++i) {
+    const auto& sensor = setup.sensors[i];
+    if (sensor.output.quantity != ObservedQuantity::displacement) continue;
+    outputs.push_back(sensor.output);
+    columns.push_back(series.find(sensor.name));
+    of_rest.push_back(rest_deviation(setup.options, i));
+  }
+  const OutputMap map = make_outputs(*setup.model, outputs);
+  const TimeSeries seen{series.sample_rate, series.start, {}, series.values(Eigen::all, columns)};
+  const double reach = static_cast<double>(samples_at_start - 1) / series.sample_rate;
+  const auto motion = local_motion(seen, 0, {.half_window = reach, .degree = 2});
+  const MatrixXd inverse = MatrixXd(map.displacement).completeOrthogonalDecomposition().pseudoInverse();
+  const Index n_u = inputs.size() / 3;
+  const VectorXd base = map.input_value * inputs.head(n_u), base_velocity = map.input_value * inputs.segment(n_u, n_u);
+  prior.mean.displacement = inverse * (motion.position - base);
+  prior.mean.velocity = inverse * (motion.velocity - base_velocity);
+  const VectorXd rest = VectorXd::Map(of_rest.data(), static_cast<Index>(of_rest.size()));
+  prior.displacement_deviation =
+      (prior.displacement_deviation.cwiseAbs2() + inverse.cwiseAbs2() * rest.cwiseAbs2()).cwiseSqrt();
+}
+
+/// The augmented model's options with what only the record tells: the noise of accelerations that drive it, sensor
+/// states. `inputs`: of the augmented model at the first sample.
+AugmentedModelOptions completed_options(const EstimationProblem& problem, const AugmentedModelSetup& setup,
+                                        const FullRecord& record, const VectorXd& inputs) {
+  AugmentedModelOptions options = setup.options;
+  for (std::size_t i = 0; i < setup.input_sources.size(); ++i) {
+    const std::string& source = setup.input_sources[i];
+    if (source.empty() || source.front() != '@') continue;
+    const Index channel = record.series.find(source.substr(1));
+    // White noise of standard deviation s per sample, held over 1 / f, has the density s / sqrt(f).
+    options.process_noise.input[static_cast<Index>(i)] =
+        record.noise[static_cast<std::size_t>(channel)] / std::sqrt(record.series.sample_rate);
+  }
+  double largest = 0.0;
+  for (Index j = 0; j < record.series.values.cols(); ++j)
+    largest = std::max(largest, rms_of_present(record.series.values.col(j)));
+  options.prior.sensor_state_deviation = 0.1 * largest;
+  if (problem.settings.initial_state_from_record) set_start_from_record(setup, record.series, inputs, options.prior);
+  return options;
+}
+
+/// `first_inputs`: of the augmented model at the first sample.
+FilterChoice choose(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const FullRecord& record,
+                    const VectorXd& first_inputs, std::optional<StateCoordinates> coordinates) {
+  std::vector<OutputDescription> outputs;
+  std::vector<MeasurementChain> chains;
+  for (const auto& sensor : setup.sensors) {
+    outputs.push_back(sensor.output);
+    chains.push_back(sensor.chain);
+  }
+  AugmentedModelOptions options = completed_options(*problem, setup, record, first_inputs);
+  options.system_at = system_of_linear_unknowns(problem, setup);
+  const OutputMap map = make_outputs(*setup.model, outputs);
+  if (!coordinates)
+    return choose_filter(problem->settings.filter, setup.model->system(), map, chains, std::move(options));
+  FilterChoice choice;
+  options.coordinates = *coordinates;
+  choice.augmented_model = std::make_shared<const AugmentedModel>(setup.model->system(), map, chains, options);
+  return choice;
+}
+
+}  // namespace
+
+double rms_of_present(const Eigen::Ref<const VectorXd>& channel) {
+  const auto present = channel.array().isFinite();
+  const double count = std::max(1.0, static_cast<double>(present.count()));
+  return std::sqrt(present.select(channel, 0.0).squaredNorm() / count);
+}
+
+FilterRun make_filter_run(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
+                          const FullRecord& record, std::optional<StateCoordinates> coordinates) {
+  FilterRun run;
+  run.noise.resize(static_cast<Index>(setup.sensors.size()));
+  for (std::size_t i = 0; i < setup.sensors.size(); ++i)
+    run.noise[static_cast<Index>(i)] =
+        record.noise[static_cast<std::size_t>(record.series.find(setup.sensors[i].name))];
+  run.measurements = channels_of(record.series, setup.sensors);
+  const MatrixXd inputs = inputs_of(*problem, setup, record);
+  run.choice = choose(problem, setup, record, inputs.col(0), coordinates);
+  MatrixXd used = run.measurements.values.transpose();
+  if (record.used) used.rightCols(used.cols() - *record.used).setConstant(std::numeric_limits<double>::quiet_NaN());
+  run.record = {used, inputs, run.noise.cwiseAbs2().asDiagonal()};
+  return run;
+}
+
+int processors() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+
+int filter_threads(const EstimationSettings& settings) {
+  const int given = settings.threads;
+  return given > 0 ? given : processors();
+}
+
+}  // namespace kalfem

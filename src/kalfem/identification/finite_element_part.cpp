@@ -1,0 +1,65 @@
+#include "kalfem/identification/finite_element_part.hpp"
+
+#include <cmath>
+
+#include "kalfem/reduction/free_interface.hpp"
+
+namespace kalfem {
+namespace {
+
+using Eigen::Index;
+
+/// Sensors' bandwidth where none of them has a limit [Hz].
+constexpr double default_bandwidth = 100.0;
+
+/// The filter's initial deviations and noise are given for displacements; modal coordinates are larger by the root of
+/// the mass that moves.
+Superelement with_scale(const FiniteElementPart& part, Superelement superelement) {
+  auto& model = superelement.model;
+  const auto boundary = static_cast<Index>(superelement.boundary.size());
+  model.points_only = true;
+  model.coordinate_scale = Eigen::VectorXd::Ones(model.size());
+  model.coordinate_scale.tail(model.size() - boundary).setConstant(std::sqrt(part.moving_mass.mean()));
+  return superelement;
+}
+
+Superelement reduce_by(ReductionMethod method, const LinearModel& full, const std::vector<std::string>& boundary,
+                       const ReductionOptions& options) {
+  switch (method) {
+    case ReductionMethod::guyan:
+      return guyan(full, boundary, options);
+    case ReductionMethod::rubin:
+      return free_interface(full, boundary, {.kind = FreeInterfaceKind::rubin, .modes = options.modes});
+    case ReductionMethod::macneal:
+      return free_interface(full, boundary, {.kind = FreeInterfaceKind::macneal, .modes = options.modes});
+    case ReductionMethod::craig_bampton:
+      break;
+  }
+  return craig_bampton(full, boundary, options);
+}
+
+}  // namespace
+
+Superelement reduce(const FiniteElementPart& part, const ReductionRequest& request, double sensor_bandwidth) {
+  ReductionOptions options{.modes = request.modes, .augmentation_vectors = request.augmentation_vectors};
+  if (!options.modes.count && !options.modes.cutoff && !options.modes.effective_mass)
+    options.modes.cutoff = 3.0 * (std::isfinite(sensor_bandwidth) ? sensor_bandwidth : default_bandwidth);
+  return with_scale(part, reduce_by(request.method, part.full, part.boundary, options));
+}
+
+Superelement reduce_again(const FiniteElementPart& part, const LinearModel& full, const ReductionRequest& request,
+                          const ReductionErrorIndicators& first) {
+  return with_scale(part, reduce_by(request.method, full, part.boundary,
+                                    {.modes = {.count = first.fixed_interface_frequencies.size()},
+                                     .augmentation_vectors = request.augmentation_vectors,
+                                     .order = first.order,
+                                     .error_indicators = false}));
+}
+
+Superelement reduce_up_to(const FiniteElementPart& part, double frequency) {
+  return with_scale(
+      part, craig_bampton(part.full, part.boundary,
+                          {.modes = {.cutoff = frequency}, .augmentation_vectors = true, .error_indicators = false}));
+}
+
+}  // namespace kalfem

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kalfem/model/assembly/assembly.hpp"
+#include "kalfem/model/assembly/fe_linear_model.hpp"
+#include "kalfem/model/assembly/finite_element_parameters.hpp"
+#include "kalfem/model/assembly/mass_properties.hpp"
+#include "kalfem/reduction/superelement.hpp"
+
+namespace kalfem {
+
+/// A finite-element substructure at full order: what it is made of, and its matrices. Immutable.
+struct FiniteElementPart {
+  std::string name;
+  FiniteElementModel elements;
+  AssembledModel assembled;
+  MassProperties mass;                                    ///< of the whole, also of what is held
+  Eigen::Vector3d moving_mass = Eigen::Vector3d::Zero();  ///< that the free part moves along x, y, z [kg]
+  std::vector<NamedNode> nodes;
+  LinearModel full;                   ///< with its damping
+  FiniteElementDamping damping;       ///< of which `full` is made, beside its dashpots
+  std::vector<std::string> boundary;  ///< names of the degrees of freedom that the rest of the structure touches
+};
+using FiniteElementPartPtr = std::shared_ptr<const FiniteElementPart>;
+
+enum class ReductionMethod { craig_bampton, rubin, macneal, guyan };
+
+/// How a finite-element substructure is reduced. Without a limit on the modes these go up to three times the sensors'
+/// bandwidth.
+struct ReductionRequest {
+  ReductionMethod method = ReductionMethod::craig_bampton;
+  ModeSelection modes = {};          ///< not of Guyan's
+  bool augmentation_vectors = true;  ///< see ReductionOptions
+};
+
+/// A finite-element substructure in the orders of model that are used beside each other.
+struct FiniteElementSubstructure {
+  FiniteElementPartPtr part;
+  ReductionRequest reduction;
+  std::shared_ptr<const Superelement> reduced;    ///< in the filter's model; empty where nothing is attached
+  std::shared_ptr<const Superelement> reference;  ///< in the simulation; empty: the full model
+};
+
+/// The superelement of a part. `sensor_bandwidth` [Hz], infinite where no sensor has a limit.
+Superelement reduce(const FiniteElementPart& part, const ReductionRequest& request, double sensor_bandwidth);
+
+/// The superelement of the part at other values of its parameters, with as many fixed-interface modes as `first` has,
+/// in the order of its factor, and without the comparison with the full model.
+Superelement reduce_again(const FiniteElementPart& part, const LinearModel& full, const ReductionRequest& request,
+                          const ReductionErrorIndicators& first);
+
+/// The superelement that stands for the full model up to a frequency [Hz].
+Superelement reduce_up_to(const FiniteElementPart& part, double frequency);
+
+}  // namespace kalfem

@@ -1,0 +1,222 @@
+#include "kalfem/identification/record_residual.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kalfem/updating/parallel_columns.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+/// Gains that are kept: each of the first ones, and then every so many samples.
+constexpr Index dense_gains = 200, gain_stride = 20;
+
+/// Displacement, velocity and acceleration of each point, in the coordinates of the system: relative to an accelerated
+/// base.
+std::vector<OutputDescription> motion_outputs(const std::vector<std::string>& points) {
+  std::vector<OutputDescription> outputs;
+  for (const auto quantity :
+       {ObservedQuantity::displacement, ObservedQuantity::velocity, ObservedQuantity::acceleration})
+    for (const auto& point : points) outputs.push_back({point, quantity, {{point, 1.0}}, true});
+  return outputs;
+}
+
+BoundaryMotion motion_from(const MatrixXd& monitored, Index first) {
+  const Index n_b = monitored.rows() / 3, samples = monitored.cols() - first;
+  return {monitored.block(0, first, n_b, samples), monitored.block(n_b, first, n_b, samples),
+          monitored.block(2 * n_b, first, n_b, samples)};
+}
+
+/// Rows of the sensors' quantities over the substructure's degrees of freedom.
+SparseRows rows_of(const OutputMap& outputs, const CoupledModel::Placed& place) {
+  const SparseRows sum = outputs.displacement + outputs.velocity + outputs.acceleration;  // one of them each
+  return sum.middleCols(place.offset, place.part.model->size());
+}
+
+/// T_d r + T_v r' + T_a r'': what the sensors see of the base's own motion, samples x sensors.
+MatrixXd direct_part(const EstimationProblem& problem, const OutputMap& outputs, double start, Index samples) {
+  MatrixXd direct = MatrixXd::Zero(samples, outputs.size());
+  for (std::size_t i = 0; i < problem.structure->signals.size(); ++i) {
+    const auto input = static_cast<Index>(i);
+    if (outputs.input_value.col(input).isZero(0.0) && outputs.input_rate.col(input).isZero(0.0) &&
+        outputs.input_acceleration.col(input).isZero(0.0))
+      continue;
+    const auto signal = problem.structure->signals[i]->sample(start, 1.0 / problem.sample_rate, samples);
+    direct += signal.col(0).matrix() * outputs.input_value.col(input).transpose() +
+              signal.col(1).matrix() * outputs.input_rate.col(input).transpose() +
+              signal.col(2).matrix() * outputs.input_acceleration.col(input).transpose();
+  }
+  return direct;
+}
+
+const MatrixXd& quantity_of(const PredictedMotion& motion, ObservedQuantity quantity) {
+  if (quantity == ObservedQuantity::displacement) return motion.displacement;
+  return quantity == ObservedQuantity::velocity ? motion.velocity : motion.acceleration;
+}
+
+}  // namespace
+
+RecordResidual::RecordResidual(EstimationProblemPtr problem, FullRecord record,
+                               std::shared_ptr<const ParameterisedStructure> structure, UpdatingSetup updating,
+                               Options options)
+    : problem_(std::move(problem)),
+      record_(std::move(record)),
+      structure_(std::move(structure)),
+      options_(std::move(options)),
+      updating_(std::move(updating)) {
+  for (const auto& sensor : problem_->sensors)
+    if (std::ranges::find(options_.sensors, sensor.name) != options_.sensors.end()) sensors_.push_back(sensor);
+  const auto samples = record_.series.samples();
+  const auto settled = static_cast<Index>(std::llround(problem_->settings.settle * problem_->sample_rate));
+  if (settled >= samples - 1)
+    throw InvalidInput("estimate.settle is as long as the record", "nothing is left to compare", "shorten it");
+  settled_ = settled;
+  measured_.resize(samples, static_cast<Index>(sensors_.size()));
+  for (std::size_t j = 0; j < sensors_.size(); ++j)
+    measured_.col(static_cast<Index>(j)) = record_.series.values.col(record_.series.find(sensors_[j].name));
+  const VectorXd start = initial_values(updating_.parameters);
+  const double none = std::numeric_limits<double>::infinity();
+  const auto counted = samples - settled_;
+  deviation_ = MatrixXd::Constant(counted, measured_.cols(), none);
+  if (const auto first = estimate_at(structure_->at(start).parts, start, false))
+    deviation_ = measured_.bottomRows(counted).array().isNaN().select(none, first->deviation.bottomRows(counted));
+}
+
+AugmentedModelSetup RecordResidual::augmented_model_at(const StructureParts& parts, const VectorXd& parameters) const {
+  IssueList issues;
+  AugmentedModelSetup setup =
+      make_augmented_model_setup(*problem_, parts, present_values(updating_, parameters), issues);
+  issues.raise();
+  return setup;
+}
+
+RecordResidual::Estimate RecordResidual::structure_of(const StructureParts& parts) const {
+  Estimate estimate;
+  estimate.model = std::make_shared<const CoupledModel>(couple(parts));
+  estimate.drive =
+      std::make_shared<const DrivenSubstructure>(*problem_->structure, *estimate.model, options_.substructure);
+  estimate.start.time = record_.series.start + static_cast<double>(first_predicted()) / problem_->sample_rate;
+  return estimate;
+}
+
+/// The substructure's own part of the augmented state at the first predicted sample.
+void RecordResidual::set_start(const VectorXd& state, Index velocity, Estimate& estimate) const {
+  if (problem_->settings.local) return;
+  const Index offset = estimate.drive->place().offset, n = estimate.drive->place().part.model->size();
+  estimate.start.displacement = state.segment(offset, n);
+  estimate.start.velocity = state.segment(velocity + offset, n);
+}
+
+std::optional<RecordResidual::Estimate> RecordResidual::estimate_at(const StructureParts& parts,
+                                                                    const VectorXd& parameters, bool keep_gains) const {
+  const AugmentedModelSetup setup = augmented_model_at(parts, parameters);
+  Estimate estimate = structure_of(parts);
+  const FilterRun run = make_filter_run(problem_, setup, record_);
+  const auto samples = record_.series.samples();
+  EstimationResult result =
+      kalfem::estimate(*run.choice.augmented_model, run.record,
+                       {.filter = run.choice.filter,
+                        .unscented = problem_->settings.unscented,
+                        .threads = 1,
+                        .passes = problem_->settings.passes,
+                        .state_deviations = false,
+                        .deviation_stride = static_cast<int>(samples),
+                        .gains = {.dense = dense_gains, .stride = gain_stride, .gains = {}},
+                        .keep_gains = keep_gains,
+                        .monitored = make_outputs(*setup.model, motion_outputs(estimate.drive->points()))});
+  if (result.failure) return std::nullopt;
+  estimate.motion = motion_from(result.monitored.mean, first_predicted());
+  set_start(result.state.mean.col(first_predicted()), run.choice.augmented_model->layout().velocity(), estimate);
+  estimate.gains = std::move(result.gains);
+  estimate.deviation.resize(samples, measured_.cols());
+  for (std::size_t j = 0; j < sensors_.size(); ++j) {
+    auto column = estimate.deviation.col(static_cast<Index>(j));
+    const auto channel = std::ranges::find(setup.sensors, sensors_[j].name, &Sensor::name);
+    if (channel == setup.sensors.end())  // it drives the augmented model
+      column.setConstant(record_.noise[static_cast<std::size_t>(record_.series.find(sensors_[j].name))]);
+    else
+      column = result.innovation_deviation.row(channel - setup.sensors.begin()).transpose();
+  }
+  return estimate;
+}
+
+std::optional<RecordResidual::Estimate> RecordResidual::fixed_gain_run_at(const StructureParts& parts,
+                                                                          const VectorXd& parameters,
+                                                                          const GainSchedule& gains) const {
+  const AugmentedModelSetup setup = augmented_model_at(parts, parameters);
+  Estimate estimate = structure_of(parts);
+  const FilterRun run = make_filter_run(problem_, setup, record_, StateCoordinates::physical);
+  const auto means =
+      run_with_gains(*run.choice.augmented_model, run.record, gains,
+                     make_outputs(*setup.model, motion_outputs(estimate.drive->points())), first_predicted());
+  if (!means) return std::nullopt;
+  estimate.motion = motion_from(means->monitored, first_predicted());
+  set_start(means->state, run.choice.augmented_model->layout().velocity(), estimate);
+  return estimate;
+}
+
+MatrixXd RecordResidual::predict_from(const Estimate& estimate) const {
+  std::vector<OutputDescription> outputs;
+  for (const auto& sensor : sensors_) outputs.push_back(sensor.output);
+  const OutputMap map = make_outputs(*estimate.model, outputs);
+  const auto& drive = *estimate.drive;
+  const auto motion = drive.predict(rows_of(map, drive.place()), estimate.motion, estimate.start,
+                                    {.sample_rate = problem_->sample_rate, .newmark_substeps = 1});
+  const Index samples = estimate.motion.acceleration.cols();
+  const MatrixXd direct = direct_part(*problem_, map, estimate.start.time, samples);
+  MatrixXd sensors = MatrixXd::Zero(measured_.rows(), measured_.cols());
+  for (std::size_t j = 0; j < sensors_.size(); ++j) {
+    const auto column = static_cast<Index>(j);
+    const VectorXd predicted =
+        quantity_of(motion, sensors_[j].output.quantity).row(column).transpose() + direct.col(column);
+    sensors.col(column).tail(samples) = sensors_[j].chain.filter(predicted, problem_->sample_rate);
+  }
+  return sensors;
+}
+
+VectorXd RecordResidual::weighted(const MatrixXd& sensors) const {
+  const Index counted = deviation_.rows();
+  const MatrixXd difference = sensors.bottomRows(counted) - measured_.bottomRows(counted);
+  const MatrixXd values = difference.array().isNaN().select(0.0, difference.cwiseQuotient(deviation_));
+  return values.reshaped();
+}
+
+std::optional<VectorXd> RecordResidual::values_at(const StructureParts& parts, const VectorXd& parameters,
+                                                  const GainSchedule& gains) const {
+  const auto estimate =
+      gains.gains.empty() ? estimate_at(parts, parameters, false) : fixed_gain_run_at(parts, parameters, gains);
+  if (!estimate) return std::nullopt;
+  return weighted(predict_from(*estimate));
+}
+
+std::optional<ResidualValue> RecordResidual::evaluate(const VectorXd& parameters, bool with_jacobian) const try {
+  const StructureAtParameters here = structure_->at(parameters);
+  const auto estimate = estimate_at(here.parts, parameters, with_jacobian && options_.hold_gains);
+  if (!estimate) return std::nullopt;
+  ResidualValue value{weighted(predict_from(*estimate)), {}};
+  if (!with_jacobian) return value;
+  // Runs beside theta, and with held gains in a last column at theta itself.
+  const Index count = parameters.size(), columns = options_.hold_gains ? count + 1 : count;
+  VectorXd steps(count);
+  for (Index i = 0; i < count; ++i)
+    steps[i] = options_.relative_step * updating_.parameters[static_cast<std::size_t>(i)].scale();
+  const auto runs = parallel_columns(value.values.size(), columns, filter_threads(problem_->settings), [&](Index i) {
+    if (i == count) return values_at(here.parts, parameters, estimate->gains);
+    const VectorXd moved = parameters + steps[i] * VectorXd::Unit(count, i);
+    return values_at(structure_->near(here, moved), moved, estimate->gains);
+  });
+  if (!runs) return std::nullopt;
+  const VectorXd base = options_.hold_gains ? VectorXd(runs->col(count)) : value.values;
+  value.jacobian = (runs->leftCols(count).colwise() - base) * steps.cwiseInverse().asDiagonal();
+  return value;
+} catch (const InvalidInput&) {
+  return std::nullopt;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "kalfem/identification/filter_run.hpp"
+#include "kalfem/identification/initial_state.hpp"
+#include "kalfem/identification/parameterised_structure.hpp"
+#include "kalfem/updating/residual.hpp"
+#include "kalfem/updating/updating_parameter.hpp"
+
+namespace kalfem {
+
+/// The record of some sensors against the simulation of the whole structure under its known excitation, from rest or
+/// from a given start: r = (simulated - measured) / noise at every sample after settling. Connectors
+/// are as the structure has them. Each column of the Jacobian is a simulation more, with the finite elements in the
+/// basis of the point.
+class SimulationResidual final : public Residual {
+public:
+  struct Options {
+    std::string name;
+    InitialMotion initial = {};
+    double settle = 0.0;          ///< time at the start that does not count [s]
+    Eigen::Index substeps = 4;    ///< steps per sample over which connector forces are linear; the rest is exact
+    double relative_step = 1e-4;  ///< of a parameter, to its scale
+  };
+  /// `measured`: the sensors that are compared; `parameters`: what is refined.
+  SimulationResidual(StructurePtr given, std::vector<Sensor> measured, const FullRecord& record,
+                     std::shared_ptr<const ParameterisedStructure> structure, std::vector<UpdatingParameter> parameters,
+                     Options options);
+
+  [[nodiscard]] std::string name() const override { return options_.name; }
+  [[nodiscard]] Eigen::Index size() const override { return measured_.size(); }
+  [[nodiscard]] std::optional<ResidualValue> evaluate(const Eigen::VectorXd& parameters,
+                                                      bool with_jacobian) const override;
+
+private:
+  [[nodiscard]] std::optional<Eigen::VectorXd> values(const StructureParts& parts) const;
+
+  StructurePtr given_;
+  std::shared_ptr<const ParameterisedStructure> structure_;
+  Options options_;
+  std::vector<Sensor> sensors_;
+  std::vector<UpdatingParameter> parameters_;
+  double start_ = 0.0, sample_rate_ = 0.0;  ///< of the record [s], [Hz]
+  Eigen::Index settled_ = 0;                ///< first sample that counts
+  Eigen::MatrixXd measured_;                ///< counted samples x sensors
+  Eigen::VectorXd noise_;                   ///< one a sensor
+};
+
+}  // namespace kalfem

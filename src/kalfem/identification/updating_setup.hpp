@@ -1,0 +1,22 @@
+#pragma once
+
+#include "kalfem/identification/augmented_model_setup.hpp"
+#include "kalfem/updating/updating_parameter.hpp"
+
+namespace kalfem {
+
+/// What an updating refines.
+struct UpdatingSetup {
+  std::vector<UpdatingParameter> parameters;
+  std::vector<StructureBinding> bindings;              ///< where theta stands in the substructures
+  std::vector<std::optional<double>> true_parameters;  ///< one a parameter
+};
+
+/// The refined parameters by their names.
+inline PresentValues present_values(const UpdatingSetup& updating, const Eigen::VectorXd& values) {
+  PresentValues present;
+  for (const auto& [index, target] : updating.bindings) present[target.name] = values[index];
+  return present;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,231 @@
+#include "kalfem/study/estimation_problem_of.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "kalfem/identification/local_model.hpp"
+#include "kalfem/identification/released_elements.hpp"
+#include "kalfem/study/parameter_names.hpp"
+#include "kalfem/yaml/bounds.hpp"
+
+namespace kalfem {
+namespace {
+
+namespace d = description;
+
+/// Units of some laws depend on a parameter ("1/m^n"): these are the same only as they stand.
+bool same_dimension(const std::string& one, const std::string& other) try {
+  return one == other || parse_unit(one).dimension == parse_unit(other).dimension;
+} catch (const InvalidInput&) {
+  return false;
+}
+
+/// Prior standard deviation or walk: in the parameter's unit, or per cent of the initial value.
+double absolute(const d::Value& given, const std::string& unit, double initial) {
+  const bool percentage = !given.value.bare && given.value.dimension == Dimension{};
+  if (percentage && given.value.value < 0.0)
+    throw InvalidInput(given.issue(shortest(100.0 * given.value.value) + " % given", "it must be >= 0"));
+  if (percentage && initial == 0.0)
+    throw InvalidInput(given.issue("per cent of an initial value of 0", "that is nothing", "give it in its unit"));
+  return percentage ? given.value.value * std::abs(initial) : checked_number(given, unit, Bounds::nonnegative());
+}
+
+/// Of the prior: half the initial value where the case does not say.
+double deviation_of(const d::Unknown& given, const std::string& unit, double initial) {
+  const double deviation = given.std ? absolute(*given.std, unit, initial) : 0.5 * std::abs(initial);
+  if (deviation > 0.0 && std::isfinite(deviation)) return deviation;
+  if (!given.std)
+    throw InvalidInput(given.initial.issue("it starts at 0 and has no `std`", "by default std is 50 % of initial",
+                                           "give std in its unit"));
+  throw InvalidInput(given.std->issue("the standard deviation of the prior is " + shortest(deviation),
+                                      "a parameter without uncertainty is not unknown",
+                                      "give a positive one, or take the unknown out"));
+}
+
+/// The lower (0) or upper (1) bound in SI.
+double bound(const d::Unknown& given, std::size_t side, const std::string& unit) {
+  const std::string& path = given.initial.path;  // ends with ".initial"
+  return checked_number({(*given.bounds)[side], given.initial.location, path.substr(0, path.rfind('.')) + ".bounds"},
+                        unit);
+}
+
+/// What the transform cannot carry.
+void check_start(const d::Unknown& given, const ParameterTransform& transform, const std::string& unit,
+                 double initial) {
+  if (transform.kind == TransformKind::log && !(initial > 0.0))
+    throw InvalidInput(given.initial.issue("it starts at " + shortest(initial), "under transform: log it must be > 0",
+                                           "give a positive start, or transform: none"));
+  if (!given.bounds) return;
+  const double lower = bound(given, 0, unit), upper = bound(given, 1, unit);
+  if (!(lower < upper))
+    throw InvalidInput(
+        given.initial.issue("the lower bound " + shortest(lower) + " is not below the upper one " + shortest(upper), "",
+                            "write bounds: [lower, upper]"));
+  if (!(lower < initial && initial < upper))
+    throw InvalidInput(given.initial.issue(
+        "it starts at " + shortest(initial) + ", outside its bounds " + shortest(lower) + " to " + shortest(upper),
+        "the start must lie strictly between them", "move the start or the bounds"));
+}
+
+/// `positive`: where the case does not say, the parameter is kept so.
+ParameterTransform transform_of(const d::Unknown& given, const std::string& unit, bool positive) {
+  ParameterTransform transform;
+  transform.kind = given.transform.value_or(given.bounds ? TransformKind::logit
+                                            : positive   ? TransformKind::log
+                                                         : TransformKind::none);
+  if (transform.kind == TransformKind::logit) {
+    if (!given.bounds)
+      throw InvalidInput(given.initial.issue("transform: logit without bounds", "it keeps the parameter between them",
+                                             "give bounds: [lower, upper]"));
+    transform.lower = bound(given, 0, unit);
+    transform.upper = bound(given, 1, unit);
+  }
+  return transform;
+}
+
+/// The part of the structure that the filter's model holds.
+Structure held_structure(const Study& study, IssueList& issues) {
+  Structure held = *study.structure;
+  if (!study.given.estimate->local) return held;
+  AugmentedModelSetup unused;
+  LocalModel(*study.given.estimate->local, held.parts, issues).apply(unused);
+  std::erase_if(held.finite_elements, [&](const auto& elements) {
+    return std::ranges::none_of(held.parts.finite_elements,
+                                [&](const auto& part) { return part.name == elements.part->name; });
+  });
+  return held;
+}
+
+/// Translates unknowns one by one.
+class UnknownReader {
+public:
+  UnknownReader(const Study& study, const Structure& held, IssueList& issues)
+      : study_(study), known_(held), all_(*study.structure), issues_(issues) {}
+
+  std::optional<Unknown> read(const std::string& name, const d::Unknown& given) {
+    const auto names = names_of(name, given);
+    Unknown unknown{.name = name, .targets = targets_of(name, names), .location = given.initial.location};
+    if (unknown.targets.empty()) return std::nullopt;
+    try {
+      set_numbers(given, unknown);
+      check_linear(unknown);
+    } catch (const InvalidInput& error) {
+      issues_.add(error, given.initial.location);
+      return std::nullopt;
+    }
+    return unknown;
+  }
+
+private:
+  [[nodiscard]] bool is_released(const Parameter& target) const {
+    return can_be_released(study_.structure->parts, target);
+  }
+
+  /// Nothing, and an issue a name, where one is not known or they do not go together.
+  std::vector<Parameter> targets_of(const std::string& owner, const std::vector<Name>& names) {
+    std::vector<Parameter> targets;
+    for (const auto& name : names) {
+      auto parameter = known_.find(name.value);
+      if (!parameter) {
+        issues_.add(
+            name.location,
+            name.path + ": there is no parameter '" + name.value + "'" + did_you_mean(name.value, all_.names()),
+            "an unknown is a parameter of a connector or of a linear substructure that the filter's model holds", "");
+        continue;
+      }
+      if (const auto issue = unlike_ratios(study_.given, *parameter, name))
+        issues_.add(issue->location, issue->what, issue->why, issue->fix);
+      targets.push_back(std::move(*parameter));
+    }
+    if (targets.size() < names.size()) return {};
+    check_units(owner, names, targets);
+    const auto released = std::ranges::count_if(targets, [&](const auto& target) { return is_released(target); });
+    if (released == 0 || released == std::ssize(targets)) return targets;
+    issues_.add(names.front().location,
+                "estimate.unknown." + owner + " applies to parameters of connectors and of linear substructures",
+                "the filter carries the two in different ways", "make it two unknowns");
+    return {};
+  }
+
+  /// All share one value, so that they have one unit; expressions have none of their own.
+  void check_units(const std::string& owner, const std::vector<Name>& names, const std::vector<Parameter>& targets) {
+    const std::string& unit = targets.front().unit;
+    for (const auto& other : targets) {
+      if (unit.empty() || other.unit.empty() || same_dimension(unit, other.unit)) continue;
+      issues_.add(names.front().location,
+                  "estimate.unknown." + owner + " applies to parameters in " + unit + " and in " + other.unit,
+                  "they share one value", "give parameters of one kind");
+      return;
+    }
+  }
+
+  void set_numbers(const d::Unknown& given, Unknown& unknown) const {
+    const std::string& unit = unknown.unit();
+    unknown.initial = checked_number(given.initial, unit);
+    const bool positive = is_released(unknown.targets.front()) && unknown.initial > 0.0 &&
+                          std::ranges::all_of(unknown.targets, is_positive_by_nature);
+    unknown.transform = transform_of(given, unit, positive || !is_released(unknown.targets.front()));
+    check_start(given, unknown.transform, unit, unknown.initial);
+    unknown.deviation = deviation_of(given, unit, unknown.initial);
+    unknown.random_walk = given.random_walk ? absolute(*given.random_walk, unit, unknown.initial) : 0.0;
+    if (study_.given.simulate) unknown.truth = unknown.targets.back().value;
+    if (given.truth) unknown.truth = checked_number(*given.truth, unit);
+  }
+
+  /// Of an unknown that no connector carries.
+  void check_linear(const Unknown& unknown) {
+    if (is_released(unknown.targets.front())) return;
+    if (study_.given.update)
+      throw InvalidInput(
+          "estimate.unknown." + unknown.name + ": a number of a linear substructure, and the case updates",
+          "while the structure is being updated the filter cannot estimate its numbers too",
+          "refine it under update.parameters");
+    for (const auto& target : unknown.targets)
+      if (!linear_.insert(target.name).second)
+        throw InvalidInput("estimate.unknown." + unknown.name + ": '" + target.name + "' is an unknown already",
+                           "a parameter has one value", "take one of them out");
+  }
+
+  const Study& study_;
+  ParameterSet known_;  ///< of the part that the filter's model holds
+  ParameterSet all_;
+  IssueList& issues_;
+  std::set<std::string> linear_;  ///< names that no connector carries
+};
+
+std::vector<RestPosition> rest_positions(const Study& study) {
+  if (!study.record || !study.record->free_response || !study.record->free_response->rest_is_unknown()) return {};
+  std::vector<RestPosition> rests;
+  for (const auto& sensor : study.sensors)
+    rests.push_back({sensor.name, study.record->free_response->deviation[study.record->series.find(sensor.name)]});
+  return rests;
+}
+
+}  // namespace
+
+EstimationProblem make_estimation_problem(const Study& study, IssueList& issues) {
+  const d::Estimation& given = *study.given.estimate;
+  EstimationProblem problem{study.structure, study.sensors, rest_positions(study), study.sample_rate(), {}};
+  problem.settings = {.filter = given.filter,
+                      .unscented = given.unscented,
+                      .unknowns = {},
+                      .initial_state = given.initial_state,
+                      .initial_state_from_record = given.initial_state_from_record,
+                      .initial_connector_states = given.initial_connector_states,
+                      .process_noise = given.process_noise,
+                      .local = given.local,
+                      .settle = given.settle,
+                      .estimate_initial_state = given.estimate_initial_state,
+                      .passes = given.passes,
+                      .substeps = given.substeps,
+                      .threads = given.threads};
+  const Structure held = held_structure(study, issues);
+  if (!issues.empty()) return problem;
+  UnknownReader reader(study, held, issues);
+  for (const auto& [name, unknown] : given.unknown)
+    if (auto read = reader.read(name, unknown)) problem.settings.unknowns.push_back(std::move(*read));
+  return problem;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,102 @@
+#include "kalfem/study/filter_checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kalfem/identification/filter_run.hpp"
+#include "kalfem/study/full_record.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+void check_start_from_record(const Study& study, IssueList& issues) {
+  const auto measures_displacement = [](const Sensor& sensor) {
+    return sensor.output.quantity == ObservedQuantity::displacement;
+  };
+  if (std::ranges::none_of(study.augmented_model->sensors, measures_displacement))
+    issues.add(
+        study.given.source.at({"estimate", "initial_state_from_record"}),
+        "estimate.initial_state_from_record is given and no sensor of the filter's model measures a displacement",
+        "the start is taken from displacement sensors", "remove it, or give the start under initial_state");
+}
+
+SourceLocation location_of_sensor(const Study& study, Index column) {
+  return std::visit([](const auto& observed) { return observed.points.location; },
+                    study.given.sensors[static_cast<std::size_t>(column)].second.observed);
+}
+
+void check_first_samples(const Study& study, IssueList& issues) {
+  const TimeSeries& series = study.record->series;
+  for (const auto& sensor : study.augmented_model->sensors) {
+    const Index column = series.find(sensor.name);
+    if (sensor.output.quantity != ObservedQuantity::displacement ||
+        series.values.col(column).head(std::min(samples_at_start, series.samples())).allFinite())
+      continue;
+    issues.add(location_of_sensor(study, column),
+               "sensors." + sensor.name + ": one of the first " + std::to_string(samples_at_start) +
+                   " samples is missing, from " + shortest(series.start) + " s on",
+               "estimate.initial_state_from_record reads displacement and velocity there",
+               "let the case begin later (record.start), or give estimate.initial_state");
+  }
+}
+
+void check_driving_channels(const Study& study, IssueList& issues) {
+  const TimeSeries& series = study.record->series;
+  for (const auto& source : study.augmented_model->input_sources) {
+    const Index column = source.starts_with('@') ? series.find(source.substr(1)) : -1;
+    if (column < 0) continue;
+    const VectorXd samples = series.values.col(column);
+    const auto gap = std::ranges::find_if(samples, [](double value) { return !std::isfinite(value); });
+    if (gap == samples.end()) continue;
+    issues.add(location_of_sensor(study, column),
+               "sensors." + source.substr(1) + " drives an interface of the filter's model and misses the sample at " +
+                   shortest(series.time(gap - samples.begin())) + " s",
+               "the motion of the interface is not known there",
+               "use a part of the record without gaps in this channel (record.start, record.end)");
+  }
+}
+
+/// The first samples of the record; zeros where it is yet to be simulated.
+FullRecord first_samples(const Study& study) {
+  constexpr Index most = 100;
+  const auto sensors = static_cast<Index>(study.sensors.size());
+  if (study.record) {
+    FullRecord record = measured_record(study);
+    auto& values = record.series.values;
+    values = MatrixXd(values.topRows(std::min(most, values.rows())));
+    return record;
+  }
+  const auto& simulated = *study.given.simulate;
+  const auto samples = std::min(most, static_cast<Index>(simulated.duration * simulated.sample_rate) + 1);
+  FullRecord record{{simulated.sample_rate, 0.0, {}, MatrixXd::Zero(samples, sensors)}, {}};
+  for (const auto& sensor : study.sensors) {
+    record.series.channels.push_back({sensor.name, sensor.unit});
+    record.noise.push_back(1.0);
+  }
+  return record;
+}
+
+}  // namespace
+
+void check_augmented_model(const Study& study, IssueList& issues) {
+  const bool from_record = study.given.estimate->initial_state_from_record;
+  if (from_record && issues.empty()) check_start_from_record(study, issues);
+  if (!study.record) return;
+  if (from_record) check_first_samples(study, issues);
+  check_driving_channels(study, issues);
+}
+
+void check_filter(const Study& study) {
+  const auto& given = *study.given.estimate;
+  const FilterRun run = make_filter_run(study.problem, *study.augmented_model, first_samples(study));
+  validate(*run.choice.augmented_model,
+           {.filter = run.choice.filter, .unscented = given.unscented, .passes = given.passes})
+      .raise();
+}
+
+}  // namespace kalfem

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kalfem/study/study.hpp"
+
+namespace kalfem {
+
+/// The names that an unknown applies to: its own where it does not say.
+std::vector<Name> names_of(const std::string& name, const description::Unknown& given);
+
+/// What is wrong with `damping.modal` as one parameter where the substructure's ratios differ: it would make them one
+/// number. Nothing for other parameters.
+std::optional<Issue> unlike_ratios(const description::Case& given, const Parameter& parameter, const Name& name);
+
+}  // namespace kalfem

@@ -1,0 +1,174 @@
+#include "kalfem/study/structural_modifications.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "kalfem/identification/parameterised_structure.hpp"
+#include "kalfem/linalg/lowest_modes.hpp"
+#include "kalfem/updating/eigen_sensitivities.hpp"
+#include "kalfem/yaml/bounds.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+namespace d = description;
+
+/// What the updating refined with its values, and behind it what the modification sets.
+struct Changes {
+  std::vector<StructureBinding> bindings;
+  std::vector<double> values;
+
+  void set(const Parameter& parameter, double value) {
+    bindings.push_back({static_cast<Index>(values.size()), parameter});
+    values.push_back(value);
+  }
+};
+
+double value_in_unit(const d::Value& given, const Parameter& parameter) {
+  return checked_number(given, parameter.unit, Bounds::nonnegative());
+}
+
+Changes changes_of(const Study& study, const d::Modification& given, const std::optional<UpdatedParameters>& updating) {
+  const ParameterSet known(*study.structure);
+  Changes changes;
+  if (updating) {
+    changes.bindings = study.updating->bindings;
+    changes.values.assign(updating->values.begin(), updating->values.end());
+  }
+  for (const auto& [name, value] : given.set) {
+    const auto parameter = known.find(given.substructure.value + "." + name);
+    // What the modification sets no longer depends on what the updating found.
+    std::erase_if(changes.bindings, [&](const auto& binding) { return binding.target.name == parameter->name; });
+    changes.set(*parameter, value_in_unit(value, *parameter));
+  }
+  return changes;
+}
+
+Index dofs_with_mass(const LinearModel& model) { return (model.mass.diagonal().array() > 0.0).count(); }
+
+double frequency_of(double lambda) { return std::sqrt(std::max(lambda, 0.0)) / (2.0 * std::numbers::pi); }
+
+/// Modes `first` to `first + count` of all that were computed.
+struct ModeRange {
+  LowestModes modes;
+  Index first = 0, count = 0;
+
+  [[nodiscard]] VectorXd frequencies() const { return modes.values.segment(first, count).unaryExpr(&frequency_of); }
+};
+
+/// The lowest modes with frequencies above a limit [Hz].
+ModeRange modes_above(const LinearModel& model, double limit, Index wanted) {
+  const Index most = dofs_with_mass(model);
+  for (Index count = std::min(most, wanted + 10);; count = std::min(most, 2 * count)) {
+    auto modes = lowest_modes(model.stiffness, model.mass, {.count = count});
+    const Index skipped = (modes.values.unaryExpr(&frequency_of).array() <= limit).count();
+    const Index found = modes.values.size() - skipped;
+    if (found >= wanted || count == most) return {std::move(modes), skipped, std::min(found, wanted)};
+  }
+}
+
+/// Derivatives of the frequencies [Hz per unit], modes x parameters. Rigid-body modes have none.
+MatrixXd frequency_derivatives(const ModeRange& range, const std::vector<ModelDerivative>& derivatives) {
+  const VectorXd frequencies = range.frequencies();
+  MatrixXd slopes = MatrixXd::Zero(range.count, static_cast<Index>(derivatives.size()));
+  for (Index p = 0; p < slopes.cols(); ++p) {
+    const auto& derivative = derivatives[static_cast<std::size_t>(p)];
+    if (derivative.stiffness.nonZeros() == 0 && derivative.mass.nonZeros() == 0) continue;
+    for (Index j = 0; j < range.count; ++j) {
+      if (frequencies[j] <= 0.0) continue;
+      const double slope = projected_derivative(range.modes, {range.first + j, 1}, derivative)(0, 0);
+      slopes(j, p) = slope / (8.0 * std::numbers::pi * std::numbers::pi * frequencies[j]);
+    }
+  }
+  return slopes;
+}
+
+/// sqrt(g^T S g) for each row g. A parameter without a finite deviation counts only where the row depends on it.
+VectorXd propagated_deviations(const MatrixXd& slopes, const ParameterStatistics& statistics) {
+  const MatrixXd covariance = statistics.covariance.unaryExpr([](double c) { return std::isfinite(c) ? c : 0.0; });
+  VectorXd deviations(slopes.rows());
+  for (Index j = 0; j < slopes.rows(); ++j) {
+    VectorXd known = slopes.row(j);
+    bool unknown = false;
+    for (Index p = 0; p < known.size(); ++p) {
+      if (std::isfinite(statistics.deviations[p])) continue;
+      unknown = unknown || known[p] != 0.0;
+      known[p] = 0.0;
+    }
+    const double variance = known.dot(covariance * known);
+    deviations[j] = unknown ? std::numeric_limits<double>::infinity() : std::sqrt(std::max(variance, 0.0));
+  }
+  return deviations;
+}
+
+}  // namespace
+
+std::vector<StructuralModificationResult> predict_modifications(const Study& study,
+                                                                const std::optional<UpdatedParameters>& updating) {
+  std::vector<StructuralModificationResult> results;
+  for (const auto& [name, located] : study.given.modifications) {
+    const auto& given = located.value;
+    const Changes changes = changes_of(study, given, updating);
+    const VectorXd values =
+        Eigen::Map<const VectorXd>(changes.values.data(), static_cast<Index>(changes.values.size()));
+    const ParameterisedStructure structure(study.structure, changes.bindings, values.size());
+    try {
+      const auto model = structure.model_of(given.substructure.value);
+      const ModeRange range = modes_above(model->at(values).model, given.above, given.modes);
+      results.push_back({name, given.substructure.value, range.frequencies(), {}});
+      if (updating) {
+        auto derivatives = model->derivatives(values);
+        derivatives.resize(updating->values.size());  // those of the updated parameters stand first
+        results.back().deviations =
+            propagated_deviations(frequency_derivatives(range, derivatives), updating->statistics);
+      }
+    } catch (const InvalidInput& error) {
+      IssueList issues;
+      for (const auto& issue : error.issues())
+        issues.add(located.location, located.path + ": " + issue.what, issue.why, issue.fix);
+      issues.raise();
+    }
+    if (results.back().frequencies.size() == 0)
+      throw InvalidInput(
+          located.issue("no natural frequency lies above " + shortest(given.above) + " Hz", "", "lower `above`"));
+  }
+  return results;
+}
+
+void check_modifications(const Study& study, IssueList& issues) {
+  const ParameterSet known(*study.structure);
+  std::vector<std::string> parts;
+  for (const auto& [name, part] : study.given.substructures) parts.push_back(name);
+  for (const auto& [name, located] : study.given.modifications) {
+    const auto& given = located.value;
+    const auto& part = given.substructure;
+    if (std::ranges::find(parts, part.value) == parts.end()) {
+      issues.add(part.location,
+                 part.path + ": there is no substructure '" + part.value + "'" + did_you_mean(part.value, parts));
+      continue;
+    }
+    for (const auto& [target, value] : given.set) {
+      const std::string full = part.value + "." + target;
+      const auto parameter = known.find(full);
+      if (!parameter) {
+        issues.add(value.location,
+                   value.path + ": there is no parameter '" + full + "'" + did_you_mean(full, known.names()));
+        continue;
+      }
+      try {
+        value_in_unit(value, *parameter);
+      } catch (const InvalidInput& error) {
+        issues.add(error, value.location);
+      }
+    }
+  }
+}
+
+}  // namespace kalfem

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "kalfem/study/study.hpp"
+#include "kalfem/updating/parameter_statistics.hpp"
+
+namespace kalfem {
+
+/// What the standard deviations of predicted frequencies do not cover, in a sentence for reports.
+inline constexpr const char* deviations_leave_out =
+    "The standard deviations are those of the updated parameters, to first order. They leave out errors of the model's "
+    "form, of the values that the modification sets and of the places where its masses sit.";
+
+/// Natural frequencies of the updated structure after a change.
+struct StructuralModificationResult {
+  std::string name, substructure;
+  Eigen::VectorXd frequencies;  ///< [Hz]
+  /// Standard deviations of `frequencies` [Hz] that the updated parameters leave, see predict_modifications(); infinite
+  /// where the measurements do not determine a parameter that moves the frequency. Empty without an updating.
+  Eigen::VectorXd deviations;
+};
+
+/// What an updating found.
+struct UpdatedParameters {
+  Eigen::VectorXd values;
+  ParameterStatistics statistics;
+};
+
+/// Natural frequencies of the case's modifications, of the updated structure where there was an updating. Throws
+/// InvalidInput for parameters that the substructure does not have.
+///
+/// With the covariance S of the updated parameters theta, to first order,
+///   std(f_j)^2 = g_j^T S g_j,    g_jp = phi_j^T (dK/dtheta_p - lambda_j dM/dtheta_p) phi_j / (8 pi^2 f_j),
+/// the modes those of the modified structure [FK68]. A parameter that the modification sets does not count.
+std::vector<StructuralModificationResult> predict_modifications(const Study& study,
+                                                                const std::optional<UpdatedParameters>& updating);
+
+/// Problems of the modifications' names and values.
+void check_modifications(const Study& study, IssueList& issues);
+
+}  // namespace kalfem
