@@ -111,7 +111,7 @@ TEST(SparseFactor, RefactorsValuesOfTheSamePattern) {
   EXPECT_THROW(factor.refactor(another), InvalidInput);
   EXPECT_THROW(factor.refactor(grid(20, 0.0)), NotPositiveDefinite);
   factor.refactor(matrix);
-  EXPECT_LT((matrix * factor.solve(right_side) - right_side).norm(), 1e-12);
+  EXPECT_LT((matrix * factor.solve(right_side) - right_side).norm(), 1e-12);  // as above
 }
 
 TEST(SparseFactor, NamesTheColumnThatSpoilsIt) {

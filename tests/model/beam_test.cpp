@@ -48,13 +48,14 @@ TEST(BeamSections, RectangleHasTheTabulatedTorsionConstants) {
 
 TEST(BeamSections, CirclesAndTubesAgreeAtTheirLimits) {
   const auto solid = circular_section(0.1);
+  // rounding of m^2 and m^4
   EXPECT_NEAR(solid.area, pi * 0.0025, 1e-17);
   EXPECT_NEAR(solid.torsion, pi * 1e-4 / 32.0, 3e-20);
   EXPECT_NEAR(solid.shear_factor_y, 6.0 * 1.3 / 8.8, rounding);
   const auto tube = circular_tube_section(0.1, 0.02);
   EXPECT_NEAR(tube.inertia_y, solid.inertia_y - circular_section(0.06).inertia_y, 1e-20);
   EXPECT_NEAR(tube.area, solid.area - circular_section(0.06).area, 1e-17);
-  // Rounding above. Hole closing: the solid's factor; wall vanishing: 2 (1 + nu) / (4 + 3 nu) [Cow66]; off by the
+  // Hole closing: the solid's factor; wall vanishing: 2 (1 + nu) / (4 + 3 nu) [Cow66]; off by the
   // square of the ratio of the radii or of wall to radius.
   EXPECT_NEAR(circular_tube_section(0.1, 0.04999).shear_factor_y, solid.shear_factor_y, 3e-7);
   EXPECT_NEAR(circular_tube_section(0.1, 1e-6).shear_factor_z, 2.0 * 1.3 / 4.9, 5e-10);
@@ -63,10 +64,11 @@ TEST(BeamSections, CirclesAndTubesAgreeAtTheirLimits) {
 TEST(BeamSections, RectangularTubeIsTheDifferenceOfTwoRectangles) {
   const auto tube = rectangular_tube_section(0.06, 0.04, 0.003);
   const auto outer = rectangular_section(0.06, 0.04), inner = rectangular_section(0.054, 0.034);
+  // rounding, as above
   EXPECT_NEAR(tube.area, outer.area - inner.area, 2e-18);
   EXPECT_NEAR(tube.inertia_y, outer.inertia_y - inner.inertia_y, 1e-21);
   EXPECT_NEAR(tube.inertia_z, outer.inertia_z - inner.inertia_z, 1e-21);
-  // Bredt for a square of middle line a: J = a^3 t. Rounding, as above.
+  // Bredt for a square of middle line a: J = a^3 t.
   EXPECT_NEAR(rectangular_tube_section(0.11, 0.11, 0.01).torsion, 1e-3 * 0.01, 2e-20);
   // A deep narrow box is two webs, whose factor is that of a rectangle [Cow66]; the flanges' share is of the order
   // 1e-8.
@@ -170,8 +172,8 @@ TEST(Beam, LumpedMassConvergesToTheSameFrequenciesAtTheSecondOrderOrBetter) {
     model.mass_kind = MassKind::lumped;
     return std::abs(plane_frequencies(model, {{.name = "clamp", .nodes = {0}}})[1] / exact - 1.0);
   };
-  EXPECT_NEAR(std::log2(error(16) / error(32)), 2.0, 0.05);
-  EXPECT_LT(error(32), 4e-3);  // found .002
+  EXPECT_NEAR(std::log2(error(16) / error(32)), 2.0, 0.05);  // found to be the second
+  EXPECT_LT(error(32), 4e-3);                                // found .002
 }
 
 TEST(Beam, FreeElementHasSixMotionsWithoutStrain) {

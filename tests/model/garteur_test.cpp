@@ -148,7 +148,7 @@ TEST_F(Garteur, ShearAndRotaryInertiaAreASmallCorrection) {
   const auto slender = frequencies(garteur_model()), soft = frequencies(refined);
   const Eigen::ArrayXd ratios = soft.segment(6, 14).array() / slender.segment(6, 14).array();
   EXPECT_LT(ratios.maxCoeff(), 1.0) << ratios.transpose();
-  EXPECT_NEAR(ratios.minCoeff(), 0.907, 0.002) << ratios.transpose();
+  EXPECT_NEAR(ratios.minCoeff(), 0.907, 0.002) << ratios.transpose();  // found .9065
 }
 
 }  // namespace

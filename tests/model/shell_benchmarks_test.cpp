@@ -273,7 +273,7 @@ TEST(ShellModes, DrillingRotationsAddNoModesInThePlane) {
     return frequencies(problem.model, 15);
   };
   const Eigen::ArrayXd ratios = modes(CellShape::quadrilateral4).array() / modes(CellShape::triangle3).array();
-  EXPECT_LT((ratios - 1.0).abs().maxCoeff(), 0.02) << ratios.transpose();
+  EXPECT_LT((ratios - 1.0).abs().maxCoeff(), 0.02) << ratios.transpose();  // found .017
 }
 
 INSTANTIATE_TEST_SUITE_P(Cells, ShellBenchmarks,
