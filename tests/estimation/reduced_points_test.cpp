@@ -32,6 +32,7 @@ Transformed transformed(PartiallyLinearMap& map, const VectorXd& m, const Matrix
           transform.scatter()};
 }
 
+/// To a part of the size, which is rounding wherever the points are the same.
 void expect_equal(const Moments& found, const Moments& expected, double tolerance) {
   EXPECT_LT((found.mean - expected.mean).norm(), tolerance * expected.mean.norm());
   EXPECT_LT((found.covariance - expected.covariance).norm(), tolerance * expected.covariance.norm());

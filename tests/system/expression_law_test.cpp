@@ -38,7 +38,7 @@ TEST(ExpressionLaw, EqualsTheSaturatingLaw) {
   LawBench mine({"", law, parameters}), built_in({"", saturating_law(), parameters});
   for (double d = -5e-3; d < 5e-3; d += 3.1e-4) {
     const double v = 20.0 * d + 0.03;
-    EXPECT_NEAR(mine.step(1e-3, d, v), built_in.step(1e-3, d, v), 1e-14 * 60.0);
+    EXPECT_NEAR(mine.step(1e-3, d, v), built_in.step(1e-3, d, v), 1e-14 * 60.0);  // rounding
     // derivatives by differences
     EXPECT_NEAR(mine.stiffness[0], built_in.stiffness[0], 1e-9 * 15e3);
     EXPECT_NEAR(mine.damping[0], built_in.damping[0], 2e-8 * 210.0);

@@ -88,7 +88,7 @@ TEST(GroundMotion, AMotionAboutItsRestIsHardlyTouched) {
   const auto motion = make_random({.rms = 2e-3, .lower = 1.0, .upper = 20.0});
   const GroundMotion found(recorded_acceleration(*motion, 1000.0, 20.0),
                            {.step = 1e-3, .knots = 20001, .drift = Drift::remove});
-  EXPECT_LT(found.removed().part, 1.5e-3);
+  EXPECT_LT(found.removed().part, 1.5e-3);  // found 6e-4
 }
 
 TEST(GroundMotion, GoesOnOutsideItsKnots) {

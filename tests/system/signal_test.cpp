@@ -105,6 +105,7 @@ TEST(RandomSignal, DoesNotDependOnThePartitionOfTheCall) {
   const Eigen::Array3d size = whole.abs().colwise().maxCoeff().transpose();
   for (int d = 0; d < 3; ++d) {
     for (Eigen::Index k = 0; k < part.rows(); k += 997)
+      // rounding: found 0
       EXPECT_NEAR(part(k, d), whole(200000 + 2 * k, d), 1e-14 * size(d));
     EXPECT_NEAR(one(0, d), whole(299999, d), 1e-14 * size(d));
   }
