@@ -12,7 +12,7 @@ BeamProperty beam_of(const std::string& section) {
   return std::get<BeamProperty>(parse_deck(line + deck_steel + section).model.properties.at("e"));
 }
 
-// Every tolerance of this file is a rounding of what is compared: 1e-15 or so of it.
+// Every tolerance of this file is a rounding of what is compared: 1e-15 to 1e-14 of it.
 
 // Direction 1 of the deck is y here, 2 is t x n1 = z. kalfem's local z is direction 1.
 TEST(AbaqusSections, RectangleHasItsWidthAlongDirectionOne) {
@@ -143,13 +143,13 @@ TEST(AbaqusSections, OrthotropicSolidInTurnedAxes) {
       parse_deck(cube + orthotropic +
                  "*ORIENTATION, NAME=o\n1,1,0,-1,1,0\n*SOLID SECTION, ELSET=e, MATERIAL=wood, ORIENTATION=o\n");
   const auto& stiffness = *std::get<SolidProperty>(deck.model.properties.at("e")).elasticity;
-  EXPECT_NEAR(modulus_along(stiffness, Eigen::Vector3d(1, 1, 0).normalized()), 12e9, 2e-5);
+  EXPECT_NEAR(modulus_along(stiffness, Eigen::Vector3d(1, 1, 0).normalized()), 12e9, 1e-4);
   EXPECT_NEAR(modulus_along(stiffness, Eigen::Vector3d(-1, 1, 0).normalized()), 1e9, 1e-5);
-  EXPECT_NEAR(modulus_along(stiffness, Eigen::Vector3d::UnitZ()), 0.5e9, 1e-6);
+  EXPECT_NEAR(modulus_along(stiffness, Eigen::Vector3d::UnitZ()), 0.5e9, 5e-6);
   // At 45 degrees between 1 and 3: 4 / E = 1/E1 + 1/E3 + 1/G13 - 2 nu13/E1.
   EXPECT_NEAR(
       4.0 / modulus_along(stiffness, (Eigen::Vector3d(1, 1, 0).normalized() + Eigen::Vector3d::UnitZ()).normalized()),
-      1 / 12e9 + 1 / 0.5e9 + 1 / 0.7e9 - 0.9 / 12e9, 1e-23);
+      1 / 12e9 + 1 / 0.5e9 + 1 / 0.7e9 - 0.9 / 12e9, 3e-23);
 }
 
 TEST(AbaqusSections, CylindricalAxesGiveARegionForEachDirection) {
@@ -161,7 +161,7 @@ TEST(AbaqusSections, CylindricalAxesGiveARegionForEachDirection) {
       "*ORIENTATION, NAME=o, SYSTEM=CYLINDRICAL\n0,0,0,0,0,1\n*SOLID SECTION, ELSET=e, MATERIAL=wood, ORIENTATION=o\n");
   ASSERT_EQ(deck.model.mesh.regions.size(), 2u);
   const auto& second = *std::get<SolidProperty>(deck.model.properties.at("e.2")).elasticity;
-  EXPECT_NEAR(modulus_along(second, Eigen::Vector3d(1.5, 2.0, 0).normalized()), 12e9, 2e-5);
+  EXPECT_NEAR(modulus_along(second, Eigen::Vector3d(1.5, 2.0, 0).normalized()), 12e9, 1e-4);
 }
 
 }  // namespace
