@@ -171,7 +171,7 @@ TEST(GaussNewton, ShortensStepsIntoARegionWithoutResponse) {
   GaussNewton search(free_parameters(vector({1.0})), {.initial_radius = 10.0});
   const auto state = run(search, residual);
   EXPECT_TRUE(converged(*search.finished())) << words(*search.finished());
-  EXPECT_NEAR(state.parameters[0], 0.01, 4e-9);  // the last step squares an error of 1e-4 of it
+  EXPECT_NEAR(state.parameters[0], 0.01, 4e-9);  // found 1e-9: the last step squares an error of 6e-4 of it
   EXPECT_GT(refused, 0);
   EXPECT_EQ(state.without_response, refused);
 }
