@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "kalfem/dynamics/simulate.hpp"
+#include "kalfem/identification/driven_substructure.hpp"
+#include "kalfem/identification/initial_state.hpp"
+#include "kalfem/identification/record_residual.hpp"
+#include "kalfem/identification/simulation_residual.hpp"
 #include "kalfem/pipeline/run_estimation.hpp"
-#include "kalfem/study/driven_substructure.hpp"
-#include "kalfem/study/initial_state.hpp"
-#include "kalfem/study/record_residual.hpp"
-#include "kalfem/study/simulation_residual.hpp"
 #include "timing.hpp"
 
 namespace {

@@ -47,7 +47,8 @@ TEST(H1OfFewAverages, HasDeviationsThatAreThoseOfItsErrors) {
     const double ratio =
         error_to_stated(segments, {.segment = 128, .overlap = 0.0, .window = SpectralWindow::rectangular});
     std::printf("%d segments: squared error %.3f of the stated variance\n", int(segments), ratio);
-    EXPECT_NEAR(ratio, 1.0, segments == 2 ? 0.1 : 0.04) << segments;
+    // found .011; the mean of 37,800 squared errors scatters by .5 %, with two averages by more
+    EXPECT_NEAR(ratio, 1.0, 0.03) << segments;
   }
 }
 
@@ -58,7 +59,8 @@ TEST(H1OfFewAverages, CountsOverlappingSegmentsForWhatTheyAreWorth) {
     const double n = double(2 * segments - 1);
     EXPECT_EQ(estimate.segments, 2 * segments - 1);
     // Hann windows that share a half are correlated by 1/6, and n segments have n - 1 such neighbours.
-    EXPECT_NEAR(estimate.averages, n / (1.0 + 2.0 * (n - 1.0) / n / 36.0), 1e-3 * n);
+    // the same closed form
+    EXPECT_NEAR(estimate.averages, n / (1.0 + 2.0 * (n - 1.0) / n / 36.0), 1e-14 * n);
   }
 }
 
@@ -70,7 +72,8 @@ TEST(H1OfFewAverages, LagsWhereTheOutputComesLater) {
   const auto response = estimate_h1({&record, 1}, "force", {"motion"}, {.segment = 128}).response;
   for (Index k = 0; k < response.lines.size(); ++k) {
     const auto expected = std::polar(1.0, -2.0 * 3.14159265358979323846 * response.lines[k] / 100.0);
-    EXPECT_LT(std::abs(response.values(k, 0) - expected), 0.1) << response.lines[k];
+    // found .007: one sample's delay of a segment of 128 leaves 1 / 128
+    EXPECT_LT(std::abs(response.values(k, 0) - expected), 0.02) << response.lines[k];
   }
 }
 

@@ -73,6 +73,7 @@ TEST(H1Estimate, IsTheFrfOfTheSystem) {
   for (Index k = 2; k < response.lines.size(); ++k) {
     const Complex truth = damped.frf(response.lines[k]);
     // The half-power width has 32 lines: what leaks between them is of the order of 1 / 32^2, and averages out.
+    // found .0035 of the truth
     EXPECT_LT(std::abs(response.values(k, 0) - truth), 0.005 * std::abs(truth)) << response.lines[k];
     EXPECT_GT(estimate.coherence(k, 0), 0.998) << response.lines[k];
   }
@@ -86,10 +87,11 @@ TEST(H1Estimate, CountsIndependentAverages) {
   // Hann windows that share a half are correlated by 1/6: n_d = n / (1 + 2/36) for many segments.
   const auto half = h1(record, {.segment = 256});
   EXPECT_EQ(half.segments, 127);
-  EXPECT_NEAR(half.averages, 127.0 / (1.0 + 2.0 / 36.0 * 126.0 / 127.0), 1e-3 * 127.0);
+  EXPECT_NEAR(half.averages, 127.0 / (1.0 + 2.0 / 36.0 * 126.0 / 127.0), 1e-12);  // the same closed form
   // More overlap than that brings little that is new.
   const auto most = h1(record, {.segment = 256, .overlap = 0.9});
   EXPECT_GT(most.segments, 600);
+  // found .09
   EXPECT_NEAR(most.averages, half.averages, 0.1 * half.averages);
 }
 
@@ -114,9 +116,11 @@ TEST(H1Estimate, OutputNoiseNeitherBiasesItNorEscapesItsDeviation) {
     const double size = std::abs(damped.frf(rate / 2048 * double(looked_at[i] + 1)));
     // 120 parts: their mean square is known to sqrt(2 / 120) = 13 %; three times that.
     EXPECT_NEAR(squares[i] / deviations[i], 1.0, 0.4) << i;
+    // three standard errors, and the leakage of the line
     EXPECT_LT(std::abs(sum[i]), 3.0 * std::sqrt(2.0 * deviations[i] / seeds) + 0.01 * size) << i;
     const double truth = size * size / (size * size + noise * noise);
-    EXPECT_NEAR(coherence[i], truth, 0.05) << i;
+    // found .018
+    EXPECT_NEAR(coherence[i], truth, 0.04) << i;
   }
 }
 
@@ -128,7 +132,7 @@ TEST(H1Estimate, AveragesOverRecords) {
   EXPECT_GT(estimate.response.deviations.minCoeff(), 0.0);
   const auto single = h1(blows[0], {.segment = 512});
   EXPECT_EQ(single.response.deviations.size(), 0);
-  EXPECT_NEAR(single.coherence.minCoeff(), 1.0, 1e-12);
+  EXPECT_NEAR(single.coherence.minCoeff(), 1.0, 1e-14);  // rounding
 }
 
 TEST(H1Estimate, SaysWhatDoesNotFit) {
@@ -171,9 +175,10 @@ TEST(ResponsePeaks, AreFoundBetweenTheLines) {
   const auto peaks = find_peaks(accelerance(modes, VectorXd::LinSpaced(1600, 0.03125, 50.0)));
   ASSERT_EQ(peaks.size(), 3u);
   for (std::size_t i = 0; i < 3; ++i) {
+    // found 5e-6 of the frequencies and 8e-6 of the ratios
     EXPECT_NEAR(peaks[i].frequency, modes[i].frequency, 2e-5 * modes[i].frequency);
     ASSERT_TRUE(peaks[i].damping.has_value());
-    EXPECT_NEAR(*peaks[i].damping, modes[i].ratio, 0.01 * modes[i].ratio);
+    EXPECT_NEAR(*peaks[i].damping, modes[i].ratio, 2e-5 * modes[i].ratio);
   }
 }
 
@@ -183,11 +188,12 @@ TEST(ResponsePeaks, StandOutOfNoiseAndOfTheBand) {
   for (auto& value : response.values.reshaped()) value += 0.5 * Complex(stream.normal(), stream.normal());
   const auto peaks = find_peaks(response);
   ASSERT_EQ(peaks.size(), 2u);
-  EXPECT_NEAR(peaks[0].frequency, 10.0, 0.003);
-  EXPECT_NEAR(peaks[1].frequency, 30.0, 0.003);
+  // noise of .5 against peaks of 170: found 9e-5 Hz
+  EXPECT_NEAR(peaks[0].frequency, 10.0, 2e-4);
+  EXPECT_NEAR(peaks[1].frequency, 30.0, 4e-4);
   const auto upper = find_peaks(response, {.band = {20.0, 40.0}});
   ASSERT_EQ(upper.size(), 1u);
-  EXPECT_NEAR(upper[0].frequency, 30.0, 0.003);
+  EXPECT_NEAR(upper[0].frequency, 30.0, 4e-4);
   EXPECT_TRUE(find_peaks(response, {.band = {60.0, 70.0}}).empty());
 }
 
@@ -197,7 +203,7 @@ TEST(ResponsePeaks, NeedNoPhases) {
   response.magnitudes_only = true;
   const auto peaks = find_peaks(response);
   ASSERT_EQ(peaks.size(), 1u);
-  EXPECT_NEAR(peaks[0].frequency, 10.0, 0.01);  // a third of a line
+  EXPECT_NEAR(peaks[0].frequency, 10.0, 0.004);  // found .001; lines are .03 Hz apart
   EXPECT_FALSE(peaks[0].damping.has_value());
 }
 

@@ -35,11 +35,12 @@ TEST(ConnectorSensors, AddUpTheirConnectorsByWeight) {
   const auto& sensors = results.simulation->reference.sensors;
   const Eigen::VectorXd force =
       of("p", connector_force) - 2.5 * of("q", connector_force) + 0.5 * of("r", connector_force);
-  EXPECT_LT(difference(sensors.col(0), force), 1e-12);
+  // sums of three terms: rounding
+  EXPECT_LT(difference(sensors.col(0), force), 5e-15);
   EXPECT_LT(difference(sensors.col(1), 3.0 * of("q", connector_deformation) + 2.0 * of("p", connector_deformation)),
-            1e-12);
-  EXPECT_LT(difference(sensors.col(2), of("p", connector_rate) - of("r", connector_rate)), 1e-12);
-  EXPECT_LT(difference(sensors.col(3), of("q", connector_force)), 1e-12);
+            5e-15);
+  EXPECT_LT(difference(sensors.col(2), of("p", connector_rate) - of("r", connector_rate)), 5e-15);
+  EXPECT_LT(difference(sensors.col(3), of("q", connector_force)), 1e-15);
 }
 
 TEST(ConnectorSensors, AreWhatTheFilterCompares) {
@@ -49,10 +50,13 @@ TEST(ConnectorSensors, AreWhatTheFilterCompares) {
   ASSERT_TRUE(results.usable()) << results.failure;
   const auto& unknowns = results.estimation->result.unknowns;
   const Eigen::Index last = unknowns.mean.cols() - 1;
+  // four deviations of one record; found .6 and .3 of one
   EXPECT_NEAR(unknowns.mean(0, last), 1000.0, 4.0 * unknowns.deviation(0, last));
   EXPECT_NEAR(unknowns.mean(1, last), 2e8, 4.0 * unknowns.deviation(1, last));
-  EXPECT_LT(unknowns.deviation(0, last), 10.0);
-  EXPECT_NEAR(results.estimation->consistency.mean_nis, 4.0, 0.3);
+  EXPECT_GT(unknowns.deviation(0, last), 0.3);
+  EXPECT_LT(unknowns.deviation(0, last), 1.3);  // found .66
+  // two standard errors of some 2000 samples: found .003
+  EXPECT_NEAR(results.estimation->consistency.mean_nis, 4.0, 0.12);
 }
 
 TEST(ConnectorSensors, AreWhatAnUpdatingSimulates) {
@@ -62,6 +66,7 @@ TEST(ConnectorSensors, AreWhatAnUpdatingSimulates) {
                      "{record: {simulation: [f, d, v]}}}\n",
                  Step::update);
   ASSERT_TRUE(results.usable()) << results.failure;
+  // found 6e-4
   EXPECT_NEAR(results.updating->values[0] / 4000.0, 1.0, 2e-3);
 }
 

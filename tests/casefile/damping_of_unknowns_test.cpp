@@ -30,10 +30,13 @@ void expect_no_trace_of_first_guesses(const std::vector<std::string>& texts, dou
   VectorXd truth;
   const auto all = from_each(texts, truth);
   for (std::size_t g = 0; g < all.size(); ++g) {
-    EXPECT_NEAR(all[g].nis, 4.0, 0.15) << "guess " << g;
+    // 8000 samples of four channels: three standard errors of sqrt(8 / 8000); found .035
+    EXPECT_NEAR(all[g].nis, 4.0, 0.1) << "guess " << g;
     for (Index i = 0; i < truth.size(); ++i) {
+      // the accuracy that is stated for chains: found .28 of .3
       EXPECT_NEAR(all[g].values[i], all[0].values[i], within * all[0].deviations[i])
           << "guess " << g << ", unknown " << i;
+      // four deviations: one record's noise, found 3.1
       EXPECT_NEAR(all[g].values[i], truth[i], 4.0 * all[g].deviations[i]) << "guess " << g << ", unknown " << i;
     }
     std::printf("guess %d: linearised anew %d times, NIS %.3f;", int(g), all[g].linearisations, all[g].nis);
@@ -138,7 +141,8 @@ TEST(DampingOfUnknowns, ThePredictionUsesTheEstimatedSpring) {
   ASSERT_EQ(read.prediction->points.size(), right.prediction->points.size());
   for (std::size_t i = 0; i < read.prediction->points.size(); ++i) {
     const auto& expected = right.prediction->points[i].mean;
-    EXPECT_LT((read.prediction->points[i].mean - expected).norm(), 0.02 * expected.norm())
+    // found 2e-4
+    EXPECT_LT((read.prediction->points[i].mean - expected).norm(), 5e-4 * expected.norm())
         << read.prediction->points[i].point;
   }
 }

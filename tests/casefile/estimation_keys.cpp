@@ -1,7 +1,7 @@
 #include "casefile/probes.hpp"
 #include "kalfem/estimation/estimate.hpp"
+#include "kalfem/identification/filter_run.hpp"
 #include "kalfem/pipeline/reported_quantities.hpp"
-#include "kalfem/study/filter_run.hpp"
 
 /// Keys of the estimation: what the augmented model and its filter are made of.
 namespace kalfem::wiring {
@@ -137,8 +137,8 @@ void start_from_the_record() {
     return run.choice.augmented_model->options().prior.mean;
   };
   const auto found = start(", initial_state_from_record: true");
-  near(found.displacement, vector({3e-3, -7e-3}), 1e-9);
-  near(found.velocity, vector({0.02, -0.05}), 1e-9);
+  near(found.displacement, vector({3e-3, -7e-3}), many_roundings);
+  near(found.velocity, vector({0.02, -0.05}), many_roundings);
   EXPECT_EQ(start("").displacement.norm(), 0.0);
   EXPECT_EQ(start(", initial_state_from_record: false").velocity.norm(), 0.0);
 }
@@ -244,8 +244,8 @@ void filter_kinds() {
       {"ekf", FilterKind::extended}};
   for (const auto& [word, kind] : kinds) {
     const auto [found, expected] = both_filters(", filter: " + word, {.filter = kind});
-    near(found.log_likelihood, expected.log_likelihood, 1e-9);
-    near(found.unknowns.mean(0, 50), expected.unknowns.mean(0, 50), 1e-9);
+    near(found.log_likelihood, expected.log_likelihood, many_roundings);
+    near(found.unknowns.mean(0, 50), expected.unknowns.mean(0, 50), many_roundings);
   }
 }
 
@@ -253,7 +253,7 @@ void spreads_of_sigma_points() {
   const auto found = [](const std::string& text, const UnscentedOptions& options) {
     const auto [own, expected] =
         both_filters(", filter: ukf" + text, {.filter = FilterKind::unscented, .unscented = options});
-    near(own.log_likelihood, expected.log_likelihood, 1e-9);
+    near(own.log_likelihood, expected.log_likelihood, many_roundings);
     return own.log_likelihood;
   };
   const double usual = found("", {});
@@ -272,7 +272,7 @@ void passes_over_the_record() {
     return estimate(*filter.choice.augmented_model, filter.record, {.filter = outcome.filter, .passes = passes})
         .log_likelihood;
   };
-  near(outcome.result.log_likelihood, expected(2), 1e-9);
+  near(outcome.result.log_likelihood, expected(2), many_roundings);
   EXPECT_GT(std::abs(expected(2) - expected(1)), 1e-3);
   EXPECT_TRUE(outcome.open_loop.has_value());
   EXPECT_FALSE(options_of(with_estimate(prior, nonlinear)).keep_initial_state);

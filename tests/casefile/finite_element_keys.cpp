@@ -1,8 +1,8 @@
 #include <numbers>
 
 #include "casefile/probes.hpp"
+#include "kalfem/identification/parameterised_structure.hpp"
 #include "kalfem/reduction/free_interface.hpp"
-#include "kalfem/study/parameterised_structure.hpp"
 
 /// Keys of finite-element substructures and their reduction.
 namespace kalfem::wiring {
@@ -51,8 +51,8 @@ Study with_mesh(const std::string& more, const std::string& source = "mesh: plat
 }
 
 void meshes() {
-  near(part_of(with_mesh("")).mass.mass, 80.0, 1e-10);
-  near(part_of(with_mesh("", "mesh: plate.msh, scale: 0.1")).mass.mass, 0.8, 1e-10);
+  near(part_of(with_mesh("")).mass.mass, 80.0, many_roundings);
+  near(part_of(with_mesh("", "mesh: plate.msh, scale: 0.1")).mass.mass, 0.8, many_roundings);
   near(elements_of(with_mesh("", "mesh: plate.msh, scale: 0.1")).mesh.nodes(0, 1), 0.1);
 }
 
@@ -197,7 +197,7 @@ void materials() {
   const auto beam = part_of(with_beam("")).full;
   const auto z = std::ranges::find(beam.dofs, "n3.z") - beam.dofs.begin();
   const Eigen::VectorXd bent = Eigen::MatrixXd(beam.stiffness).ldlt().solve(Eigen::VectorXd::Unit(beam.size(), z));
-  near(bent[z], 1.0 / (3 * 210e9 * inertia), 2e-3);  // shear takes 0.1 %
+  near(bent[z], 1.0 / (3 * 210e9 * inertia), 3e-4);  // shear takes 0.022 %
 }
 
 void shell_regions() {
@@ -304,11 +304,11 @@ void placed_bodies() {
                j = std::ranges::find(plain.dofs, "n3." + b) - plain.dofs.begin();
     return loaded.mass.coeff(i, j) - plain.mass.coeff(i, j);
   };
-  near(added("x", "x"), 3.0, 1e-9);
-  near(added("x", "ry"), 3 * 0.05, 1e-9);
-  near(added("x", "rz"), -3 * 0.04, 1e-9);
-  near(added("rx", "rx"), 0.1 + 3 * (0.04 * 0.04 + 0.05 * 0.05), 1e-9);
-  near(added("ry", "rz"), -3 * 0.04 * 0.05, 1e-9);
+  near(added("x", "x"), 3.0, many_roundings);
+  near(added("x", "ry"), 3 * 0.05, many_roundings);
+  near(added("x", "rz"), -3 * 0.04, many_roundings);
+  near(added("rx", "rx"), 0.1 + 3 * (0.04 * 0.04 + 0.05 * 0.05), many_roundings);
+  near(added("ry", "rz"), -3 * 0.04 * 0.05, many_roundings);
 }
 
 void rigid_links() {
@@ -338,6 +338,7 @@ void mass_matrices() {
   const auto lumped = with_beam("mass_matrix: lumped");
   EXPECT_EQ(elements_of(lumped).mass_kind, MassKind::lumped);
   const Eigen::MatrixXd mass = part_of(lumped).full.mass;
+  // a lumped mass has exact zeros beside its diagonal
   EXPECT_LT((mass - Eigen::MatrixXd(mass.diagonal().asDiagonal())).norm(), 1e-12);
 }
 
@@ -353,8 +354,8 @@ void springs_and_grounds() {
   const auto change = [&](const std::string& a, const std::string& b) {
     return full.stiffness.coeff(index(a), index(b)) - plain.stiffness.coeff(index(a), index(b));
   };
-  near(change("n3.z", "n3.z"), 5000.0, 1e-6);
-  near(change("n2.y", "n3.y"), -11.0, 1e-4);
+  near(change("n3.z", "n3.z"), 5000.0, 1e-9);  // small differences of large stiffnesses
+  near(change("n2.y", "n3.y"), -11.0, 1e-7);
   near(full.damping.coeff(index("n3.z"), index("n3.z")), 7.0);
   near(system_of(study).inputs[0].value.lpNorm<1>(), 5000.0);
   near(system_of(study).inputs[0].rate.lpNorm<1>(), 7.0);
@@ -373,7 +374,8 @@ void damping_at_parameters() {
       {{"update", "{parameters: {b.steel.youngs_modulus: {}}, compare: {f: {modes: b, frequencies: [14]}}}"}});
   const auto at = parameterised_structure(study)->at(initial_values(study.updating->parameters));
   const Eigen::MatrixXd given = whole_damping(part_of(study).full);
-  EXPECT_LT((whole_damping(*at.parts.finite_elements[0].model) - given).norm(), 1e-6 * given.norm());
+  EXPECT_LT((whole_damping(*at.parts.finite_elements[0].model) - given).norm(),
+            1e-13 * given.norm());  // rounding of the modes
 }
 
 void damping_of_elements() {
@@ -382,10 +384,11 @@ void damping_of_elements() {
   };
   const auto plain = part_of(with_beam("")).full;
   EXPECT_LT((Eigen::MatrixXd(damped("mass_factor: 3").damping) - 3 * Eigen::MatrixXd(plain.mass)).norm(),
-            1e-12 * plain.mass.norm());
+            // one multiplication
+            1e-15 * plain.mass.norm());
   EXPECT_LT(
       (Eigen::MatrixXd(damped("stiffness_factor: 1e-4").damping) - 1e-4 * Eigen::MatrixXd(plain.stiffness)).norm(),
-      1e-12 * 1e-4 * plain.stiffness.norm());
+      1e-15 * 1e-4 * plain.stiffness.norm());
   // Modes up to the frequency have their own ratio; two pairs of bending modes, at 14 and 89 Hz.
   const auto modes = [&](const std::string& text) { return damped("modal: [1 %, 2 %]" + text).modal_damping; };
   EXPECT_EQ(modes(", modal_up_to: 50 Hz").rates.size(), 2);
@@ -396,7 +399,7 @@ void damping_of_elements() {
   const Eigen::MatrixXd full = whole_damping(model);
   const Eigen::VectorXd found = (kept.shapes.transpose() * full * kept.shapes).diagonal();
   for (int i = 0; i < 4; ++i)
-    near(found[i], 2 * (i == 0 ? 0.01 : 0.02) * 2 * std::numbers::pi * kept.frequencies[i], 1e-6);
+    near(found[i], 2 * (i == 0 ? 0.01 : 0.02) * 2 * std::numbers::pi * kept.frequencies[i], many_roundings);
   damping_at_parameters();
 }
 
@@ -420,8 +423,9 @@ void reduction_methods() {
   const std::vector<std::string> boundary{"n3.x", "n3.y", "n3.z"};
   const auto same = [&](const std::string& text, const Superelement& expected) {
     const auto found = reduced("modes: 4, augmentation_vectors: false" + text);
-    EXPECT_LT(relative_difference(found->model.stiffness, expected.model.stiffness), 1e-9) << text;
-    EXPECT_LT(relative_difference(found->model.mass, expected.model.mass), 1e-9) << text;
+    // the same reduction
+    EXPECT_LT(relative_difference(found->model.stiffness, expected.model.stiffness), 1e-14) << text;
+    EXPECT_LT(relative_difference(found->model.mass, expected.model.mass), 1e-14) << text;
   };
   const ReductionOptions four{.modes = {.count = 4}};
   const auto& full = part_of(part).full;
@@ -443,6 +447,7 @@ void reduction_sizes() {
   EXPECT_GT(size("modes: 2"), 5);
   EXPECT_EQ(size("modes: 2"), size("modes: 2, augmentation_vectors: true"));
   const auto highest = [](const std::string& text) { return reduced(text)->error_indicators.highest_kept; };
+  // what was asked for
   EXPECT_LE(highest("up_to: 100 Hz"), 100.0);
   EXPECT_GT(reduced("up_to: 100 Hz")->error_indicators.next_left_out, 100.0);
   EXPECT_GT(highest("up_to: 2 kHz"), 100.0);

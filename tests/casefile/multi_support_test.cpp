@@ -73,7 +73,7 @@ TEST(MultiSupport, AcceleratedSupportsAreDisplacedOnes) {
       ", frequency: 3, fade_in: 0.5}}\n" +
       "  b: {base_acceleration: beam.right, sine: {amplitude: " + amplitude(3e-3, w2) + ", frequency: 5, phase: 1}}"));
   // the amplitudes are written with six digits behind the point
-  EXPECT_LT(difference_of_all(accelerated, displaced), 2e-6);
+  EXPECT_LT(difference_of_all(accelerated, displaced), 1.5e-6);
   EXPECT_GT(simulated(displaced, "beam.2", acceleration).cwiseAbs().maxCoeff(), 1.0);
 }
 
@@ -84,7 +84,8 @@ TEST(MultiSupport, OneIsAcceleratedBesideOneThatIsDisplaced) {
       results_of(driven_by(right + "  a: {base_displacement: beam.left, sine: {amplitude: 2 mm, frequency: 3}}"));
   const auto mixed = results_of(driven_by(right + "  a: {base_acceleration: beam.left, sine: {amplitude: " +
                                           std::to_string(-2e-3 * w * w) + " m/s^2, frequency: 3}}"));
-  EXPECT_LT(difference_of_all(mixed, displaced), 2e-6);
+  // the amplitude is written with six digits behind the point
+  EXPECT_LT(difference_of_all(mixed, displaced), 1.2e-6);
 }
 
 /// Records of two supports: one swings and comes back, the other ends at another place.
@@ -101,7 +102,7 @@ TEST(MultiSupport, RecordedAccelerationsMoveTheSupportsAsTheyMoved) {
       "  a: {base_displacement: beam.left, impulse: {amplitude: 4 mm, start: 0.5, duration: 0.4, shape: smooth}}\n"
       "  b: {base_displacement: beam.right, impulse: {amplitude: -3 mm, start: 0.6, duration: 0.5, shape: smooth}}"));
   // the spline through 400 samples of the pulse's acceleration; the records converge to 1e-4
-  EXPECT_LT(difference_of_all(recorded, displaced), 3e-4);
+  EXPECT_LT(difference_of_all(recorded, displaced), 1e-6);
 }
 
 TEST(MultiSupport, AnAccelerometersOffsetDoesNotPullTheSupportsApart) {
@@ -116,10 +117,11 @@ TEST(MultiSupport, AnAccelerometersOffsetDoesNotPullTheSupportsApart) {
       << study.warnings[0];
   EXPECT_NE(study.warnings[0].find("drift: keep"), std::string::npos);
   const auto found = study.structure->signals[0]->sample(0.0, 1e-2, 401), expected = motion->sample(0.0, 1e-2, 401);
-  EXPECT_LT((found - expected).col(0).abs().maxCoeff(), 0.03 * expected.col(0).abs().maxCoeff());
+  // found .0037: taking the offset out takes some of the motion
+  EXPECT_LT((found - expected).col(0).abs().maxCoeff(), 0.01 * expected.col(0).abs().maxCoeff());
   const auto kept = study_of(driven_by(left + ", drift: keep}"));
   EXPECT_TRUE(kept.warnings.empty());
-  EXPECT_NEAR(kept.signals[0]->sample(4.0, 1.0, 1)(0, 0) - motion->sample(4.0, 1.0, 1)(0, 0), 0.4, 1e-3);
+  EXPECT_NEAR(kept.signals[0]->sample(4.0, 1.0, 1)(0, 0) - motion->sample(4.0, 1.0, 1)(0, 0), 0.4, 2e-6);
 }
 
 TEST(MultiSupport, SupportsThatMoveAlikeAreAnAcceleratedBase) {
@@ -131,14 +133,16 @@ TEST(MultiSupport, SupportsThatMoveAlikeAreAnAcceleratedBase) {
   for (const auto* alike : {&one, &two}) {
     ASSERT_TRUE(alike->usable()) << alike->failure;
     for (const char* point : {"beam.1", "beam.2"})
-      EXPECT_LT(difference(simulated(*alike, point, acceleration), simulated(uniform, point, acceleration)), 1e-4);
+      // the same equations by absolute and by relative motion, with their own references: found 2e-8
+      EXPECT_LT(difference(simulated(*alike, point, acceleration), simulated(uniform, point, acceleration)), 2e-7);
     for (const auto quantity : {connector_deformation, connector_force})
-      EXPECT_LT(difference(simulated(*alike, "stop", quantity), simulated(uniform, "stop", quantity)), 1e-4);
+      EXPECT_LT(difference(simulated(*alike, "stop", quantity), simulated(uniform, "stop", quantity)), 2e-7);
     // motion is absolute with grounds by name, and relative to the base with `all`
     EXPECT_GT(simulated(*alike, "beam.1", displacement).tail(1)[0], 0.5);
-    EXPECT_LT(std::abs(simulated(uniform, "beam.1", displacement).tail(1)[0]), 1e-3);
+    // at rest again
+    EXPECT_LT(std::abs(simulated(uniform, "beam.1", displacement).tail(1)[0]), 1e-12);
     EXPECT_LT(difference(alike->simulation->reference.sensors.col(2), uniform.simulation->reference.sensors.col(2)),
-              1e-4);
+              2e-7);
   }
   const auto half = results_of(driven_by("  a: {base_acceleration: {beam.left: 1, beam.right: 0.5}, " + signal));
   EXPECT_GT(difference(simulated(half, "beam.2", acceleration), simulated(uniform, "beam.2", acceleration)), 0.1);
@@ -159,10 +163,14 @@ TEST(MultiSupport, TheFilterFindsAStiffnessUnderAcceleratedSupports) {
   ASSERT_TRUE(results.usable()) << results.failure;
   const auto& unknowns = results.estimation->result.unknowns;
   const Eigen::Index last = unknowns.mean.cols() - 1;
+  // four deviations of one record; found 2.0 and .8 of one
   EXPECT_NEAR(unknowns.mean(0, last), 1000.0, 4.0 * unknowns.deviation(0, last));
   EXPECT_NEAR(unknowns.mean(1, last), 8000.0, 4.0 * unknowns.deviation(1, last));
-  EXPECT_LT(unknowns.deviation(1, last), 100.0);
-  EXPECT_NEAR(results.estimation->consistency.mean_nis, 3.0, 0.3);
+  EXPECT_GT(unknowns.deviation(1, last), 0.3);
+  EXPECT_LT(unknowns.deviation(1, last), 1.3);  // found .66
+  // 1750 samples of three channels: two standard errors are .12
+  EXPECT_NEAR(results.estimation->consistency.mean_nis, 3.0, 0.13);
+  // found .010
   for (const double error : results.estimation->open_loop_nrmse) EXPECT_LT(error, 0.03);
 }
 
@@ -176,8 +184,8 @@ TEST(MultiSupport, TheSimulationOfAnUpdatingIsDrivenAlike) {
           "all}}}\n",
       Step::update);
   ASSERT_TRUE(results.usable()) << results.failure;
-  EXPECT_NEAR(results.updating->values[0], 5000.0, 25.0);
-  EXPECT_NEAR(results.updating->residual_final, 1.0, 0.1);
+  EXPECT_NEAR(results.updating->values[0], 5000.0, 10.0);    // found 3
+  EXPECT_NEAR(results.updating->residual_final, 1.0, 0.05);  // found .005
 }
 
 /// A sensor of the motion against a ground does not tell where the structure is, but for the ground's own motion.
@@ -191,8 +199,9 @@ TEST(MultiSupport, AStartFromTheRecordAddsTheGroundsMotion) {
       "estimate: {unknown: {stop.k: {initial: 900, std: 100}}, initial_state_from_record: true, settle: 0.2 s}\n");
   ASSERT_TRUE(results.usable()) << results.failure;
   const auto& start = results.estimation->augmented_model->options().prior.mean;
-  EXPECT_NEAR(start.displacement[0], 4e-3, 2e-4);
-  EXPECT_NEAR(start.displacement[1], 3e-3, 2e-4);
+  // found 5e-6 and 7e-6: the noise of one sample, 1 %
+  EXPECT_NEAR(start.displacement[0], 4e-3, 2e-5);
+  EXPECT_NEAR(start.displacement[1], 3e-3, 2e-5);
 }
 
 struct Contradiction {
@@ -305,8 +314,9 @@ TEST(MultiSupport, AMassMayBeUnknownUnderAccelerationOfGroundsAndOfTheWholeBase)
     ASSERT_TRUE(results.usable()) << moved << ": " << results.failure;
     const auto& unknowns = results.estimation->result.unknowns;
     const Eigen::Index last = unknowns.mean.cols() - 1;
+    // four deviations of one record; found .3 and .5 of one
     EXPECT_NEAR(unknowns.mean(0, last), 1.0, 4.0 * unknowns.deviation(0, last)) << moved;
-    EXPECT_NEAR(results.estimation->consistency.mean_nis, 3.0, 0.3) << moved;
+    EXPECT_NEAR(results.estimation->consistency.mean_nis, 3.0, 0.13) << moved;
   }
 }
 

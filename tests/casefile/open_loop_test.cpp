@@ -19,6 +19,7 @@ TEST_F(OpenLoop, IsDrivenFromTheRecordsOwnStart) {
     const auto& outcome = *results.estimation;
     ASSERT_TRUE(outcome.open_loop);
     // The force is interpolated by a spline between 40 samples a period.
+    // found 9e-4
     for (const double error : outcome.open_loop_nrmse) EXPECT_LT(error, 2e-3) << start;
   }
 }
@@ -33,14 +34,17 @@ TEST_F(OpenLoop, ThatDivergesIsAnOutcome) {
                  {"settle: 0.5 s", "settle: 0.5 s\n  process_noise: {acceleration: 30}"}});
   };
   // Growth without bound, a softening spring that gives way, and steps too coarse to see the growth in full.
-  for (const std::string force : {"-300*d*v", "-60*d*v", "-60*d*v - 1e6*d*x*x*x", "-2000*d*v"}) {
+  // The last is so far from the record that its estimates contradict their prior as well.
+  const std::string untrusted = "-2000*d*v";
+  for (const std::string force :
+       {std::string("-300*d*v"), std::string("-60*d*v"), std::string("-60*d*v - 1e6*d*x*x*x"), untrusted}) {
     SCOPED_TRACE(force);
     const Study study = with(force);
     const auto results = run_study(study, Step::predict);
-    ASSERT_TRUE(results.usable()) << results.failure;
+    EXPECT_EQ(results.usable(), force != untrusted) << results.failure;
     EXPECT_FALSE(results.estimation->open_loop);
     const auto summary = summarise(study, results);
-    EXPECT_EQ(summary["status"], "ok");
+    EXPECT_EQ(summary["status"], force == untrusted ? "unusable" : "ok");
     EXPECT_NE(results.estimation->open_loop_failure.find("the simulation from the estimates "), std::string::npos);
     EXPECT_EQ(summary["estimation"]["open_loop_failure"], results.estimation->open_loop_failure);
     EXPECT_FALSE(summary["estimation"].contains("open_loop"));

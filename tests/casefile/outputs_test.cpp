@@ -46,7 +46,7 @@ const Everything& everything() {
 
 void same(const Json& json, double expected) {
   ASSERT_TRUE(json.is_number()) << json;
-  near(json.get<double>(), expected, 1e-12);
+  near(json.get<double>(), expected);
 }
 
 TEST(Summary, HoldsTheParametersOfTheFilter) {
@@ -67,9 +67,9 @@ TEST(Summary, HoldsTheParametersOfTheFilter) {
     const double mean = outcome.result.state.mean(first + i, last),
                  deviation = outcome.result.state.deviation(first + i, last);
     const auto value = [&](double x) { return i == 0 ? std::exp(x) : x; };
-    near(own["interval_95"][0].get<double>(), value(mean - 1.959963984540054 * deviation), 1e-9);
-    near(own["interval_95"][1].get<double>(), value(mean + 1.959963984540054 * deviation), 1e-9);
-    near(own["std"].get<double>(), deviation * (i == 0 ? std::exp(mean) : 1.0), 1e-9);
+    near(own["interval_95"][0].get<double>(), value(mean - 1.959963984540054 * deviation), many_roundings);
+    near(own["interval_95"][1].get<double>(), value(mean + 1.959963984540054 * deviation), many_roundings);
+    near(own["std"].get<double>(), deviation * (i == 0 ? std::exp(mean) : 1.0), many_roundings);
   }
 }
 
@@ -83,8 +83,8 @@ TEST(Summary, HoldsTheConsistencyOfTheFilter) {
   const double low = chi_squared_quantile(0.025, 2.0), high = chi_squared_quantile(0.975, 2.0);
   same(summary["nis"]["fraction_in_95"],
        double((nis.array() >= low && nis.array() <= high).count()) / double(nis.size()));
-  near(low, 0.050636, 1e-4);
-  near(high, 7.377759, 1e-6);
+  near(low, 0.050636, 1e-5);  // the table prints six decimals
+  near(high, 7.377759, 1e-7);
   for (Index i : {0, 1}) {
     const VectorXd innovation = outcome.result.innovation.row(i).tail(151).transpose();
     same(summary["innovation_to_noise"][i == 0 ? "yw" : "yb"], rms(innovation) / outcome.noise[std::size_t(i)]);
@@ -130,7 +130,7 @@ TEST(Summary, HoldsTheUpdating) {
     same(own["estimate"], outcome.values[i]);
     same(own["std"], outcome.statistics.deviations[i]);
     near(own["std"].get<double>(), std::sqrt(summary["covariance"][std::size_t(i)][std::size_t(i)].get<double>()),
-         1e-9);
+         many_roundings);
     same(summary["correlation"][0][std::size_t(i)], outcome.statistics.correlation(0, i));
     same(summary["sensitivities"][names[i]]["deviation"], outcome.sensitivities[std::size_t(i)].deviation);
     same(summary["sensitivities"][names[i]]["uncertainty"], outcome.sensitivities[std::size_t(i)].uncertainty);
@@ -152,7 +152,7 @@ TEST(Summary, HoldsTheUpdating) {
     same(comparison["modes"][i]["measured_hz"], i == 0 ? 2.9 : 5.5);
     same(comparison["modes"][i]["model_hz"], outcome.comparisons[0].modes_final[i].model_frequency);
     near(comparison["modes"][i]["error"].get<double>(),
-         comparison["modes"][i]["model_hz"].get<double>() / (i == 0 ? 2.9 : 5.5) - 1.0, 1e-6);
+         comparison["modes"][i]["model_hz"].get<double>() / (i == 0 ? 2.9 : 5.5) - 1.0, 1e-9);  // of parts of 1e-5
   }
   EXPECT_EQ(summary["stages"].size(), outcome.trace.size());
   same(summary["stages"][1]["residual"], outcome.trace[1].residual);
@@ -206,9 +206,10 @@ TEST(ResultsFile, HoldsEverySeriesUnderItsName) {
   check("/innovation/nis", estimate.nis, "-");
   check("/measurements/yw", results.simulation->measurements.values.col(0), "m/s^2");
   const VectorXd force = study.structure->signals[0]->sample(0.0, 0.01, 201).col(0).matrix();
-  EXPECT_LT((file.read("/inputs/f") - force).norm(), 1e-12 * force.norm());
+  // the file holds doubles; the signal is evaluated at other blocks of times
+  EXPECT_LT((file.read("/inputs/f") - force).norm(), 1e-13 * force.norm());
   EXPECT_EQ(file.text_attribute("/inputs/f", "unit"), "N");
-  EXPECT_LT((file.read("/time") - VectorXd::LinSpaced(201, 0.0, 2.0)).norm(), 1e-12);
+  EXPECT_LT((file.read("/time") - VectorXd::LinSpaced(201, 0.0, 2.0)).norm(), 1e-14);
   check("/updating/parameters/s.m.stiffness_tried",
         VectorXd::NullaryExpr(Index(results.updating->trace.size()),
                               [&](Index k) { return results.updating->trace[std::size_t(k)].tried[1]; }),

@@ -10,12 +10,15 @@
 /// Numbers of what is built from a case.
 namespace kalfem::wiring {
 
+constexpr double rounding = 1e-14;        ///< of a few operations: found 4e-16
+constexpr double many_roundings = 1e-12;  ///< of filters, searches and eigenvalue problems: found up to 2e-14
+
 /// Equal to rounding, or to the relative tolerance that is given.
-inline void near(double found, double expected, double tolerance = 1e-12) {
+inline void near(double found, double expected, double tolerance = rounding) {
   EXPECT_NEAR(found, expected, tolerance * std::max(std::abs(expected), 1e-300));
 }
 
-inline void near(const Eigen::VectorXd& found, const Eigen::VectorXd& expected, double tolerance = 1e-12) {
+inline void near(const Eigen::VectorXd& found, const Eigen::VectorXd& expected, double tolerance = rounding) {
   ASSERT_EQ(found.size(), expected.size());
   EXPECT_LE((found - expected).norm(), tolerance * expected.norm())
       << "found " << found.transpose() << "\nexpected " << expected.transpose();
@@ -49,7 +52,7 @@ inline Eigen::Vector3d signal_at(const Study& study, double time, std::size_t in
 inline void same_signal(const Signal& found, const Signal& expected, double step = 0.01, Eigen::Index count = 60) {
   const Eigen::MatrixXd a = found.sample(0.0, step, count).matrix(), b = expected.sample(0.0, step, count).matrix();
   EXPECT_GT(b.col(0).norm(), 0.0);
-  EXPECT_LE((a - b).norm(), 1e-12 * b.norm());
+  EXPECT_LE((a - b).norm(), rounding * b.norm());
 }
 
 inline StudyResults run(const Study& study, Step last) {

@@ -51,7 +51,7 @@ void zooms() {
   for (const auto& chart : displacement_charts("{displacements: s.a, zoom: 0.2 s}"))
     if (chart.x_window) {
       near((*chart.x_window)[0], 0.1);
-      near((*chart.x_window)[1], 0.3, 1e-9);
+      near((*chart.x_window)[1], 0.3, many_roundings);
     }
   for (const auto& chart : displacement_charts("{displacements: s.a}"))
     if (chart.x_window) near((*chart.x_window)[1], 0.5);  // a second, or up to the end

@@ -3,8 +3,8 @@
 #include "casefile/probes.hpp"
 #include "kalfem/base/random.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
+#include "kalfem/identification/filter_run.hpp"
 #include "kalfem/records/record_splice.hpp"
-#include "kalfem/study/filter_run.hpp"
 
 /// Keys of sensors with their measurement chains, and of measured records.
 namespace kalfem::wiring {
@@ -78,32 +78,34 @@ std::complex<double> response(const std::string& chain, double frequency) {
 /// Butterworth filters by their formula; Bessel ones at the cut-off and by the library.
 void filters() {
   const auto low = [](int order, double ratio) { return 1.0 / std::sqrt(1.0 + std::pow(ratio, 2 * order)); };
-  near(std::abs(response("{butterworth: {low_pass: 20 Hz}}", 30.0)), low(4, 1.5), 1e-9);
-  near(std::abs(response("{butterworth: {order: 2, low_pass: 20 Hz}}", 30.0)), low(2, 1.5), 1e-9);
-  near(std::abs(response("{butterworth: {order: 3, high_pass: 20 Hz}}", 30.0)), low(3, 1.0 / 1.5), 1e-9);
-  near(std::abs(response("{butterworth: {order: 2, band_pass: [10, 40]}}", 20.0)), 1.0, 1e-9);
-  near(std::abs(response("{butterworth: {order: 2, band_pass: [10, 40]}}", 10.0)), std::sqrt(0.5), 1e-9);
-  near(std::abs(response("{butterworth: {order: 2, band_pass: [10, 40]}}", 40.0)), std::sqrt(0.5), 1e-9);
+  near(std::abs(response("{butterworth: {low_pass: 20 Hz}}", 30.0)), low(4, 1.5), many_roundings);
+  near(std::abs(response("{butterworth: {order: 2, low_pass: 20 Hz}}", 30.0)), low(2, 1.5), many_roundings);
+  near(std::abs(response("{butterworth: {order: 3, high_pass: 20 Hz}}", 30.0)), low(3, 1.0 / 1.5), many_roundings);
+  near(std::abs(response("{butterworth: {order: 2, band_pass: [10, 40]}}", 20.0)), 1.0, many_roundings);
+  near(std::abs(response("{butterworth: {order: 2, band_pass: [10, 40]}}", 10.0)), std::sqrt(0.5), many_roundings);
+  near(std::abs(response("{butterworth: {order: 2, band_pass: [10, 40]}}", 40.0)), std::sqrt(0.5), many_roundings);
   for (const auto band : {FilterBand::low_pass, FilterBand::high_pass, FilterBand::band_pass}) {
     const std::string text = band == FilterBand::low_pass    ? "low_pass: 20"
                              : band == FilterBand::high_pass ? "high_pass: 20"
                                                              : "band_pass: [20, 50]";
     const MeasurementChain bessel({{FilterSection{FilterFamily::bessel, band, 3, 20.0, 50.0}}});
-    EXPECT_LT(std::abs(response("{bessel: {order: 3, " + text + "}}", 17.0) - bessel.frequency_response(17.0)), 1e-12);
+    // the same sections
+    EXPECT_LT(std::abs(response("{bessel: {order: 3, " + text + "}}", 17.0) - bessel.frequency_response(17.0)), 1e-14);
   }
 }
 
 void other_stages() {
   const double f = 25.0, omega = 2 * 3.14159265358979323846 * f;
-  EXPECT_LT(std::abs(response("{delay: 4 ms}", f) - std::polar(1.0, -omega * 4e-3)), 1e-6);
+  // a delay of 4 ms at 30 Hz is far inside its approximation: rounding is left
+  EXPECT_LT(std::abs(response("{delay: 4 ms}", f) - std::polar(1.0, -omega * 4e-3)), 1e-14);
   const auto resonance = [&](double zeta) {
     return 1.0 / std::complex<double>(1.0 - std::pow(f / 100.0, 2), 2.0 * zeta * f / 100.0);
   };
-  EXPECT_LT(std::abs(response("{resonance: {frequency: 100 Hz, damping: 0.3}}", f) - resonance(0.3)), 1e-12);
-  EXPECT_LT(std::abs(response("{resonance: {frequency: 100 Hz}}", f) - resonance(0.7)), 1e-12);
-  EXPECT_LT(std::abs(response("{gain: -2.5}", f) + 2.5), 1e-12);
-  EXPECT_LT(std::abs(response("{gain: 2}, {gain: -1.5}", f) + 3.0), 1e-12);
-  EXPECT_LT(std::abs(response("{gain: 2}, {delay: 4 ms}", f) - 2.0 * std::polar(1.0, -omega * 4e-3)), 1e-6);
+  EXPECT_LT(std::abs(response("{resonance: {frequency: 100 Hz, damping: 0.3}}", f) - resonance(0.3)), 1e-14);
+  EXPECT_LT(std::abs(response("{resonance: {frequency: 100 Hz}}", f) - resonance(0.7)), 1e-14);
+  EXPECT_LT(std::abs(response("{gain: -2.5}", f) + 2.5), 1e-15);
+  EXPECT_LT(std::abs(response("{gain: 2}, {gain: -1.5}", f) + 3.0), 1e-15);
+  EXPECT_LT(std::abs(response("{gain: 2}, {delay: 4 ms}", f) - 2.0 * std::polar(1.0, -omega * 4e-3)), 2e-14);
 }
 
 // --- records ---------------------------------------------------------------------------------------------------------
@@ -225,6 +227,7 @@ void splices_are_repaired() {
   // deviations of noise.
   EXPECT_EQ(series.values.col(0).array().isNaN().count(), 11);
   for (const Eigen::Index k : {297, 309, 500, 905})
+    // found 1.2e-5
     EXPECT_NEAR(series.values(k, 0), 0.03 * std::cos(9.4 * double(k) / 500.0), 5e-5) << k;
 }
 
@@ -240,15 +243,17 @@ void free_responses() {
     return *with_record("file: record.csv, free_response: {" + text + "}").record;
   };
   const auto plain = record("");
+  // found .016: 1 % of the excursion and five samples
   EXPECT_NEAR(plain.series.start, 0.5, 0.03);
-  near(plain.series.values(10, 0), y[std::size_t(std::llround(plain.series.start * 500)) + 10] - 0.005, 1e-3);
-  EXPECT_NEAR(record("delay: 0.2 s").series.start, plain.series.start + 0.2, 1e-9);
+  near(plain.series.values(10, 0), y[std::size_t(std::llround(plain.series.start * 500)) + 10] - 0.005, many_roundings);
+  EXPECT_NEAR(record("delay: 0.2 s").series.start, plain.series.start + 0.2, 1e-12);
   // The amplitude 35 mm (1 - t / 2 s) is below 10 mm from 1.93 s after the release on; the record begins up to 30 ms
   // late.
   const auto used = [&](const std::string& text) { return double(record(text).used) / 500.0; };
-  EXPECT_NEAR(used("threshold: 10 mm, margin: 0") + plain.series.start, 0.5 + 1.428, 0.4);
-  EXPECT_NEAR(used("threshold: 10 mm, margin: 0.3 s"), used("threshold: 10 mm, margin: 0") + 0.3, 1e-9);
-  EXPECT_NEAR(used("threshold: 10 mm"), used("threshold: 10 mm, margin: 0.5 s"), 1e-9);
+  // a swing of .33 s may pass until the threshold is seen: found .05
+  EXPECT_NEAR(used("threshold: 10 mm, margin: 0") + plain.series.start, 0.5 + 1.428, 0.1);
+  EXPECT_NEAR(used("threshold: 10 mm, margin: 0.3 s"), used("threshold: 10 mm, margin: 0") + 0.3, 1e-12);
+  EXPECT_NEAR(used("threshold: 10 mm"), used("threshold: 10 mm, margin: 0.5 s"), 1e-12);
   EXPECT_GT(used("threshold: 1 mm, margin: 0"), used("threshold: 10 mm, margin: 0") + 0.3);
   EXPECT_EQ(record("").used, record("threshold: 0.5 mm").used);
 }
@@ -271,7 +276,8 @@ void unknown_rest_positions() {
   };
   // The last whole swing has its peaks 3 and 4 half periods behind the release.
   const double half_period = 3.14159265358979323846 / 9.42;
-  near(deviation("")[1], 0.035 * (std::exp(-1.5 * half_period) + std::exp(-2.0 * half_period)) / 2, 0.01);
+  near(deviation("")[1], 0.035 * (std::exp(-1.5 * half_period) + std::exp(-2.0 * half_period)) / 2,
+       0.003);  // found .0014
   near(deviation("rest_std: 2 mm")[1], 2e-3);
   near(deviation("rest_std: 2 mm")[0], deviation("")[0]);  // of displacements alone
 }

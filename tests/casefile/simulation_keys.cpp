@@ -37,13 +37,14 @@ void integrators() {
                            make_outputs(*study.model, {study.sensors[0].output}), {}, options,
                            {.sample_rate = 100, .first_substeps = 1, .max_substeps = 2, .tolerance = 5});
     records.push_back(clean_record(study));
-    EXPECT_LT(relative_difference(records.back(), reference.sensors), 1e-12) << scheme.text;
+    // the same simulation
+    EXPECT_LT(relative_difference(records.back(), reference.sensors), 1e-14) << scheme.text;
     for (std::size_t i = 0; i + 1 < records.size(); ++i)
       EXPECT_GT(relative_difference(records[i], records.back()), 1e-7) << scheme.text << " and " << schemes[i].text;
   }
   EXPECT_LT(relative_difference(clean_record(with_simulation("tolerance: 5, first_substeps: 1, max_substeps: 2")),
                                 records.front()),
-            1e-12);  // newmark where the case does not say
+            1e-14);  // newmark where the case does not say
 }
 
 void steps_are_refined_to_the_tolerance() {
@@ -92,7 +93,7 @@ void seeds() {
   for (const std::uint64_t seed : {1, 7}) {
     RandomStream random(seed, "y");
     const Eigen::VectorXd expected = Eigen::VectorXd::NullaryExpr(51, [&] { return random.normal(); });
-    near(noise(", seed: " + std::to_string(seed)), expected, 1e-9);
+    near(noise(", seed: " + std::to_string(seed)), expected, many_roundings);
   }
   near(noise(""), noise(", seed: 1"));
 }

@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
 #include "casefile/probes.hpp"
+#include "kalfem/identification/augmented_model_setup.hpp"
+#include "kalfem/identification/filter_run.hpp"
 #include "kalfem/pipeline/reported_quantities.hpp"
-#include "kalfem/study/augmented_model_setup.hpp"
 #include "kalfem/study/comparisons.hpp"
-#include "kalfem/study/filter_run.hpp"
 
 /// The steps of a study together: what one hands to the next, where nothing but its place and time can go wrong.
 namespace kalfem::wiring {
@@ -40,7 +40,7 @@ void expect_truth(const std::vector<PointQuantity>& points, double limit) {
   }
 }
 
-// Found 2e-4 to 1e-3: the boundary's motion is straight between samples of a 200th of a second.
+// Found 2e-4 to 2.1e-3: the boundary's motion is straight between samples of a 200th of a second.
 constexpr double step_error = 3e-3;
 
 TEST(Stages, PredictWhatWasSimulated) {
@@ -68,7 +68,7 @@ TEST(Stages, PredictFromMotion) {
       Step::predict);
   expect_truth(results.prediction->points, step_error);
   const auto* b = find_quantity(results.prediction->points, "s.b", displacement);
-  EXPECT_NEAR(b->mean[0], 0.02, 1e-4);
+  EXPECT_NEAR(b->mean[0], 0.02, 1e-12);  // the prediction starts where the case says
 }
 
 // --- a record that begins late ---------------------------------------------------------------------------------------
@@ -102,15 +102,15 @@ protected:
 TEST_F(LateRecord, IsDrivenByWhatActedThen) {
   const auto study = late();
   EXPECT_EQ(study.record->series.samples(), 201);
-  EXPECT_NEAR(study.record->series.start, 0.3, 1e-12);
+  EXPECT_NEAR(study.record->series.start, 0.3, 1e-14);  // rounding, and the same samples below
   const auto filter = make_filter_run(study.problem, *study.augmented_model, record_of(study, {}));
   const auto signals = study.structure->signals[1]->sample(0.3, 0.005 / 4, 801);
   EXPECT_LT((filter.record.inputs.row(1).transpose() - signals.col(0).matrix()).norm(),
-            1e-12 * signals.col(0).matrix().norm());
+            1e-14 * signals.col(0).matrix().norm());
   const auto results = run(study, Step::estimate);
   for (const std::string point : {"w.v", "s.a", "s.c"}) {
     const auto* found = find_quantity(results.estimation->points, point, displacement);
-    EXPECT_LT(nrmse(found->mean, truth(point, displacement)), step_error) << point;
+    EXPECT_LT(nrmse(found->mean, truth(point, displacement)), 4e-4) << point;  // displacements: found 1e-4
   }
 }
 
@@ -131,7 +131,7 @@ TEST_F(LateRecord, IsComparedWithWhatHappenedThen) {
     const auto size = [&](double k) {
       return rms(residuals.at(0).continuation_steps[0]->evaluate(VectorXd::Constant(1, k), false)->values);
     };
-    EXPECT_LT(size(800.0), 2.0) << comparison;
+    EXPECT_LT(size(800.0), 1.5) << comparison;  // found .74 at most
     EXPECT_GT(size(700.0), 10.0) << comparison;
   }
 }
@@ -163,7 +163,7 @@ TEST(Stages, ADrivenHistoryIsNoiseAtTheTruth) {
       auto residuals = make_comparisons(study, structure);
       add_record_comparisons(study, results, structure, residuals);
       const auto values = residuals.at(0).continuation_steps[0]->evaluate(vector({800.0}), false)->values;
-      EXPECT_NEAR(rms(values), 1.0, 0.2) << "settle " << settle << chain;
+      EXPECT_NEAR(rms(values), 1.0, 0.1) << "settle " << settle << chain;
     }
 }
 
@@ -199,7 +199,8 @@ TEST(Stages, SensorsOfTheAugmentedModelHaveTheirChains) {
           Step::simulate);
   const VectorXd before = plain.simulation->reference.sensors.col(1),
                  behind = results.simulation->reference.sensors.col(1);
-  EXPECT_LT(nrmse(behind, study.sensors[1].chain.filter(before, 100.0)), 0.05);
+  // found 1e-3: straight lines between samples of a hundredth of a second
+  EXPECT_LT(nrmse(behind, study.sensors[1].chain.filter(before, 100.0)), 3e-3);
   EXPECT_GT(nrmse(behind, before), 0.5);
 }
 
@@ -213,7 +214,8 @@ TEST(Stages, ConnectorForcesPassTheChainsOfTheAugmentedModel) {
                        "Hz}}]}, fc: {force: c, noise: 0.05 N, chain: [{bessel: {order: 2, low_pass: 30 Hz}}]}}"},
                       {"connectors", "{c: {from: w.w, to: s.a, law: cubic, parameters: {k: 500, k3: 1e6, c: 3}}}"}})),
       Step::estimate);
-  EXPECT_NEAR(results.estimation->consistency.mean_nis, 2.0, 0.3);
+  // 401 samples: two standard errors
+  EXPECT_NEAR(results.estimation->consistency.mean_nis, 2.0, 0.2);
 }
 
 // --- the updating and what comes after it
@@ -237,15 +239,18 @@ TEST(Stages, WhatFollowsAnUpdatingIsOfTheUpdatedStructure) {
   const auto study =
       study_of(exact_case({{"update", updated_springs},
                            {"modifications", "{m: {substructure: s, set: {k.damping: 2}, above: 0.5 Hz, modes: 2}}"}}));
-  const auto results = run(study, Step::update);
+  // The invented frequencies contradict the record, so that the estimates are refused in the end.
+  const auto results = run_study(study, Step::update);
+  EXPECT_NE(results.failure.find("do not trust the estimates"), std::string::npos) << results.failure;
   const VectorXd values = results.updating->values;
   EXPECT_GT((values - vector({640, 810})).norm(), 10.0);
   const auto& system = results.estimation->augmented_model->system();
-  near(system.stiffness.coeff(2, 3), -values[0], 1e-9);
-  near(system.stiffness.coeff(3, 4), -values[1], 1e-9);
+  near(system.stiffness.coeff(2, 3), -values[0], many_roundings);
+  near(system.stiffness.coeff(3, 4), -values[1], many_roundings);
   // Two free frequencies and two springs: the updated structure has the measured ones, and so has a changed dashpot.
-  EXPECT_NEAR(results.modifications.at(0).frequencies[0], 2.9, 0.03);
-  EXPECT_NEAR(results.modifications.at(0).frequencies[1], 5.5, 0.06);
+  // found 6e-7 and 1e-7 Hz: the search's tolerance, and a dashpot of 2 N s/m
+  EXPECT_NEAR(results.modifications.at(0).frequencies[0], 2.9, 2e-6);
+  EXPECT_NEAR(results.modifications.at(0).frequencies[1], 5.5, 5e-7);
 }
 
 /// One value that several parameters share is present under each of their names.
@@ -275,12 +280,12 @@ TEST(Stages, LinearUnknownsOfFiniteElementsMoveTheirSuperelement) {
     const auto parts = parts_at(*study.problem, linear, VectorXd::Constant(1, value));
     return Eigen::MatrixXd(parts.finite_elements.at(0).model->stiffness);
   };
-  EXPECT_LT(relative_difference(stiffness_at(220e9), 1.1 * stiffness_at(200e9)), 1e-9);
-  // The boundary's static stiffness is the tip's, 3 E I / L^3; shear takes 0.1 %.
+  EXPECT_LT(relative_difference(stiffness_at(220e9), 1.1 * stiffness_at(200e9)), 1e-13);
+  // The boundary's static stiffness is the tip's, 3 E I / L^3; shear takes 0.022 %.
   const double inertia = 3.14159265358979323846 * std::pow(0.02, 4) / 64;
-  near(stiffness_at(200e9)(2, 2), 3 * 200e9 * inertia, 2e-3);
+  near(stiffness_at(200e9)(2, 2), 3 * 200e9 * inertia, 3e-4);
   EXPECT_LT(relative_difference(stiffness_at(200e9), Eigen::MatrixXd(study.augmented_model->model->system().stiffness)),
-            1e-9);
+            1e-14);
 }
 
 }  // namespace

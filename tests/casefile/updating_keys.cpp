@@ -3,8 +3,8 @@
 
 #include "casefile/probes.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
+#include "kalfem/identification/parameterised_structure.hpp"
 #include "kalfem/study/comparisons.hpp"
-#include "kalfem/study/parameterised_structure.hpp"
 #include "kalfem/updating/evolution.hpp"
 #include "kalfem/updating/frf_residual.hpp"
 #include "kalfem/updating/multi_start.hpp"
@@ -115,15 +115,15 @@ void natural_frequencies() {
   const auto expected = [](const VectorXd& model, double deviation_1, double deviation_2) {
     return vector({(model[0] - 1.5) / deviation_1, (model[1] - 3.5) / deviation_2});
   };
-  near(residual_of("modes: s, frequencies: [1.5, 3.5]"), expected(f, 0.015, 0.035), 1e-9);
-  near(residual_of("modes: s, frequencies: [1.5, 3.5]", 900.0), expected(stiffer, 0.015, 0.035), 1e-9);
-  near(residual_of("modes: s, frequencies: [1.5, 3.5], deviation: 2 %"), expected(f, 0.03, 0.07), 1e-9);
-  near(residual_of("modes: s, frequencies: [1.5, 3.5], deviation: 0.1 Hz"), expected(f, 0.1, 0.1), 1e-9);
-  near(residual_of("modes: s, frequencies: [3.5], model_modes: [2]"), vector({(f[1] - 3.5) / 0.035}), 1e-9);
-  near(residual_of("modes: s, frequencies: [3.5], above: 2 Hz"), vector({(f[1] - 3.5) / 0.035}), 1e-9);
+  near(residual_of("modes: s, frequencies: [1.5, 3.5]"), expected(f, 0.015, 0.035), many_roundings);
+  near(residual_of("modes: s, frequencies: [1.5, 3.5]", 900.0), expected(stiffer, 0.015, 0.035), many_roundings);
+  near(residual_of("modes: s, frequencies: [1.5, 3.5], deviation: 2 %"), expected(f, 0.03, 0.07), many_roundings);
+  near(residual_of("modes: s, frequencies: [1.5, 3.5], deviation: 0.1 Hz"), expected(f, 0.1, 0.1), many_roundings);
+  near(residual_of("modes: s, frequencies: [3.5], model_modes: [2]"), vector({(f[1] - 3.5) / 0.035}), many_roundings);
+  near(residual_of("modes: s, frequencies: [3.5], above: 2 Hz"), vector({(f[1] - 3.5) / 0.035}), many_roundings);
   write_file("frequencies.csv", "number,f\n1,1.5\n2,3.5\n3,9\n");
   near(residual_of("modes: s, frequencies: {file: frequencies.csv, column: f, first: 2}"), expected(f, 0.015, 0.035),
-       1e-9);
+       many_roundings);
   EXPECT_THROW(residual_of("modes: s, frequencies: {file: frequencies.csv, column: f}"), InvalidInput);  // a third one
 }
 
@@ -143,9 +143,9 @@ void mode_shapes() {
   // The model's shape times the scale factor that fits the measured one best, against it.
   const VectorXd m = measured.col(0), p = shapes.col(0), difference = p * (p.dot(m) / p.squaredNorm()) - m;
   const double largest = m.cwiseAbs().maxCoeff();
-  near(VectorXd(misfit("").head(2)), difference / (0.05 * largest), 1e-8);
-  near(VectorXd(misfit(", deviation: 0.2").head(2)), difference / (0.2 * largest), 1e-8);
-  EXPECT_LT(misfit("").tail(2).norm(), 1e-6);  // the second shape is exact
+  near(VectorXd(misfit("").head(2)), difference / (0.05 * largest), many_roundings);
+  near(VectorXd(misfit(", deviation: 0.2").head(2)), difference / (0.2 * largest), many_roundings);
+  EXPECT_LT(misfit("").tail(2).norm(), 1e-9);  // the second shape is exact
   EXPECT_GT(VectorXd(residual_of(
                          "modes: s, frequencies: [1.5, 3.5], shapes: {file: shapes.csv, points: [b, a]}, minimum_mac: "
                          "0.01")
@@ -205,8 +205,9 @@ void frequency_responses() {
   const auto check = [&](const VectorXd& values, double deviation) {
     ASSERT_EQ(values.size(), 80);
     for (Index i = 0; i < values.size(); i += 2) {
-      EXPECT_NEAR(values[i], magnitude / deviation, 1e-6);
-      EXPECT_NEAR(values[i + 1], phase / deviation, 1e-6);
+      // rounding of the table's digits, in deviations: found 1e-13
+      EXPECT_NEAR(values[i], magnitude / deviation, 2e-12);
+      EXPECT_NEAR(values[i + 1], phase / deviation, 2e-12);
     }
   };
   check(frf_residual(", floor: 0"), 0.05);
@@ -228,8 +229,9 @@ void frequency_response_differences() {
         const double rms = std::sqrt(measured.col(output).squaredNorm() / 20.0);
         const double sigma = std::hypot(0.05 * std::abs(measured(line, output)), floor * rms);
         const Complex difference = (model(line, output) - measured(line, output)) / sigma;
-        EXPECT_NEAR(values[row], difference.real(), 1e-6);
-        EXPECT_NEAR(values[row + 1], difference.imag(), 1e-6);
+        // rounding
+        EXPECT_NEAR(values[row], difference.real(), 1e-12);
+        EXPECT_NEAR(values[row + 1], difference.imag(), 1e-12);
       }
   }
   near(frf_residual(", compare: difference"), frf_residual(", compare: difference, floor: 0.05"));
@@ -241,9 +243,10 @@ void frequency_response_selection() {
   // Columns by name, in the outputs' order.
   write_table("frf.csv", responses(lines, 1, 2));
   const auto columns = [](const std::string& text) { return residual_of("frf: s, inputs: [" + text).norm(); };
-  EXPECT_LT(columns("{force: b, file: frf.csv}], outputs: [a, b]"), 1e-5);
-  EXPECT_LT(columns("{force: b, file: frf.csv, columns: [b, a]}], outputs: [b, a]"), 1e-5);
-  EXPECT_LT(columns("{force: b, file: frf.csv, columns: [b]}], outputs: [b]"), 1e-5);
+  // rounding of eighty values
+  EXPECT_LT(columns("{force: b, file: frf.csv}], outputs: [a, b]"), 2e-12);
+  EXPECT_LT(columns("{force: b, file: frf.csv, columns: [b, a]}], outputs: [b, a]"), 2e-12);
+  EXPECT_LT(columns("{force: b, file: frf.csv, columns: [b]}], outputs: [b]"), 1e-12);
   EXPECT_GT(columns("{force: b, file: frf.csv, columns: [b, a]}], outputs: [a, b]"), 1.0);
   EXPECT_GT(columns("{force: a, file: frf.csv}], outputs: [a, b]"), 1.0);
 }
@@ -258,7 +261,8 @@ void frequency_responses_to_a_ground() {
     h.row(i) = (1.0 - s * s * forces.row(i).array()).matrix();
   }
   write_table("frf.csv", h);
-  EXPECT_LT(residual_of("frf: s, inputs: [{ground: ground, file: frf.csv}], outputs: [a, b]").norm(), 1e-4);
+  // rounding
+  EXPECT_LT(residual_of("frf: s, inputs: [{ground: ground, file: frf.csv}], outputs: [a, b]").norm(), 2e-12);
 }
 
 /// Columns of magnitudes, plain or in decibels, where their names do not say what they hold.
@@ -275,8 +279,8 @@ void frequency_response_columns() {
                        "}], outputs: [a, b], compare: log_magnitude, floor: 0");
   };
   const VectorXd expected = VectorXd::Constant(40, -std::log(1.1) / 0.05);
-  near(residual("magnitude", [](double h) { return h; }), expected, 1e-6);
-  near(residual("dB", [](double h) { return 20 * std::log10(h); }), expected, 1e-6);
+  near(residual("magnitude", [](double h) { return h; }), expected, many_roundings);
+  near(residual("dB", [](double h) { return 20 * std::log10(h); }), expected, many_roundings);
   // Complex numbers without `values` as well.
   std::ostringstream text;
   text.precision(17);
@@ -305,10 +309,10 @@ void frequency_response_scales() {
     return frf.scales(frf.model_responses(VectorXd::Constant(1, 800.0))).at(0);
   };
   for (const std::string text : {"", ", scale: fixed"}) near(scales(text), vector({1, 1}));
-  near(scales(", scale: per_response"), vector({1.3, 0.8}), 1e-6);
+  near(scales(", scale: per_response"), vector({1.3, 0.8}), many_roundings);
   // Equal deviations of all logarithms: the geometric mean.
   const double mean = std::sqrt(1.3 * 0.8);
-  near(scales(", scale: per_input"), vector({mean, mean}), 1e-6);
+  near(scales(", scale: per_input"), vector({mean, mean}), many_roundings);
 }
 
 void smoothed_frequency_responses() {
@@ -358,14 +362,14 @@ void frequency_responses_of_records() {
        {"record: shaker.csv, input: p", "record: shaker.csv, input: p, columns: [a, b]",
         "record: shaker.h5, dataset: /test, sample_rate: 100, input: '0', columns: ['1', '2']"}) {
     const auto usual = compared(text), longer = compared(text + ", segment: 20 s");
-    near(usual.lines[1] - usual.lines[0], 0.125, 1e-9);
-    near(longer.lines[1] - longer.lines[0], 0.05, 1e-9);
-    // Away from the resonances, where the window's leakage is small.
+    near(usual.lines[1] - usual.lines[0], 0.125, many_roundings);
+    near(longer.lines[1] - longer.lines[0], 0.05, many_roundings);
+    // Away from the resonances, where the window's leakage is small: found .0066.
     const auto line = [&](double f) { return Index(std::lround((f - longer.lines[0]) / 0.05)); };
     for (const double f : {2.5, 5.5}) {
       const MatrixXcd expected = responses(VectorXd::Constant(1, f), 0, 2);
       for (Index j : {0, 1})
-        EXPECT_LT(std::abs(longer.values(line(f), j) / expected(0, j) - 1.0), 0.05) << text << " at " << f << " Hz";
+        EXPECT_LT(std::abs(longer.values(line(f), j) / expected(0, j) - 1.0), 0.015) << text << " at " << f << " Hz";
     }
   }
   EXPECT_THROW(compared("record: shaker.h5, dataset: /test, input: '0', columns: ['1', '2']"), InvalidInput);
@@ -378,11 +382,12 @@ void deflections() {
   const auto values = [](const std::string& more) {
     return residual_of("static: s, loads: {b: 8 N}, displacements: {a: 9 mm, b: 28 mm}" + more);
   };
-  near(values(""), vector({1e-3 / 0.28e-3, -2e-3 / 0.28e-3}), 1e-9);
-  near(values(", deviation: 0.1"), vector({1e-3 / 2.8e-3, -2e-3 / 2.8e-3}), 1e-9);
+  near(values(""), vector({1e-3 / 0.28e-3, -2e-3 / 0.28e-3}), many_roundings);
+  near(values(", deviation: 0.1"), vector({1e-3 / 2.8e-3, -2e-3 / 2.8e-3}), many_roundings);
   near(residual_of("static: s, loads: {a: 8 N, b: -4 N}, displacements: {b: 1 mm}"), vector({(-3e-3 - 1e-3) / 1e-5}),
-       1e-9);
-  near(residual_of("static: s, loads: {a: 8 N, b: -4 N}, displacements: {a: 1 mm}"), vector({4e-3 / 1e-5}), 1e-9);
+       many_roundings);
+  near(residual_of("static: s, loads: {a: 8 N, b: -4 N}, displacements: {a: 1 mm}"), vector({4e-3 / 1e-5}),
+       many_roundings);
 }
 
 // --- records ---------------------------------------------------------------------------------------------------------
@@ -409,12 +414,13 @@ void driven_histories() {
   const auto all = comparison(""), one = comparison(", sensors: yb"), other = comparison(", sensors: [ya]");
   EXPECT_EQ(all.values.size(), 2 * 251);
   EXPECT_EQ(one.values.size(), 251);
-  near(VectorXd(all.values.head(251)), one.values, 1e-9);
-  near(VectorXd(all.values.tail(251)), other.values, 1e-9);
+  near(VectorXd(all.values.head(251)), one.values, many_roundings);
+  near(VectorXd(all.values.tail(251)), other.values, many_roundings);
   const auto passes = comparison(", derivatives: filter_passes"), held = comparison(", derivatives: held_gains");
-  near(passes.values, held.values, 1e-9);
-  EXPECT_LT(relative_difference(all.jacobian, passes.jacobian), 1e-12);
-  EXPECT_LT(relative_difference(comparison(", derivatives: auto").jacobian, passes.jacobian), 1e-12);
+  near(passes.values, held.values, many_roundings);
+  // the same run
+  EXPECT_LT(relative_difference(all.jacobian, passes.jacobian), 1e-14);
+  EXPECT_LT(relative_difference(comparison(", derivatives: auto").jacobian, passes.jacobian), 1e-14);
   EXPECT_GT(relative_difference(held.jacobian, passes.jacobian), 1e-6);
 }
 
@@ -444,6 +450,7 @@ void simulated_histories() {
   EXPECT_EQ(residual_at(study("all"), 800.0, results).size(), 3 * 251);
   EXPECT_EQ(residual_at(study("[ya, yw]"), 800.0, results).size(), 2 * 251);
   // At the true parameters what is left is the noise, in its deviations: 502 samples tell its rms to 3 %.
+  // one seed: found .06, two standard errors
   EXPECT_NEAR(rms(residual_at(study("[ya, yw]"), 800.0, results)), 1.0, 0.1);
   EXPECT_GT(rms(residual_at(study("yb"), 700.0, results)), 2.0);
   const auto& simulation = *results.simulation;
@@ -463,12 +470,12 @@ void weights() {
   };
   const auto plain = run_with("", ""), weighted = run_with(", weight: 4", ", weight: 0.25");
   const double one = plain.comparisons[0].rms_initial, two = plain.comparisons[1].rms_initial;
-  near(plain.residual_initial, std::sqrt((one * one + two * two) / 2), 1e-9);
-  near(weighted.residual_initial, std::sqrt((4 * one * one + 0.25 * two * two) / 2), 1e-9);
-  near(weighted.comparisons[0].rms_initial, one, 1e-9);  // of the comparison itself, without its weight
-  near(weighted.comparisons[1].rms_initial, two, 1e-9);
+  near(plain.residual_initial, std::sqrt((one * one + two * two) / 2), many_roundings);
+  near(weighted.residual_initial, std::sqrt((4 * one * one + 0.25 * two * two) / 2), many_roundings);
+  near(weighted.comparisons[0].rms_initial, one, many_roundings);  // of the comparison itself, without its weight
+  near(weighted.comparisons[1].rms_initial, two, many_roundings);
   // The minimum moves towards what counts more.
-  EXPECT_LT(weighted.comparisons[0].rms_final, 0.9 * plain.comparisons[0].rms_final);
+  EXPECT_LT(weighted.comparisons[0].rms_final, 0.5 * plain.comparisons[0].rms_final);  // found .23
   EXPECT_GT(weighted.comparisons[1].rms_final, plain.comparisons[1].rms_final);
 }
 
@@ -499,7 +506,7 @@ void numbers_of_stages() {
   const auto outcome =
       minimise(sum_of(study), study.updating->parameters, {.search = usual_search(), .start = {}, .watch = {}});
   EXPECT_EQ(usual.evaluations, outcome.evaluations);
-  near(usual.values, outcome.parameters, 1e-9);
+  near(usual.values, outcome.parameters, many_roundings);
 }
 
 void tolerances() {
@@ -515,7 +522,7 @@ void many_starts() {
     options.search.search = usual_search();
     const auto expected = minimise_from_many(sum_of(study), study.updating->parameters, options);
     EXPECT_EQ(found.evaluations, expected.evaluations);
-    near(found.values, expected.best.parameters, 1e-9);
+    near(found.values, expected.best.parameters, many_roundings);
     EXPECT_NE(found.method.find("from 5 starts"), std::string::npos) << found.method;
   }
   EXPECT_EQ(search(", starts: 5").evaluations, search(", starts: 5, seed: 1").evaluations);
@@ -536,7 +543,7 @@ void evolutions() {
     EXPECT_NE(found.method.find("CMA-ES"), std::string::npos);
     EXPECT_EQ(found.evaluations, expected.evaluations + expected.polished->evaluations);
     EXPECT_EQ(found.iterations, int(generations));
-    near(found.values, expected.parameters, 1e-9);
+    near(found.values, expected.parameters, many_roundings);
   }
   EXPECT_EQ(search(", method: least_squares").method, search("").method);
   EXPECT_EQ(search("").method.find("CMA-ES"), std::string::npos);
@@ -557,9 +564,9 @@ void modifications() {
         .modifications.at(0);
   };
   EXPECT_EQ(frequencies_of("set: {k.stiffness: 1600}").substructure, "s");
-  near(frequencies_of("set: {k.stiffness: 1.6 N/mm}").frequencies, changed, 1e-9);
-  near(frequencies_of("set: {k.stiffness: 1600}, modes: 1").frequencies, vector({changed[0]}), 1e-9);
-  near(frequencies_of("set: {k.stiffness: 1600}, above: 2 Hz").frequencies, vector({changed[1]}), 1e-9);
+  near(frequencies_of("set: {k.stiffness: 1.6 N/mm}").frequencies, changed, many_roundings);
+  near(frequencies_of("set: {k.stiffness: 1600}, modes: 1").frequencies, vector({changed[0]}), many_roundings);
+  near(frequencies_of("set: {k.stiffness: 1600}, above: 2 Hz").frequencies, vector({changed[1]}), many_roundings);
 }
 
 }  // namespace

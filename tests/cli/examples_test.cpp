@@ -26,15 +26,29 @@ double normalised_error(const nlohmann::json& parameter) {
          parameter["std"].get<double>();
 }
 
+/// The truth within `scores` reported deviations, and these no larger than a share of the truth: so that what is found
+/// is neither surer than it may be nor vaguer than the record allows.
+void expect_found(const nlohmann::json& parameters, double scores, double share) {
+  for (const auto& [name, parameter] : parameters.items()) {
+    EXPECT_LT(normalised_error(parameter), scores) << name;
+    EXPECT_LT(parameter["std"].get<double>(), share * parameter["true"].get<double>()) << name;
+  }
+}
+
+// One score of a normal variable in 2,000 is larger, and the seeds are fixed.
+constexpr double scores = 3.5;
+// Three standard errors of the mean NIS of 4 channels over 18,000 samples, 0.021 each.
+constexpr double nis_of_four = 0.063;
+
 TEST(Examples, ChainReachesTheFiguresOfThePaper) {
   const ScratchFolder folder("chain");
   const auto summary = run_example("chain/chain.yaml", folder);
   for (const char* name : {"suspension.mu_k1", "suspension.mu_c1"}) {
-    EXPECT_LT(relative_error(summary["parameters"][name]), 0.01) << name;
-    EXPECT_LT(normalised_error(summary["parameters"][name]), 3.0) << name;
+    EXPECT_LT(relative_error(summary["parameters"][name]), 0.01) << name;  // the paper's
     expect_figure("chain." + std::string(name) + ".error", relative_error(summary["parameters"][name]));
     expect_figure("chain." + std::string(name) + ".z", normalised_error(summary["parameters"][name]));
   }
+  expect_found(summary["parameters"], 3.0, 0.003);  // .10 and .17 %
   expect_figure("chain.nis", summary["estimation"]["nis"]["mean"].get<double>());
   expect_figure("chain.displacement", summary["estimation"]["states"]["body.3"]["displacement_nrmse"].get<double>());
   std::vector<double> predicted;
@@ -42,12 +56,12 @@ TEST(Examples, ChainReachesTheFiguresOfThePaper) {
     predicted.push_back(errors["acceleration_nrmse"].get<double>());
   expect_figure("chain.prediction.least", std::ranges::min(predicted));
   expect_figure("chain.prediction.most", std::ranges::max(predicted));
-  // NIS of 4 channels over 18,000 samples: standard error 0.021.
-  EXPECT_NEAR(summary["estimation"]["nis"]["mean"].get<double>(), 4.0, 0.08);
+  EXPECT_NEAR(summary["estimation"]["nis"]["mean"].get<double>(), 4.0, nis_of_four);
+  // Seeds give .20 to .46 %.
   EXPECT_LE(summary["estimation"]["states"]["body.3"]["displacement_nrmse"].get<double>(), 0.005);
   EXPECT_EQ(summary["prediction"]["body"].size(), 10u);
   for (const auto& [point, errors] : summary["prediction"]["body"].items())
-    EXPECT_LE(errors["acceleration_nrmse"].get<double>(), 0.035) << point;
+    EXPECT_LE(errors["acceleration_nrmse"].get<double>(), 0.02) << point;  // up to 1.0 %
 }
 
 TEST(Examples, ResultsFileHoldsTheContract) {
@@ -68,31 +82,23 @@ TEST(Examples, ResultsFileHoldsTheContract) {
 
 TEST(Examples, ClusteredSensors) {
   const auto summary = run_example("chain/clustered.yaml", ScratchFolder("clustered"));
-  for (const auto& [name, parameter] : summary["parameters"].items())
-    EXPECT_LT(normalised_error(parameter), 3.5) << name;
-  EXPECT_NEAR(summary["estimation"]["nis"]["mean"].get<double>(), 4.0, 0.08);
+  expect_found(summary["parameters"], scores, 0.003);  // .08 and .15 %
+  EXPECT_NEAR(summary["estimation"]["nis"]["mean"].get<double>(), 4.0, nis_of_four);
 }
 
 TEST(Examples, BoucWenSuspension) {
   const auto summary = run_example("chain/bouc_wen.yaml", ScratchFolder("bouc-wen"));
-  for (const auto& [name, parameter] : summary["parameters"].items()) {
-    EXPECT_LT(relative_error(parameter), 0.02) << name;
-    EXPECT_LT(normalised_error(parameter), 3.5) << name;
-  }
+  expect_found(summary["parameters"], scores, 0.01);  // .10 and .52 %
 }
 
 TEST(Examples, ExpressionLaw) {
   const auto summary = run_example("chain/expression.yaml", ScratchFolder("expression"));
-  for (const auto& [name, parameter] : summary["parameters"].items())
-    EXPECT_LT(normalised_error(parameter), 3.5) << name;
+  expect_found(summary["parameters"], scores, 0.006);  // .18 and .32 %
 }
 
-TEST(Examples, LocalModelDescription) {
+TEST(Examples, LocalModel) {
   const auto summary = run_example("chain/local.yaml", ScratchFolder("local"));
-  for (const auto& [name, parameter] : summary["parameters"].items()) {
-    EXPECT_LT(relative_error(parameter), 0.05) << name;
-    EXPECT_LT(normalised_error(parameter), 3.5) << name;
-  }
+  expect_found(summary["parameters"], scores, 0.0015);  // .06 % both
 }
 
 TEST(Examples, TheResolvedCaseRunsAgainWithTheSameResult) {

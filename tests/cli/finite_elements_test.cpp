@@ -56,9 +56,12 @@ predict: {substructure: plate})";
     const auto outcome = run_with({"", "simulate: {duration: 0.2 s, sample_rate: 1 kHz}", text, {}}, "run", folder);
     ASSERT_EQ(outcome.code, 0) << outcome.errors;
     const auto summary = read_summary(folder / "case.kalfem-out");
+    // found .2 % off; the prior is 10 % off and 10 % wide
     EXPECT_NEAR(summary["parameters"]["mount.k"]["estimate"].get<double>(), 1e4, 50.0) << reference;
-    EXPECT_NEAR(summary["estimation"]["nis"]["mean"].get<double>(), 1.0, 0.1) << reference;
-    EXPECT_LE(summary["prediction"]["plate"]["m.z"]["acceleration_nrmse"].get<double>(), 0.03) << reference;
+    // three standard errors over 2,000 samples, 0.032 each
+    EXPECT_NEAR(summary["estimation"]["nis"]["mean"].get<double>(), 1.0, 0.095) << reference;
+    EXPECT_LE(summary["prediction"]["plate"]["m.z"]["acceleration_nrmse"].get<double>(), 0.008)
+        << reference;  // found .3 %
   }
 }
 
@@ -79,7 +82,7 @@ TEST(FiniteElements, SoundCaseRunsAtFullAndReducedOrder) {
     const auto plate = read_summary(folder / "case.kalfem-out")["model"]["substructures"]["plate"];
     EXPECT_EQ(plate["dofs"], 24);
     EXPECT_EQ(plate["reduction"]["dofs"], 7);
-    EXPECT_NEAR(plate["mass"].get<double>(), 0.4 * 0.005 * 7850.0, 0.4 * 0.005 * 7850.0);
+    EXPECT_NEAR(plate["mass"].get<double>(), 0.4 * 0.005 * 7850.0, 1e-13);  // rounding
   }
 }
 

@@ -60,6 +60,7 @@ TEST_F(HalfCarRest, IsEstimatedWhereTheRecordEndsBeforeIt) {
   } runs[] = {{"Centre_p0500_m000_t2_r2", 0.3248, false}, {"Centre_p1500_m200_t9_r2", 0.3418, true}};
   for (const auto& [run, release, loaded] : runs) {
     const auto summary = estimate(measured(run), loaded);
+    // as in the runs that come to rest: the hand lets go over some 30 ms
     EXPECT_NEAR(summary["record"]["release_s"].get<double>(), release, 0.02) << run;
     EXPECT_TRUE(summary["record"]["rest_s"].is_null()) << run;
     EXPECT_NE(printed_.find("still moving at the end"), std::string::npos) << printed_;
@@ -93,8 +94,8 @@ MatrixXd nudged(const MatrixXd& record) {
 TEST_F(HalfCarRest, OfHalfTheRecordAndOfANudgedOneIsThatOfTheWhole) {
   const MatrixXd record = measured("Centre_p1000_m000_t3_r1");
   const auto whole = estimate(record);
-  EXPECT_NEAR(whole["record"]["rest_s"].get<double>(), 3.66, 0.2);
-  const auto half = estimate(record.topRows(1050));  // 2.1 s
+  EXPECT_NEAR(whole["record"]["rest_s"].get<double>(), 3.66, 0.03);  // found 3.65
+  const auto half = estimate(record.topRows(1050));                  // 2.1 s
   ASSERT_TRUE(half["record"]["rest_s"].is_null());
   for (const char* sensor : sensors) {
     const auto &estimated = half["record"]["rest_positions"][sensor], &seen = whole["record"]["rest_positions"][sensor];
@@ -108,12 +109,13 @@ TEST_F(HalfCarRest, OfHalfTheRecordAndOfANudgedOneIsThatOfTheWhole) {
         << name;
   }
   const auto disturbed = estimate(nudged(record));
-  EXPECT_NEAR(disturbed["record"]["release_s"].get<double>(), whole["record"]["release_s"].get<double>(), 2e-3);
-  EXPECT_NEAR(disturbed["record"]["rest_s"].get<double>(), whole["record"]["rest_s"].get<double>(), 0.02);
+  // the same samples decide, so nothing moves
+  EXPECT_NEAR(disturbed["record"]["release_s"].get<double>(), whole["record"]["release_s"].get<double>(), 1e-9);
+  EXPECT_NEAR(disturbed["record"]["rest_s"].get<double>(), whole["record"]["rest_s"].get<double>(), 1e-9);
   for (const auto& [name, parameter] : whole["parameters"].items()) {
     const auto& other = disturbed["parameters"][name];
     EXPECT_LT(std::abs(other["estimate"].get<double>() - parameter["estimate"].get<double>()),
-              0.05 * parameter["std"].get<double>())
+              1e-6 * parameter["std"].get<double>())
         << name;
   }
 }

@@ -43,9 +43,10 @@ void expect_reproduced(const nlohmann::json& summary, const RigRun& run) {
   for (const char* side : {"LH", "RH"}) {
     const auto &sprung = open_loop[std::string("sprung_") + side],
                &unsprung = open_loop[std::string("unsprung_") + side];
+    // limits of docs/halfcar.md
     EXPECT_LE(sprung["nrmse"].get<double>(), run.sprung_limit) << run.key << side;
     EXPECT_LE(unsprung["nrmse"].get<double>(), run.unsprung_limit) << run.key << side;
-    EXPECT_LE(std::abs(sprung["rest_error"].get<double>()), 2e-3) << run.key << side;
+    EXPECT_LE(std::abs(sprung["rest_error"].get<double>()), 1.5e-3) << run.key << side;  // found up to .6 mm
   }
   expect_figure(std::string("halfcar.") + run.key + ".nis", summary["estimation"]["nis"]["mean"].get<double>());
 }
@@ -68,7 +69,7 @@ TEST_P(HalfCarRepeats, AreReproducedWithTheSameStiffness) {
   for (const char* name :
        {"car.strut_L.stiffness", "car.strut_R.stiffness", "car.tyre_L.stiffness", "car.tyre_R.stiffness"}) {
     const double a = first["parameters"][name]["estimate"], b = second["parameters"][name]["estimate"];
-    EXPECT_NEAR(b / a, 1.0, 0.015) << name;
+    EXPECT_NEAR(b / a, 1.0, 0.006) << name;  // found .25 %
   }
 }
 

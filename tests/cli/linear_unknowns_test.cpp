@@ -30,9 +30,11 @@ TEST(LinearUnknowns, YoungsModulusOfTwoRegionsOfTheVehicle) {
   EXPECT_EQ(estimation["filter"], "partially_linear_ukf");
   EXPECT_EQ(estimation["linear_unknowns"]["reductions"], 2);
   EXPECT_GT(estimation["linear_unknowns"]["linearisations"].get<int>(), 2);
+  // 3,000 samples: standard error 0.07; found 0.20 off, on a coarse mesh.
   EXPECT_NEAR(estimation["nis"]["mean"].get<double>(), 7.0, 0.3);
   for (const char* point : {"p5.z", "p6.z", "p7.z", "p8.z"})
-    EXPECT_LT(summary["prediction"]["frame"][point]["acceleration_nrmse_in_band"].get<double>(), 0.10) << point;
+    EXPECT_LT(summary["prediction"]["frame"][point]["acceleration_nrmse_in_band"].get<double>(), 0.025)
+        << point;  // found .8 %
   EXPECT_NE(outcome.output.find("Linear part: linearised anew"), std::string::npos);
 }
 
@@ -52,7 +54,7 @@ TEST(LinearUnknowns, DampingOfAllModesOfTheChain) {
   const auto summary = read_summary(folder);
   const auto& ratio = summary["parameters"]["body.damping.modal"];
   EXPECT_LT(z_score(ratio), 3.0);
-  EXPECT_LT(relative_error(ratio), 0.1);
+  EXPECT_LT(relative_error(ratio), 0.008);  // found .25 %
   EXPECT_EQ(summary["estimation"]["linear_unknowns"]["reductions"], 1);
 }
 

@@ -32,7 +32,7 @@ TEST(GlobalModalDamping, IsInTheSimulationTheFilterAndThePrediction) {
   const auto summary = read_summary(folder / "case.kalfem-out");
   const auto& found = summary["parameters"]["suspension.mu_k1"];
   EXPECT_NEAR(found["estimate"].get<double>(), 20.0, 0.02);  // five standard deviations: the step's bias is there too
-  EXPECT_NEAR(summary["estimation"]["nis"]["mean"].get<double>(), 2.0, 0.1);  // standard error 0.022
+  EXPECT_NEAR(summary["estimation"]["nis"]["mean"].get<double>(), 2.0, 0.066);  // three standard errors of 0.022
   // The body alone: with its share of the damping, and dragged at by the wheel and the ground: as good as with modal
   // damping of its own.
   for (const auto& [point, errors] : summary["prediction"]["body"].items())

@@ -15,11 +15,12 @@ TEST(UpdatingByRecords, TheChainIsRefinedByItsOwnRecord) {
   ASSERT_EQ(outcome.code, 0) << outcome.errors;
   const auto summary = read_summary(folder);
   const auto& refined = summary["updating"]["parameters"];
-  EXPECT_LT(relative_error(refined["body.3-4.stiffness"]), 0.01);
-  EXPECT_LT(relative_error(refined["body.7-8.stiffness"]), 0.01);
-  EXPECT_LT(relative_error(refined["body.damping.modal"]), 0.10);
-  EXPECT_LT(relative_error(summary["parameters"]["suspension.mu_k1"]), 0.02);
-  EXPECT_LT(relative_error(summary["parameters"]["suspension.mu_c1"]), 0.02);
+  // two to three times what docs/figures.txt states
+  EXPECT_LT(relative_error(refined["body.3-4.stiffness"]), 0.0015);
+  EXPECT_LT(relative_error(refined["body.7-8.stiffness"]), 0.0015);
+  EXPECT_LT(relative_error(refined["body.damping.modal"]), 0.005);
+  EXPECT_LT(relative_error(summary["parameters"]["suspension.mu_k1"]), 0.006);
+  EXPECT_LT(relative_error(summary["parameters"]["suspension.mu_c1"]), 0.015);
   for (const std::string name : {"body.3-4.stiffness", "body.7-8.stiffness", "body.damping.modal"})
     expect_figure("chain_update." + name, signed_error(refined[name]));
   for (const std::string name : {"suspension.mu_k1", "suspension.mu_c1"})
@@ -27,7 +28,8 @@ TEST(UpdatingByRecords, TheChainIsRefinedByItsOwnRecord) {
   expect_figure("chain_update.stages", static_cast<double>(summary["updating"]["stages"].size()));
   // What is left is the sensors' noise.
   EXPECT_GT(summary["updating"]["residual_initial"].get<double>(), 1.5);
-  EXPECT_NEAR(summary["updating"]["residual_final"].get<double>(), 1.0, 0.02);
+  // found 9e-4
+  EXPECT_NEAR(summary["updating"]["residual_final"].get<double>(), 1.0, 0.005);
   // A line on the terminal for each stage, and its trace.
   const auto stages = summary["updating"]["stages"].size();
   EXPECT_GE(stages, 3U);
@@ -56,8 +58,9 @@ TEST(UpdatingByRecords, TheSimulationOfTheWholeRefinesTheSameModel) {
   const ScratchFolder folder("update-simulation");
   const auto summary = updated(folder, changed(short_chain(), "{time_history: body}", "{simulation: all}"));
   for (const auto& [name, parameter] : summary["updating"]["parameters"].items())
-    EXPECT_LT(relative_error(parameter), name == "body.damping.modal" ? 0.05 : 0.01) << name;
-  EXPECT_NEAR(summary["updating"]["residual_final"].get<double>(), 1.0, 0.03);
+    EXPECT_LT(relative_error(parameter), name == "body.damping.modal" ? 0.005 : 0.001) << name;  // found 1e-3 and 3e-4
+  // found 3e-3
+  EXPECT_NEAR(summary["updating"]["residual_final"].get<double>(), 1.0, 0.01);
 }
 
 /// The base is shaken as a whole: motion is relative to it, sensors see the sum.
@@ -67,8 +70,9 @@ TEST(UpdatingByRecords, OverAnAcceleratedBaseTheTruthLeavesTheNoise) {
                             "random: {rms: 3 mm,", "random: {rms: 3 m/s^2,");
   const auto summary = updated(folder, text);
   for (const auto& [name, parameter] : summary["updating"]["parameters"].items())
-    EXPECT_LT(relative_error(parameter), name == "body.damping.modal" ? 0.10 : 0.01) << name;
-  EXPECT_NEAR(summary["updating"]["residual_final"].get<double>(), 1.0, 0.03);
+    EXPECT_LT(relative_error(parameter), name == "body.damping.modal" ? 0.015 : 0.01) << name;  // found 4e-3 and 5e-3
+  // found 2e-3
+  EXPECT_NEAR(summary["updating"]["residual_final"].get<double>(), 1.0, 0.01);
 }
 
 TEST(UpdatingByRecords, ARunThatWasKilledGoesOnWhereItStood) {
@@ -110,9 +114,9 @@ TEST(UpdatingByRecords, AShellFrameIsRefinedThroughItsSuperelements) {
   text = changed(changed(text, "${DURATION:-5} s", "4 s"), "tolerance: 1e-3", "tolerance: 1e-2");
   const auto summary = updated(folder, text);
   for (const auto& [name, parameter] : summary["updating"]["parameters"].items())
-    EXPECT_LT(relative_error(parameter), 0.02) << name;
+    EXPECT_LT(relative_error(parameter), 0.0025) << name;  // found 8e-4
   const auto& suspension = summary["parameters"]["suspension_2.mu_k1"];
-  EXPECT_LT(relative_error(suspension), 0.02);
+  EXPECT_LT(relative_error(suspension), 0.001);  // found 1e-4
   // Without the loop the suspension takes the blame for the frame.
   const double without = summary["updating"]["unknowns_without_updating"]["suspension_2.mu_k1"].get<double>();
   EXPECT_GT(std::abs(without / 30.0 - 1.0), 0.2);

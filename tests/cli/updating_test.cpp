@@ -40,18 +40,18 @@ TEST(Updating, FrequenciesAndAStaticTestGiveTheSpringsBack) {
   ASSERT_EQ(outcome.code, 0) << outcome.errors;
   const auto updating = read_summary(folder)["updating"];
   for (const std::string spring : {"frame.s1.stiffness", "frame.s2.stiffness", "frame.s3.stiffness"}) {
-    // The frequencies are given to seven digits.
-    EXPECT_NEAR(updating["parameters"][spring]["estimate"].get<double>(), 1000.0, 0.01) << spring;
+    // The frequencies are given to seven digits, which leave 1e-5.
+    EXPECT_NEAR(updating["parameters"][spring]["estimate"].get<double>(), 1000.0, 4e-5) << spring;
     EXPECT_GT(updating["parameters"][spring]["std"].get<double>(), 0.0);
     EXPECT_EQ(updating["sensitivities"][spring]["verdict"], "agrees with differences");
   }
   EXPECT_TRUE(updating["converged"].get<bool>());
-  EXPECT_LT(updating["residual_final"].get<double>(), 1e-2);
+  EXPECT_LT(updating["residual_final"].get<double>(), 2e-5);  // of deviations of .1 %: found 7e-6
   EXPECT_GT(updating["residual_initial"].get<double>(), 1.0);
-  // Two masses of 1 and 2 kg on the same springs.
+  // Masses of 1, 1 and 2 kg on the same springs: the lowest root of det(K - omega^2 M) = 0.
   const auto heavier = read_summary(folder)["prediction"]["heavier"]["frequencies_hz"];
   ASSERT_EQ(heavier.size(), 2U);
-  EXPECT_LT(heavier[0].get<double>(), 2.2399);
+  EXPECT_NEAR(heavier[0].get<double>(), 1.7915777, 1e-7);
   EXPECT_NE(outcome.output.find("Updated parameters"), std::string::npos);
   EXPECT_FALSE(std::filesystem::exists(folder / "update.checkpoint.json"));
   EXPECT_TRUE(std::filesystem::exists(folder / "results.h5"));
@@ -70,6 +70,7 @@ TEST(Updating, EveryMethodFindsTheSame) {
     ASSERT_EQ(outcome.code, 0) << outcome.errors;
     const auto parameters = read_summary(folder)["updating"]["parameters"];
     for (const auto& [name, parameter] : parameters.items())
+      // found 6e-6 of it: where the generations end
       EXPECT_NEAR(parameter["estimate"].get<double>(), 1000.0, 0.01) << method << " " << name;
   }
 }
@@ -159,9 +160,10 @@ TEST_F(UpdatingOnData, SouthamptonFrequenciesAreTheMeasuredPeaks) {
   const Eigen::Vector3d peaks{6.514, 17.464, 26.506};
   double worst = 0.0;
   for (int i = 0; i < 3; ++i) worst = std::max(worst, std::abs(std::sqrt(values[i]) / (2.0 * M_PI) / peaks[i] - 1.0));
-  EXPECT_LT(worst, 0.003);
+  EXPECT_LT(worst, 0.002);  // a fit of all lines and the peaks differ by .07 %
   expect_figure("southampton.frequencies", worst);
-  EXPECT_NEAR(parameters["frame.damping.modal"]["estimate"].get<double>(), 0.002, 0.001);
+  // ratios of the three modes scatter by 5e-4; one for all is found with a deviation of 2e-5
+  EXPECT_NEAR(parameters["frame.damping.modal"]["estimate"].get<double>(), 0.002, 3e-4);
 }
 
 }  // namespace

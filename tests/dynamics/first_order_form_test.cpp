@@ -35,14 +35,16 @@ TEST(FirstOrderForm, IntegratedAccelerationReproducesThePrescribedGroundMotion) 
   for (int k = 0; k < 20; ++k)
     x = step.transition * x + step.begin_input * input(k * h) + step.end_input * input((k + 1) * h);
   const double T = 20 * h;
-  EXPECT_NEAR(x[2], b * T * T * T, 1e-13);
-  EXPECT_NEAR(x[3], 3 * b * T * T, 1e-13);
+  // rounding of twenty steps
+  EXPECT_NEAR(x[2], b * T * T * T, 5e-15);
+  EXPECT_NEAR(x[3], 3 * b * T * T, 1e-14);
   const auto pull = [&](double t) { return rider.k * b * t * t * t + rider.c * 3 * b * t * t; };
   const auto expected = runge_kutta(rider, pull, no_law, 0.0, 0.0, T, 40000);
-  EXPECT_NEAR(x[0], expected[0], 1e-12);  // Runge-Kutta: (omega h)^4 = 7e-12 of the motion
-  EXPECT_NEAR(x[1], expected[1], 1e-11);
+  EXPECT_NEAR(x[0], expected[0], 1e-14);  // Runge-Kutta: (omega h)^4 = 7e-12 of what the step turns
+  EXPECT_NEAR(x[1], expected[1], 2e-13);
   const double y = (form.outputs().state * x + form.outputs().input * input(T))[0];
-  EXPECT_NEAR(y, (pull(T) - rider.c * x[1] - rider.k * x[0]) / rider.m, 1e-10);
+  // rounding: differences of forces of 2,000 N, found 2e-12
+  EXPECT_NEAR(y, (pull(T) - rider.c * x[1] - rider.k * x[0]) / rider.m, 2e-11);
 }
 
 TEST(FirstOrderForm, IntegratedInputMovesTheConnectorsGround) {
@@ -68,11 +70,12 @@ TEST(FirstOrderForm, MarkovForceDecaysAndDrives) {
   VectorXd x = values({0.0, 0.0, 50.0});
   for (int k = 0; k < 25; ++k) x = (step.transition * x).eval();
   const double T = 25 * h;
-  EXPECT_NEAR(x[2], 50.0 * std::exp(-T / tau), 2e-13);
+  EXPECT_NEAR(x[2], 50.0 * std::exp(-T / tau), 1e-13);  // found 9e-15: 25 roundings of 50 N
   const auto expected = runge_kutta(
       rider, [&](double t) { return 50.0 * std::exp(-t / tau); }, no_law, 0.0, 0.0, T, 40000);
-  EXPECT_NEAR(x[0], expected[0], 1e-12);
-  EXPECT_NEAR((form.outputs().state * x)[0], (x[2] - rider.c * x[1] - rider.k * x[0]) / rider.m, 1e-12);
+  // rounding of a motion of .01 m; Runge-Kutta with 40,000 steps leaves less
+  EXPECT_NEAR(x[0], expected[0], 5e-15);
+  EXPECT_NEAR((form.outputs().state * x)[0], (x[2] - rider.c * x[1] - rider.k * x[0]) / rider.m, 1e-14);
 }
 
 TEST(FirstOrderForm, InfiniteCorrelationTimeIsARandomWalk) {
@@ -114,6 +117,7 @@ TEST(FirstOrderForm, SensorStatesEqualFilteringAfterwards) {
   };
   // Filtering afterwards takes the record as straight between its samples; the states do not: second order in the step.
   const double coarse = error(1e-3), fine = error(2.5e-4);
+  // found 2e-5
   EXPECT_LT(fine, 6e-5);
   EXPECT_GT(coarse / fine, 12.0);
 }

@@ -63,6 +63,7 @@ TEST_P(AlphaFamily, AccelerationConvergesWithOrderTwo) {
                                  {.integrator = GetParam().integrator, .step = T / count, .duration = T});
     errors.push_back(std::abs(result.trajectory.acceleration(0, count) - truth));
   }
+  // found .035: the acceleration's next term
   EXPECT_NEAR(order_of(steps, errors), 2.0, 0.1);
 }
 
@@ -87,7 +88,7 @@ TEST_P(EveryIntegrator, SaturatingConnectorConvergesWithOrderTwo) {
   }
   // The law's kinks add errors of the same order whose size varies with where in the step they fall.
   EXPECT_NEAR(order_of(steps, errors), 2.0, 0.04);
-  EXPECT_LT(errors.back(), 1e-4 * std::abs(reference));
+  EXPECT_LT(errors.back(), 4e-5 * std::abs(reference));  // found 2e-5 for the coarsest scheme: second order in h
 }
 
 const Case newmark{"newmark", Integrator::newmark}, hht{"hht", Integrator::hht_alpha},
@@ -112,8 +113,9 @@ TEST(Newmark, AverageAccelerationElongatesThePeriodByItsLeadingTerm) {
     // Undamped: d_{k+1} + d_{k-1} = 2 cos(omega_h h) d_k.
     const double seen = std::acos((d(0, 21) + d(0, 19)) / (2 * d(0, 20))) / h;
     const double elongation = omega / seen - 1.0;
-    EXPECT_NEAR(elongation / (product * product / 12.0), 1.0, 0.2 * product * product) << product;
-    EXPECT_NEAR(std::tan(seen * h / 2), product / 2, 1e-12);  // the closed form of the trapezoidal rule
+    // the next term of the series in omega h, found 0.07 (omega h)^2 at most
+    EXPECT_NEAR(elongation / (product * product / 12.0), 1.0, 0.1 * product * product) << product;
+    EXPECT_NEAR(std::tan(seen * h / 2), product / 2, 6e-14);  // the closed form of the trapezoidal rule
   }
 }
 
@@ -122,7 +124,8 @@ TEST(Newmark, AverageAccelerationKeepsTheEnergy) {
   const auto motion = undamped(Integrator::newmark, omega, 0.013, 5000).trajectory;
   const Eigen::ArrayXd energy =
       motion.velocity.row(0).array().square() / (omega * omega) + motion.displacement.row(0).array().square();
-  EXPECT_LT((energy - 1.0).abs().maxCoeff(), 1e-12);  // 5000 roundings
+  // found 3e-14: 5000 roundings
+  EXPECT_LT((energy - 1.0).abs().maxCoeff(), 3e-13);
 }
 
 TEST(GeneralizedAlpha, HighFrequenciesDecayByTheSpectralRadius) {
@@ -132,9 +135,9 @@ TEST(GeneralizedAlpha, HighFrequenciesDecayByTheSpectralRadius) {
     return std::pow(size(200) / size(100), 0.01);
   };
   // Multiple roots at infinity bring a factor k^2 at most: (200/100)^(2/100) is 1.4 %.
-  EXPECT_NEAR(decay(Integrator::generalized_alpha, 0.8), 0.8, 0.012);
-  EXPECT_NEAR(decay(Integrator::generalized_alpha, 0.5), 0.5, 0.008);
-  EXPECT_NEAR(decay(Integrator::hht_alpha, 0.0), 0.7 / 1.3, 0.008);  // (1 + alpha) / (1 - alpha)
+  EXPECT_NEAR(decay(Integrator::generalized_alpha, 0.8), 0.8, 0.8 * 0.015);
+  EXPECT_NEAR(decay(Integrator::generalized_alpha, 0.5), 0.5, 0.5 * 0.015);
+  EXPECT_NEAR(decay(Integrator::hht_alpha, 0.0), 0.7 / 1.3, 0.7 / 1.3 * 0.015);  // (1 + alpha) / (1 - alpha)
 }
 
 TEST(HhtAlpha, LowFrequenciesAreHardlyDamped) {
@@ -157,9 +160,9 @@ TEST(InternalStates, ExactAndNewmarkAgreeOnBoucWenHysteresis) {
   const auto coarse = run(Integrator::exact, 1e-3, 1);
   const double d = fine.displacement.norm(), z = fine.connector_states.norm();
   // Second order, omega h = 0.02 at the elastic frequency: found 4e-6 and 8e-6, 2e-4 at the coarse step.
-  EXPECT_LT((fine.displacement - other.displacement).norm(), 1.5e-5 * d);
-  EXPECT_LT((fine.connector_states - other.connector_states).norm(), 3e-5 * z);
-  EXPECT_LT((fine.displacement - coarse.displacement).norm(), 6e-4 * d);
+  EXPECT_LT((fine.displacement - other.displacement).norm(), 1e-5 * d);
+  EXPECT_LT((fine.connector_states - other.connector_states).norm(), 2e-5 * z);
+  EXPECT_LT((fine.displacement - coarse.displacement).norm(), 4e-4 * d);
   EXPECT_GT(fine.connector_states.cwiseAbs().maxCoeff(), 3e-4);  // it does yield: 1/(beta+gamma) is 1e-3
 }
 
@@ -188,7 +191,7 @@ TEST(EnergyBalance, WorkOfTheRoadIsStoredOrDissipated) {
     const Eigen::VectorXd z = motion.displacement.rightCols(1), v = motion.velocity.rightCols(1);
     const double stored = 0.5 * v.dot(system.mass * v) + 0.5 * z.dot(system.stiffness * z);
     // Trapezoidal rule and integrator are of second order in omega h of up to 0.03: found 2e-7 of the work.
-    EXPECT_NEAR(work, stored, 1e-6 * dissipated);
+    EXPECT_NEAR(work, stored, 4e-7 * dissipated);
     EXPECT_GT(dissipated, 0.5 * stored);  // both sides of the balance count
   }
 }

@@ -33,7 +33,7 @@ TEST(Simulate, StoresTheSamplesAskedFor) {
   EXPECT_DOUBLE_EQ(result.trajectory.step, 1e-2);
   for (const Eigen::Index k : {0, 7, 500, 1000})
     EXPECT_EQ(result.every_step(10 * k, 0), result.trajectory.displacement(0, k));
-  EXPECT_NEAR(result.trajectory.displacement(0, 1000), std::cos(100.0), 1e-9);
+  EXPECT_NEAR(result.trajectory.displacement(0, 1000), std::cos(100.0), 2e-12);  // found 1e-13: a thousand roundings
 }
 
 TEST(Simulate, InputsGoOnUnchangedOverTheirBlocks) {
@@ -42,7 +42,8 @@ TEST(Simulate, InputsGoOnUnchangedOverTheirBlocks) {
   const auto inputs =
       simulate(model.system(), {sine}, at_rest(1, 0), {.step = 1e-3, .duration = 9.0}).trajectory.inputs;
   for (const Eigen::Index k : {4095, 4096, 4097, 8192, 8193, 9000})
-    EXPECT_NEAR(inputs(0, k), std::sin(4 * M_PI * 1e-3 * static_cast<double>(k)), 1e-10) << k;
+    // rounding of the sine's argument
+    EXPECT_NEAR(inputs(0, k), std::sin(4 * M_PI * 1e-3 * static_cast<double>(k)), 6e-14) << k;
 }
 
 TEST(Simulate, GrowthWithoutBoundIsAFailureWithItsTime) {
@@ -68,7 +69,7 @@ TEST(Simulate, LawThatGivesNoNumberIsAFailure) {
   }));
   const auto result = simulate(model.system(), {rest_signal}, start_at(1e-3, 0.0), {.step = 1e-3, .duration = 1.0});
   ASSERT_TRUE(result.failure);
-  EXPECT_NEAR(result.failure->time, M_PI / 2 / std::sqrt(1e3), 2e-3);  // a quarter period until d < 0
+  EXPECT_NEAR(result.failure->time, M_PI / 2 / std::sqrt(1e3), 1e-3);  // a quarter period until d < 0
 }
 
 TEST(Simulate, StartThatIsNoNumberIsAFailureAtOnce) {
@@ -146,10 +147,12 @@ TEST_F(ReferenceOfAChain, ConvergesAndSaysHowFine) {
   const auto rough = run({.tolerance = 1e-2}), fine = run({.tolerance = 1e-4});
   EXPECT_TRUE(rough.converged);
   EXPECT_TRUE(fine.converged);
+  // what was asked for
   EXPECT_LE(fine.last_change, 1e-4);
   EXPECT_GT(fine.substeps, rough.substeps);
   EXPECT_EQ(fine.sensors.rows(), 501);
   EXPECT_EQ(fine.simulation.trajectory.samples(), 501);
+  // the last change bounds the error: found a third of it
   EXPECT_LT((rough.sensors - fine.sensors).norm() / fine.sensors.norm(), rough.last_change);
 }
 
@@ -165,7 +168,7 @@ TEST(ConvergedSolution, StepsAreExtrapolatedToZero) {
   const ArrayXd time = ArrayXd::LinSpaced(5001, 0.0, 5.0);
   const ArrayXd exact = 1e-3 * (-zeta * omega * time).exp() *
                         ((damped * time).cos() + zeta / std::sqrt(1.0 - zeta * zeta) * (damped * time).sin());
-  EXPECT_LT((reference.sensors.col(0).array() - exact).matrix().norm(), 2e-5 * exact.matrix().norm());
+  EXPECT_LT((reference.sensors.col(0).array() - exact).matrix().norm(), 1.5e-5 * exact.matrix().norm());
   // Plain halving errs in phase by omega^3 t h^2 / 12, which is below the tolerance at 1/128 ms only.
   EXPECT_LE(reference.substeps, 16);
 }
@@ -204,7 +207,7 @@ TEST(ConvergedSolution, ImpactsDoNotMisleadTheExtrapolation) {
   const auto fine = simulate(model.system(), {rest_signal}, start_at(-1e-3, 0.0),
                              {.integrator = Integrator::exact, .step = 1e-6, .duration = 1.0, .keep_every = 1000});
   const Eigen::VectorXd exact = fine.trajectory.displacement.row(0);
-  EXPECT_LT((reference.sensors.col(0) - exact).norm(), 7e-4 * exact.norm());
+  EXPECT_LT((reference.sensors.col(0) - exact).norm(), 6e-4 * exact.norm());
 }
 
 TEST(ConvergedSolution, FailureIsHandedOnEvenBehindAMeasurementChain) {

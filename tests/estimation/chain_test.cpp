@@ -36,6 +36,7 @@ ConvergedSolution* PaperChain::reference_ = nullptr;
 
 TEST_F(PaperChain, ReferenceConverged) {
   EXPECT_TRUE(reference_->converged);
+  // what was asked for
   EXPECT_LE(reference_->last_change, 2e-3);
 }
 
@@ -57,7 +58,8 @@ TEST_F(PaperChain, PartiallyLinearFilterEndsWhereThePlainOneDoes) {
   test::expect_figure("chain.partially_linear.mu_k1.apart", std::abs(apart[0]));
   test::expect_figure("chain.partially_linear.mu_c1.apart", std::abs(apart[1]));
   EXPECT_LT(apart.cwiseAbs().maxCoeff(), 0.1);
-  EXPECT_LT((fast.unknowns.deviation.rightCols(1).cwiseQuotient(deviation).array() - 1.0).abs().maxCoeff(), 0.02);
+  // found 8e-4: the sigma points of fewer channels
+  EXPECT_LT((fast.unknowns.deviation.rightCols(1).cwiseQuotient(deviation).array() - 1.0).abs().maxCoeff(), 2e-3);
 }
 
 TEST_F(PaperChain, BothParametersAreIdentifiedFromFourNoisySensors) {
@@ -78,16 +80,20 @@ TEST_F(PaperChain, BothParametersAreIdentifiedFromFourNoisySensors) {
               << consistency.mean_nis << ", in 95 % band " << consistency.fraction_in_95 << ", DOF 4 NRMSE "
               << displacement << ", " << 1e6 * result.time.filter() / 20001 << " us/step, reference substeps "
               << reference_->substeps << "\n";
-    EXPECT_NEAR(estimate[0], Chain::mu_k1, 0.01 * Chain::mu_k1);
-    EXPECT_NEAR(estimate[1], Chain::mu_c1, 0.01 * Chain::mu_c1);
+    // found .08 and .26 %, within one deviation of the noise (.1 and .2 %)
+    EXPECT_NEAR(estimate[0], Chain::mu_k1, 0.0025 * Chain::mu_k1);
+    EXPECT_NEAR(estimate[1], Chain::mu_c1, 0.006 * Chain::mu_c1);
+    // three deviations: one record's noise
     EXPECT_LT(std::abs(estimate[0] - Chain::mu_k1), 3 * deviation[0]);
     EXPECT_LT(std::abs(estimate[1] - Chain::mu_c1), 3 * deviation[1]);
-    EXPECT_NEAR(early[0], Chain::mu_k1, 0.05 * Chain::mu_k1);
-    EXPECT_NEAR(early[1], Chain::mu_c1, 0.05 * Chain::mu_c1);
+    // after a tenth of the record: found 1.5 and .5 %
+    EXPECT_NEAR(early[0], Chain::mu_k1, 0.03 * Chain::mu_k1);
+    EXPECT_NEAR(early[1], Chain::mu_c1, 0.02 * Chain::mu_c1);
     // 80004 squared innovations: the mean of a consistent filter has a standard deviation of 0.5 %.
-    EXPECT_NEAR(consistency.mean_nis, 4.0, 0.08);
-    EXPECT_NEAR(consistency.fraction_in_95, 0.95, 0.01);
-    EXPECT_LT((consistency.innovation_to_noise.array() - 1.0).abs().maxCoeff(), 0.03);
+    EXPECT_NEAR(consistency.mean_nis, 4.0, 0.06);
+    EXPECT_NEAR(consistency.fraction_in_95, 0.95, 0.005);  // 20,000 samples scatter by .15 %
+    // 20,000 samples scatter by .5 %
+    EXPECT_LT((consistency.innovation_to_noise.array() - 1.0).abs().maxCoeff(), 0.02);
     // The augmented model's forces are straight over 1 ms, the suspension's relaxation takes 3 ms: that leaves one per
     // cent.
     EXPECT_LT(displacement, 0.015);
@@ -107,8 +113,10 @@ TEST_F(PaperChain, BiasOfTheParametersIsOfSecondOrderInTheAugmentedModelsStep) {
   };
   const double coarse = bias(1000.0), fine = bias(4000.0);
   std::cout << "bias of mu_k1: " << coarse << " N at 1 ms, " << fine << " N at 0.25 ms\n";
+  // found .3 %
   EXPECT_LT(coarse, 0.005 * Chain::mu_k1);
-  EXPECT_LT(fine, coarse / 6);  // 16 for a smooth law
+  // found 1/77; 16 is second order, of a smooth law
+  EXPECT_LT(fine, coarse / 16);
 }
 
 TEST_F(PaperChain, SquareRootFormGivesTheSameEstimates) {
@@ -123,11 +131,11 @@ TEST_F(PaperChain, SquareRootFormGivesTheSameEstimates) {
     // in standard deviations; P - J J^T loses digits that the root keeps
     const double error =
         ((plain.state.mean - root.state.mean).array() / plain.state.deviation.array()).abs().maxCoeff();
-    EXPECT_LT(error, 1e-7) << alpha;
-    EXPECT_LT((plain.state.deviation.array() / root.state.deviation.array() - 1.0).abs().maxCoeff(), 1e-7) << alpha;
+    EXPECT_LT(error, 1e-8) << alpha;
+    EXPECT_LT((plain.state.deviation.array() / root.state.deviation.array() - 1.0).abs().maxCoeff(), 1e-8) << alpha;
     EXPECT_LT(((plain.unknowns.mean - root.unknowns.mean).array() / plain.unknowns.mean.array()).abs().maxCoeff(),
-              1e-9);
-    EXPECT_NEAR(plain.log_likelihood, root.log_likelihood, 1e-9 * std::abs(plain.log_likelihood));
+              2e-10);
+    EXPECT_NEAR(plain.log_likelihood, root.log_likelihood, 1e-12 * std::abs(plain.log_likelihood));
   }
 }
 
@@ -136,8 +144,9 @@ TEST_F(PaperChain, ExtendedFilterFindsThemFromANearerGuess) {
   for (auto& unknown : options.unknowns) unknown.initial *= 1.2, unknown.deviation *= 0.6;
   const auto result = estimate(augmented_model(options), record(8001), {.filter = FilterKind::extended});
   ASSERT_FALSE(result.failure) << result.failure->reason << " at " << result.failure->time;
-  EXPECT_NEAR(result.unknowns.mean(0, 8000), Chain::mu_k1, 0.05 * Chain::mu_k1);
-  EXPECT_NEAR(result.unknowns.mean(1, 8000), Chain::mu_c1, 0.05 * Chain::mu_c1);
+  // found .5 and .2 %: two deviations of a shorter record
+  EXPECT_NEAR(result.unknowns.mean(0, 8000), Chain::mu_k1, 0.015 * Chain::mu_k1);
+  EXPECT_NEAR(result.unknowns.mean(1, 8000), Chain::mu_c1, 0.01 * Chain::mu_c1);
 }
 
 TEST_F(PaperChain, KnownStatesStayKnownUntilTheParametersMoveThem) {
@@ -149,7 +158,8 @@ TEST_F(PaperChain, KnownStatesStayKnownUntilTheParametersMoveThem) {
     ASSERT_FALSE(result.failure) << result.failure->reason << " at " << result.failure->time;
     EXPECT_EQ(result.state.deviation.col(0).head(22).norm(), 0.0);
     EXPECT_GT(result.state.deviation.col(2999).head(22).minCoeff(), 0.0);
-    EXPECT_NEAR(result.unknowns.mean(0, 2999), Chain::mu_k1, 0.1 * Chain::mu_k1);
+    // found 1.3 %: three seconds of the record
+    EXPECT_NEAR(result.unknowns.mean(0, 2999), Chain::mu_k1, 0.04 * Chain::mu_k1);
   }
 }
 
@@ -163,8 +173,9 @@ TEST_F(PaperChain, SecondPassStartsFromTheFirst) {
   ASSERT_FALSE(first.failure) << first.failure->reason << " at " << first.failure->time;
   ASSERT_FALSE(second.failure) << second.failure->reason;
   // The first update at rest moves nothing: the second pass begins where the first ended.
-  EXPECT_NEAR(second.unknowns.mean(0, 0), first.unknowns.mean(0, 2999), 1e-3 * Chain::mu_k1);
-  EXPECT_NEAR(second.unknowns.mean(0, 2999), Chain::mu_k1, 0.05 * Chain::mu_k1);
+  EXPECT_NEAR(second.unknowns.mean(0, 0), first.unknowns.mean(0, 2999), 1e-12 * Chain::mu_k1);
+  // found 1.4 %
+  EXPECT_NEAR(second.unknowns.mean(0, 2999), Chain::mu_k1, 0.04 * Chain::mu_k1);
   EXPECT_GT(second.log_likelihood, first.log_likelihood);
 }
 

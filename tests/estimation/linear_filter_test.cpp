@@ -59,12 +59,12 @@ TEST_P(EqualsTheKalmanFilter, OnALinearChainWithMissingSamples) {
       nis_error = std::max(nis_error, std::abs(result.nis[k] - kalman.nis) / (1.0 + kalman.nis));
   }
   // Rounding through a few hundred steps, in standard deviations; the linearised form takes differences of 1e-4 of one.
-  const double tolerance = GetParam() == FilterKind::extended ? 1e-7 : 1e-9;
+  const double tolerance = GetParam() == FilterKind::extended ? 2e-9 : 5e-10;  // found 1e-10 and 3e-11
   EXPECT_LT(mean_error, tolerance);
   EXPECT_LT(deviation_error, tolerance);
-  EXPECT_LT(nis_error, 10 * tolerance);
+  EXPECT_LT(nis_error, tolerance);
   EXPECT_LT((result.final_covariance - kalman.P).norm(), tolerance * kalman.P.norm());
-  EXPECT_NEAR(result.log_likelihood, kalman.log_likelihood, 10 * tolerance * std::abs(kalman.log_likelihood));
+  EXPECT_NEAR(result.log_likelihood, kalman.log_likelihood, 1e-2 * tolerance * std::abs(kalman.log_likelihood));
   EXPECT_EQ(result.measured[100], 0);
   EXPECT_TRUE(std::isnan(result.nis[103]));
   EXPECT_EQ(result.measured[210], 2);
@@ -89,7 +89,8 @@ TEST(FixedGains, RepeatTheMeansOfTheFilterThatTheyAreOf) {
     const auto means = run_with_gains(augmented_model, record, result.gains, chain.sensors, samples - 1);
     EXPECT_TRUE(means.has_value());
     const VectorXd last = result.state.mean.col(samples - 1);
-    EXPECT_LT((means->state - last).norm(), (dense == samples ? 1e-6 : 1e-2) * last.norm());
+    // found 4e-15 of it: at the end the gains have settled
+    EXPECT_LT((means->state - last).norm(), 1e-10 * last.norm());
     return (means->monitored - result.monitored.mean).norm() / result.monitored.mean.norm();
   };
   // phi' by differences of 1e-3 of a deviation; K = P H^T R^-1 against P_xy P_yy^-1: rounding of 1e-8 / 1e-3.
@@ -149,11 +150,13 @@ TEST(LinearRecord, LikelihoodAndSmoothedStartAreThoseOfTheJointNormal) {
   for (const auto kind : {FilterKind::unscented, FilterKind::unscented_square_root}) {
     const auto result = estimate(augmented_model, record, {.filter = kind});
     ASSERT_FALSE(result.failure) << result.failure->reason;
-    EXPECT_NEAR(result.log_likelihood, log_density, 1e-8 * std::abs(log_density));
+    // rounding of a sum of thousands of squares
+    EXPECT_NEAR(result.log_likelihood, log_density, 1e-11 * std::abs(log_density));
     const VectorXd deviation = covariance.diagonal().cwiseSqrt();
     const auto smoothed = result.state.mean.col(samples - 1).segment(augmented_model.layout().initial_state(), n);
-    EXPECT_LT(((smoothed - start).array() / deviation.array()).abs().maxCoeff(), 1e-8);
-    EXPECT_LT((result.final_covariance.bottomRightCorner(n, n) - covariance).norm(), 1e-8 * covariance.norm());
+    // in standard deviations, found 4e-11: the covariance of the joint state loses digits
+    EXPECT_LT(((smoothed - start).array() / deviation.array()).abs().maxCoeff(), 1e-9);
+    EXPECT_LT((result.final_covariance.bottomRightCorner(n, n) - covariance).norm(), 1e-9 * covariance.norm());
   }
 }
 
@@ -185,8 +188,9 @@ TEST(LinearRecord, SmoothedStartIsTheGaussMarkovEstimateOfALongRecord) {
     ASSERT_FALSE(result.failure) << result.failure->reason;
     const auto smoothed = result.state.mean.col(samples - 1).segment(augmented_model.layout().initial_state(), n);
     // The covariance of [x; x(0)] is singular without process noise: directions of relative variance 1e-13 are dropped.
-    EXPECT_LT(((smoothed - start).array() / covariance.diagonal().cwiseSqrt().array()).abs().maxCoeff(), 1e-6);
-    EXPECT_LT((result.final_covariance.bottomRightCorner(n, n) - covariance).norm(), 1e-6 * covariance.norm());
+    // found 3e-10
+    EXPECT_LT(((smoothed - start).array() / covariance.diagonal().cwiseSqrt().array()).abs().maxCoeff(), 1e-8);
+    EXPECT_LT((result.final_covariance.bottomRightCorner(n, n) - covariance).norm(), 1e-8 * covariance.norm());
   }
 }
 
@@ -216,9 +220,9 @@ TEST(ProcessNoise, IsIndependentOfTheSamplingRate) {
   const AugmentedModel coarse(chain.model.system(), chain.sensors, {}, options);
   const MatrixXd Q = fine.process_noise().topLeftCorner(6, 6), A = fine.step().transition;
   const MatrixXd twice = A * Q * A.transpose() + Q;
-  EXPECT_LT((coarse.process_noise().topLeftCorner(6, 6) - twice).norm(), 1e-12 * twice.norm());
-  EXPECT_NEAR(coarse.process_noise()(6, 6), 2 * h * 30.0 * 30.0 / (4e3 * 4e3), 1e-18);  // log: relative drift
-  EXPECT_NEAR(fine.process_noise()(6, 6), h * 30.0 * 30.0 / (4e3 * 4e3), 1e-18);
+  EXPECT_LT((coarse.process_noise().topLeftCorner(6, 6) - twice).norm(), 2e-15 * twice.norm());  // rounding
+  EXPECT_NEAR(coarse.process_noise()(6, 6), 2 * h * 30.0 * 30.0 / (4e3 * 4e3), 1e-20);           // log: relative drift
+  EXPECT_NEAR(fine.process_noise()(6, 6), h * 30.0 * 30.0 / (4e3 * 4e3), 1e-20);
 }
 
 TEST(ProcessNoise, EstimatesDoNotDependOnSamplesThatAreMissing) {
@@ -247,7 +251,8 @@ TEST(ProcessNoise, EstimatesDoNotDependOnSamplesThatAreMissing) {
   const MatrixXd at_samples = b.state.mean(Eigen::all, Eigen::seq(0, Eigen::last, 2));
   // The free body's position is seen through accelerations only, so rounding of the covariance gathers in it.
   EXPECT_LT((at_samples - a.state.mean).norm(), 1e-8 * a.state.mean.norm());
-  EXPECT_LT((b.final_covariance - a.final_covariance).norm(), 1e-9 * a.final_covariance.norm());
+  EXPECT_LT((b.final_covariance - a.final_covariance).norm(), 2e-10 * a.final_covariance.norm());
+  // found 1.3e-10
   EXPECT_NEAR(a.log_likelihood, b.log_likelihood, 1e-9 * std::abs(a.log_likelihood));
 }
 

@@ -75,18 +75,22 @@ TEST_F(UnknownStiffness, IsFoundAsByConnectorsThatCarryIt) {
   const Index last = record.measurements.cols() - 1;
   for (Index i = 0; i < 3; ++i) {
     const double std = exact.unknowns.deviation(i, last);
+    // found .12 of a deviation and .01 of its size: the tangent is of first order about the latest guess
     EXPECT_NEAR(tangent.unknowns.mean(i, last), exact.unknowns.mean(i, last), 0.2 * std) << i;
-    EXPECT_NEAR(tangent.unknowns.deviation(i, last), std, 0.1 * std) << i;
+    EXPECT_NEAR(tangent.unknowns.deviation(i, last), std, 0.02 * std) << i;
     std::printf("unknown %d: %.6g +- %.2g, by connectors %.6g +- %.2g\n", static_cast<int>(i),
                 tangent.unknowns.mean(i, last), tangent.unknowns.deviation(i, last), exact.unknowns.mean(i, last), std);
   }
+  // three deviations: the record's own noise
   EXPECT_NEAR(tangent.unknowns.mean(2, last), truth, 3.0 * tangent.unknowns.deviation(2, last));
+  // 4000 samples of four channels: two standard errors of sqrt(8 / 4000); found .04
   EXPECT_NEAR(tangent.nis.mean(), 4.0, 0.1);
   std::printf("linearised %d times; NIS %.4f, %.4f\n", tangent.linearisations, tangent.nis.mean(), exact.nis.mean());
   EXPECT_GE(tangent.linearisations, 1);
   EXPECT_LE(tangent.linearisations, 5);  // found 2: where it has moved, not at every sample
   ASSERT_NE(tangent.augmented_model, nullptr);
-  EXPECT_NEAR(tangent.augmented_model->neighbours()[0].value, tangent.unknowns.mean(2, last), 0.01 * truth);
+  // it is linearised again at once where the estimate moves
+  EXPECT_NEAR(tangent.augmented_model->neighbours()[0].value, tangent.unknowns.mean(2, last), 1e-4 * truth);
 }
 
 TEST_F(UnknownStiffness, CoversTheTruthOverManySeeds) {
@@ -112,7 +116,8 @@ TEST_F(UnknownStiffness, CoversTheTruthOverManySeeds) {
   // Found 0.97; chi-squared over 40 holds 99 % in 0.52 to 1.67. An overstated deviation falls below.
   EXPECT_GT(squares / seeds, 0.52);
   EXPECT_LT(squares / seeds, 1.67);
-  EXPECT_NEAR(nis, 4.0, 0.08);
+  // found .008; 160,000 samples scatter by .007
+  EXPECT_NEAR(nis, 4.0, 0.03);
 }
 
 /// Tile by tile or dense with square roots, the estimates are the same; filters with other points end near them.
@@ -126,10 +131,12 @@ TEST_F(UnknownStiffness, IsTheSameForEveryFilter) {
   EXPECT_EQ(tiled.linearisations, dense.linearisations);
   const Index last = record.measurements.cols() - 1;
   for (Index i = 0; i < 3; ++i)
-    EXPECT_NEAR(tiled.unknowns.mean(i, last), dense.unknowns.mean(i, last), 1e-6 * dense.unknowns.deviation(i, last));
+    // rounding, in deviations: found 8e-11
+    EXPECT_NEAR(tiled.unknowns.mean(i, last), dense.unknowns.mean(i, last), 2e-9 * dense.unknowns.deviation(i, last));
   for (const auto filter : {FilterKind::unscented, FilterKind::unscented_square_root, FilterKind::extended}) {
     const auto other = run(filter);
     ASSERT_FALSE(other.failure.has_value());
+    // points reach further than the tangent: found .19 of a deviation
     EXPECT_NEAR(other.unknowns.mean(2, last), dense.unknowns.mean(2, last), 0.5 * dense.unknowns.deviation(2, last));
   }
 }
@@ -157,7 +164,7 @@ TEST_F(UnknownStiffness, ColumnsOfTheGainAreDerivativesOfTheMap) {
   const VectorXd slope = (image_at(guess + by) - image_at(guess - by)) / (2.0 * by);
   const VectorXd column = map.gain.rightCols(1).topRows(22);
   // the neighbours stand 5,196 N/m away: an error of second order, (step / stiffness)^2 / 6 of the phase per step
-  EXPECT_LT((column - slope).norm(), 0.01 * slope.norm());
+  EXPECT_LT((column - slope).norm(), 2e-5 * slope.norm());
 }
 
 TEST_F(UnknownStiffness, AValueThatMakesNoStructureEndsTheRunInWords) {

@@ -383,6 +383,7 @@ TEST(Judge, PredictedMomentsAreThoseOfPlainSamples) {
   const Gaussian plain{mean, (y.colwise() - mean) * (y.colwise() - mean).transpose() / double(count)};
   const PredictedMoments moments(map, prior, state_samples());
   const Errors errors(plain, moments().all, augmented_model.layout().unknown());
+  // found .3 of it
   EXPECT_LT(errors.mean(), 4.0 / std::sqrt(double(count)));  // four standard errors of plain sampling
   EXPECT_LT(errors.covariance(), 4.0 * std::sqrt(2.0 / double(count)));
 }
@@ -408,6 +409,7 @@ TEST(Judge, PosteriorMomentsAreThoseOfWeightedStates) {
   const Gaussian plain{mean, centred * weight.asDiagonal() * centred.transpose()};
   PosteriorMoments posterior(map, prior, R, 400000);
   const Errors errors(plain, posterior.given(y).all, augmented_model.layout().unknown());
+  // found .4 of it
   EXPECT_LT(errors.mean(), 5.0 / std::sqrt(effective));  // both sides sampled
   EXPECT_LT(errors.covariance(), 5.0 * std::sqrt(2.0 / effective));
 }

@@ -172,9 +172,10 @@ struct Case {
     const AugmentedModel augmented_model(model.system(), sensors, {}, options);
     ASSERT_EQ(Q.rows(), augmented_model.layout().size());
     const MatrixXd& own = augmented_model.process_noise();
-    EXPECT_LE((own - Q).norm(), 1e-9 * Q.norm());
+    // Two ways to the integral of exp(A t) D exp(A t)^T: rounding, found 3e-12 of the smallest variances.
+    EXPECT_LE((own - Q).norm(), 1e-13 * Q.norm());
     for (Index i = 0; i < Q.rows(); ++i)
-      EXPECT_NEAR(own(i, i), Q(i, i), 1e-9 * Q(i, i)) << "state " << i << " of " << Q.rows();
+      EXPECT_NEAR(own(i, i), Q(i, i), 3e-11 * Q(i, i)) << "state " << i << " of " << Q.rows();
     const auto [F, F_u] = forces(augmented_model);
     const auto problem = problem_of(augmented_model, F, F_u, Q, R);
     auto record = draw_record(problem, augmented_model.prior(), inputs(150), 3);
@@ -185,15 +186,16 @@ struct Case {
       const auto errors =
           against_kalman(*choice.augmented_model, problem, record, {.filter = kind, .monitored = sensors});
       std::printf("%s: %.1e\n", name_of(kind).c_str(), errors.largest());
-      // Rounding: found 3e-7 where no process noise bounds the covariance, 2e-8 elsewhere, and 5e-9 with square roots.
+      // Rounding, in standard deviations: found 4e-8 where no process noise bounds the covariance, 5e-9 with square
+      // roots. It grows over 150 steps, and other processors round differently.
       const bool root = kind == FilterKind::unscented_square_root || kind == FilterKind::partially_linear_square_root;
-      const double tolerance = root ? 5e-8 : 3e-6;
+      const double tolerance = root ? 5e-8 : 4e-7;
       EXPECT_LT(errors.mean, tolerance) << name_of(kind);
       EXPECT_LT(errors.deviation, tolerance) << name_of(kind);
-      EXPECT_LT(errors.likelihood, tolerance) << name_of(kind);
-      EXPECT_LT(errors.unknown, tolerance) << name_of(kind);
+      EXPECT_LT(errors.likelihood, 1e-2 * tolerance) << name_of(kind);
+      EXPECT_LT(errors.unknown, 0.2 * tolerance) << name_of(kind);
       EXPECT_LT(errors.monitored, tolerance) << name_of(kind);
-      EXPECT_LT(errors.innovation, tolerance) << name_of(kind);
+      EXPECT_LT(errors.innovation, 0.2 * tolerance) << name_of(kind);
     }
   }
 
@@ -237,7 +239,8 @@ TEST(ProcessNoiseOfEveryKind, DoesNotDependOnTheParts) {
     given.options.substeps = parts;
     const AugmentedModel augmented_model(given.model.system(), given.sensors, {}, given.options);
     for (Index i = 0; i < Q.rows(); ++i)
-      EXPECT_NEAR(augmented_model.process_noise()(i, i), Q(i, i), 1e-9 * Q(i, i)) << parts << " parts, state " << i;
+      // rounding of a few products of exponentials
+      EXPECT_NEAR(augmented_model.process_noise()(i, i), Q(i, i), 1e-11 * Q(i, i)) << parts << " parts, state " << i;
   }
 }
 
@@ -266,13 +269,15 @@ TEST(ProcessNoiseOfEveryKind, InputsThatAreStates) {
   density[road + 1] = q * q;
   density[force] = p * p;
   const MatrixXd Q = given.noise_of_motion(density);
-  EXPECT_NEAR(Q(road, road), q * q * h * h * h / 3, 1e-12 * q * q * h * h * h);
-  EXPECT_NEAR(Q(road, road + 1), q * q * h * h / 2, 1e-12 * q * q * h * h);
-  EXPECT_NEAR(Q(road + 1, road + 1), q * q * h, 1e-12 * q * q * h);
-  EXPECT_NEAR(Q(force, force), s * s * (1 - std::exp(-2 * h / tau)), 1e-12 * s * s);
-  EXPECT_NEAR(augmented_model.prior().covariance(road, road), 4e-6, 1e-18);
-  EXPECT_NEAR(augmented_model.prior().covariance(road + 1, road + 1), 9e-4, 1e-15);
-  EXPECT_NEAR(augmented_model.prior().covariance(force, force), s * s, 1e-12);
+  // rounding of the exponential
+  EXPECT_NEAR(Q(road, road), q * q * h * h * h / 3, 1e-14 * q * q * h * h * h);
+  EXPECT_NEAR(Q(road, road + 1), q * q * h * h / 2, 1e-14 * q * q * h * h);
+  EXPECT_NEAR(Q(road + 1, road + 1), q * q * h, 1e-14 * q * q * h);
+  EXPECT_NEAR(Q(force, force), s * s * (1 - std::exp(-2 * h / tau)), 1e-15 * s * s);
+  // the same numbers
+  EXPECT_NEAR(augmented_model.prior().covariance(road, road), 4e-6, 1e-20);
+  EXPECT_NEAR(augmented_model.prior().covariance(road + 1, road + 1), 9e-4, 2e-18);
+  EXPECT_NEAR(augmented_model.prior().covariance(force, force), s * s, 1e-13);
   given.check(Q);
 }
 
@@ -286,10 +291,11 @@ TEST(ProcessNoiseOfEveryKind, WalksOfTransformedUnknowns) {
     const AugmentedModel augmented_model(given.model.system(), given.sensors, {}, given.options);
     // By hand at p = 3: log p' = 1 / p; logit of (p - 1) / 8: 8 / ((p - 1) (9 - p)).
     const double slope = transform.kind == TransformKind::log ? 1.0 / 3.0 : 8.0 / (2.0 * 6.0);
-    EXPECT_NEAR(augmented_model.process_noise()(7, 7), h * std::pow(7.0 * slope, 2), 1e-12);
-    EXPECT_NEAR(augmented_model.prior().covariance(7, 7), std::pow(1.5 * slope, 2), 1e-12);
+    // rounding of a product of three numbers
+    EXPECT_NEAR(augmented_model.process_noise()(7, 7), h * std::pow(7.0 * slope, 2), 1e-14);
+    EXPECT_NEAR(augmented_model.prior().covariance(7, 7), std::pow(1.5 * slope, 2), 1e-14);
     EXPECT_NEAR(augmented_model.prior().mean[7],
-                transform.kind == TransformKind::log ? std::log(3.0) : std::log(2.0 / 6.0), 1e-12);
+                transform.kind == TransformKind::log ? std::log(3.0) : std::log(2.0 / 6.0), 1e-14);
   }
 }
 
@@ -323,7 +329,7 @@ TEST(ProcessNoiseOfEveryKind, StaysAfterANewLinearisation) {
       return augmented_model.physical_covariance(augmented_model.process_noise());
     };
     const MatrixXd Q = physical(first);
-    EXPECT_NEAR(Q(6, 6), h * 1600.0, 1e-9);
+    EXPECT_NEAR(Q(6, 6), h * 1600.0, 1e-12);
     EXPECT_LT((Q.topLeftCorner(6, 6) -
                integrated_noise(AugmentedModel(stiffer(2e4), sensors, {},
                                                [&] {
@@ -335,17 +341,18 @@ TEST(ProcessNoiseOfEveryKind, StaysAfterANewLinearisation) {
                                     .dynamics(),
                                 (VectorXd(6) << 0, 0, 0, 0.01, 0.04, 0.09).finished().asDiagonal(), h))
                   .norm(),
-              1e-9 * Q.topLeftCorner(6, 6).norm());
-    EXPECT_LT((physical(moved) - Q).norm(), 1e-9 * Q.norm());
+              // rounding: of the modes where the coordinates are modal
+              1e-14 * Q.topLeftCorner(6, 6).norm());
+    EXPECT_LT((physical(moved) - Q).norm(), 1e-13 * Q.norm());
     EXPECT_LT(
         (moved.physical_covariance(moved.prior().covariance) - first.physical_covariance(first.prior().covariance))
             .norm(),
-        1e-9 * first.physical_covariance(first.prior().covariance).norm());
+        1e-14 * first.physical_covariance(first.prior().covariance).norm());
     EXPECT_LT((moved.physical(moved.prior().mean) - first.physical(first.prior().mean)).norm(),
-              1e-9 * first.physical(first.prior().mean).norm());
+              1e-14 * first.physical(first.prior().mean).norm());
     ASSERT_EQ(moved.neighbours().size(), 1u);
     EXPECT_EQ(moved.neighbours()[0].value, 2.3e4);
-    EXPECT_NEAR(moved.neighbours()[0].step, std::sqrt(3.0) * 400.0, 1e-9);
+    EXPECT_NEAR(moved.neighbours()[0].step, std::sqrt(3.0) * 400.0, 1e-12);
     EXPECT_EQ(first.about(VectorXd::Constant(1, 2e4), VectorXd::Constant(1, 9e3)).neighbours()[0].step,
               5e3);  // a quarter
   }
@@ -369,11 +376,13 @@ TEST(UnknownOfTheLinearPart, IsSeenByASensorDirectly) {
     const auto choice = choose_filter(kind, model.system(), sensors, {}, options);
     const auto result = estimate(*choice.augmented_model, record, {.filter = kind, .monitored = sensors});
     ASSERT_FALSE(result.failure.has_value());
-    EXPECT_NEAR(result.unknowns.mean(0, 0), mean, 1e-6 * mean) << name_of(kind);
-    EXPECT_NEAR(result.unknowns.deviation(0, 0), std::sqrt(variance), 1e-6 * std::sqrt(variance)) << name_of(kind);
-    EXPECT_NEAR(result.monitored.mean(0, 0), slope * mean, 1e-6) << name_of(kind);
-    EXPECT_NEAR(result.monitored.deviation(0, 0), -slope * std::sqrt(variance), 1e-7) << name_of(kind);
-    EXPECT_NEAR(result.innovation_deviation(0, 0), std::sqrt(slope * slope * sigma * sigma + R), 1e-7) << name_of(kind);
+    // rounding; the linearised form takes differences of 1e-4 of a deviation: found 6e-14 and 4e-12
+    EXPECT_NEAR(result.unknowns.mean(0, 0), mean, 1e-11 * mean) << name_of(kind);
+    EXPECT_NEAR(result.unknowns.deviation(0, 0), std::sqrt(variance), 1e-10 * std::sqrt(variance)) << name_of(kind);
+    EXPECT_NEAR(result.monitored.mean(0, 0), slope * mean, 1e-11) << name_of(kind);
+    EXPECT_NEAR(result.monitored.deviation(0, 0), -slope * std::sqrt(variance), 1e-10) << name_of(kind);
+    EXPECT_NEAR(result.innovation_deviation(0, 0), std::sqrt(slope * slope * sigma * sigma + R), 1e-10)
+        << name_of(kind);
   }
 }
 

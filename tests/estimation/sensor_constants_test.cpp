@@ -74,11 +74,12 @@ TEST_P(SensorConstants, AreEstimatedAsTheKalmanFilterDoes) {
         std::max(deviation_error, (result.state.deviation.col(k).array() / deviation.array() - 1.0).abs().maxCoeff());
   }
   // As for the chain without constants (linear_filter_test).
-  const double tolerance = GetParam() == FilterKind::extended ? 1e-7 : 1e-9;
+  const double tolerance = GetParam() == FilterKind::extended ? 5e-9 : 1e-9;  // found 3e-10 and 6e-11
   EXPECT_LT(mean_error, tolerance);
   EXPECT_LT(deviation_error, tolerance);
-  EXPECT_NEAR(result.log_likelihood, kalman.log_likelihood, 10 * tolerance * std::abs(kalman.log_likelihood));
-  EXPECT_LT(result.unknowns.deviation(0, samples - 1), 1e-3);  // they are learned
+  EXPECT_NEAR(result.log_likelihood, kalman.log_likelihood, 1e-2 * tolerance * std::abs(kalman.log_likelihood));
+  // they are learned: found 1.3e-4
+  EXPECT_LT(result.unknowns.deviation(0, samples - 1), 3e-4);
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, SensorConstants,

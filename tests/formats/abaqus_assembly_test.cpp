@@ -43,9 +43,9 @@ TEST(AbaqusAssembly, CollidingNumbersAreRaisedByPowersOfTen) {
   const auto deck = parse_deck(two_bars);
   const auto& mesh = deck.model.mesh;
   ASSERT_EQ(mesh.node_count(), 7);
-  EXPECT_EQ(mesh.nodes(0, node_of(mesh, 3)), 2.0);                                           // first instance
-  EXPECT_TRUE(mesh.nodes.col(node_of(mesh, 13)).isApprox(Eigen::Vector3d(1, 2, 0), 1e-12));  // second, raised by 10
-  EXPECT_TRUE(mesh.nodes.col(node_of(mesh, 21)).isApprox(Eigen::Vector3d(9, 9, 9)));         // outside of instances
+  EXPECT_EQ(mesh.nodes(0, node_of(mesh, 3)), 2.0);                                    // first instance
+  EXPECT_TRUE(mesh.nodes.col(node_of(mesh, 13)).isApprox(Eigen::Vector3d(1, 2, 0)));  // second, raised by 10
+  EXPECT_TRUE(mesh.nodes.col(node_of(mesh, 21)).isApprox(Eigen::Vector3d(9, 9, 9)));  // outside of instances
   EXPECT_EQ(deck.notes.size(), 2u);
 }
 
@@ -62,9 +62,8 @@ TEST(AbaqusAssembly, AnInstanceTurnsItsDirections) {
   std::string deck = two_bars;
   deck.replace(deck.find("0., 0., 1.\n*END PART"), 10, "0., 1., 0.");
   const auto model = parse_deck(deck).model;
-  EXPECT_TRUE(std::get<BeamProperty>(model.properties.at("Bar-2.All"))
-                  .placement(0)
-                  .up.isApprox(-Eigen::Vector3d::UnitX(), 1e-12));
+  EXPECT_TRUE(
+      std::get<BeamProperty>(model.properties.at("Bar-2.All")).placement(0).up.isApprox(-Eigen::Vector3d::UnitX()));
 }
 
 TEST(AbaqusAssembly, UnknownPartsAndInstancesAreTold) {

@@ -51,7 +51,7 @@ TEST(ReducedEquations, HeldDirectionsOfTurnedAxesDoNotMove) {
     const Eigen::MatrixXd motion = Eigen::MatrixXd(free.transform).middleRows(24, 6);
     for (Index d = 0; d < 6; ++d)
       if (held[static_cast<std::size_t>(d)]) {
-        EXPECT_LT((axes.col(d % 3).transpose() * motion.middleRows(d < 3 ? 0 : 3, 3)).norm(), 1e-12);
+        EXPECT_LT((axes.col(d % 3).transpose() * motion.middleRows(d < 3 ? 0 : 3, 3)).norm(), 3e-15);  // rounding
       }
   }
 }
@@ -105,7 +105,8 @@ TEST(ReducedEquations, LeaveFreeWhatAllEquationsLeaveFree) {
   const auto free = eliminate(model, std::vector<bool>(60, true));
   EXPECT_EQ(static_cast<Index>(free.dofs.size()), 60 - rank);
   const Eigen::MatrixXd motions(free.transform);
-  EXPECT_LT((matrix * motions).norm(), 1e-11 * matrix.norm() * motions.norm());
+  // rounding: the sums are of a few whole numbers
+  EXPECT_LT((matrix * motions).norm(), 1e-14 * matrix.norm() * motions.norm());
 }
 
 /// A block of n x n x m C3D8I between two heights, numbers from `start` on; sets: NAMEbottom, NAMEtop.
@@ -146,8 +147,9 @@ TEST(AbaqusTie, UnlikeMeshesMoveAsOneBody) {
       Matrices(parse_deck(deck_steel + block("a", 1, 3, 3, 0, 1) + block("b", 1000, 4, 3, 1.01, 2) + tie).model)
           .frequencies(9);
   const auto whole = Matrices(parse_deck(deck_steel + block("a", 1, 3, 6, 0, 2)).model).frequencies(9);
-  for (Index i = 0; i < 6; ++i) EXPECT_LT(tied[i], 1e-6 * whole[6]);
-  for (Index i = 6; i < 9; ++i) EXPECT_NEAR(tied[i], whole[i], 0.03 * whole[i]);
+  // motions without strain are exact; meshes that do not match and a gap of 1 % change the others by .4 %
+  for (Index i = 0; i < 6; ++i) EXPECT_LT(tied[i], 1e-9 * whole[6]);
+  for (Index i = 6; i < 9; ++i) EXPECT_NEAR(tied[i], whole[i], 0.01 * whole[i]);
 }
 
 // Tied nodes off their faces take the turning of the faces along: a rigid rotation of the free nodes is one of all.
@@ -162,7 +164,7 @@ TEST(AbaqusTie, NodesAboveTheirFacesTurnWithThem) {
   for (Index i = 0; i < assembled.size(); ++i) free[i] = motion(assembled.dofs[static_cast<std::size_t>(i)]);
   const Eigen::VectorXd all = assembled.expansion * free;
   for (Index node = 0; node < model.mesh.node_count(); ++node)
-    for (int d = 0; d < 3; ++d) EXPECT_NEAR(all[6 * node + d], motion({node, d}), 1e-12);
+    for (int d = 0; d < 3; ++d) EXPECT_NEAR(all[6 * node + d], motion({node, d}), 3e-15);  // rounding
 }
 
 TEST(AbaqusTie, SurfacesBeyondTheToleranceAreTold) {
@@ -170,6 +172,9 @@ TEST(AbaqusTie, SurfacesBeyondTheToleranceAreTold) {
                           "*TIE, NAME=t\nbbottom, atop\n"),
                InvalidInput);
 }
+
+/// Rounding of frequencies whose equations are eliminated in another order, relative.
+constexpr double of_equations = 1e-12;
 
 /// Frequencies of a block on its clamped bottom with something at its top.
 Eigen::VectorXd of_block(const std::string& more, Index count = 4) {
@@ -191,7 +196,7 @@ TEST(AbaqusCoupling, ManyWaysToWriteOneRigidBody) {
         std::string("*ORIENTATION, NAME=o\n1,2,0,-2,1,0\n*COUPLING, CONSTRAINT NAME=c, REF NODE=500, SURFACE=atop, "
                     "ORIENTATION=o\n"
                     "*KINEMATIC\n1\n2\n3\n")})
-    EXPECT_TRUE(of_block(inertia + other).isApprox(rigid, 1e-9)) << other;
+    EXPECT_LT((of_block(inertia + other) - rigid).norm(), of_equations * rigid.norm()) << other;
 }
 
 // The block carries the mass without being stiffened: lower than with a rigid top, above the block with the mass at
@@ -202,10 +207,12 @@ TEST(AbaqusCoupling, DistributingCouplingDoesNotStiffen) {
   const auto old =
       of_block(inertia + "*ELEMENT, TYPE=DCOUP3D, ELSET=d\n600, 500\n*DISTRIBUTING COUPLING, ELSET=d\natop, 1.\n");
   for (Index i = 0; i < 4; ++i) {
-    EXPECT_LT(soft[i], (1.0 + 1e-9) * rigid[i]);  // torsion is the same
-    EXPECT_GT(soft[i], 0.8 * rigid[i]);
+    EXPECT_LT(soft[i], (1.0 + of_equations) * rigid[i]);
+    EXPECT_GT(soft[i], 0.99 * rigid[i]);  // bending falls by .2 and .5 %
+    // weights by area and equal ones: found .7 %
     EXPECT_NEAR(old[i], soft[i], 0.02 * soft[i]);
   }
+  EXPECT_NEAR(soft[2] / rigid[2], 1.0, of_equations);  // torsion is the same
   EXPECT_LT(soft[0], 0.999 * rigid[0]);
 }
 
@@ -217,7 +224,8 @@ TEST(AbaqusCoupling, HeldReferenceNodeHoldsTheMeanMotion) {
   const std::string by_nodes =
       "*SURFACE, NAME=s, TYPE=NODE\natop, 1.\n*COUPLING, CONSTRAINT NAME=c, REF NODE=510, SURFACE=s\n*DISTRIBUTING\n"
       "*NODE\n510, 0.5, 0.5, 2.\n*BOUNDARY\n510, 3\n";
-  EXPECT_TRUE(of_block(free_nodes + by_nodes).isApprox(of_block(free_nodes + equation), 1e-9));
+  const auto by_equation = of_block(free_nodes + equation);
+  EXPECT_LT((of_block(free_nodes + by_nodes) - by_equation).norm(), of_equations * by_equation.norm());
 }
 
 // The reference node of a coupling and nodes that follow it may be the coordinates of a reduction's boundary.
@@ -237,7 +245,8 @@ TEST(AbaqusCoupling, ReferencesAndFollowersMayBeCoordinates) {
     const auto modes = lowest_modes(evaluate(turned.stiffness, turned.parameters),
                                     evaluate(turned.mass, turned.parameters), {.count = 4});
     const Eigen::VectorXd found = modes.values.cwiseSqrt() / (2.0 * std::numbers::pi);
-    EXPECT_TRUE(found.isApprox(Matrices(model).frequencies(4), 1e-9)) << link;
+    const Eigen::VectorXd expected = Matrices(model).frequencies(4);
+    EXPECT_LT((found - expected).norm(), of_equations * expected.norm()) << link;
   }
 }
 
@@ -246,7 +255,7 @@ TEST(AbaqusCoupling, SupportsOfSlavesHoldTheirMaster) {
   const std::string body = inertia + "*RIGID BODY, REF NODE=500, TIE NSET=atop\n";
   const auto at_slaves = of_block(body + "*BOUNDARY\natop, 1\n");
   const auto at_master = of_block(body + "*BOUNDARY\n500, 6\n*EQUATION\n2\n500, 1, 1., 500, 5, -0.5\n");
-  EXPECT_TRUE(at_slaves.isApprox(at_master, 1e-9));
+  EXPECT_LT((at_slaves - at_master).norm(), of_equations * at_master.norm());
 }
 
 TEST(AbaqusBoundary, NamedSupportsAndTheFirstStep) {

@@ -42,9 +42,9 @@ TimeSeries free_response(double noise = 1e-5) {
 TEST(FindRelease, FindsTheFirstDeparture) {
   const auto release = find_release(free_response());
   ASSERT_TRUE(release);
-  // By 1 % of the excursion of about 62 mm: 0.62 mm = 17.5 mm/s t + ... is passed within 30 ms of the release.
-  EXPECT_GT(release->time, release_time);
-  EXPECT_LT(release->time, release_time + 0.03);
+  // By 1 % of the excursion of about 62 mm: 0.62 mm = 17.5 mm/s t + 1550 mm/s^2 t^2 is passed after 15.1 ms.
+  EXPECT_NEAR(release->time, release_time + 0.0151, 1.0 / rate);
+  // noise of 1e-5 over some hundred samples
   EXPECT_NEAR(release->position[0], 0.040, 3e-6);
 }
 
@@ -65,13 +65,13 @@ TEST(FindRelease, IsNotMisledBySpikesAndMissingSamples) {
   record.values.middleRows(180, 20).setConstant(nan);
   const auto release = find_release(record);
   ASSERT_TRUE(release);
-  EXPECT_NEAR(release->time, release_time + 0.015, 0.015);
+  EXPECT_NEAR(release->time, release_time + 0.0151, 2.0 / rate);
 }
 
 TEST(FindRest, FindsWhereAndWhenTheMotionEnds) {
   const auto rest = find_rest(free_response(), 260);
   ASSERT_TRUE(rest);
-  EXPECT_NEAR(rest->position[0], 0.005, 5e-5);
+  EXPECT_NEAR(rest->position[0], 0.005, 1.5e-6);  // noise of 1e-5 over some hundred samples
   // The amplitude falls below 1 % of the excursion 35 ms before the stop, and a half period of 0.33 s may pass until
   // then.
   EXPECT_LT(rest->motion_end_time, stop);
@@ -84,7 +84,7 @@ TEST(FindRest, KeepsADisturbanceAtTheEndOut) {
   record.values.col(0).tail(60).array() -= 0.003;
   const auto rest = find_rest(record, 260);
   ASSERT_TRUE(rest);
-  EXPECT_NEAR(rest->position[0], 0.005, 5e-5);
+  EXPECT_NEAR(rest->position[0], 0.005, 1.5e-6);  // as above
   EXPECT_NEAR(static_cast<double>(rest->last), 1939.0, 1.0);
 }
 
@@ -117,9 +117,10 @@ TEST(LocalMotion, ReadsOffAPolynomialExactly) {
   for (const Index sample : {0, 50, 52, 99}) {
     const double t = record.time(sample);
     const auto motion = local_motion(record, sample, {.half_window = 0.05});
-    EXPECT_NEAR(motion.position[0], 3.0 - 2.0 * t + 5.0 * t * t, 1e-11);
-    EXPECT_NEAR(motion.velocity[0], -2.0 + 10.0 * t, 1e-9);
-    EXPECT_LT(motion.velocity_deviation[0], 1e-9);
+    // rounding, over the half window for the velocity
+    EXPECT_NEAR(motion.position[0], 3.0 - 2.0 * t + 5.0 * t * t, 2e-14);
+    EXPECT_NEAR(motion.velocity[0], -2.0 + 10.0 * t, 2e-13);
+    EXPECT_LT(motion.velocity_deviation[0], 2e-12);
   }
 }
 
@@ -163,11 +164,12 @@ TEST(FreeResponse, AgreesWithTheOwnersOnEveryMeasuredRun) {
     const auto rest = find_rest(run.record, release->sample);
     ASSERT_TRUE(rest) << run.key;
     EXPECT_GT(rest->motion_end_time, run.release_time + 1.0) << run.key;
+    // found up to 15.0 mm, by loads and pressures: the mean of many samples
     EXPECT_LT(rest->position.cwiseAbs().maxCoeff(), 0.016) << run.key;
     // One run is disturbed 0.15 s before its end: its rest ends before that.
     const double length = run.record.time(run.record.samples() - 1);
     const double expected_last = run.key == "Centre_p0000_m000_t1.1_r2" ? 7.9 : length;
-    EXPECT_NEAR(run.record.time(rest->last), expected_last, 0.05) << run.key;
+    EXPECT_NEAR(run.record.time(rest->last), expected_last, 0.02) << run.key;
   }
 }
 

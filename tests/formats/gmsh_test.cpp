@@ -388,7 +388,7 @@ TEST(GmshExamples, TheVehicleFrameHasItsNodesGroupsAndPoints) {
     EXPECT_GT(mesh.regions.at(name).size(), 300u);
   const auto& front_left = mesh.node_sets.at("p1");
   ASSERT_EQ(front_left.size(), 1u);
-  EXPECT_LT((mesh.nodes.col(front_left[0]) - Eigen::Vector3d(1.74, 0.78, -0.08)).norm(), 1e-12);
+  EXPECT_LT((mesh.nodes.col(front_left[0]) - Eigen::Vector3d(1.74, 0.78, -0.08)).norm(), 1e-15);  // decimals as written
   for (const auto* name : {"p2", "p3", "p4", "p5", "p6", "p7", "p8"}) EXPECT_EQ(mesh.node_sets.at(name).size(), 1u);
 }
 
@@ -414,7 +414,7 @@ Physical Curve("rim") = {1, 2}; Physical Point(17) = {3};
   }
   for (const auto& mesh : meshes) {
     EXPECT_EQ(mesh.node_ids, meshes[0].node_ids);
-    EXPECT_LT((mesh.nodes - meshes[0].nodes).cwiseAbs().maxCoeff(), 1e-12);  // 16 digits are written
+    EXPECT_LT((mesh.nodes - meshes[0].nodes).cwiseAbs().maxCoeff(), 2e-15);  // 16 digits are written
     EXPECT_EQ(mesh.connectivity, meshes[0].connectivity);
     EXPECT_EQ(mesh.regions, meshes[0].regions);
     EXPECT_EQ(mesh.node_sets, meshes[0].node_sets);
@@ -428,7 +428,7 @@ Physical Curve("rim") = {1, 2}; Physical Point(17) = {3};
     const Eigen::Vector3d b = mesh.nodes.col(n.size() == 4 ? n[3] : n[2]) - mesh.nodes.col(n[1]);
     area += 0.5 * a.cross(b).norm();
   }
-  EXPECT_NEAR(area, std::sqrt(4.25), 1e-9);  // a rectangle of 1 by |(0, 2, 0.5)|, whose boundaries are straight
+  EXPECT_NEAR(area, std::sqrt(4.25), 1e-14);  // a rectangle of 1 by |(0, 2, 0.5)|, whose boundaries are straight
   EXPECT_EQ(mesh.node_sets.at("physical17").size(), 1u);
 }
 

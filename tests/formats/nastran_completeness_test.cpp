@@ -97,7 +97,8 @@ TEST(NastranRigidElements, OfOneMasterThatShareNodesAreOneBody) {
   const auto shared = nastran(spider("RBE2,9,1,123456,2,3,4\nRBE2,10,1,123,3,4,5\nRBE2,11,1,456,5\n"));
   EXPECT_TRUE(has_note(shared, "RBE2s of one master that share nodes"));
   EXPECT_FALSE(has_note(one, "RBE2s"));
-  EXPECT_LT((frequencies(one.model, 6) - frequencies(shared.model, 6)).norm(), 1e-9);
+  const auto expected = frequencies(one.model, 6);
+  EXPECT_LT((frequencies(shared.model, 6) - expected).norm(), 1e-12 * expected.norm());  // rounding
 }
 
 TEST(NastranRigidElements, OfTwoMastersThatShareANodeAreRefusedWithTheirLines) {
@@ -146,7 +147,7 @@ TEST(NastranHeldDrilling, LeavesTheMembraneAsItIs) {
   ASSERT_TRUE(has(free)) << free.transpose();
   for (const std::string held : {"GRDSET,,,,,,,6\n", "SPC1,1,6,1,THRU,63\n"}) {
     const auto deck = nastran(strip(0.0, held));
-    EXPECT_LT((frequencies(deck.model, 6) - free).norm(), 1e-6 * free.norm()) << held;
+    EXPECT_LT((frequencies(deck.model, 6) - free).norm(), 1e-12 * free.norm()) << held;  // rounding
     EXPECT_TRUE(has_note(deck, "at 60 nodes the shells turn freely")) << held;
   }
 }
@@ -156,7 +157,8 @@ TEST(NastranHeldDrilling, LeavesTheMembraneAsItIs) {
 TEST(NastranHeldDrilling, LeavesATiltedMembraneAsItIs) {
   const auto free = frequencies(nastran(strip(0.3, "")).model, 6);
   const auto held = frequencies(nastran(strip(0.3, "GRDSET,,,,,,,6\nPARAM,K6ROT,0.\n")).model, 6);
-  EXPECT_LT((held - free).norm(), 1e-6 * free.norm()) << held.transpose() << "\n" << free.transpose();
+  // found 5e-11: roundings of a thin strip, by its condition
+  EXPECT_LT((held - free).norm(), 5e-10 * free.norm()) << held.transpose() << "\n" << free.transpose();
 }
 
 /// Rotations that bend the strip stay held.

@@ -26,7 +26,7 @@ std::string strip(const std::string& fields = "") {
 TEST(NastranShells, HaveMassAndStiffnessOfPshell) {
   const auto deck = test::nastran(aluminium + strip() + "PSHELL,1,1,.01,1,,1,,5.\n");
   ASSERT_TRUE(std::holds_alternative<ShellProperty>(deck.model.properties.at("pshell1")));
-  EXPECT_NEAR(test::masses(deck.model).mass, 0.2 * (27.0 + 5.0), 1e-9);
+  EXPECT_NEAR(test::masses(deck.model).mass, 0.2 * (27.0 + 5.0), 3e-14);  // rounding
   // A narrow plate in bending: between the beam (E) and the strip in plane strain (E / (1 - nu^2)).
   const double tip = displacements(deck.model, {{{10, 2}, 0.5}, {{21, 2}, 0.5}})[62];
   const double beam = 1.0 / (3.0 * 7e10 * 0.2 * 1e-6 / 12.0);
@@ -37,30 +37,33 @@ TEST(NastranShells, HaveMassAndStiffnessOfPshell) {
 TEST(NastranShells, AreTheSameByPlies) {
   const auto shell = frequencies(test::nastran(aluminium + strip() + "PSHELL,1,1,.01,1,,1\n").model, 5);
   const auto one = frequencies(test::nastran(aluminium + strip() + "PCOMP,1\n,1,.01,0.\n").model, 5);
-  EXPECT_NEAR((one - shell).norm(), 0.0, 1e-3 * shell.norm());
+  // the modes are iterated to 1e-10: found 6e-11
+  EXPECT_NEAR((one - shell).norm(), 0.0, 1e-9 * shell.norm());
   const auto half =
       frequencies(test::nastran(aluminium + strip() + "PCOMP,1,,,,,,,SYM\n,1,.0025,0.,,,,30.\n").model, 5);
-  EXPECT_NEAR((half - shell).norm(), 0.0, 1e-3 * shell.norm());
+  EXPECT_NEAR((half - shell).norm(), 0.0, 1e-9 * shell.norm());
   const auto global =
       frequencies(test::nastran(aluminium + strip() + "PCOMPG,1\n,101,1,.004,0.\n,102,1,.006,45.\n").model, 5);
-  EXPECT_NEAR((global - shell).norm(), 0.0, 1e-3 * shell.norm());
+  EXPECT_NEAR((global - shell).norm(), 0.0, 1e-9 * shell.norm());
   // Separate bending material and ratio: the same numbers by another way.
   const auto separate = frequencies(
       test::nastran(aluminium + "MAT1,2,3.5E10,,.3,2700.\n" + strip() + "PSHELL,1,1,.01,2,2.,1\n").model, 5);
-  EXPECT_NEAR((separate - shell).norm(), 0.0, 1e-3 * shell.norm());
+  EXPECT_NEAR((separate - shell).norm(), 0.0, 1e-9 * shell.norm());
 }
 
 TEST(NastranShells, HaveMaterialAxes) {
   const std::string plies = "MAT8,1,1.E11,1.E10,.3,5.E9,5.E9,5.E9,1600.\nPCOMP,1\n,1,.01,";
   const auto along = frequencies(test::nastran(plies + "0.\n" + strip()).model, 1);
   const auto across = frequencies(test::nastran(plies + "90.\n" + strip()).model, 1);
-  EXPECT_NEAR(along[0] / across[0], std::sqrt(10.0), 0.05 * std::sqrt(10.0));
+  // a narrow strip feels its modulus along alone, to 1.3e-4
+  EXPECT_NEAR(along[0] / across[0], std::sqrt(10.0), 4e-4 * std::sqrt(10.0));
   // THETA of the element adds to the ply's angle; a system's x axis does as well.
-  EXPECT_NEAR(frequencies(test::nastran(plies + "0.\n" + strip(",90.")).model, 1)[0], across[0], 1e-6 * across[0]);
-  EXPECT_NEAR(frequencies(test::nastran(plies + "60.\n" + strip(",30.")).model, 1)[0], across[0], 1e-6 * across[0]);
+  // found 1e-9: modes are iterated to 1e-10 of the eigenvalue with its shift
+  EXPECT_NEAR(frequencies(test::nastran(plies + "0.\n" + strip(",90.")).model, 1)[0], across[0], 1e-8 * across[0]);
+  EXPECT_NEAR(frequencies(test::nastran(plies + "60.\n" + strip(",30.")).model, 1)[0], across[0], 1e-8 * across[0]);
   const std::string system = "CORD2R,3,0,0.,0.,0.,0.,0.,1.\n,0.,1.,0.\n";
   EXPECT_NEAR(frequencies(test::nastran(system + plies + "0.\n" + strip(",3")).model, 1)[0], across[0],
-              1e-6 * across[0]);
+              1e-8 * across[0]);
 }
 
 TEST(NastranShells, StandOffTheirNodes) {
@@ -68,9 +71,9 @@ TEST(NastranShells, StandOffTheirNodes) {
   const auto deck = test::nastran(aluminium + strip(",,.005") + "PSHELL,1,1,.01,1,,1\n");
   const double tip = displacements(deck.model, {{{10, 0}, 500.0}, {{21, 0}, 500.0}})[62];
   const double beam = 1000.0 * 0.005 / (2.0 * 7e10 * 0.2 * 1e-6 / 12.0);
-  EXPECT_NEAR(tip, beam, 0.1 * beam);
+  EXPECT_NEAR(tip, beam, 0.02 * beam);  // the clamped end holds its width: found .8 %
   const auto plies = test::nastran(aluminium + strip() + "PCOMP,1,0.\n,1,.01,0.\n");
-  EXPECT_NEAR(displacements(plies.model, {{{10, 0}, 500.0}, {{21, 0}, 500.0}})[62], tip, 1e-3 * tip);
+  EXPECT_NEAR(displacements(plies.model, {{{10, 0}, 500.0}, {{21, 0}, 500.0}})[62], tip, 1e-10 * tip);
 }
 
 TEST(NastranShells, ThatDifferAreRegionsOfTheirOwn) {
@@ -79,8 +82,9 @@ TEST(NastranShells, ThatDifferAreRegionsOfTheirOwn) {
       "GRID,23,,0.,-.1\nCTRIA3,11,1,1,2,23\n,,,.02,.02,.02\nCTRIA3,12,1,2,3,23\n,,1,3.,3.,3.\nCTRIA3,13,1,3,4,23\n,,,."
       "01,.02,.03\n";
   const auto deck = test::nastran(text);
-  EXPECT_NEAR(std::get<ShellProperty>(deck.model.properties.at("pshell1.2")).thickness, 0.02, 1e-15);
-  EXPECT_NEAR(std::get<ShellProperty>(deck.model.properties.at("pshell1.3")).thickness, 0.03, 1e-15);
+  // rounding
+  EXPECT_NEAR(std::get<ShellProperty>(deck.model.properties.at("pshell1.2")).thickness, 0.02, 1e-17);
+  EXPECT_NEAR(std::get<ShellProperty>(deck.model.properties.at("pshell1.3")).thickness, 0.03, 1e-17);
   EXPECT_EQ(deck.model.mesh.regions.at("pshell1.2").size(), 2u);  // the mean of .01 .02 .03 is the same
   EXPECT_TRUE(test::has_note(deck, "thicknesses at their corners"));
   EXPECT_TRUE(validate(deck.model).empty());
@@ -93,7 +97,7 @@ TEST(NastranShells, OfSecondOrderBecomeLinear) {
       "\nGRID,8,,0.,1.\n"
       "GRID,9,,3.,1.\nGRID,10,,2.5,.5\nGRID,11,,2.5,1.5\nCQUAD8,1,1,1,2,3,4,5,6\n,7,8\nCTRIA6,2,1,2,9,3,10,11,6\n");
   EXPECT_EQ(deck.model.mesh.cells.size() >= 8u, true);
-  EXPECT_NEAR(test::masses(deck.model).mass, 270.0 * 5.0, 1e-6);
+  EXPECT_NEAR(test::masses(deck.model).mass, 270.0 * 5.0, 1e-11);  // rounding
   EXPECT_TRUE(test::has_note(deck, "replaced by four linear ones"));
 }
 
@@ -106,12 +110,13 @@ void expect_cube(const std::string& cells, double volume) {
   const auto deck = test::nastran(text + cells);
   EXPECT_TRUE(validate(deck.model).empty()) << cells;
   const auto mass = test::masses(deck.model);
-  EXPECT_NEAR(mass.mass, 2700.0 * volume, 1e-6) << cells;
+  EXPECT_NEAR(mass.mass, 2700.0 * volume, 5e-11) << cells;  // rounding
   const auto found = frequencies(deck.model, 7);
   EXPECT_EQ(found[5], 0.0) << cells;
   // A cube of metal of 1 m: between soft patterns of a lone element with few points and the stiffness of a coarse one.
-  EXPECT_GT(found[6], 50.0) << cells;
-  EXPECT_LT(found[6], 10000.0) << cells;
+  // Found 118 to 1420 Hz, by kind.
+  EXPECT_GT(found[6], 100.0) << cells;
+  EXPECT_LT(found[6], 2000.0) << cells;
 }
 
 TEST(NastranSolids, AreReadInAllShapes) {
@@ -141,7 +146,7 @@ TEST(NastranSolids, MayBeAnisotropic) {
       "CHEXA,1,1,1,2,3,4,5,6\n,7,8\nCORD2R,3,0,0.,0.,0.,1.,1.,1.\n,1.,0.,0.\n";
   const auto isotropic = frequencies(test::nastran(aluminium + nodes + "PSOLID,1,1\n").model, 12);
   const auto turned = frequencies(test::nastran(mat9 + nodes + "PSOLID,1,2,3\n").model, 12);
-  EXPECT_NEAR((isotropic - turned).norm(), 0.0, 1e-6 * isotropic.norm());
+  EXPECT_NEAR((isotropic - turned).norm(), 0.0, 1e-14 * isotropic.norm());  // rounding
 }
 
 /// Turns about the normal of a plate are held by PARAM K6ROT alone: a shaft that stands on it turns almost freely.
@@ -157,7 +162,7 @@ TEST(NastranShells, HardlyHoldTurnsAboutTheirNormal) {
   // G t A / 4 of the two plates at the node, in series with the shaft and the plates' own yielding.
   const double g = 7e10 / 2.6, plates = 1e-6 * g * 0.01 * 2.0 * 0.02 / 4.0;
   const double soft = turn("100."), hard = turn("1.E4");
-  EXPECT_NEAR(soft - hard, 1.0 / (100.0 * plates) - 1.0 / (1e4 * plates), 1e-6 * soft);
+  EXPECT_NEAR(soft - hard, 1.0 / (100.0 * plates) - 1.0 / (1e4 * plates), 1e-13 * soft);  // rounding
 }
 
 TEST(NastranShells, AreToldWhatTheyLack) {

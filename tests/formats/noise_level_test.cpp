@@ -28,8 +28,8 @@ MatrixXd noisy(const std::vector<double>& deviations, Index change = samples, do
 }
 
 // The median of 20,000 squares of third differences, which depend on each other over three samples, tells a standard
-// deviation to about 1.5 %: three times that.
-constexpr double scatter = 0.045;
+// deviation to 1.0 %, the mean of the logarithms of 8,000 to 1.6 %: three times that.
+constexpr double scatter = 0.03, scatter_of_parts = 0.045;
 
 TEST(NoiseLevel, IsTheStandardDeviationOfWhiteNoise) {
   const auto level = noise_level(noisy({1e-3, 0.2, 7.0}));
@@ -54,14 +54,14 @@ TEST(NoiseLevel, IsZeroWithoutFourSamplesInARow) {
   EXPECT_EQ(noise_level(MatrixXd::Constant(100, 1, 3.0))[0], 0.0);
 }
 
-/// The place to a few samples; the mean of the logarithms tells a level to about 1.5 % where 8,000 samples are left.
+/// The place to a few samples.
 TEST(NoiseChange, HasItsPlaceAndBothLevels) {
   const auto change = strongest_noise_change(noisy({1e-3, 0.2}, 8000, 6.0), 30);
-  EXPECT_NEAR(double(change.sample), 8000.0, 10.0);
-  EXPECT_NEAR(change.before[0] / 1e-3, 1.0, scatter);
-  EXPECT_NEAR(change.after[0] / 6e-3, 1.0, scatter);
-  EXPECT_NEAR(change.before[1] / 0.2, 1.0, scatter);
-  EXPECT_NEAR(change.after[1] / 1.2, 1.0, scatter);
+  EXPECT_NEAR(double(change.sample), 8000.0, 5.0);
+  EXPECT_NEAR(change.before[0] / 1e-3, 1.0, scatter_of_parts);
+  EXPECT_NEAR(change.after[0] / 6e-3, 1.0, scatter_of_parts);
+  EXPECT_NEAR(change.before[1] / 0.2, 1.0, scatter_of_parts);
+  EXPECT_NEAR(change.after[1] / 1.2, 1.0, scatter_of_parts);
 }
 
 }  // namespace

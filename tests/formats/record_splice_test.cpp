@@ -47,7 +47,7 @@ TEST(FindSplice, FindsPlaceAndNumberOfMissingSamples) {
     // The largest second difference stands on one of the two samples between which the time jumps.
     EXPECT_NEAR(static_cast<double>(splice->sample), 400.0, 1.0);
     EXPECT_EQ(splice->inserted, static_cast<Index>(missing));
-    EXPECT_NEAR(splice->missing, missing, 0.3);
+    EXPECT_NEAR(splice->missing, missing, 0.11);  // a step of the search is .1 samples
     EXPECT_DOUBLE_EQ(splice->time, 2.0 + static_cast<double>(splice->sample) / 500.0);
   }
 }
@@ -55,7 +55,8 @@ TEST(FindSplice, FindsPlaceAndNumberOfMissingSamples) {
 TEST(FindSplice, ReportsTheNoiseOfBothParts) {
   const auto splice = find_splice(record_with(400, 4.0));
   ASSERT_TRUE(splice);
-  for (const auto& channel : splice->evidence) EXPECT_NEAR(channel.noise_after, 1e-5, 2e-6) << channel.channel;
+  // 1100 samples tell it to some per cent: found 4 %
+  for (const auto& channel : splice->evidence) EXPECT_NEAR(channel.noise_after, 1e-5, 1e-6) << channel.channel;
   EXPECT_NE(describe(*splice).find("4 missing samples inserted"), std::string::npos) << describe(*splice);
   EXPECT_NE(describe(*splice).find("wheel"), std::string::npos);
 }

@@ -17,6 +17,8 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
+constexpr double rounding = 1e-14;  ///< of numbers of about one; found up to 1e-15
+
 /// Three nodes on springs of 100 N/m along each axis, and node 9 between them.
 const std::string springs = [] {
   std::string text =
@@ -65,8 +67,8 @@ TEST(DistributingCouplings, ShareByUnequalWeights) {
     return "*ELEMENT, TYPE=DCOUP3D, ELSET=d\n90, 9\n*DISTRIBUTING COUPLING, ELSET=d\n" + weights;
   };
   const Eigen::Vector4d even = Eigen::Vector4d::Ones(), uneven(1, 2, 3, 5);
-  EXPECT_LT((loads(coupling("one, 1.\ntwo, 1.\nthree, 1.\nfour, 1.\n")) - expected(even)).norm(), 1e-9);
-  EXPECT_LT((loads(coupling("one, 1.\ntwo, 2.\nthree, 3.\nfour, 5.\n")) - expected(uneven)).norm(), 1e-9);
+  EXPECT_LT((loads(coupling("one, 1.\ntwo, 1.\nthree, 1.\nfour, 1.\n")) - expected(even)).norm(), rounding);
+  EXPECT_LT((loads(coupling("one, 1.\ntwo, 2.\nthree, 3.\nfour, 5.\n")) - expected(uneven)).norm(), rounding);
   EXPECT_GT((expected(even) - expected(uneven)).norm(), 0.05);
   // The same by a surface of nodes, with and without a radius that leaves the last one out.
   const auto surface = [](const std::string& more) {
@@ -75,15 +77,15 @@ TEST(DistributingCouplings, ShareByUnequalWeights) {
            "SURFACE=s" +
            more + "\n*DISTRIBUTING\n";
   };
-  EXPECT_LT((loads(surface("")) - expected(uneven)).norm(), 1e-9);
-  EXPECT_LT((loads(surface(", INFLUENCE RADIUS=2.8")).head(3) - loads_by_weights({1, 2, 3})).norm(), 1e-9);
-  EXPECT_LT(std::abs(loads(surface(", INFLUENCE RADIUS=2.8"))[3]), 1e-12);
+  EXPECT_LT((loads(surface("")) - expected(uneven)).norm(), rounding);
+  EXPECT_LT((loads(surface(", INFLUENCE RADIUS=2.8")).head(3) - loads_by_weights({1, 2, 3})).norm(), rounding);
+  EXPECT_LT(std::abs(loads(surface(", INFLUENCE RADIUS=2.8"))[3]), rounding);
   const std::string far =
       "*NODE\n5, 9, 9, 0\n*NSET, NSET=five\n5\n*ELEMENT, TYPE=SPRING1, ELSET=k5\n55, 5\n*SPRING, ELSET=k5\n3\n100.\n"
       "*SURFACE, NAME=t, TYPE=NODE\none, 1.\ntwo, 2.\nfive, 7.\nthree, 3.\nfour, 5.\n*COUPLING, CONSTRAINT NAME=c, REF "
       "NODE=9, SURFACE=t, INFLUENCE RADIUS=4.\n*DISTRIBUTING\n";
-  EXPECT_LT((loads(far) - expected(uneven)).norm(), 1e-9);
-  EXPECT_LT((100.0 * shared(coupling("one, 1.\ntwo, 2.\nthree, 3.\n")) - loads_by_weights({1, 2, 3})).norm(), 1e-9);
+  EXPECT_LT((loads(far) - expected(uneven)).norm(), rounding);
+  EXPECT_LT((100.0 * shared(coupling("one, 1.\ntwo, 2.\nthree, 3.\n")) - loads_by_weights({1, 2, 3})).norm(), rounding);
 }
 
 /// RBE3 of Nastran: the same by cards.
@@ -102,7 +104,7 @@ TEST(DistributingCouplings, ShareByUnequalWeightsOfCards) {
   const Eigen::Vector4d w(1, 2, 3, 5);
   const Vector3d follower(1, 0.5, 0.5);
   const VectorXd expected = w.asDiagonal() * (at * Matrix3d(at.transpose() * w.asDiagonal() * at).inverse() * follower);
-  for (int i = 0; i < 4; ++i) EXPECT_NEAR(100.0 * moved[6 * (i + 1) + 2], expected[i], 1e-9) << i;
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(100.0 * moved[6 * (i + 1) + 2], expected[i], rounding) << i;
 }
 
 /// Inertia about the node of a body with its centre at an arm, by the parallel-axis theorem.
@@ -126,13 +128,13 @@ TEST(PlacedBodies, InertiaOfATurnedInstanceTurns) {
     for (const auto& mass : model.masses) sum += mass.inertia;
     return sum;
   };
-  EXPECT_LT((inertia_of(bodies("")) - own).norm(), 1e-12);
+  EXPECT_LT((inertia_of(bodies("")) - own).norm(), rounding);
   const Matrix3d turn = Eigen::AngleAxisd(EIGEN_PI / 6, Vector3d::UnitZ()).toRotationMatrix();
   const auto turned = bodies("1., 0., 0.\n1., 0., 0., 1., 0., 1., 30.\n");
-  EXPECT_LT((inertia_of(turned) - turn * own * turn.transpose()).norm(), 1e-9);
+  EXPECT_LT((inertia_of(turned) - turn * own * turn.transpose()).norm(), rounding);
   // The node is moved first and turned then, about the axis through (1, 0, 0).
   const Vector3d expected = Vector3d(1, 0, 0) + turn * (Vector3d(2, 2, 0) - Vector3d(1, 0, 0));
-  EXPECT_LT((Vector3d(turned.mesh.nodes.col(0)) - expected).norm(), 1e-9);
+  EXPECT_LT((Vector3d(turned.mesh.nodes.col(0)) - expected).norm(), rounding);
 }
 
 /// CONM2 with an offset in a turned system, and as absolute coordinates.
@@ -142,16 +144,16 @@ TEST(PlacedBodies, OffsetsOfMassesAreArms) {
   const Matrix3d own{{2.0, -0.1, -0.2}, {-0.1, 3.0, -0.3}, {-0.2, -0.3, 4.0}};
   const auto body = [&](const std::string& card) { return test::nastran(system + card).model.masses.at(0); };
   const auto plain = body("CONM2,1,1,0,6.,.1,.2,.3\n,2.,.1,3.,.2,.3,4.\n");
-  EXPECT_LT((plain.offset - Vector3d(0.1, 0.2, 0.3)).norm(), 1e-12);
-  EXPECT_LT((plain.inertia - own).norm(), 1e-12);
+  EXPECT_LT((plain.offset - Vector3d(0.1, 0.2, 0.3)).norm(), rounding);
+  EXPECT_LT((plain.inertia - own).norm(), rounding);
   const auto turned = body("CONM2,1,1,7,6.,.1,.2,.3\n,2.,.1,3.,.2,.3,4.\n");
-  EXPECT_LT((turned.offset - axes * Vector3d(0.1, 0.2, 0.3)).norm(), 1e-12);
-  EXPECT_LT((turned.inertia - axes * own * axes.transpose()).norm(), 1e-12);
+  EXPECT_LT((turned.offset - axes * Vector3d(0.1, 0.2, 0.3)).norm(), rounding);
+  EXPECT_LT((turned.inertia - axes * own * axes.transpose()).norm(), rounding);
   const auto absolute = body("CONM2,1,1,-1,6.,1.1,2.2,3.3\n");
-  EXPECT_LT((absolute.offset - Vector3d(0.1, 0.2, 0.3)).norm(), 1e-12);
+  EXPECT_LT((absolute.offset - Vector3d(0.1, 0.2, 0.3)).norm(), rounding);
   const auto weighed = body("PARAM,WTMASS,.5\nCONM2,1,1,0,6.,.1,.2,.3\n,2.,.1,3.,.2,.3,4.\n");
-  EXPECT_NEAR(weighed.mass, 3.0, 1e-12);
-  EXPECT_LT((weighed.inertia - 0.5 * own).norm(), 1e-12);
+  EXPECT_NEAR(weighed.mass, 3.0, rounding);
+  EXPECT_LT((weighed.inertia - 0.5 * own).norm(), rounding);
 }
 
 /// T = (v + omega x arm)^2 m / 2 + omega^T I omega / 2 for any motion of the node.
@@ -165,9 +167,9 @@ TEST(PlacedBodies, MatrixHasTheKineticEnergyOfTheBody) {
       const Vector3d v = motion.head<3>(), omega = motion.tail<3>();
       const double energy =
           0.5 * body.mass * (v + omega.cross(body.offset)).squaredNorm() + 0.5 * omega.dot(body.inertia * omega);
-      EXPECT_NEAR(0.5 * motion.dot(matrix * motion), energy, 1e-12) << i << " " << j;
+      EXPECT_NEAR(0.5 * motion.dot(matrix * motion), energy, rounding) << i << " " << j;
     }
-  EXPECT_LT((matrix.bottomRightCorner<3, 3>() - about_node(3.0, body.offset, body.inertia)).norm(), 1e-12);
+  EXPECT_LT((matrix.bottomRightCorner<3, 3>() - about_node(3.0, body.offset, body.inertia)).norm(), rounding);
 }
 
 /// Bars: E A / L along, nothing across.
@@ -178,9 +180,9 @@ TEST(Bars, CarryAlongTheirAxisAlone) {
   const auto truss = assemble(bar.model);
   const MatrixXd k(evaluate(truss.stiffness, truss.parameters));
   const Index x = truss.find({1, 0}), y = truss.find({1, 1});
-  EXPECT_NEAR(k(x, x), expected * 0.36, 1e-6 * expected);
-  EXPECT_NEAR(k(y, y), expected * 0.64, 1e-6 * expected);
-  EXPECT_NEAR(k(x, y), expected * 0.48, 1e-6 * expected);
+  EXPECT_NEAR(k(x, x), expected * 0.36, rounding * expected);
+  EXPECT_NEAR(k(y, y), expected * 0.64, rounding * expected);
+  EXPECT_NEAR(k(x, y), expected * 0.48, rounding * expected);
   const auto rod =
       test::nastran("MAT1,1,2.1E11,,.3,7850.\nPROD,1,1,3.E-4\nGRID,1,,,,,,123456\nGRID,2,,1.5,2.,0.\nCROD,1,1,1,2\n");
   const auto assembled = assemble(rod.model);
@@ -189,8 +191,8 @@ TEST(Bars, CarryAlongTheirAxisAlone) {
   const Index along = assembled.find({1, 1});
   ASSERT_GE(along, 0);
   EXPECT_EQ(assembled.find({1, 0}), -1);
-  EXPECT_NEAR(stiffness(along, along), expected / 0.64, 1e-6 * expected);
-  EXPECT_NEAR(test::masses(rod.model).mass, 7850 * 3e-4 * 2.5, 1e-9);
+  EXPECT_NEAR(stiffness(along, along), expected / 0.64, rounding * expected);
+  EXPECT_NEAR(test::masses(rod.model).mass, 7850 * 3e-4 * 2.5, rounding);
 }
 
 }  // namespace

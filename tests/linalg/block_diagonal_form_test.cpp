@@ -31,15 +31,15 @@ MatrixXd full_damping(std::uint64_t seed, Index n, double size) {
   return size * (random * random.transpose());
 }
 
-/// T B = A T to rounding, B zero outside its blocks, T^-1 its inverse. Tolerance: 1e-10 of each row's own size, far
-/// below what a filter notices, far above 1e-16 times the magnification 1e4 that the splitting allows.
+/// T B = A T to rounding, B zero outside its blocks, T^-1 its inverse. Rounding is magnified by the splitting, by up to
+/// 1e4: found 2.6e-12 of each row's own size, and 2.8e-10 in the inverse.
 void expect_form(const MatrixXd& A, const BlockDiagonalForm& form) {
   const MatrixXd left = A * form.basis, right = form.basis * form.blocks;
   for (Index i = 0; i < A.rows(); ++i) {
     const double scale = (A.row(i).cwiseAbs() * form.basis.cwiseAbs()).norm() + form.basis.row(i).norm();
-    EXPECT_LT((left.row(i) - right.row(i)).norm(), 1e-10 * scale) << "row " << i;
+    EXPECT_LT((left.row(i) - right.row(i)).norm(), 2e-11 * scale) << "row " << i;
   }
-  EXPECT_LT((form.basis * form.inverse - MatrixXd::Identity(A.rows(), A.rows())).cwiseAbs().maxCoeff(), 1e-8);
+  EXPECT_LT((form.basis * form.inverse - MatrixXd::Identity(A.rows(), A.rows())).cwiseAbs().maxCoeff(), 2e-9);
   for (std::size_t b = 0; b + 1 < form.starts.size(); ++b) {
     const Index begin = form.starts[b], size = form.starts[b + 1] - begin;
     EXPECT_TRUE(form.blocks.block(begin, 0, size, begin).isZero(0.0));
@@ -100,7 +100,7 @@ TEST(BlockDiagonalForm, EqualPartsBehindAStiffOne) {
   const auto form = block_diagonal_form(A);
   expect_form(A, form);
   EXPECT_LE(form.largest_block(), 2);
-  EXPECT_LT(form.basis.cwiseAbs().maxCoeff(), 1e8);
+  EXPECT_LT(form.basis.cwiseAbs().maxCoeff(), 2e4);  // found 1.8e3, of the size of coupling over frequency
 }
 
 TEST(BlockDiagonalForm, RigidBodyModesAndIntegratedInputsStayPairs) {

@@ -22,7 +22,7 @@ TEST(UnitColumns, TakeTimeInProportionToTheRows) {
   const Stopwatch watch;
   const Eigen::MatrixXd found = unit_columns(columns);
   EXPECT_LT(watch.seconds(), 3.0);
-  EXPECT_NEAR(found.squaredNorm(), 6.0, 1e-9);
+  EXPECT_NEAR(found.squaredNorm(), 6.0, 2.5e-10);  // rounding of a sum of 3.6e6 squares
 }
 
 }  // namespace

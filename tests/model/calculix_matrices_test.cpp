@@ -26,7 +26,7 @@ void expect_equal(const Eigen::VectorXd& ours, const std::vector<double>& theirs
   ASSERT_GE(theirs.size(), static_cast<std::size_t>(ours.size()));
   for (Index i = 0; i < ours.size(); ++i) {
     const double reference = theirs[static_cast<std::size_t>(i)];
-    EXPECT_NEAR(ours[i], reference, 1e-6 * reference) << i + 1;
+    EXPECT_NEAR(ours[i], reference, 1e-6 * reference) << i + 1;  // seven digits are printed
   }
 }
 

@@ -25,10 +25,10 @@ TEST(CalculiX, VehicleFrameHasTheSameFirstTenElasticFrequencies) {
   ASSERT_EQ(theirs.size(), 18u);
   const auto modes = lowest_modes(evaluate(assembled.stiffness, assembled.parameters),
                                   evaluate(assembled.mass, assembled.parameters), {.count = 16});
-  // Six modes on the springs, then ten of the frame: two shell formulations on one mesh.
+  // Six modes on the springs, found within 1.5e-5, then ten of the frame: two shell formulations on one mesh, .54 %.
   for (Index i = 0; i < 16; ++i) {
     const double ours = std::sqrt(modes.values[i]) / (2.0 * std::numbers::pi);
-    EXPECT_NEAR(ours, theirs[static_cast<std::size_t>(i)], 0.02 * ours) << i + 1;
+    EXPECT_NEAR(ours, theirs[static_cast<std::size_t>(i)], (i < 6 ? 4e-5 : 0.012) * ours) << i + 1;
   }
   EXPECT_GT(std::sqrt(modes.values[6]) / (2.0 * std::numbers::pi), 40.0);
 }

@@ -125,8 +125,10 @@ TEST_F(Garteur, FrequenciesAreThoseOfTheAuthors) {
   ASSERT_EQ(published.size(), 14U);
   for (Eigen::Index i = 0; i < 14; ++i) {
     const Eigen::Index mode = i + 6;  // after those of the bungee
-    EXPECT_NEAR(ours.frequencies[mode] / theirs.frequencies[mode], 1.0, 1e-6) << i + 1;
-    EXPECT_NEAR(ours.frequencies[mode] / std::stod(published[static_cast<std::size_t>(i)][1]), 1.0, 1e-3) << i + 1;
+    // found 5e-8: the rounded side of section 10
+    EXPECT_NEAR(ours.frequencies[mode] / theirs.frequencies[mode], 1.0, 2e-7) << i + 1;
+    // four decimals are published
+    EXPECT_NEAR(ours.frequencies[mode], std::stod(published[static_cast<std::size_t>(i)][1]), 6e-5) << i + 1;
   }
 }
 
@@ -144,10 +146,9 @@ TEST_F(Garteur, ShearAndRotaryInertiaAreASmallCorrection) {
         .frequencies;
   };
   const auto slender = frequencies(garteur_model()), soft = frequencies(refined);
-  for (Eigen::Index mode = 6; mode < 20; ++mode) {
-    EXPECT_LT(soft[mode], slender[mode] * (1.0 + 1e-9)) << mode;
-    EXPECT_GT(soft[mode], 0.9 * slender[mode]) << mode;
-  }
+  const Eigen::ArrayXd ratios = soft.segment(6, 14).array() / slender.segment(6, 14).array();
+  EXPECT_LT(ratios.maxCoeff(), 1.0) << ratios.transpose();
+  EXPECT_NEAR(ratios.minCoeff(), 0.907, 0.002) << ratios.transpose();  // found .9065
 }
 
 }  // namespace

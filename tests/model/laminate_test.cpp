@@ -88,12 +88,12 @@ TEST_P(LaminateLaws, IsotropicLaminateIsTheIsotropicShell) {
     for (const auto kind : {MassKind::consistent, MassKind::lumped}) {
       const ShellProperty plain{.material = "", .thickness = t, .offset = offset, .nonstructural_mass = 11.0};
       auto general = laminated(layers, offset - 0.5 * t);
-      EXPECT_NEAR(general.offset, offset, 1e-16);
+      EXPECT_NEAR(general.offset, offset, 1e-16);  // rounding, as of the matrices below
       general.mass += 11.0;
       const auto one = isotropic(corners(), nu, plain, kind);
       const auto other = laminate(corners(), general, direction(), kind);
-      EXPECT_LT(scaled_difference(other.stiffness[0].matrix, sum(one.stiffness, e, rho, t)), 1e-12);
-      EXPECT_LT(scaled_difference(other.mass[0].matrix, sum(one.mass, e, rho, t)), 1e-12);
+      EXPECT_LT(scaled_difference(other.stiffness[0].matrix, sum(one.stiffness, e, rho, t)), 7e-14);
+      EXPECT_LT(scaled_difference(other.mass[0].matrix, sum(one.mass, e, rho, t)), 7e-15);
     }
 }
 
@@ -109,7 +109,7 @@ TEST_P(LaminateLaws, SixMotionsAndNoMoreAreFree) {
     const Eigen::VectorXd scale = k.diagonal().cwiseSqrt().cwiseInverse();
     const Eigen::VectorXd values =
         Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scale.asDiagonal() * k * scale.asDiagonal()).eigenvalues();
-    EXPECT_LT(values.head(6).cwiseAbs().maxCoeff(), 1e-12) << values.transpose();
+    EXPECT_LT(values.head(6).cwiseAbs().maxCoeff(), 1.5e-14) << values.transpose();  // rounding
     EXPECT_GT(values[6], 1e-9) << values.transpose();
     const Eigen::MatrixXd& m = matrices.mass[0].matrix;
     EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(m).eigenvalues()[0], 0.0);
@@ -122,8 +122,9 @@ TEST_P(LaminateLaws, MatricesTurnWithTheElementAndItsDirection) {
   const auto element = laminate(corners(), property, direction(), MassKind::consistent);
   const auto other = laminate((some_turn() * corners()).colwise() + Eigen::Vector3d(1, 2, 3), property,
                               some_turn() * direction(), MassKind::consistent);
-  EXPECT_LT(scaled_difference(other.stiffness[0].matrix, turned(element.stiffness[0].matrix, some_turn())), 1e-11);
-  EXPECT_LT(scaled_difference(other.mass[0].matrix, turned(element.mass[0].matrix, some_turn())), 1e-12);
+  // rounding
+  EXPECT_LT(scaled_difference(other.stiffness[0].matrix, turned(element.stiffness[0].matrix, some_turn())), 4e-14);
+  EXPECT_LT(scaled_difference(other.mass[0].matrix, turned(element.mass[0].matrix, some_turn())), 1e-14);
 }
 
 TEST_P(LaminateLaws, FirstCornerIsOfNoAccountWhereADirectionIsGiven) {
@@ -137,11 +138,11 @@ TEST_P(LaminateLaws, FirstCornerIsOfNoAccountWhereADirectionIsGiven) {
   const auto property = any_laminate(0.06);
   const auto one = laminate(corners(), property, direction(), MassKind::consistent);
   const auto other = laminate(shifted, property, direction(), MassKind::consistent);
-  EXPECT_LT(scaled_difference(other.stiffness[0].matrix, one.stiffness[0].matrix(order, order)), 1e-11);
+  EXPECT_LT(scaled_difference(other.stiffness[0].matrix, one.stiffness[0].matrix(order, order)), 2e-14);  // rounding
   // Without one, the first side is the direction.
   const auto none = laminate(corners(), property, Eigen::Vector3d::Zero(), MassKind::consistent);
   const auto side = laminate(corners(), property, corners().col(1) - corners().col(0), MassKind::consistent);
-  EXPECT_LT(scaled_difference(none.stiffness[0].matrix, side.stiffness[0].matrix), 1e-12);
+  EXPECT_LT(scaled_difference(none.stiffness[0].matrix, side.stiffness[0].matrix), 1e-14);
 }
 
 TEST_P(LaminateLaws, AngleOfAPlyTurnsFromTheDirectionAboutTheNormal) {
@@ -157,9 +158,10 @@ TEST_P(LaminateLaws, AngleOfAPlyTurnsFromTheDirectionAboutTheNormal) {
   for (const auto& sheet : {graphite, mild}) {
     const auto by_angle = laminated({{sheet, 0.02, angle}}, -0.01), along = laminated({{sheet, 0.02, 0.0}}, -0.01);
     // The normal of the diagonals is that of the centre, also where the surface is warped.
+    // found 6.5e-14: rounding, magnified by the warp of the surface
     EXPECT_LT(scaled_difference(laminate(corners(), by_angle, plane, MassKind::consistent).stiffness[0].matrix,
                                 laminate(corners(), along, fibres, MassKind::consistent).stiffness[0].matrix),
-              1e-12);
+              7e-13);
   }
 }
 
@@ -178,8 +180,9 @@ TEST_P(LaminateLaws, OffsetIsARigidLinkToTheMiddleSurface) {
   Eigen::MatrixXd link = Eigen::MatrixXd::Identity(size, size);  // u_middle = u + theta x arm
   for (Eigen::Index i = 0; i < corners().cols(); ++i)
     for (int k = 0; k < 3; ++k) link.block<3, 1>(6 * i, 6 * i + 3 + k) = Eigen::Vector3d::Unit(k).cross(arm);
-  EXPECT_LT(scaled_difference(off.stiffness[0].matrix, link.transpose() * middle.stiffness[0].matrix * link), 1e-12);
-  EXPECT_LT(scaled_difference(off.mass[0].matrix, link.transpose() * middle.mass[0].matrix * link), 1e-12);
+  // rounding
+  EXPECT_LT(scaled_difference(off.stiffness[0].matrix, link.transpose() * middle.stiffness[0].matrix * link), 1.5e-14);
+  EXPECT_LT(scaled_difference(off.mass[0].matrix, link.transpose() * middle.mass[0].matrix * link), 1e-14);
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, LaminateLaws, testing::ValuesIn(shapes()),
@@ -224,10 +227,10 @@ TEST_P(LaminatePatch, ConstantStrainsAndCurvaturesTogetherComeOutExactly) {
     }
   const Eigen::VectorXd force = -stiffness(inner, outer) * exact(outer);
   const Eigen::VectorXd found = Eigen::MatrixXd(stiffness(inner, inner)).ldlt().solve(force);
-  EXPECT_LT((found - exact(inner)).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_LT((found - exact(inner)).cwiseAbs().maxCoeff(), 1e-13);  // rounding
   const auto& s = property.stiffness;
   const double energy = a * b * (e.dot(s.membrane * e) + 2.0 * e.dot(s.coupling * k) + k.dot(s.bending * k));
-  EXPECT_NEAR(exact.dot(stiffness * exact), energy, 1e-10 * energy);
+  EXPECT_NEAR(exact.dot(stiffness * exact), energy, 2e-14 * energy);
   EXPECT_GT(std::abs(2.0 * e.dot(s.coupling * k)), 1e-3 * energy) << "the coupling has a part in it";
 }
 
@@ -238,27 +241,31 @@ INSTANTIATE_TEST_SUITE_P(Cells, LaminatePatch, testing::Values(CellShape::quadri
 
 // Lamination --------------------------------------------------------------------------------------------------------
 
+/// Relative; found up to 7e-16.
+constexpr double rounding = 7e-15;
+
 TEST(Lamination, AntisymmetricLaminatesHaveTheStiffnessesOfTheory) {
   // [Jon99], regular antisymmetric: A = sum Q t, B = 1/2 sum Q (z_k^2 - z_k-1^2), D = 1/3 sum Q (z_k^3 - z_k-1^3).
   const double t = 0.02, free = 1.0 - 0.25 * 0.25 / 25.0;
   const double q11 = 25e9 / free, q22 = 1e9 / free, q12 = 0.25e9 / free, q66 = 0.5e9;
   const auto cross = laminated(stack({0, 90}, t), -0.5 * t).stiffness;
-  EXPECT_NEAR(cross.membrane(0, 0), 0.5 * t * (q11 + q22), 1e-4);
-  EXPECT_NEAR(cross.membrane(0, 1), t * q12, 1e-4);
-  EXPECT_NEAR(cross.coupling(0, 0), t * t / 8.0 * (q22 - q11), 1e-6);  // the stiff ply is below
-  EXPECT_NEAR(cross.coupling(1, 1), t * t / 8.0 * (q11 - q22), 1e-6);
-  EXPECT_NEAR(cross.coupling(0, 1), 0.0, 1e-6);
-  EXPECT_NEAR(cross.bending(0, 0), t * t * t / 24.0 * (q11 + q22), 1e-8);
-  EXPECT_NEAR(cross.bending(2, 2), t * t * t / 12.0 * q66, 1e-8);
+  // rounding of 1e8 N/m, of 1e5 N and of 1e2 N m
+  EXPECT_NEAR(cross.membrane(0, 0), 0.5 * t * (q11 + q22), 3e-7);
+  EXPECT_NEAR(cross.membrane(0, 1), t * q12, 3e-7);
+  EXPECT_NEAR(cross.coupling(0, 0), t * t / 8.0 * (q22 - q11), 3e-9);  // the stiff ply is below
+  EXPECT_NEAR(cross.coupling(1, 1), t * t / 8.0 * (q11 - q22), 3e-9);
+  EXPECT_NEAR(cross.coupling(0, 1), 0.0, 3e-9);
+  EXPECT_NEAR(cross.bending(0, 0), t * t * t / 24.0 * (q11 + q22), 2e-11);
+  EXPECT_NEAR(cross.bending(2, 2), t * t * t / 12.0 * q66, 2e-11);
 
   const double invariant = 0.25 * (q11 + q22 - 2.0 * q12 - 4.0 * q66);
   const auto angle = laminated(stack({45, -45}, t), -0.5 * t).stiffness;
-  EXPECT_NEAR(angle.membrane(0, 0), t * (0.25 * (q11 + q22 + 2.0 * q12) + q66), 1e-4);
-  EXPECT_NEAR(angle.membrane(2, 2), t * (invariant + q66), 1e-4);
-  EXPECT_NEAR(angle.membrane(0, 2), 0.0, 1e-4);
+  EXPECT_NEAR(angle.membrane(0, 0), t * (0.25 * (q11 + q22 + 2.0 * q12) + q66), 3e-7);
+  EXPECT_NEAR(angle.membrane(2, 2), t * (invariant + q66), 3e-7);
+  EXPECT_NEAR(angle.membrane(0, 2), 0.0, 3e-7);
   // Q_16 of a ply at +45 is (Q11 - Q22) / 4: stretching it along x shears it from x to y; that ply is below.
-  EXPECT_NEAR(angle.coupling(0, 2), -t * t / 4.0 * 0.25 * (q11 - q22), 1e-6);
-  EXPECT_NEAR(angle.coupling(0, 0), 0.0, 1e-6);
+  EXPECT_NEAR(angle.coupling(0, 2), -t * t / 4.0 * 0.25 * (q11 - q22), 3e-9);
+  EXPECT_NEAR(angle.coupling(0, 0), 0.0, 3e-9);
 }
 
 TEST(Lamination, IsotropicPliesMakeAPlate) {
@@ -269,13 +276,13 @@ TEST(Lamination, IsotropicPliesMakeAPlate) {
   for (const auto shear : {TransverseShear::equilibrium, TransverseShear::five_sixths}) {
     const auto section = laminated(plies, 0.003, shear);
     const double modulus = 7e10 / (1.0 - 0.33 * 0.33);
-    EXPECT_NEAR(section.stiffness.membrane(0, 0) / (modulus * t), 1.0, 1e-13);
-    EXPECT_NEAR(section.stiffness.bending(0, 1) / (0.33 * modulus * t * t * t / 12.0), 1.0, 1e-13);
-    EXPECT_LT(section.stiffness.coupling.norm(), 1e-12 * modulus * t * t);
-    EXPECT_NEAR(section.stiffness.shear(0, 0) / (5.0 / 6.0 * t * material.shear_modulus()), 1.0, 1e-12);
-    EXPECT_NEAR(section.stiffness.shear(1, 1) / (5.0 / 6.0 * t * material.shear_modulus()), 1.0, 1e-12);
-    EXPECT_NEAR(section.mass, 27.0, 1e-12);
-    EXPECT_NEAR(section.rotary_inertia, 2700.0 * t * t * t / 12.0, 1e-16);
+    EXPECT_NEAR(section.stiffness.membrane(0, 0) / (modulus * t), 1.0, rounding);
+    EXPECT_NEAR(section.stiffness.bending(0, 1) / (0.33 * modulus * t * t * t / 12.0), 1.0, rounding);
+    EXPECT_LT(section.stiffness.coupling.norm(), rounding * modulus * t * t);
+    EXPECT_NEAR(section.stiffness.shear(0, 0) / (5.0 / 6.0 * t * material.shear_modulus()), 1.0, rounding);
+    EXPECT_NEAR(section.stiffness.shear(1, 1) / (5.0 / 6.0 * t * material.shear_modulus()), 1.0, rounding);
+    EXPECT_NEAR(section.mass, 27.0, 5 * rounding);
+    EXPECT_NEAR(section.rotary_inertia, 2700.0 * t * t * t / 12.0, 3e-19);
     EXPECT_NEAR(section.offset, 0.003 + 0.5 * t, 1e-17);
   }
 }
@@ -293,10 +300,10 @@ TEST(Lamination, SandwichShearsInItsCore) {
                               .density = 50.0};
   const auto section = laminated({{sheet_of(face), f, 0.0}, {core, c, 0.0}, {sheet_of(face), f, 0.0}}, 0.0);
   const double expected = g * (c + f) * (c + f) / c;
-  EXPECT_NEAR(section.stiffness.shear(0, 0) / expected, 1.0, 2e-3);
-  EXPECT_NEAR(section.stiffness.shear(1, 1) / (0.5 * expected), 1.0, 2e-3);
-  EXPECT_NEAR(section.offset, f + 0.5 * c, 1e-15);
-  EXPECT_NEAR(section.mass, 50.0 * c + 2.0 * 2700.0 * f, 1e-12);
+  EXPECT_NEAR(section.stiffness.shear(0, 0) / expected, 1.0, 5e-4);  // (f/c)^2 = 2.8e-4, found 1.7e-4
+  EXPECT_NEAR(section.stiffness.shear(1, 1) / (0.5 * expected), 1.0, 5e-4);
+  EXPECT_NEAR(section.offset, f + 0.5 * c, 1e-17);
+  EXPECT_NEAR(section.mass, 50.0 * c + 2.0 * 2700.0 * f, 5 * rounding);
 }
 
 TEST(Lamination, ShearStiffnessHasTheEnergyOfTheStressesInEquilibrium) {
@@ -308,7 +315,7 @@ TEST(Lamination, ShearStiffnessHasTheEnergyOfTheStressesInEquilibrium) {
   Eigen::MatrixXd joined(6, 6);
   joined << s.membrane, s.coupling, s.coupling, s.bending;
   const Eigen::MatrixXd from_moments = joined.inverse().rightCols(3);
-  const int slices = 30000;  // the error is of their square: 1e-8
+  const int slices = 30000;  // the error is of their square: 1e-9 times the layers'
   Eigen::Matrix3d force = Eigen::Matrix3d::Zero();
   Eigen::Matrix2d energy = Eigen::Matrix2d::Zero();
   for (int i = 0; i < slices; ++i) {
@@ -322,8 +329,8 @@ TEST(Lamination, ShearStiffnessHasTheEnergyOfTheStressesInEquilibrium) {
     energy += t / slices * stresses.transpose() * moduli.inverse() * stresses;
     force += slice;
   }
-  EXPECT_LT(force.row(0).norm() + force(1, 1), 1e-9 / t) << "the upper side is free";
-  EXPECT_LT((s.shear - energy.inverse()).norm(), 1e-6 * s.shear.norm());
+  EXPECT_LT(force.row(0).norm() + force(1, 1), 1e-13 / t) << "the upper side is free";  // rounding of the sum
+  EXPECT_LT((s.shear - energy.inverse()).norm(), 3e-8 * s.shear.norm());                // found 8e-9
   const auto plain = laminated(stack(degrees, t), -0.5 * t, TransverseShear::five_sixths).stiffness.shear;
   EXPECT_GT((s.shear - plain).norm(), 0.01 * plain.norm());
 }
@@ -332,13 +339,13 @@ TEST(Lamination, HeightIsThatOfTheCentreOfMass) {
   const IsotropicMaterial light{7e10, 0.3, 1000.0}, heavy{2e11, 0.3, 8000.0};
   const auto section = laminated({{sheet_of(light), 0.02, 0.0}, {sheet_of(heavy), 0.01, 0.0}}, -0.02);
   const double centre = (1000.0 * 0.02 * -0.01 + 8000.0 * 0.01 * 0.005) / 100.0;
-  EXPECT_NEAR(section.offset, centre, 1e-15);
+  EXPECT_NEAR(section.offset, centre, 2e-17);  // rounding, as all of these
   const double about_nodes = (1000.0 * 8e-6 + 8000.0 * 1e-6) / 3.0;
-  EXPECT_NEAR(section.rotary_inertia, about_nodes - 100.0 * centre * centre, 1e-15);
+  EXPECT_NEAR(section.rotary_inertia, about_nodes - 100.0 * centre * centre, 1e-17);
   // The stiffness about the nodes does not depend on where it is counted from.
   const double modulus = 7e10 / 0.91, other = 2e11 / 0.91;
   const double coupling = 0.5 * (-modulus * 4e-4 + other * 1e-4);
-  EXPECT_NEAR(section.stiffness.coupling(0, 0) + centre * section.stiffness.membrane(0, 0), coupling, 1e-8 * modulus);
+  EXPECT_NEAR(section.stiffness.coupling(0, 0) + centre * section.stiffness.membrane(0, 0), coupling, 1e-18 * modulus);
 }
 
 TEST(Lamination, WhatIsNotPhysicalIsToldTogether) {
@@ -362,16 +369,18 @@ TEST(Lamination, SeparatePlateHasItsResistances) {
   const auto whole = laminated({{sheet, t, 0.0}}, -0.5 * t);
   SeparatePlate plate{.membrane = sheet, .bending = sheet, .shear = sheet, .thickness = t};
   auto section = plate_section(plate);
-  EXPECT_LT((section.stiffness.membrane - whole.stiffness.membrane).norm(), 1e-12 * whole.stiffness.membrane.norm());
-  EXPECT_LT((section.stiffness.bending - whole.stiffness.bending).norm(), 1e-12 * whole.stiffness.bending.norm());
-  EXPECT_LT((section.stiffness.shear - whole.stiffness.shear).norm(), 1e-12 * whole.stiffness.shear.norm());
-  EXPECT_NEAR(section.mass, whole.mass, 1e-12);
-  EXPECT_NEAR(section.rotary_inertia, whole.rotary_inertia, 1e-15);
+  EXPECT_LT((section.stiffness.membrane - whole.stiffness.membrane).norm(), rounding * whole.stiffness.membrane.norm());
+  EXPECT_LT((section.stiffness.bending - whole.stiffness.bending).norm(), rounding * whole.stiffness.bending.norm());
+  EXPECT_LT((section.stiffness.shear - whole.stiffness.shear).norm(), rounding * whole.stiffness.shear.norm());
+  EXPECT_NEAR(section.mass, whole.mass, 5 * rounding);
+  EXPECT_NEAR(section.rotary_inertia, whole.rotary_inertia, 3e-20);
   plate.bending_ratio = 4.0;
   plate.shear.reset();
   section = plate_section(plate);
-  EXPECT_LT((section.stiffness.bending - 4.0 * whole.stiffness.bending).norm(), 1e-12 * whole.stiffness.bending.norm());
-  EXPECT_GT(section.stiffness.shear(0, 0), 900.0 * whole.stiffness.shear(0, 0));
+  EXPECT_LT((section.stiffness.bending - 4.0 * whole.stiffness.bending).norm(),
+            rounding * whole.stiffness.bending.norm());
+  // without a material of its own it is stiff
+  EXPECT_NEAR(section.stiffness.shear(0, 0) / whole.stiffness.shear(0, 0), 1e3, 1e3 * rounding);
 }
 
 // Whole plates ------------------------------------------------------------------------------------------------------
@@ -411,7 +420,8 @@ TEST(LaminatedPlates, ClosedFormHasTheLimitOfTheThinPlate) {
   const auto plate = laminated(stack({0}, h), -0.5 * h);
   const auto& d = plate.stiffness.bending;
   const double thin = 0.5 * pi * std::sqrt((d(0, 0) + 2.0 * (d(0, 1) + 2.0 * d(2, 2)) + d(1, 1)) / plate.mass);
-  EXPECT_NEAR(navier_frequency(plate, Supports::cross_ply, 1.0, 1.0, 1, 1) / thin, 1.0, 1e-4);
+  // found 2.5e-5: E / G is large
+  EXPECT_NEAR(navier_frequency(plate, Supports::cross_ply, 1.0, 1.0, 1, 1) / thin, 1.0, 6e-5);
 }
 
 /// The four lowest of all waves, ascending.
@@ -452,9 +462,13 @@ TEST_P(LaminatedPlate, AntisymmetricFrequenciesConvergeToTheClosedForm) {
         return Eigen::ArrayXd(frequency_ratios(thickness, supports, {count, count, GetParam(), false}) - 1.0);
       };
       const auto coarse = error(12), fine = error(24);
-      EXPECT_LT(fine.abs().maxCoeff(), GetParam() == CellShape::triangle3 ? 0.025 : 0.015) << fine.transpose();
-      // Order h^2.
-      EXPECT_LT((fine.abs() / coarse.abs()).maxCoeff(), 0.35) << coarse.transpose() << "\n" << fine.transpose();
+      // found .021 and .0145
+      EXPECT_LT(fine.abs().maxCoeff(), GetParam() == CellShape::triangle3 ? 0.03 : 0.02) << fine.transpose();
+      // Order h^2: found .249 to .261.
+      EXPECT_LT((fine.abs() / coarse.abs()).maxCoeff(), 0.3) << coarse.transpose() << "\n" << fine.transpose();
+      // Small errors are differences of two, of which the closed form's own rotary inertia is one.
+      const Eigen::ArrayXd order = (coarse.abs() > 0.005).select(fine.abs() / coarse.abs(), 0.25);
+      EXPECT_GT(order.minCoeff(), 0.2) << coarse.transpose() << "\n" << fine.transpose();
     }
 }
 
@@ -486,10 +500,12 @@ TEST(LaminatedPlates, PlateAboveItsNodesIsCoupledByItsOffset) {
   about_nodes.stiffness.bending += e * e * about_nodes.stiffness.membrane;
   for (const auto shape : {CellShape::quadrilateral4, CellShape::triangle3})
     for (const RegionProperty& property : {RegionProperty(above), RegionProperty(about_nodes)}) {
+      // Rectangles bend exactly, to rounding times the condition, found 6e-11; triangles to h^2, found 9.6e-4.
+      const double tolerance = shape == CellShape::quadrilateral4 ? 6e-10 : 1.2e-3;
       const auto tip = pulled_strip(property, shape);
-      EXPECT_NEAR(tip[2] / rise, 1.0, 1e-3);
-      EXPECT_NEAR(tip[4] / (-2.0 * rise), 1.0, 1e-3);
-      EXPECT_NEAR(tip[0] / stretch, 1.0, 1e-3);
+      EXPECT_NEAR(tip[2] / rise, 1.0, tolerance);
+      EXPECT_NEAR(tip[4] / (-2.0 * rise), 1.0, tolerance);
+      EXPECT_NEAR(tip[0] / stretch, 1.0, tolerance);
     }
 }
 
@@ -504,11 +520,11 @@ TEST(LaminatedPlates, OffsetPlateHasItsMassAboveItsNodes) {
           ShellProperty{.material = "material", .thickness = t, .offset = e, .nonstructural_mass = 20.0};
       plate.model.mass_kind = kind;
       const auto found = mass_properties(assemble(plate.model));
-      EXPECT_NEAR(found.mass, 0.5 * (2700.0 * t + 20.0), 1e-12);
-      EXPECT_LT((found.centre - Eigen::Vector3d(0.5, 0.25, e)).norm(), kind == MassKind::consistent ? 1e-13 : 0.01);
-      EXPECT_NEAR(found.centre.z(), e, 1e-14);
+      EXPECT_NEAR(found.mass, 0.5 * (2700.0 * t + 20.0), 1.5e-13);  // rounding, as of all
+      EXPECT_LT((found.centre - Eigen::Vector3d(0.5, 0.25, e)).norm(), 2e-15);
+      EXPECT_NEAR(found.centre.z(), e, 1e-16);
       if (kind == MassKind::lumped) continue;  // at the nodes, not over the area
-      EXPECT_NEAR(found.inertia(0, 0), found.mass * 0.25 / 12.0 + 0.5 * 2700.0 * t * t * t / 12.0, 1e-12);
+      EXPECT_NEAR(found.inertia(0, 0), found.mass * 0.25 / 12.0 + 0.5 * 2700.0 * t * t * t / 12.0, 1.5e-14);
     }
 }
 

@@ -20,14 +20,17 @@ std::string problems_of(const LumpedSubstructure& substructure) {
   return all;
 }
 
+/// Relative; found up to 2e-16.
+constexpr double rounding = 3e-15;
+
 TEST(Lumped, FrequenciesOfTwoMassesHaveTheirClosedForm) {
   const double m = 2.0, k = 3e3, k_middle = 5e2;
   const auto model = assemble(pair_between_grounds(m, k, k_middle));
   const auto modes = normal_modes(model.mass, model.stiffness);
   // In phase the middle spring is idle, in opposition it counts twice. Eigensolver rounding only.
-  EXPECT_NEAR(2 * M_PI * modes.frequencies[0], std::sqrt(k / m), 1e-10 * std::sqrt(k / m));
-  EXPECT_NEAR(2 * M_PI * modes.frequencies[1], std::sqrt((k + 2 * k_middle) / m), 1e-10 * std::sqrt(k / m));
-  EXPECT_LT((modes.shapes.transpose() * (model.mass * modes.shapes) - Eigen::Matrix2d::Identity()).norm(), 1e-12);
+  EXPECT_NEAR(2 * M_PI * modes.frequencies[0], std::sqrt(k / m), rounding * std::sqrt(k / m));
+  EXPECT_NEAR(2 * M_PI * modes.frequencies[1], std::sqrt((k + 2 * k_middle) / m), rounding * std::sqrt(k / m));
+  EXPECT_LT((modes.shapes.transpose() * (model.mass * modes.shapes) - Eigen::Matrix2d::Identity()).norm(), rounding);
 }
 
 TEST(Lumped, FreeSubstructureHasAnExactlyZeroFrequency) {
@@ -35,7 +38,7 @@ TEST(Lumped, FreeSubstructureHasAnExactlyZeroFrequency) {
   const auto model = assemble(free);
   const auto modes = normal_modes(model.mass, model.stiffness);
   EXPECT_EQ(modes.frequencies[0], 0.0);
-  EXPECT_NEAR(2 * M_PI * modes.frequencies[1], std::sqrt(6.0 * (1.0 / 1.0 + 1.0 / 3.0)), 1e-12);
+  EXPECT_NEAR(2 * M_PI * modes.frequencies[1], std::sqrt(6.0 * (1.0 / 1.0 + 1.0 / 3.0)), 2 * rounding);
 }
 
 TEST(Lumped, ModalDampingRatiosComeBackFromTheDampingMatrix) {
@@ -46,15 +49,16 @@ TEST(Lumped, ModalDampingRatiosComeBackFromTheDampingMatrix) {
   const auto modes = normal_modes(model.mass, model.stiffness);
   const Eigen::MatrixXd modal = modes.shapes.transpose() * (model.damping * modes.shapes);
   for (int i = 0; i < 2; ++i)
-    EXPECT_NEAR(modal(i, i) / (4 * M_PI * modes.frequencies[i]), pair.modal_damping[std::size_t(i)], 1e-13);
-  EXPECT_NEAR(modal(0, 1), 0.0, 1e-10 * modal(1, 1));
+    EXPECT_NEAR(modal(i, i) / (4 * M_PI * modes.frequencies[i]), pair.modal_damping[std::size_t(i)], rounding * 0.05);
+  EXPECT_NEAR(modal(0, 1), 0.0, rounding * modal(1, 1));
 }
 
 TEST(Lumped, LastModalRatioHoldsForTheFurtherModes) {
   auto one = pair_between_grounds(1.0, 1e3, 1e3), two = one;
   one.modal_damping = {0.02};
   two.modal_damping = {0.02, 0.02};
-  EXPECT_LT((Eigen::MatrixXd(assemble(one).damping) - Eigen::MatrixXd(assemble(two).damping)).norm(), 1e-12);
+  // the same computation, of a rate of 10
+  EXPECT_LT((Eigen::MatrixXd(assemble(one).damping) - Eigen::MatrixXd(assemble(two).damping)).norm(), 10 * rounding);
 }
 
 TEST(Lumped, RayleighAndDashpotsAddUp) {
@@ -65,7 +69,7 @@ TEST(Lumped, RayleighAndDashpotsAddUp) {
   const Eigen::Matrix2d dashpot{{5.0, -5.0}, {-5.0, 5.0}};
   const Eigen::Matrix2d expected =
       0.7 * Eigen::MatrixXd(model.mass) + 1e-3 * Eigen::MatrixXd(model.stiffness) + dashpot;
-  EXPECT_LT((Eigen::MatrixXd(model.damping) - expected).norm(), 1e-12);
+  EXPECT_LT((Eigen::MatrixXd(model.damping) - expected).norm(), 10 * rounding);
 }
 
 TEST(Lumped, RigidMotionWithAllGroundsGivesNoForce) {
@@ -82,9 +86,9 @@ TEST(Lumped, RigidMotionWithAllGroundsGivesNoForce) {
   const Eigen::Vector3d ones = Eigen::Vector3d::Ones();
   const Eigen::VectorXd pull = model.grounds[0].stiffness + model.grounds[1].stiffness;
   const Eigen::VectorXd cross_damping = model.grounds[0].damping + model.grounds[1].damping;
-  EXPECT_LT((model.stiffness * ones - pull).norm(), 1e-10);  // rounding of 1e4
-  EXPECT_LT((model.damping * ones - cross_damping).norm(), 1e-10);
-  EXPECT_DOUBLE_EQ(model.grounds[0].stiffness[0], 1e4);  // a ground that rises pulls its mass up
+  EXPECT_LT((model.stiffness * ones - pull).norm(), 1e-11);         // rounding of 1e4
+  EXPECT_LT((model.damping * ones - cross_damping).norm(), 3e-14);  // of 10
+  EXPECT_DOUBLE_EQ(model.grounds[0].stiffness[0], 1e4);             // a ground that rises pulls its mass up
   EXPECT_DOUBLE_EQ(model.grounds[1].stiffness[2], 7e3);
 }
 
@@ -99,8 +103,8 @@ TEST(Lumped, QuasiStaticFollowingOfOneGroundMeetsNoMaterialDamping) {
   const auto& moving = model.grounds[1];
   ASSERT_EQ(moving.ground, "moving");
   const Eigen::VectorXd shape = stiffness.ldlt().solve(moving.stiffness);
-  EXPECT_NEAR(shape[0], 2.0 / 3.0, 1e-12);  // three equal springs in series
-  EXPECT_LT((model.damping * shape - moving.damping).norm(), 1e-11);
+  EXPECT_NEAR(shape[0], 2.0 / 3.0, rounding);                         // three equal springs in series
+  EXPECT_LT((model.damping * shape - moving.damping).norm(), 1e-14);  // rounding of 10
 }
 
 TEST(Lumped, SpringsMayEndAtCombinationsOfDegreesOfFreedom) {
@@ -111,9 +115,9 @@ TEST(Lumped, SpringsMayEndAtCombinationsOfDegreesOfFreedom) {
                          .points = {{"end", {{"z", 1.0}, {"p", 0.4}}}}};
   const auto model = assemble(bar);
   const Eigen::Matrix2d shape{{1.0, 0.4}, {0.4, 0.16}};
-  EXPECT_LT((Eigen::MatrixXd(model.stiffness) - 100.0 * shape).norm(), 1e-12);
-  EXPECT_LT((Eigen::MatrixXd(model.damping) - 7.0 * shape).norm(), 1e-12);
-  EXPECT_LT((model.grounds[0].stiffness - Eigen::Vector2d(100.0, 40.0)).norm(), 1e-12);
+  EXPECT_LT((Eigen::MatrixXd(model.stiffness) - 100.0 * shape).norm(), 1e-13);  // rounding of 100 and 7
+  EXPECT_LT((Eigen::MatrixXd(model.damping) - 7.0 * shape).norm(), 1e-14);
+  EXPECT_LT((model.grounds[0].stiffness - Eigen::Vector2d(100.0, 40.0)).norm(), 1e-13);
   EXPECT_EQ(model.points.at("end").at("p"), 0.4);
 }
 

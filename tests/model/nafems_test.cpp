@@ -23,7 +23,8 @@ using namespace test;
 using std::numbers::pi;
 
 /// Values over the published ones, mesh by mesh: the worst within `tolerance` on the finest, and there no worse than on
-/// the coarsest. Returns the worst relative error there.
+/// the coarsest. The tolerance is what the published value is good for; the figure made of the result holds the value
+/// itself to its digits. Returns the worst relative error there.
 template <typename Values>
 double expect_convergence(const std::vector<int>& meshes, const std::vector<double>& published, double tolerance,
                           const Values& values) {
@@ -126,7 +127,7 @@ TEST_P(NafemsPlates, FreeSquarePlate) {
     auto problem = square_plate(cut(count));
     problem.fix(problem.grid.all(), {0, 1, 5});
     const auto all = frequencies(problem.model, 10);
-    EXPECT_LT(all.head(3).maxCoeff(), 1e-3) << "rigid-body motions";
+    EXPECT_EQ(all.head(3).maxCoeff(), 0.0) << "rigid-body motions";
     return Eigen::VectorXd(all.tail(7));
   });
   expect_figure("nafems.fv12." + cells(GetParam()), worst);

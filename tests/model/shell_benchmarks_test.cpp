@@ -72,7 +72,8 @@ protected:
       if (const int count = convergence.counts[i]; count >= 8 && count <= 32)
         test::expect_figure("shells." + problem + "." + kind + std::to_string(count), convergence.ratios[i]);
   }
-  /// Finest mesh within `tolerance` of the published value, and the finer the nearer.
+  /// Finest mesh within `tolerance` of the published value, and the finer the nearer. With a figure, the tolerance is
+  /// what the published value is good for, and the figure holds the value itself to its digits.
   template <typename Problem>
   void expect_convergence(const std::vector<int>& counts, double tolerance, const Problem& problem,
                           const std::string& figure = "") {
@@ -133,8 +134,9 @@ double pinched_cylinder(const Cut& cut) {
 }
 
 TEST_P(ShellBenchmarks, PinchedCylinder) {
-  // The dimple is as wide as sqrt(R t) = 30, four to five cells of the finest mesh.
-  expect_convergence({8, 16, 32, 64}, 0.01, pinched_cylinder, "cylinder");
+  // The dimple is as wide as sqrt(R t) = 30, four to five cells of the finest mesh. Quadrilaterals pass the published
+  // value, of a shell without shear deformation, by .7 %; triangles come within .04 %.
+  expect_convergence({8, 16, 32, 64}, GetParam().quadrilateral() ? 0.01 : 0.001, pinched_cylinder, "cylinder");
 }
 
 /// Hemisphere with a hole of 18 degrees pulled and pushed at its rim, a quarter: 0.0940 [MH85], 0.0924 by series; the
@@ -173,8 +175,9 @@ double twisted_strip(const Cut& cut, double thickness, int direction, double for
 }
 
 TEST_P(ShellBenchmarks, TwistedStripThick) {
-  expect_convergence({2, 4, 8}, 0.01, [](const Cut& cut) { return twisted_strip(cut, 0.32, 2, 1.0, 5.424e-3); });
-  expect_convergence({2, 4, 8}, 0.01, [](const Cut& cut) { return twisted_strip(cut, 0.32, 1, 1.0, 1.754e-3); });
+  // found .0010 to .0049
+  expect_convergence({2, 4, 8}, 0.006, [](const Cut& cut) { return twisted_strip(cut, 0.32, 2, 1.0, 5.424e-3); });
+  expect_convergence({2, 4, 8}, 0.006, [](const Cut& cut) { return twisted_strip(cut, 0.32, 1, 1.0, 1.754e-3); });
 }
 
 TEST_P(ShellBenchmarks, TwistedStripThin) {
@@ -182,7 +185,7 @@ TEST_P(ShellBenchmarks, TwistedStripThin) {
   // facets bend against each other in their planes, which dies out with h^2.
   const bool even = GetParam().quadrilateral() && !GetParam().distorted;
   const std::vector<int> counts = even ? std::vector<int>{2, 4, 8} : std::vector<int>{4, 8, 16};
-  const double tolerance = even ? 0.01 : 0.025;
+  const double tolerance = even ? 0.004 : 0.025;  // found .0019 and .0149
   expect_convergence(counts, tolerance, [](const Cut& cut) { return twisted_strip(cut, 0.0032, 2, 1e-6, 5.256e-3); });
   expect_convergence(counts, tolerance, [](const Cut& cut) { return twisted_strip(cut, 0.0032, 1, 1e-6, 1.294e-3); });
 }
@@ -204,7 +207,7 @@ void expect_frequencies(const Eigen::VectorXd& found, const std::vector<double>&
 TEST_P(ShellBenchmarks, FreeSquarePlate) {
   // [NAFEMS] FV12; its values are of thin plates, and to four digits.
   const auto found = frequencies(plate({24, 24, GetParam().shape, GetParam().distorted}, 10.0, 10.0, 0.05).model, 11);
-  for (int i = 0; i < 6; ++i) EXPECT_LT(found[i], 1e-3) << "rigid-body mode " << i + 1;
+  for (int i = 0; i < 6; ++i) EXPECT_EQ(found[i], 0.0) << "rigid-body mode " << i + 1;
   expect_frequencies(found.tail<5>(), {1.622, 2.360, 2.922, 4.233, 4.233}, 0.01);
 }
 
@@ -242,7 +245,8 @@ TEST_P(ShellBenchmarks, SimplySupportedPlateHasItsClosedForm) {
     return Eigen::ArrayXd(relative - 1.0);
   };
   const auto coarse = errors(16), fine = errors(32);
-  EXPECT_LT(fine.abs().maxCoeff(), 0.015) << fine.transpose();  // eleven cells to a half wave of the fourth
+  EXPECT_LT(fine.abs().maxCoeff(), 0.015)
+      << fine.transpose();  // found .0125: eleven cells to a half wave of the fourth
   // Second order: a quarter, give or take the shear deformation that the closed form leaves out.
   EXPECT_LT((fine / coarse).maxCoeff(), 0.3) << (fine / coarse).transpose();
   EXPECT_GT((fine / coarse).minCoeff(), 0.2) << (fine / coarse).transpose();
@@ -255,7 +259,9 @@ TEST_P(ShellBenchmarks, PlateInItsPlaneVibratesLikeABeam) {
   problem.fix(problem.grid.all(), {2, 3, 4});
   problem.fix(problem.grid.side('u', 0), {0, 1, 5});
   const double slope = std::sqrt(200e9 * height * height / 12.0 / 8000.0) / (2.0 * pi * length * length);
-  expect_frequencies(frequencies(problem.model, 2), {1.8751 * 1.8751 * slope, 4.6941 * 4.6941 * slope}, 0.01);
+  // Found .15 % low, of which shear and rotary inertia are most; triangles 1 %.
+  expect_frequencies(frequencies(problem.model, 2), {1.8751 * 1.8751 * slope, 4.6941 * 4.6941 * slope},
+                     GetParam().quadrilateral() ? 0.003 : 0.0125);
 }
 
 TEST(ShellModes, DrillingRotationsAddNoModesInThePlane) {
@@ -267,7 +273,7 @@ TEST(ShellModes, DrillingRotationsAddNoModesInThePlane) {
     return frequencies(problem.model, 15);
   };
   const Eigen::ArrayXd ratios = modes(CellShape::quadrilateral4).array() / modes(CellShape::triangle3).array();
-  EXPECT_LT((ratios - 1.0).abs().maxCoeff(), 0.02) << ratios.transpose();
+  EXPECT_LT((ratios - 1.0).abs().maxCoeff(), 0.02) << ratios.transpose();  // found .017
 }
 
 INSTANTIATE_TEST_SUITE_P(Cells, ShellBenchmarks,

@@ -81,6 +81,10 @@ protected:
   Eigen::MatrixXd stiffness() const {
     return sum(shell(shape().corners, shape().thickness()).stiffness, shape().thickness());
   }
+  bool is_long() const { return std::string(shape().name).ends_with("_long"); }
+  /// Of a stiffness's entries against its diagonal ones. Found 6e-15, and 3e-12 of the quadrilateral that is a hundred
+  /// times as long as wide.
+  double rounding() const { return is_long() ? 1e-11 : 6e-14; }
 };
 
 TEST_P(ShellLaws, EveryTermIsSymmetric) {
@@ -96,7 +100,7 @@ TEST_P(ShellLaws, SixMotionsAndNoMoreAreFree) {
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scale.asDiagonal() * k * scale.asDiagonal()).eigenvalues();
   // Rounding of the coordinates away from the origin; the softest mode of the triangle, its turn about the normal
   // against the two other rotations, is meant to be soft (1e-8).
-  EXPECT_LT(std::abs(values[5]), 1e-12) << values.transpose();
+  EXPECT_LT(std::abs(values[5]), 3e-14) << values.transpose();
   EXPECT_GT(values[6], 1e-9) << values.transpose();
 }
 
@@ -111,7 +115,8 @@ TEST_P(ShellLaws, RigidMotionMeetsNoForce) {
         nodal(shape().corners, [&](const Eigen::Vector3d& x) { return both(e.cross(x - centre), e); });
     for (const auto& motion : {shift, turn}) {
       // Against the forces of the single displacements that make up the motion.
-      EXPECT_LT((scale.cwiseInverse().asDiagonal() * k * motion).norm(), 1e-12 * (scale.asDiagonal() * motion).norm())
+      EXPECT_LT((scale.cwiseInverse().asDiagonal() * k * motion).norm(),
+                (is_long() ? 1.2e-13 : 4e-14) * (scale.asDiagonal() * motion).norm())
           << "axis " << axis;
     }
   }
@@ -122,8 +127,9 @@ TEST_P(ShellLaws, MatricesTurnWithTheElement) {
   const auto other =
       shell((some_turn() * shape().corners).colwise() + Eigen::Vector3d(1, 2, 3) * shape().size(), shape().thickness());
   const double t = shape().thickness();
-  EXPECT_LT(scaled_difference(sum(other.stiffness, t), turned(sum(element.stiffness, t), some_turn())), 1e-11);
-  EXPECT_LT(scaled_difference(sum(other.mass, t), turned(sum(element.mass, t), some_turn())), 1e-12);
+  EXPECT_LT(scaled_difference(sum(other.stiffness, t), turned(sum(element.stiffness, t), some_turn())), rounding());
+  EXPECT_LT(scaled_difference(sum(other.mass, t), turned(sum(element.mass, t), some_turn())),
+            is_long() ? 2e-13 : 3e-14);
 }
 
 TEST_P(ShellLaws, FirstCornerIsOfNoAccount) {
@@ -137,8 +143,8 @@ TEST_P(ShellLaws, FirstCornerIsOfNoAccount) {
     for (int k = 0; k < 6; ++k) order[6 * i + k] = static_cast<int>(6 * ((i + 1) % n) + k);
   }
   const auto other = shell(shifted, t);
-  EXPECT_LT(scaled_difference(sum(other.stiffness, t), sum(element.stiffness, t)(order, order)), 1e-11);
-  EXPECT_LT(scaled_difference(sum(other.mass, t), sum(element.mass, t)(order, order)), 1e-12);
+  EXPECT_LT(scaled_difference(sum(other.stiffness, t), sum(element.stiffness, t)(order, order)), rounding());
+  EXPECT_LT(scaled_difference(sum(other.mass, t), sum(element.mass, t)(order, order)), 2e-14);  // rounding
 }
 
 TEST_P(ShellLaws, SideUpIsOfNoAccount) {
@@ -149,7 +155,7 @@ TEST_P(ShellLaws, SideUpIsOfNoAccount) {
   for (Eigen::Index i = 0; i < n; ++i)
     for (int k = 0; k < 6; ++k) order[6 * i + k] = static_cast<int>(6 * (n - 1 - i) + k);
   const auto other = shell(shape().corners.rowwise().reverse(), t);
-  EXPECT_LT(scaled_difference(sum(other.stiffness, t), stiffness()(order, order)), 1e-11);
+  EXPECT_LT(scaled_difference(sum(other.stiffness, t), stiffness()(order, order)), rounding());
 }
 
 TEST_P(ShellLaws, MassIsPositiveAndThatOfTheArea) {
@@ -170,7 +176,7 @@ TEST_P(ShellLaws, MassIsPositiveAndThatOfTheArea) {
           shape().corners, [&](const auto&) { return both(Eigen::Vector3d::Unit(axis), Eigen::Vector3d::Zero()); });
       const double total = shift.dot(mass * shift);
       if (shape().flat) {
-        EXPECT_NEAR(total, t * area, 1e-13 * t * area);
+        EXPECT_NEAR(total, t * area, 1e-14 * t * area);  // rounding
       } else {  // a warped surface is larger than its projection along the normal of its diagonals
         EXPECT_GT(total, t * area);
         EXPECT_LT(total, 1.5 * t * area);
@@ -182,13 +188,13 @@ TEST_P(ShellLaws, MassIsPositiveAndThatOfTheArea) {
 TEST_P(ShellLaws, TermsHoldForAnotherThickness) {
   const double t = shape().thickness(), other = 1.7 * t;
   const auto element = shell(shape().corners, t), thicker = shell(shape().corners, other);
-  EXPECT_LT(scaled_difference(sum(element.mass, other), sum(thicker.mass, other)), 1e-14);
+  EXPECT_LT(scaled_difference(sum(element.mass, other), sum(thicker.mass, other)), 2e-15);  // rounding
   if (shape().corners.cols() == 4)
-    EXPECT_LT(scaled_difference(sum(element.stiffness, other), sum(thicker.stiffness, other)), 1e-14);
+    EXPECT_LT(scaled_difference(sum(element.stiffness, other), sum(thicker.stiffness, other)), 2e-15);
   else  // the bending of the triangle depends on the thickness through its condensed node
     EXPECT_LT(scaled_difference(element.stiffness[0].matrix + Eigen::MatrixXd::Identity(18, 18),
                                 thicker.stiffness[0].matrix + Eigen::MatrixXd::Identity(18, 18)),
-              1e-14);
+              2e-15);
   for (const auto& term : element.stiffness) EXPECT_EQ(term.powers.youngs_modulus, 1);
   for (const auto& term : element.mass) EXPECT_EQ(term.powers.density, 1);
 }
@@ -208,7 +214,8 @@ TEST(Shell4, ConstantTransverseShearHasItsEnergy) {
       return both({0.0, 0.0, 0.4 * x.x() - 0.3 * x.y()}, Eigen::Vector3d::Zero());
     });
     const double expected = 0.25 * 5.0 / 6.0 * shape.thickness() * area / (2.0 * (1.0 + nu));
-    EXPECT_NEAR(motion.dot(sum(element.stiffness, shape.thickness()) * motion), expected, 1e-11 * expected) << shape;
+    // rounding
+    EXPECT_NEAR(motion.dot(sum(element.stiffness, shape.thickness()) * motion), expected, 5e-13 * expected) << shape;
   }
 }
 
@@ -220,7 +227,7 @@ TEST(Shell3, ConstantTransverseShearOfAThickTriangleHasItsEnergy) {
     return both({0.0, 0.0, 0.4 * x.x() - 0.3 * x.y()}, Eigen::Vector3d::Zero());
   });
   const double expected = 0.25 * 5.0 / 6.0 * t * area / (2.0 * (1.0 + nu));
-  EXPECT_NEAR(motion.dot(sum(shell(corners, t).stiffness, t) * motion), expected, 1e-8 * expected);
+  EXPECT_NEAR(motion.dot(sum(shell(corners, t).stiffness, t) * motion), expected, 7e-11 * expected);  // found 6e-12
 }
 
 /// Energy of a rectangle a x 1 bent in its plane, u = -x y, v = x^2 / 2 + nu y^2 / 2, theta_z = x, per E t, against
@@ -242,15 +249,19 @@ double bending_ratio(const std::vector<std::vector<int>>& cells, double a, doubl
 
 TEST(Shell4, OneLayerBendsInItsPlaneLikeABeam) {
   for (const double aspect : {0.5, 1.0, 10.0})
+    // rounding
     for (const double ratio : {0.0, 0.3, 0.49})
-      EXPECT_NEAR(bending_ratio({{0, 1, 2, 3}}, aspect, ratio), 1.0, 1e-11) << aspect << " " << ratio;
+      EXPECT_NEAR(bending_ratio({{0, 1, 2, 3}}, aspect, ratio), 1.0, aspect > 1.0 ? 1e-11 : 3e-15)
+          << aspect << " " << ratio;
 }
 
 TEST(Shell3, OneLayerBendsInItsPlaneLikeABeam) {
   // The triangle's optimality, of Poisson's ratios up to where its floor of 1/100 begins.
   for (const double aspect : {0.5, 1.0, 10.0})
+    // rounding
     for (const double ratio : {0.0, 0.3, 0.49})
-      EXPECT_NEAR(bending_ratio({{0, 1, 2}, {0, 2, 3}}, aspect, ratio), 1.0, 1e-11) << aspect << " " << ratio;
+      EXPECT_NEAR(bending_ratio({{0, 1, 2}, {0, 2, 3}}, aspect, ratio), 1.0, aspect > 1.0 ? 5e-12 : 3e-15)
+          << aspect << " " << ratio;
 }
 
 /// Least energy (twice) over all motions with these deflections z of the corners.
@@ -349,8 +360,8 @@ TEST_P(ShellPatch, ConstantStrainsComeOutExactly) {
     }
     const Eigen::VectorXd force = -k(inner, outer) * exact(outer);
     const Eigen::VectorXd found = Eigen::MatrixXd(k(inner, inner)).ldlt().solve(force);
-    // Rounding times the condition, (h/t)^2 ~ 1e4 at the thin end.
-    EXPECT_LT((found - exact(inner)).cwiseAbs().maxCoeff(), 1e-9) << states[s].name;
+    // Rounding times the condition, (h/t)^2 ~ 1e4 at the thin end: found 7e-12 and 1.7e-10.
+    EXPECT_LT((found - exact(inner)).cwiseAbs().maxCoeff(), 7e-11) << states[s].name;
     EXPECT_NEAR(exact.dot(k * exact), energies[s] * area, 1e-9 * energies[s] * area) << states[s].name;
   }
 }

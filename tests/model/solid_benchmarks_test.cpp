@@ -12,6 +12,9 @@ using Eigen::Vector3d;
 
 using Row = std::vector<double>;
 
+/// Half of the last digit that the rows state, and a bit for rounding.
+constexpr double two_decimals = 0.0055, three_decimals = 5.5e-4;
+
 /// Every value within a tolerance of the row.
 void expect_row(const Row& found, const Row& expected, double tolerance, const std::string& of) {
   ASSERT_EQ(found.size(), expected.size());
@@ -45,14 +48,15 @@ TEST(SolidCook, HexahedraConverge) {
   const auto of = [](CellShape shape, SolidKind kind) {
     return Row{cook(2, shape, kind), cook(4, shape, kind), cook(8, shape, kind)};
   };
-  expect_row(of(linear, SolidKind::standard), {21.04, 22.98, 23.67}, 0.01, "standard");
-  expect_row(of(linear, SolidKind::reduced), {21.10, 22.99, 23.67}, 0.01, "reduced");
-  expect_row(of(linear, SolidKind::full), {11.44, 17.78, 21.82}, 0.01, "full");
-  expect_row(of(quadratic, SolidKind::standard), {23.17, 23.73, 23.89}, 0.01, "quadratic");
-  EXPECT_NEAR(cook(24, linear, SolidKind::standard), 23.96, 0.06);
+  expect_row(of(linear, SolidKind::standard), {21.04, 22.98, 23.67}, two_decimals, "standard");
+  expect_row(of(linear, SolidKind::reduced), {21.10, 22.99, 23.67}, two_decimals, "reduced");
+  expect_row(of(linear, SolidKind::full), {11.44, 17.78, 21.82}, two_decimals, "full");
+  expect_row(of(quadratic, SolidKind::standard), {23.17, 23.72, 23.89}, two_decimals, "quadratic");
+  EXPECT_NEAR(cook(24, linear, SolidKind::standard), 23.96, 0.06);  // the published value; found .039 below
 }
 
 TEST(SolidCook, WedgesAndTetrahedraConverge) {
+  // one value for both shapes, which differ by up to .036
   for (const auto shape : {CellShape::wedge15, CellShape::tetrahedron10}) {
     EXPECT_NEAR(cook(4, shape, SolidKind::standard), 23.44, 0.03) << test::name_of(shape);
     EXPECT_NEAR(cook(8, shape, SolidKind::standard), 23.85, 0.01) << test::name_of(shape);
@@ -106,7 +110,7 @@ TEST(SolidStraightBeam, OneRowBendsByItsShapeAndKind) {
       {hexahedron8, SolidKind::standard, {1.0, 0.992, 0.981}, {1.0, 0.213, 0.083}, {1.0, 0.789, 0.576}},
       {hexahedron8, SolidKind::reduced, {1.0, 0.992, 0.981}, {1.0, 0.214, 0.087}, {1.0, 0.789, 0.584}},
       {hexahedron8, SolidKind::full, {1.0, 0.093, 0.025}, {1.0, 0.026, 0.011}, {1.0, 0.032, 0.014}},
-      {hexahedron20, SolidKind::standard, {1.0, 0.999, 0.997}, {1.0, 0.976, 0.992}, {1.0, 0.998, 0.996}},
+      {hexahedron20, SolidKind::standard, {1.0, 0.999, 0.997}, {1.0, 0.976, 0.991}, {1.0, 0.998, 0.997}},
       {hexahedron20, SolidKind::full, {1.0, 0.994, 0.988}, {1.0, 0.904, 0.944}, {1.0, 0.980, 0.973}},
       {CellShape::wedge15, SolidKind::standard, {1.0, 0.993, 0.991}, {1.0, 0.452, 0.617}, {1.0, 0.901, 0.913}},
       {CellShape::tetrahedron10, SolidKind::standard, {1.0, 0.991, 0.983}, {1.0, 0.387, 0.427}, {1.0, 0.843, 0.839}}};
@@ -118,9 +122,9 @@ TEST(SolidStraightBeam, OneRowBendsByItsShapeAndKind) {
       return found;
     };
     const std::string name = test::name_of(line.shape) + " " + test::name_of(line.kind);
-    expect_row(row(Lean::none), line.straight, 1e-3, name + ", straight");
-    expect_row(row(Lean::trapezoids), line.trapezoids, 2e-3, name + ", trapezoids");
-    expect_row(row(Lean::parallelograms), line.parallelograms, 2e-3, name + ", parallelograms");
+    expect_row(row(Lean::none), line.straight, three_decimals, name + ", straight");
+    expect_row(row(Lean::trapezoids), line.trapezoids, three_decimals, name + ", trapezoids");
+    expect_row(row(Lean::parallelograms), line.parallelograms, three_decimals, name + ", parallelograms");
   }
 }
 
@@ -139,7 +143,8 @@ TEST(SolidStraightBeam, OneLayerOfStandardHexahedraIsATimoshenkoBeam) {
     beam.load_side(0, 1.0, constant({0, 0, 1.0 / (width * height)}));
     const double inertia = width * height * height * height / 12.0;
     const double theory = length * length * length / (3e7 * inertia) + length / (0.5e7 * 5.0 / 6.0 * width * height);
-    EXPECT_NEAR(test::solve(beam)[6 * beam.box.at(1, 0, 0) + 2] / theory, 1.0 - 0.0025, 2e-4);
+    EXPECT_NEAR(test::solve(beam)[6 * beam.box.at(1, 0, 0) + 2] / theory, 1.0 - 0.0025,
+                3e-5);  // found 1e-5 off: the next order
   }
 }
 
@@ -161,14 +166,19 @@ Row twisted_beam(int along, CellShape shape, SolidKind kind) {
 }
 
 TEST(SolidTwistedBeam, WarpedElementsBend) {
-  expect_row(twisted_beam(12, CellShape::hexahedron8, SolidKind::standard), {0.995, 0.989}, 1e-3, "hexahedron8");
-  expect_row(twisted_beam(24, CellShape::hexahedron8, SolidKind::standard), {0.996, 0.996}, 1e-3, "hexahedron8");
-  expect_row(twisted_beam(24, CellShape::hexahedron8, SolidKind::reduced), {0.996, 0.997}, 1e-3, "reduced");
-  expect_row(twisted_beam(24, CellShape::hexahedron8, SolidKind::full), {0.496, 0.594}, 1e-3, "full");
-  expect_row(twisted_beam(12, CellShape::hexahedron20, SolidKind::standard), {0.993, 0.999}, 1e-3, "hexahedron20");
-  expect_row(twisted_beam(24, CellShape::hexahedron20, SolidKind::standard), {0.999, 1.0}, 1e-3, "hexahedron20");
-  expect_row(twisted_beam(24, CellShape::wedge15, SolidKind::standard), {0.998, 0.999}, 1e-3, "wedge15");
-  expect_row(twisted_beam(24, CellShape::tetrahedron10, SolidKind::standard), {0.996, 0.998}, 1e-3, "tetrahedron10");
+  expect_row(twisted_beam(12, CellShape::hexahedron8, SolidKind::standard), {0.995, 0.989}, three_decimals,
+             "hexahedron8");
+  expect_row(twisted_beam(24, CellShape::hexahedron8, SolidKind::standard), {0.996, 0.996}, three_decimals,
+             "hexahedron8");
+  expect_row(twisted_beam(24, CellShape::hexahedron8, SolidKind::reduced), {0.996, 0.997}, three_decimals, "reduced");
+  expect_row(twisted_beam(24, CellShape::hexahedron8, SolidKind::full), {0.496, 0.594}, three_decimals, "full");
+  expect_row(twisted_beam(12, CellShape::hexahedron20, SolidKind::standard), {0.993, 0.999}, three_decimals,
+             "hexahedron20");
+  expect_row(twisted_beam(24, CellShape::hexahedron20, SolidKind::standard), {0.999, 1.0}, three_decimals,
+             "hexahedron20");
+  expect_row(twisted_beam(24, CellShape::wedge15, SolidKind::standard), {0.998, 0.999}, three_decimals, "wedge15");
+  expect_row(twisted_beam(24, CellShape::tetrahedron10, SolidKind::standard), {0.996, 0.998}, three_decimals,
+             "tetrahedron10");
 }
 
 // Nearly incompressible -----------------------------------------------------------------------------------------------
@@ -203,14 +213,16 @@ TEST(SolidCylinder, HexahedraDoNotLockAsPoissonsRatioNearsAHalf) {
                cylinder(0.4999, shape, kind)};
   };
   const auto hexahedron8 = CellShape::hexahedron8, hexahedron20 = CellShape::hexahedron20;
-  expect_row(of(hexahedron8, SolidKind::standard), {0.992, 0.988, 0.987, 0.987}, 1e-3, "standard");
-  expect_row(of(hexahedron8, SolidKind::mean_dilatation), {0.994, 0.994, 0.994, 0.994}, 1e-3, "mean_dilatation");
-  expect_row(of(hexahedron8, SolidKind::reduced), {0.992, 0.988, 0.987, 0.987}, 1e-3, "reduced");
-  expect_row(of(hexahedron8, SolidKind::full), {0.987, 0.846, 0.359, 0.053}, 1e-3, "full");
-  expect_row(of(hexahedron20, SolidKind::standard), {1.0, 1.0, 1.0, 1.0}, 1e-3, "quadratic");
-  expect_row(of(hexahedron20, SolidKind::full), {1.0, 0.999, 0.986, 0.879}, 1e-3, "quadratic, full");
-  expect_row(of(CellShape::wedge15, SolidKind::standard), {1.0, 0.998, 0.997, 0.997}, 1e-3, "wedge15");
-  expect_row(of(CellShape::tetrahedron10, SolidKind::standard), {0.999, 0.997, 0.996, 0.996}, 1e-3, "tetrahedron10");
+  expect_row(of(hexahedron8, SolidKind::standard), {0.992, 0.987, 0.987, 0.987}, three_decimals, "standard");
+  expect_row(of(hexahedron8, SolidKind::mean_dilatation), {0.994, 0.994, 0.994, 0.994}, three_decimals,
+             "mean_dilatation");
+  expect_row(of(hexahedron8, SolidKind::reduced), {0.992, 0.988, 0.987, 0.987}, three_decimals, "reduced");
+  expect_row(of(hexahedron8, SolidKind::full), {0.987, 0.846, 0.359, 0.053}, three_decimals, "full");
+  expect_row(of(hexahedron20, SolidKind::standard), {1.0, 1.0, 1.0, 1.0}, three_decimals, "quadratic");
+  expect_row(of(hexahedron20, SolidKind::full), {1.0, 0.999, 0.986, 0.879}, three_decimals, "quadratic, full");
+  expect_row(of(CellShape::wedge15, SolidKind::standard), {1.0, 0.998, 0.997, 0.997}, three_decimals, "wedge15");
+  expect_row(of(CellShape::tetrahedron10, SolidKind::standard), {0.999, 0.997, 0.996, 0.996}, three_decimals,
+             "tetrahedron10");
 }
 
 /// Work of a shear of 1 at the end of a distorted block 2 x 1 x 1, clamped at the other; E = 1.
@@ -228,11 +240,11 @@ double block(int cut, double poissons_ratio, CellShape shape, SolidKind kind) {
 
 TEST(SolidBlock, NearlyIncompressibleInThreeDimensions) {
   // Finer meshes of hexahedron20: 35.01 at 6, 35.30 at 8; the clamped edges are singular, so that all come slowly.
-  EXPECT_NEAR(block(4, 0.4999, CellShape::hexahedron20, SolidKind::standard), 34.38, 0.01);
-  EXPECT_NEAR(block(6, 0.4999, CellShape::hexahedron8, SolidKind::standard), 34.57, 0.01);
-  EXPECT_NEAR(block(6, 0.4999, CellShape::hexahedron8, SolidKind::reduced), 34.59, 0.01);
-  EXPECT_NEAR(block(6, 0.4999, CellShape::hexahedron8, SolidKind::mean_dilatation), 35.01, 0.01);
-  EXPECT_LT(block(6, 0.4999, CellShape::hexahedron8, SolidKind::full), 10.0);
+  EXPECT_NEAR(block(4, 0.4999, CellShape::hexahedron20, SolidKind::standard), 34.38, two_decimals);
+  EXPECT_NEAR(block(6, 0.4999, CellShape::hexahedron8, SolidKind::standard), 34.57, two_decimals);
+  EXPECT_NEAR(block(6, 0.4999, CellShape::hexahedron8, SolidKind::reduced), 34.59, two_decimals);
+  EXPECT_NEAR(block(6, 0.4999, CellShape::hexahedron8, SolidKind::mean_dilatation), 35.01, two_decimals);
+  EXPECT_NEAR(block(6, 0.4999, CellShape::hexahedron8, SolidKind::full), 9.40, two_decimals);  // locks
 }
 
 }  // namespace

@@ -39,16 +39,16 @@ const Eigen::Array<double, 7, 1> hexa8_of_optistruct{0.9874, 1.0413, 1.0413, 1.0
 
 Eigen::Array<double, 7, 1> fv52_ratios(int along, int through, CellShape shape, SolidKind kind) {
   const Eigen::VectorXd found = frequencies(thick_plate(along, through, shape, kind).model, 10);
-  EXPECT_LT(found.head(3).maxCoeff(), 1e-3 * found[3]);  // two shifts and a turn in the plane
+  EXPECT_EQ(found.head(3).maxCoeff(), 0.0);  // two shifts and a turn in the plane
   return found.tail<7>().array() / fv52;
 }
 
 TEST(SolidFV52, HexahedraHaveTheFrequenciesOfAnotherProgram) {
   const auto quadratic = fv52_ratios(4, 1, CellShape::hexahedron20, SolidKind::full);
-  EXPECT_LT((quadratic - hexa20_of_optistruct).abs().maxCoeff(), 1.5e-4) << quadratic.transpose();
+  EXPECT_LT((quadratic - hexa20_of_optistruct).abs().maxCoeff(), 6e-5) << quadratic.transpose();  // four decimals
   // The same incompatible modes but for those of the volume change.
   const auto linear = fv52_ratios(8, 3, CellShape::hexahedron8, SolidKind::standard);
-  EXPECT_LT((linear - hexa8_of_optistruct).abs().maxCoeff(), 2.5e-3) << linear.transpose();
+  EXPECT_LT((linear - hexa8_of_optistruct).abs().maxCoeff(), 2.5e-3) << linear.transpose();  // found .0018
 }
 
 TEST(SolidFV52, ShapesAgreeOnFineMeshes) {
@@ -59,9 +59,10 @@ TEST(SolidFV52, ShapesAgreeOnFineMeshes) {
     const auto ratios = fv52_ratios(along, through, shape, SolidKind::standard);
     return (ratios / reference - 1.0).abs().maxCoeff();
   };
-  EXPECT_LT(departure(CellShape::hexahedron20, 8, 1), 0.025);
-  EXPECT_LT(departure(CellShape::wedge15, 8, 1), 0.025);
-  EXPECT_LT(departure(CellShape::tetrahedron10, 8, 1), 0.03);
+  // found .019, .006, .025 and .015
+  EXPECT_LT(departure(CellShape::hexahedron20, 8, 1), 0.03);
+  EXPECT_LT(departure(CellShape::wedge15, 8, 1), 0.015);
+  EXPECT_LT(departure(CellShape::tetrahedron10, 8, 1), 0.035);
   EXPECT_LT(departure(CellShape::hexahedron8, 16, 4), 0.025);
 }
 
@@ -72,7 +73,9 @@ TEST(SolidModes, FreeElementHasNoOtherModesBelowItsFirst) {
           {1, 1, 1, shape}, [](const Vector3d& x) -> Vector3d { return x; }, {1, 0.3, 1}, kind);
       return frequencies(cube.model, 7)[6];
     };
-    EXPECT_GT(first(SolidKind::standard), 0.7 * first(SolidKind::full)) << test::name_of(shape);
+    const double ratio = first(SolidKind::standard) / first(SolidKind::full);
+    EXPECT_GT(ratio, 0.7) << test::name_of(shape);
+    EXPECT_LT(ratio, 1.0 + 1e-12) << test::name_of(shape);  // fewer points only soften; rounding
   }
 }
 
@@ -83,10 +86,10 @@ TEST(SolidModes, MotionsThatEightPointsDoNotSeeAreHeldInTheStandardHexahedron20)
     return frequencies(cube.model, 13);
   };
   const auto reduced = of(SolidKind::reduced), standard = of(SolidKind::standard), full = of(SolidKind::full);
-  EXPECT_LT(reduced[11], 1e-6);
-  EXPECT_GT(standard[6], 0.19 * full[6]);  // the fifth of it that the documentation tells
-  EXPECT_LT(standard[11], 0.3 * full[6]);
-  EXPECT_NEAR(standard[12], full[6], 1e-3 * full[6]);  // then the modes of the full element
+  EXPECT_EQ(reduced[11], 0.0);                              // no energy
+  EXPECT_NEAR(standard[6], 0.2 * full[6], 0.01 * full[6]);  // the fifth of it that the documentation tells
+  EXPECT_LT(standard[11], 0.3 * full[6]);                   // found .25
+  EXPECT_NEAR(standard[12], full[6], 1e-13 * full[6]);      // then the modes of the full element
 }
 
 TEST(SolidModes, LumpedMassComesToTheSameFrequencies) {
@@ -99,7 +102,8 @@ TEST(SolidModes, LumpedMassComesToTheSameFrequencies) {
     bar.fix(bar.box.side(0, 0.0), {0, 1, 2});
     const double consistent = frequencies(bar.model, 1)[0];
     bar.model.mass_kind = MassKind::lumped;
-    EXPECT_NEAR(frequencies(bar.model, 1)[0], consistent, 0.02 * consistent) << test::name_of(shape);
+    // found .0011 to .0052: second order in 1/12
+    EXPECT_NEAR(frequencies(bar.model, 1)[0], consistent, 0.012 * consistent) << test::name_of(shape);
   }
 }
 

@@ -25,14 +25,14 @@ TEST(CraigBampton, WithAllModesIsTheFullModel) {
   const Superelement element = craig_bampton(full, corners, {.modes = {.count = 96}});
   EXPECT_EQ(element.model.size(), 100);
   EXPECT_EQ(element.error_indicators.next_left_out, 0.0);
-  // a change of coordinates: rounding times the condition of T
-  EXPECT_LT((frequencies(element.model, 100) - frequencies(full, 100)).cwiseAbs().maxCoeff(), 1e-9);
-  EXPECT_LT((MatrixXd(element.model.damping) - element.basis.transpose() * full.damping * element.basis).norm(), 1e-9);
-  // compliance between the kept degrees of freedom and anything else
+  // a change of coordinates: rounding times the condition of T, found 6e-13 Hz and 6e-15
+  EXPECT_LT((frequencies(element.model, 100) - frequencies(full, 100)).cwiseAbs().maxCoeff(), 7e-12);
+  EXPECT_LT((MatrixXd(element.model.damping) - element.basis.transpose() * full.damping * element.basis).norm(), 7e-14);
+  // compliance between the kept degrees of freedom and anything else; rounding times the condition
   const MatrixXd load = element.basis.transpose();
   const MatrixXd reduced = element.recover(MatrixXd(element.model.stiffness).llt().solve(load));
   const MatrixXd exact = MatrixXd(full.stiffness).inverse();
-  EXPECT_LT((reduced - exact).norm(), 1e-10 * exact.norm());
+  EXPECT_LT((reduced - exact).norm(), 2e-13 * exact.norm());
 }
 
 TEST(CraigBampton, WithoutModesIsGuyan) {
@@ -46,7 +46,7 @@ TEST(CraigBampton, WithoutModesIsGuyan) {
     if (std::ranges::find(none.boundary, i) == none.boundary.end()) interior.push_back(i);
   const MatrixXd K_bi = K(none.boundary, interior), K_ii = K(interior, interior);
   const MatrixXd schur = K(none.boundary, none.boundary) - K_bi * K_ii.llt().solve(MatrixXd(K_bi.transpose()));
-  EXPECT_LT((MatrixXd(static_one.model.stiffness) - schur).norm(), 1e-11 * schur.norm());
+  EXPECT_LT((MatrixXd(static_one.model.stiffness) - schur).norm(), 1e-14 * schur.norm());  // rounding
   EXPECT_GT(static_one.error_indicators.next_left_out, 0.0);
 }
 
@@ -54,15 +54,16 @@ TEST(CraigBampton, FrequenciesFallToTheFullOnes) {
   const LinearModel full = lattice::model({.columns = 30, .rows = 20, .support = 100.0});
   const std::vector<std::string> boundary = {"0_0", "0_19", "29_0", "29_19", "15_10"};
   const VectorXd exact = frequencies(full, 5);
+  // rounding of two solutions by iteration
   VectorXd last = VectorXd::Constant(5, std::numeric_limits<double>::infinity());
   for (const Index count : {0, 1, 4, 16, 64, 200}) {
     const Superelement element = craig_bampton(full, boundary, {.modes = {.count = count}, .error_indicators = false});
     const VectorXd reduced = frequencies(element.model, 5);
-    EXPECT_TRUE((reduced.array() >= exact.array() * (1.0 - 1e-9)).all()) << count;
-    EXPECT_TRUE((reduced.array() <= last.array() * (1.0 + 1e-9)).all()) << count;
+    EXPECT_TRUE((reduced.array() >= exact.array() * (1.0 - 1e-12)).all()) << count;
+    EXPECT_TRUE((reduced.array() <= last.array() * (1.0 + 1e-12)).all()) << count;
     last = reduced;
   }
-  EXPECT_LT(((last - exact).array() / exact.array()).maxCoeff(), 1e-4);
+  EXPECT_LT(((last - exact).array() / exact.array()).maxCoeff(), 1.5e-5);  // found 5.6e-6 with 200 of 595 modes
 }
 
 double worst_error(const ReductionErrorIndicators& error_indicators) {
@@ -85,13 +86,13 @@ TEST(CraigBampton, BelowHalfTheCutOffFrequenciesAreRight) {
   ASSERT_GT(error_indicators.modes.size(), 10u);
   for (const auto& mode : error_indicators.modes) {
     EXPECT_LE(mode.full, 4.0 + 1e-3);
-    EXPECT_GE(mode.reduced, mode.full * (1.0 - 1e-9));
-    EXPECT_GT(mode.mac, 0.9999) << mode.full;
+    EXPECT_LT(1.0 - mode.reduced / mode.full, 2e-11);  // an upper bound, but for rounding of the whole model's solution
+    EXPECT_LT(1.0 - mode.mac, 1e-5) << mode.full;
   }
-  EXPECT_LT(worst_error(error_indicators), 1e-3);
+  EXPECT_LT(worst_error(error_indicators), 1.2e-5);  // found 4.4e-6; 2.7e-4 without the vectors
   EXPECT_LT(worst_error(error_indicators),
-            0.2 * worst_error(without.error_indicators));  // the vectors are what does it
-  EXPECT_LT(error_indicators.static_error, 1e-10);
+            0.04 * worst_error(without.error_indicators));  // the vectors are what does it
+  EXPECT_LT(error_indicators.static_error, 1e-14);          // rounding
 }
 
 TEST(CraigBampton, NoTruncationVectorsAreLeftWhereAllModesAreKept) {
@@ -106,8 +107,9 @@ TEST(CraigBampton, TruncationVectorsAreUncoupledFromTheModes) {
       craig_bampton(full, {"0_0", "0_9", "19_5"}, {.modes = {.count = 6}, .augmentation_vectors = true});
   const MatrixXd mass = element.basis.transpose() * full.mass * element.basis,
                  stiffness = element.basis.transpose() * full.stiffness * element.basis;
-  EXPECT_LT((mass - MatrixXd(element.model.mass)).norm(), 1e-10 * mass.norm());
-  EXPECT_LT((stiffness - MatrixXd(element.model.stiffness)).norm(), 1e-10 * stiffness.norm());
+  // rounding of the products, found 7e-17 and 1e-14 of their size
+  EXPECT_LT((mass - MatrixXd(element.model.mass)).norm(), 1e-15 * mass.norm());
+  EXPECT_LT((stiffness - MatrixXd(element.model.stiffness)).norm(), 1e-13 * stiffness.norm());
 }
 
 TEST(CraigBampton, StaticsAtTheBoundaryAreExactWithAnyNumberOfModes) {
@@ -120,12 +122,13 @@ TEST(CraigBampton, StaticsAtTheBoundaryAreExactWithAnyNumberOfModes) {
     for (std::size_t j = 0; j < boundary.size(); ++j) {
       const VectorXd exact = factor.solve(VectorXd::Unit(full.size(), element.boundary[j]));
       const VectorXd reduced = flexible.llt().solve(VectorXd::Unit(flexible.rows(), Index(j)));
-      EXPECT_LT((element.recover(reduced) - exact).norm(), 1e-10 * exact.norm());
+      EXPECT_LT((element.recover(reduced) - exact).norm(), 3e-12 * exact.norm());  // rounding times the condition 1e4
     }
     // and the ground's displacement moves the whole as a rigid body
     const VectorXd carried = element.recover(flexible.llt().solve(element.model.grounds[0].stiffness));
-    EXPECT_LT((carried - VectorXd::Ones(full.size())).cwiseAbs().maxCoeff(), 0.5);
-    EXPECT_NEAR(carried[element.boundary[2]], 1.0, 1e-10);
+    // found .031: exact where the boundary is, about elsewhere
+    EXPECT_LT((carried - VectorXd::Ones(full.size())).cwiseAbs().maxCoeff(), 0.07);
+    EXPECT_NEAR(carried[element.boundary[2]], 1.0, 6e-12);  // rounding
   }
 }
 
@@ -182,8 +185,8 @@ TEST(CraigBampton, TwoCoupledPartsAreTheWhole) {
     return frequencies(model, 20);
   };
   const VectorXd exact = frequencies(whole, 20);
-  EXPECT_LT((couple(1000) - exact).cwiseAbs().maxCoeff(), 1e-9 * exact[19]);  // all modes: rounding
-  EXPECT_LT(((couple(60) - exact).array() / exact.array()).maxCoeff(), 1e-3);
+  EXPECT_LT((couple(1000) - exact).cwiseAbs().maxCoeff(), 4e-12 * exact[19]);    // all modes: rounding
+  EXPECT_LT(((couple(60) - exact).array() / exact.array()).maxCoeff(), 2.5e-4);  // found 9.5e-5
 }
 
 TEST(CraigBampton, AnInteriorThatIsFreeToMoveKeepsItsRigidBodyModes) {
@@ -193,19 +196,21 @@ TEST(CraigBampton, AnInteriorThatIsFreeToMoveKeepsItsRigidBodyModes) {
     const Superelement element = craig_bampton(full, {boundary}, {.modes = {.count = 6}});
     EXPECT_EQ(element.error_indicators.rigid_modes, 1);
     EXPECT_EQ(element.error_indicators.fixed_interface_frequencies[0], 0.0);
-    EXPECT_LT(element.error_indicators.static_error, 1e-6);
+    EXPECT_LT(element.error_indicators.static_error, 1e-13);  // rounding
     EXPECT_EQ(element.error_indicators.modes[0].reduced, 0.0);
     EXPECT_EQ(element.error_indicators.modes[1].reduced, 0.0);
-    EXPECT_NEAR(element.error_indicators.modes[2].reduced / element.error_indicators.modes[2].full, 1.0, 1e-3);
-    // exact at zero frequency: both rigid-body motions of the beam, without force
+    // found 7e-5 with six modes
+    EXPECT_NEAR(element.error_indicators.modes[2].reduced / element.error_indicators.modes[2].full, 1.0, 2e-4);
+    // exact at zero frequency: both rigid-body motions of the beam, without force; rounding times the condition of 300
+    // elements
     MatrixXd motions(full.size(), 2);
     for (Index i = 0; i < full.size(); i += 2) motions.middleRows(i, 2) << 1.0, double(i) / 600.0, 0.0, 1.0;
     const MatrixXd& T = element.basis;
     const MatrixXd q = T.colPivHouseholderQr().solve(motions);
-    EXPECT_LT((T * q - motions).norm(), 1e-8 * motions.norm());
-    EXPECT_LT((element.model.stiffness * q).norm(), 1e-6 * element.model.stiffness.norm() * q.norm());
+    EXPECT_LT((T * q - motions).norm(), 1.5e-9 * motions.norm());
+    EXPECT_LT((element.model.stiffness * q).norm(), 6e-10 * element.model.stiffness.norm() * q.norm());
     const MatrixXd inertia = motions.transpose() * full.mass * motions;
-    EXPECT_LT((q.transpose() * element.model.mass * q - inertia).norm(), 1e-8 * inertia.norm());
+    EXPECT_LT((q.transpose() * element.model.mass * q - inertia).norm(), 1.5e-11 * inertia.norm());
   }
   const Superelement none = guyan(full, {"150.y"});
   EXPECT_EQ(none.model.size(), 2);
@@ -216,7 +221,8 @@ TEST(CraigBampton, WithoutABoundaryTheModesAreTheModelsOwn) {
   const LinearModel full = lattice::model({.columns = 24, .rows = 17});
   const Superelement element = craig_bampton(full, {}, {.modes = {.count = 7}});
   EXPECT_EQ(element.error_indicators.rigid_modes, 1);
-  EXPECT_LT((element.error_indicators.fixed_interface_frequencies - frequencies(full, 7)).norm(), 1e-9);
+  EXPECT_LT((element.error_indicators.fixed_interface_frequencies - frequencies(full, 7)).norm(),
+            1e-12);  // the same computation
   std::vector<std::string> everything = lattice::model({.columns = 3, .rows = 2}).dofs;
   const Superelement whole =
       craig_bampton(lattice::model({.columns = 3, .rows = 2}), everything, {.modes = {.count = 3}});
@@ -231,7 +237,7 @@ TEST(CraigBampton, DampingIsTheProjectionOfTheWholeOfIt) {
                      mass_weighted_modes * full.modal_damping.rates.asDiagonal() * mass_weighted_modes.transpose();
   const Superelement element = craig_bampton(full, {"11_0", "5_5"}, {.modes = {.count = 8}});
   const MatrixXd expected = element.basis.transpose() * C * element.basis;
-  EXPECT_LT((MatrixXd(element.model.damping) - expected).norm(), 1e-12 * expected.norm());
+  EXPECT_LT((MatrixXd(element.model.damping) - expected).norm(), 4e-14 * expected.norm());  // rounding
   EXPECT_EQ(element.model.modal_damping.rates.size(), 0);
   for (const SparseMatrix* matrix : {&element.model.mass, &element.model.damping, &element.model.stiffness})
     EXPECT_EQ(MatrixXd(*matrix), MatrixXd(matrix->transpose()));
@@ -247,7 +253,7 @@ TEST(CraigBampton, PointsAndSensorsAreCarriedAlong) {
   double mean = 0.0;
   for (const auto& [dof, coefficient] : element.model.points.at("mean"))
     mean += coefficient * q[std::ranges::find(element.model.dofs, dof) - element.model.dofs.begin()];
-  EXPECT_NEAR(mean, 0.25 * z[30] + 0.75 * z[80], 1e-14);
+  EXPECT_NEAR(mean, 0.25 * z[30] + 0.75 * z[80], 4e-15);  // rounding
 }
 
 TEST(CraigBampton, EffectiveMassChoosesTheFewestModes) {
@@ -323,21 +329,22 @@ TEST(ModalDamping, GivesEachModeItsRatioAndTheRestTheLastRate) {
                        mass_weighted_modes * model.modal_damping.rates.asDiagonal() * mass_weighted_modes.transpose();
     const MatrixXd modal = all.vectors.transpose() * C * all.vectors;
     const VectorXd omega = all.values.cwiseSqrt();
+    // rounding, found 2e-15 of the highest
     for (Index i = 0; i < 135; ++i) {
       const double ratio = i == 0 ? 0.01 : i == 1 ? 0.02 : 0.05;
-      EXPECT_NEAR(modal(i, i), 2.0 * ratio * omega[std::min<Index>(i, 11)], 1e-9 * omega[11]) << i;
+      EXPECT_NEAR(modal(i, i), 2.0 * ratio * omega[std::min<Index>(i, 11)], 3e-14 * omega[11]) << i;
     }
-    EXPECT_LT((modal - MatrixXd(modal.diagonal().asDiagonal())).norm(), 1e-8 * modal.norm());
+    EXPECT_LT((modal - MatrixXd(modal.diagonal().asDiagonal())).norm(), 3e-14 * modal.norm());
     LinearModel open = undamped;
     add_modal_damping(open, {0.05}, {.count = 12, .damp_the_rest = false});
     EXPECT_EQ(open.damping.norm(), 0.0);
-    EXPECT_NEAR(open.modal_damping.rates[11], 0.1 * omega[11], 1e-9 * omega[11]);
+    EXPECT_NEAR(open.modal_damping.rates[11], 0.1 * omega[11], 1e-14 * omega[11]);
     LinearModel limited = undamped;
     const double limit = 0.5 * (omega[4] + omega[5]) / (2.0 * std::numbers::pi);
     add_modal_damping(limited, {0.05}, {.up_to = limit});
     EXPECT_EQ(limited.modal_damping.rates.size(), 5);
     const NormalModes known = lowest_normal_modes(model, 12), computed = lowest_normal_modes(undamped, 12);
-    EXPECT_LT((known.frequencies - computed.frequencies).norm(), 1e-9 * computed.frequencies[11]);
+    EXPECT_LT((known.frequencies - computed.frequencies).norm(), 1e-14 * computed.frequencies[11]);
     EXPECT_EQ(lowest_normal_modes(model, 14).shapes.cols(), 14);
     EXPECT_EQ(lowest_normal_modes(model, 12, limit).shapes.cols(), 5);
     EXPECT_EQ(lowest_normal_modes(limited, 12, limit).shapes.cols(), 5);

@@ -55,7 +55,9 @@ std::vector<Index> places(const LinearModel& model, const std::vector<std::strin
 
 double largest(const SparseMatrix& matrix) { return matrix.nonZeros() > 0 ? matrix.coeffs().abs().maxCoeff() : 0.0; }
 
-/// Column `name` of the production code's table of frequencies [Hz]; shorter columns end early.
+constexpr double printed = 6e-7;  ///< [Hz]: the production code's table has six decimals
+
+/// Column `name` of that table of frequencies [Hz]; shorter columns end early.
 VectorXd published(const std::string& name) {
   std::ifstream file(folder() / "sierra_sd_frequencies_Hz.csv");
   std::string line, cell;
@@ -97,11 +99,11 @@ TEST_F(Sandia, TwoPartsJoinedByNodeNumberAreTheAssembly) {
   ASSERT_EQ(joined.size(), ac.size());
   const auto order = places(joined, ac.dofs);
   // The production code prints 17 digits and adds in another order.
-  EXPECT_LT(largest(select(joined.stiffness, order, order) - ac.stiffness), 1e-8 * largest(ac.stiffness));
-  EXPECT_LT(largest(select(joined.mass, order, order) - ac.mass), 1e-8 * largest(ac.mass));
+  EXPECT_LT(largest(select(joined.stiffness, order, order) - ac.stiffness), 5e-15 * largest(ac.stiffness));
+  EXPECT_LT(largest(select(joined.mass, order, order) - ac.mass), 5e-15 * largest(ac.mass));
   const VectorXd theirs = published("ac"), ours = frequencies(ac, 26);
   for (Index i = 0; i < 6; ++i) EXPECT_EQ(ours[i], 0.0) << i;
-  for (Index i = 6; i < ours.size(); ++i) EXPECT_NEAR(ours[i], theirs[i], 1e-6 * theirs[i]) << i + 1;
+  for (Index i = 6; i < ours.size(); ++i) EXPECT_NEAR(ours[i], theirs[i], printed) << i + 1;
 }
 
 TEST_F(Sandia, OurCraigBamptonModelIsThatOfTheProductionCode) {
@@ -114,8 +116,7 @@ TEST_F(Sandia, OurCraigBamptonModelIsThatOfTheProductionCode) {
   const auto published_frequencies = published("cbr1_fixed_interface");
   ASSERT_EQ(published_frequencies.size(), 30);
   for (Index i = 0; i < 30; ++i)
-    EXPECT_NEAR(ours.error_indicators.fixed_interface_frequencies[i], published_frequencies[i],
-                1e-6 * published_frequencies[i]);
+    EXPECT_NEAR(ours.error_indicators.fixed_interface_frequencies[i], published_frequencies[i], printed);
 
   std::vector<std::string> modes;
   for (int i = 1; i <= 30; ++i) modes.push_back("q" + std::to_string(i));
@@ -128,16 +129,18 @@ TEST_F(Sandia, OurCraigBamptonModelIsThatOfTheProductionCode) {
     return largest(one - other) / largest(other);
   };
   const auto& [k, m] = std::pair(ours.model.stiffness, ours.model.mass);
+  // rounding times the condition, found 1e-14 to 6e-13
   EXPECT_LT(difference(select(k, our_boundary, our_boundary), select(theirs.stiffness, their_boundary, their_boundary)),
-            1e-8);
+            2e-13);
   EXPECT_LT(difference(select(m, our_boundary, our_boundary), select(theirs.mass, their_boundary, their_boundary)),
-            1e-8);
-  EXPECT_LT(difference(select(k, our_modes, our_modes), select(theirs.stiffness, their_modes, their_modes)), 1e-8);
-  EXPECT_LT(difference(select(m, our_modes, our_modes), select(theirs.mass, their_modes, their_modes)), 1e-8);
+            6e-12);
+  EXPECT_LT(difference(select(k, our_modes, our_modes), select(theirs.stiffness, their_modes, their_modes)), 2e-12);
+  EXPECT_LT(difference(select(m, our_modes, our_modes), select(theirs.mass, their_modes, their_modes)), 1e-14);
   // Signs of modes and the basis of repeated ones are free; the part that modes of one frequency take of the boundary's
-  // momentum, M_bm M_bm^T, is not. The last mode is one of a pair, of which the other is left out.
+  // momentum, M_bm M_bm^T, is not. The last mode is one of a pair, of which the other is left out; its frequency is
+  // known to 1 %.
   EXPECT_NEAR(ours.error_indicators.next_left_out, ours.error_indicators.highest_kept,
-              0.02 * ours.error_indicators.highest_kept);
+              0.01 * ours.error_indicators.highest_kept);
   const MatrixXd our_part(select(m, our_boundary, our_modes));
   const MatrixXd their_part(select(theirs.mass, their_boundary, their_modes));
   const double scale = (their_part * their_part.transpose()).cwiseAbs().maxCoeff();
@@ -147,7 +150,7 @@ TEST_F(Sandia, OurCraigBamptonModelIsThatOfTheProductionCode) {
     const auto of_group = [&](const MatrixXd& part) -> MatrixXd {
       return part.middleCols(begin, end - begin) * part.middleCols(begin, end - begin).transpose();
     };
-    EXPECT_LT((of_group(our_part) - of_group(their_part)).cwiseAbs().maxCoeff(), 1e-8 * scale) << begin + 1;
+    EXPECT_LT((of_group(our_part) - of_group(their_part)).cwiseAbs().maxCoeff(), 6e-12 * scale) << begin + 1;
   }
 }
 
@@ -155,9 +158,10 @@ TEST_F(Sandia, ItsSuperelementJoinsWithTheFullOtherPart) {
   const LinearModel element = superelement_of_a(), c = part("c");
   const VectorXd assembly = published("ac");
   const VectorXd with_full = frequencies(join({&element, &c}), 20);
-  for (Index i = 6; i < 20; ++i) EXPECT_NEAR(with_full[i], assembly[i], 1e-3 * assembly[i]) << i + 1;
+  // found 1.2e-4: 30 modes
+  for (Index i = 6; i < 20; ++i) EXPECT_NEAR(with_full[i], assembly[i], 3e-4 * assembly[i]) << i + 1;
   // Reduction can only stiffen.
-  for (Index i = 6; i < 20; ++i) EXPECT_GT(with_full[i], assembly[i] * (1.0 - 1e-6)) << i + 1;
+  for (Index i = 6; i < 20; ++i) EXPECT_GT(with_full[i], assembly[i] - printed) << i + 1;
 }
 
 TEST_F(Sandia, TwoReducedPartsJoinWithinATenthOfAPercent) {
@@ -167,10 +171,14 @@ TEST_F(Sandia, TwoReducedPartsJoinWithinATenthOfAPercent) {
   const LinearModel one = reduced(a, boundary, "a_"), other = reduced(c, boundary, "c_");
   EXPECT_EQ(one.size(), 75 + 40);
   const VectorXd joined = frequencies(join({&one, &other}), 20);
-  for (Index i = 6; i < 20; ++i) EXPECT_NEAR(joined[i], assembly[i], 1e-3 * assembly[i]) << i + 1;
+  // found 1.9e-4: 40 modes of each part
+  for (Index i = 6; i < 20; ++i) {
+    EXPECT_NEAR(joined[i], assembly[i], 5e-4 * assembly[i]) << i + 1;
+    EXPECT_GT(joined[i], assembly[i] - printed) << i + 1;  // reduction can only stiffen
+  }
   const LinearModel element = superelement_of_a();
   const VectorXd with_theirs = frequencies(join({&element, &other}), 20);
-  for (Index i = 6; i < 20; ++i) EXPECT_NEAR(with_theirs[i], assembly[i], 1e-3 * assembly[i]) << i + 1;
+  for (Index i = 6; i < 20; ++i) EXPECT_NEAR(with_theirs[i], assembly[i], 6e-4 * assembly[i]) << i + 1;  // found 2.4e-4
 }
 
 void damp_by_stiffness(LinearModel& model) { model.damping = 1e-6 * model.stiffness; }
@@ -222,8 +230,9 @@ TEST_F(Sandia, InterfaceMotionOfTheReducedAssemblyDrivesTheOtherPart) {
   const auto predicted =
       driven.predict(points, {interface.topRows(n_b), interface.middleRows(n_b, n_b), interface.bottomRows(n_b)}, {},
                      {}, {.sample_rate = 1.0 / sampling, .newmark_substeps = 1});
+  // found 3e-4: 40 modes of each part, and two ways of stepping
   for (Index i = 0; i < truth.cols(); ++i)
-    EXPECT_LT((predicted.acceleration.row(i).transpose() - truth.col(i)).norm(), 0.01 * truth.col(i).norm())
+    EXPECT_LT((predicted.acceleration.row(i).transpose() - truth.col(i)).norm(), 1e-3 * truth.col(i).norm())
         << inside[static_cast<std::size_t>(i)];
 }
 

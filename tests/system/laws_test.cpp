@@ -172,6 +172,7 @@ TEST_P(EveryLaw, TreatsPointsIndependently) {
     alone.acceleration[0] = together.acceleration[i];
     alone.begin_states.row(0) = together.begin_states.row(i);
     alone.respond(1e-3);
+    // the same arithmetic for one point as for many
     EXPECT_NEAR(alone.force[0], together.force[i], 1e-14 * together.force.abs().maxCoeff());
     EXPECT_NEAR(alone.stiffness[0], together.stiffness[i], 1e-14 * together.stiffness.abs().maxCoeff());
   }
@@ -220,7 +221,7 @@ TEST(Bilinear, LoopAreaIsFourYieldForcesTimesPlasticDeformation) {
   for (const double alpha : {0.0, 0.2}) {
     const double area = cycle_work({"", make_law("bilinear"), {k, f_y, alpha, 0.0}}, amplitude, 40.0);
     // The trapezoidal rule cuts four corners of one step (3e-4 of the cycle) each.
-    EXPECT_NEAR(area, 4.0 * (1.0 - alpha) * f_y * (amplitude - yield), 1e-5 * area);
+    EXPECT_NEAR(area, 4.0 * (1.0 - alpha) * f_y * (amplitude - yield), 1e-7 * area);
   }
 }
 
@@ -230,7 +231,8 @@ TEST(Coulomb, LoopAreaTendsToFourForceTimesAmplitude) {
     return cycle_work({"", make_law("coulomb"), {f_c, v_ref, 0.0, 0.0}}, amplitude, w);
   };
   const double limit = 4.0 * f_c * amplitude;
-  EXPECT_NEAR(area(1e-3 * amplitude * w), limit, 1e-4 * limit);
+  EXPECT_NEAR(area(1e-3 * amplitude * w), limit, 2e-6 * limit);  // found 4e-7: what v_ref leaves at the reversals
+  // a law that slides at once would reach the limit: found .88 of it
   EXPECT_LT(area(0.5 * amplitude * w), 0.95 * limit);
 }
 
@@ -239,10 +241,11 @@ TEST(BoucWen, SaturatesAtTheUltimateDeformation) {
     const double A = 0.9, ultimate = 3e-4, sum = A / std::pow(ultimate, n);
     LawBench bench({"", make_law("bouc_wen"), {4e4, 0.0, A, 0.7 * sum, 0.3 * sum, n, 0.0}});
     for (int i = 1; i <= 400; ++i) bench.step(1e-3, 1e-5 * i, 0.01);
+    // for n = 1 the approach is exponential: exp(-12) = 6e-6 is left
     EXPECT_NEAR(bench.states(0, 0), ultimate, 1e-5 * ultimate) << "n = " << n;
     LawBench leap({"", make_law("bouc_wen"), {4e4, 0.0, A, 0.7 * sum, 0.3 * sum, n, 0.0}});
     leap.step(1e-3, 1e6, 1.0);
-    EXPECT_NEAR(leap.states(0, 0), ultimate, 1e-3 * ultimate) << "one leap, n = " << n;
+    EXPECT_NEAR(leap.states(0, 0), ultimate, 1e-7 * ultimate) << "one leap, n = " << n;
   }
 }
 
@@ -285,7 +288,7 @@ TEST(BoucWen, IntegrationIsOfSecondOrder) {
       const double reference = path.reference();
       // Where reversals fall within a step makes single ratios uneven: the order is taken over four halvings.
       const double coarse = std::abs(path.by(law, 250) - reference), fine = std::abs(path.by(law, 4000) - reference);
-      EXPECT_LT(fine, 1e-4 * path.amplitude);
+      EXPECT_LT(fine, 1e-7 * path.amplitude);
       EXPECT_GT(std::log2(coarse / fine) / 4.0, 1.75) << law->name() << " n = " << n << " " << coarse << " " << fine;
     }
 }
@@ -308,7 +311,7 @@ TEST(BoucWen, HoldsThePublishedBenchmark) {
     }
     const double y = amplitude * std::sin(40.0 * i * h), y_dot = amplitude * 40.0 * std::cos(40.0 * i * h);
     bench.step(h, y, y_dot);
-    EXPECT_NEAR(bench.force[0], k_L * y + 10.0 * y_dot + w, 2e-3);
+    EXPECT_NEAR(bench.force[0], k_L * y + 10.0 * y_dot + w, 1e-4);
     largest = std::max(largest, std::abs(w));
   }
   EXPECT_GT(largest, 20.0);

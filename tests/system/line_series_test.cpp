@@ -45,6 +45,7 @@ double error_against_the_sum(const LineSeries& series, double start, double step
 
 TEST(LineSeries, ByTheTransformIsTheSumOfItsLines) {
   // found: 3e-13, from the rounding of the acceleration e'' + 2 i w e' - w^2 e
+  // rounding of the sum of sines, whose arguments grow with time
   EXPECT_LT(error_against_the_sum(series_of(20.0, 10, 591, 0.0), 0.0, 0.0513, 300), 1e-12);
   EXPECT_LT(error_against_the_sum(series_of(20.0, 10, 591, 0.0), -7.3, 1e-3, 300), 1e-12);
   EXPECT_LT(error_against_the_sum(series_of(43.0, 12, 3000, 1.0), 3.1, 0.131, 200), 4e-12);  // a road
@@ -59,6 +60,7 @@ TEST(LineSeries, SummedOrTransformedIsOneSignal) {
   const auto summed = make_line_series(few)->sample(1.0, 1e-3, 20000);
   const auto transformed = make_transformed_lines(few)->sample(1.0, 1e-3, 20000);
   for (int d = 0; d < 3; ++d)
+    // rounding of the transform: found .6 of it for the second derivative
     EXPECT_LT((summed - transformed).col(d).abs().maxCoeff(), 1e-12 * summed.col(d).abs().maxCoeff());
 }
 
@@ -72,7 +74,8 @@ TEST(LineSeries, ALongRandomSignalIsTheSumOverThePhasesOfItsSeed) {
   const auto expected = make_spectral_lines(lines)->sample(11.0, 0.01, 500);
   const auto found = make_random(options)->sample(11.0, 0.01, 500);
   for (int d = 0; d < 3; ++d)
-    EXPECT_LT((found - expected).col(d).abs().maxCoeff(), 2e-12 * expected.col(d).abs().maxCoeff());
+    // rounding: found 3e-13
+    EXPECT_LT((found - expected).col(d).abs().maxCoeff(), 1e-12 * expected.col(d).abs().maxCoeff());
 }
 
 TEST(LineSeries, RefusesWhatIsNoSeries) {
@@ -102,7 +105,7 @@ TEST(LineSeries, LongRandomSignalsCostWithTheirDuration) {
   for (const bool road : {false, true}) {
     const double seconds = seconds_of(5000.0, road);
     RecordProperty(road ? "road_seconds" : "random_seconds", std::to_string(seconds));
-    EXPECT_LT(seconds, 20.0);
+    EXPECT_LT(seconds, 10.0);
   }
 }
 
@@ -110,10 +113,11 @@ TEST(LineSeries, ALongRandomSignalKeepsItsRmsAndStartsFromRest) {
   const double duration = 400.0, rate = 100.0;  // 11,801 lines
   const auto whole = make_random({.rms = 2.0, .duration = duration, .fade_in = 0.0})
                          ->sample(0.0, 1.0 / rate, Eigen::Index(duration * rate));
-  EXPECT_NEAR(std::sqrt(whole.col(0).square().mean()), 2.0, 1e-11);
+  EXPECT_NEAR(std::sqrt(whole.col(0).square().mean()), 2.0, 5e-14);  // rounding of the mean of many squares
   const auto faded = make_random({.rms = 2.0, .duration = duration, .fade_in = 0.5})->sample(0.0, 1.0 / rate, 100);
   EXPECT_EQ(faded.row(0).abs().maxCoeff(), 0.0);
-  EXPECT_LT((faded.bottomRows(50) - whole.middleRows(50, 50)).abs().maxCoeff(), 1e-12 * whole.abs().maxCoeff());
+  // the fade is 1 there
+  EXPECT_LT((faded.bottomRows(50) - whole.middleRows(50, 50)).abs().maxCoeff(), 1e-14 * whole.abs().maxCoeff());
 }
 
 }  // namespace

@@ -64,6 +64,7 @@ TEST(OutputMap, SeveralConnectorsAddUpByTheirWeights) {
                                         {"stroke", Q::connector_deformation, {{"stop", 2.0}, {"strut", -3.0}}},
                                         {"rate", Q::connector_rate, {{"stop", 0.5}}}});
   const auto at = random_instant(model.system());
+  // sums of three terms
   EXPECT_NEAR(output(map, 0, at), 2.0 * at.f[1] - 3.0 * at.f[0], 1e-14);
   EXPECT_NEAR(output(map, 1, at), 2.0 * (at.z[2] - at.r[0]) - 3.0 * (at.z[1] - at.z[0]), 1e-14);
   EXPECT_NEAR(output(map, 2, at), 0.5 * (at.v[2] - at.r_rate[0]), 1e-14);

@@ -47,6 +47,7 @@ TEST(Evolution, FindsTheLowestOfManyMinimaWhereLeastSquaresSticks) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const auto outcome = evolve(rastrigin(centre), parameters, {.search = {.population = 120, .seed = seed}});
     found += (outcome.parameters - centre).norm() < 1e-5 ? 1 : 0;
+    // the lowest minimum or a neighbour of it, whose cost is about one half
     EXPECT_LT(outcome.cost_final, 1.5) << outcome.reason();
     EXPECT_LE(outcome.cost_final, outcome.cost_evolved);
     EXPECT_EQ(outcome.cost_initial, stuck.cost_initial);
@@ -64,8 +65,8 @@ TEST(Evolution, KeepsWithinTheBoundsAndFindsAMinimumOnOne) {
   });
   const auto outcome = evolve(residual, bounded(vector({1.0, 0.5}), 0.25, 2.0), {.polishing = std::nullopt});
   EXPECT_FALSE(outside);
-  EXPECT_NEAR(outcome.parameters[0], 2.0, 1e-6);
-  EXPECT_NEAR(outcome.parameters[1], 1.0, 1e-4);
+  EXPECT_NEAR(outcome.parameters[0], 2.0, 1e-9);  // held by the bound
+  EXPECT_NEAR(outcome.parameters[1], 1.0, 1e-6);  // the search settles; found 9e-8
   EXPECT_EQ(outcome.end, CmaEsEnd::settled);
   EXPECT_FALSE(outcome.polished);
 }
@@ -77,7 +78,7 @@ TEST(Evolution, GoesRoundPointsWithoutResponse) {
     return ResidualValue{vector({x[0] - 1.0}), Eigen::MatrixXd::Ones(1, 1)};
   });
   const auto outcome = evolve(residual, bounded(vector({-1.0}), -2.0, 2.0));
-  EXPECT_NEAR(outcome.parameters[0], 1.0, 1e-6);
+  EXPECT_NEAR(outcome.parameters[0], 1.0, 5e-7);  // least squares settle; found 1e-7
   EXPECT_GT(outcome.without_response, 0);
   EXPECT_TRUE(outcome.found());
 
@@ -104,7 +105,8 @@ TEST(Evolution, CountsThePriorAndStopsOnRequest) {
   auto parameters = bounded(vector({1.0}), -10.0, 10.0);
   parameters[0].deviation = 1.0;
   const auto residual = linear_residual(Eigen::MatrixXd::Ones(1, 1), vector({3.0}));
-  EXPECT_NEAR(evolve(residual, parameters, {.polishing = std::nullopt}).parameters[0], 2.0, 1e-3);
+  // the search settles; found 1e-5, which the roundings of its path may change
+  EXPECT_NEAR(evolve(residual, parameters, {.polishing = std::nullopt}).parameters[0], 2.0, 1e-4);
 
   EvolutionOptions options;
   options.watch = [](const EvolutionGeneration& generation) { return generation.generation < 3; };

@@ -70,7 +70,7 @@ TEST(FrfModel, IsTheDynamicFlexibility) {
   for (const double f : {0.0, 3.0, 4.1, 15.0}) {
     const Complex s = at_frequency(f, 0.2);
     const MatrixXcd direct = direct_receptance(chain->at(small_values()), s);
-    const double tolerance = 1e-12 * direct.norm();
+    const double tolerance = 1e-14 * direct.norm();  // rounding
     EXPECT_LT((evaluation.at(0, s).values - direct.col(1)).norm(), tolerance);
     EXPECT_LT(std::abs(evaluation.at(1, s).values[0] - s * direct(0, 2)), std::abs(s) * tolerance);
     EXPECT_LT(std::abs(evaluation.at(2, s).values[0] - s * s * direct(2, 0)), std::norm(s) * tolerance);
@@ -86,7 +86,7 @@ TEST(FrfModel, IsTheClosedFormOfOneMass) {
   const FrfModel model(std::make_shared<ChainModel>(chain),
                        {{FrfInput::force, "floor1", {"floor1"}, ResponseQuantity::displacement}}, 5.0, VectorXd());
   const Complex resonance = model.evaluate(VectorXd(), false).at(0, Complex(0.0, 20.0)).values[0];
-  EXPECT_NEAR(std::abs(resonance - Complex(0.0, -1.0 / (2.0 * 0.02 * 800.0))), 0.0, 1e-14);
+  EXPECT_NEAR(std::abs(resonance - Complex(0.0, -1.0 / (2.0 * 0.02 * 800.0))), 0.0, 1e-15);  // rounding
 }
 
 // The ground's motion acts as a force on the absolute motion, and as inertia forces on the relative one:
@@ -107,7 +107,7 @@ TEST(FrfModel, BaseExcitationIsForceExcitation) {
       Eigen::VectorXcd relative = Eigen::VectorXcd::Zero(3);
       for (std::size_t j = 0; j < 3; ++j) relative -= s * s * chain->masses[j] * evaluation.at(2 + j, s).values;
       const Eigen::VectorXcd absolute = relative.array() + 1.0;
-      const double tolerance = 1e-11 * absolute.norm();
+      const double tolerance = 3e-14 * absolute.norm();  // rounding
       EXPECT_LT((evaluation.at(0, s).values - absolute).norm(), tolerance) << f;
       EXPECT_LT((evaluation.at(1, s).values - absolute).norm(), tolerance) << f;
       if (with_ratios) continue;
@@ -222,8 +222,9 @@ TEST(FrfModel, HoldsForRepeatedModes) {
   const VectorXd step = VectorXd::Constant(1, 1e-3);
   const Eigen::VectorXcd difference =
       (model.evaluate(step, false).at(0, s).values - model.evaluate(-step, false).at(0, s).values) / 2e-3;
-  EXPECT_LT((analytic.col(0) - difference).norm(), 1e-6 * difference.norm());
-  EXPECT_NEAR(std::abs(analytic(3, 0) - 0.5 * (analytic(0, 0) + analytic(1, 0))), 0.0, 1e-12 * difference.norm());
+  // roundings over the step, 1e-6 of the stiffness: found 2e-9
+  EXPECT_LT((analytic.col(0) - difference).norm(), 1e-8 * difference.norm());
+  EXPECT_NEAR(std::abs(analytic(3, 0) - 0.5 * (analytic(0, 0) + analytic(1, 0))), 0.0, 1e-14 * difference.norm());
 }
 
 // Held by a second place that does not move, the structure follows the ground in a shape that depends on the parameter.
@@ -239,7 +240,8 @@ TEST(FrfModel, FollowsTheGroundInAShapeThatTheParameterChanges) {
       {FrfInput::ground_displacement, "base", {"z1", "z2"}, ResponseQuantity::displacement}};
   const VectorXd theta = VectorXd::Constant(1, 50.0);
   const FrfModel model(family, sets, 10.0, theta);
-  for (const double f : {2.0, 4.0, 8.0}) EXPECT_LT(derivative_error(model, theta, 0, at_frequency(f)), 1e-7) << f;
+  // rounding over the step: found 8e-10
+  for (const double f : {2.0, 4.0, 8.0}) EXPECT_LT(derivative_error(model, theta, 0, at_frequency(f)), 3e-9) << f;
 }
 
 TEST(FrfModel, HoldsForDegreesOfFreedomWithoutMass) {
@@ -253,8 +255,9 @@ TEST(FrfModel, HoldsForDegreesOfFreedomWithoutMass) {
   const Complex s = at_frequency(2.0);
   const Eigen::VectorXcd direct = (family->stiffness + s * s * family->mass).inverse().col(1);
   const FrfLine line = model.evaluate(zero, true).at(0, s);
-  EXPECT_LT((line.values - direct).norm(), 1e-12 * direct.norm());
-  EXPECT_LT((line.derivatives.col(0) + direct * direct[1]).norm(), 1e-12 * (direct * direct[1]).norm());
+  // rounding
+  EXPECT_LT((line.values - direct).norm(), 3e-14 * direct.norm());
+  EXPECT_LT((line.derivatives.col(0) + direct * direct[1]).norm(), 3e-14 * (direct * direct[1]).norm());
 }
 
 TEST(FrfModel, HoldsForFreeStructures) {
@@ -267,11 +270,12 @@ TEST(FrfModel, HoldsForFreeStructures) {
   const FrfModel model(std::make_shared<ChainModel>(chain), {{FrfInput::force, "floor1", {"floor1", "floor4"}}}, 15.0,
                        values);
   const FrfEvaluation evaluation = model.evaluate(values, false);
-  EXPECT_NEAR(std::abs(evaluation.at(0, at_frequency(0.01)).values[1]), 1.0 / 6.0, 1e-5);
+  // the flexibility of the springs adds 2e-6 at 0.01 Hz
+  EXPECT_NEAR(std::abs(evaluation.at(0, at_frequency(0.01)).values[1]), 1.0 / 6.0, 4e-6);
   const Complex s = at_frequency(4.0);
   const Eigen::VectorXcd direct = s * s * direct_receptance(chain.at(values), s).col(0);
-  EXPECT_LT(std::abs(evaluation.at(0, s).values[1] - direct[3]), 1e-9 * direct.norm());
-  EXPECT_LT(derivative_error(model, values, 0, s), 1e-6);
+  EXPECT_LT(std::abs(evaluation.at(0, s).values[1] - direct[3]), 1e-14 * direct.norm());  // rounding
+  EXPECT_LT(derivative_error(model, values, 0, s), 5e-9);  // rounding over the step: found 1e-9
 }
 
 /// A longer chain, its modes cut off, against the same with all modes: worst relative errors up to `highest`.
@@ -311,8 +315,10 @@ TEST(FrfModel, ErrorsOfTheTruncatedBasisAreSmall) {
   for (const bool free : {false, true})
     for (const std::vector<double>& ratios : {std::vector{0.01}, std::vector{0.01, 0.02, 0.005}}) {
       const TruncationErrors two = truncation_errors(2.0, ratios, free), three = truncation_errors(3.0, ratios, free);
-      EXPECT_LT(three.values, 5e-5) << free;
-      EXPECT_LT(three.derivatives, 2e-3) << free;
+      // found 2e-5 and 9e-4 where the chain is free, 5e-6 and 3e-4 where it is held
+      EXPECT_LT(three.values, free ? 5e-5 : 1.2e-5) << free;
+      EXPECT_LT(three.derivatives, free ? 2e-3 : 7e-4) << free;
+      // found .21 to .26 and .35 to .56
       EXPECT_LT(three.values, 0.5 * two.values) << free;
       EXPECT_LT(three.derivatives, 0.7 * two.derivatives) << free;
     }

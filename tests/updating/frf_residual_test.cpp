@@ -63,7 +63,7 @@ TEST(FrfResidual, IsZeroAtTheTruth) {
     const FrfResidual residual(chain, {simulated(chain, top_force(3), 0.0)}, truth, {.form = form, .bands = {{2, 30}}});
     const auto value = residual.evaluate(truth, false);
     ASSERT_TRUE(value.has_value());
-    EXPECT_LT(value->values.cwiseAbs().maxCoeff(), 1e-8);
+    EXPECT_LT(value->values.cwiseAbs().maxCoeff(), 1e-13);  // rounding of logarithms, over deviations of .01
     EXPECT_EQ(value->values.size(), residual.size());
     EXPECT_EQ(residual.size(), residual.compared()[0].lines.size() * 3 * (form == FrfForm::log_magnitude ? 1 : 2));
   }
@@ -79,8 +79,8 @@ TEST(FrfResidual, IsWhiteAtTheTruth) {
     const FrfResidual residual(chain, {measured}, truth,
                                {.form = form, .bands = {{3, 30}}, .relative_deviation = 1e-9});
     const auto value = residual.evaluate(truth, false);
-    // 5000 values: the mean square is known to 2 %; logarithms at the antiresonances are not quite normal.
-    EXPECT_NEAR(value->values.squaredNorm() / double(residual.size()), 1.0, 0.08);
+    // 5000 values: the mean square is known to 2 %; the numbers of the stream are the same everywhere.
+    EXPECT_NEAR(value->values.squaredNorm() / double(residual.size()), 1.0, 0.02);
   }
 }
 
@@ -102,8 +102,10 @@ TEST(FrfResidual, JacobianIsThatOfDifferences) {
         below[p] -= step;
         const VectorXd difference =
             (residual.evaluate(above, false)->values - residual.evaluate(below, false)->values) / (2.0 * step);
-        // Undamped but for 0.2 %: third derivatives are (1 / zeta)^2 times the relative step's square, 2.5e-7.
-        EXPECT_LT((jacobian.col(p) - difference).norm(), 3e-6 * difference.norm()) << p << " " << int(form);
+        // Undamped but for 0.2 %: third derivatives are (1 / zeta)^2 times the relative step's square, 2.5e-7: found
+        // 2e-8, and 3e-9 where smoothing widens the peaks.
+        EXPECT_LT((jacobian.col(p) - difference).norm(), (width > 0.0 ? 1e-8 : 5e-8) * difference.norm())
+            << p << " " << int(form);
       }
     }
 }
@@ -119,7 +121,7 @@ TEST(FrfResidual, SmoothsBothAlike) {
     const auto& compared = residual.compared()[0];
     const auto model = residual.model_responses(truth)[0];
     // What the kernel takes from beyond the last line is not known: width / (15 pi), 4 % at 35 Hz for 2 Hz.
-    EXPECT_LT((compared.values - model).norm(), (width < 1.0 ? 0.01 : 0.04) * model.norm()) << width;
+    EXPECT_LT((compared.values - model).norm(), width / (15.0 * std::numbers::pi) * model.norm()) << width;
     EXPECT_GE(
         (compared.lines.tail(compared.lines.size() - 1) - compared.lines.head(compared.lines.size() - 1)).minCoeff(),
         0.5 * width - 1e-9);
@@ -160,7 +162,8 @@ TEST(FrfResidual, ContinuationReachesLightlyDampedStructuresFromAfar) {
   int missed = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const VectorXd start = poor_start(truth_of(*chain), seed);
-    EXPECT_LT(error_after(chain, measured, start, smoothing_widths(2.0, 0.03)), 0.002) << seed;
+    // noise of 1 % leaves 6e-5
+    EXPECT_LT(error_after(chain, measured, start, smoothing_widths(2.0, 0.03)), 2e-4) << seed;
     missed += error_after(chain, measured, start, {0.0}) > 0.01 ? 1 : 0;
   }
   EXPECT_GT(missed, 0);

@@ -68,7 +68,7 @@ TEST_P(FreeScale, ResidualsDoNotSeeTheSizeOfWhatIsMeasured) {
     measured[1].response.values *= factor;
     return FrfResidual(chain, measured, start, options).evaluate(start, false)->values;
   };
-  EXPECT_LT((scaled(1000.0) - scaled(1.0)).norm(), 1e-9 * scaled(1.0).norm());
+  EXPECT_LT((scaled(1000.0) - scaled(1.0)).norm(), 1e-13 * scaled(1.0).norm());  // rounding
 }
 
 /// The best factor moves with the parameters: derivatives hold that as well.
@@ -83,7 +83,8 @@ TEST_P(FreeScale, JacobianIsThatOfDifferences) {
     const VectorXd difference =
         (residual.evaluate(values + step, false)->values - residual.evaluate(values - step, false)->values) /
         (2e-6 * values[p]);
-    EXPECT_LT((jacobian.col(p) - difference).norm(), 3e-6 * difference.norm()) << p;
+    // roundings over the step: found 2e-8 of the ratio, 4e-10 of stiffnesses
+    EXPECT_LT((jacobian.col(p) - difference).norm(), 7e-8 * difference.norm()) << p;
   }
 }
 
@@ -103,7 +104,7 @@ TEST_P(FreeScale, TheFactorIsTheBest) {
     return fixed.evaluate(values, false)->values.squaredNorm();
   };
   const double best = residual.evaluate(values, false)->values.squaredNorm();
-  EXPECT_NEAR(cost_with(1.0), best, 1e-9 * best);
+  EXPECT_NEAR(cost_with(1.0), best, 1e-14 * best);  // rounding
   EXPECT_GT(cost_with(1.001), best);
   EXPECT_GT(cost_with(0.999), best);
 }
@@ -125,12 +126,13 @@ TEST(FrfScale, FindsStiffnessAndFactorsOfUncalibratedSensors) {
   parameters.push_back({"ratio", "", start[3], 1e-3, 2e-2});
   const auto outcome = minimise(residual, parameters, {.search = {}, .start = start, .watch = {}});
   ASSERT_TRUE(outcome.usable()) << outcome.reason();
-  for (Index i = 0; i < 3; ++i) EXPECT_NEAR(outcome.parameters[i] / truth()[i], 1.0, 1e-3) << i;
-  EXPECT_NEAR(outcome.parameters[3], 0.004, 1e-4);
+  // 1 % of noise on 660 lines leaves 4e-4 to a factor; found 3e-5 to stiffnesses, 8e-4 to the ratio and a factor
+  for (Index i = 0; i < 3; ++i) EXPECT_NEAR(outcome.parameters[i] / truth()[i], 1.0, 8e-5) << i;
+  EXPECT_NEAR(outcome.parameters[3], 0.004, 1e-5);
   const auto scales = residual.scales(residual.model_responses(outcome.parameters));
-  EXPECT_NEAR(scales[0][0], 30.0, 0.1);
-  EXPECT_NEAR(scales[0][1], 0.5, 0.002);
-  EXPECT_NEAR(scales[0][2], 2.0, 0.01);
+  EXPECT_NEAR(scales[0][0], 30.0, 0.05);
+  EXPECT_NEAR(scales[0][1], 0.5, 4e-4);
+  EXPECT_NEAR(scales[0][2], 2.0, 1.2e-3);
 }
 
 TEST(FrfScale, IsRefusedWhereDifferencesAreCompared) {
@@ -174,12 +176,12 @@ TEST(FrfScale, SouthamptonFrameInDecibel) {
   parameters.push_back({"ratio", "", start[3], 2e-4, 2e-2});
   const auto outcome = minimise(residual, parameters, {.search = {}, .start = start, .watch = {}});
   ASSERT_TRUE(outcome.usable()) << outcome.reason();
-  // As StoreysAreFoundFromBeamTheory finds them in the complex FRFs of three inputs.
-  EXPECT_NEAR(outcome.parameters[0], 42.7e3, 200.0);
-  EXPECT_NEAR(outcome.parameters[1], 48.4e3, 200.0);
-  EXPECT_NEAR(outcome.parameters[2], 38.0e3, 200.0);
+  // As StoreysAreFoundFromBeamTheory finds them in the complex FRFs of three inputs, to 60 N/m.
+  EXPECT_NEAR(outcome.parameters[0], 42.7e3, 150.0);
+  EXPECT_NEAR(outcome.parameters[1], 48.4e3, 150.0);
+  EXPECT_NEAR(outcome.parameters[2], 38.0e3, 150.0);
   const double scale = residual.scales(residual.model_responses(outcome.parameters))[0][0];
-  EXPECT_NEAR(scale, 1.0, 0.05);  // calibrations of the runs differ by as much
+  EXPECT_NEAR(scale, 1.0, 0.03);  // calibrations of the runs differ by as much
   std::printf("storeys %.1f %.1f %.1f N/m, ratio %.5f, factor %.3f\n", outcome.parameters[0], outcome.parameters[1],
               outcome.parameters[2], outcome.parameters[3], scale);
 }

@@ -22,11 +22,14 @@ GaussNewtonOptions sharp() {
 TEST(LeastSquares, ReachesCertifiedRegressions) {
   for (const auto& problem : nist_problems())
     for (std::size_t start = problem.name == "Eckerle4" ? 1 : 0; start < 2; ++start) {
+      const bool flat = problem.name == "MGH09" || problem.name == "Thurber";  // found 5e-7, and 5e-9 for the others
       SCOPED_TRACE(problem.name + " from start " + std::to_string(start + 1));
       const auto outcome = minimise(problem.residual, free_parameters(problem.starts[start]), {.search = sharp()});
       EXPECT_TRUE(outcome.usable()) << outcome.reason();
-      EXPECT_NEAR(2.0 * outcome.cost_final, problem.sum_of_squares, 1e-9 * problem.sum_of_squares);
-      EXPECT_LT((outcome.parameters - problem.certified).cwiseQuotient(problem.certified).cwiseAbs().maxCoeff(), 1e-6);
+      // eleven digits are given: found 4e-11
+      EXPECT_NEAR(2.0 * outcome.cost_final, problem.sum_of_squares, 1e-10 * problem.sum_of_squares);
+      EXPECT_LT((outcome.parameters - problem.certified).cwiseQuotient(problem.certified).cwiseAbs().maxCoeff(),
+                flat ? 1e-6 : 1e-8);
       EXPECT_LT(outcome.evaluations, start == 0 ? 300 : 60);
     }
 }
@@ -37,7 +40,7 @@ TEST(LeastSquares, StandardTolerancesEndWithinASmallPartOfTheDeviations) {
     const auto outcome = minimise(problem.residual, free_parameters(problem.starts[1]));
     EXPECT_TRUE(outcome.usable()) << outcome.reason();
     const VectorXd error = (outcome.parameters - problem.certified).cwiseQuotient(problem.certified_deviations);
-    EXPECT_LT(error.cwiseAbs().maxCoeff(), 5e-3);
+    EXPECT_LT(error.cwiseAbs().maxCoeff(), 5e-4);  // found 2e-4
     EXPECT_LT(outcome.evaluations, 40);
   }
 }
@@ -45,8 +48,9 @@ TEST(LeastSquares, StandardTolerancesEndWithinASmallPartOfTheDeviations) {
 TEST(LeastSquares, FollowsRosenbrocksValley) {
   const auto outcome = minimise(rosenbrock(), free_parameters(vector({-1.2, 1.0})));
   EXPECT_TRUE(outcome.usable());
-  EXPECT_NEAR(outcome.parameters[0], 1.0, 1e-6);
-  EXPECT_NEAR(outcome.parameters[1], 1.0, 1e-6);
+  // the last step to a residual of zero squares the error: only roundings are left
+  EXPECT_NEAR(outcome.parameters[0], 1.0, 1e-12);
+  EXPECT_NEAR(outcome.parameters[1], 1.0, 1e-12);
   EXPECT_LT(outcome.evaluations, 60);
 }
 
@@ -56,8 +60,8 @@ TEST(LeastSquares, FindsTheMinimumOnABound) {
   const auto on_x = minimise(rosenbrock(), parameters, {.search = sharp()});
   EXPECT_TRUE(on_x.usable()) << on_x.reason();
   EXPECT_EQ(on_x.parameters[0], 0.5);
-  EXPECT_NEAR(on_x.parameters[1], 0.25, 1e-9);
-  EXPECT_NEAR(on_x.cost_final, 0.125, 1e-12);
+  EXPECT_NEAR(on_x.parameters[1], 0.25, 1e-14);  // rounding: linear on the bound
+  EXPECT_NEAR(on_x.cost_final, 0.125, 1e-15);
 
   parameters = free_parameters(vector({-1.2, -0.5}));
   parameters[1].upper = 0.5;
@@ -65,7 +69,8 @@ TEST(LeastSquares, FindsTheMinimumOnABound) {
   EXPECT_TRUE(on_y.usable()) << on_y.reason();
   EXPECT_EQ(on_y.parameters[1], 0.5);
   const double x = on_y.parameters[0];
-  EXPECT_NEAR(-400.0 * x * (0.5 - x * x) - 2.0 * (1.0 - x), 0.0, 1e-6) << "stationary along the bound";
+  // a cost tolerance of 1e-14 leaves sqrt(2e-14 F / F") = 2e-9 of x, which 2 F" = 400 makes 1e-6
+  EXPECT_NEAR(-400.0 * x * (0.5 - x * x) - 2.0 * (1.0 - x), 0.0, 3e-6) << "stationary along the bound";
 
   parameters[0].lower = parameters[0].upper = -1.2;
   const auto held = minimise(rosenbrock(), parameters, {.search = sharp()});
@@ -84,7 +89,7 @@ TEST(LeastSquares, RecordsItsCourse) {
   EXPECT_EQ(outcome.trace.front().cost, outcome.cost_initial);
   EXPECT_EQ(outcome.trace.back().cost, outcome.cost_final);
   EXPECT_EQ(outcome.cost_initial, outcome.residual_cost_initial);
-  EXPECT_NEAR(outcome.residual_cost_initial, 12.1, 1e-12);
+  EXPECT_NEAR(outcome.residual_cost_initial, 12.1, 5e-14);  // rounding
   EXPECT_GT(outcome.cost_final, outcome.residual_cost_final);
   int accepted = 0;
   for (std::size_t i = 1; i < outcome.trace.size(); ++i) {
@@ -138,8 +143,8 @@ TEST(LeastSquares, AStartOfItsOwnLeavesThePriorWhereItIs) {
   parameters[0].deviation = 1.0;
   const auto residual = linear_residual(MatrixXd::Ones(1, 1), vector({3.0}));
   const auto outcome = minimise(residual, parameters, {.start = vector({5.0})});
-  EXPECT_NEAR(outcome.parameters[0], 2.0, 1e-12);
-  EXPECT_NEAR(outcome.cost_initial, 0.5 * 4.0 + 0.5 * 16.0, 1e-12);
+  EXPECT_NEAR(outcome.parameters[0], 2.0, 1e-14);  // rounding
+  EXPECT_NEAR(outcome.cost_initial, 0.5 * 4.0 + 0.5 * 16.0, 1e-14);
 }
 
 }  // namespace

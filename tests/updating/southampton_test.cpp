@@ -110,17 +110,19 @@ TEST_F(Southampton, FilesAreTheFloorsFromBelow) {
   // Far above its modes a floor moves as a free mass; storeys still add up to 2 k / (m omega^2) = 6 % at 85 Hz.
   for (Index i = 0; i < 3; ++i) {
     const double inertance = measured[std::size_t(i)].response.values(Eigen::seq(2500, 3000), i).real().mean();
+    // calibrations differ by 5 %
     EXPECT_NEAR(inertance * storey_mass, 1.06, 0.07) << i;
   }
 }
 
 TEST_F(Southampton, PeaksAgreeAmongTheRuns) {
-  EXPECT_NEAR(stiffness_of_beam_theory(), 52.5e3, 100.0);
+  EXPECT_NEAR(stiffness_of_beam_theory(), 52.5e3, 50.0);  // three digits
   const std::vector<double> expected = {6.514, 17.464, 26.506};
   for (const auto& frf : measured_frfs()) {
     const auto peaks = find_peaks(frf.response, {.band = {3.0, 60.0}});
     ASSERT_EQ(peaks.size(), 3u) << frf.name;
     for (std::size_t i = 0; i < 3; ++i) {
+      // peaks of the runs differ by 1 mHz and .0005
       EXPECT_NEAR(peaks[i].frequency, expected[i], 0.002) << frf.name;
       EXPECT_NEAR(peaks[i].damping.value_or(0.0), 0.002, 0.0006) << frf.name;
     }
@@ -136,14 +138,16 @@ TEST_F(Southampton, StoreysAreFoundFromBeamTheory) {
       const auto outcome = update(chain, {.form = form, .bands = {{4.0, 32.0}}}, smoothing_widths(2.0, 0.2));
       const VectorXd frequencies = frequencies_of(*chain, outcome.parameters);
       for (std::size_t i = 0; i < 3; ++i)
-        EXPECT_NEAR(frequencies[Index(i)] / peaks[i].frequency, 1.0, 0.003) << ratios << int(form);
-      EXPECT_NEAR(outcome.parameters[0], 42.7e3, 400.0);
-      EXPECT_NEAR(outcome.parameters[1], 48.4e3, 400.0);
-      EXPECT_NEAR(outcome.parameters[2], 38.0e3, 400.0);
+        // a fit of all lines and the peak differ by 9e-4
+        EXPECT_NEAR(frequencies[Index(i)] / peaks[i].frequency, 1.0, 0.002) << ratios << int(form);
+      // forms and numbers of ratios differ by 60 to 90 N/m
+      EXPECT_NEAR(outcome.parameters[0], 42.7e3, 200.0);
+      EXPECT_NEAR(outcome.parameters[1], 48.4e3, 200.0);
+      EXPECT_NEAR(outcome.parameters[2], 38.0e3, 200.0);
       const VectorXd deviations = deviations_of(outcome);
       for (Index i = 0; i < 3; ++i) {
         EXPECT_GT(deviations[i], 1.0);
-        EXPECT_LT(deviations[i], 100.0);
+        EXPECT_LT(deviations[i], 30.0);
       }
       for (Index i = 3; i < outcome.parameters.size(); ++i) {
         EXPECT_GT(outcome.parameters[i], 0.001);
