@@ -34,10 +34,10 @@ void simulate_once(const Study& study, const CoupledModel& model, Index substeps
   SimulationOptions options;
   options.integrator = Integrator::exact;
   options.step = 1.0 / (study.sample_rate() * static_cast<double>(substeps));
-  options.duration = study.given.simulate->duration;
+  options.duration = study.simulation->duration;
   options.keep_motion = false;
   options.every_step = make_outputs(model, outputs);
-  simulate(model.system(), study.structure->signals, initial_state(study.given.simulate->initial, model), options);
+  simulate(model.system(), study.structure->signals, initial_state(study.simulation->initial, model), options);
 }
 
 void time_simulation_residual(const Study& study, const FullRecord& record) {
@@ -74,13 +74,10 @@ SectionParts time_parts(const RecordResidual& residual, const ParameterisedStruc
 }
 
 void time_stages(const Study& study, const FullRecord& record, int repetitions) {
-  const auto structure = parameterised_structure(study);
-  const auto& given = std::get<description::DrivenHistory>(study.given.update->comparisons.front().second.value.data);
-  const RecordResidual residual(study, record, structure,
-                                {.name = "record",
-                                 .substructure = given.substructure.value,
-                                 .sensors = names_of(study.sensors),
-                                 .hold_gains = !study.structure->finite_elements.empty()});
+  const auto& structure = study.updating_plan->structure;
+  auto options = std::get<RecordResidual::Options>(study.updating_plan->record_comparisons.front().what);
+  options.sensors = names_of(study.sensors);
+  const RecordResidual residual(study.problem, record, structure, *study.updating, options);
   const VectorXd start = initial_values(study.updating->parameters);
   std::vector<double> first, later, reductions, filters, predictions, sums;
   for (int repetition = 0; repetition < repetitions; ++repetition) {
@@ -112,13 +109,12 @@ int main(int argc, char** argv) {
   }
   try {
     const Study chain = load_study(argv[1]);
-    std::printf("Chain: %zu parameters, %g s\n", chain.updating->parameters.size(), chain.given.simulate->duration);
+    std::printf("Chain: %zu parameters, %g s\n", chain.updating->parameters.size(), chain.simulation->duration);
     const FullRecord chain_record = simulated_record(chain);
     time_simulation_residual(chain, chain_record);
     time_stages(chain, chain_record, 5);
     const Study vehicle = load_study(argv[2]);
-    std::printf("\nVehicle: %zu parameters, %g s\n", vehicle.updating->parameters.size(),
-                vehicle.given.simulate->duration);
+    std::printf("\nVehicle: %zu parameters, %g s\n", vehicle.updating->parameters.size(), vehicle.simulation->duration);
     time_stages(vehicle, simulated_record(vehicle), 3);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());

@@ -14,6 +14,7 @@
 #include "kalfem/linalg/blas_kernels.hpp"
 #include "kalfem/linalg/sparse_factor.hpp"
 #include "kalfem/linalg/sparse_select.hpp"
+#include "kalfem/study/case_study.hpp"
 #include "kalfem/study/study.hpp"
 #include "kalfem/yaml/case_reader.hpp"
 #include "timing.hpp"

@@ -29,7 +29,7 @@ CORE = LIBRARY - {"formats"}
 ALLOWED["identification"] = CORE
 ALLOWED["casefile"] = LIBRARY | {"identification", "yaml"}
 ALLOWED["study"] = ALLOWED["casefile"] | {"casefile"}
-ALLOWED["pipeline"] = ALLOWED["study"] | {"study"}
+ALLOWED["pipeline"] = LIBRARY | {"identification", "study"}
 ALLOWED["report"] = ALLOWED["pipeline"] | {"pipeline"}
 INCLUDE = re.compile(r'#include "kalfem/(\w+)/')
 

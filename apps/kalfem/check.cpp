@@ -17,7 +17,7 @@ namespace {
 
 Table substructure_table(const Study& study) {
   Table table{"", {"substructure", "degrees of freedom", "mass", "lowest frequencies [Hz]"}, {}, {}};
-  for (const auto& part : substructure_modes(study, study.given.report.modes)) {
+  for (const auto& part : substructure_modes(study, study.report.modes)) {
     std::string frequencies;
     for (Eigen::Index i = 0; i < std::min<Eigen::Index>(5, part.frequencies.size()); ++i)
       frequencies += (i ? ", " : "") + four_digits(part.frequencies[i]);
@@ -72,7 +72,7 @@ void print_table(const Table& table) {
 }
 
 void check_parts(const Study& study, const std::string& page_file) {
-  Page page{.title = study.given.title.empty() ? "kalfem" : study.given.title,
+  Page page{.title = study.title.empty() ? "kalfem" : study.title,
             .subtitle = "Health of the finite-element substructures",
             .status = PageStatus::ok,
             .summary = "The case can be run.",
@@ -96,7 +96,7 @@ ExitCode check(const std::string& case_file, const std::string& page_file) {
   if (!page_file.empty()) require_writable(page_file);
   const Study study = load_study(case_file);
   if (study.updating) check_first_values(study);
-  print("{}\n\n", study.given.title.empty() ? case_file : study.given.title);
+  print("{}\n\n", study.title.empty() ? case_file : study.title);
   print_table(substructure_table(study));
   print_table(connector_table(study));
   print_table(sensor_table(study));

@@ -16,7 +16,7 @@ fs::path output_folder(const std::string& case_file, const std::string& asked) {
 }
 
 void print_heading(const Study& study) {
-  print("{}\n\n", study.given.title.empty() ? fs::path(study.file).filename().string() : study.given.title);
+  print("{}\n\n", study.title.empty() ? fs::path(study.file).filename().string() : study.title);
   for (const auto& warning : study.warnings) print_error("warning: {}\n", warning);
   require_output();
 }
@@ -26,19 +26,19 @@ void print_files(const fs::path& folder, const ResultSet& set) {
   if (!set.removed.empty()) print("Removed there, as of a former run: {}\n", listed(set.removed));
 }
 
-/// A verb that asks for one stage needs its section.
-void require_section(const Study& study, Step outcome) {
-  const auto& given = study.given;
+/// A verb that asks for one step needs its section.
+void require_section(const Study& study, Step asked) {
   const auto require = [&](bool present, const char* section) {
     if (!present)
-      throw InvalidInput(Issue{given.source.at({}), "the case has no `" + std::string(section) + "`",
+      throw InvalidInput(Issue{{study.file, 1},
+                               "the case has no `" + std::string(section) + "`",
                                "there is nothing to do for `kalfem " + std::string(section) + "`",
                                "add it, or use another verb"});
   };
-  if (outcome == Step::simulate) require(given.simulate.has_value(), "simulate");
-  if (outcome == Step::estimate) require(given.estimate.has_value(), "estimate");
-  if (outcome == Step::predict) require(given.predict.has_value() || !given.modifications.empty(), "predict");
-  if (outcome == Step::update) require(given.update.has_value(), "update");
+  if (asked == Step::simulate) require(study.simulation.has_value(), "simulate");
+  if (asked == Step::estimate) require(study.problem != nullptr, "estimate");
+  if (asked == Step::predict) require(study.prediction.has_value() || !study.modifications.empty(), "predict");
+  if (asked == Step::update) require(study.updating.has_value(), "update");
 }
 
 }  // namespace

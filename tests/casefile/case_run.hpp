@@ -9,6 +9,7 @@
 #include "kalfem/casefile/description.hpp"
 #include "kalfem/pipeline/reported_quantities.hpp"
 #include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/study/case_study.hpp"
 #include "kalfem/yaml/case_reader.hpp"
 
 /// Runs cases from their text, as the command does from a file.

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "kalfem/study/case_study.hpp"
 #include "kalfem/yaml/case_reader.hpp"
 
 namespace kalfem::wiring {

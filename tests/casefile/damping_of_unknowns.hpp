@@ -9,6 +9,7 @@
 #include "kalfem/base/random.hpp"
 #include "kalfem/casefile/description_form.hpp"
 #include "kalfem/pipeline/run_estimation.hpp"
+#include "kalfem/study/case_study.hpp"
 #include "kalfem/yaml/case_reader.hpp"
 
 /// The chain of the examples with unknown springs, masses and damping, from many first guesses and with many seeds.

@@ -26,34 +26,35 @@ KeyChecks all_of(const std::string& prefix, const std::vector<std::string>& keys
 
 void random_signals() {
   same_signal(
-      *with_signal("random: {rms: 2 kN, band: [3, 17], duration: 1.5, fade_in: 0.2, seed: 9}").signals[0],
+      *with_signal("random: {rms: 2 kN, band: [3, 17], duration: 1.5, fade_in: 0.2, seed: 9}").structure->signals[0],
       *make_random({.rms = 2e3, .lower = 3, .upper = 17, .duration = 1.5, .fade_in = 0.2, .seed = 9, .name = "e"}));
   // Without them: the simulation's duration as period, half a second, the first seed.
   same_signal(
-      *with_signal("random: {rms: 2, band: [3, 17]}").signals[0],
+      *with_signal("random: {rms: 2, band: [3, 17]}").structure->signals[0],
       *make_random({.rms = 2, .lower = 3, .upper = 17, .duration = 0.5, .fade_in = 0.5, .seed = 1, .name = "e"}));
 }
 
 void sines() {
-  same_signal(*with_signal("sine: {amplitude: 3 kN, frequency: 7 Hz, phase: 30 deg, fade_in: 0.2 s}").signals[0],
-              *make_sine({.amplitude = 3e3, .frequency = 7, .phase = 3.14159265358979323846 / 6, .fade_in = 0.2}));
-  same_signal(*with_signal("sine: {amplitude: 3, frequency: 7}").signals[0],
+  same_signal(
+      *with_signal("sine: {amplitude: 3 kN, frequency: 7 Hz, phase: 30 deg, fade_in: 0.2 s}").structure->signals[0],
+      *make_sine({.amplitude = 3e3, .frequency = 7, .phase = 3.14159265358979323846 / 6, .fade_in = 0.2}));
+  same_signal(*with_signal("sine: {amplitude: 3, frequency: 7}").structure->signals[0],
               *make_sine({.amplitude = 3, .frequency = 7, .phase = 0, .fade_in = 0}));
 }
 
 void sweeps() {
-  same_signal(
-      *with_signal("sweep: {amplitude: 3, from: 2, to: 20, duration: 0.4, kind: logarithmic, fade_in: 0.1}").signals[0],
-      *make_swept_sine(
-          {.amplitude = 3, .from = 2, .to = 20, .duration = 0.4, .sweep = Sweep::logarithmic, .fade_in = 0.1}));
-  same_signal(*with_signal("sweep: {amplitude: 3, from: 2, to: 20}").signals[0],
+  same_signal(*with_signal("sweep: {amplitude: 3, from: 2, to: 20, duration: 0.4, kind: logarithmic, fade_in: 0.1}")
+                   .structure->signals[0],
+              *make_swept_sine(
+                  {.amplitude = 3, .from = 2, .to = 20, .duration = 0.4, .sweep = Sweep::logarithmic, .fade_in = 0.1}));
+  same_signal(*with_signal("sweep: {amplitude: 3, from: 2, to: 20}").structure->signals[0],
               *make_swept_sine({.amplitude = 3, .from = 2, .to = 20, .duration = 0.5, .sweep = Sweep::linear}));
 }
 
 void impulses() {
-  same_signal(*with_signal("impulse: {amplitude: 4, start: 0.1, duration: 0.3, shape: smooth}").signals[0],
+  same_signal(*with_signal("impulse: {amplitude: 4, start: 0.1, duration: 0.3, shape: smooth}").structure->signals[0],
               *make_pulse({.amplitude = 4, .start = 0.1, .duration = 0.3, .shape = PulseShape::smooth}));
-  same_signal(*with_signal("impulse: {amplitude: 4}").signals[0],
+  same_signal(*with_signal("impulse: {amplitude: 4}").structure->signals[0],
               *make_pulse({.amplitude = 4, .start = 0.0, .duration = 0.01, .shape = PulseShape::half_sine}), 1e-3);
 }
 
@@ -61,23 +62,24 @@ void roads() {
   const auto road = [](const std::string& text) {
     return study_of(lumped_case({{"excitation", "{e: {base_displacement: s.ground, road: " + text + "}}"}}));
   };
-  same_signal(*road("{class: E, speed: 36 km/h, band: [0.1, 2], duration: 3, fade_in: 0.1, seed: 5}").signals[0],
-              *make_road_profile({.road_class = 'E',
-                                  .speed = 10,
-                                  .lower = 0.1,
-                                  .upper = 2,
-                                  .duration = 3,
-                                  .fade_in = 0.1,
-                                  .seed = 5,
-                                  .name = "e"}));
-  same_signal(*road("{class: A, speed: 30}").signals[0], *make_road_profile({.road_class = 'A',
-                                                                             .speed = 30,
-                                                                             .lower = 0.011,
-                                                                             .upper = 2.83,
-                                                                             .duration = 0.5,
-                                                                             .fade_in = 0.5,
-                                                                             .seed = 1,
-                                                                             .name = "e"}));
+  same_signal(
+      *road("{class: E, speed: 36 km/h, band: [0.1, 2], duration: 3, fade_in: 0.1, seed: 5}").structure->signals[0],
+      *make_road_profile({.road_class = 'E',
+                          .speed = 10,
+                          .lower = 0.1,
+                          .upper = 2,
+                          .duration = 3,
+                          .fade_in = 0.1,
+                          .seed = 5,
+                          .name = "e"}));
+  same_signal(*road("{class: A, speed: 30}").structure->signals[0], *make_road_profile({.road_class = 'A',
+                                                                                        .speed = 30,
+                                                                                        .lower = 0.011,
+                                                                                        .upper = 2.83,
+                                                                                        .duration = 0.5,
+                                                                                        .fade_in = 0.5,
+                                                                                        .seed = 1,
+                                                                                        .name = "e"}));
 }
 
 const std::vector<double> samples{0.0, 1.0, 4.0, 2.0, -1.0, 0.5, 3.0, 1.0};
@@ -86,15 +88,16 @@ const std::vector<double> samples{0.0, 1.0, 4.0, 2.0, -1.0, 0.5, 3.0, 1.0};
 void recorded_signals() {
   write_file("force.csv", csv_of(10.0, {{"p", samples}, {"q", std::vector<double>(8, 7.0)}}));
   Eigen::VectorXd values = Eigen::VectorXd::Map(samples.data(), 8);
-  same_signal(*with_signal("file: force.csv, channel: p").signals[0], *make_sampled(values, {.sample_rate = 10.0}));
+  same_signal(*with_signal("file: force.csv, channel: p").structure->signals[0],
+              *make_sampled(values, {.sample_rate = 10.0}));
   near(signal_at(with_signal("file: force.csv, channel: q"), 0.3)[0], 7.0);
-  same_signal(*with_signal("file: force.csv, channel: p, unit: kN").signals[0],
+  same_signal(*with_signal("file: force.csv, channel: p, unit: kN").structure->signals[0],
               *make_sampled(1e3 * values, {.sample_rate = 10.0}));
   write_file("bare.csv", "p\n0\n1\n4\n2\n-1\n0.5\n3\n1\n");
-  same_signal(*with_signal("file: bare.csv, channel: p, sample_rate: 5 Hz").signals[0],
+  same_signal(*with_signal("file: bare.csv, channel: p, sample_rate: 5 Hz").structure->signals[0],
               *make_sampled(values, {.sample_rate = 5.0}));
   write_file("late.csv", csv_of(10.0, {{"p", samples}}, -0.2));
-  same_signal(*with_signal("file: late.csv, channel: p").signals[0],
+  same_signal(*with_signal("file: late.csv, channel: p").structure->signals[0],
               *make_sampled(values, {.sample_rate = 10.0, .start = -0.2}), 0.01, 40);
 }
 
@@ -109,9 +112,9 @@ void drifts() {
     return GroundMotion(acceleration, {.start = 0.0, .step = 0.1, .knots = 8, .drift = drift});
   };
   const std::string file = "file: shaken.csv, channel: p";
-  same_signal(*moved(file + ", drift: keep").signals[0], expected(Drift::keep));
-  same_signal(*moved(file + ", drift: remove").signals[0], expected(Drift::remove));
-  same_signal(*moved(file).signals[0], expected(Drift::remove));
+  same_signal(*moved(file + ", drift: keep").structure->signals[0], expected(Drift::keep));
+  same_signal(*moved(file + ", drift: remove").structure->signals[0], expected(Drift::remove));
+  same_signal(*moved(file).structure->signals[0], expected(Drift::remove));
   // a = sin(w t) is r = (w t - sin(w t)) / w^2 from rest, and -sin(w t) / w^2 without its drift.
   const double w = 2 * 3.14159265358979323846 * 3.0, swing = std::sin(0.4 * w) / (w * w);
   const std::string sine = "sine: {amplitude: 1 m/s^2, frequency: 3}";
@@ -172,7 +175,7 @@ KeyChecks excitation_keys() {
   keys.merge(all_of(at, {"force", "base_displacement", "base_acceleration", "constant"}, targets));
   keys[at + "drift"] = drifts;
   keys[at + "scale"] = [] {
-    same_signal(*with_signal("sine: {amplitude: 3, frequency: 7}, scale: -1.5").signals[0],
+    same_signal(*with_signal("sine: {amplitude: 3, frequency: 7}, scale: -1.5").structure->signals[0],
                 *make_sine({.amplitude = -4.5, .frequency = 7}));
   };
   return keys;

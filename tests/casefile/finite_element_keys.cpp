@@ -372,7 +372,7 @@ void damping_at_parameters() {
   const auto study = with_part(
       "finite_elements: {" + beam_elements() + "}, damping: {modal: [1 %, 2 %], modal_up_to: 50 Hz}",
       {{"update", "{parameters: {b.steel.youngs_modulus: {}}, compare: {f: {modes: b, frequencies: [14]}}}"}});
-  const auto at = parameterised_structure(study)->at(initial_values(study.updating->parameters));
+  const auto at = study.updating_plan->structure->at(initial_values(study.updating->parameters));
   const Eigen::MatrixXd given = whole_damping(part_of(study).full);
   EXPECT_LT((whole_damping(*at.parts.finite_elements[0].model) - given).norm(),
             1e-13 * given.norm());  // rounding of the modes
@@ -409,7 +409,7 @@ std::shared_ptr<const Superelement> reduced(const std::string& text, const std::
   return with_part(
              "finite_elements: {" + beam_elements() + "}" + (text.empty() ? "" : ", reduction: {" + text + "}") + more,
              {{"excitation", "{f: {force: b.tip.z, constant: 1 N}}"}})
-      .finite_elements.at(0)
+      .structure->finite_elements.at(0)
       .reduced;
 }
 

@@ -3,7 +3,7 @@
 #include "base/scratch_folder.hpp"
 #include "casefile/damping_of_unknowns.hpp"
 #include "kalfem/identification/parameterised_structure.hpp"
-#include "kalfem/study/comparisons.hpp"
+#include "kalfem/pipeline/run_updating.hpp"
 #include "kalfem/updating/frf_residual.hpp"
 
 // How a case's frequency responses reach the residual.
@@ -52,7 +52,7 @@ protected:
 
   std::shared_ptr<const FrfResidual> residual(const std::string& file, const std::string& keys) const {
     const Study study = study_of(with(with(two_floors, "FILE", file), "KEYS", keys));
-    const auto comparisons = make_comparisons(study, parameterised_structure(study));
+    const auto& comparisons = study.updating_plan->comparisons;
     return std::dynamic_pointer_cast<const FrfResidual>(comparisons.at(0).continuation_steps.back());
   }
   std::string decibel() const { return "'" + (folder_ / "db.csv").string() + "', values: dB"; }

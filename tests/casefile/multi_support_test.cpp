@@ -121,7 +121,7 @@ TEST(MultiSupport, AnAccelerometersOffsetDoesNotPullTheSupportsApart) {
   EXPECT_LT((found - expected).col(0).abs().maxCoeff(), 0.01 * expected.col(0).abs().maxCoeff());
   const auto kept = study_of(driven_by(left + ", drift: keep}"));
   EXPECT_TRUE(kept.warnings.empty());
-  EXPECT_NEAR(kept.signals[0]->sample(4.0, 1.0, 1)(0, 0) - motion->sample(4.0, 1.0, 1)(0, 0), 0.4, 2e-6);
+  EXPECT_NEAR(kept.structure->signals[0]->sample(4.0, 1.0, 1)(0, 0) - motion->sample(4.0, 1.0, 1)(0, 0), 0.4, 2e-6);
 }
 
 TEST(MultiSupport, SupportsThatMoveAlikeAreAnAcceleratedBase) {

@@ -168,7 +168,7 @@ TEST(Summary, HoldsTheModel) {
   same(summary["substructures"]["s"]["frequencies_hz"][1], results.modes[1].frequencies[1]);
   const auto beam = study_of(beam_case());
   const auto reduced = summarise(beam, run(beam, Step::modes))["model"]["substructures"]["b"];
-  const auto& error_indicators = beam.finite_elements[0].reduced->error_indicators;
+  const auto& error_indicators = beam.structure->finite_elements[0].reduced->error_indicators;
   same(reduced["reduction"]["highest_kept_hz"], error_indicators.highest_kept);
   same(reduced["reduction"]["next_left_out_hz"], error_indicators.next_left_out);
   same(reduced["reduction"]["modes"][0]["full_hz"], error_indicators.modes[0].full);

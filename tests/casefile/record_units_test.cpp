@@ -3,7 +3,7 @@
 #include "casefile/record_cases.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
 #include "kalfem/identification/parameterised_structure.hpp"
-#include "kalfem/study/comparisons.hpp"
+#include "kalfem/pipeline/run_updating.hpp"
 #include "kalfem/updating/frf_residual.hpp"
 
 // Units of a record's columns: of the case, of the file, and both.
@@ -109,7 +109,7 @@ TEST_F(RecordUnits, ThatContradictEachOtherAreRefused) {
 TEST_F(RecordUnits, AreEchoed) {
   write_titled("F", "x", "a");
   const Study study = load({{a_, "a: {acceleration: s.m, noise: 1 %, unit: g}"}});
-  const std::string echo = to_yaml(*description::case_form().write(study.given));
+  const std::string echo = study.resolved_case;
   EXPECT_NE(echo.find("unit: g"), std::string::npos) << echo;
 }
 
@@ -164,7 +164,7 @@ update:
     std::ofstream(folder_ / "modes.csv") << modes;
     const Study study = load_study((folder_ / "case.yaml").string());
     std::vector<double> norms;
-    for (const auto& comparison : make_comparisons(study, parameterised_structure(study)))
+    for (const auto& comparison : study.updating_plan->comparisons)
       norms.push_back(comparison.continuation_steps.front()
                           ->evaluate(Eigen::VectorXd::Constant(1, stiffness), false)
                           ->values.norm());

@@ -4,7 +4,7 @@
 #include "kalfem/identification/augmented_model_setup.hpp"
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/pipeline/reported_quantities.hpp"
-#include "kalfem/study/comparisons.hpp"
+#include "kalfem/pipeline/run_updating.hpp"
 
 /// The steps of a study together: what one hands to the next, where nothing but its place and time can go wrong.
 namespace kalfem::wiring {
@@ -125,9 +125,7 @@ TEST_F(LateRecord, PredictsWithTheForcesOfThen) {
 TEST_F(LateRecord, IsComparedWithWhatHappenedThen) {
   for (const std::string comparison : {"simulation: all", "time_history: s"}) {
     const auto study = late({{"update", "{parameters: {s.k.stiffness: {}}, compare: {r: {" + comparison + "}}}"}});
-    const auto structure = parameterised_structure(study);
-    auto residuals = make_comparisons(study, structure);
-    add_record_comparisons(study, {}, structure, residuals);
+    const auto residuals = all_comparisons(study, {});
     const auto size = [&](double k) {
       return rms(residuals.at(0).continuation_steps[0]->evaluate(VectorXd::Constant(1, k), false)->values);
     };
@@ -159,9 +157,7 @@ TEST(Stages, ADrivenHistoryIsNoiseAtTheTruth) {
             "{unknown: {c.k: {initial: 500, std: 0.01}}, settle: " + settle + ", initial_state: {" + start + "}}"},
            {"update", "{parameters: {s.k.stiffness: {}}, compare: {r: {time_history: s, sensors: yb}}}"}}));
       const auto results = run(study, Step::simulate);
-      const auto structure = parameterised_structure(study);
-      auto residuals = make_comparisons(study, structure);
-      add_record_comparisons(study, results, structure, residuals);
+      const auto residuals = all_comparisons(study, results);
       const auto values = residuals.at(0).continuation_steps[0]->evaluate(vector({800.0}), false)->values;
       EXPECT_NEAR(rms(values), 1.0, 0.1) << "settle " << settle << chain;
     }

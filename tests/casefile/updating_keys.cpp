@@ -4,7 +4,7 @@
 #include "casefile/probes.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
 #include "kalfem/identification/parameterised_structure.hpp"
-#include "kalfem/study/comparisons.hpp"
+#include "kalfem/pipeline/run_updating.hpp"
 #include "kalfem/updating/evolution.hpp"
 #include "kalfem/updating/frf_residual.hpp"
 #include "kalfem/updating/multi_start.hpp"
@@ -51,9 +51,7 @@ NormalModes modes_at(double k = 800.0) {
 }
 
 std::vector<ComparisonResidual> residuals_of(const Study& study, const StudyResults& results = {}) {
-  const auto structure = parameterised_structure(study);
-  auto residuals = make_comparisons(study, structure);
-  add_record_comparisons(study, results, structure, residuals);
+  const auto residuals = all_comparisons(study, results);
   return residuals;
 }
 
@@ -103,7 +101,7 @@ void shared_parameters() {
       with_update("parameters: {all: {initial: 600, applies_to: [s.k.stiffness, s.m.stiffness]}}, " + frequencies);
   ASSERT_EQ(study.updating->parameters.size(), 1u);
   ASSERT_EQ(study.updating->bindings.size(), 2u);
-  const auto model = parameterised_structure(study)->model_of("s")->at(VectorXd::Constant(1, 700.0)).model;
+  const auto model = study.updating_plan->structure->model_of("s")->at(VectorXd::Constant(1, 700.0)).model;
   near(model.stiffness.coeff(0, 0), 1400.0);
   near(model.stiffness.coeff(1, 1), 700.0);
 }

@@ -91,8 +91,8 @@ TEST(FirstOrderForm, SensorStatesEqualFilteringAfterwards) {
                                             {"b", ObservedQuantity::acceleration, {{"wheel.w", 1.0}}},
                                             {"c", ObservedQuantity::displacement, {{"wheel.w", 1.0}}}});
   const std::vector<MeasurementChain> chains{
-      MeasurementChain({.stages = {FilterSection{.cutoff = 60.0}}}),
-      MeasurementChain({.stages = {GainSection{2.0}, DelaySection{.delay = 2e-3, .order = 4}}}), MeasurementChain{}};
+      MeasurementChain({.sections = {FilterSection{.cutoff = 60.0}}}),
+      MeasurementChain({.sections = {GainSection{2.0}, DelaySection{.delay = 2e-3, .order = 4}}}), MeasurementChain{}};
   const auto road = make_random({.rms = 3e-3, .lower = 0.5, .upper = 30.0, .duration = 2.0, .fade_in = 0.3, .seed = 5});
   const auto error = [&](double h) {
     const auto steps = static_cast<Index>(std::llround(1.0 / h));

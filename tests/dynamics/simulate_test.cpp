@@ -213,7 +213,7 @@ TEST(ConvergedSolution, ImpactsDoNotMisleadTheExtrapolation) {
 TEST(ConvergedSolution, FailureIsHandedOnEvenBehindAMeasurementChain) {
   const double k = 4e6;
   const auto model = with_law(function_law([k](double d, double) { return FunctionLaw::Value{-k * d, -k, 0.0}; }));
-  const MeasurementChain low_pass({.stages = {FilterSection{.cutoff = 100.0}}});
+  const MeasurementChain low_pass({.sections = {FilterSection{.cutoff = 100.0}}});
   const auto reference = simulate_converged(model.system(), {rest_signal}, start_at(1e-3, 0.0), displacement_of(model),
                                             {low_pass}, {.duration = 1.0}, {.max_substeps = 8});
   EXPECT_TRUE(reference.simulation.failure);

@@ -10,6 +10,7 @@
 #include "kalfem/base/located.hpp"
 #include "kalfem/casefile/finite_element_description.hpp"
 #include "kalfem/formats/tables/frf_table.hpp"
+#include "kalfem/identification/updating_setup.hpp"
 #include "kalfem/updating/frf_scale.hpp"
 
 /// The updating of a case as its file says it, see description.hpp.
@@ -113,7 +114,6 @@ struct Comparison {
   double weight = 1.0;
 };
 
-enum class UpdatingMethod { least_squares, evolution };
 struct Evolution {
   int generations = 200, population = 0;
   std::uint64_t seed = 1;

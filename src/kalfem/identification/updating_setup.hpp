@@ -5,6 +5,8 @@
 
 namespace kalfem {
 
+enum class UpdatingMethod { least_squares, evolution };
+
 /// What an updating refines.
 struct UpdatingSetup {
   std::vector<UpdatingParameter> parameters;

@@ -12,14 +12,14 @@ using Eigen::VectorXd;
 namespace {
 
 const FiniteElementSubstructure* pictured(const Study& study) {
-  if (!study.given.report.fields) return nullptr;
+  if (!study.report.pictures) return nullptr;
   for (const auto& elements : study.structure->finite_elements)
-    if (elements.part->name == study.given.report.fields->substructure.value) return &elements;
+    if (elements.part->name == study.report.pictures->substructure) return &elements;
   return nullptr;
 }
 
 Index samples_between(const Study& study) {
-  return std::max<Index>(1, std::llround(study.given.report.fields->every * study.sample_rate()));
+  return std::max<Index>(1, std::llround(study.report.pictures->every * study.sample_rate()));
 }
 
 }  // namespace

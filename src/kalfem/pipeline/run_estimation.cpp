@@ -129,7 +129,7 @@ bool loses_sign_in_modal_coordinates(const EstimationResult& result, const Augme
 EstimationOutcome run_estimation(const Study& study, const AugmentedModelSetup& setup, const StudyResults& results,
                                  const Progress& progress, std::string& failure) {
   const Stopwatch watch;
-  const auto& given = *study.given.estimate;
+  const auto& given = study.problem->settings;
   const FullRecord record = record_of(study, results);
   FilterRun run = make_filter_run(study.problem, setup, record);
   EstimationOutcome outcome;
@@ -162,7 +162,7 @@ EstimationOutcome run_estimation(const Study& study, const AugmentedModelSetup& 
 
   outcome.settled = std::min<Index>(static_cast<Index>(std::llround(given.settle * study.sample_rate())),
                                     outcome.measurements.samples() - 1);
-  outcome.band = excitation_band(study.given);
+  outcome.band = study.excitation_band;
   outcome.consistency = summarise_consistency(outcome.result.nis, outcome.result.measured, outcome.result.innovation,
                                               run.noise, outcome.settled);
   for (std::size_t i = 0; i < monitored.size(); ++i) {

@@ -45,7 +45,7 @@ BoundaryMotion boundary_motion(const Study& study, const EstimationOutcome& esti
          {std::pair{displacement, &motion.displacement}, std::pair{velocity, &motion.velocity},
           std::pair{acceleration, &motion.acceleration}}) {
       const auto* estimated = find_quantity(estimation.points, point, quantity);
-      if (!estimated) throw not_estimated(study.given.predict->substructure, point);
+      if (!estimated) throw not_estimated(study.prediction->substructure, point);
       rows->row(b) = estimated->mean.transpose();
     }
   }
@@ -95,7 +95,7 @@ PredictionOutcome run_prediction(const Study& study, const CoupledModel& model, 
   using enum ObservedQuantity;
   const Stopwatch watch;
   const auto& estimation = *results.estimation;
-  PredictionOutcome outcome{study.given.predict->substructure.value, {}, 0.0};
+  PredictionOutcome outcome{study.prediction->substructure.value, {}, 0.0};
   const DrivenSubstructure drive(*study.structure, model, outcome.substructure);
   const auto [names, rows] = reported_rows(model, drive.place());
   const auto samples = estimation.measurements.samples();
@@ -106,7 +106,7 @@ PredictionOutcome run_prediction(const Study& study, const CoupledModel& model, 
   boundary.acceleration -= base(drive.points());
   auto motion = drive.predict(
       rows, boundary, start_of(estimation, drive.place()),
-      {.sample_rate = study.sample_rate(), .newmark_substeps = study.given.predict->substeps, .progress = progress});
+      {.sample_rate = study.sample_rate(), .newmark_substeps = study.prediction->substeps, .progress = progress});
   motion.acceleration += base(names);
   for (std::size_t i = 0; i < names.size(); ++i)
     for (const auto& [quantity, predicted] :

@@ -37,27 +37,16 @@ std::vector<MeasurementChain> chains_of(const std::vector<Sensor>& sensors) {
 /// Adds white noise of each sensor's own stream, so that one sensor more does not change the others.
 void add_noise(const Study& study, SimulationOutcome& outcome) {
   const auto& clean = outcome.reference.sensors;
-  outcome.measurements = {study.given.simulate->sample_rate, 0.0, {}, clean};
+  outcome.measurements = {study.simulation->sample_rate, 0.0, {}, clean};
   for (std::size_t i = 0; i < study.sensors.size(); ++i) {
     const auto column = static_cast<Index>(i);
     const auto& sensor = study.sensors[i];
     outcome.noise.push_back(sensor.deviation(rms(clean.col(column))));
     outcome.measurements.channels.push_back({sensor.name, sensor.unit});
-    RandomStream random(study.given.simulate->seed, sensor.name);
+    RandomStream random(study.simulation->seed, sensor.name);
     for (Index k = 0; k < clean.rows(); ++k)
       outcome.measurements.values(k, column) += outcome.noise.back() * random.normal();
   }
-}
-
-ConvergenceOptions reference_options(const description::Simulation& given, int threads) {
-  const Index first = given.substeps ? given.substeps->value : given.first_substeps,
-              last = given.substeps ? given.substeps->value : given.max_substeps;
-  return {.sample_rate = given.sample_rate,
-          .first_substeps = first,
-          .max_substeps = last,
-          .tolerance = given.tolerance,
-          .refine = !given.substeps,
-          .threads = threads};
 }
 
 /// Why there is no reference, and what to do. Where trajectories part whatever the step, no finer step helps.
@@ -82,15 +71,13 @@ std::string not_converged(const ConvergedSolution& reference, int max_substeps) 
 
 SimulationOutcome run_simulation(const Study& study, const Progress& progress, std::vector<FieldSeries>& fields,
                                  std::string& failure) {
-  const auto& given = *study.given.simulate;
+  const SimulationPlan& plan = *study.simulation;
   std::vector<OutputDescription> outputs;
   for (const auto& sensor : study.sensors) outputs.push_back(sensor.output);
   const Stopwatch watch;
-  SimulationOptions options;
-  options.integrator = given.integrator;
-  options.duration = given.duration;
-  options.hht_alpha = given.hht_alpha;
-  options.spectral_radius = given.spectral_radius;
+  ConvergenceOptions convergence = plan.convergence;
+  convergence.threads = study.model->system().size() > large_model ? processors() : 1;
+  SimulationOptions options = plan.integration;
   options.progress = progress;
   options.keep_motion = false;
   const auto reported = reported_quantities(*study.model);
@@ -98,15 +85,14 @@ SimulationOutcome run_simulation(const Study& study, const Progress& progress, s
   FieldCollector collector(study);
   collector.attach(options);
   SimulationOutcome outcome;
-  outcome.reference = simulate_converged(
-      study.model->system(), study.structure->signals, initial_state(study.given.simulate->initial, *study.model),
-      make_outputs(*study.model, outputs), chains_of(study.sensors), options,
-      reference_options(given, study.model->system().size() > large_model ? processors() : 1));
+  outcome.reference =
+      simulate_converged(study.model->system(), study.structure->signals, initial_state(plan.initial, *study.model),
+                         make_outputs(*study.model, outputs), chains_of(study.sensors), options, convergence);
   if (outcome.reference.simulation.failure)
     failure = "the simulation stopped at " + shortest(outcome.reference.simulation.failure->time) +
               " s: " + outcome.reference.simulation.failure->reason;
-  else if (!outcome.reference.converged && !study.sensors.empty() && !given.substeps)
-    failure = not_converged(outcome.reference, given.max_substeps);
+  else if (!outcome.reference.converged && !study.sensors.empty() && !plan.has_fixed_step())
+    failure = not_converged(outcome.reference, plan.convergence.max_substeps);
   else
     add_noise(study, outcome);
   const auto& values = outcome.reference.simulation.every_sample;
@@ -128,7 +114,7 @@ struct Updated {
 
 Updated updated_structure(const Study& study, const ParameterisedStructure& structure,
                           const UpdatingOutcome& updating) {
-  const StructureParts parts = structure.at(updating.values).parts;
+  const StructureParts parts = study.updating_plan->structure->at(updating.values).parts;
   IssueList issues;
   AugmentedModelSetup augmented_model =
       make_augmented_model_setup(*study.problem, parts, present_values(*study.updating, updating.values), issues);
@@ -157,7 +143,7 @@ std::optional<CoupledModel> estimated_model(const Study& study, const AugmentedM
                              ? parts_at(*study.problem, augmented_model.linear_unknowns, linear_estimates(estimation))
                              : study.structure->reference_parts();
   const auto refined = updated ? present_values(*study.updating, updated->values) : PresentValues{};
-  const bool changed = set_unknowns(*study.problem, study.given.predict->substructure.value,
+  const bool changed = set_unknowns(*study.problem, study.prediction->substructure.value,
                                     estimation.result.unknowns.mean.rightCols(1), refined, parts);
   if (!changed && !updated && !bound) return std::nullopt;
   return couple(parts);
@@ -224,17 +210,15 @@ StudyResults run_study(const Study& study, Step last, const RunOptions& options)
   const Stopwatch watch;
   StudyResults results;
   const bool updates = last >= Step::update && study.updating;
-  const auto structure = updates ? parameterised_structure(study) : nullptr;
-  auto comparisons = updates ? make_comparisons(study, structure) : std::vector<ComparisonResidual>();
-  results.modes = substructure_modes(study, study.given.report.modes);
-  if (last >= Step::simulate && study.given.simulate)
+  results.modes = substructure_modes(study, study.report.modes);
+  if (last >= Step::simulate && study.simulation)
     results.simulation = run_simulation(study, options.progress, results.fields, results.failure);
   std::optional<Updated> updated;
   if (results.usable() && updates) {
-    results.updating = run_updating(study, std::move(comparisons), results, structure, options, results.failure);
+    results.updating = run_updating(study, results, options, results.failure);
     if (study.augmented_model && results.usable()) {
       results.updating->unknowns_before = unknowns_at_start(study, results);
-      updated.emplace(updated_structure(study, *structure, *results.updating));
+      updated.emplace(updated_structure(study, *results.updating));
     }
   }
   PriorConflicts conflicts;
@@ -247,7 +231,7 @@ StudyResults run_study(const Study& study, Step last, const RunOptions& options)
                         .empty())  // else the basis of the pictures is not that of the augmented model
       if (auto series = estimated_fields(study, *results.estimation)) results.fields.push_back(std::move(*series));
   }
-  if (results.usable() && last >= Step::predict && study.given.predict) {
+  if (results.usable() && last >= Step::predict && study.prediction) {
     const auto estimated = estimated_model(study, *augmented_model, updated, *results.estimation, results.failure);
     if (results.usable())
       results.prediction = run_prediction(study, estimated ? *estimated : *study.model, results, options.progress);

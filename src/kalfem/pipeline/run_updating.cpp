@@ -6,7 +6,6 @@
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/pipeline/updating_checkpoint.hpp"
-#include "kalfem/study/comparisons.hpp"
 #include "kalfem/updating/evolution.hpp"
 #include "kalfem/updating/frf_residual.hpp"
 #include "kalfem/updating/multi_start.hpp"
@@ -19,13 +18,12 @@ using Eigen::VectorXd;
 
 namespace {
 
-namespace d = description;
 using Parameters = std::vector<UpdatingParameter>;
 
 /// The weighted sum of all comparisons, as sharp as the round has them.
 ResidualSum sum_of(const std::vector<ComparisonResidual>& comparisons, std::size_t round) {
   std::vector<ResidualSum::Term> terms;
-  for (const auto& comparison : comparisons) terms.push_back({comparison.round(round), comparison.weight});
+  for (const auto& comparison : comparisons) terms.push_back({comparison.step(round), comparison.weight});
   return ResidualSum(std::move(terms));
 }
 
@@ -37,14 +35,6 @@ std::size_t continuation_steps_of(const std::vector<ComparisonResidual>& compari
 }
 
 double rms_of(double cost, Index size) { return std::sqrt(2.0 * cost / static_cast<double>(std::max<Index>(1, size))); }
-
-GaussNewtonOptions search_options(const d::Updating& given) {
-  GaussNewtonOptions options;
-  options.max_evaluations = given.stages;
-  options.step_tolerance = given.tolerance;
-  options.cost_floor = 1e-6;  // residuals are in standard deviations
-  return options;
-}
 
 /// The search iteration by iteration, with its place kept in a file between them.
 class Search {
@@ -59,7 +49,7 @@ public:
   /// the residual at the end, with its Jacobian, where it was computed.
   GaussNewton run(const ResidualSum& residual, const VectorXd& start, const ResidualValue* first,
                   std::optional<ResidualValue>& last) {
-    const auto options = search_options(*study_.given.update);
+    const auto options = study_.updating_plan->search;
     GaussNewtonState state = starting_at(start, options);
     if (auto earlier = checkpoint_.read()) {
       state = std::move(earlier->state);
@@ -104,7 +94,7 @@ LastResidual search_from_one_start(const Study& study, const std::vector<Compari
   const std::size_t continuation_steps = continuation_steps_of(comparisons);
   VectorXd start = initial_values(study.updating->parameters);
   for (std::size_t round = 0; round + 1 < continuation_steps; ++round) {
-    LeastSquaresOptions least_squares{.search = search_options(*study.given.update), .start = start, .watch = {}};
+    LeastSquaresOptions least_squares{.search = study.updating_plan->search, .start = start, .watch = {}};
     const auto outcome = minimise(sum_of(comparisons, round), study.updating->parameters, least_squares);
     updating.evaluations += outcome.evaluations;
     updating.iterations += outcome.iterations;
@@ -125,31 +115,26 @@ LastResidual search_from_one_start(const Study& study, const std::vector<Compari
 }
 
 LastResidual search_from_many_starts(const Study& study, const ResidualSum& residual, UpdatingOutcome& updating) {
-  const auto& given = *study.given.update;
-  MultiStartOptions options{.starts = given.starts, .seed = given.seed, .search = {}};
-  options.search.search = search_options(given);
+  const UpdatingPlan& plan = *study.updating_plan;
+  MultiStartOptions options{.starts = plan.starts, .seed = plan.seed, .search = {}};
+  options.search.search = plan.search;
   const auto outcome = minimise_from_many(residual, study.updating->parameters, options);
   updating.values = outcome.best.parameters;
   updating.termination = outcome.best.reason();
   updating.converged = outcome.best.usable();
   updating.evaluations = outcome.evaluations;
   updating.iterations = outcome.best.iterations;
-  updating.method = "Gauss-Newton in a trust region from " + std::to_string(given.starts) + " starts, of which " +
+  updating.method = "Gauss-Newton in a trust region from " + std::to_string(plan.starts) + " starts, of which " +
                     std::to_string(outcome.converged) + " converged, to " + std::to_string(outcome.minima.size()) +
                     (outcome.minima.size() == 1 ? " minimum" : " different minima");
   return outcome.best.residual;
 }
 
 LastResidual search_by_evolution(const Study& study, const ResidualSum& residual, UpdatingOutcome& updating) {
-  const auto& given = *study.given.update;
+  const UpdatingPlan& plan = *study.updating_plan;
   EvolutionOptions options;
-  options.search.generations = static_cast<unsigned>(given.evolution.generations);
-  options.search.seed = static_cast<unsigned>(given.evolution.seed);
-  const auto count = static_cast<double>(study.updating->parameters.size());
-  options.search.population = given.evolution.population > 0
-                                  ? static_cast<unsigned>(given.evolution.population)
-                                  : static_cast<unsigned>(std::max(8.0, 4.0 + std::floor(3.0 * std::log(count))));
-  options.polishing->search = search_options(given);
+  options.search = plan.evolution;
+  options.polishing->search = plan.search;
   const auto outcome = evolve(residual, study.updating->parameters, options);
   updating.method = "CMA-ES, then Gauss-Newton in a trust region";
   updating.values = outcome.parameters;
@@ -220,8 +205,21 @@ SensitivityCheckOptions check_options(const std::vector<ComparisonResidual>& com
   return options;
 }
 
+/// A comparison with the record as a residual.
+ComparisonResidual with_record(const Study& study, const RecordComparison& given, const FullRecord& record) {
+  const auto& structure = study.updating_plan->structure;
+  ResidualPtr residual;
+  if (const auto* simulated = std::get_if<RecordComparison::OfSimulation>(&given.what))
+    residual = std::make_shared<SimulationResidual>(study.structure, simulated->sensors, record, structure,
+                                                    study.updating->parameters, simulated->options);
+  else
+    residual = std::make_shared<RecordResidual>(study.problem, record, structure, *study.updating,
+                                                std::get<RecordResidual::Options>(given.what));
+  return {given.name, given.kind, {residual}, given.weight, true};
+}
+
 [[noreturn]] void refuse_first_values(const Study& study) {
-  throw InvalidInput(Issue{study.given.source.at({"update", "parameters"}),
+  throw InvalidInput(Issue{study.updating_plan->location,
                            "update.parameters: the model has no response at their first values",
                            "the search starts there", "change the first values"});
 }
@@ -230,7 +228,7 @@ SensitivityCheckOptions check_options(const std::vector<ComparisonResidual>& com
 void require_effects(const Study& study, const Eigen::MatrixXd& jacobian) {
   IssueList issues;
   for (const auto& name : without_effect(study.updating->parameters, jacobian))
-    issues.add(study.given.source.at({"update", "parameters", name}),
+    issues.add(study.updating_plan->parameter_locations.at(name),
                "update.parameters." + name + ": no comparison depends on it", "a parameter is found by what it changes",
                "remove it, or compare with a measurement that it changes");
   issues.raise();
@@ -262,15 +260,27 @@ std::string unusable(const UpdatingOutcome& updating, const LastResidual& last) 
 
 }  // namespace
 
-UpdatingOutcome run_updating(const Study& study, std::vector<ComparisonResidual> comparisons,
-                             const StudyResults& results,
-                             const std::shared_ptr<const ParameterisedStructure>& structure, const RunOptions& options,
+std::vector<ComparisonResidual> all_comparisons(const Study& study, const StudyResults& results) {
+  const UpdatingPlan& plan = *study.updating_plan;
+  auto all = plan.comparisons;
+  if (plan.record_comparisons.empty()) return all;
+  const FullRecord record = record_of(study, results);
+  IssueList issues;
+  for (const auto& given : plan.record_comparisons) try {
+      all.push_back(with_record(study, given, record));
+    } catch (const InvalidInput& error) {
+      add_at(given.location, error, issues);
+    }
+  issues.raise();
+  return all;
+}
+
+UpdatingOutcome run_updating(const Study& study, const StudyResults& results, const RunOptions& options,
                              std::string& failure) {
   const Stopwatch watch;
-  const auto& given = *study.given.update;
+  const UpdatingPlan& plan = *study.updating_plan;
   const Parameters& parameters = study.updating->parameters;
-  const bool has_record = results.simulation || study.record;
-  if (has_record) add_record_comparisons(study, record_of(study, results), structure, comparisons);
+  const std::vector<ComparisonResidual> comparisons = all_comparisons(study, results);
   const ResidualSum residual = sum_of(comparisons, continuation_steps_of(comparisons) - 1);
   UpdatingOutcome updating;
   updating.values = initial_values(parameters);
@@ -281,12 +291,12 @@ UpdatingOutcome run_updating(const Study& study, std::vector<ComparisonResidual>
   }
   require_effects(study, first->jacobian);
   updating.residual_initial = rms_of(0.5 * first->values.squaredNorm(), residual.size());
-  if (given.check_sensitivities)
+  if (plan.check_sensitivities)
     updating.sensitivities = check_sensitivities(residual, parameters, updating.values, check_options(comparisons));
 
-  LastResidual last = given.method == d::UpdatingMethod::evolution ? search_by_evolution(study, residual, updating)
-                      : given.starts > 1                           ? search_from_many_starts(study, residual, updating)
-                                         : search_from_one_start(study, comparisons, *first, options, updating);
+  LastResidual last = plan.method == UpdatingMethod::evolution ? search_by_evolution(study, residual, updating)
+                      : plan.starts > 1                        ? search_from_many_starts(study, residual, updating)
+                                        : search_from_one_start(study, comparisons, *first, options, updating);
   if (!last || last->jacobian.size() == 0) last = residual.evaluate(updating.values, true);
   if (last) updating.residual_final = rms_of(0.5 * last->values.squaredNorm(), residual.size());
   failure = unusable(updating, last);
@@ -300,9 +310,8 @@ UpdatingOutcome run_updating(const Study& study, std::vector<ComparisonResidual>
 }
 
 void check_first_values(const Study& study) {
-  const auto comparisons = make_comparisons(study, parameterised_structure(study));
-  const auto first = first_values_without_record(study, comparisons);
-  if (first && comparisons.size() == study.given.update->comparisons.size()) require_effects(study, first->jacobian);
+  const auto first = first_values_without_record(study, study.updating_plan->comparisons);
+  if (first && study.updating_plan->record_comparisons.empty()) require_effects(study, first->jacobian);
 }
 
 }  // namespace kalfem

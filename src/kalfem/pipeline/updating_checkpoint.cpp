@@ -128,8 +128,7 @@ void UpdatingCheckpoint::write(const Content& content) const {
 }
 
 std::string fingerprint_of(const Study& study, double first_residual) {
-  const std::string text = to_yaml(*description::case_form().write(study.given));
-  return std::string(version) + "-" + std::to_string(std::hash<std::string>{}(text)) + "-" +
+  return std::string(version) + "-" + std::to_string(std::hash<std::string>{}(study.resolved_case)) + "-" +
          std::to_string(std::bit_cast<std::uint64_t>(first_residual));
 }
 

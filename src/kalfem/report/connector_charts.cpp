@@ -81,7 +81,7 @@ const PointQuantity* find(const EstimationOutcome& outcome, const std::string& n
 }
 
 const Connector* true_connector(const Study& study, const std::string& name) {
-  if (!study.given.simulate) return nullptr;
+  if (!study.simulation) return nullptr;
   const auto& connectors = study.model->system().connectors;
   const auto found = std::ranges::find(connectors, name, &Connector::name);
   return found == connectors.end() ? nullptr : &*found;

@@ -14,7 +14,6 @@
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/base/utf8.hpp"
 #include "kalfem/base/write_failure.hpp"
-#include "kalfem/casefile/description_form.hpp"
 #include "kalfem/pipeline/updating_checkpoint.hpp"
 #include "kalfem/report/field_files.hpp"
 #include "kalfem/report/results_file.hpp"
@@ -91,7 +90,7 @@ Names files_in(const fs::path& folder) {
 }
 
 std::string resolved_case(const Study& study, const std::string& run) {
-  return "# run " + run + "\n" + to_yaml(*description::case_form().write(study.given));
+  return "# run " + run + "\n" + study.resolved_case;
 }
 
 /// Writes all files of the run into the staging folder; their names.

@@ -4,8 +4,6 @@
 
 #include <cstdint>
 
-#include "kalfem/casefile/description_form.hpp"
-
 namespace kalfem {
 namespace {
 
@@ -38,7 +36,7 @@ std::string run_identity(const Study& study, const Json& summary) {
   Json numbers = summary;
   drop_times(numbers);
   Hash hash;
-  hash.add(to_yaml(*description::case_form().write(study.given)));
+  hash.add(study.resolved_case);
   hash.add(numbers.dump(-1, ' ', false, Json::error_handler_t::replace));
   return fmt::format("{:016x}", hash.value());
 }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "kalfem/study/structural_modifications.hpp"
 #include "kalfem/report/connector_charts.hpp"
 #include "kalfem/report/model_check_section.hpp"
 #include "kalfem/report/record_report.hpp"
@@ -13,6 +12,7 @@
 #include "kalfem/report/tables.hpp"
 #include "kalfem/report/updating_section.hpp"
 #include "kalfem/report/updating_tables.hpp"
+#include "kalfem/study/structural_modifications.hpp"
 
 namespace kalfem {
 namespace {
@@ -76,7 +76,7 @@ const PointQuantity* find(const std::vector<PointQuantity>& points, const std::s
 
 std::vector<std::string> shown_points(const Study& study, const EstimationOutcome& outcome) {
   std::vector<std::string> names;
-  for (const auto& name : study.given.report.displacements) names.push_back(name.value);
+  names = study.report.displacements;
   if (!names.empty()) return names;
   const RestingPoints resting(outcome.points, outcome.settled);
   for (const auto& point : outcome.points)
@@ -90,7 +90,7 @@ std::string error_words(const Study& study, const EstimationOutcome& outcome, co
                         const PointQuantity& point) {
   if (RestingPoints(points, outcome.settled).rests(point)) return "The reference is at rest there.";
   if (!point.nrmse) return "";
-  const std::string after = fmt::format(", after {} s.", four_digits(study.given.estimate->settle));
+  const std::string after = fmt::format(", after {} s.", four_digits(study.problem->settings.settle));
   if (!point.nrmse_in_band || !outcome.band) return "NRMSE " + per_cent(*point.nrmse) + after;
   return fmt::format("NRMSE {} in the band of the excitation, {} to {} Hz; {} of the whole signal",
                      per_cent(*point.nrmse_in_band), four_digits(outcome.band->from), four_digits(outcome.band->to),
@@ -109,7 +109,7 @@ Chart motion_chart(const Study& study, const EstimationOutcome& outcome, const P
   if (point.truth.size() > 0)
     chart.series.push_back({.label = "simulated", .y = series_values(point.truth), .role = Role::truth});
   chart.caption = error_words(study, outcome, outcome.points, point);
-  if (zoomed) chart.x_window = AxisRange{from, std::min(from + study.given.report.zoom, chart.x.back())};
+  if (zoomed) chart.x_window = AxisRange{from, std::min(from + study.report.zoom, chart.x.back())};
   return chart;
 }
 
@@ -148,8 +148,7 @@ Section prediction_section(const Study& study, const EstimationOutcome& estimati
     if (point.truth.size() > 0)
       chart.series.push_back({.label = "simulated", .y = series_values(point.truth), .role = Role::truth});
     chart.caption = error_words(study, estimation, outcome.points, point);
-    if (from < chart.x.back())
-      chart.x_window = AxisRange{from, std::min(from + study.given.report.zoom, chart.x.back())};
+    if (from < chart.x.back()) chart.x_window = AxisRange{from, std::min(from + study.report.zoom, chart.x.back())};
     section.items.emplace_back(std::move(chart));
   }
   if (auto table = error_table("NRMSE against the whole simulation", study, outcome.points, estimation.settled);
@@ -293,7 +292,7 @@ Eigen::Index dofs_of_all(const StudyResults& results) {
 }  // namespace
 
 Page make_page(const Study& study, const StudyResults& results) {
-  Page page{.title = study.given.title.empty() ? "kalfem" : study.given.title,
+  Page page{.title = study.title.empty() ? "kalfem" : study.title,
             .subtitle = fmt::format("{} degrees of freedom, {} connectors", dofs_of_all(results),
                                     study.model->system().connector_count()),
             .status = results.usable() ? PageStatus::ok : PageStatus::unusable,

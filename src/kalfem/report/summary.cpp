@@ -4,12 +4,12 @@
 #include <filesystem>
 
 #include "kalfem/base/version.hpp"
-#include "kalfem/study/structural_modifications.hpp"
 #include "kalfem/report/json_number.hpp"
 #include "kalfem/report/record_report.hpp"
 #include "kalfem/report/resting_points.hpp"
 #include "kalfem/report/run_identity.hpp"
 #include "kalfem/report/updating_summary.hpp"
+#include "kalfem/study/structural_modifications.hpp"
 
 namespace kalfem {
 
@@ -189,7 +189,7 @@ Json timing_summary(const Study& study, const StudyResults& results) {
 
 /// Nothing where the step was not halved.
 Json last_change(const Study& study, const ConvergedSolution& reference) {
-  return study.given.simulate->substeps ? Json() : number(reference.last_change);
+  return study.simulation->has_fixed_step() ? Json() : number(reference.last_change);
 }
 
 }  // namespace
@@ -198,7 +198,7 @@ Json summarise(const Study& study, const StudyResults& results) {
   Json summary = {{"kalfem", version},
                   {"run", ""},
                   {"case", std::filesystem::path(study.file).filename().string()},
-                  {"title", study.given.title},
+                  {"title", study.title},
                   {"status", results.usable() ? "ok" : "unusable"},
                   {"message", results.failure},
                   {"model", model_summary(study, results)}};
@@ -208,7 +208,7 @@ Json summarise(const Study& study, const StudyResults& results) {
   if (results.simulation)
     summary["simulation"] = {{"steps_per_sample", results.simulation->reference.substeps},
                              {"extrapolations", results.simulation->reference.extrapolations},
-                             {"fixed_step", study.given.simulate->substeps.has_value()},
+                             {"fixed_step", study.simulation->has_fixed_step()},
                              {"last_change", last_change(study, results.simulation->reference)}};
   if (study.record) summary["record"] = record_summary(study, results);
   if (results.estimation) {

@@ -22,7 +22,7 @@ const char* ending(MatrixFormat format) {
 
 void write_superelements(const std::filesystem::path& folder, const Study& study) {
   for (const auto& elements : study.structure->finite_elements)
-    for (const auto format : study.given.report.superelements.value)
+    for (const auto format : study.report.superelements)
       if (elements.reduced)
         write_superelement(folder / (elements.part->name + "_reduced" + ending(format)), elements.reduced->model,
                            format, elements.reduced->basis);

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <map>
 
-#include "kalfem/study/structural_modifications.hpp"
 #include "kalfem/report/record_report.hpp"
 #include "kalfem/report/resting_points.hpp"
 #include "kalfem/report/updating_tables.hpp"
+#include "kalfem/study/structural_modifications.hpp"
 
 namespace kalfem {
 namespace {
@@ -49,11 +49,10 @@ std::string band_words(const EstimationOutcome& outcome) {
 }  // namespace
 
 bool shown(const Study& study, const std::string& point) {
-  const auto& wanted = study.given.report.displacements;
+  const auto& wanted = study.report.displacements;
   const bool of_elements = std::ranges::any_of(
       study.structure->finite_elements, [&](const auto& each) { return point.starts_with(each.part->name + "."); });
-  return !of_elements || wanted.empty() ||
-         std::ranges::any_of(wanted, [&](const auto& name) { return name.value == point; });
+  return !of_elements || wanted.empty() || std::ranges::any_of(wanted, [&](const auto& name) { return name == point; });
 }
 
 std::string per_cent(double ratio) { return std::isfinite(ratio) ? fmt::format("{:.2f} %", 100.0 * ratio) : "-"; }
@@ -191,13 +190,13 @@ std::string console_report(const Study& study, const StudyResults& results) {
     const auto& reference = results.simulation->reference;
     const bool of_superelements = std::ranges::any_of(study.structure->finite_elements,
                                                       [](const auto& each) { return each.reference != nullptr; });
-    text +=
-        fmt::format("Reference: {} degrees of freedom{}, {} s at {} Hz, {} steps a sample{} ({}), {:.1f} s\n\n",
-                    study.model->system().size(), of_superelements ? " (superelements)" : "",
-                    four_digits(study.given.simulate->duration), four_digits(study.sample_rate()), reference.substeps,
-                    reference.extrapolations > 0 ? " and extrapolated" : "",
-                    study.given.simulate->substeps ? "a fixed step" : "last change " + per_cent(reference.last_change),
-                    results.simulation->seconds);
+    text += fmt::format(
+        "Reference: {} degrees of freedom{}, {} s at {} Hz, {} steps a sample{} ({}), {:.1f} s\n\n",
+        study.model->system().size(), of_superelements ? " (superelements)" : "",
+        four_digits(study.simulation->duration), four_digits(study.sample_rate()), reference.substeps,
+        reference.extrapolations > 0 ? " and extrapolated" : "",
+        study.simulation->has_fixed_step() ? "a fixed step" : "last change " + per_cent(reference.last_change),
+        results.simulation->seconds);
   }
   if (const auto words = record_words(study, results); !words.empty()) text += words + "\n";
   if (results.updating) text += console_updating(study, results);
@@ -216,7 +215,7 @@ std::string console_report(const Study& study, const StudyResults& results) {
         per_cent(time.update / time.filter()), per_cent(time.output / time.filter()), name_of(outcome.filter),
         outcome.filter_reason, linearisation_words(outcome));
     if (const auto table = error_table("", study, outcome.points, outcome.settled); !table.rows.empty())
-      text += fmt::format("Estimated motion, NRMSE after {} s{}\n", four_digits(study.given.estimate->settle),
+      text += fmt::format("Estimated motion, NRMSE after {} s{}\n", four_digits(study.problem->settings.settle),
                           band_words(outcome)) +
               to_text(table) + "\n";
     if (!outcome.open_loop_failure.empty()) text += "No open-loop comparison: " + outcome.open_loop_failure + "\n\n";

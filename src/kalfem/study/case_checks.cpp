@@ -104,7 +104,7 @@ void check_reported_names(const d::Case& given, const std::vector<std::string>& 
 namespace {
 
 /// What the time integration cannot step.
-void check_integrator(const Study& study, IssueList& issues) {
+void check_integrator(const CaseStudy& study, IssueList& issues) {
   constexpr Eigen::Index most_exact = 5000;
   const auto& system = study.model->system();
   const Eigen::VectorXd mass = system.mass.diagonal();
@@ -125,7 +125,7 @@ void check_integrator(const Study& study, IssueList& issues) {
 }
 
 /// One step from rest, where it costs nothing: values too far apart leave no matrix that can be factored.
-void check_first_step(const Study& study, IssueList& issues) {
+void check_first_step(const CaseStudy& study, IssueList& issues) {
   constexpr Eigen::Index most_dofs = 1000;
   const auto& system = study.model->system();
   if (system.size() > most_dofs) return;
@@ -146,7 +146,7 @@ void check_first_step(const Study& study, IssueList& issues) {
 
 }  // namespace
 
-void check_simulation(const Study& study, IssueList& issues) {
+void check_simulation(const CaseStudy& study, IssueList& issues) {
   if (!study.given.simulate) return;
   check_integrator(study, issues);
   if (issues.empty()) check_first_step(study, issues);
@@ -177,7 +177,7 @@ void check_simulation(const Study& study, IssueList& issues) {
           "", "name one of a lumped substructure");
 }
 
-void check_pictures(const Study& study, IssueList& issues) {
+void check_pictures(const CaseStudy& study, IssueList& issues) {
   const double zoom = study.given.report.zoom;
   if (!study.given.source.gives({"report", "zoom"})) return;
   if (study.sample_rate() > 0.0 && zoom * study.sample_rate() < 2.0)
@@ -186,7 +186,7 @@ void check_pictures(const Study& study, IssueList& issues) {
                "it holds less than two samples", "lengthen it");
 }
 
-void check_signals(const Study& study, IssueList& issues) {
+void check_signals(const CaseStudy& study, IssueList& issues) {
   double from = 0.0, to = 0.0;
   if (study.given.simulate) {
     const double finest = study.sample_rate() * study.given.simulate->first_substeps;

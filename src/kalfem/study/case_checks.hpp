@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "kalfem/study/study.hpp"
+#include "kalfem/study/case_study.hpp"
 
 /// What a case may not say, as far as it shows without computing: sections that need each other, names that do not
 /// exist, keys that contradict one another. Problems go to `issues` with their place.
@@ -16,11 +16,11 @@ void check_sensor_names(const description::Case& given, const std::vector<std::s
 /// Substructures and points that `predict` and `report` name. `points`: those whose motion is reported.
 void check_reported_names(const description::Case& given, const std::vector<std::string>& points, IssueList& issues);
 /// Length, sampling and steps of `simulate`, and where it starts.
-void check_simulation(const Study& study, IssueList& issues);
+void check_simulation(const CaseStudy& study, IssueList& issues);
 /// Lengths of the report's pictures against the record's sampling.
-void check_pictures(const Study& study, IssueList& issues);
+void check_pictures(const CaseStudy& study, IssueList& issues);
 /// Signals that are not known over the whole record.
-void check_signals(const Study& study, IssueList& issues);
+void check_signals(const CaseStudy& study, IssueList& issues);
 /// What the filter starts from and what drives it.
 void check_estimation(const description::Case& given, IssueList& issues);
 /// Parameters that `update` refines and `estimate` estimates.

@@ -4,12 +4,11 @@
 #include <cmath>
 #include <numbers>
 #include <set>
+#include <stdexcept>
 
 #include "kalfem/formats/tables/csv.hpp"
 #include "kalfem/formats/tables/frf_table.hpp"
-#include "kalfem/identification/record_residual.hpp"
 #include "kalfem/identification/released_elements.hpp"
-#include "kalfem/identification/simulation_residual.hpp"
 #include "kalfem/study/driven_check.hpp"
 #include "kalfem/study/parameter_names.hpp"
 #include "kalfem/study/record_file.hpp"
@@ -43,7 +42,7 @@ const Name& substructure_of(const d::Comparison& given) {
 
 /// Unknowns of the filter among the elements of a substructure that is driven by the boundary's estimated motion: the
 /// comparison would hold them as the case gives them.
-void check_unknowns_of_driven_part(const Study& study, const Name& substructure, IssueList& issues) {
+void check_unknowns_of_driven_part(const CaseStudy& study, const Name& substructure, IssueList& issues) {
   const ParameterSet known(*study.structure);
   for (const auto& [name, given] : study.given.estimate->unknown)
     for (const auto& target : names_of(name, given)) {
@@ -97,7 +96,7 @@ DofCombination point_of(const LinearModel& model, const Name& name) {
 }
 
 /// Sensors of motion that see points of one substructure only.
-std::vector<std::string> sensors_on(const Study& study, const std::string& substructure) {
+std::vector<std::string> sensors_on(const CaseStudy& study, const std::string& substructure) {
   std::vector<std::string> names;
   for (const auto& sensor : study.sensors)
     if (sensor.output.quantity <= ObservedQuantity::acceleration &&
@@ -108,7 +107,7 @@ std::vector<std::string> sensors_on(const Study& study, const std::string& subst
 }
 
 /// Those that the case names, or all on the substructure.
-std::vector<std::string> compared_sensors(const Study& study, const d::DrivenHistory& given) {
+std::vector<std::string> compared_sensors(const CaseStudy& study, const d::DrivenHistory& given) {
   const auto own = sensors_on(study, given.substructure.value);
   std::vector<std::string> sensors;
   IssueList issues;
@@ -128,7 +127,7 @@ std::vector<std::string> compared_sensors(const Study& study, const d::DrivenHis
   return sensors;
 }
 
-std::vector<std::string> compared_sensors(const Study& study, const d::SimulatedHistory& given) {
+std::vector<std::string> compared_sensors(const CaseStudy& study, const d::SimulatedHistory& given) {
   std::vector<std::string> sensors;
   for (const auto& sensor : study.sensors)
     if (std::ranges::any_of(given.sensors,
@@ -147,7 +146,7 @@ void check_twice(const std::vector<Name>& names, IssueList& issues) {
                  "take one of them out");
 }
 
-double samples_of(const Study& study) {
+double samples_of(const CaseStudy& study) {
   if (study.record) return static_cast<double>(study.record->series.samples());
   return study.given.simulate->duration * study.given.simulate->sample_rate + 1.0;
 }
@@ -155,10 +154,8 @@ double samples_of(const Study& study) {
 /// Makes the residual of each kind of comparison.
 class ResidualMaker {
 public:
-  /// `record`: of comparisons that need one.
-  ResidualMaker(const Study& study, const FullRecord* record, std::shared_ptr<const ParameterisedStructure> structure,
-                std::string name)
-      : study_(study), record_(record), structure_(std::move(structure)), name_(std::move(name)) {}
+  ResidualMaker(const CaseStudy& study, std::shared_ptr<const ParameterisedStructure> structure, std::string name)
+      : study_(study), structure_(std::move(structure)), name_(std::move(name)) {}
 
   ComparisonResidual operator()(const d::ModalData& given) const {
     const auto model = structure_->model_of(given.substructure.value);
@@ -225,31 +222,9 @@ public:
             {std::make_shared<StaticResidual>(model, std::vector{test}, start())}};
   }
 
-  ComparisonResidual operator()(const d::DrivenHistory& given) const {
-    const auto sensors = compared_sensors(study_, given);
-    return {name_,
-            "record of '" + given.substructure.value + "' driven by the estimated motion of its boundary",
-            {std::make_shared<RecordResidual>(
-                study_.problem, *record_, structure_, *study_.updating,
-                RecordResidual::Options{.name = name_,
-                                        .substructure = given.substructure.value,
-                                        .sensors = sensors,
-                                        .hold_gains = given.derivatives == d::HistoryDerivatives::automatic
-                                                          ? !study_.structure->finite_elements.empty()
-                                                          : given.derivatives == d::HistoryDerivatives::held_gains})}};
-  }
-
-  ComparisonResidual operator()(const d::SimulatedHistory& given) const {
-    std::vector<Sensor> sensors;
-    for (const auto& name : compared_sensors(study_, given))
-      sensors.push_back(*std::ranges::find(study_.sensors, name, &Sensor::name));
-    SimulationResidual::Options options{.name = name_};
-    if (study_.given.simulate) options.initial = study_.given.simulate->initial;
-    if (study_.given.estimate) options.settle = study_.given.estimate->settle;
-    return {name_,
-            "record against the simulation",
-            {std::make_shared<SimulationResidual>(study_.structure, std::move(sensors), *record_, structure_,
-                                                  study_.updating->parameters, options)}};
+  template <class History>
+  ComparisonResidual operator()(const History&) const {
+    throw std::logic_error("a comparison with the record is no residual before there is one");
   }
 
 private:
@@ -337,21 +312,61 @@ private:
     }
   }
 
-  const Study& study_;
-  const FullRecord* record_;
+  const CaseStudy& study_;
   std::shared_ptr<const ParameterisedStructure> structure_;
   std::string name_;
 };
 
-void make_all(const Study& study, const FullRecord* record,
-              const std::shared_ptr<const ParameterisedStructure>& structure, std::vector<ComparisonResidual>& all) {
+/// Names what a comparison with the record compares.
+class RecordComparisonMaker {
+public:
+  RecordComparisonMaker(const CaseStudy& study, const std::string& name) : study_(study), name_(name) {}
+
+  RecordComparison operator()(const d::DrivenHistory& given) const {
+    const bool hold_gains = given.derivatives == d::HistoryDerivatives::automatic
+                                ? !study_.structure->finite_elements.empty()
+                                : given.derivatives == d::HistoryDerivatives::held_gains;
+    return {.name = name_,
+            .kind = "record of '" + given.substructure.value + "' driven by the estimated motion of its boundary",
+            .what = RecordResidual::Options{.name = name_,
+                                            .substructure = given.substructure.value,
+                                            .sensors = compared_sensors(study_, given),
+                                            .hold_gains = hold_gains}};
+  }
+
+  RecordComparison operator()(const d::SimulatedHistory& given) const {
+    RecordComparison::OfSimulation simulation{.sensors = {}, .options = {.name = name_}};
+    for (const auto& name : compared_sensors(study_, given))
+      simulation.sensors.push_back(*std::ranges::find(study_.sensors, name, &Sensor::name));
+    if (study_.given.simulate) simulation.options.initial = study_.given.simulate->initial;
+    if (study_.given.estimate) simulation.options.settle = study_.given.estimate->settle;
+    return {.name = name_, .kind = "record against the simulation", .what = std::move(simulation)};
+  }
+
+private:
+  const CaseStudy& study_;
+  const std::string& name_;
+};
+
+}  // namespace
+
+void add_comparisons(const CaseStudy& study, UpdatingPlan& plan) {
   IssueList issues;
   for (const auto& [name, given] : study.given.update->comparisons) {
-    if ((sensors_of(given.value) != nullptr) != (record != nullptr)) continue;
+    const auto of_record = [&](const auto& data) {
+      plan.record_comparisons.push_back(RecordComparisonMaker(study, name)(data));
+      plan.record_comparisons.back().weight = given.value.weight;
+      plan.record_comparisons.back().location = given.location;
+    };
     try {
-      all.push_back(std::visit(ResidualMaker(study, record, structure, name), given.value.data));
-      all.back().weight = given.value.weight;
-      all.back().of_record = record != nullptr;
+      if (const auto* driven = std::get_if<d::DrivenHistory>(&given.value.data)) {
+        of_record(*driven);
+      } else if (const auto* simulated = std::get_if<d::SimulatedHistory>(&given.value.data)) {
+        of_record(*simulated);
+      } else {
+        plan.comparisons.push_back(std::visit(ResidualMaker(study, plan.structure, name), given.value.data));
+        plan.comparisons.back().weight = given.value.weight;
+      }
     } catch (const InvalidInput& error) {
       add_at(given.location, error, issues);
     }
@@ -359,22 +374,7 @@ void make_all(const Study& study, const FullRecord* record,
   issues.raise();
 }
 
-}  // namespace
-
-std::vector<ComparisonResidual> make_comparisons(const Study& study,
-                                                 const std::shared_ptr<const ParameterisedStructure>& structure) {
-  std::vector<ComparisonResidual> all;
-  make_all(study, nullptr, structure, all);
-  return all;
-}
-
-void add_record_comparisons(const Study& study, const FullRecord& record,
-                            const std::shared_ptr<const ParameterisedStructure>& structure,
-                            std::vector<ComparisonResidual>& comparisons) {
-  make_all(study, &record, structure, comparisons);
-}
-
-void check_comparisons(const Study& study, IssueList& issues) {
+void check_comparisons(const CaseStudy& study, IssueList& issues) {
   std::vector<std::string> parts, sensors;
   for (const auto& [name, part] : study.given.substructures) parts.push_back(name);
   for (const auto& sensor : study.sensors) sensors.push_back(sensor.name);
@@ -424,7 +424,7 @@ void check_comparisons(const Study& study, IssueList& issues) {
   }
 }
 
-void check_driven_histories(const Study& study, const CoupledModel& start, IssueList& issues) {
+void check_driven_histories(const CaseStudy& study, const CoupledModel& start, IssueList& issues) {
   for (const auto& [name, given] : study.given.update->comparisons) {
     const auto* driven = std::get_if<d::DrivenHistory>(&given.value.data);
     if (!driven) continue;

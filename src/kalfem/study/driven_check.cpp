@@ -14,7 +14,7 @@ InvalidInput not_estimated(const Name& substructure, const std::string& point) {
                                          "hold the point in the filter's model or make it an interface"));
 }
 
-void check_driven(const Study& study, const CoupledModel& model, const Name& substructure) {
+void check_driven(const CaseStudy& study, const CoupledModel& model, const Name& substructure) {
   constexpr Index largest_driven = 2000;  // degrees of freedom; larger ones are factored once, when they are driven
   if (model.find_substructure(substructure.value).part.model->size() > largest_driven) return;
   const DrivenSubstructure drive(*study.structure, model, substructure.value);

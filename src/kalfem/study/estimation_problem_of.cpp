@@ -85,7 +85,7 @@ ParameterTransform transform_of(const d::Unknown& given, const std::string& unit
 }
 
 /// The part of the structure that the filter's model holds.
-Structure held_structure(const Study& study, IssueList& issues) {
+Structure held_structure(const CaseStudy& study, IssueList& issues) {
   Structure held = *study.structure;
   if (!study.given.estimate->local) return held;
   AugmentedModelSetup unused;
@@ -100,7 +100,7 @@ Structure held_structure(const Study& study, IssueList& issues) {
 /// Translates unknowns one by one.
 class UnknownReader {
 public:
-  UnknownReader(const Study& study, const Structure& held, IssueList& issues)
+  UnknownReader(const CaseStudy& study, const Structure& held, IssueList& issues)
       : study_(study), known_(held), all_(*study.structure), issues_(issues) {}
 
   std::optional<Unknown> read(const std::string& name, const d::Unknown& given) {
@@ -187,14 +187,14 @@ private:
                            "a parameter has one value", "take one of them out");
   }
 
-  const Study& study_;
+  const CaseStudy& study_;
   ParameterSet known_;  ///< of the part that the filter's model holds
   ParameterSet all_;
   IssueList& issues_;
   std::set<std::string> linear_;  ///< names that no connector carries
 };
 
-std::vector<RestPosition> rest_positions(const Study& study) {
+std::vector<RestPosition> rest_positions(const CaseStudy& study) {
   if (!study.record || !study.record->free_response || !study.record->free_response->rest_is_unknown()) return {};
   std::vector<RestPosition> rests;
   for (const auto& sensor : study.sensors)
@@ -204,7 +204,7 @@ std::vector<RestPosition> rest_positions(const Study& study) {
 
 }  // namespace
 
-EstimationProblem make_estimation_problem(const Study& study, IssueList& issues) {
+EstimationProblem make_estimation_problem(const CaseStudy& study, IssueList& issues) {
   const d::Estimation& given = *study.given.estimate;
   EstimationProblem problem{study.structure, study.sensors, rest_positions(study), study.sample_rate(), {}};
   problem.settings = {.filter = given.filter,

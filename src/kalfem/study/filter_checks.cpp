@@ -14,7 +14,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-void check_start_from_record(const Study& study, IssueList& issues) {
+void check_start_from_record(const CaseStudy& study, IssueList& issues) {
   const auto measures_displacement = [](const Sensor& sensor) {
     return sensor.output.quantity == ObservedQuantity::displacement;
   };
@@ -25,12 +25,12 @@ void check_start_from_record(const Study& study, IssueList& issues) {
         "the start is taken from displacement sensors", "remove it, or give the start under initial_state");
 }
 
-SourceLocation location_of_sensor(const Study& study, Index column) {
+SourceLocation location_of_sensor(const CaseStudy& study, Index column) {
   return std::visit([](const auto& observed) { return observed.points.location; },
                     study.given.sensors[static_cast<std::size_t>(column)].second.observed);
 }
 
-void check_first_samples(const Study& study, IssueList& issues) {
+void check_first_samples(const CaseStudy& study, IssueList& issues) {
   const TimeSeries& series = study.record->series;
   for (const auto& sensor : study.augmented_model->sensors) {
     const Index column = series.find(sensor.name);
@@ -45,7 +45,7 @@ void check_first_samples(const Study& study, IssueList& issues) {
   }
 }
 
-void check_driving_channels(const Study& study, IssueList& issues) {
+void check_driving_channels(const CaseStudy& study, IssueList& issues) {
   const TimeSeries& series = study.record->series;
   for (const auto& source : study.augmented_model->input_sources) {
     const Index column = source.starts_with('@') ? series.find(source.substr(1)) : -1;
@@ -62,7 +62,7 @@ void check_driving_channels(const Study& study, IssueList& issues) {
 }
 
 /// The first samples of the record; zeros where it is yet to be simulated.
-FullRecord first_samples(const Study& study) {
+FullRecord first_samples(const CaseStudy& study) {
   constexpr Index most = 100;
   const auto sensors = static_cast<Index>(study.sensors.size());
   if (study.record) {
@@ -83,7 +83,7 @@ FullRecord first_samples(const Study& study) {
 
 }  // namespace
 
-void check_augmented_model(const Study& study, IssueList& issues) {
+void check_augmented_model(const CaseStudy& study, IssueList& issues) {
   const bool from_record = study.given.estimate->initial_state_from_record;
   if (from_record && issues.empty()) check_start_from_record(study, issues);
   if (!study.record) return;
@@ -91,7 +91,7 @@ void check_augmented_model(const Study& study, IssueList& issues) {
   check_driving_channels(study, issues);
 }
 
-void check_filter(const Study& study) {
+void check_filter(const CaseStudy& study) {
   const auto& given = *study.given.estimate;
   const FilterRun run = make_filter_run(study.problem, *study.augmented_model, first_samples(study));
   validate(*run.choice.augmented_model,

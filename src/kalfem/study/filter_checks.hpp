@@ -1,15 +1,15 @@
 #pragma once
 
-#include "kalfem/study/study.hpp"
+#include "kalfem/study/case_study.hpp"
 
 namespace kalfem {
 
 /// What a filter's model must have for the case to be run: a displacement sensor where the start is read from the
 /// record, and the samples that must not be missing, the first ones there and all of a channel that drives an
 /// interface.
-void check_augmented_model(const Study& study, IssueList& issues);
+void check_augmented_model(const CaseStudy& study, IssueList& issues);
 
 /// Throws InvalidInput where the filter of the case's `estimate` could not be made or run, as far as it shows before.
-void check_filter(const Study& study);
+void check_filter(const CaseStudy& study);
 
 }  // namespace kalfem

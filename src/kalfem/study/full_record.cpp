@@ -6,11 +6,10 @@ void check_noise(const Study& study, const std::vector<double>& noise, const std
   IssueList issues;
   for (std::size_t i = 0; i < noise.size(); ++i) {
     const auto& sensor = study.sensors[i];
-    const auto& given = study.given.sensors[i].second.noise;
     if (sensor.relative_noise && sensor.noise > 0.0 && noise[i] == 0.0)
-      issues.add(given.location,
-                 given.path + ": the noise is " + shortest(100.0 * sensor.noise) + " % of the channel's rms, but " +
-                     channel + " is 0 throughout",
+      issues.add(sensor.location,
+                 "sensors." + sensor.name + ".noise: the noise is " + shortest(100.0 * sensor.noise) +
+                     " % of the channel's rms, but " + channel + " is 0 throughout",
                  "per cent of nothing is no noise",
                  "give the noise in " + sensor.unit + ", or take the sensor out if nothing moves there");
   }

@@ -133,7 +133,7 @@ private:
   void of_updating() {
     if (!given_.update) return;
     const auto& update = *given_.update;
-    const bool evolves = update.method == d::UpdatingMethod::evolution;
+    const bool evolves = update.method == UpdatingMethod::evolution;
     if (!evolves) warn({"update", "evolution"}, "it belongs to method: cma_es");
     if (evolves) warn({"update", "starts"}, "method: cma_es spreads its own points");
     if (evolves || update.starts == 1) warn({"update", "seed"}, "there is one starting point");

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "kalfem/study/study.hpp"
+#include "kalfem/study/case_study.hpp"
 
 namespace kalfem {
 

@@ -8,7 +8,6 @@
 #include "kalfem/identification/parameterised_structure.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/updating/eigen_sensitivities.hpp"
-#include "kalfem/yaml/bounds.hpp"
 
 namespace kalfem {
 
@@ -17,8 +16,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
-
-namespace d = description;
 
 /// What the updating refined with its values, and behind it what the modification sets.
 struct Changes {
@@ -31,22 +28,17 @@ struct Changes {
   }
 };
 
-double value_in_unit(const d::Value& given, const Parameter& parameter) {
-  return checked_number(given, parameter.unit, Bounds::nonnegative());
-}
-
-Changes changes_of(const Study& study, const d::Modification& given, const std::optional<UpdatedParameters>& updating) {
-  const ParameterSet known(*study.structure);
+Changes changes_of(const Study& study, const StructuralModification& modification,
+                   const std::optional<UpdatedParameters>& updating) {
   Changes changes;
   if (updating) {
     changes.bindings = study.updating->bindings;
     changes.values.assign(updating->values.begin(), updating->values.end());
   }
-  for (const auto& [name, value] : given.set) {
-    const auto parameter = known.find(given.substructure.value + "." + name);
+  for (const auto& [parameter, value] : modification.set) {
     // What the modification sets no longer depends on what the updating found.
-    std::erase_if(changes.bindings, [&](const auto& binding) { return binding.target.name == parameter->name; });
-    changes.set(*parameter, value_in_unit(value, *parameter));
+    std::erase_if(changes.bindings, [&](const auto& binding) { return binding.target.name == parameter.name; });
+    changes.set(parameter, value);
   }
   return changes;
 }
@@ -113,16 +105,15 @@ VectorXd propagated_deviations(const MatrixXd& slopes, const ParameterStatistics
 std::vector<StructuralModificationResult> predict_modifications(const Study& study,
                                                                 const std::optional<UpdatedParameters>& updating) {
   std::vector<StructuralModificationResult> results;
-  for (const auto& [name, located] : study.given.modifications) {
-    const auto& given = located.value;
-    const Changes changes = changes_of(study, given, updating);
+  for (const auto& modification : study.modifications) {
+    const Changes changes = changes_of(study, modification, updating);
     const VectorXd values =
         Eigen::Map<const VectorXd>(changes.values.data(), static_cast<Index>(changes.values.size()));
     const ParameterisedStructure structure(study.structure, changes.bindings, values.size());
     try {
-      const auto model = structure.model_of(given.substructure.value);
-      const ModeRange range = modes_above(model->at(values).model, given.above, given.modes);
-      results.push_back({name, given.substructure.value, range.frequencies(), {}});
+      const auto model = structure.model_of(modification.substructure);
+      const ModeRange range = modes_above(model->at(values).model, modification.above, modification.modes);
+      results.push_back({modification.name.value, modification.substructure, range.frequencies(), {}});
       if (updating) {
         auto derivatives = model->derivatives(values);
         derivatives.resize(updating->values.size());  // those of the updated parameters stand first
@@ -132,43 +123,14 @@ std::vector<StructuralModificationResult> predict_modifications(const Study& stu
     } catch (const InvalidInput& error) {
       IssueList issues;
       for (const auto& issue : error.issues())
-        issues.add(located.location, located.path + ": " + issue.what, issue.why, issue.fix);
+        issues.add(modification.name.location, modification.name.path + ": " + issue.what, issue.why, issue.fix);
       issues.raise();
     }
     if (results.back().frequencies.size() == 0)
-      throw InvalidInput(
-          located.issue("no natural frequency lies above " + shortest(given.above) + " Hz", "", "lower `above`"));
+      throw InvalidInput(modification.name.issue(
+          "no natural frequency lies above " + shortest(modification.above) + " Hz", "", "lower `above`"));
   }
   return results;
-}
-
-void check_modifications(const Study& study, IssueList& issues) {
-  const ParameterSet known(*study.structure);
-  std::vector<std::string> parts;
-  for (const auto& [name, part] : study.given.substructures) parts.push_back(name);
-  for (const auto& [name, located] : study.given.modifications) {
-    const auto& given = located.value;
-    const auto& part = given.substructure;
-    if (std::ranges::find(parts, part.value) == parts.end()) {
-      issues.add(part.location,
-                 part.path + ": there is no substructure '" + part.value + "'" + did_you_mean(part.value, parts));
-      continue;
-    }
-    for (const auto& [target, value] : given.set) {
-      const std::string full = part.value + "." + target;
-      const auto parameter = known.find(full);
-      if (!parameter) {
-        issues.add(value.location,
-                   value.path + ": there is no parameter '" + full + "'" + did_you_mean(full, known.names()));
-        continue;
-      }
-      try {
-        value_in_unit(value, *parameter);
-      } catch (const InvalidInput& error) {
-        issues.add(error, value.location);
-      }
-    }
-  }
 }
 
 }  // namespace kalfem

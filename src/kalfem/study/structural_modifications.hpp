@@ -34,7 +34,4 @@ struct UpdatedParameters {
 std::vector<StructuralModificationResult> predict_modifications(const Study& study,
                                                                 const std::optional<UpdatedParameters>& updating);
 
-/// Problems of the modifications' names and values.
-void check_modifications(const Study& study, IssueList& issues);
-
 }  // namespace kalfem

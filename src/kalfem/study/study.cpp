@@ -16,6 +16,7 @@
 #include "kalfem/study/filter_checks.hpp"
 #include "kalfem/study/full_record.hpp"
 #include "kalfem/study/keys_without_effect.hpp"
+#include "kalfem/study/modifications_setup.hpp"
 #include "kalfem/study/structural_modifications.hpp"
 #include "kalfem/study/study_elements.hpp"
 #include "kalfem/study/updating_setup.hpp"
@@ -48,7 +49,7 @@ Sensor make_sensor(const std::string& name, const d::Sensor& given, const Source
 }
 
 /// What a sensor relative to the base is relative to must move.
-void check_relative(const Study& study, const d::Sensor& given, const d::Points& points, IssueList& issues) {
+void check_relative(const CaseStudy& study, const d::Sensor& given, const d::Points& points, IssueList& issues) {
   const bool uniform = std::ranges::any_of(
       study.structure->parts.inputs, [](const auto& input) { return input.kind == InputKind::base_acceleration; });
   const bool of_connector = std::visit(
@@ -60,7 +61,7 @@ void check_relative(const Study& study, const d::Sensor& given, const d::Points&
                "write {point: 1, ground: -1} for the motion relative to a ground");
 }
 
-void add_sensors(Study& study, IssueList& issues) {
+void add_sensors(CaseStudy& study, IssueList& issues) {
   for (const auto& [name, given] : study.given.sensors) {
     const auto location = std::visit([](const auto& observed) { return observed.points.location; }, given.observed);
     try {
@@ -73,14 +74,40 @@ void add_sensors(Study& study, IssueList& issues) {
   }
 }
 
+SimulationPlan simulation_plan(const d::Simulation& given) {
+  SimulationPlan plan{.duration = given.duration, .sample_rate = given.sample_rate};
+  plan.integration.integrator = given.integrator;
+  plan.integration.duration = given.duration;
+  plan.integration.hht_alpha = given.hht_alpha;
+  plan.integration.spectral_radius = given.spectral_radius;
+  plan.convergence = {.sample_rate = given.sample_rate,
+                      .first_substeps = given.substeps ? given.substeps->value : given.first_substeps,
+                      .max_substeps = given.substeps ? given.substeps->value : given.max_substeps,
+                      .tolerance = given.tolerance,
+                      .refine = !given.substeps};
+  plan.initial = given.initial;
+  plan.seed = given.seed;
+  return plan;
+}
+
+ReportPlan report_plan(const d::Report& given) {
+  ReportPlan plan{.modes = given.modes, .zoom = given.zoom, .superelements = given.superelements.value};
+  if (given.fields) plan.pictures = PicturePlan{given.fields->substructure.value, given.fields->every};
+  for (const auto& point : given.displacements) plan.displacements.push_back(point.value);
+  return plan;
+}
+
 /// The parts from which the augmented model is made: an updating begins at its own first guesses.
-StructureParts starting_parts(const Study& study) {
+StructureParts starting_parts(const CaseStudy& study) {
   if (!study.updating) return study.structure->parts;
-  return parameterised_structure(study)->at(initial_values(study.updating->parameters)).parts;
+  return ParameterisedStructure(study.structure, study.updating->bindings,
+                                static_cast<Eigen::Index>(study.updating->parameters.size()))
+      .at(initial_values(study.updating->parameters))
+      .parts;
 }
 
 /// What is allowed but probably not meant.
-void warn(Study& study) {
+void warn(CaseStudy& study) {
   if (study.given.estimate && study.given.simulate && study.given.estimate->settle >= study.given.simulate->duration)
     study.warnings.push_back(
         "estimate.settle is no shorter than the record: errors and NIS are of its last sample alone");
@@ -101,7 +128,7 @@ void warn(Study& study) {
 }  // namespace
 
 double Study::sample_rate() const {
-  return record ? record->series.sample_rate : given.simulate ? given.simulate->sample_rate : 0.0;
+  return record ? record->series.sample_rate : simulation ? simulation->sample_rate : 0.0;
 }
 
 namespace {
@@ -121,6 +148,7 @@ public:
     study_.structure = structure_;
     study_.given = std::move(given);
     if (study_.given.source.empty()) study_.given.source = CaseSource(file, nullptr);
+    take_plans();
     unsound_ = study_.given.source.sections_of(issues_.issues());
     if (std::ranges::any_of(unsound_, [](const auto& name) { return !is_section(name); })) unsound_.insert("file");
     not_read_ = unsound_;
@@ -136,7 +164,7 @@ public:
     warn(study_);
     for (auto& warning : keys_without_effect(study_.given)) study_.warnings.push_back(std::move(warning));
     warn_of_reductions(study_);
-    return std::move(study_);
+    return std::move(study_);  // without the case
   }
 
 private:
@@ -187,10 +215,10 @@ private:
            if (study_.given.update) study_.updating = make_updating_setup(study_, issues);
          });
     step("comparisons", {"update", "parameters"}, {"update"}, [&](IssueList&) {
-      if (study_.updating) make_comparisons(study_, parameterised_structure(study_));
+      if (study_.updating) study_.updating_plan = make_updating_plan(study_);
     });
     step("modifications", {"parts", "model", "modifications"}, {"modifications"},
-         [&](IssueList& issues) { check_modifications(study_, issues); });
+         [&](IssueList& issues) { study_.modifications = make_modifications(study_, issues); });
     step("modified", {"modifications"}, {"modifications"},
          [&](IssueList&) { predict_modifications(study_, std::nullopt); });
   }
@@ -218,6 +246,17 @@ private:
     step("histories", joined({"observer"}, all), {"update", "compare"}, [&](IssueList& issues) {
       if (study_.given.update && start_) check_driven_histories(study_, *start_, issues);
     });
+  }
+
+  /// What needs no look-up.
+  void take_plans() {
+    const d::Case& given = study_.given;
+    study_.title = given.title;
+    study_.resolved_case = to_yaml(*form_of_cases().write(given));
+    study_.excitation_band = excitation_band(given);
+    if (given.simulate) study_.simulation = simulation_plan(*given.simulate);
+    if (given.predict) study_.prediction = PredictionPlan{given.predict->substructure, given.predict->substeps};
+    study_.report = report_plan(given.report);
   }
 
   /// Runs a step where all that it needs is sound. What it finds makes `result` unsound, and the sections that hold the
@@ -281,7 +320,7 @@ private:
     return one;
   }
 
-  Study study_;
+  CaseStudy study_;
   std::shared_ptr<Structure> structure_ = std::make_shared<Structure>();  ///< of the study, while it is made
   std::shared_ptr<const CoupledModel> start_;  ///< what a prediction, or an updating, starts from
   IssueList issues_;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "kalfem/study/finite_element_part.hpp"
 #include "kalfem/base/stopwatch.hpp"
+#include "kalfem/study/finite_element_part.hpp"
 
 namespace kalfem {
 namespace {
@@ -58,7 +58,7 @@ void warn_of_notes(const ElementNotes& part, std::vector<std::string>& warnings)
 }
 
 /// Files of superelements are written of what is reduced.
-void check_superelement_files(const Structure& structure, Study& study, IssueList& issues) {
+void check_superelement_files(const Structure& structure, CaseStudy& study, IssueList& issues) {
   const auto& files = study.given.report.superelements;
   if (files.value.empty() || !issues.empty()) return;
   const auto is_reduced = [](const FiniteElementSubstructure& elements) { return elements.reduced != nullptr; };
@@ -88,7 +88,7 @@ std::optional<FrequencyBand> excitation_band(const d::Case& given) {
   return band.to > band.from ? std::optional(band) : std::nullopt;
 }
 
-void add_finite_elements(Structure& structure, Study& study, IssueList& issues) {
+void add_finite_elements(Structure& structure, CaseStudy& study, IssueList& issues) {
   const Stopwatch watch;
   for (const auto& [name, given] : study.given.substructures) {
     if (!given.finite_elements) continue;
@@ -117,7 +117,7 @@ void add_finite_elements(Structure& structure, Study& study, IssueList& issues) 
   study.reduce_seconds = watch.seconds();
 }
 
-void warn_of_reductions(Study& study) {
+void warn_of_reductions(CaseStudy& study) {
   const auto excited = excitation_band(study.given);
   for (const auto& elements : study.structure->finite_elements)
     if (elements.reduced && study.augmented_model)

@@ -18,7 +18,7 @@ namespace d = description;
 
 class ParameterBuilder {
 public:
-  ParameterBuilder(const Study& study, UpdatingSetup& setup, IssueList& issues)
+  ParameterBuilder(const CaseStudy& study, UpdatingSetup& setup, IssueList& issues)
       : study_(study), known_(*study.structure), setup_(setup), issues_(issues) {}
 
   void add(const std::string& name, const Located<d::UpdatedParameter>& given) {
@@ -111,7 +111,7 @@ private:
                          "the updating moves from the start within the bounds", "move one of them");
   }
 
-  const Study& study_;
+  const CaseStudy& study_;
   ParameterSet known_;
   UpdatingSetup& setup_;
   IssueList& issues_;
@@ -119,10 +119,10 @@ private:
 };
 
 /// What an evolution strategy needs and Gauss-Newton does not.
-void check_search(const Study& study, const UpdatingSetup& setup, IssueList& issues) {
+void check_search(const CaseStudy& study, const UpdatingSetup& setup, IssueList& issues) {
   constexpr int fewest_points = 5;
   const auto& given = *study.given.update;
-  if (given.method != d::UpdatingMethod::evolution) return;
+  if (given.method != UpdatingMethod::evolution) return;
   for (const auto& parameter : setup.parameters)
     if (!std::isfinite(parameter.lower) || !std::isfinite(parameter.upper))
       issues.add(study.given.source.at({"update", "parameters", parameter.name}),
@@ -137,7 +137,7 @@ void check_search(const Study& study, const UpdatingSetup& setup, IssueList& iss
 
 }  // namespace
 
-UpdatingSetup make_updating_setup(const Study& study, IssueList& issues) {
+UpdatingSetup make_updating_setup(const CaseStudy& study, IssueList& issues) {
   UpdatingSetup setup;
   ParameterBuilder builder(study, setup, issues);
   for (const auto& [name, given] : study.given.update->parameters) builder.add(name, given);
@@ -152,10 +152,26 @@ UpdatingSetup make_updating_setup(const Study& study, IssueList& issues) {
   return setup;
 }
 
-std::shared_ptr<const ParameterisedStructure> parameterised_structure(const Study& study) {
+UpdatingPlan make_updating_plan(const CaseStudy& study) {
+  const d::Updating& given = *study.given.update;
   const auto& [parameters, bindings, truth] = *study.updating;
-  return std::make_shared<const ParameterisedStructure>(study.structure, bindings,
-                                                        static_cast<Index>(parameters.size()));
+  UpdatingPlan plan{.method = given.method, .starts = given.starts, .seed = given.seed};
+  plan.search.max_evaluations = given.stages;
+  plan.search.step_tolerance = given.tolerance;
+  plan.search.cost_floor = 1e-6;  // residuals are in standard deviations
+  plan.evolution.generations = static_cast<unsigned>(given.evolution.generations);
+  plan.evolution.seed = static_cast<unsigned>(given.evolution.seed);
+  const double usual = std::max(8.0, 4.0 + std::floor(3.0 * std::log(static_cast<double>(parameters.size()))));
+  plan.evolution.population =
+      static_cast<unsigned>(given.evolution.population > 0 ? given.evolution.population : usual);
+  plan.check_sensitivities = given.check_sensitivities;
+  plan.structure =
+      std::make_shared<const ParameterisedStructure>(study.structure, bindings, static_cast<Index>(parameters.size()));
+  plan.location = study.given.source.at({"update", "parameters"});
+  for (const auto& parameter : parameters)
+    plan.parameter_locations[parameter.name] = study.given.source.at({"update", "parameters", parameter.name});
+  add_comparisons(study, plan);
+  return plan;
 }
 
 }  // namespace kalfem

@@ -1,14 +1,14 @@
 #pragma once
 
-#include "kalfem/study/study.hpp"
+#include "kalfem/study/case_study.hpp"
 
 namespace kalfem {
 
 /// The parameters of the case's `update`. Problems go to `issues` with their place: names that no substructure has,
 /// bounds that exclude the start, one parameter under two names.
-UpdatingSetup make_updating_setup(const Study& study, IssueList& issues);
+UpdatingSetup make_updating_setup(const CaseStudy& study, IssueList& issues);
 
-/// The case's structure as a function of what its updating refines.
-std::shared_ptr<const ParameterisedStructure> parameterised_structure(const Study& study);
+/// How they are refined. Needs the study's setup. Throws InvalidInput with every problem of the comparisons.
+UpdatingPlan make_updating_plan(const CaseStudy& study);
 
 }  // namespace kalfem

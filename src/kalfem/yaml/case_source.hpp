@@ -30,7 +30,4 @@ private:
   YamlNodePtr root_;
 };
 
-/// Adds problems to `issues`: those that know no line, such as those of an .h5 file, at `place`.
-void add_at(const SourceLocation& place, const InvalidInput& error, IssueList& issues);
-
 }  // namespace kalfem

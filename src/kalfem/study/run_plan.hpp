@@ -1,0 +1,102 @@
+#pragma once
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "kalfem/dynamics/converged_solution.hpp"
+#include "kalfem/formats/matrices.hpp"
+#include "kalfem/identification/record_residual.hpp"
+#include "kalfem/identification/simulation_residual.hpp"
+#include "kalfem/updating/cma_es.hpp"
+#include "kalfem/updating/gauss_newton.hpp"
+
+/// What a run is to do, step by step, with every name looked up and every number in SI.
+namespace kalfem {
+
+/// A reference solution and the record made from it.
+struct SimulationPlan {
+  double duration = 0.0, sample_rate = 0.0;  ///< [s], [Hz]
+  SimulationOptions integration = {};        ///< its step is set by the refinement
+  ConvergenceOptions convergence = {};
+  InitialMotion initial = {};
+  std::uint64_t seed = 1;  ///< of the sensors' noise
+
+  /// Whether the number of steps is given in the place of a tolerance.
+  [[nodiscard]] bool has_fixed_step() const { return !convergence.refine; }
+};
+
+/// A linear substructure that the estimated motion of its boundary drives.
+struct PredictionPlan {
+  Name substructure;
+  int substeps = 2;  ///< of a large substructure, steps per sample
+};
+
+/// One of the comparisons of an updating as a residual.
+struct ComparisonResidual {
+  std::string name;
+  std::string kind;                             ///< in words: "natural frequencies of 'plane'"
+  std::vector<ResidualPtr> continuation_steps;  ///< the same from smoothed to sharp; mostly there is one only
+  double weight = 1.0;
+  bool of_record = false;
+
+  [[nodiscard]] const ResidualPtr& step(std::size_t number) const {
+    return continuation_steps[std::min(number, continuation_steps.size() - 1)];
+  }
+};
+
+/// A comparison with the record, which becomes a residual once there is one.
+struct RecordComparison {
+  struct OfSimulation {
+    std::vector<Sensor> sensors;
+    SimulationResidual::Options options;
+  };
+  std::string name, kind;
+  double weight = 1.0;
+  std::variant<RecordResidual::Options, OfSimulation> what;
+  SourceLocation location = {};
+};
+
+/// How the linear substructures are refined, and by what.
+struct UpdatingPlan {
+  UpdatingMethod method = UpdatingMethod::least_squares;
+  int starts = 1;
+  std::uint64_t seed = 1;  ///< of the further starts
+  GaussNewtonOptions search = {};
+  CmaEsOptions evolution = {};
+  bool check_sensitivities = false;
+  std::shared_ptr<const ParameterisedStructure> structure;  ///< as a function of the refined parameters
+  std::vector<ComparisonResidual> comparisons;              ///< that need no record
+  std::vector<RecordComparison> record_comparisons;
+  SourceLocation location = {};  ///< of the parameters
+  std::map<std::string, SourceLocation> parameter_locations = {};
+};
+
+/// The updated structure with some of its parameters changed, to predict its natural frequencies.
+struct StructuralModification {
+  Located<std::string> name;
+  std::string substructure;
+  std::vector<std::pair<Parameter, double>> set;
+  int modes = 10;
+  double above = 0.0;  ///< [Hz]: lower frequencies are left out
+};
+
+/// Displacements of a finite-element substructure for pictures.
+struct PicturePlan {
+  std::string substructure;
+  double every = 0.02;  ///< [s]
+};
+
+/// What the results show beside what was computed.
+struct ReportPlan {
+  std::optional<PicturePlan> pictures = {};
+  int modes = 20;                               ///< natural frequencies of each substructure
+  std::vector<std::string> displacements = {};  ///< points
+  double zoom = 1.0;                            ///< [s]
+  std::vector<MatrixFormat> superelements = {};
+};
+
+}  // namespace kalfem
