@@ -57,7 +57,4 @@ private:
 /// The known name nearest to `name` by edit distance, as " (did you mean 'x'?)", or "" when none is near.
 std::string did_you_mean(const std::string& name, const std::vector<std::string>& known);
 
-/// Adds problems to `issues`: those that know no line, such as those of an .h5 file, at `place`.
-void add_at(const SourceLocation& place, const InvalidInput& error, IssueList& issues);
-
 }  // namespace kalfem

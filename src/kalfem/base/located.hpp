@@ -31,4 +31,7 @@ struct Located {
 /// A name that is looked up later.
 using Name = Located<std::string>;
 
+/// Adds problems to `issues`: those that know no line, such as those of an .h5 file, at `place`.
+void add_at(const SourceLocation& place, const InvalidInput& error, IssueList& issues);
+
 }  // namespace kalfem
