@@ -163,9 +163,9 @@ private:
   void set_numbers(const d::Unknown& given, Unknown& unknown) const {
     const std::string& unit = unknown.unit();
     unknown.initial = checked_number(given.initial, unit);
-    const bool positive = is_released(unknown.targets.front()) && unknown.initial > 0.0 &&
-                          std::ranges::all_of(unknown.targets, is_positive_by_nature);
-    unknown.transform = transform_of(given, unit, positive || !is_released(unknown.targets.front()));
+    const bool positive = unknown.initial > 0.0 && (!is_released(unknown.targets.front()) ||
+                                                    std::ranges::all_of(unknown.targets, is_positive_by_nature));
+    unknown.transform = transform_of(given, unit, positive);
     check_start(given, unknown.transform, unit, unknown.initial);
     unknown.deviation = deviation_of(given, unit, unknown.initial);
     unknown.random_walk = given.random_walk ? absolute(*given.random_walk, unit, unknown.initial) : 0.0;
