@@ -112,8 +112,7 @@ struct Updated {
   VectorXd values;  ///< of its parameters
 };
 
-Updated updated_structure(const Study& study, const ParameterisedStructure& structure,
-                          const UpdatingOutcome& updating) {
+Updated updated_structure(const Study& study, const UpdatingOutcome& updating) {
   const StructureParts parts = study.updating_plan->structure->at(updating.values).parts;
   IssueList issues;
   AugmentedModelSetup augmented_model =

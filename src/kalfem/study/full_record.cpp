@@ -1,5 +1,7 @@
 #include "kalfem/study/full_record.hpp"
 
+#include "kalfem/base/units.hpp"
+
 namespace kalfem {
 
 void check_noise(const Study& study, const std::vector<double>& noise, const std::string& channel) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "kalfem/base/units.hpp"
 #include "kalfem/identification/parameterised_structure.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/updating/eigen_sensitivities.hpp"

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "kalfem/base/stopwatch.hpp"
+#include "kalfem/study/assembly.hpp"
 #include "kalfem/study/finite_element_part.hpp"
 
 namespace kalfem {
