@@ -7,7 +7,7 @@ FilterWalk::FilterWalk(const AugmentedModel& augmented_model, const Record& reco
       record_(&record),
       transition_(augmented_model),
       measurement_(augmented_model, sensor_outputs),
-      filter_(make_filter(kind, {}, &transition_)) {
+      filter_(make_filter(kind, {transition_, augmented_model.process_noise(), measurement_, record.noise})) {
   restart();
 }
 
@@ -20,10 +20,10 @@ bool FilterWalk::step() {
   if (at_end()) restart();
   ++sample_;
   transition_.set_inputs(record_->inputs.col(sample_ - 1), record_->inputs.col(sample_));
-  if (filter_->predict(transition_, augmented_model_->process_noise()) != FilterOutcome::usable) return false;
+  if (filter_->predict() != FilterOutcome::usable) return false;
   measurement_.set_inputs(record_->inputs.col(sample_));
   measured_ = record_->measurements.col(sample_);
-  return filter_->update(measurement_, record_->noise, measured_, innovation_) == FilterOutcome::usable;
+  return filter_->update(measured_, innovation_) == FilterOutcome::usable;
 }
 
 }  // namespace kalfem::benchmarks

@@ -8,7 +8,7 @@
 
 namespace kalfem::benchmarks {
 
-/// A filter that walks through a record. Observer and record must outlive it.
+/// A filter that walks through a record. Augmented model and record must outlive it.
 class FilterWalk {
 public:
   FilterWalk(const AugmentedModel& augmented_model, const Record& record, FilterKind kind);
@@ -24,7 +24,7 @@ private:
   const Record* record_;
   ProcessModel transition_;
   MeasurementModel measurement_;
-  std::unique_ptr<Filter> filter_;  ///< made for the transition
+  std::unique_ptr<Filter> filter_;  ///< works on these maps
   Innovation innovation_;
   Eigen::VectorXd measured_;
   Eigen::Index sample_ = 0;

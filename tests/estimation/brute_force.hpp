@@ -9,11 +9,18 @@
 
 namespace kalfem {
 
-/// A partially linear map whose nonlinear channels are a given function of one row.
+/// A partially linear map whose nonlinear outputs are a given function of one row, with matrices that a test may set
+/// before a filter works on it.
 class FunctionMap final : public PartiallyLinearMap {
 public:
   using Function = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
   explicit FunctionMap(Function phi) : phi_(std::move(phi)) {}
+  FunctionMap(const FunctionMap& other) : PartiallyLinearMap(other), phi_(other.phi_) {}
+  FunctionMap& operator=(const FunctionMap&) = delete;
+
+  Eigen::MatrixXd &linear = linear_, &gain = gain_, &selection = selection_;
+  Eigen::VectorXd &offset = offset_, &input_offset = input_offset_;
+  Eigen::Index& moving_gain = moving_gain_;
 
   bool evaluate(const Eigen::ArrayXXd& in, Eigen::ArrayXXd& out) override {
     for (Eigen::Index i = 0; i < in.rows(); ++i) out.row(i) = phi_(in.row(i).transpose().matrix()).transpose().array();

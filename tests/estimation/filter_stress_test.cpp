@@ -39,14 +39,14 @@ TEST_P(AnyFilter, NeverGivesWhatIsNotANumberWithoutANamedOutcome) {
     transition.linear *= 0.4;
     auto measurement = random_map(random, l, n, q, q, phi);
     const MatrixXd Q = 1e-4 * MatrixXd::Identity(n, n), R = 1e-2 * MatrixXd::Identity(l, l);
-    const auto filter = make_filter(GetParam().kind, GetParam().options);
+    const auto filter = make_filter(GetParam().kind, {transition, Q, measurement, R}, GetParam().options);
     filter->reset({VectorXd::Zero(n), MatrixXd::Identity(n, n)});
     bool usable = true;
     Innovation innovation;
     for (int k = 0; k < 60 && usable; ++k) {
       const VectorXd mean = filter->mean();
       const MatrixXd covariance = filter->covariance();
-      auto outcome = filter->predict(transition, Q);
+      auto outcome = filter->predict();
       usable = outcome == FilterOutcome::usable;
       if (!usable) {  // the estimate stays as it was, and the outcome has words
         EXPECT_EQ(filter->mean(), mean);
@@ -56,7 +56,7 @@ TEST_P(AnyFilter, NeverGivesWhatIsNotANumberWithoutANamedOutcome) {
       }
       ASSERT_TRUE(filter->mean().allFinite());
       const VectorXd predicted = filter->mean();
-      outcome = filter->update(measurement, R, random_matrix(random, l, 1), innovation);
+      outcome = filter->update(random_matrix(random, l, 1), innovation);
       usable = outcome == FilterOutcome::usable;
       if (!usable) {
         EXPECT_EQ(filter->mean(), predicted);
@@ -86,13 +86,13 @@ INSTANTIATE_TEST_SUITE_P(Spread, AnyFilter,
 
 TEST(Filters, SensorWithoutNoiseOrVarianceIsNamed) {
   RandomStream random(22, "noiseless");
-  auto map = random_map(random, 1, 2, 1, 1, [](const VectorXd& w) { return VectorXd(w); });
+  const auto same = [](const VectorXd& w) { return VectorXd(w); };
+  auto process = random_map(random, 2, 2, 1, 1, same), map = random_map(random, 1, 2, 1, 1, same);
   for (const auto kind : {FilterKind::unscented, FilterKind::unscented_square_root, FilterKind::extended}) {
-    const auto filter = make_filter(kind);
+    const auto filter = make_filter(kind, {process, MatrixXd::Zero(2, 2), map, MatrixXd::Zero(1, 1)});
     filter->reset({VectorXd::Zero(2), MatrixXd::Zero(2, 2)});
     Innovation innovation;
-    EXPECT_EQ(filter->update(map, MatrixXd::Zero(1, 1), VectorXd::Ones(1), innovation),
-              FilterOutcome::innovation_not_positive_definite);
+    EXPECT_EQ(filter->update(VectorXd::Ones(1), innovation), FilterOutcome::innovation_not_positive_definite);
   }
 }
 
@@ -101,9 +101,10 @@ TEST(Filters, CovarianceThatIsNoneIsNamed) {
   auto map = random_map(random, 2, 2, 1, 1, [](const VectorXd& w) { return VectorXd(w); });
   for (const auto kind : {FilterKind::unscented, FilterKind::unscented_square_root, FilterKind::extended})
     for (const double variance : {-1.0, double(NAN), double(INFINITY)}) {
-      const auto filter = make_filter(kind);
+      const MatrixXd identity = MatrixXd::Identity(2, 2);
+      const auto filter = make_filter(kind, {map, identity, map, identity});
       filter->reset({VectorXd::Zero(2), variance * MatrixXd::Identity(2, 2)});
-      EXPECT_EQ(filter->predict(map, MatrixXd::Identity(2, 2)), FilterOutcome::covariance_not_positive_definite);
+      EXPECT_EQ(filter->predict(), FilterOutcome::covariance_not_positive_definite);
     }
 }
 

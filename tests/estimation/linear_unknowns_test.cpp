@@ -162,7 +162,7 @@ TEST_F(UnknownStiffness, ColumnsOfTheGainAreDerivativesOfTheMap) {
     return VectorXd(y.head(22));
   };
   const VectorXd slope = (image_at(guess + by) - image_at(guess - by)) / (2.0 * by);
-  const VectorXd column = map.gain.rightCols(1).topRows(22);
+  const VectorXd column = map.gain().rightCols(1).topRows(22);
   // the neighbours stand 5,196 N/m away: an error of second order, (step / stiffness)^2 / 6 of the phase per step
   EXPECT_LT((column - slope).norm(), 2e-5 * slope.norm());
 }

@@ -24,7 +24,7 @@ MatrixXd normals(RandomStream& random, Index rows, Index columns) {
 MatrixXd square_root(const MatrixXd& covariance) { return Eigen::LLT<MatrixXd>(covariance).matrixL(); }
 
 MatrixXd values_of(PartiallyLinearMap& map, const MatrixXd& w) {
-  ArrayXXd phi(w.cols(), map.gain.cols());
+  ArrayXXd phi(w.cols(), map.gain().cols());
   if (!map.evaluate(w.transpose().array(), phi)) throw std::runtime_error("the map has no value at some sample");
   return phi.matrix().transpose();
 }
@@ -93,7 +93,7 @@ struct Contender {
 };
 
 std::vector<Contender> contenders(const PartiallyLinearMap& map) {
-  const auto n = static_cast<double>(map.selection.cols()), q = static_cast<double>(map.selection.rows());
+  const auto n = static_cast<double>(map.selection().cols()), q = static_cast<double>(map.selection().rows());
   return {{"points of the state, c = n", FilterKind::unscented, {}},
           {"points of the state, c = q", FilterKind::unscented, {.alpha = std::sqrt(q / n)}},
           {"points of the state, c = 3", FilterKind::unscented, {.alpha = std::sqrt(3.0 / n)}},
@@ -115,8 +115,8 @@ class PredictedMoments {
 public:
   PredictedMoments(PartiallyLinearMap& map, const Gaussian& prior, const std::vector<MatrixXd>& samples)
       : map_(map), prior_(prior), factor_(square_root(prior.covariance)) {
-    line_ = MatrixXd::Zero(map.gain.cols(), prior.mean.size());
-    level_ = VectorXd::Zero(map.gain.cols());
+    line_ = MatrixXd::Zero(map.gain().cols(), prior.mean.size());
+    level_ = VectorXd::Zero(map.gain().cols());
     level_ = sums(samples[0]).mean;
     line_ = sums(samples[0]).cross.transpose();
     const auto half = samples.size() / 2;
@@ -145,17 +145,17 @@ private:
 
   Sums sums(const MatrixXd& samples) {
     const auto z = samples.topRows(prior_.mean.size());
-    const VectorXd centre = map_.selection * prior_.mean + map_.input_offset;
-    const MatrixXd w = (map_.selection * factor_ * z).colwise() + centre;
+    const VectorXd centre = map_.selection() * prior_.mean + map_.input_offset();
+    const MatrixXd w = (map_.selection() * factor_ * z).colwise() + centre;
     const MatrixXd r = (values_of(map_, w) - line_ * z).colwise() - level_;
     const auto count = static_cast<double>(z.cols());
     return {count, r.rowwise().mean(), z * r.transpose() / count, r * r.transpose() / count};
   }
 
   [[nodiscard]] Gaussian moments(const Sums& sums) const {
-    const MatrixXd& G = map_.gain;
-    const MatrixXd D = map_.linear * factor_ + G * line_, cross = D * sums.cross * G.transpose();
-    return {map_.linear * prior_.mean + G * (level_ + sums.mean) + map_.offset,
+    const MatrixXd& G = map_.gain();
+    const MatrixXd D = map_.linear() * factor_ + G * line_, cross = D * sums.cross * G.transpose();
+    return {map_.linear() * prior_.mean + G * (level_ + sums.mean) + map_.offset(),
             D * D.transpose() + cross + cross.transpose() +
                 G * (sums.square - sums.mean * sums.mean.transpose()) * G.transpose()};
   }
@@ -172,14 +172,14 @@ private:
 class PosteriorMoments {
 public:
   PosteriorMoments(PartiallyLinearMap& map, const Gaussian& prior, const MatrixXd& R, Index samples) : prior_(prior) {
-    const MatrixXd &P = prior.covariance, &N = map.selection, &A = map.linear;
+    const MatrixXd &P = prior.covariance, &N = map.selection(), &A = map.linear();
     const MatrixXd L = square_root(N * P * N.transpose());
     to_state_ = L.triangularView<Eigen::Lower>().solve(N * P).transpose();  // E[x | w] = m + to_state u, w = L u
     const MatrixXd rest = P - to_state_ * to_state_.transpose();
     RandomStream random(2, "channels");
     u_ = normals(random, L.rows(), samples);
-    const VectorXd centre = N * prior.mean + map.input_offset, level = A * prior.mean + map.offset;
-    expected_ = (A * to_state_ * u_ + map.gain * values_of(map, (L * u_).colwise() + centre)).colwise() + level;
+    const VectorXd centre = N * prior.mean + map.input_offset(), level = A * prior.mean + map.offset();
+    expected_ = (A * to_state_ * u_ + map.gain() * values_of(map, (L * u_).colwise() + centre)).colwise() + level;
     noise_ = A * rest * A.transpose() + R;
     gain_ = rest * A.transpose() * noise_.inverse();
     covariance_ = rest - gain_ * A * rest;
@@ -295,6 +295,9 @@ Verdict judge_prediction(const Subject& subject, Widths widths) {
   const Index n = augmented_model.layout().size();
   ProcessModel transition(augmented_model);
   transition.set_inputs(VectorXd::Zero(3), VectorXd::Zero(3));
+  MeasurementModel instant(augmented_model, sensor_outputs);
+  const Index l = instant.linear().rows();
+  const FilterModel model{transition, MatrixXd::Zero(n, n), instant, MatrixXd::Identity(l, l)};
   const auto names = contenders(transition);
   Verdict verdict;
   for (const auto& phase : phases) {
@@ -302,9 +305,9 @@ Verdict judge_prediction(const Subject& subject, Widths widths) {
     const PredictedMoments truth(transition, prior, state_samples());
     verdict.halves += Errors(truth().first, truth().second, augmented_model.layout().unknown());
     for (std::size_t i = 0; i < contender_count; ++i) {
-      const auto filter = make_filter(names[i].kind, names[i].options);
+      const auto filter = make_filter(names[i].kind, model, names[i].options);
       filter->reset(prior);
-      EXPECT_EQ(filter->predict(transition, MatrixXd::Zero(n, n)), FilterOutcome::usable);
+      EXPECT_EQ(filter->predict(), FilterOutcome::usable);
       verdict.errors[i] +=
           Errors({filter->mean(), filter->covariance()}, truth().all, augmented_model.layout().unknown());
     }
@@ -318,32 +321,36 @@ Verdict judge_update(const Subject& subject, Widths widths) {
   const auto augmented_model = augmented_model_of(subject, widths);
   MeasurementModel instant(augmented_model, sensor_outputs);
   instant.set_inputs(VectorXd::Zero(3));
+  ProcessModel transition(augmented_model);
+  const Index n = augmented_model.layout().size(), l = instant.linear().rows();
+  FilterModel model{transition, MatrixXd::Zero(n, n), instant, MatrixXd::Identity(l, l), &instant};
   const auto names = contenders(instant);
   Verdict verdict;
   for (const auto& phase : phases) {
     const auto prior = prior_of(augmented_model, widths, phase);
-    const auto filter = make_filter(FilterKind::unscented, names[state_3].options);
+    const auto filter = make_filter(FilterKind::unscented, model, names[state_3].options);
     VectorXd mean, deviation;
     filter->reset(prior);
-    EXPECT_EQ(filter->observe(instant, mean, &deviation), FilterOutcome::usable);
+    EXPECT_EQ(filter->observe(mean, &deviation), FilterOutcome::usable);
     const MatrixXd R = (0.15 * deviation).cwiseAbs2().asDiagonal();
+    model.measurement_noise = R;
     PosteriorMoments posterior(instant, prior, R, 200000);
     RandomStream random(5, "measurements");
     for (int i = 0; i < 6; ++i) {
       const VectorXd x = prior.mean + square_root(prior.covariance) * normals(random, prior.mean.size(), 1);
-      const VectorXd y = instant.linear * x + instant.offset +
+      const VectorXd y = instant.linear() * x + instant.offset() +
                          0.15 * deviation.cwiseProduct(normals(random, deviation.size(), 1)) +
-                         instant.gain * values_of(instant, instant.selection * x + instant.input_offset);
+                         instant.gain() * values_of(instant, instant.selection() * x + instant.input_offset());
       const auto truth = posterior.given(y);
       if (posterior.effective_samples() < 500.0) continue;  // too far out for the samples to tell
       verdict.halves += Errors(truth.first, truth.second, augmented_model.layout().unknown());
       verdict.exact_joint_moments +=
           Errors(posterior.with_exact_joint_moments(y), truth.all, augmented_model.layout().unknown());
       for (std::size_t j = 0; j < contender_count; ++j) {
-        const auto contender = make_filter(names[j].kind, names[j].options);
+        const auto contender = make_filter(names[j].kind, model, names[j].options);
         contender->reset(prior);
         Innovation innovation;
-        EXPECT_EQ(contender->update(instant, R, y, innovation), FilterOutcome::usable);
+        EXPECT_EQ(contender->update(y, innovation), FilterOutcome::usable);
         verdict.errors[j] +=
             Errors({contender->mean(), contender->covariance()}, truth.all, augmented_model.layout().unknown());
       }
@@ -377,8 +384,8 @@ TEST(Judge, PredictedMomentsAreThoseOfPlainSamples) {
   RandomStream random(3, "plain");
   const Index n = prior.mean.size(), count = 200000;
   const MatrixXd x = (square_root(prior.covariance) * normals(random, n, count)).colwise() + prior.mean;
-  const MatrixXd w = (map.selection * x).colwise() + map.input_offset;
-  const MatrixXd y = (map.linear * x + map.gain * values_of(map, w)).colwise() + map.offset;
+  const MatrixXd w = (map.selection() * x).colwise() + map.input_offset();
+  const MatrixXd y = (map.linear() * x + map.gain() * values_of(map, w)).colwise() + map.offset();
   const VectorXd mean = y.rowwise().mean();
   const Gaussian plain{mean, (y.colwise() - mean) * (y.colwise() - mean).transpose() / double(count)};
   const PredictedMoments moments(map, prior, state_samples());
@@ -398,8 +405,8 @@ TEST(Judge, PosteriorMomentsAreThoseOfWeightedStates) {
   RandomStream random(4, "plain");
   const Index n = prior.mean.size(), count = 400000;
   const MatrixXd x = (square_root(prior.covariance) * normals(random, n, count)).colwise() + prior.mean;
-  const MatrixXd w = (map.selection * x).colwise() + map.input_offset;
-  const MatrixXd expected = (map.linear * x + map.gain * values_of(map, w)).colwise() + map.offset;
+  const MatrixXd w = (map.selection() * x).colwise() + map.input_offset();
+  const MatrixXd expected = (map.linear() * x + map.gain() * values_of(map, w)).colwise() + map.offset();
   VectorXd weight = (-0.5 * (expected.row(0).array() - y[0]).square() / R(0, 0)).exp().transpose();
   weight /= weight.sum();
   const double effective = 1.0 / weight.squaredNorm();

@@ -106,6 +106,11 @@ double difference(const Filter& a, const Filter& b) {
 
 LinearOutput connector_motion(const AugmentedModel& augmented_model) { return augmented_model.form().motion(); }
 
+/// The estimates of a partially linear filter, with dense matrices.
+std::unique_ptr<Filter> dense_filter(const FilterModel& model) {
+  return std::make_unique<CovarianceFilter>(model, UnscentedTransform({.points = SigmaPoints::of_arguments}));
+}
+
 class TiledFilter : public testing::TestWithParam<std::size_t> {};
 
 /// The same formulas on dense matrices with a Cholesky factor a step. Tolerance: 1e-7 of the standard deviations after
@@ -117,8 +122,9 @@ TEST_P(TiledFilter, EqualsTheDenseFilterStepByStep) {
   ProcessModel transition(augmented_model), dense_transition(augmented_model);
   MeasurementModel measurement(augmented_model, sensor_outputs), dense_measurement(augmented_model, sensor_outputs);
   MeasurementModel seen(augmented_model, connector_motion), dense_seen(augmented_model, connector_motion);
-  const auto tiled = make_filter(FilterKind::partially_linear, {}, &transition);
-  const auto dense = make_filter(FilterKind::partially_linear);
+  const MatrixXd& Q = augmented_model.process_noise();
+  const auto tiled = make_filter(FilterKind::partially_linear, {transition, Q, measurement, record.noise, &seen});
+  const auto dense = dense_filter({dense_transition, Q, dense_measurement, record.noise, &dense_seen});
   ASSERT_NE(dynamic_cast<PartiallyLinearFilter*>(tiled.get()), nullptr) << setting.name;
   tiled->reset(augmented_model.prior());
   dense->reset(augmented_model.prior());
@@ -126,23 +132,18 @@ TEST_P(TiledFilter, EqualsTheDenseFilterStepByStep) {
   double worst = 0.0;
   for (Index k = 1; k < record.measurements.cols(); ++k) {
     for (auto* map : {&transition, &dense_transition}) map->set_inputs(record.inputs.col(k - 1), record.inputs.col(k));
-    ASSERT_EQ(tiled->predict(transition, augmented_model.process_noise()), FilterOutcome::usable) << setting.name << k;
-    ASSERT_EQ(dense->predict(dense_transition, augmented_model.process_noise()), FilterOutcome::usable);
-    std::vector<Index> rows{0, 1, 2, 3};
-    if (k % 50 > 40) rows = {1, 3};  // samples that are missing
-    if (k % 7 == 0) {                // predictions in a row
+    ASSERT_EQ(tiled->predict(), FilterOutcome::usable) << setting.name << k;
+    ASSERT_EQ(dense->predict(), FilterOutcome::usable);
+    VectorXd y = record.measurements.col(k);
+    if (k % 50 > 40) y[0] = y[2] = NAN;  // samples that are missing
+    if (k % 7 == 0) {                    // predictions in a row
       worst = std::max(worst, difference(*tiled, *dense));
       continue;
     }
-    for (auto* map : {&measurement, &dense_measurement}) {
-      if (k % 50 > 40 || k % 50 == 0) map->select_rows(rows);
-      map->set_inputs(record.inputs.col(k));
-    }
-    const MatrixXd noise = record.noise(rows, rows);
-    const VectorXd y = record.measurements(rows, k);
+    for (auto* map : {&measurement, &dense_measurement}) map->set_inputs(record.inputs.col(k));
     for (int repeat = 0; repeat < (k % 11 == 0 ? 2 : 1); ++repeat) {  // and updates in a row
-      ASSERT_EQ(tiled->update(measurement, noise, y, a), FilterOutcome::usable);
-      ASSERT_EQ(dense->update(dense_measurement, noise, y, b), FilterOutcome::usable);
+      ASSERT_EQ(tiled->update(y, a), FilterOutcome::usable);
+      ASSERT_EQ(dense->update(y, b), FilterOutcome::usable);
       // rounding of the covariances of hundreds of steps: found 7e-11 of it
       EXPECT_NEAR(a.nis, b.nis, 1e-8 * (1.0 + b.nis));
       EXPECT_NEAR(a.log_likelihood, b.log_likelihood, 1e-8 * (1.0 + std::abs(b.log_likelihood)));
@@ -150,8 +151,8 @@ TEST_P(TiledFilter, EqualsTheDenseFilterStepByStep) {
     if (k % 3 == 0) {
       VectorXd mean, deviation, dense_mean, dense_deviation;
       for (auto* map : {&seen, &dense_seen}) map->set_inputs(record.inputs.col(k));
-      ASSERT_EQ(tiled->observe(seen, mean, &deviation), FilterOutcome::usable);
-      ASSERT_EQ(dense->observe(dense_seen, dense_mean, &dense_deviation), FilterOutcome::usable);
+      ASSERT_EQ(tiled->observe(mean, &deviation), FilterOutcome::usable);
+      ASSERT_EQ(dense->observe(dense_mean, &dense_deviation), FilterOutcome::usable);
       // found .16 of it where the mean is nearly zero, 1e-9 elsewhere
       EXPECT_LT((mean - dense_mean).norm(), 1e-7 * dense_mean.norm());
       EXPECT_LT((deviation - dense_deviation).norm(), 1e-8 * dense_deviation.norm());
@@ -213,20 +214,20 @@ TEST(PartiallyLinearFilter, BlocksOfAnySizeUpToATile) {
   measurement.selection.row(0) = transition.selection.row(0);
   transition.selection.row(2) = MatrixXd::Identity(31, 31).row(17);
   ASSERT_FALSE(tile_layout(MatrixXd::Ones(9, 9)));  // nine states that cannot be separated
-  const auto tiled = make_filter(FilterKind::partially_linear, {}, &transition);
-  const auto dense = make_filter(FilterKind::partially_linear);
-  ASSERT_NE(dynamic_cast<PartiallyLinearFilter*>(tiled.get()), nullptr);
   const MatrixXd root = random_matrix(random, 31, 31), noise_root = 0.1 * random_matrix(random, 31, 12);
   const Gaussian prior{random_matrix(random, 31, 1), root * root.transpose()};
-  const MatrixXd process_noise = noise_root * noise_root.transpose(), noise = MatrixXd::Identity(4, 4);
+  const FilterModel model{transition, noise_root * noise_root.transpose(), measurement, MatrixXd::Identity(4, 4)};
+  const auto tiled = make_filter(FilterKind::partially_linear, model);
+  const auto dense = dense_filter(model);
+  ASSERT_NE(dynamic_cast<PartiallyLinearFilter*>(tiled.get()), nullptr);
   Innovation a, b;
   for (auto* filter : {tiled.get(), dense.get()}) filter->reset(prior);
   for (int k = 0; k < 40; ++k) {
     const VectorXd y = random_matrix(random, 4, 1);
-    ASSERT_EQ(tiled->predict(transition, process_noise), FilterOutcome::usable);
-    ASSERT_EQ(dense->predict(transition, process_noise), FilterOutcome::usable);
-    ASSERT_EQ(tiled->update(measurement, noise, y, a), FilterOutcome::usable);
-    ASSERT_EQ(dense->update(measurement, noise, y, b), FilterOutcome::usable);
+    ASSERT_EQ(tiled->predict(), FilterOutcome::usable);
+    ASSERT_EQ(dense->predict(), FilterOutcome::usable);
+    ASSERT_EQ(tiled->update(y, a), FilterOutcome::usable);
+    ASSERT_EQ(dense->update(y, b), FilterOutcome::usable);
     EXPECT_LT(difference(*tiled, *dense), 1e-10) << k;  // well-conditioned: rounding of forty steps
   }
 }
@@ -246,21 +247,19 @@ TEST(PartiallyLinearFilter, ResultsDoNotDependOnTheNumberOfThreads) {
   const AugmentedModel augmented_model(model.system(), sensors, {}, options);
   const Chain chain;
   const MatrixXd inputs = chain.inputs(1000.0, 20);
-  std::vector<std::unique_ptr<ProcessModel>> transitions;
+  ProcessModel transition(augmented_model);
+  MeasurementModel measurement(augmented_model, sensor_outputs);
+  const FilterModel filter_model{transition, augmented_model.process_noise(), measurement, MatrixXd::Identity(2, 2)};
   std::vector<std::unique_ptr<Filter>> filters;
   for (const int threads : {1, 2, 3}) {
-    transitions.push_back(std::make_unique<ProcessModel>(augmented_model));
-    filters.push_back(make_filter(FilterKind::partially_linear, {}, transitions.back().get(), threads));
+    filters.push_back(make_filter(FilterKind::partially_linear, filter_model, {}, threads));
     filters.back()->reset(augmented_model.prior());
-    MeasurementModel measurement(augmented_model, sensor_outputs);
     Innovation innovation;
     for (Index k = 1; k < inputs.cols(); ++k) {
-      transitions.back()->set_inputs(inputs.col(k - 1), inputs.col(k));
-      ASSERT_EQ(filters.back()->predict(*transitions.back(), augmented_model.process_noise()), FilterOutcome::usable);
+      transition.set_inputs(inputs.col(k - 1), inputs.col(k));
+      ASSERT_EQ(filters.back()->predict(), FilterOutcome::usable);
       measurement.set_inputs(inputs.col(k));
-      ASSERT_EQ(filters.back()->update(measurement, MatrixXd::Identity(2, 2), VectorXd::Constant(2, 0.1 * double(k)),
-                                       innovation),
-                FilterOutcome::usable);
+      ASSERT_EQ(filters.back()->update(VectorXd::Constant(2, 0.1 * double(k)), innovation), FilterOutcome::usable);
     }
     EXPECT_TRUE(filters.back()->mean() == filters.front()->mean()) << threads;
     EXPECT_TRUE(filters.back()->covariance() == filters.front()->covariance()) << threads;

@@ -25,7 +25,7 @@ Transformed transformed(PartiallyLinearMap& map, const VectorXd& m, const Matrix
   options.points = points;
   UnscentedTransform transform(options);
   EXPECT_TRUE(transform.apply(map, m, S));
-  const Index n_y = map.linear.rows();
+  const Index n_y = map.linear().rows();
   MatrixXd covariance = MatrixXd::Zero(n_y, n_y);
   transform.add_covariance(map, covariance);
   return {{transform.mean(), covariance.selfadjointView<Eigen::Lower>(), S * transform.deviations().transpose()},
@@ -76,7 +76,7 @@ TEST_P(LinearInTheChannels, EqualsThePointsOfTheState) {
       if (trial % 2) S = MatrixXd(S.triangularView<Eigen::Lower>());
       // Channels that depend on each other are kept apart by 1e-12 of their variance: 1e-6 of a deviation, whose share
       // of the images is of the second order where phi is linear.
-      expect_equal(transformed(map, m, S, options, SigmaPoints::of_channels),
+      expect_equal(transformed(map, m, S, options, SigmaPoints::of_arguments),
                    transformed(map, m, S, options, SigmaPoints::of_state), 2e-10);
     }
 }
@@ -94,7 +94,7 @@ TEST(ReducedPoints, EqualThePointsOfTheStateWhereEveryStateIsAChannel) {
     const VectorXd m = random_matrix(random, 3, 1);
     const MatrixXd S = ordered_root(random);
     for (const auto& options : {UnscentedOptions{}, UnscentedOptions{0.6, 1.0, 0.5}}) {
-      const auto reduced = transformed(map, m, S, options, SigmaPoints::of_channels);
+      const auto reduced = transformed(map, m, S, options, SigmaPoints::of_arguments);
       // found 1e-15: rounding of sums over the points
       expect_equal(reduced, transformed(map, m, S, options, SigmaPoints::of_state), 3e-14);
       expect_equal(reduced, table_1(map, m, S, options), 3e-14);
@@ -121,7 +121,7 @@ TEST(ReducedPoints, StandForTheWholeStateByItsMeanGivenTheChannels) {
     expected.covariance += map.linear * rest * map.linear.transpose();
     expected.cross = (completion * expected.cross + rest * map.linear.transpose()).eval();
     // rounding of sums over the points
-    expect_equal(transformed(map, m, S, options, SigmaPoints::of_channels), expected, 3e-14);
+    expect_equal(transformed(map, m, S, options, SigmaPoints::of_arguments), expected, 3e-14);
   }
 }
 
@@ -140,8 +140,8 @@ TEST(ReducedPoints, DoNotSeeStatesThatReachNoChannel) {
   large_S.topRows(3) << S, MatrixXd::Zero(3, 20);
   VectorXd large_m(23);
   large_m << m, random_matrix(random, 20, 1);
-  const auto small = transformed(map, m, S, {}, SigmaPoints::of_channels);
-  const auto found = transformed(large, large_m, large_S, {}, SigmaPoints::of_channels);
+  const auto small = transformed(map, m, S, {}, SigmaPoints::of_arguments);
+  const auto found = transformed(large, large_m, large_S, {}, SigmaPoints::of_arguments);
   // the states that no channel sees add exact zeros
   EXPECT_LT((found.mean - small.mean).norm(), 1e-14 * small.mean.norm());
   EXPECT_LT((found.covariance - small.covariance).norm(), 1e-14 * small.covariance.norm());
@@ -163,7 +163,7 @@ TEST(ReducedPoints, QuadraticOfOneChannelHasItsExactMeanAndVariance) {
     const MatrixXd S = random_matrix(random, n, n), P = S * S.transpose();
     const double mu = (map.selection * m + map.input_offset)[0],
                  s2 = (map.selection * P * map.selection.transpose())(0);
-    const auto found = transformed(map, m, S, {1.0, 0.0, 2.0}, SigmaPoints::of_channels);
+    const auto found = transformed(map, m, S, {1.0, 0.0, 2.0}, SigmaPoints::of_arguments);
     // rounding of sums over the points
     EXPECT_NEAR(found.mean[0], mu * mu + s2 + map.offset[0], 4e-15 * (mu * mu + s2));
     const double variance = 4 * mu * mu * s2 + 2 * s2 * s2;
@@ -186,7 +186,7 @@ TEST(ReducedPoints, MeanAndCrossCovarianceOfAnyQuadraticAreExact) {
     const VectorXd m = random_matrix(random, n, 1);
     const MatrixXd S = random_matrix(random, n, n), P = S * S.transpose(), N = map.selection;
     const VectorXd mu = N * m + map.input_offset;
-    const auto found = transformed(map, m, S, {0.7, 2.0, 0.0}, SigmaPoints::of_channels);
+    const auto found = transformed(map, m, S, {0.7, 2.0, 0.0}, SigmaPoints::of_arguments);
     const MatrixXd cross = 2.0 * P * N.transpose() * H * mu;
     const double mean = mu.dot(H * mu) + (H * N * P * N.transpose()).trace() + map.offset[0];
     // dependent channels are told apart by the root of the rounding: found 2e-13
@@ -216,7 +216,7 @@ TEST(ReducedPoints, ScatterIsThatOfTheCurvaturesAndHasNoNegativeDirection) {
       sum += curvature / c;
     }
     expected += (options.beta - options.alpha * options.alpha) * sum * sum.transpose();
-    const auto found = transformed(map, m, S, options, SigmaPoints::of_channels);
+    const auto found = transformed(map, m, S, options, SigmaPoints::of_arguments);
     // rounding
     EXPECT_LT((found.scatter - expected).norm(), 2e-14 * expected.norm());
     EXPECT_GE(found.scatter.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), -1e-14 * expected.norm());
@@ -227,7 +227,7 @@ TEST(ReducedPoints, NegativeVarianceAndMapsWithoutValueAreAnswers) {
   RandomStream random(18, "failures");
   auto map = random_map(random, 2, 3, 1, 1, [](const VectorXd& w) { return VectorXd(w.array().log()); });
   UnscentedOptions options;
-  options.points = SigmaPoints::of_channels;
+  options.points = SigmaPoints::of_arguments;
   UnscentedTransform transform(options);
   EXPECT_FALSE(transform.apply(map, VectorXd::Zero(3), 100.0 * MatrixXd::Identity(3, 3)));
   EXPECT_FALSE(transform.apply(map, VectorXd::Zero(3), MatrixXd::Constant(3, 3, NAN)));

@@ -42,10 +42,10 @@ public:
 
 private:
   VectorXd image(PartiallyLinearMap& map) {
-    const Eigen::ArrayXXd in = (map.selection * state_ + map.input_offset).transpose().array();
-    Eigen::ArrayXXd out(1, map.gain.cols());
+    const Eigen::ArrayXXd in = (map.selection() * state_ + map.input_offset()).transpose().array();
+    Eigen::ArrayXXd out(1, map.gain().cols());
     EXPECT_TRUE(map.evaluate(in, out));
-    return map.linear * state_ + map.gain * out.matrix().transpose() + map.offset;
+    return map.linear() * state_ + map.gain() * out.matrix().transpose() + map.offset();
   }
 
   ProcessModel transition_;
@@ -72,7 +72,8 @@ TEST(Soak, TenMillionStepsOfTheChain) {
   TrueChain structure(augmented_model, truth);
   ProcessModel transition(augmented_model);
   MeasurementModel measurement(augmented_model, sensor_outputs);
-  const auto filter = make_filter(FilterKind::partially_linear, {}, &transition);
+  const auto filter =
+      make_filter(FilterKind::partially_linear, {transition, augmented_model.process_noise(), measurement, noise});
   filter->reset(augmented_model.prior());
   Innovation innovation;
   double nis = 0.0, lowest = 1.0, worst = 0.0;
@@ -81,10 +82,9 @@ TEST(Soak, TenMillionStepsOfTheChain) {
     const VectorXd begin = inputs.col((k - 1) % period), end = inputs.col(k % period);
     structure.move(begin, end);
     transition.set_inputs(begin, end);
-    ASSERT_EQ(filter->predict(transition, augmented_model.process_noise()), FilterOutcome::usable) << k;
+    ASSERT_EQ(filter->predict(), FilterOutcome::usable) << k;
     measurement.set_inputs(end);
-    ASSERT_EQ(filter->update(measurement, noise, structure.measured(end, deviation), innovation), FilterOutcome::usable)
-        << k;
+    ASSERT_EQ(filter->update(structure.measured(end, deviation), innovation), FilterOutcome::usable) << k;
     nis += innovation.nis / double(steps);
     if (k % look != 0) continue;
     const MatrixXd covariance = filter->covariance();

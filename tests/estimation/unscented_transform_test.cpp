@@ -13,7 +13,7 @@ namespace {
 TEST(UnscentedWeights, HaveTheSpreadOfTheirKind) {
   for (const Eigen::Index n : {1, 2, 5, 9}) {
     // rounding of a root
-    EXPECT_NEAR(UnscentedWeights({.points = SigmaPoints::of_channels}, n).spread, std::sqrt(3.0), 1e-14) << n;
+    EXPECT_NEAR(UnscentedWeights({.points = SigmaPoints::of_arguments}, n).spread, std::sqrt(3.0), 1e-14) << n;
     EXPECT_NEAR(UnscentedWeights({}, n).spread, std::sqrt(double(n)), 1e-14) << n;
     EXPECT_NEAR(UnscentedWeights({.alpha = 0.5, .kappa = 2.0}, n).spread, 0.5 * std::sqrt(double(n) + 2.0), 1e-14) << n;
     for (const double alpha : {1.0, 0.3}) {

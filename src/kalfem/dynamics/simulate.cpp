@@ -15,7 +15,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr Index input_block = 4096;    ///< steps whose inputs are sampled together
-constexpr Index progress_block = 256;  ///< steps between two words of progress
+constexpr Index progress_block = 256;  ///< steps between two reports of progress
 constexpr double most_steps = 1e10;
 constexpr double most_values = 2e9;  ///< stored, 16 GB
 
@@ -70,17 +70,44 @@ std::optional<AlphaParameters> alpha_parameters(const SimulationOptions& options
   return std::nullopt;
 }
 
-/// [r; r'; r''] of all inputs at `count` steps from `first` on, 3 n_u x count.
-MatrixXd sample_inputs(const std::vector<SignalPtr>& signals, double step, Index first, Index count) {
-  const auto n_u = static_cast<Index>(signals.size());
-  MatrixXd inputs(3 * n_u, count);
-  for (Index i = 0; i < n_u; ++i) {
-    const auto sampled = signals[static_cast<std::size_t>(i)]->sample(static_cast<double>(first) * step, step, count);
-    for (Index derivative = 0; derivative < 3; ++derivative)
-      inputs.row(derivative * n_u + i) = sampled.col(derivative).matrix().transpose();
+/// [r; r'; r''] of all inputs at every step, sampled some thousand steps at a time: signals are fast by blocks, and all
+/// steps at once may not fit in memory. Steps are asked for in order.
+class SampledInputs {
+public:
+  SampledInputs(const std::vector<SignalPtr>& signals, double step, Index steps)
+      : signals_(signals), step_(step), steps_(steps) {
+    sample_from(0);
   }
-  return inputs;
-}
+
+  /// Goes on to step k, 3 n_u values.
+  const VectorXd& at(Index k) {
+    previous_.swap(current_);
+    if (k - first_ > input_block) sample_from(k - 1);
+    current_ = block_.col(k - first_);
+    return current_;
+  }
+  [[nodiscard]] const VectorXd& current() const { return current_; }
+  [[nodiscard]] const VectorXd& previous() const { return previous_; }  ///< of the step before
+
+private:
+  void sample_from(Index first) {
+    const auto n_u = static_cast<Index>(signals_.size()), count = std::min(input_block, steps_ - first) + 1;
+    first_ = first;
+    block_.resize(3 * n_u, count);
+    for (Index i = 0; i < n_u; ++i) {
+      const auto sampled =
+          signals_[static_cast<std::size_t>(i)]->sample(static_cast<double>(first) * step_, step_, count);
+      for (Index derivative = 0; derivative < 3; ++derivative)
+        block_.row(derivative * n_u + i) = sampled.col(derivative).matrix().transpose();
+    }
+  }
+
+  const std::vector<SignalPtr>& signals_;
+  double step_;
+  Index steps_, first_ = 0;
+  MatrixXd block_;
+  VectorXd previous_, current_;
+};
 
 Trajectory allocate(const LocallyNonlinearSystem& system, const SimulationOptions& options, Index samples) {
   const MatrixXd motion = MatrixXd::Zero(options.keep_motion ? system.size() : 0, samples);
@@ -165,6 +192,86 @@ std::optional<SimulationFailure> failure_of(const ForceSolveOutcome& outcome, co
   return std::nullopt;
 }
 
+/// What a simulation is stepped with: the system itself, or under modal damping its split into damped modes and the
+/// rest, with the periods of the damped modes corrected for the scheme (split_damped_modes(), correct_periods()).
+struct SteppedSystem {
+  std::optional<AlphaParameters> scheme;  ///< none: exact steps
+  std::optional<DampedModeSplit> split;   ///< none: the system's own coordinates
+  std::unique_ptr<Stepper> stepper;
+
+  SteppedSystem(const LocallyNonlinearSystem& system, const SimulationOptions& options)
+      : scheme(alpha_parameters(options)), split(scheme ? split_damped_modes(system) : std::nullopt) {
+    if (split) correct_periods(split->system, system.size(), options.step, *scheme);
+    const auto& stepped = split ? split->system : system;
+    stepper = scheme ? make_alpha_stepper(stepped, options.step, *scheme, options.forces)
+                     : make_exact_stepper(stepped, options.step, options.forces);
+  }
+
+  [[nodiscard]] Motion motion_of(const InitialState& initial, Index connectors) const {
+    const auto own = [&](const VectorXd& motion) { return split ? split->split(motion) : motion; };
+    return {own(initial.displacement), own(initial.velocity), own(VectorXd::Zero(initial.displacement.size())),
+            VectorXd::Zero(connectors), initial.connector_states};
+  }
+};
+
+/// A transient in steps of equal length. The first failure ends it: what is stored ends before the step that failed.
+class TransientRun {
+public:
+  TransientRun(const LocallyNonlinearSystem& system, const std::vector<SignalPtr>& signals, const InitialState& initial,
+               const SimulationOptions& options)
+      : options_(options),
+        steps_(static_cast<Index>(std::llround(options.duration / options.step))),
+        stepped_(system, options),
+        inputs_(signals, options.step, steps_),
+        motion_(stepped_.motion_of(initial, system.connector_count())),
+        recorder_(system, options, stepped_.split ? &*stepped_.split : nullptr, steps_, result_) {}
+
+  SimulationResult run() {
+    for (Index k = 0; k <= steps_; ++k) {
+      // Accelerations and connector forces at the start belong to the initial state, then step by step.
+      const auto outcome = k == 0 ? start() : advance(k);
+      if (failed(outcome, k)) return ended_before(k);
+      recorder_.store(k, motion_, inputs_.current());
+      report_progress(k);
+    }
+    return std::move(result_);
+  }
+
+private:
+  ForceSolveOutcome start() { return stepped_.stepper->start(motion_, inputs_.at(0)); }
+
+  ForceSolveOutcome advance(Index k) {
+    const auto& end = inputs_.at(k);
+    return stepped_.stepper->advance(motion_, inputs_.previous(), end);
+  }
+
+  bool failed(const ForceSolveOutcome& outcome, Index k) {
+    result_.failure = failure_of(outcome, motion_, static_cast<double>(k) * options_.step);
+    return result_.failure.has_value();
+  }
+
+  void report_progress(Index k) const {
+    if (options_.progress && k > 0 && k % progress_block == 0)
+      options_.progress("simulate", static_cast<double>(k) / static_cast<double>(steps_));
+  }
+
+  SimulationResult ended_before(Index k) {
+    const Index samples = k == 0 ? 0 : (k - 1) / options_.keep_every + 1;
+    truncate(result_.trajectory, samples);
+    result_.every_sample.conservativeResize(samples, Eigen::NoChange);
+    if (result_.every_step.size() > 0) result_.every_step.conservativeResize(k, Eigen::NoChange);
+    return std::move(result_);
+  }
+
+  const SimulationOptions& options_;
+  Index steps_;
+  SteppedSystem stepped_;
+  SampledInputs inputs_;
+  Motion motion_;
+  SimulationResult result_;
+  Recorder recorder_;
+};
+
 }  // namespace
 
 InitialState at_rest(Index dofs, Index connector_states) {
@@ -183,46 +290,7 @@ AlphaParameters generalized_alpha_parameters(double rho) {
 SimulationResult simulate(const LocallyNonlinearSystem& system, const std::vector<SignalPtr>& signals,
                           const InitialState& initial, const SimulationOptions& options) {
   check(system, signals, initial, options);
-  const auto scheme = alpha_parameters(options);
-  auto split = scheme ? split_damped_modes(system) : std::nullopt;
-  if (split) correct_periods(split->system, system.size(), options.step, *scheme);
-  const auto in_coordinates = [&](const VectorXd& motion) { return split ? split->split(motion) : motion; };
-  const auto steps = static_cast<Index>(std::llround(options.duration / options.step));
-  const auto& stepped = split ? split->system : system;
-  const auto stepper = scheme ? make_alpha_stepper(stepped, options.step, *scheme, options.forces)
-                              : make_exact_stepper(stepped, options.step, options.forces);
-  SimulationResult result;
-  Recorder recorder(system, options, split ? &*split : nullptr, steps, result);
-  Motion motion{in_coordinates(initial.displacement), in_coordinates(initial.velocity),
-                in_coordinates(VectorXd::Zero(system.size())), VectorXd::Zero(system.connector_count()),
-                initial.connector_states};
-
-  MatrixXd inputs = sample_inputs(signals, options.step, 0, std::min(input_block, steps) + 1);
-  Index block_start = 0;
-  result.failure = failure_of(stepper->start(motion, inputs.col(0)), motion, 0.0);
-  recorder.store(0, motion, inputs.col(0));
-  VectorXd begin = inputs.col(0), end;
-  Index k = 1;
-  for (; k <= steps && !result.failure; ++k) {
-    if (k - block_start > input_block) {
-      block_start = k - 1;
-      inputs = sample_inputs(signals, options.step, block_start, std::min(input_block, steps - block_start) + 1);
-    }
-    if (options.progress && k % progress_block == 0)
-      options.progress("simulate", static_cast<double>(k) / static_cast<double>(steps));
-    end = inputs.col(k - block_start);
-    const auto outcome = stepper->advance(motion, begin, end);
-    result.failure = failure_of(outcome, motion, static_cast<double>(k) * options.step);
-    recorder.store(k, motion, end);
-    begin.swap(end);
-  }
-  if (result.failure) {
-    const Index failed = k - 1, samples = failed == 0 ? 0 : (failed - 1) / options.keep_every + 1;
-    truncate(result.trajectory, samples);
-    result.every_sample.conservativeResize(samples, Eigen::NoChange);
-    if (result.every_step.size() > 0) result.every_step.conservativeResize(failed, Eigen::NoChange);
-  }
-  return result;
+  return TransientRun(system, signals, initial, options).run();
 }
 
 }  // namespace kalfem

@@ -5,6 +5,10 @@
 
 namespace kalfem {
 
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
 void CovarianceFilter::reset(const Gaussian& estimate) { estimate_ = estimate; }
 
 FilterOutcome CovarianceFilter::transform(PartiallyLinearMap& map, UnscentedTransform& transform) {
@@ -14,24 +18,21 @@ FilterOutcome CovarianceFilter::transform(PartiallyLinearMap& map, UnscentedTran
              : FilterOutcome::model_not_evaluable;
 }
 
-FilterOutcome CovarianceFilter::predict(PartiallyLinearMap& transition, const Eigen::MatrixXd& process_noise) {
-  if (const auto outcome = transform(transition, transition_); outcome != FilterOutcome::usable) return outcome;
-  estimate_.mean = transition_.mean();
-  estimate_.covariance = process_noise;
-  transition_.add_covariance(transition, estimate_.covariance);
+FilterOutcome CovarianceFilter::predict() {
+  if (const auto outcome = transform(process(), process_transform_); outcome != FilterOutcome::usable) return outcome;
+  estimate_.mean = process_transform_.mean();
+  estimate_.covariance = process_noise();
+  process_transform_.add_covariance(process(), estimate_.covariance);
   return FilterOutcome::usable;
 }
 
-FilterOutcome CovarianceFilter::update(PartiallyLinearMap& measurement, const Eigen::MatrixXd& noise,
-                                       const Eigen::VectorXd& y, Innovation& innovation) {
-  if (const auto outcome = transform(measurement, measurement_); outcome != FilterOutcome::usable) return outcome;
-  innovation.value = y - measurement_.mean();
-  innovation.covariance = noise;
-  measurement_.add_covariance(measurement, innovation.covariance);
+FilterOutcome CovarianceFilter::condition(const VectorXd& y, const MatrixXd& noise, Innovation& innovation) {
+  if (const auto outcome = transform(measurement(), measurement_transform_); outcome != FilterOutcome::usable)
+    return outcome;
+  form_innovation(y, noise, innovation);
   if (!cholesky(innovation.covariance, 0.0, innovation_factor_)) return FilterOutcome::innovation_not_positive_definite;
 
   // K P_yy = P_xy; with P_yy = L L^T and J = P_xy L^-T the update is x + J (L^-1 nu), P - J J^T.
-  multiply_transposed(factor_, measurement_.deviations(), gain_);
   solve_on_the_right(innovation_factor_, gain_);
   whitened_ = innovation.value;
   whiten(innovation_factor_, whitened_);
@@ -42,17 +43,35 @@ FilterOutcome CovarianceFilter::update(PartiallyLinearMap& measurement, const Ei
   return FilterOutcome::usable;
 }
 
-FilterOutcome CovarianceFilter::observe(PartiallyLinearMap& map, Eigen::VectorXd& mean, Eigen::VectorXd* deviation) {
-  if (const auto outcome = transform(map, observation_); outcome != FilterOutcome::usable) return outcome;
-  mean = observation_.mean();
+/// nu, P_yy + R and P_xy = S D^T of the measured channels from the transform of all of them.
+void CovarianceFilter::form_innovation(const VectorXd& y, const MatrixXd& noise, Innovation& innovation) {
+  innovation.covariance = noise;
+  if (y.size() == channels()) {
+    innovation.value = y - measurement_transform_.mean();
+    measurement_transform_.add_covariance(measurement(), innovation.covariance);
+    multiply_transposed(factor_, measurement_transform_.deviations(), gain_);
+    return;
+  }
+  const auto& present = innovation.channels;
+  innovation.value = y - measurement_transform_.mean()(present);
+  output_covariance_.setZero(channels(), channels());
+  measurement_transform_.add_covariance(measurement(), output_covariance_);
+  innovation.covariance += output_covariance_(present, present);
+  multiply_transposed(factor_, measurement_transform_.deviations()(present, Eigen::all), gain_);
+}
+
+FilterOutcome CovarianceFilter::observe(VectorXd& mean, VectorXd* deviation) {
+  if (const auto outcome = transform(monitored(), monitored_transform_); outcome != FilterOutcome::usable)
+    return outcome;
+  mean = monitored_transform_.mean();
   if (!deviation) return FilterOutcome::usable;
   output_covariance_.setZero(mean.size(), mean.size());
-  observation_.add_covariance(map, output_covariance_);
+  monitored_transform_.add_covariance(monitored(), output_covariance_);
   *deviation = output_covariance_.diagonal().cwiseMax(0.0).cwiseSqrt();
   return FilterOutcome::usable;
 }
 
-Eigen::VectorXd CovarianceFilter::standard_deviation() const {
+VectorXd CovarianceFilter::standard_deviation() const {
   return estimate_.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
 }
 

@@ -16,13 +16,15 @@ using Eigen::VectorXd;
 
 namespace {
 
+constexpr Index progress_block = 512;  ///< samples between two reports of progress
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
-/// The fewest variables that sigma points stand for: all states, or the channels of a measurement.
+/// The fewest variables that sigma points stand for: all states, or the arguments of a measurement.
 Index sigma_point_variables(const AugmentedModel& augmented_model, FilterKind filter) {
   const auto& layout = augmented_model.layout();
-  const bool of_channels = filter == FilterKind::partially_linear || filter == FilterKind::partially_linear_square_root;
-  return of_channels ? MeasurementModel(augmented_model, sensor_outputs).selection.rows() : layout.size();
+  const bool of_arguments =
+      filter == FilterKind::partially_linear || filter == FilterKind::partially_linear_square_root;
+  return of_arguments ? MeasurementModel(augmented_model, sensor_outputs).selection().rows() : layout.size();
 }
 
 void check_sigma_points(const AugmentedModel& augmented_model, const EstimationOptions& options, IssueList& issues) {
@@ -55,7 +57,9 @@ void check(const AugmentedModel& augmented_model, const Record& record, const Es
   issues.raise();
 }
 
-/// One pass of a filter over a record: predict, update, keep.
+/// One run of a filter over a record. At every sample: predict from the sample before, update by what was measured,
+/// store, and relinearise the model where the unknowns of its linear part have moved. A run that cannot go on ends with
+/// the outcome and the sample's time in the result.
 class RecordRun {
 public:
   RecordRun(const AugmentedModel& augmented_model, const Record& record, const EstimationOptions& options)
@@ -63,42 +67,58 @@ public:
         record_(record),
         options_(options),
         input_stride_(record.inputs.cols() > record.measurements.cols() ? augmented_model.options().substeps : 1),
-        filter_setup_(std::make_unique<FilterSetup>(
-            std::shared_ptr<const AugmentedModel>(std::shared_ptr<void>(), &augmented_model), options)),
+        setup_(std::make_unique<FilterSetup>(
+            std::shared_ptr<const AugmentedModel>(std::shared_ptr<void>(), &augmented_model), record.noise, options)),
         linear_unknowns_(linear_unknowns(augmented_model.options())) {
     allocate();
     linearised_about_ = linear_estimate();
   }
 
   EstimationResult run(const Gaussian& prior) {
-    filter_setup_->filter->reset(prior);
+    setup_->filter->reset(prior);
     const Index samples = record_.measurements.cols();
-    Stopwatch watch;
     for (Index k = 0; k < samples; ++k) {
-      FilterOutcome outcome = k == 0 ? FilterOutcome::usable : predict(k);
-      result_.time.predict += watch.lap();
-      if (outcome == FilterOutcome::usable) outcome = update(k);
-      result_.time.update += watch.lap();
-      if (outcome == FilterOutcome::usable) outcome = keep(k);
-      if (outcome == FilterOutcome::usable) keep_gain(k);
-      result_.time.output += watch.lap();
-      if (outcome == FilterOutcome::usable) outcome = linearise_where_it_moved(k);
-      result_.time.predict += watch.lap();
-      if (outcome != FilterOutcome::usable) {
-        result_.failure = {outcome, static_cast<double>(k) * augmented_model_.options().step, to_string(outcome)};
-        break;
-      }
-      if (options_.progress && k % 512 == 0)
-        options_.progress("estimate", static_cast<double>(k) / static_cast<double>(samples));
+      if (!step(k)) break;
+      report_progress(k, samples);
     }
-    result_.final_covariance = here().physical_covariance(filter_setup_->filter->covariance());
-    if (result_.linearisations > 0) result_.augmented_model = filter_setup_->augmented_model;
-    return std::move(result_);
+    return finish();
   }
 
 private:
+  /// False where the filter cannot go on from sample k.
+  bool step(Index k) {
+    auto& time = result_.time;
+    Stopwatch watch;
+    const auto charged = [&](FilterOutcome outcome, double& to) {
+      to += watch.lap();
+      return outcome;
+    };
+    // Carry the estimate over the interval that ends at the sample; the prior already stands at the first one.
+    FilterOutcome outcome = k == 0 ? FilterOutcome::usable : charged(predict(k), time.predict);
+    // Condition it on what the sensors show.
+    if (outcome == FilterOutcome::usable) outcome = charged(update(k), time.update);
+    // Store it, with the quantities that are monitored.
+    if (outcome == FilterOutcome::usable) outcome = charged(store(k), time.output);
+    // The tangent along the linear part's unknowns holds near the point of linearisation only.
+    if (outcome == FilterOutcome::usable) outcome = charged(relinearise_where_it_moved(k), time.predict);
+    if (outcome == FilterOutcome::usable) return true;
+    result_.failure = {outcome, static_cast<double>(k) * augmented_model_.options().step, to_string(outcome)};
+    return false;
+  }
+
+  void report_progress(Index k, Index samples) const {
+    if (options_.progress && k % progress_block == 0)
+      options_.progress("estimate", static_cast<double>(k) / static_cast<double>(samples));
+  }
+
+  EstimationResult finish() {
+    result_.final_covariance = model().physical_covariance(setup_->filter->covariance());
+    if (result_.linearisations > 0) result_.augmented_model = setup_->augmented_model;
+    return std::move(result_);
+  }
+
   /// The augmented model as it is linearised now.
-  [[nodiscard]] const AugmentedModel& here() const { return *filter_setup_->augmented_model; }
+  [[nodiscard]] const AugmentedModel& model() const { return *setup_->augmented_model; }
 
   void allocate() {
     const Index samples = record_.measurements.cols(), l = record_.measurements.rows();
@@ -116,53 +136,102 @@ private:
   }
 
   FilterOutcome predict(Index k) {
-    auto& [augmented_model, transition, filter, measurement, monitored] = *filter_setup_;
+    auto& [of, transition, measurement, monitored, filter] = *setup_;
     if (input_stride_ > 1)
       transition.set_inputs(record_.inputs.middleCols((k - 1) * input_stride_, input_stride_ + 1));
     else
       transition.set_inputs(record_.inputs.col(k - 1), record_.inputs.col(k));
     if (!linear_unknowns_.empty()) transition.set_mean(filter->mean());
-    return filter->predict(transition, augmented_model->process_noise());
+    return filter->predict();
   }
 
   FilterOutcome update(Index k) {
-    select_measured(k);
-    if (rows_.empty()) return FilterOutcome::usable;
-    auto& [augmented_model, transition, filter, measurement, monitored] = *filter_setup_;
+    auto& [of, transition, measurement, monitored, filter] = *setup_;
     measurement.set_inputs(record_.inputs.col(k * input_stride_));
     if (!linear_unknowns_.empty()) measurement.set_mean(filter->mean());
-    const auto outcome = filter->update(measurement, noise_, record_.measurements(rows_, k), innovation_);
-    if (outcome != FilterOutcome::usable) return outcome;
-    result_.innovation(rows_, k) = innovation_.value;
-    result_.innovation_deviation(rows_, k) = innovation_.covariance.diagonal().cwiseSqrt();
+    measured_ = record_.measurements.col(k);
+    return filter->update(measured_, innovation_);
+  }
+
+  FilterOutcome store(Index k) {
+    store_innovation(k);
+    store_state(k);
+    const auto outcome = store_monitored(k);
+    if (outcome == FilterOutcome::usable && options_.keep_gains && options_.gains.keeps(k)) store_gain();
+    return outcome;
+  }
+
+  void store_innovation(Index k) {
+    const auto& channels = innovation_.channels;
+    if (channels.empty()) return;
+    result_.innovation(channels, k) = innovation_.value;
+    result_.innovation_deviation(channels, k) = innovation_.covariance.diagonal().cwiseSqrt();
     result_.nis[k] = innovation_.nis;
     result_.log_likelihood += innovation_.log_likelihood;
-    result_.measured[k] = static_cast<int>(rows_.size());
+    result_.measured[k] = static_cast<int>(channels.size());
+  }
+
+  void store_state(Index k) {
+    const auto& layout = augmented_model_.layout();
+    result_.state.mean.col(k) = model().physical(setup_->filter->mean());
+    store_deviations(k);
+    for (Index i = 0; i < layout.unknowns; ++i) {
+      const auto& transform = augmented_model_.options().unknowns[static_cast<std::size_t>(i)].transform;
+      const double state = result_.state.mean(layout.unknown() + i, k);
+      result_.unknowns.mean(i, k) = transform.to_parameter(state);
+      result_.unknowns.deviation(i, k) = transform.slope(state) * result_.state.deviation(layout.unknown() + i, k);
+    }
+  }
+
+  /// Of all states, or only of those that have the same meaning in any coordinates.
+  void store_deviations(Index k) {
+    const auto& layout = augmented_model_.layout();
+    auto deviations = result_.state.deviation.col(k);
+    if (augmented_model_.options().coordinates == StateCoordinates::modal && options_.state_deviations) {
+      deviations = model().physical_covariance(setup_->filter->covariance()).diagonal().cwiseMax(0.0).cwiseSqrt();
+      return;
+    }
+    const VectorXd own = setup_->filter->standard_deviation();
+    const auto rows = options_.state_deviations ? Eigen::seqN(Index{0}, layout.size())
+                                                : Eigen::seqN(layout.linear, layout.connector_states + layout.unknowns);
+    deviations(rows) = own(rows);
+  }
+
+  FilterOutcome store_monitored(Index k) {
+    auto& [of, transition, measurement, monitored, filter] = *setup_;
+    if (!monitored) return FilterOutcome::usable;
+    monitored->set_inputs(record_.inputs.col(k * input_stride_));
+    if (!linear_unknowns_.empty()) monitored->set_mean(filter->mean());
+    const bool anew = k % options_.deviation_stride == 0;
+    const auto outcome = filter->observe(output_mean_, anew ? &output_deviation_ : nullptr);
+    if (outcome != FilterOutcome::usable) return outcome;
+    result_.monitored.mean.col(k) = output_mean_;
+    result_.monitored.deviation.col(k) = output_deviation_;
     return outcome;
   }
 
   /// K = P H^T R^-1 with P after the update and H = A + G phi' N at the mean. A channel that is missing here keeps its
   /// last gain, because the gain is held over samples at which it may be there again.
-  void keep_gain(Index k) {
-    if (!options_.keep_gains || !options_.gains.keeps(k)) return;
-    const auto& measurement = filter_setup_->measurement;
+  void store_gain() {
+    const auto& measurement = setup_->measurement;
     const Index l = record_.measurements.rows(), n = augmented_model_.layout().size();
     auto& kept = result_.gains.gains;
     MatrixXd gain = kept.empty() ? MatrixXd(MatrixXd::Zero(n, l)) : kept.back();
-    if (!rows_.empty()) {
-      const MatrixXd slope = measurement.linear + measurement.gain * channel_slopes() * measurement.selection;
-      const MatrixXd weighted = noise_.llt().solve(slope);
-      gain(Eigen::all, rows_) = here().physical(filter_setup_->filter->covariance() * weighted.transpose());
+    if (const auto& channels = innovation_.channels; !channels.empty()) {
+      const MatrixXd slope = measurement.linear()(channels, Eigen::all) +
+                             measurement.gain()(channels, Eigen::all) * output_slopes() * measurement.selection();
+      const MatrixXd noise = record_.noise(channels, channels), weighted = noise.llt().solve(slope);
+      gain(Eigen::all, channels) = model().physical(setup_->filter->covariance() * weighted.transpose());
     }
     kept.push_back(std::move(gain));
   }
 
-  /// phi' at the mean, p x q, by differences over a small part of each channel's deviation.
-  MatrixXd channel_slopes() {
-    auto& [augmented_model, transition, filter, measurement, monitored] = *filter_setup_;
-    const VectorXd at = measurement.selection * filter->mean() + measurement.input_offset;
-    const Index q = at.size(), p = measurement.gain.cols();
-    const MatrixXd selected = measurement.selection * filter->covariance() * measurement.selection.transpose();
+  /// phi' at the mean, p x q, by differences over a small part of each argument's deviation.
+  MatrixXd output_slopes() {
+    auto& [of, transition, measurement, monitored, filter] = *setup_;
+    const VectorXd at = measurement.selection() * filter->mean() + measurement.input_offset();
+    const Index q = at.size(), p = measurement.gain().cols();
+    const MatrixXd selected = measurement.selection() * filter->covariance() * measurement.selection().transpose();
     const VectorXd step = 1e-3 * selected.diagonal().cwiseMax(0.0).cwiseSqrt() + VectorXd::Constant(q, 1e-12);
     Eigen::ArrayXXd in = at.transpose().replicate(2 * q, 1).array(), out(2 * q, p);
     for (Index i = 0; i < q; ++i) {
@@ -174,53 +243,6 @@ private:
     for (Index i = 0; i < q; ++i)
       slopes.col(i) = (out.row(2 * i) - out.row(2 * i + 1)).matrix().transpose() / (2.0 * step[i]);
     return slopes;
-  }
-
-  /// The channels that were measured at sample k; the map and R follow when they change.
-  void select_measured(Index k) {
-    present_.clear();
-    for (Index row = 0; row < record_.measurements.rows(); ++row)
-      if (std::isfinite(record_.measurements(row, k))) present_.push_back(row);
-    if (present_ == rows_ && k > 0) return;
-    rows_ = present_;
-    filter_setup_->measurement.select_rows(rows_);
-    noise_ = record_.noise(rows_, rows_);
-  }
-
-  /// Of all states, or only of those that have the same meaning in any coordinates.
-  void keep_deviations(Index k) {
-    const auto& layout = augmented_model_.layout();
-    auto deviations = result_.state.deviation.col(k);
-    if (augmented_model_.options().coordinates == StateCoordinates::modal && options_.state_deviations) {
-      deviations = here().physical_covariance(filter_setup_->filter->covariance()).diagonal().cwiseMax(0.0).cwiseSqrt();
-      return;
-    }
-    const VectorXd own = filter_setup_->filter->standard_deviation();
-    const auto rows = options_.state_deviations ? Eigen::seqN(Index{0}, layout.size())
-                                                : Eigen::seqN(layout.linear, layout.connector_states + layout.unknowns);
-    deviations(rows) = own(rows);
-  }
-
-  FilterOutcome keep(Index k) {
-    const auto& layout = augmented_model_.layout();
-    auto& [augmented_model, transition, filter, measurement, monitored] = *filter_setup_;
-    result_.state.mean.col(k) = augmented_model->physical(filter->mean());
-    keep_deviations(k);
-    for (Index i = 0; i < layout.unknowns; ++i) {
-      const auto& transform = augmented_model_.options().unknowns[static_cast<std::size_t>(i)].transform;
-      const double state = result_.state.mean(layout.unknown() + i, k);
-      result_.unknowns.mean(i, k) = transform.to_parameter(state);
-      result_.unknowns.deviation(i, k) = transform.slope(state) * result_.state.deviation(layout.unknown() + i, k);
-    }
-    if (!monitored) return FilterOutcome::usable;
-    monitored->set_inputs(record_.inputs.col(k * input_stride_));
-    if (!linear_unknowns_.empty()) monitored->set_mean(filter->mean());
-    const bool anew = k % options_.deviation_stride == 0;
-    const auto outcome = filter->observe(*monitored, output_mean_, anew ? &output_deviation_ : nullptr);
-    if (outcome != FilterOutcome::usable) return outcome;
-    result_.monitored.mean.col(k) = output_mean_;
-    result_.monitored.deviation.col(k) = output_deviation_;
-    return outcome;
   }
 
   /// The unknowns of the linear part at sample k, before the first one by their prior.
@@ -236,16 +258,15 @@ private:
     return estimate;
   }
 
-  FilterOutcome linearise_where_it_moved(Index k) {
+  FilterOutcome relinearise_where_it_moved(Index k) {
     if (linear_unknowns_.empty()) return FilterOutcome::usable;
     auto now = linear_estimate(k);
     if (!now.outdates(linearised_about_)) return FilterOutcome::usable;
     try {
-      filter_setup_ = relinearised(augmented_model_, now, *filter_setup_, options_);
+      setup_ = relinearised(augmented_model_, now, *setup_, record_.noise, options_);
     } catch (const InvalidInput&) {
       return FilterOutcome::linear_part_impossible;
     }
-    filter_setup_->measurement.select_rows(rows_);
     linearised_about_ = std::move(now);
     ++result_.linearisations;
     return FilterOutcome::usable;
@@ -255,17 +276,16 @@ private:
   const Record& record_;
   const EstimationOptions& options_;
   Index input_stride_;  ///< columns of the inputs per sample
-  std::unique_ptr<FilterSetup> filter_setup_;
+  std::unique_ptr<FilterSetup> setup_;
   std::vector<Index> linear_unknowns_;
   LinearEstimate linearised_about_;
   Innovation innovation_;
-  std::vector<Index> rows_, present_;
-  MatrixXd noise_;
-  VectorXd output_mean_, output_deviation_;
+  VectorXd measured_, output_mean_, output_deviation_;
   EstimationResult result_;
 };
 
-/// The prior of the next pass: parameters and initial state of the last one, the first prior's covariance.
+/// The prior of the next run over the record: parameters and initial state of the last one, the first prior's
+/// covariance.
 Gaussian next_prior(const AugmentedModel& augmented_model, const EstimationResult& result) {
   const auto& layout = augmented_model.layout();
   const VectorXd last = result.state.mean.col(result.state.mean.cols() - 1);

@@ -16,7 +16,7 @@ struct EstimationOptions {
   UnscentedOptions unscented = {};
   int threads = 1;  ///< of the filter, where it is partially linear and large; results do not depend on it
   int passes = 1;   ///< runs over the record; each further one starts from the last one's parameters and initial
-                    ///< state under the first prior's covariance (needs Observer keep_initial_state)
+                    ///< state under the first prior's covariance (needs AugmentedModelOptions::keep_initial_state)
   /// Standard deviations of every state at every sample, beside those of unknowns and internal states. In modal
   /// coordinates they cost more than the filter does.
   bool state_deviations = true;
@@ -48,15 +48,15 @@ struct EstimationFailure {
   std::string reason;  ///< in words
 };
 
-/// Wall time of the last pass [s].
+/// Wall time of the last run over the record [s].
 struct EstimationTime {
   double predict = 0.0, update = 0.0;
-  double output = 0.0;  ///< keeping results, monitored quantities among them
+  double output = 0.0;  ///< storing results, monitored quantities among them
 
   [[nodiscard]] double filter() const { return predict + update; }
 };
 
-/// Everything that a pass of the filter over a record gives. After a failure the samples from there on are not a
+/// Everything that a run of the filter over a record gives. After a failure the samples from there on are not a
 /// number.
 struct EstimationResult {
   EstimatedSeries state;     ///< the augmented state, after the update; see StateLayout
@@ -71,7 +71,7 @@ struct EstimationResult {
   Eigen::MatrixXd final_covariance;  ///< of the augmented state
   std::optional<EstimationFailure> failure;
   EstimationTime time;
-  /// About the last values of the unknowns of the linear part, and how often it was linearised anew; empty where it
+  /// About the last values of the unknowns of the linear part, and how often it was relinearised; empty where it
   /// never was.
   std::shared_ptr<const AugmentedModel> augmented_model;
   int linearisations = 0;

@@ -1,5 +1,8 @@
 #include "kalfem/estimation/filter.hpp"
 
+#include <cassert>
+#include <cmath>
+
 #include "kalfem/estimation/covariance_filter.hpp"
 #include "kalfem/estimation/partially_linear/partially_linear_filter.hpp"
 #include "kalfem/estimation/square_root_filter.hpp"
@@ -41,23 +44,44 @@ std::string to_string(FilterOutcome outcome) {
   return {};
 }
 
-std::unique_ptr<Filter> make_filter(FilterKind kind, const UnscentedOptions& options,
-                                    const PartiallyLinearMap* transition, int threads) {
-  UnscentedOptions of_channels = options;
-  of_channels.points = SigmaPoints::of_channels;
+Filter::Filter(FilterModel model) : model_(std::move(model)) {
+  assert(model_.process_noise.rows() == model_.process.linear().rows());
+  assert(model_.measurement_noise.rows() == model_.measurement.linear().rows());
+}
+
+FilterOutcome Filter::update(const Eigen::VectorXd& y, Innovation& innovation) {
+  assert(y.size() == channels());
+  auto& present = innovation.channels;
+  present.clear();
+  for (Eigen::Index channel = 0; channel < y.size(); ++channel)
+    if (std::isfinite(y[channel])) present.push_back(channel);
+  if (present.empty()) return FilterOutcome::usable;
+  if (present != noise_channels_) {
+    noise_channels_ = present;
+    noise_ = model_.measurement_noise(present, present);
+  }
+  values_.resize(static_cast<Eigen::Index>(present.size()));
+  for (Eigen::Index i = 0; i < values_.size(); ++i) values_[i] = y[present[static_cast<std::size_t>(i)]];
+  return condition(values_, noise_, innovation);
+}
+
+std::unique_ptr<Filter> make_filter(FilterKind kind, const FilterModel& model, const UnscentedOptions& options,
+                                    int threads) {
+  UnscentedOptions of_arguments = options;
+  of_arguments.points = SigmaPoints::of_arguments;
   switch (kind) {
     case FilterKind::unscented:
-      return std::make_unique<CovarianceFilter>(UnscentedTransform(options));
+      return std::make_unique<CovarianceFilter>(model, UnscentedTransform(options));
     case FilterKind::unscented_square_root:
-      return std::make_unique<SquareRootFilter>(UnscentedTransform(options));
+      return std::make_unique<SquareRootFilter>(model, UnscentedTransform(options));
     case FilterKind::partially_linear:
-      if (auto layout = transition ? tile_layout(transition->linear) : std::nullopt)
-        return std::make_unique<PartiallyLinearFilter>(options, *transition, *std::move(layout), threads);
-      return std::make_unique<CovarianceFilter>(UnscentedTransform(of_channels));
+      if (auto layout = tile_layout(model.process.linear()))
+        return std::make_unique<PartiallyLinearFilter>(model, options, *std::move(layout), threads);
+      return std::make_unique<CovarianceFilter>(model, UnscentedTransform(of_arguments));
     case FilterKind::partially_linear_square_root:
-      return std::make_unique<SquareRootFilter>(UnscentedTransform(of_channels));
+      return std::make_unique<SquareRootFilter>(model, UnscentedTransform(of_arguments));
     case FilterKind::extended:
-      return std::make_unique<CovarianceFilter>(UnscentedTransform::linearised());
+      return std::make_unique<CovarianceFilter>(model, UnscentedTransform::linearised());
   }
   return {};
 }

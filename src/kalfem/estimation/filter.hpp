@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "kalfem/estimation/gaussian.hpp"
 #include "kalfem/estimation/innovation.hpp"
@@ -13,7 +14,7 @@ namespace kalfem {
 enum class FilterKind {
   unscented,              ///< Table 1 of the paper, covariance form
   unscented_square_root,  ///< the same estimates, the covariance carried as a triangular factor
-  partially_linear,       ///< sigma points of the few nonlinear channels only, O(n^2) a step in modal coordinates
+  partially_linear,       ///< sigma points of the few nonlinear arguments only, O(n^2) a step in modal coordinates
   partially_linear_square_root,  ///< the same estimates, the covariance carried as a triangular factor
   extended                       ///< first-order linearisation about the mean
 };
@@ -33,32 +34,61 @@ enum class FilterOutcome {
 /// In words, with what to do.
 std::string to_string(FilterOutcome outcome);
 
+/// What a filter works on. Everything here stays as it is while the filter lives; the maps outlive the filter. The
+/// owner of the maps sets their inputs (b, e and the moving columns of G) before each step.
+struct FilterModel {
+  PartiallyLinearMap& process;              ///< x <- process(x) + N(0, Q)
+  Eigen::MatrixXd process_noise;            ///< Q, n x n
+  PartiallyLinearMap& measurement;          ///< y = measurement(x) + N(0, R), every channel
+  Eigen::MatrixXd measurement_noise;        ///< R, l x l
+  PartiallyLinearMap* monitored = nullptr;  ///< further quantities for observe(), or none
+};
+
 /// A Gaussian filter over partially linear maps. Predict and update follow Table 1 with additive noise; sigma points
 /// are drawn anew for each. An outcome other than usable leaves the estimate as it was. One thread.
 class Filter {
 public:
+  /// The filter copies Q and R: a later change of the caller's matrices changes nothing.
+  explicit Filter(FilterModel model);
   virtual ~Filter() = default;
+  Filter(const Filter&) = delete;
+  Filter& operator=(const Filter&) = delete;
 
   virtual void reset(const Gaussian& estimate) = 0;
-  /// x <- map(x) + N(0, Q).
-  [[nodiscard]] virtual FilterOutcome predict(PartiallyLinearMap& transition, const Eigen::MatrixXd& process_noise) = 0;
-  /// Conditions on y = map(x) + N(0, R).
-  [[nodiscard]] virtual FilterOutcome update(PartiallyLinearMap& measurement, const Eigen::MatrixXd& noise,
-                                             const Eigen::VectorXd& y, Innovation& innovation) = 0;
-  /// Mean and, where asked for, standard deviation of another map of the present estimate. Means are cheap, deviations
-  /// may cost as much as a step.
-  [[nodiscard]] virtual FilterOutcome observe(PartiallyLinearMap& map, Eigen::VectorXd& mean,
-                                              Eigen::VectorXd* deviation) = 0;
+  /// x <- process(x) + N(0, Q), with the map's inputs as they are now.
+  [[nodiscard]] virtual FilterOutcome predict() = 0;
+  /// Conditions on y = measurement(x) + N(0, R). A value that is not a number is a channel that is missing; the others
+  /// stand in `innovation.channels`. With none of them the estimate stays.
+  [[nodiscard]] FilterOutcome update(const Eigen::VectorXd& y, Innovation& innovation);
+  /// Mean and, where asked for, standard deviation of the monitored quantities. Means are cheap, deviations may cost as
+  /// much as a step.
+  [[nodiscard]] virtual FilterOutcome observe(Eigen::VectorXd& mean, Eigen::VectorXd* deviation) = 0;
 
   [[nodiscard]] virtual const Eigen::VectorXd& mean() const = 0;
   [[nodiscard]] virtual Eigen::VectorXd standard_deviation() const = 0;
   [[nodiscard]] virtual Eigen::MatrixXd covariance() const = 0;
+
+protected:
+  /// Conditions on the measured channels, `innovation.channels`: `y` holds their values, `noise` is R of these alone.
+  virtual FilterOutcome condition(const Eigen::VectorXd& y, const Eigen::MatrixXd& noise, Innovation& innovation) = 0;
+
+  [[nodiscard]] PartiallyLinearMap& process() const { return model_.process; }
+  [[nodiscard]] PartiallyLinearMap& measurement() const { return model_.measurement; }
+  [[nodiscard]] PartiallyLinearMap& monitored() const { return *model_.monitored; }
+  [[nodiscard]] const Eigen::MatrixXd& process_noise() const { return model_.process_noise; }
+  [[nodiscard]] Eigen::Index channels() const { return model_.measurement_noise.rows(); }
+
+private:
+  FilterModel model_;
+  std::vector<Eigen::Index> noise_channels_;  ///< those that noise_ is of
+  Eigen::MatrixXd noise_;
+  Eigen::VectorXd values_;
 };
 
-/// A partially linear filter is one of O(n^2) where `transition`, the map of all its predictions, is given and block
-/// diagonal (StateCoordinates::modal), else a covariance filter with the same estimates. `threads` share its work on
-/// large covariances; results do not depend on their number.
-std::unique_ptr<Filter> make_filter(FilterKind kind, const UnscentedOptions& options = {},
-                                    const PartiallyLinearMap* transition = nullptr, int threads = 1);
+/// A partially linear filter costs O(n^2) a step where the process model is block diagonal (StateCoordinates::modal),
+/// otherwise it is a covariance filter with the same estimates. `threads` share its work on large covariances; results
+/// do not depend on their number.
+std::unique_ptr<Filter> make_filter(FilterKind kind, const FilterModel& model, const UnscentedOptions& options = {},
+                                    int threads = 1);
 
 }  // namespace kalfem

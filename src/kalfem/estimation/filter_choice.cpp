@@ -10,7 +10,7 @@ std::string counted(Eigen::Index count, const std::string& what) {
 }
 
 /// What the sigma points of a partially linear filter stand for.
-std::string channels_in_words(const AugmentedModel& augmented_model) {
+std::string arguments_in_words(const AugmentedModel& augmented_model) {
   const auto& system = augmented_model.system();
   return counted(system.connector_count(), "connector") + " and " +
          counted(augmented_model.layout().unknowns, "unknown");
@@ -32,11 +32,11 @@ FilterChoice choose_filter(std::optional<FilterKind> requested, const LocallyNon
   const Eigen::Index block = modal->augmented_model_form().largest_block;
   if (block <= tile_size)
     return {FilterKind::partially_linear, modal,
-            asked + "linear but for " + channels_in_words(*modal) +
+            asked + "linear but for " + arguments_in_words(*modal) +
                 ": sigma points of these alone, and the covariance moves in blocks of at most " +
                 std::to_string(block)};
   return {FilterKind::partially_linear, make(StateCoordinates::physical),
-          asked + "linear but for " + channels_in_words(*modal) +
+          asked + "linear but for " + arguments_in_words(*modal) +
               ": sigma points of these alone; the covariance is dense because " + std::to_string(block) +
               " states of the linear part share their poles and cannot be separated"};
 }

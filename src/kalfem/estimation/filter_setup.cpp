@@ -6,17 +6,31 @@
 namespace kalfem {
 
 using Eigen::Index;
+using Eigen::MatrixXd;
 
-FilterSetup::FilterSetup(std::shared_ptr<const AugmentedModel> of, const EstimationOptions& options)
+namespace {
+
+std::optional<MeasurementModel> monitored_map(const AugmentedModel& augmented_model, const OutputMap& monitored) {
+  if (monitored.size() == 0) return std::nullopt;
+  return MeasurementModel(augmented_model,
+                          [&](const AugmentedModel& each) { return each.augmented_model_form().outputs(monitored); });
+}
+
+}  // namespace
+
+FilterSetup::FilterSetup(std::shared_ptr<const AugmentedModel> of, const MatrixXd& measurement_noise,
+                         const EstimationOptions& options)
     : augmented_model(std::move(of)),
       transition(*augmented_model),
-      filter(make_filter(options.filter, options.unscented, &transition, options.threads)),
-      measurement(*augmented_model, sensor_outputs) {
-  if (options.monitored.size() > 0)
-    monitored.emplace(*augmented_model, [&](const AugmentedModel& each) {
-      return each.augmented_model_form().outputs(options.monitored);
-    });
-}
+      measurement(*augmented_model, sensor_outputs),
+      monitored(monitored_map(*augmented_model, options.monitored)),
+      filter(make_filter(options.filter,
+                         {.process = transition,
+                          .process_noise = augmented_model->process_noise(),
+                          .measurement = measurement,
+                          .measurement_noise = measurement_noise,
+                          .monitored = monitored ? &*monitored : nullptr},
+                         options.unscented, options.threads)) {}
 
 bool LinearEstimate::outdates(const LinearEstimate& there) const {
   for (Index i = 0; i < values.size(); ++i) {
@@ -29,13 +43,15 @@ bool LinearEstimate::outdates(const LinearEstimate& there) const {
 }
 
 std::unique_ptr<FilterSetup> relinearised(const AugmentedModel& first, const LinearEstimate& here,
-                                          const FilterSetup& filter_setup, const EstimationOptions& options) {
-  auto augmented_model = std::make_shared<const AugmentedModel>(first.about(here.values, here.deviations));
-  const auto& before = *filter_setup.augmented_model;
-  auto anew = std::make_unique<FilterSetup>(augmented_model, options);
-  anew->filter->reset({augmented_model->own(before.physical(filter_setup.filter->mean())),
-                       augmented_model->own_covariance(before.physical_covariance(filter_setup.filter->covariance()))});
-  return anew;
+                                          const FilterSetup& before, const MatrixXd& measurement_noise,
+                                          const EstimationOptions& options) {
+  auto model = std::make_shared<const AugmentedModel>(first.about(here.values, here.deviations));
+  auto setup = std::make_unique<FilterSetup>(model, measurement_noise, options);
+  // The coordinates depend on where the model is linearised; the estimate goes over through the physical ones.
+  const auto& old = *before.augmented_model;
+  setup->filter->reset({model->own(old.physical(before.filter->mean())),
+                        model->own_covariance(old.physical_covariance(before.filter->covariance()))});
+  return setup;
 }
 
 }  // namespace kalfem

@@ -11,28 +11,33 @@ namespace kalfem {
 
 /// An augmented model, its maps and the filter over them: what a run over a record works with.
 struct FilterSetup {
-  FilterSetup(std::shared_ptr<const AugmentedModel> of, const EstimationOptions& options);
+  /// `measurement_noise`: R of all sensors.
+  FilterSetup(std::shared_ptr<const AugmentedModel> of, const Eigen::MatrixXd& measurement_noise,
+              const EstimationOptions& options);
+  FilterSetup(const FilterSetup&) = delete;  // the filter works on the maps here
+  FilterSetup& operator=(const FilterSetup&) = delete;
 
   std::shared_ptr<const AugmentedModel> augmented_model;
   ProcessModel transition;
-  std::unique_ptr<Filter> filter;
   MeasurementModel measurement;
   std::optional<MeasurementModel> monitored;
+  std::unique_ptr<Filter> filter;
 };
 
 /// Where the unknowns of the linear part are, or were when the augmented model was linearised about them.
 struct LinearEstimate {
   Eigen::VectorXd values, deviations;  ///< one an unknown [its unit]
 
-  /// Whether the augmented model is to be linearised anew here after it was there. What the tangent leaves out grows
+  /// Whether the augmented model, linearised there, is to be relinearised here. What the tangent leaves out grows
   /// with the square of the move, as a few move^2 / value, and shall be a few per cent of the deviation; and where that
   /// has shrunk, the neighbours stand too far away.
   [[nodiscard]] bool outdates(const LinearEstimate& there) const;
 };
 
-/// The apparatus of the augmented model about `here`, its filter with the estimate that `apparatus` has. `first`: the
-/// augmented model as the run began with it. Throws InvalidInput where the values make no structure.
+/// The setup of the augmented model about `here`, its filter with the estimate of `before`. `first`: the augmented
+/// model with which the run started. Throws InvalidInput where the values make no structure.
 std::unique_ptr<FilterSetup> relinearised(const AugmentedModel& first, const LinearEstimate& here,
-                                          const FilterSetup& filter_setup, const EstimationOptions& options);
+                                          const FilterSetup& before, const Eigen::MatrixXd& measurement_noise,
+                                          const EstimationOptions& options);
 
 }  // namespace kalfem

@@ -21,21 +21,21 @@ public:
   /// Nothing changes where phi cannot be evaluated.
   bool apply(const VectorXd& x, VectorXd& y) {
     map_.set_mean(x);
-    channels_.noalias() = map_.selection * x;
-    channels_ += map_.input_offset;
-    in_ = channels_.transpose().array();
-    out_.resize(1, map_.gain.cols());
+    arguments_.noalias() = map_.selection() * x;
+    arguments_ += map_.input_offset();
+    in_ = arguments_.transpose().array();
+    out_.resize(1, map_.gain().cols());
     if (!map_.evaluate(in_, out_)) return false;
     response_ = out_.row(0).matrix().transpose();
-    y.noalias() = map_.linear * x;
-    y.noalias() += map_.gain * response_;
-    y += map_.offset;
+    y.noalias() = map_.linear() * x;
+    y.noalias() += map_.gain() * response_;
+    y += map_.offset();
     return true;
   }
 
 private:
   Map& map_;
-  VectorXd channels_, response_;
+  VectorXd arguments_, response_;
   Eigen::ArrayXXd in_, out_;
 };
 

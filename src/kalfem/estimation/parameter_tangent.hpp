@@ -15,7 +15,8 @@ bool image(PartiallyLinearMap& map, const Eigen::VectorXd& x, Eigen::VectorXd& y
 /// columns
 ///     dy/dtheta_i ~ (y(x; theta_i + s_i) - y(x; theta_i - s_i)) / (2 s_i)     at the mean x,
 /// y by the maps of the augmented model's neighbours with all that follows from theta (connector forces too), and its
-/// channels out end in theta_i less the value that the augmented model is about. Without such unknowns it is nothing.
+/// nonlinear outputs end in theta_i less the value that the augmented model is about. Without such unknowns it is
+/// nothing.
 template <class Map>
 class ParameterTangent {
 public:
@@ -53,15 +54,15 @@ public:
     return true;
   }
 
-  /// theta_i - value in the last columns of `out`; `first_unknown`: the channel of the first unknown.
-  void set_channels(const Eigen::ArrayXXd& in, Eigen::Index first_unknown, Eigen::ArrayXXd& out) const {
+  /// theta_i - value in the last columns of `out`; `first_unknown`: the argument of the first unknown.
+  void set_outputs(const Eigen::ArrayXXd& in, Eigen::Index first_unknown, Eigen::ArrayXXd& out) const {
     for (std::size_t i = 0; i < pairs_.size(); ++i) {
       const auto& neighbours = *pairs_[i].neighbours;
       const auto& transform =
           augmented_model_->options().unknowns[static_cast<std::size_t>(neighbours.unknown)].transform;
-      auto channel = out.col(out.cols() - size() + static_cast<Eigen::Index>(i));
-      transform.to_parameter(in.col(first_unknown + neighbours.unknown), channel);
-      channel -= neighbours.value;
+      auto output = out.col(out.cols() - size() + static_cast<Eigen::Index>(i));
+      transform.to_parameter(in.col(first_unknown + neighbours.unknown), output);
+      output -= neighbours.value;
     }
   }
 

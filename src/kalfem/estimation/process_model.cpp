@@ -12,13 +12,13 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Channels of internal states and unknowns. They come first, those of motion behind them: these may depend on each
-/// other almost exactly, and a triangular factor of their covariance then ends in small entries only.
-Index picked_channels(const StateLayout& layout) { return layout.connector_states + layout.unknowns; }
+/// Arguments that are internal states and unknowns. They come first, those of motion behind them: these may depend on
+/// each other almost exactly, and a triangular factor of their covariance then ends in small entries only.
+Index picked_arguments(const StateLayout& layout) { return layout.connector_states + layout.unknowns; }
 
 /// Rows that pick internal states and unknowns from the augmented state.
 void select_states_and_unknowns(const StateLayout& layout, MatrixXd& selection) {
-  const Index count = picked_channels(layout);
+  const Index count = picked_arguments(layout);
   selection.block(0, layout.connector_state(), count, count).setIdentity();
 }
 
@@ -36,8 +36,8 @@ void fit_points(ConnectorForces& forces, Index points) {
   if (forces.points() != points) forces.resize(points);
 }
 
-/// Channels of connector motion at one instant: d, d', and d'' where some law depends on it.
-Index motion_channels(const LocallyNonlinearSystem& system) {
+/// Arguments of connector motion at one instant: d, d', and d'' where some law depends on it.
+Index motion_arguments(const LocallyNonlinearSystem& system) {
   const bool accelerations = std::ranges::any_of(
       system.connectors, [](const Connector& connector) { return connector.law->uses_acceleration(); });
   return (accelerations ? 3 : 2) * system.connector_count();
@@ -45,7 +45,7 @@ Index motion_channels(const LocallyNonlinearSystem& system) {
 
 /// Forces at the first instant from states, unknowns and the motion there.
 bool solve_instant(const AugmentedModel& augmented_model, const ArrayXXd& in, Index motion, ConnectorForces& forces) {
-  const Index first = picked_channels(augmented_model.layout());
+  const Index first = picked_arguments(augmented_model.layout());
   forces.free_motion().leftCols(motion) = in.middleCols(first, motion);
   forces.begin_motion().leftCols(motion) = in.middleCols(first, motion);
   forces.begin_states() = in.leftCols(augmented_model.layout().connector_states);
@@ -70,7 +70,7 @@ MatrixXd between_ends(const MatrixXd& weights, Index instants) {
 ProcessModel::ProcessModel(const AugmentedModel& augmented_model)
     : augmented_model_(&augmented_model),
       parts_(augmented_model.options().substeps),
-      motion_(motion_channels(augmented_model.system())),
+      motion_(motion_arguments(augmented_model.system())),
       forces_(augmented_model.system(), augmented_model.options().forces),
       tangent_(augmented_model) {
   const auto& layout = augmented_model.layout();
@@ -80,13 +80,13 @@ ProcessModel::ProcessModel(const AugmentedModel& augmented_model)
   const Index n = layout.size(), x = layout.linear, s = layout.connector_states, m = step.begin_force.cols(),
               u = step.begin_input.cols(), instants = parts_ + 1;
 
-  const Index first = picked_channels(layout);
-  selection = MatrixXd::Zero(first + motion_ * instants, n);
+  const Index first = picked_arguments(layout);
+  selection_ = MatrixXd::Zero(first + motion_ * instants, n);
   force_motion_ = MatrixXd::Zero(motion_ * parts_, m * parts_);
   input_motion_ = MatrixXd::Zero(motion_ * instants, u * instants);
   MatrixXd transition = MatrixXd::Identity(x, x), forces = MatrixXd::Zero(x, m * instants);
   input_state_ = MatrixXd::Zero(x, u * instants);
-  selection.middleRows(first, motion_).leftCols(x) = motion;
+  selection_.middleRows(first, motion_).leftCols(x) = motion;
   input_motion_.topLeftCorner(motion_, u) = motion_of_input;
   for (Index part = 1; part <= parts_; ++part) {
     transition = step.transition * transition;
@@ -95,7 +95,7 @@ ProcessModel::ProcessModel(const AugmentedModel& augmented_model)
     forces.middleCols((part - 1) * m, m) += step.begin_force;
     input_state_.middleCols((part - 1) * u, u) += step.begin_input;
     input_state_.middleCols(part * u, u) += step.end_input;
-    selection.middleRows(first + motion_ * part, motion_).leftCols(x) = motion * transition;
+    selection_.middleRows(first + motion_ * part, motion_).leftCols(x) = motion * transition;
     force_motion_.middleRows(motion_ * (part - 1), motion_) = motion * forces.leftCols(m * parts_);
     input_motion_.middleRows(motion_ * part, motion_) = motion * input_state_;
     input_motion_.block(motion_ * part, u * part, motion_, u) += motion_of_input;
@@ -103,38 +103,38 @@ ProcessModel::ProcessModel(const AugmentedModel& augmented_model)
   }
   straight_state_ = between_ends(input_state_, instants);
   straight_motion_ = between_ends(input_motion_, instants);
-  select_states_and_unknowns(layout, selection);
+  select_states_and_unknowns(layout, selection_);
 
-  linear = MatrixXd::Identity(n, n);
-  linear.topLeftCorner(x, x) = transition;
-  linear.block(x, x, s, s).setZero();
-  moving_gain = tangent_.size();
-  gain = MatrixXd::Zero(n, m * instants + s + moving_gain);
-  gain.topRows(x).leftCols(forces.cols()) = forces;
-  gain.block(x, forces.cols(), s, s).setIdentity();
-  offset = VectorXd::Zero(n);
-  input_offset = VectorXd::Zero(selection.rows());
+  linear_ = MatrixXd::Identity(n, n);
+  linear_.topLeftCorner(x, x) = transition;
+  linear_.block(x, x, s, s).setZero();
+  moving_gain_ = tangent_.size();
+  gain_ = MatrixXd::Zero(n, m * instants + s + moving_gain_);
+  gain_.topRows(x).leftCols(forces.cols()) = forces;
+  gain_.block(x, forces.cols(), s, s).setIdentity();
+  offset_ = VectorXd::Zero(n);
+  input_offset_ = VectorXd::Zero(selection_.rows());
 }
 
 void ProcessModel::set_inputs(const Ref<const MatrixXd>& inputs) {
   tangent_.each([&](ProcessModel& beside) { beside.set_inputs(inputs); });
   ends_ = inputs.reshaped();
-  offset.head(input_state_.rows()).noalias() = input_state_ * ends_;
-  input_offset.tail(input_motion_.rows()).noalias() = input_motion_ * ends_;
+  offset_.head(input_state_.rows()).noalias() = input_state_ * ends_;
+  input_offset_.tail(input_motion_.rows()).noalias() = input_motion_ * ends_;
 }
 
 void ProcessModel::set_inputs(const Ref<const VectorXd>& begin, const Ref<const VectorXd>& end) {
   tangent_.each([&](ProcessModel& beside) { beside.set_inputs(begin, end); });
   ends_.resize(2 * begin.size());
   ends_ << begin, end;
-  offset.head(straight_state_.rows()).noalias() = straight_state_ * ends_;
-  input_offset.tail(straight_motion_.rows()).noalias() = straight_motion_ * ends_;
+  offset_.head(straight_state_.rows()).noalias() = straight_state_ * ends_;
+  input_offset_.tail(straight_motion_.rows()).noalias() = straight_motion_ * ends_;
 }
 
 void ProcessModel::set_mean(const VectorXd& mean) {
-  if (moving_gain == 0) return;
+  if (moving_gain_ == 0) return;
   derivatives_usable_ = tangent_.derivatives(mean, derivatives_);
-  if (derivatives_usable_) gain.rightCols(moving_gain) = augmented_model_->own(derivatives_);
+  if (derivatives_usable_) gain_.rightCols(moving_gain_) = augmented_model_->own(derivatives_);
 }
 
 bool ProcessModel::evaluate(const ArrayXXd& in, ArrayXXd& out) {
@@ -152,7 +152,7 @@ bool ProcessModel::evaluate(const ArrayXXd& in, ArrayXXd& out) {
     out.middleCols(part * m, m) = forces_.force();
   }
   out.middleCols((parts_ + 1) * m, layout.connector_states) = forces_.states();
-  tangent_.set_channels(in, layout.connector_states, out);
+  tangent_.set_outputs(in, layout.connector_states, out);
   return true;
 }
 
@@ -160,7 +160,7 @@ bool ProcessModel::evaluate(const ArrayXXd& in, ArrayXXd& out) {
 bool ProcessModel::solve_part(Index part, const ArrayXXd& in, const ArrayXXd& out) {
   const Index earlier = part * forces_.force().cols();
   forces_.free_motion().leftCols(motion_) =
-      in.middleCols(picked_channels(augmented_model_->layout()) + part * motion_, motion_);
+      in.middleCols(picked_arguments(augmented_model_->layout()) + part * motion_, motion_);
   for (Index row = 0; row < motion_; ++row)
     for (Index j = 0; j < earlier; ++j)
       add_scaled(force_motion_((part - 1) * motion_ + row, j), out, j, forces_.free_motion(), row);
@@ -182,45 +182,37 @@ AugmentedModelOutput sensor_outputs(const AugmentedModel& augmented_model) {
 
 MeasurementModel::MeasurementModel(const AugmentedModel& augmented_model, const OutputsOf& outputs)
     : augmented_model_(&augmented_model),
-      motion_(motion_channels(augmented_model.system())),
-      all_(outputs(augmented_model)),
+      motion_(motion_arguments(augmented_model.system())),
       forces_(augmented_model.system(), augmented_model.options().forces),
       tangent_(augmented_model, outputs) {
-  moving_gain = tangent_.size();
   const auto& layout = augmented_model.layout();
-  selection = MatrixXd::Zero(picked_channels(layout) + motion_, layout.size());
-  selection.bottomRows(motion_).leftCols(layout.linear) = augmented_model.form().motion().state.topRows(motion_);
-  select_states_and_unknowns(layout, selection);
-  input_offset = VectorXd::Zero(selection.rows());
-  std::vector<Index> rows(static_cast<std::size_t>(all_.of_system.state.rows()));
-  for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = static_cast<Index>(i);
-  select_rows(rows);
-}
+  selection_ = MatrixXd::Zero(picked_arguments(layout) + motion_, layout.size());
+  selection_.bottomRows(motion_).leftCols(layout.linear) = augmented_model.form().motion().state.topRows(motion_);
+  select_states_and_unknowns(layout, selection_);
+  input_offset_ = VectorXd::Zero(selection_.rows());
 
-void MeasurementModel::select_rows(const std::vector<Index>& rows) {
-  const auto& layout = augmented_model_->layout();
-  const auto& [state, input, force] = all_.of_system;
-  linear = MatrixXd::Zero(static_cast<Index>(rows.size()), layout.size());
-  linear.leftCols(state.cols()) = state(rows, Eigen::all);
-  if (all_.unknowns.size() > 0) linear.middleCols(layout.unknown(), layout.unknowns) = all_.unknowns(rows, Eigen::all);
-  gain = MatrixXd::Zero(linear.rows(), force.cols() + moving_gain);
-  gain.leftCols(force.cols()) = force(rows, Eigen::all);
-  input_ = input(rows, Eigen::all);
-  offset = VectorXd::Zero(linear.rows());
-  tangent_.each([&](MeasurementModel& beside) { beside.select_rows(rows); });
-  ++revision;
+  const auto all = outputs(augmented_model);
+  const auto& [state, input, force] = all.of_system;
+  linear_ = MatrixXd::Zero(state.rows(), layout.size());
+  linear_.leftCols(state.cols()) = state;
+  if (all.unknowns.size() > 0) linear_.middleCols(layout.unknown(), layout.unknowns) = all.unknowns;
+  moving_gain_ = tangent_.size();
+  gain_ = MatrixXd::Zero(linear_.rows(), force.cols() + moving_gain_);
+  gain_.leftCols(force.cols()) = force;
+  input_ = input;
+  offset_ = VectorXd::Zero(linear_.rows());
 }
 
 void MeasurementModel::set_mean(const VectorXd& mean) {
-  if (moving_gain == 0) return;
+  if (moving_gain_ == 0) return;
   derivatives_usable_ = tangent_.derivatives(mean, derivatives_);
-  if (derivatives_usable_) gain.rightCols(moving_gain) = derivatives_;
+  if (derivatives_usable_) gain_.rightCols(moving_gain_) = derivatives_;
 }
 
 void MeasurementModel::set_inputs(const Ref<const VectorXd>& inputs) {
   tangent_.each([&](MeasurementModel& beside) { beside.set_inputs(inputs); });
-  offset.noalias() = input_.lazyProduct(inputs);
-  input_offset.tail(motion_).noalias() = augmented_model_->form().motion().input.topRows(motion_).lazyProduct(inputs);
+  offset_.noalias() = input_.lazyProduct(inputs);
+  input_offset_.tail(motion_).noalias() = augmented_model_->form().motion().input.topRows(motion_).lazyProduct(inputs);
 }
 
 bool MeasurementModel::evaluate(const ArrayXXd& in, ArrayXXd& out) {
@@ -229,7 +221,7 @@ bool MeasurementModel::evaluate(const ArrayXXd& in, ArrayXXd& out) {
   set_unknowns(*augmented_model_, in, forces_);
   if (!solve_instant(*augmented_model_, in, motion_, forces_)) return false;
   out.leftCols(forces_.force().cols()) = forces_.force();
-  tangent_.set_channels(in, augmented_model_->layout().connector_states, out);
+  tangent_.set_outputs(in, augmented_model_->layout().connector_states, out);
   return true;
 }
 

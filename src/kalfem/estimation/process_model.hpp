@@ -11,10 +11,10 @@ namespace kalfem {
 /// Transition of the augmented state over one sample interval, in N equal parts over which the connector forces are
 /// linear:
 ///     x_i = A_h x_(i-1) + G_0 f_(i-1) + G_1 f_i + drive_i,   i = 1 ... N.
-/// Channels in: internal states, unknowns, connector motion at the begin and, as far as the linear part and the inputs
-/// give it, at the end of each part (d and d', 2m each; d'' too where a law depends on it). Channels out: the N + 1
-/// forces, internal states at the end, unknowns of the linear part (ParameterTangent). The state itself is moved once
-/// over the whole interval.
+/// Nonlinear arguments: internal states, unknowns, connector motion at the start and, as far as the linear part and the
+/// inputs give it, at the end of each part (d and d', 2m each; d'' too where a law depends on it). Nonlinear outputs:
+/// the N + 1 forces, internal states at the end, unknowns of the linear part (ParameterTangent). The state itself is
+/// moved once over the whole interval.
 class ProcessModel final : public PartiallyLinearMap {
 public:
   explicit ProcessModel(const AugmentedModel& augmented_model);
@@ -31,7 +31,7 @@ private:
   bool solve_part(Eigen::Index part, const Eigen::ArrayXXd& in, const Eigen::ArrayXXd& out);
 
   const AugmentedModel* augmented_model_;
-  Eigen::Index parts_, motion_;  ///< channels of motion at one instant
+  Eigen::Index parts_, motion_;  ///< arguments of motion at one instant
   ConnectorForces forces_;
   /// Connector motion at the end of part i per earlier force j, block (i - 1, j), motion_ x m each.
   Eigen::MatrixXd force_motion_;
@@ -56,9 +56,9 @@ struct AugmentedModelOutput {
 using OutputsOf = std::function<AugmentedModelOutput(const AugmentedModel&)>;
 AugmentedModelOutput sensor_outputs(const AugmentedModel& augmented_model);
 
-/// Outputs at an instant as a function of the augmented state, through the connector forces of that instant. Channels
-/// in: internal states, unknowns, connector motion without the forces (2m or 3m). Channels out: forces, unknowns of the
-/// linear part (ParameterTangent).
+/// Outputs at an instant as a function of the augmented state, through the connector forces of that instant.
+/// Nonlinear arguments: internal states, unknowns, connector motion without the forces (2m or 3m). Nonlinear outputs:
+/// forces, unknowns of the linear part (ParameterTangent).
 class MeasurementModel final : public PartiallyLinearMap {
 public:
   MeasurementModel(const AugmentedModel& augmented_model, const OutputsOf& outputs);
@@ -66,15 +66,12 @@ public:
   void set_inputs(const Eigen::Ref<const Eigen::VectorXd>& inputs);
   /// The mean about which the unknowns of the linear part act, after the inputs.
   void set_mean(const Eigen::VectorXd& mean);
-  /// Only these rows of the output from now on (samples that are missing are left out).
-  void select_rows(const std::vector<Eigen::Index>& rows);
   bool evaluate(const Eigen::ArrayXXd& in, Eigen::ArrayXXd& out) override;
 
 private:
   const AugmentedModel* augmented_model_;
   Eigen::Index motion_;
-  AugmentedModelOutput all_;
-  Eigen::MatrixXd input_;
+  Eigen::MatrixXd input_;  ///< outputs per input
   ConnectorForces forces_;
   ParameterTangent<MeasurementModel> tangent_;
   Eigen::MatrixXd derivatives_;

@@ -9,21 +9,24 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-void SquareRootFilter::reset(const Gaussian& estimate) {
-  mean_ = estimate.mean;
+namespace {
+
+/// Not a number where the noise is no covariance: the next outcome then says so.
+MatrixXd root_of(const MatrixXd& noise) {
   MatrixXd root;
-  if (!covariance_factor(estimate.covariance, root)) root = MatrixXd::Constant(mean_.size(), mean_.size(), NAN);
-  array_ = root.transpose();
-  triangularise(array_, factor_);
+  if (!covariance_factor(noise, root)) root = MatrixXd::Constant(noise.rows(), noise.cols(), NAN);
+  return root;
 }
 
-/// Square root of a noise covariance, formed anew only when the covariance changes.
-const MatrixXd& SquareRootFilter::root_of(const MatrixXd& noise, MatrixXd& kept, MatrixXd& root) {
-  if (kept.rows() != noise.rows() || kept != noise) {
-    kept = noise;
-    if (!covariance_factor(noise, root)) root = MatrixXd::Constant(noise.rows(), noise.cols(), NAN);
-  }
-  return root;
+}  // namespace
+
+SquareRootFilter::SquareRootFilter(const FilterModel& model, UnscentedTransform transform)
+    : Filter(model), transform_(std::move(transform)), process_root_(root_of(model.process_noise)) {}
+
+void SquareRootFilter::reset(const Gaussian& estimate) {
+  mean_ = estimate.mean;
+  array_ = root_of(estimate.covariance).transpose();
+  triangularise(array_, factor_);
 }
 
 /// G Sigma G^T = added added^T - removed removed^T from the eigenvalues of the small Sigma.
@@ -36,21 +39,20 @@ bool SquareRootFilter::split_scatter(const PartiallyLinearMap& map) {
   const Index negative = (values.array() < -rounding).count();
   VectorXd roots = values.cwiseMax(0.0).cwiseSqrt();
   roots.head(negative) = (-values.head(negative)).cwiseSqrt();
-  const MatrixXd columns = map.gain * eigen.eigenvectors() * roots.asDiagonal();
+  const MatrixXd columns = map.gain() * eigen.eigenvectors() * roots.asDiagonal();
   removed_ = columns.leftCols(negative);
   added_ = columns.rightCols(columns.cols() - negative);
   return true;
 }
 
-FilterOutcome SquareRootFilter::predict(PartiallyLinearMap& transition, const MatrixXd& process_noise) {
+FilterOutcome SquareRootFilter::predict() {
   if (!factor_.allFinite()) return FilterOutcome::covariance_not_positive_definite;
-  if (!transform_.apply(transition, mean_, factor_, FactorShape::lower_triangular) || !split_scatter(transition))
+  if (!transform_.apply(process(), mean_, factor_, FactorShape::lower_triangular) || !split_scatter(process()))
     return FilterOutcome::model_not_evaluable;
-  const MatrixXd& noise_root = root_of(process_noise, process_noise_, process_root_);
   const auto& deviations = transform_.deviations();
   const Index n = deviations.rows();
-  array_.resize(deviations.cols() + added_.cols() + noise_root.cols(), n);
-  array_ << deviations.transpose(), added_.transpose(), noise_root.transpose();
+  array_.resize(deviations.cols() + added_.cols() + process_root_.cols(), n);
+  array_ << deviations.transpose(), added_.transpose(), process_root_.transpose();
   triangularise(array_, triangle_);
   for (Index j = 0; j < removed_.cols(); ++j)
     if (!downdate(triangle_, removed_.col(j))) return FilterOutcome::covariance_not_positive_definite;
@@ -60,31 +62,40 @@ FilterOutcome SquareRootFilter::predict(PartiallyLinearMap& transition, const Ma
   return FilterOutcome::usable;
 }
 
-FilterOutcome SquareRootFilter::update(PartiallyLinearMap& measurement, const MatrixXd& noise, const VectorXd& y,
-                                       Innovation& innovation) {
-  if (!factor_.allFinite()) return FilterOutcome::covariance_not_positive_definite;
-  if (!transform_.apply(measurement, mean_, factor_, FactorShape::lower_triangular) || !split_scatter(measurement))
-    return FilterOutcome::model_not_evaluable;
-  const MatrixXd& noise_root = root_of(noise, noise_, noise_root_);
-  const auto& deviations = transform_.deviations();
-  const Index l = y.size(), n = mean_.size();
+/// The array [D_y G Sigma^(1/2) R^(1/2); S 0 0] of the measured channels, transposed.
+void SquareRootFilter::stack_measurement(const Innovation& innovation, const MatrixXd& noise) {
+  const auto& present = innovation.channels;
+  if (present != noise_root_channels_) {
+    noise_root_channels_ = present;
+    noise_root_ = root_of(noise);
+  }
+  const Index l = noise.rows(), n = mean_.size();
   array_.setZero(n + added_.cols() + l, l + n);
-  array_.topLeftCorner(n, l) = deviations.transpose();
+  array_.topLeftCorner(n, l) = transform_.deviations()(present, Eigen::all).transpose();
   array_.topRightCorner(n, n) = factor_.transpose();
-  array_.block(n, 0, added_.cols(), l) = added_.transpose();
-  array_.bottomLeftCorner(l, l) = noise_root.transpose();
+  array_.block(n, 0, added_.cols(), l) = added_(present, Eigen::all).transpose();
+  array_.bottomLeftCorner(l, l) = noise_root_.transpose();
   // With fewer rows than columns the last columns of the triangle are zero.
   if (array_.rows() < array_.cols()) array_.conservativeResizeLike(MatrixXd::Zero(array_.cols(), array_.cols()));
+}
+
+FilterOutcome SquareRootFilter::condition(const VectorXd& y, const MatrixXd& noise, Innovation& innovation) {
+  if (!factor_.allFinite()) return FilterOutcome::covariance_not_positive_definite;
+  if (!transform_.apply(measurement(), mean_, factor_, FactorShape::lower_triangular) || !split_scatter(measurement()))
+    return FilterOutcome::model_not_evaluable;
+  const auto& present = innovation.channels;
+  const Index l = y.size(), n = mean_.size();
+  stack_measurement(innovation, noise);
   triangularise(array_, triangle_);
   VectorXd column = VectorXd::Zero(l + n);
   for (Index j = 0; j < removed_.cols(); ++j) {
-    column.head(l) = removed_.col(j);
+    column.head(l) = removed_(present, j);
     if (!downdate(triangle_, column)) return FilterOutcome::innovation_not_positive_definite;
   }
   const MatrixXd innovation_root = triangle_.topLeftCorner(l, l);
   if (!triangle_.allFinite() || !(innovation_root.diagonal().minCoeff() > 0.0))
     return FilterOutcome::innovation_not_positive_definite;
-  innovation.value = y - transform_.mean();
+  innovation.value = y - transform_.mean()(present);
   innovation.covariance = innovation_root * innovation_root.transpose();
   const VectorXd whitened = innovation_root.triangularView<Eigen::Lower>().solve(innovation.value);
   score(innovation, innovation_root, whitened);
@@ -93,7 +104,8 @@ FilterOutcome SquareRootFilter::update(PartiallyLinearMap& measurement, const Ma
   return FilterOutcome::usable;
 }
 
-FilterOutcome SquareRootFilter::observe(PartiallyLinearMap& map, VectorXd& mean, VectorXd* deviation) {
+FilterOutcome SquareRootFilter::observe(VectorXd& mean, VectorXd* deviation) {
+  auto& map = monitored();
   if (!transform_.apply(map, mean_, factor_, FactorShape::lower_triangular)) return FilterOutcome::model_not_evaluable;
   mean = transform_.mean();
   if (!deviation) return FilterOutcome::usable;

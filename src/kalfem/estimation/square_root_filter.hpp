@@ -12,26 +12,26 @@ namespace kalfem {
 /// its negative directions taken off by a downdate that refuses to leave the positive definite matrices.
 class SquareRootFilter final : public Filter {
 public:
-  explicit SquareRootFilter(UnscentedTransform transform) : transform_(std::move(transform)) {}
+  SquareRootFilter(const FilterModel& model, UnscentedTransform transform);
 
   void reset(const Gaussian& estimate) override;
-  FilterOutcome predict(PartiallyLinearMap& transition, const Eigen::MatrixXd& process_noise) override;
-  FilterOutcome update(PartiallyLinearMap& measurement, const Eigen::MatrixXd& noise, const Eigen::VectorXd& y,
-                       Innovation& innovation) override;
-  FilterOutcome observe(PartiallyLinearMap& map, Eigen::VectorXd& mean, Eigen::VectorXd* deviation) override;
+  FilterOutcome predict() override;
+  FilterOutcome observe(Eigen::VectorXd& mean, Eigen::VectorXd* deviation) override;
 
   const Eigen::VectorXd& mean() const override { return mean_; }
   Eigen::VectorXd standard_deviation() const override { return factor_.rowwise().norm(); }
   Eigen::MatrixXd covariance() const override { return factor_ * factor_.transpose(); }
 
 private:
+  FilterOutcome condition(const Eigen::VectorXd& y, const Eigen::MatrixXd& noise, Innovation& innovation) override;
   bool split_scatter(const PartiallyLinearMap& map);
-  const Eigen::MatrixXd& root_of(const Eigen::MatrixXd& noise, Eigen::MatrixXd& kept, Eigen::MatrixXd& root);
+  void stack_measurement(const Innovation& innovation, const Eigen::MatrixXd& noise);
 
   UnscentedTransform transform_;
   Eigen::VectorXd mean_;
   Eigen::MatrixXd factor_, array_, triangle_, added_, removed_;
-  Eigen::MatrixXd process_noise_, process_root_, noise_, noise_root_;
+  Eigen::MatrixXd process_root_, noise_root_;      ///< Q^(1/2), R^(1/2) of the measured channels
+  std::vector<Eigen::Index> noise_root_channels_;  ///< those that noise_root_ is of
 };
 
 }  // namespace kalfem

@@ -21,38 +21,38 @@ void multiply_factor(const MatrixXd& a, const MatrixXd& factor, FactorShape shap
 
 UnscentedTransform UnscentedTransform::linearised() {
   UnscentedTransform transform;
-  transform.channels_ = ArgumentTransform::linearised();
+  transform.arguments_ = ArgumentTransform::linearised();
   return transform;
 }
 
 bool UnscentedTransform::apply(PartiallyLinearMap& map, const VectorXd& mean, const MatrixXd& factor,
                                FactorShape shape) {
-  const bool of_channels = channels_.options().points == SigmaPoints::of_channels;
-  multiply_factor(map.selection, factor, shape, selected_);
-  if (of_channels) {
-    multiply_transposed(selected_, selected_, channel_covariance_);
-    if (!argument_factor(channel_covariance_, argument_factor_)) return false;
+  const bool of_arguments = arguments_.options().points == SigmaPoints::of_arguments;
+  multiply_factor(map.selection(), factor, shape, selected_);
+  if (of_arguments) {
+    multiply_transposed(selected_, selected_, argument_covariance_);
+    if (!argument_factor(argument_covariance_, argument_factor_)) return false;
   }
-  centre_ = map.input_offset;
-  centre_.noalias() += map.selection * mean;
-  if (!channels_.apply(map, centre_, of_channels ? argument_factor_ : selected_)) return false;
+  centre_ = map.input_offset();
+  centre_.noalias() += map.selection() * mean;
+  if (!arguments_.apply(map, centre_, of_arguments ? argument_factor_ : selected_)) return false;
 
-  mean_ = map.offset;
-  mean_.noalias() += map.linear * mean;
-  mean_.noalias() += map.gain.lazyProduct(channels_.mean());
-  multiply_factor(map.linear, factor, shape, deviations_);
-  if (of_channels) {
-    solve_channels(argument_factor_, selected_);
-    channel_delta_.noalias() = selected_.transpose() * channels_.delta();
+  mean_ = map.offset();
+  mean_.noalias() += map.linear() * mean;
+  mean_.noalias() += map.gain().lazyProduct(arguments_.mean());
+  multiply_factor(map.linear(), factor, shape, deviations_);
+  if (of_arguments) {
+    solve_arguments(argument_factor_, selected_);
+    argument_delta_.noalias() = selected_.transpose() * arguments_.delta();
   }
-  add_product_transposed(map.gain, of_channels ? channel_delta_ : channels_.delta(), deviations_);
+  add_product_transposed(map.gain(), of_arguments ? argument_delta_ : arguments_.delta(), deviations_);
   return true;
 }
 
 void UnscentedTransform::add_covariance(const PartiallyLinearMap& map, MatrixXd& covariance) {
-  gain_scatter_.noalias() = map.gain.lazyProduct(channels_.scatter());
+  gain_scatter_.noalias() = map.gain().lazyProduct(arguments_.scatter());
   add_symmetric_product(deviations_, deviations_, covariance);
-  add_symmetric_product(gain_scatter_, map.gain, covariance);
+  add_symmetric_product(gain_scatter_, map.gain(), covariance);
 }
 
 }  // namespace kalfem

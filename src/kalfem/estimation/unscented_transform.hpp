@@ -17,7 +17,7 @@ enum class FactorShape { general, lower_triangular };
 ///     P_xy    = S D^T.
 /// n columns are moved instead of 2 n + 1, and D is the statistically linearised map in square-root form.
 ///
-/// With points of the channels, 2 q + 1 of them, the directions are L, L L^T = P_ww = N P N^T, and since the mean of a
+/// With points of the arguments, 2 q + 1 of them, the directions are L, L L^T = P_ww = N P N^T, and since the mean of a
 /// normal x is linear in w, E[x | w] = m + P_xw P_ww^-1 (w - mean(w)), the same formulas hold with
 ///     D = A S + G [delta_1 ... delta_q] L^-1 N S.
 /// They agree where phi is linear; elsewhere the points stand sqrt(q) deviations apart instead of sqrt(n).
@@ -25,7 +25,7 @@ enum class FactorShape { general, lower_triangular };
 /// Arrays are kept between calls: one thread, no allocation after the first.
 class UnscentedTransform {
 public:
-  explicit UnscentedTransform(const UnscentedOptions& options = {}) : channels_(options) {}
+  explicit UnscentedTransform(const UnscentedOptions& options = {}) : arguments_(options) {}
   /// The first-order transform: the spread goes to zero, D = (A + G phi'(w) N) S and Sigma = 0.
   static UnscentedTransform linearised();
 
@@ -33,18 +33,18 @@ public:
   [[nodiscard]] bool apply(PartiallyLinearMap& map, const Eigen::VectorXd& mean, const Eigen::MatrixXd& factor,
                            FactorShape shape = FactorShape::general);
 
-  [[nodiscard]] const Eigen::VectorXd& mean() const { return mean_; }                   ///< mean(y)
-  [[nodiscard]] const Eigen::MatrixXd& deviations() const { return deviations_; }       ///< D, n_y x n_x
-  [[nodiscard]] const Eigen::MatrixXd& scatter() const { return channels_.scatter(); }  ///< Sigma, p x p
+  [[nodiscard]] const Eigen::VectorXd& mean() const { return mean_; }                    ///< mean(y)
+  [[nodiscard]] const Eigen::MatrixXd& deviations() const { return deviations_; }        ///< D, n_y x n_x
+  [[nodiscard]] const Eigen::MatrixXd& scatter() const { return arguments_.scatter(); }  ///< Sigma, p x p
 
   /// Adds P_yy to the lower triangle of `covariance`, n_y x n_y.
   void add_covariance(const PartiallyLinearMap& map, Eigen::MatrixXd& covariance);
 
 private:
-  ArgumentTransform channels_;
+  ArgumentTransform arguments_;
   Eigen::VectorXd mean_, centre_;
   Eigen::MatrixXd deviations_, gain_scatter_, selected_;
-  Eigen::MatrixXd channel_covariance_, argument_factor_, channel_delta_;
+  Eigen::MatrixXd argument_covariance_, argument_factor_, argument_delta_;
 };
 
 }  // namespace kalfem

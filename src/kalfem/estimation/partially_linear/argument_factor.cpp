@@ -9,7 +9,7 @@ using Eigen::MatrixXd;
 
 namespace {
 
-constexpr double pivot_floor = 1e-12;  ///< of a channel's variance; its root is far above rounding
+constexpr double pivot_floor = 1e-12;  ///< of an argument's variance; its root is far above rounding
 
 }  // namespace
 
@@ -37,7 +37,7 @@ bool argument_factor(const MatrixXd& covariance, MatrixXd& factor) {
   return factor.allFinite();
 }
 
-void solve_channels(const MatrixXd& factor, MatrixXd& b) {
+void solve_arguments(const MatrixXd& factor, MatrixXd& b) {
   const Index q = factor.rows();
   for (Index column = 0; column < b.cols(); ++column)
     for (Index i = 0; i < q; ++i) {
@@ -51,7 +51,7 @@ void solve_channels(const MatrixXd& factor, MatrixXd& b) {
     }
 }
 
-void solve_channels_transposed(const MatrixXd& factor, MatrixXd& b) {
+void solve_arguments_transposed(const MatrixXd& factor, MatrixXd& b) {
   for (Index i = factor.rows() - 1; i >= 0; --i) {
     const double inverse = factor(i, i) == 0.0 ? 0.0 : 1.0 / factor(i, i);
     for (Index column = 0; column < b.cols(); ++column) {

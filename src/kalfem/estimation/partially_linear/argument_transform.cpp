@@ -18,7 +18,7 @@ constexpr double linearisation_spread = 1e-4;  ///< in standard deviations: diff
 
 UnscentedWeights::UnscentedWeights(const UnscentedOptions& options, Index dimension) {
   const auto n = static_cast<double>(dimension);
-  const double kappa = options.kappa.value_or(options.points == SigmaPoints::of_channels ? 3.0 - n : 0.0);
+  const double kappa = options.kappa.value_or(options.points == SigmaPoints::of_arguments ? 3.0 - n : 0.0);
   const double c = options.alpha * options.alpha * (n + kappa);
   spread = std::sqrt(c);
   mean_centre = (c - n) / c;
@@ -36,7 +36,7 @@ bool ArgumentTransform::apply(PartiallyLinearMap& map, const VectorXd& centre, c
   UnscentedWeights weights(options_, directions.cols());
   if (linearised_) weights.spread = linearisation_spread, weights.mean_centre = 1.0, weights.other = 0.0;
   place_points(centre, directions, weights.spread);
-  out_.resize(in_.rows(), map.gain.cols());
+  out_.resize(in_.rows(), map.gain().cols());
   if (!map.evaluate(in_, out_)) return false;
   gather(weights);
   return true;

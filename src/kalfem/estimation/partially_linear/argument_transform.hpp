@@ -7,9 +7,9 @@
 
 namespace kalfem {
 
-/// Which random vector the sigma points stand for: the whole state, or the few channels w = N x + e through which alone
-/// the map is not linear.
-enum class SigmaPoints { of_state, of_channels };
+/// Which random vector the sigma points stand for: the whole state, or the few nonlinear arguments w = N x + e through
+/// which alone the map is not linear.
+enum class SigmaPoints { of_state, of_arguments };
 
 /// Spread and weights of the sigma points X = [m, m + sqrt(c) S, m - sqrt(c) S], S S^T = P, of n variables:
 ///     c = alpha^2 (n + kappa),  lambda = c - n,  W_m0 = lambda / c,  W_c0 = W_m0 + 1 - alpha^2 + beta,
@@ -18,7 +18,7 @@ enum class SigmaPoints { of_state, of_channels };
 struct UnscentedOptions {
   double alpha = 1.0;
   double beta = 2.0;
-  /// None: 0 for points of the state, as in the paper, and 3 - n for points of the channels. These then stand sqrt(3)
+  /// None: 0 for points of the state, as in the paper, and 3 - n for points of the arguments. These then stand sqrt(3)
   /// deviations out whatever their number, where the fourth moment is that of a normal distribution (Julier and
   /// Uhlmann, 2004); measured to be the best spread, docs/theory/partially-linear-ukf.md.
   std::optional<double> kappa = {};
@@ -33,7 +33,7 @@ struct UnscentedWeights {
   double other;              ///< W_i
 };
 
-/// The nonlinear channels phi(w) of a map at pairs of points about a centre. For the pair along the direction s_i let
+/// The nonlinear outputs phi(w) of a map at pairs of points about a centre. For the pair along the direction s_i let
 /// phi+ and phi- be phi at centre +- sqrt(c) s_i; then
 ///     mean(phi) = W_m0 phi_0 + W_i sum_i (phi+ + phi-),
 ///     delta_i   = (phi+ - phi-) / (2 sqrt(c)),

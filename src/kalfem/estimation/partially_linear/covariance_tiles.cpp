@@ -130,12 +130,12 @@ void CovarianceTiles::pass(const CovarianceStep& step, MatrixXd& product) {
   pack(step);
   run_parts([&](int part) {
     const auto index = static_cast<std::size_t>(part);
-    products_[index].assign(static_cast<std::size_t>(tiles_ * packed_.watched * tile_size), 0.0);
+    products_[index].assign(static_cast<std::size_t>(tiles_ * packed_.projected * tile_size), 0.0);
     pass_over(part_begin_[index], part_begin_[index + 1], step, products_[index].data());
   });
   for (Index tile = 0; tile < tiles_; ++tile)
-    for (Index c = 0; c < packed_.watched; ++c) {
-      const Index place = (tile * packed_.watched + c) * tile_size;
+    for (Index c = 0; c < packed_.projected; ++c) {
+      const Index place = (tile * packed_.projected + c) * tile_size;
       Lanes sum = load(products_[0].data() + place);
       for (std::size_t part = 1; part < products_.size(); ++part) sum += load(products_[part].data() + place);
       store(&product(tile * tile_size, c), sum);
@@ -153,13 +153,13 @@ void CovarianceTiles::run_parts(const Work& work) {
 /// All thin columns that meet in a tile, one after the other for each tile: left and right factors of the low-rank
 /// terms,
 ///     -(A J) (A J)^T + W U^T + U W^T,
-/// and the projected covariance.
+/// and the projected rows.
 void CovarianceTiles::pack(const CovarianceStep& step) {
   const auto columns = [](const MatrixXd* matrix) { return matrix ? matrix->cols() : 0; };
   const Index l = columns(step.downdate), p = columns(step.gain);
   packed_.terms = l + 2 * p;
-  packed_.watched = columns(step.watched);
-  packed_.stride = (2 * packed_.terms + packed_.watched) * tile_size;
+  packed_.projected = columns(step.projected);
+  packed_.stride = (2 * packed_.terms + packed_.projected) * tile_size;
   packed_.values.resize(static_cast<std::size_t>(tiles_ * packed_.stride));
   for (Index tile = 0; tile < tiles_; ++tile) {
     double* left = packed_.values.data() + tile * packed_.stride;
@@ -184,12 +184,12 @@ void CovarianceTiles::pack(const CovarianceStep& step) {
       add(entry(step.response, c), entry(step.gain, c));
       add(entry(step.gain, c), entry(step.response, c));
     }
-    for (Index c = 0; c < packed_.watched; ++c) store(right + c * tile_size, entry(step.watched, c));
+    for (Index c = 0; c < packed_.projected; ++c) store(right + c * tile_size, entry(step.projected, c));
   }
 }
 
 void CovarianceTiles::pass_over(Index begin, Index end, const CovarianceStep& step, double* product) {
-  const Index terms = packed_.terms, watched = packed_.watched;
+  const Index terms = packed_.terms, projected = packed_.projected;
   const auto full = [&](Index tile) { return step.propagator->full[static_cast<std::size_t>(tile)].has_value(); };
   for (Index row = begin; row < end; ++row) {
     const bool full_row = step.propagator && full(row);
@@ -215,10 +215,10 @@ void CovarianceTiles::pass_over(Index begin, Index end, const CovarianceStep& st
 #pragma GCC unroll 8
         for (int i = 0; i < 8; ++i) t[i] = 0.5 * (t[i] + mirrored[i]);
       } else {
-        multiply_tile(mirrored, watched, of_row + 2 * terms * tile_size, product + column * watched * tile_size);
+        multiply_tile(mirrored, projected, of_row + 2 * terms * tile_size, product + column * projected * tile_size);
       }
       store_tile(t, values);
-      multiply_tile(t, watched, of_column + 2 * terms * tile_size, product + row * watched * tile_size);
+      multiply_tile(t, projected, of_column + 2 * terms * tile_size, product + row * projected * tile_size);
     }
   }
 }

@@ -34,7 +34,7 @@ struct CovarianceStep {
   const Eigen::MatrixXd* gain = nullptr;          ///< U
   const Eigen::MatrixXd* response = nullptr;      ///< W
   const SymmetricTiles* process_noise = nullptr;  ///< Q
-  const Eigen::MatrixXd* watched = nullptr;       ///< H
+  const Eigen::MatrixXd* projected = nullptr;     ///< H
 };
 
 /// The lower triangle of a covariance in tiles of 8 x 8, one after the other in memory, so that one pass over it reads
@@ -70,7 +70,7 @@ private:
   template <class Work>
   void run_parts(const Work& work);
 
-  /// Keeps its memory when passes watch now few, now many rows.
+  /// Keeps its memory when passes project now few, now many rows.
   using AlignedValues = std::vector<double, Eigen::aligned_allocator<double>>;
 
   std::unique_ptr<WorkerPool> pool_;
@@ -78,7 +78,7 @@ private:
   std::vector<Eigen::Index> part_begin_;  ///< first tile row of each part, then the number of tile rows
   std::vector<AlignedValues> products_;   ///< P H of each part, tile by tile
   struct {
-    Eigen::Index terms = 0, watched = 0, stride = 0;
+    Eigen::Index terms = 0, projected = 0, stride = 0;
     AlignedValues values;
   } packed_;
   Eigen::VectorXd values_;

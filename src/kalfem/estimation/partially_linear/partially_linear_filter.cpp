@@ -9,221 +9,169 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+// A step, with the formulas of docs/theory/partially-linear-ukf.md ("Sigma points of w alone", "One pass over the
+// covariance"). H are the rows of N and of the measured outputs; ProjectedCovariance keeps [P H^T, x].
+//   predict:  1. sigma points of w from H P H^T give mean(phi), F, delta and Sigma.
+//             2. W = A P_xf + U (delta^T delta + Sigma) / 2 with P_xf = (P H^T) F.
+//             3. x+ = A x + U mean(phi) + b, and P+ h^T of the propagated rows from P g^T.
+//             4. one pass over P: P+ = A (P - J J^T) A^T + W U^T + U W^T + Q, and P+ h^T of the direct rows.
+//   update:   1. sigma points of w_y give mean(y), P_yy + R = L L^T and P_xy = (P H^T) B.
+//             2. J = P_xy L^-T; x + J L^-1 (y - mean(y)) and P - J J^T, which waits for the next pass.
+
 namespace {
 
-UnscentedOptions of_channels(UnscentedOptions options) {
-  options.points = SigmaPoints::of_channels;
+UnscentedOptions of_arguments(UnscentedOptions options) {
+  options.points = SigmaPoints::of_arguments;
   return options;
 }
 
-FilterOutcome why_not(const ProjectedMap& watched) {
-  return watched.covariance_usable() ? FilterOutcome::model_not_evaluable
-                                     : FilterOutcome::covariance_not_positive_definite;
+FilterOutcome why_not(const ProjectedMap& map) {
+  return map.covariance_usable() ? FilterOutcome::model_not_evaluable : FilterOutcome::covariance_not_positive_definite;
 }
 
 }  // namespace
 
-PartiallyLinearFilter::PartiallyLinearFilter(const UnscentedOptions& options, const PartiallyLinearMap& transition,
+PartiallyLinearFilter::PartiallyLinearFilter(const FilterModel& model, const UnscentedOptions& options,
                                              TileLayout layout, int threads)
-    : layout_(std::move(layout)),
-      propagator_(transition.linear, layout_),
-      transposed_(transition.linear.transpose(), layout_),
-      gain_(layout_.placed(transition.gain)),
-      covariance_(threads),
-      transition_(of_channels(options)),
-      measurement_(of_channels(options)),
-      observation_(of_channels(options)) {
-  transition_.take(transition, false);
+    : Filter(model),
+      layout_(std::move(layout)),
+      propagator_(model.process.linear(), layout_),
+      gain_(layout_.placed(model.process.gain())),
+      process_noise_(model.process_noise, layout_),
+      process_map_(model.process, of_arguments(options)),
+      measurement_map_(model.measurement, of_arguments(options)),
+      monitored_map_(model.monitored ? std::make_optional<ProjectedMap>(*model.monitored, of_arguments(options))
+                                     : std::nullopt),
+      estimate_(rows_of_maps(), layout_, threads) {
+  const auto& propagated = estimate_.rows().propagated();
+  gain_of_propagated_ = gain_.transpose() * propagated;
+  const MatrixXd rows = layout_.placed(model.process_noise), placed = layout_.placed(rows.transpose());
+  noise_of_propagated_ = placed * propagated;
+  if (model.monitored) monitored_ = layout_.placed(model.monitored->linear().transpose());
 }
 
-void PartiallyLinearFilter::reset(const Gaussian& estimate) {
-  mean_ = layout_.placed(estimate.mean);
-  covariance_.reset(estimate.covariance, layout_);
-  pending_ = fresh_ = false;
+/// The rows whose products with P the maps need.
+ProjectedRows PartiallyLinearFilter::rows_of_maps() {
+  ProjectedRows rows;
+  process_map_.add_to(rows, layout_, false);
+  measurement_map_.add_to(rows, layout_, true);
+  if (monitored_map_) monitored_map_->add_to(rows, layout_, false);
+  rows.find_propagated(TiledPropagator(process().linear().transpose(), layout_));
+  process_map_.find_places(rows);
+  measurement_map_.find_places(rows);
+  if (monitored_map_) monitored_map_->find_places(rows);
+  return rows;
 }
 
-/// Rows of a map that is new, or has changed, join those whose products every pass forms.
-void PartiallyLinearFilter::watch(ProjectedMap& watched, const PartiallyLinearMap& map) {
-  if (watched.is(map) && rows_ready_) {
-    if (!fresh_) refresh();
-    return;
-  }
-  if (!watched.is(map)) watched.take(map, &watched == &measurement_);
-  if (&watched == &observation_) observed_ = layout_.placed(map.linear.transpose());
-  rows_ = {};
-  for (auto* each : {&transition_, &measurement_, &observation_})
-    if (!each->empty()) each->add_to(rows_, layout_);
-  rows_.find_followers(transposed_);
-  for (auto* each : {&transition_, &measurement_, &observation_})
-    if (!each->empty()) each->find_places(rows_);
-  gain_of_followers_ = gain_.transpose() * rows_.followers();
-  process_noise_source_ = nullptr;
-  rows_ready_ = true;
-  refresh();
-}
+void PartiallyLinearFilter::reset(const Gaussian& estimate) { estimate_.reset(estimate); }
 
-/// Takes J J^T from P and forms the products of all projected covariance anew.
-void PartiallyLinearFilter::refresh() {
-  if (fresh_) mean_ = products_.rightCols(1);
-  products_.resize(layout_.slots(), rows_.size() + 1);
-  products_.rightCols(1) = mean_;
-  gram_.setZero((rows_.size() + tile_size - 1) / tile_size * tile_size, rows_.size() + 1);
-  covariance_.pass({.downdate = pending_ ? &downdate_ : nullptr, .watched = &rows_.dense()}, products_);
-  complete_products();
-  pending_ = false;
-  fresh_ = true;
-}
-
-/// Products of the rows that pick a state, which are columns of P, and all rows of the products.
-void PartiallyLinearFilter::complete_products() {
-  const Index dense = rows_.dense().cols();
-  const auto& single = rows_.single();
-  for (std::size_t i = 0; i < single.size(); ++i)
-    covariance_.column(single[i], &products_(0, dense + static_cast<Index>(i)));
-  thin_inner(rows_.dense(), products_, gram_);
-  for (std::size_t i = 0; i < single.size(); ++i) gram_.row(dense + static_cast<Index>(i)) = products_.row(single[i]);
-}
-
-/// Takes the columns of G that change with every step.
-void PartiallyLinearFilter::move_gain(const PartiallyLinearMap& transition) {
-  for (Index column = gain_.cols() - transition.moving_gain; column < gain_.cols(); ++column) {
-    for (std::size_t i = 0; i < layout_.slot.size(); ++i)
-      gain_(layout_.slot[i], column) = transition.gain(static_cast<Index>(i), column);
-    gain_of_followers_.row(column).noalias() = gain_.col(column).transpose() * rows_.followers();
-  }
-}
-
-FilterOutcome PartiallyLinearFilter::predict(PartiallyLinearMap& transition, const MatrixXd& process_noise) {
-  watch(transition_, transition);
-  move_gain(transition);
-  read_process_noise(process_noise);
-  if (!transition_.spread(transition, gram_)) return why_not(transition_);
-
-  thin_product(products_, transition_.slopes(), force_);
+FilterOutcome PartiallyLinearFilter::predict() {
+  if (!process_map_.spread(estimate_.gram())) return why_not(process_map_);
+  move_gain();
+  thin_product(estimate_.products(), process_map_.slopes(), force_);
   propagator_.apply(force_, response_);
-  add_thin_product(gain_, transition_.half_covariance(), response_);
-  follow();
-
-  propagator_.apply_to_column(products_, rows_.size());
-  auto mean = products_.col(rows_.size());
-  for (Index i = 0; i < transition.offset.size(); ++i)
-    mean[layout_.slot[static_cast<std::size_t>(i)]] += transition.offset[i];
-  mean.noalias() += gain_.lazyProduct(transition_.channel_mean());
-
-  covariance_.pass({.downdate = pending_ ? &downdate_ : nullptr,
-                    .propagator = &propagator_,
-                    .gain = &gain_,
-                    .response = &response_,
-                    .process_noise = &process_noise_,
-                    .watched = &rows_.leaders()},
-                   products_);
-  pending_ = false;
-  complete_products();
+  add_thin_product(gain_, process_map_.half_covariance(), response_);
+  propagate_rows();
+  propagate_mean();
+  estimate_.propagate(
+      {.propagator = &propagator_, .gain = &gain_, .response = &response_, .process_noise = &process_noise_},
+      propagated_products_, predicted_mean_);
   return FilterOutcome::usable;
 }
 
-/// P+ H^T of the rows h that follow, from P g^T of those they follow from: W^T h^T is F^T (P H^T)^T g^T and the part of
-/// the gain.
-void PartiallyLinearFilter::follow() {
-  const auto& followed = rows_.followed();
-  const auto count = static_cast<Index>(followed.size());
-  followed_.resize(products_.rows(), count);
-  response_of_followers_.noalias() = transition_.half_covariance().lazyProduct(gain_of_followers_);
-  for (Index i = 0; i < count; ++i) {
-    const Index leader = followed[static_cast<std::size_t>(i)];
-    followed_.col(i) = products_.col(leader);
-    response_of_followers_.col(i).noalias() +=
-        transition_.slopes().transpose().lazyProduct(gram_.row(leader).head(rows_.size()).transpose());
+/// Takes the columns of G that change with every step.
+void PartiallyLinearFilter::move_gain() {
+  const auto& map = process();
+  for (Index column = gain_.cols() - map.moving_gain(); column < gain_.cols(); ++column) {
+    for (std::size_t i = 0; i < layout_.slot.size(); ++i)
+      gain_(layout_.slot[i], column) = map.gain()(static_cast<Index>(i), column);
+    gain_of_propagated_.row(column).noalias() = gain_.col(column).transpose() * estimate_.rows().propagated();
   }
-  propagator_.apply(followed_, following_);
-  following_ += noise_of_followers_;
-  add_thin_product(response_, gain_of_followers_, following_);
-  add_thin_product(gain_, response_of_followers_, following_);
-  products_.middleCols(rows_.leaders().cols(), count) = following_;
 }
 
-FilterOutcome PartiallyLinearFilter::update(PartiallyLinearMap& measurement, const MatrixXd& noise, const VectorXd& y,
-                                            Innovation& innovation) {
-  watch(measurement_, measurement);
-  if (pending_) refresh();
-  if (!measurement_.spread(measurement, gram_)) return why_not(measurement_);
-  measurement_.output_mean(measurement, gram_, output_mean_);
+/// P+ h^T of the propagated rows from P g^T of their sources (ProjectedRows): W^T h^T is F^T (P H^T)^T g^T and the part
+/// of the gain.
+void PartiallyLinearFilter::propagate_rows() {
+  const auto& rows = estimate_.rows();
+  const auto& sources = rows.sources();
+  const auto count = static_cast<Index>(sources.size());
+  source_products_.resize(layout_.slots(), count);
+  propagated_response_.noalias() = process_map_.half_covariance().lazyProduct(gain_of_propagated_);
+  for (Index i = 0; i < count; ++i) {
+    const Index source = sources[static_cast<std::size_t>(i)];
+    source_products_.col(i) = estimate_.products().col(source);
+    propagated_response_.col(i).noalias() +=
+        process_map_.slopes().transpose().lazyProduct(estimate_.gram().row(source).head(rows.size()).transpose());
+  }
+  propagator_.apply(source_products_, propagated_products_);
+  propagated_products_ += noise_of_propagated_;
+  add_thin_product(response_, gain_of_propagated_, propagated_products_);
+  add_thin_product(gain_, propagated_response_, propagated_products_);
+}
+
+/// x+ = A x + G mean(phi) + b.
+void PartiallyLinearFilter::propagate_mean() {
+  const auto& offset = process().offset();
+  predicted_mean_ = estimate_.mean();
+  propagator_.apply_to_column(predicted_mean_, 0);
+  for (Index i = 0; i < offset.size(); ++i) predicted_mean_(layout_.slot[static_cast<std::size_t>(i)], 0) += offset[i];
+  predicted_mean_.col(0).noalias() += gain_.lazyProduct(process_map_.nonlinear_mean());
+}
+
+FilterOutcome PartiallyLinearFilter::condition(const VectorXd& y, const MatrixXd& noise, Innovation& innovation) {
+  estimate_.settle();
+  const auto& gram = estimate_.gram();
+  if (!measurement_map_.spread(gram)) return why_not(measurement_map_);
+  measurement_map_.select_channels(innovation.channels);
+  measurement_map_.output_mean(gram, output_mean_);
   innovation.value = y - output_mean_;
   innovation.covariance = noise;
-  measurement_.add_output_covariance(measurement, gram_, innovation.covariance);
+  measurement_map_.add_output_covariance(gram, innovation.covariance);
   if (!cholesky(innovation.covariance, 0.0, innovation_factor_)) return FilterOutcome::innovation_not_positive_definite;
   whitened_ = innovation.value;
   whiten(innovation_factor_, whitened_);
 
-  // P_xy = (P H^T) B, J = P_xy L^-T: x + J (L^-1 nu), P - J J^T, and both under H.
-  measurement_.output_cross(measurement, cross_);
-  solve_on_the_right(innovation_factor_, cross_);
-  thin_product(products_, cross_, downdate_);
-  thin_product(gram_, cross_, rows_of_downdate_);
-  rows_and_score_.resize(rows_.size() + 1, y.size());
-  rows_and_score_.topRows(rows_.size()) = rows_of_downdate_.topRows(rows_.size());
-  rows_and_score_.bottomRows(1) = -whitened_.transpose();
-  subtract_thin_product_transposed(downdate_, rows_and_score_, products_);
-  subtract_thin_product_transposed(rows_of_downdate_, rows_and_score_, gram_);
-  pending_ = true;
+  measurement_map_.output_cross(combination_);
+  solve_on_the_right(innovation_factor_, combination_);
+  estimate_.condition(combination_, whitened_);
   score(innovation, innovation_factor_, whitened_);
   return FilterOutcome::usable;
 }
 
-/// The rows of outputs that are only looked at are many: their products with P are not formed at every step, and of
-/// their covariance only the diagonal, A P A^T + 2 T G^T with T = A P_xf + G (delta^T delta + Sigma) / 2.
-FilterOutcome PartiallyLinearFilter::observe(PartiallyLinearMap& map, VectorXd& mean, VectorXd* deviation) {
-  watch(observation_, map);
-  if (!observation_.spread(map, gram_)) return why_not(observation_);
-  mean = map.offset;
-  mean.noalias() += observed_.transpose() * products_.col(rows_.size());
-  mean.noalias() += map.gain.lazyProduct(observation_.channel_mean());
+/// The rows of monitored quantities are many: their products with P are not formed at every step, and of their
+/// covariance only the diagonal, A P A^T + 2 T G^T with T = A P_xf + G (delta^T delta + Sigma) / 2.
+FilterOutcome PartiallyLinearFilter::observe(VectorXd& mean, VectorXd* deviation) {
+  const auto& map = monitored();
+  auto& view = *monitored_map_;
+  if (!view.spread(estimate_.gram())) return why_not(view);
+  mean = map.offset();
+  mean.noalias() += monitored_.transpose() * estimate_.mean();
+  mean.noalias() += map.gain().lazyProduct(view.nonlinear_mean());
   if (!deviation) return FilterOutcome::usable;
 
-  observed_products_.resize(observed_.rows(), observed_.cols());
-  covariance_.pass({.downdate = pending_ ? &downdate_ : nullptr, .watched = &observed_}, observed_products_);
-  pending_ = false;
-  thin_product(products_, observation_.slopes(), force_);
-  observed_force_.noalias() = observed_.transpose() * force_;
-  observed_force_.noalias() += map.gain.lazyProduct(observation_.half_covariance());
-  *deviation = (observed_.cwiseProduct(observed_products_).colwise().sum().transpose() +
-                2.0 * observed_force_.cwiseProduct(map.gain).rowwise().sum())
+  estimate_.multiply(monitored_, monitored_products_);
+  thin_product(estimate_.products(), view.slopes(), force_);
+  monitored_force_.noalias() = monitored_.transpose() * force_;
+  monitored_force_.noalias() += map.gain().lazyProduct(view.half_covariance());
+  *deviation = (monitored_.cwiseProduct(monitored_products_).colwise().sum().transpose() +
+                2.0 * monitored_force_.cwiseProduct(map.gain()).rowwise().sum())
                    .cwiseMax(0.0)
                    .cwiseSqrt();
   return FilterOutcome::usable;
 }
 
 const VectorXd& PartiallyLinearFilter::mean() const {
-  state_mean_.resize(static_cast<Index>(layout_.slot.size()));
-  const auto mean = fresh_ ? products_.col(rows_.size()) : mean_.col(0);
-  for (Index i = 0; i < state_mean_.size(); ++i) state_mean_[i] = mean[layout_.slot[static_cast<std::size_t>(i)]];
-  return state_mean_;
+  const auto mean = estimate_.mean();
+  mean_.resize(static_cast<Index>(layout_.slot.size()));
+  for (Index i = 0; i < mean_.size(); ++i) mean_[i] = mean[layout_.slot[static_cast<std::size_t>(i)]];
+  return mean_;
 }
 
 VectorXd PartiallyLinearFilter::standard_deviation() const {
   VectorXd deviation(static_cast<Index>(layout_.slot.size()));
-  for (Index i = 0; i < deviation.size(); ++i) {
-    const Index slot = layout_.slot[static_cast<std::size_t>(i)];
-    const double variance = covariance_.variance(slot) - (pending_ ? downdate_.row(slot).squaredNorm() : 0.0);
-    deviation[i] = std::sqrt(std::max(0.0, variance));
-  }
+  for (Index i = 0; i < deviation.size(); ++i)
+    deviation[i] = std::sqrt(std::max(0.0, estimate_.variance(layout_.slot[static_cast<std::size_t>(i)])));
   return deviation;
-}
-
-MatrixXd PartiallyLinearFilter::covariance() const {
-  MatrixXd covariance = covariance_.matrix(layout_);
-  if (!pending_) return covariance;
-  const MatrixXd downdate = downdate_(layout_.slot, Eigen::all);
-  return covariance - downdate * downdate.transpose();
-}
-
-void PartiallyLinearFilter::read_process_noise(const MatrixXd& process_noise) {
-  if (process_noise_source_ == &process_noise && process_noise.diagonal() == process_noise_diagonal_) return;
-  process_noise_source_ = &process_noise;
-  process_noise_diagonal_ = process_noise.diagonal();
-  process_noise_ = SymmetricTiles(process_noise, layout_);
-  const MatrixXd rows = layout_.placed(process_noise), placed = layout_.placed(rows.transpose());
-  noise_of_followers_ = placed * rows_.followers();
 }
 
 }  // namespace kalfem

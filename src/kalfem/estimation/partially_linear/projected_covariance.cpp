@@ -1,6 +1,8 @@
 #include "kalfem/estimation/partially_linear/projected_covariance.hpp"
 
-#include <algorithm>
+#include <cassert>
+
+#include "kalfem/estimation/kernels/thin_kernels.hpp"
 
 namespace kalfem {
 
@@ -8,65 +10,79 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-namespace {
+ProjectedCovariance::ProjectedCovariance(ProjectedRows rows, TileLayout layout, int threads)
+    : rows_(std::move(rows)),
+      layout_(std::move(layout)),
+      stored_(threads),
+      products_(layout_.slots(), rows_.size() + 1),
+      gram_(MatrixXd::Zero((rows_.size() + tile_size - 1) / tile_size * tile_size, rows_.size() + 1)) {}
 
-constexpr double same = 1e-12;  ///< relative difference of rows that rounding alone parts
-
-}  // namespace
-
-std::size_t ProjectedCovariance::add(const MatrixXd& rows, const TileLayout& layout) {
-  const MatrixXd placed = layout.placed(rows.transpose());
-  auto& places = matrices_.emplace_back();
-  for (Index row = 0; row < placed.cols(); ++row) places.push_back(find_or_add(placed.col(row)));
-  return matrices_.size() - 1;
+void ProjectedCovariance::reset(const Gaussian& estimate) {
+  stored_.reset(estimate.covariance, layout_);
+  downdate_waits_ = false;
+  products_.rightCols(1) = layout_.placed(estimate.mean);
+  pass({.projected = &rows_.dense()}, products_);
+  complete_products();
 }
 
-ProjectedCovariance::Place ProjectedCovariance::find_or_add(const VectorXd& row) {
-  Index slot = 0;
-  if (row.size() > 0 && row.cwiseAbs().sum() == 1.0 && row.maxCoeff(&slot) == 1.0) {
-    const auto found = std::ranges::find(single_, slot);
-    if (found == single_.end()) single_.push_back(slot);
-    return {true, std::ranges::find(single_, slot) - single_.begin()};
-  }
-  for (Index column = 0; column < dense_.cols(); ++column)
-    if (dense_.col(column) == row) return {false, column};
-  dense_.conservativeResize(row.size(), dense_.cols() + 1);
-  dense_.rightCols(1) = row;
-  return {false, dense_.cols() - 1};
+/// One pass over the stored P; a downdate that waits goes with it.
+void ProjectedCovariance::pass(CovarianceStep step, MatrixXd& product) {
+  if (downdate_waits_) step.downdate = &downdate_;
+  stored_.pass(step, product);
+  downdate_waits_ = false;
 }
 
-void ProjectedCovariance::find_followers(const TiledPropagator& transposed) {
-  const Index count = dense_.cols();
-  MatrixXd moved;
-  transposed.apply(dense_, moved);
-  std::vector<Index> leader(static_cast<std::size_t>(count), -1);
-  const auto is_follower = [&](Index row) { return leader[static_cast<std::size_t>(row)] >= 0; };
-  for (Index h = 0; h < count; ++h)
-    for (Index g = 0; g < count && !is_follower(h); ++g)
-      if (g != h && !is_follower(g) && (moved.col(h) - dense_.col(g)).norm() <= same * dense_.col(g).norm())
-        if (std::ranges::find(leader, h) == leader.end()) leader[static_cast<std::size_t>(h)] = g;
-
-  order_.assign(static_cast<std::size_t>(count), 0);
-  std::vector<Index> sorted;
-  for (const bool followers : {false, true})
-    for (Index row = 0; row < count; ++row)
-      if (is_follower(row) == followers) {
-        order_[static_cast<std::size_t>(row)] = static_cast<Index>(sorted.size());
-        sorted.push_back(row);
-      }
-  followed_.clear();
-  for (const Index row : sorted)
-    if (is_follower(row)) followed_.push_back(order_[static_cast<std::size_t>(leader[static_cast<std::size_t>(row)])]);
-  dense_ = MatrixXd(dense_(Eigen::all, sorted));
-  followers_ = dense_.rightCols(static_cast<Index>(followed_.size()));
-  leaders_ = dense_.leftCols(count - followers_.cols());
+void ProjectedCovariance::propagate(CovarianceStep step, const MatrixXd& propagated, const MatrixXd& mean) {
+  step.projected = &rows_.direct();
+  pass(step, products_);
+  products_.middleCols(rows_.direct().cols(), propagated.cols()) = propagated;
+  products_.rightCols(1) = mean;
+  complete_products();
 }
 
-std::vector<Index> ProjectedCovariance::places(std::size_t matrix) const {
-  std::vector<Index> result;
-  for (const auto& place : matrices_[matrix])
-    result.push_back(place.single ? dense_.cols() + place.number : order_[static_cast<std::size_t>(place.number)]);
-  return result;
+void ProjectedCovariance::settle() {
+  if (!downdate_waits_) return;
+  pass({.projected = &rows_.dense()}, products_);
+  complete_products();
+}
+
+/// Products of the rows that pick a state, which are columns of P, and all rows of the products.
+void ProjectedCovariance::complete_products() {
+  const Index dense = rows_.dense().cols();
+  const auto& picked = rows_.picked();
+  for (std::size_t i = 0; i < picked.size(); ++i)
+    stored_.column(picked[i], &products_(0, dense + static_cast<Index>(i)));
+  thin_inner(rows_.dense(), products_, gram_);
+  for (std::size_t i = 0; i < picked.size(); ++i) gram_.row(dense + static_cast<Index>(i)) = products_.row(picked[i]);
+}
+
+/// [P H^T, x] <- [P H^T, x] - J [H J; -v^T]^T, and the same under H.
+void ProjectedCovariance::condition(const MatrixXd& combination, const VectorXd& whitened) {
+  assert(!downdate_waits_);
+  thin_product(products_, combination, downdate_);
+  thin_product(gram_, combination, rows_of_downdate_);
+  rows_and_score_.resize(rows_.size() + 1, whitened.size());
+  rows_and_score_.topRows(rows_.size()) = rows_of_downdate_.topRows(rows_.size());
+  rows_and_score_.bottomRows(1) = -whitened.transpose();
+  subtract_thin_product_transposed(downdate_, rows_and_score_, products_);
+  subtract_thin_product_transposed(rows_of_downdate_, rows_and_score_, gram_);
+  downdate_waits_ = true;
+}
+
+void ProjectedCovariance::multiply(const MatrixXd& columns, MatrixXd& product) {
+  product.resize(columns.rows(), columns.cols());
+  pass({.projected = &columns}, product);
+}
+
+double ProjectedCovariance::variance(Index slot) const {
+  return stored_.variance(slot) - (downdate_waits_ ? downdate_.row(slot).squaredNorm() : 0.0);
+}
+
+MatrixXd ProjectedCovariance::covariance() const {
+  MatrixXd covariance = stored_.matrix(layout_);
+  if (!downdate_waits_) return covariance;
+  const MatrixXd downdate = downdate_(layout_.slot, Eigen::all);
+  return covariance - downdate * downdate.transpose();
 }
 
 }  // namespace kalfem

@@ -1,48 +1,52 @@
 #pragma once
 
 #include <Eigen/Dense>
-#include <vector>
 
-#include "kalfem/estimation/kernels/tile_layout.hpp"
+#include "kalfem/estimation/gaussian.hpp"
+#include "kalfem/estimation/partially_linear/covariance_tiles.hpp"
+#include "kalfem/estimation/partially_linear/projected_rows.hpp"
 
 namespace kalfem {
 
-/// Rows of several maps of which each is to be multiplied with a covariance once: equal rows stand once, and rows that
-/// pick one state are kept apart, since their products are columns of the covariance. The products stand in the order
-/// dense rows, then picked states.
-///
-/// A dense row h for which another watched row is g = h A needs no product of its own after a prediction by A either:
-///     P+ h^T = A (P g^T) + W (U^T h^T) + U (W^T h^T) + Q h^T.
-/// The motion at an interval's begin is such a row, that at its end being g. Rows of this kind stand last among the
-/// dense ones.
+/// Mean x and covariance P of a state, and their view through fixed rows H: the products [P H^T, x] and the small
+/// matrix H [P H^T, x]. Every change of the estimate goes through this object, which brings the products along, so they
+/// belong to the estimate at any time. Only here is it known that the last update's J J^T has not been taken from the
+/// stored P yet: that waits for the next pass over P, which reads and writes all of it. K rows; slots are places of
+/// states in tiles (TileLayout).
 class ProjectedCovariance {
 public:
-  /// Adds the rows of a matrix over the states; their places are given by `places` after `find_followers`.
-  std::size_t add(const Eigen::MatrixXd& rows, const TileLayout& layout);
-  /// Finds the rows that follow from others by a prediction; `transposed` is A^T.
-  void find_followers(const TiledPropagator& transposed);
-  /// Places of the rows of the matrix added as number `matrix` among the products.
-  [[nodiscard]] std::vector<Eigen::Index> places(std::size_t matrix) const;
+  ProjectedCovariance(ProjectedRows rows, TileLayout layout, int threads);
 
-  [[nodiscard]] const Eigen::MatrixXd& dense() const { return dense_; }              ///< slots x dense rows
-  [[nodiscard]] const std::vector<Eigen::Index>& single() const { return single_; }  ///< slots of picked states
-  [[nodiscard]] const Eigen::MatrixXd& leaders() const { return leaders_; }  ///< dense rows that follow from no other
-  [[nodiscard]] const Eigen::MatrixXd& followers() const { return followers_; }  ///< the rest, slots x followers
-  /// Places of the rows that the followers follow from.
-  [[nodiscard]] const std::vector<Eigen::Index>& followed() const { return followed_; }
-  [[nodiscard]] Eigen::Index size() const { return dense_.cols() + static_cast<Eigen::Index>(single_.size()); }
+  void reset(const Gaussian& estimate);
+  /// x <- mean (slots x 1) and P by one pass, see CovarianceStep; its downdate and its rows are set here. `propagated`:
+  /// the products of the propagated rows with the new P, slots x such rows.
+  void propagate(CovarianceStep step, const Eigen::MatrixXd& propagated, const Eigen::MatrixXd& mean);
+  /// Takes a J J^T that waits from the stored P, so that the next update may wait in turn.
+  void settle();
+  /// x <- x + J v, P <- P - J J^T with J = (P H^T) C: C is K x l, v has l values. Nothing may wait: settle() first.
+  void condition(const Eigen::MatrixXd& combination, const Eigen::VectorXd& whitened);
+  /// P B of any B, slots x columns: a pass over P.
+  void multiply(const Eigen::MatrixXd& columns, Eigen::MatrixXd& product);
+
+  [[nodiscard]] const ProjectedRows& rows() const { return rows_; }
+  [[nodiscard]] const Eigen::MatrixXd& products() const { return products_; }  ///< [P H^T, x], slots x (K + 1)
+  /// H [P H^T, x]: K rows, then zeros to a multiple of eight, x (K + 1).
+  [[nodiscard]] const Eigen::MatrixXd& gram() const { return gram_; }
+  [[nodiscard]] auto mean() const { return products_.col(rows_.size()); }  ///< x, slots
+  [[nodiscard]] double variance(Eigen::Index slot) const;
+  [[nodiscard]] Eigen::MatrixXd covariance() const;  ///< P in the order of the states
 
 private:
-  struct Place {
-    bool single;
-    Eigen::Index number;
-  };
-  Place find_or_add(const Eigen::VectorXd& row);
+  void pass(CovarianceStep step, Eigen::MatrixXd& product);
+  void complete_products();
 
-  Eigen::MatrixXd dense_, leaders_, followers_;
-  std::vector<Eigen::Index> order_, followed_;  ///< final place of each dense row; of each follower's leader
-  std::vector<Eigen::Index> single_;
-  std::vector<std::vector<Place>> matrices_;
+  ProjectedRows rows_;
+  TileLayout layout_;
+  CovarianceTiles stored_;  ///< P, or P + J J^T while a downdate waits
+  bool downdate_waits_ = false;
+  Eigen::MatrixXd downdate_;  ///< J, slots x l
+  Eigen::MatrixXd products_, gram_;
+  Eigen::MatrixXd rows_of_downdate_, rows_and_score_;  ///< H J, [H J; -v^T]
 };
 
 }  // namespace kalfem

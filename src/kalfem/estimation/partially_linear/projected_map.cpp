@@ -8,89 +8,104 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-void ProjectedMap::take(const PartiallyLinearMap& map, bool outputs) {
-  map_ = &map;
-  revision_ = map.revision;
+// With H among whose rows are those of N (and of A, for outputs) every moment that the transform of
+// docs/theory/partially-linear-ukf.md needs is read off the small matrix H [P H^T, x]:
+//   1. spread():  P_ww = N P N^T and mean(w) are entries of it; P_ww = L L^T, sigma points of w, delta and Sigma; then
+//      P_xf = (P H^T) F with F = L^-T delta in the rows of N.
+//   2. outputs:   mean(y), P_yy = A P A^T + A P_xf G^T + G P_xf^T A^T + G (delta^T delta + Sigma) G^T and
+//      P_xy = P A^T + P_xf G^T = (P H^T) B, again from entries and F.
+
+void ProjectedMap::add_to(ProjectedRows& rows, const TileLayout& layout, bool outputs) {
   outputs_ = outputs;
-  linear_only_ = map.moving_gain == 0 && map.gain.isZero(0.0);
+  linear_only_ = map_.moving_gain() == 0 && map_.gain().isZero(0.0);
+  if (!linear_only_) selection_number_ = rows.add(map_.selection(), layout);
+  if (outputs_) linear_number_ = rows.add(map_.linear(), layout);
 }
 
-void ProjectedMap::add_to(ProjectedCovariance& rows, const TileLayout& layout) {
-  if (!linear_only_) selection_number_ = rows.add(map_->selection, layout);
-  if (outputs_) linear_number_ = rows.add(map_->linear, layout);
-}
-
-void ProjectedMap::find_places(const ProjectedCovariance& rows) {
+void ProjectedMap::find_places(const ProjectedRows& rows) {
   if (!linear_only_) selection_ = rows.places(selection_number_);
   if (outputs_) linear_ = rows.places(linear_number_);
-  watched_ = rows.size();
-  const Index p = map_->gain.cols();
-  slopes_.setZero(watched_, p);
+  rows_ = rows.size();
+  const Index p = map_.gain().cols();
+  slopes_.setZero(rows_, p);
   half_covariance_.setZero(p, p);
-  channel_mean_.setZero(p);
+  nonlinear_mean_.setZero(p);
 }
 
-bool ProjectedMap::spread(PartiallyLinearMap& map, const MatrixXd& gram) {
+bool ProjectedMap::spread(const MatrixXd& gram) {
   if (linear_only_) return true;
-  const auto q = static_cast<Index>(selection_.size()), p = map.gain.cols();
-  const auto place = [&](Index channel) { return selection_[static_cast<std::size_t>(channel)]; };
+  const auto q = static_cast<Index>(selection_.size()), p = map_.gain().cols();
+  const auto place = [&](Index argument) { return selection_[static_cast<std::size_t>(argument)]; };
   covariance_.resize(q, q);
   centre_.resize(q);
   for (Index j = 0; j < q; ++j) {
     for (Index i = j; i < q; ++i) covariance_(i, j) = gram(place(i), place(j));
-    centre_[j] = gram(place(j), watched_) + map.input_offset[j];
+    centre_[j] = gram(place(j), rows_) + map_.input_offset()[j];
   }
   covariance_usable_ = argument_factor(covariance_, factor_);
-  if (!covariance_usable_ || !transform_.apply(map, centre_, factor_)) return false;
+  if (!covariance_usable_ || !transform_.apply(map_, centre_, factor_)) return false;
 
-  channel_mean_ = transform_.mean();
+  nonlinear_mean_ = transform_.mean();
   const MatrixXd& delta = transform_.delta();
-  channel_slopes_ = delta;
-  solve_channels_transposed(factor_, channel_slopes_);
+  argument_slopes_ = delta;
+  solve_arguments_transposed(factor_, argument_slopes_);
   slopes_.setZero();
   half_covariance_ = 0.5 * transform_.scatter();
   for (Index j = 0; j < p; ++j) {
-    for (Index k = 0; k < q; ++k) slopes_(place(k), j) += channel_slopes_(k, j);
+    for (Index k = 0; k < q; ++k) slopes_(place(k), j) += argument_slopes_(k, j);
     for (Index i = 0; i < p; ++i)
       for (Index k = 0; k < q; ++k) half_covariance_(i, j) += 0.5 * delta(k, i) * delta(k, j);
   }
   return true;
 }
 
-void ProjectedMap::output_mean(const PartiallyLinearMap& map, const MatrixXd& gram, VectorXd& y) const {
-  y = map.offset;
-  for (std::size_t i = 0; i < linear_.size(); ++i) y[static_cast<Index>(i)] += gram(linear_[i], watched_);
-  if (!linear_only_) y.noalias() += map.gain.lazyProduct(channel_mean_);
+void ProjectedMap::select_channels(const std::vector<Index>& channels) {
+  const auto l = static_cast<Index>(channels.size());
+  places_.resize(channels.size());
+  gain_.resize(l, map_.gain().cols());
+  offset_.resize(l);
+  for (Index i = 0; i < l; ++i) {
+    const Index channel = channels[static_cast<std::size_t>(i)];
+    places_[static_cast<std::size_t>(i)] = linear_[static_cast<std::size_t>(channel)];
+    gain_.row(i) = map_.gain().row(channel);
+    offset_[i] = map_.offset()[channel];
+  }
+}
+
+void ProjectedMap::output_mean(const MatrixXd& gram, VectorXd& y) const {
+  y = offset_;
+  for (std::size_t i = 0; i < places_.size(); ++i) y[static_cast<Index>(i)] += gram(places_[i], rows_);
+  if (!linear_only_) y.noalias() += gain_.lazyProduct(nonlinear_mean_);
 }
 
 /// A P A^T + T G^T + G T^T with T = A P_xf + G half_covariance.
-void ProjectedMap::add_output_covariance(const PartiallyLinearMap& map, const MatrixXd& gram, MatrixXd& covariance) {
-  const auto l = static_cast<Index>(linear_.size()), p = map.gain.cols();
-  const auto place = [&](Index row) { return linear_[static_cast<std::size_t>(row)]; };
+void ProjectedMap::add_output_covariance(const MatrixXd& gram, MatrixXd& covariance) {
+  const auto l = static_cast<Index>(places_.size()), p = gain_.cols();
+  const auto place = [&](Index row) { return places_[static_cast<std::size_t>(row)]; };
   if (linear_only_) {
     for (Index j = 0; j < l; ++j)
       for (Index i = 0; i < l; ++i) covariance(i, j) += gram(place(i), place(j));
     return;
   }
-  output_force_.noalias() = map.gain.lazyProduct(half_covariance_);
+  output_force_.noalias() = gain_.lazyProduct(half_covariance_);
   for (Index c = 0; c < p; ++c)
-    for (Index k = 0; k < watched_; ++k)
+    for (Index k = 0; k < rows_; ++k)
       if (slopes_(k, c) != 0.0)
         for (Index i = 0; i < l; ++i) output_force_(i, c) += gram(place(i), k) * slopes_(k, c);
   for (Index j = 0; j < l; ++j)
     for (Index i = 0; i < l; ++i) {
       double sum = gram(place(i), place(j));
-      for (Index c = 0; c < p; ++c) sum += output_force_(i, c) * map.gain(j, c) + map.gain(i, c) * output_force_(j, c);
+      for (Index c = 0; c < p; ++c) sum += output_force_(i, c) * gain_(j, c) + gain_(i, c) * output_force_(j, c);
       covariance(i, j) += sum;
     }
 }
 
-void ProjectedMap::output_cross(const PartiallyLinearMap& map, MatrixXd& cross) const {
+void ProjectedMap::output_cross(MatrixXd& cross) const {
   if (linear_only_)
-    cross.setZero(watched_, map.gain.rows());
+    cross.setZero(rows_, gain_.rows());
   else
-    cross.noalias() = slopes_.lazyProduct(map.gain.transpose());
-  for (std::size_t i = 0; i < linear_.size(); ++i) cross(linear_[i], static_cast<Index>(i)) += 1.0;
+    cross.noalias() = slopes_.lazyProduct(gain_.transpose());
+  for (std::size_t i = 0; i < places_.size(); ++i) cross(places_[i], static_cast<Index>(i)) += 1.0;
 }
 
 }  // namespace kalfem
