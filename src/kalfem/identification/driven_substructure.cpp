@@ -13,7 +13,7 @@ namespace {
 using Place = CoupledModel::Placed;
 
 /// The boundary of a finite-element substructure, or the degrees of freedom that connectors touch.
-std::vector<Index> boundary_of(const Structure& structure, const CoupledModel& model, const Place& place) {
+std::vector<Index> boundary_of(const StructureModel& structure, const CoupledModel& model, const Place& place) {
   std::vector<Index> boundary;
   const auto& dofs = place.part.model->dofs;
   for (const auto& elements : structure.finite_elements)
@@ -39,7 +39,7 @@ std::string reported_name(const Place& place, Index dof) {
 }
 
 /// Inputs that act on the substructure itself: moving grounds, forces at points.
-std::vector<AppliedInput> applied_inputs(const Structure& structure, const CoupledModel& model, const Place& place) {
+std::vector<AppliedInput> applied_inputs(const StructureModel& structure, const CoupledModel& model, const Place& place) {
   std::vector<AppliedInput> applied;
   const auto& inputs = model.system().inputs;
   for (std::size_t i = 0; i < inputs.size(); ++i) {
@@ -91,7 +91,7 @@ BaseDrivenSubstructure driven_part(const CoupledModel& model, const Place& place
 
 }  // namespace
 
-DrivenSubstructure::DrivenSubstructure(const Structure& structure, const CoupledModel& model,
+DrivenSubstructure::DrivenSubstructure(const StructureModel& structure, const CoupledModel& model,
                                        const std::string& substructure)
     : place_(model.find_substructure(substructure)),
       driven_(driven_part(model, place_, boundary_of(structure, model, place_))),

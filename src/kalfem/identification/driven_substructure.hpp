@@ -10,7 +10,7 @@ namespace kalfem {
 class DrivenSubstructure {
 public:
   /// `model`: the whole structure, with the inputs of `structure`. Throws InvalidInput as BaseDrivenSubstructure.
-  DrivenSubstructure(const Structure& structure, const CoupledModel& model, const std::string& substructure);
+  DrivenSubstructure(const StructureModel& structure, const CoupledModel& model, const std::string& substructure);
 
   [[nodiscard]] const CoupledModel::Placed& place() const { return place_; }
   /// Qualified points whose motion drives it: one a boundary degree of freedom, then those outside that pull at it by

@@ -14,7 +14,7 @@ std::string unit_of(const FiniteElementModel& model, const FiniteElementParamete
   return "N/m";
 }
 
-void add_connectors(const Structure& structure, std::vector<Parameter>& all) {
+void add_connectors(const StructureModel& structure, std::vector<Parameter>& all) {
   for (const auto& connector : structure.parts.connectors) {
     const auto& quantities = connector.law->parameters();
     for (std::size_t p = 0; p < quantities.size(); ++p) {
@@ -25,13 +25,13 @@ void add_connectors(const Structure& structure, std::vector<Parameter>& all) {
   }
 }
 
-void add_lumped(const Structure& structure, std::vector<Parameter>& all) {
+void add_lumped(const StructureModel& structure, std::vector<Parameter>& all) {
   for (const auto& part : structure.parts.substructures)
     for (const auto& [name, target] : parameters_of(part))
       all.push_back({part.name + "." + name, part.name, kalfem::unit_of(target.kind), value_of(part, target), target});
 }
 
-void add_finite_elements(const Structure& structure, std::vector<Parameter>& all) {
+void add_finite_elements(const StructureModel& structure, std::vector<Parameter>& all) {
   for (const auto& each : structure.finite_elements) {
     const FiniteElementPart& part = *each.part;
     for (const auto& [name, target] : parameters_of(part.assembled, part.damping))
@@ -42,7 +42,7 @@ void add_finite_elements(const Structure& structure, std::vector<Parameter>& all
 
 }  // namespace
 
-ParameterSet::ParameterSet(const Structure& structure) {
+ParameterSet::ParameterSet(const StructureModel& structure) {
   add_connectors(structure, parameters_);
   add_lumped(structure, parameters_);
   add_finite_elements(structure, parameters_);

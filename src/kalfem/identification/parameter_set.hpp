@@ -32,7 +32,7 @@ using StructureBinding = ParameterBinding<Parameter>;
 /// Every parameter of a structure.
 class ParameterSet {
 public:
-  explicit ParameterSet(const Structure& structure);
+  explicit ParameterSet(const StructureModel& structure);
 
   /// Nothing where there is none of that name.
   [[nodiscard]] std::optional<Parameter> find(const std::string& name) const;

@@ -11,13 +11,13 @@ Substructure model_of(const FiniteElementPartPtr& part, const std::shared_ptr<co
 
 }  // namespace
 
-std::vector<Substructure> Structure::reduced_parts() const {
+std::vector<Substructure> StructureModel::reduced_parts() const {
   std::vector<Substructure> reduced;
   for (const auto& each : finite_elements) reduced.push_back(model_of(each.part, each.reduced));
   return reduced;
 }
 
-StructureParts Structure::reference_parts() const {
+StructureParts StructureModel::reference_parts() const {
   StructureParts reference = parts;
   reference.finite_elements.clear();
   for (const auto& each : finite_elements) reference.finite_elements.push_back(model_of(each.part, each.reference));

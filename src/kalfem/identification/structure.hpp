@@ -10,7 +10,7 @@
 namespace kalfem {
 
 /// A structure with its known excitation, as the library's own types.
-struct Structure {
+struct StructureModel {
   StructureParts parts;                                    ///< its finite-element substructures reduced
   std::vector<FiniteElementSubstructure> finite_elements;  ///< in the order of parts.finite_elements
   std::vector<SignalPtr> signals;                          ///< one an input of the parts
@@ -20,6 +20,6 @@ struct Structure {
   /// The parts that a record is simulated from: finite elements at full order, or as their reference superelements.
   [[nodiscard]] StructureParts reference_parts() const;
 };
-using StructurePtr = std::shared_ptr<const Structure>;
+using StructurePtr = std::shared_ptr<const StructureModel>;
 
 }  // namespace kalfem

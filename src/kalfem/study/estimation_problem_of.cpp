@@ -85,8 +85,8 @@ ParameterTransform transform_of(const d::Unknown& given, const std::string& unit
 }
 
 /// The part of the structure that the filter's model holds.
-Structure held_structure(const CaseStudy& study, IssueList& issues) {
-  Structure held = *study.structure;
+StructureModel held_structure(const CaseStudy& study, IssueList& issues) {
+  StructureModel held = *study.structure;
   if (!study.given.estimate->local) return held;
   AugmentedModelSetup unused;
   LocalModel(*study.given.estimate->local, held.parts, issues).apply(unused);
@@ -100,7 +100,7 @@ Structure held_structure(const CaseStudy& study, IssueList& issues) {
 /// Translates unknowns one by one.
 class UnknownReader {
 public:
-  UnknownReader(const CaseStudy& study, const Structure& held, IssueList& issues)
+  UnknownReader(const CaseStudy& study, const StructureModel& held, IssueList& issues)
       : study_(study), known_(held), all_(*study.structure), issues_(issues) {}
 
   std::optional<Unknown> read(const std::string& name, const d::Unknown& given) {
@@ -220,7 +220,7 @@ EstimationProblem make_estimation_problem(const CaseStudy& study, IssueList& iss
                       .passes = given.passes,
                       .substeps = given.substeps,
                       .threads = given.threads};
-  const Structure held = held_structure(study, issues);
+  const StructureModel held = held_structure(study, issues);
   if (!issues.empty()) return problem;
   UnknownReader reader(study, held, issues);
   for (const auto& [name, unknown] : given.unknown)

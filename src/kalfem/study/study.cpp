@@ -323,7 +323,7 @@ private:
   }
 
   CaseStudy study_;
-  std::shared_ptr<Structure> structure_ = std::make_shared<Structure>();  ///< of the study, while it is made
+  std::shared_ptr<StructureModel> structure_ = std::make_shared<StructureModel>();  ///< of the study, while it is made
   std::shared_ptr<const CoupledModel> start_;  ///< what a prediction, or an updating, starts from
   IssueList issues_;
   std::set<std::string> unsound_;   ///< sections and results with a problem

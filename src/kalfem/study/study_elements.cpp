@@ -59,7 +59,7 @@ void warn_of_notes(const ElementNotes& part, std::vector<std::string>& warnings)
 }
 
 /// Files of superelements are written of what is reduced.
-void check_superelement_files(const Structure& structure, CaseStudy& study, IssueList& issues) {
+void check_superelement_files(const StructureModel& structure, CaseStudy& study, IssueList& issues) {
   const auto& files = study.given.report.superelements;
   if (files.value.empty() || !issues.empty()) return;
   const auto is_reduced = [](const FiniteElementSubstructure& elements) { return elements.reduced != nullptr; };
@@ -89,7 +89,7 @@ std::optional<FrequencyBand> excitation_band(const d::Case& given) {
   return band.to > band.from ? std::optional(band) : std::nullopt;
 }
 
-void add_finite_elements(Structure& structure, CaseStudy& study, IssueList& issues) {
+void add_finite_elements(StructureModel& structure, CaseStudy& study, IssueList& issues) {
   const Stopwatch watch;
   for (const auto& [name, given] : study.given.substructures) {
     if (!given.finite_elements) continue;
