@@ -1,18 +1,40 @@
-# Install target and CMake package: find_package(kalfem) gives kalfem::kalfem and one target per folder.
+# Install target and CMake package: find_package(kalfem COMPONENTS core formats study) gives kalfem::core,
+# kalfem::formats and kalfem::study, each with the third-party packages that it needs and no others. kalfem::kalfem is
+# all of them.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
+include(PublicHeaders)
 
-get_property(libraries GLOBAL PROPERTY KALFEM_LIBRARIES)
-add_library(kalfem_all INTERFACE)
-set_target_properties(kalfem_all PROPERTIES EXPORT_NAME kalfem)
-target_link_libraries(kalfem_all INTERFACE ${libraries})
+set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/kalfem)
+set(lower "")
+foreach(component core formats study)
+  string(TOUPPER ${component} COMPONENT)
+  set(libraries ${KALFEM_${COMPONENT}_LIBRARIES})
+  list(TRANSFORM libraries PREPEND kalfem_)
+  add_library(kalfem_component_${component} INTERFACE)
+  target_link_libraries(kalfem_component_${component} INTERFACE ${libraries} ${lower})
+  set(lower kalfem_component_${component})
+  set(exported ${libraries})
+  # A folder of the same name as its component is exported as its library.
+  if(component IN_LIST KALFEM_${COMPONENT}_LIBRARIES)
+    set_target_properties(kalfem_${component} PROPERTIES EXPORT_NAME ${component}_library)
+  endif()
+  set_target_properties(kalfem_component_${component} PROPERTIES EXPORT_NAME ${component})
+  if(component STREQUAL core)
+    list(APPEND exported kalfem_flags)
+  endif()
+  install(TARGETS ${exported} kalfem_component_${component} EXPORT kalfem_${component}
+          ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(EXPORT kalfem_${component} NAMESPACE kalfem:: FILE kalfem_${component}.cmake DESTINATION ${package_folder})
+  foreach(header ${KALFEM_${COMPONENT}_HEADERS})
+    get_filename_component(folder ${header} DIRECTORY)
+    install(FILES src/kalfem/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kalfem/${folder})
+  endforeach()
+endforeach()
 
-install(TARGETS kalfem_flags kalfem_all ${libraries} EXPORT kalfem ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS kalfem_command RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(DIRECTORY src/kalfem DESTINATION include FILES_MATCHING PATTERN "*.hpp")
-install(EXPORT kalfem NAMESPACE kalfem:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/kalfem)
-configure_package_config_file(cmake/kalfemConfig.cmake.in kalfemConfig.cmake
-                              INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/kalfem)
+configure_package_config_file(cmake/kalfemConfig.cmake.in kalfemConfig.cmake INSTALL_DESTINATION ${package_folder})
 write_basic_package_version_file(kalfemConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${CMAKE_CURRENT_BINARY_DIR}/kalfemConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/kalfemConfigVersion.cmake cmake/FindCHOLMOD.cmake
-        DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/kalfem)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/kalfemConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/kalfemConfigVersion.cmake
+              cmake/FindCHOLMOD.cmake cmake/FindHDF5Library.cmake
+        DESTINATION ${package_folder})

@@ -27,6 +27,7 @@ ALLOWED = {
 LIBRARY = set(ALLOWED) - {"yaml"}
 CORE = LIBRARY - {"formats"}
 ALLOWED["identification"] = CORE
+ALLOWED["api"] = CORE | {"identification"}
 ALLOWED["casefile"] = LIBRARY | {"identification", "yaml"}
 ALLOWED["study"] = ALLOWED["casefile"] | {"casefile"}
 ALLOWED["pipeline"] = LIBRARY | {"identification", "study"}
@@ -35,7 +36,7 @@ INCLUDE = re.compile(r'#include "kalfem/(\w+)/')
 
 
 def violations(root):
-    for path in sorted(root.rglob("*.[ch]pp")):
+    for path in sorted(root.rglob("*/*.[ch]pp")):  # kalfem.hpp itself is above all folders
         folder = path.relative_to(root).parts[0]
         if folder not in ALLOWED:
             yield f"{path}: the folder '{folder}' is not in the table; name what it may use in {__file__}"

@@ -10,6 +10,7 @@
 #include "kalfem/estimation/filter.hpp"
 #include "kalfem/estimation/parameter_transform.hpp"
 #include "kalfem/identification/parameter_set.hpp"
+#include "kalfem/identification/point_prior.hpp"
 #include "kalfem/system/sensors/measurement_chain.hpp"
 #include "kalfem/system/sensors/output_map.hpp"
 
@@ -41,14 +42,6 @@ struct Unknown {
   SourceLocation location = {};
 
   [[nodiscard]] const std::string& unit() const { return targets.front().unit; }
-};
-
-/// Prior of a degree of freedom's displacement [m] and velocity [m/s].
-struct PointPrior {
-  double displacement = 0.0, velocity = 0.0, displacement_std = 0.0, velocity_std = 0.0;
-};
-struct ConnectorStatePrior {
-  double value = 0.0, std = 0.0;
 };
 
 /// White acceleration [m/s^2/sqrt(Hz)] on every degree of freedom, and on single ones in its place.

@@ -141,6 +141,12 @@ FilterChoice choose(const EstimationProblemPtr& problem, const AugmentedModelSet
   return choice;
 }
 
+bool loses_sign_in_modal_coordinates(const FilteredRecord& filtered) {
+  const auto& failure = filtered.result.failure;
+  return failure && failure->outcome == FilterOutcome::covariance_not_positive_definite &&
+         filtered.run.choice.augmented_model->options().coordinates == StateCoordinates::modal;
+}
+
 }  // namespace
 
 double rms_of_present(const Eigen::Ref<const VectorXd>& channel) {
@@ -163,6 +169,21 @@ FilterRun make_filter_run(const EstimationProblemPtr& problem, const AugmentedMo
   if (record.used) used.rightCols(used.cols() - *record.used).setConstant(std::numeric_limits<double>::quiet_NaN());
   run.record = {used, inputs, run.noise.cwiseAbs2().asDiagonal()};
   return run;
+}
+
+FilteredRecord run_filter(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
+                          const FullRecord& record, EstimationOptions options) {
+  FilteredRecord filtered{make_filter_run(problem, setup, record), {}};
+  options.filter = filtered.run.choice.filter;
+  filtered.result = estimate(*filtered.run.choice.augmented_model, filtered.run.record, options);
+  if (!loses_sign_in_modal_coordinates(filtered)) return filtered;
+  const std::string reason = filtered.run.choice.reason;
+  filtered.run = make_filter_run(problem, setup, record, StateCoordinates::physical);
+  filtered.run.choice.filter = options.filter;
+  filtered.run.choice.reason =
+      reason + "; in physical coordinates, as rounding in modal ones cost the covariance its sign";
+  filtered.result = estimate(*filtered.run.choice.augmented_model, filtered.run.record, options);
+  return filtered;
 }
 
 int processors() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }

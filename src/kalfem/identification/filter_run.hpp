@@ -30,6 +30,23 @@ struct FilterRun {
 FilterRun make_filter_run(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
                           const FullRecord& record, std::optional<StateCoordinates> coordinates = std::nullopt);
 
+/// What a filter made of a record, and the filter and model that did.
+struct FilteredRecord {
+  FilterRun run;
+  EstimationResult result;
+  /// The model at the end: linearised about the last values of the unknowns of the linear part, where there are some.
+  [[nodiscard]] std::shared_ptr<const AugmentedModel> augmented_model() const {
+    return result.augmented_model ? result.augmented_model : run.choice.augmented_model;
+  }
+};
+
+/// Runs the filter that suits the problem over the record; the options' kind of filter is chosen here, and `monitored`
+/// are outputs of the setup's model. Modal coordinates of close poles are an ill-conditioned basis: where the covariance
+/// loses its sign there, the run is made again in physical coordinates, where a step costs more. A failure is in the
+/// result. Throws InvalidInput as make_filter_run() and estimate() do.
+FilteredRecord run_filter(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
+                          const FullRecord& record, EstimationOptions options);
+
 /// Root mean square of the samples that are not missing.
 double rms_of_present(const Eigen::Ref<const Eigen::VectorXd>& channel);
 

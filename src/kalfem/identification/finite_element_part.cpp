@@ -1,7 +1,11 @@
 #include "kalfem/identification/finite_element_part.hpp"
 
+#include <algorithm>
 #include <cmath>
 
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/model/assembly/mechanisms.hpp"
+#include "kalfem/model/mesh/connectivity.hpp"
 #include "kalfem/reduction/free_interface.hpp"
 
 namespace kalfem {
@@ -38,7 +42,27 @@ Superelement reduce_by(ReductionMethod method, const LinearModel& full, const st
   return craig_bampton(full, boundary, options);
 }
 
+void require_no_mechanism(const FiniteElementModel& elements, const AssembledModel& assembled) {
+  const auto free = find_mechanisms(elements, assembled);
+  if (free.empty()) return;
+  std::string names;
+  for (std::size_t i = 0; i < std::min<std::size_t>(free.size(), 10); ++i) names += (i == 0 ? "" : ", ") + free[i];
+  throw InvalidInput("substructure '" + elements.name + "' is a mechanism: it moves without strain at " + names +
+                         (free.size() > 10 ? " and " + std::to_string(free.size() - 10) + " more" : ""),
+                     "its motion there is not determined", "hold or join these degrees of freedom");
+}
+
 }  // namespace
+
+void assemble_part(FiniteElementPart& part, const AssemblyOptions& options) {
+  require_connected(part.elements);
+  part.assembled = assemble(part.elements, options);
+  if (!part.elements.mesh.cells.empty()) require_no_mechanism(part.elements, part.assembled);
+  part.mass = mass_properties(part.assembled);
+  part.moving_mass = moving_mass(part.elements, part.assembled);
+  part.full = linear_model(part.elements, part.assembled, part.nodes, part.damping.rayleigh);
+  part.full.points_only = true;
+}
 
 Superelement reduce(const FiniteElementPart& part, const ReductionRequest& request, double sensor_bandwidth) {
   ReductionOptions options{.modes = request.modes, .augmentation_vectors = request.augmentation_vectors};

@@ -27,15 +27,10 @@ struct FiniteElementPart {
 };
 using FiniteElementPartPtr = std::shared_ptr<const FiniteElementPart>;
 
-enum class ReductionMethod { craig_bampton, rubin, macneal, guyan };
-
-/// How a finite-element substructure is reduced. Without a limit on the modes these go up to three times the sensors'
-/// bandwidth.
-struct ReductionRequest {
-  ReductionMethod method = ReductionMethod::craig_bampton;
-  ModeSelection modes = {};          ///< not of Guyan's
-  bool augmentation_vectors = true;  ///< see ReductionOptions
-};
+/// Assembles what the part's `elements`, `nodes` and `damping` say: matrices, masses, and the full model with Rayleigh
+/// damping and dashpots, without modal damping. Throws InvalidInput as assemble() does, and where the elements do not
+/// hang together or are a mechanism.
+void assemble_part(FiniteElementPart& part, const AssemblyOptions& options);
 
 /// A finite-element substructure in the orders of model that are used beside each other.
 struct FiniteElementSubstructure {

@@ -117,13 +117,6 @@ int samples_between_deviations(double sample_rate) {
   return std::max(1, static_cast<int>(std::lround(sample_rate / 100.0)));
 }
 
-/// Modal coordinates of close poles are an ill-conditioned basis: the covariance may lose its sign there and keep it in
-/// physical coordinates, where a step costs more.
-bool loses_sign_in_modal_coordinates(const EstimationResult& result, const AugmentedModel& augmented_model) {
-  return result.failure && result.failure->outcome == FilterOutcome::covariance_not_positive_definite &&
-         augmented_model.options().coordinates == StateCoordinates::modal;
-}
-
 }  // namespace
 
 EstimationOutcome run_estimation(const Study& study, const AugmentedModelSetup& setup, const StudyResults& results,
@@ -131,31 +124,22 @@ EstimationOutcome run_estimation(const Study& study, const AugmentedModelSetup& 
   const Stopwatch watch;
   const auto& given = study.problem->settings;
   const FullRecord record = record_of(study, results);
-  FilterRun run = make_filter_run(study.problem, setup, record);
   EstimationOutcome outcome;
-  outcome.measurements = run.measurements;
-  outcome.noise.assign(run.noise.begin(), run.noise.end());
   const auto monitored = reported_quantities(*setup.model);
-  const EstimationOptions options{.filter = run.choice.filter,
-                                  .unscented = given.unscented,
+  const EstimationOptions options{.unscented = given.unscented,
                                   .threads = filter_threads(study.problem->settings),
                                   .passes = given.passes,
                                   .state_deviations = false,
                                   .deviation_stride = samples_between_deviations(study.sample_rate()),
                                   .monitored = make_outputs(*setup.model, monitored),
                                   .progress = progress};
-  outcome.result = estimate(*run.choice.augmented_model, run.record, options);
-  if (loses_sign_in_modal_coordinates(outcome.result, *run.choice.augmented_model)) {
-    const std::string reason = run.choice.reason;
-    run = make_filter_run(study.problem, setup, record, StateCoordinates::physical);
-    run.choice.filter = options.filter;
-    run.choice.reason = reason + "; in physical coordinates, as rounding in modal ones cost the covariance its sign";
-    outcome.result = estimate(*run.choice.augmented_model, run.record, options);
-  }
-  outcome.filter = run.choice.filter;
-  outcome.filter_reason = run.choice.reason;
-  outcome.augmented_model = run.choice.augmented_model;
-  if (outcome.result.augmented_model) outcome.augmented_model = outcome.result.augmented_model;
+  FilteredRecord filtered = run_filter(study.problem, setup, record, options);
+  outcome.augmented_model = filtered.augmented_model();
+  outcome.result = std::move(filtered.result);
+  outcome.measurements = filtered.run.measurements;
+  outcome.noise.assign(filtered.run.noise.begin(), filtered.run.noise.end());
+  outcome.filter = filtered.run.choice.filter;
+  outcome.filter_reason = filtered.run.choice.reason;
   if (outcome.result.failure)
     failure = "the filter stopped at " + shortest(outcome.measurements.start + outcome.result.failure->time) +
               " s: " + outcome.result.failure->reason;
@@ -164,7 +148,7 @@ EstimationOutcome run_estimation(const Study& study, const AugmentedModelSetup& 
                                     outcome.measurements.samples() - 1);
   outcome.band = study.excitation_band;
   outcome.consistency = summarise_consistency(outcome.result.nis, outcome.result.measured, outcome.result.innovation,
-                                              run.noise, outcome.settled);
+                                              filtered.run.noise, outcome.settled);
   for (std::size_t i = 0; i < monitored.size(); ++i) {
     const auto row = static_cast<Index>(i);
     PointQuantity quantity{monitored[i].name,

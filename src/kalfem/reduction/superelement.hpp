@@ -58,6 +58,16 @@ struct Superelement {
   [[nodiscard]] Eigen::MatrixXd recover(const Eigen::MatrixXd& reduced) const { return basis * reduced; }
 };
 
+enum class ReductionMethod { craig_bampton, rubin, macneal, guyan };
+
+/// How a finite-element substructure is reduced. Without a limit on the modes these go up to three times the sensors'
+/// bandwidth.
+struct ReductionRequest {
+  ReductionMethod method = ReductionMethod::craig_bampton;
+  ModeSelection modes = {};          ///< not of Guyan's
+  bool augmentation_vectors = true;  ///< see ReductionOptions
+};
+
 struct ReductionOptions {
   ModeSelection modes = {};                 ///< Craig-Bampton only, at least one criterion
   std::vector<std::string> also_kept = {};  ///< degrees of freedom treated as boundary beside it, such as sensors'

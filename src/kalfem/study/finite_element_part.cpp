@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kalfem/model/assembly/mechanisms.hpp"
-#include "kalfem/model/mesh/connectivity.hpp"
 #include "kalfem/model/modal_damping.hpp"
 #include "kalfem/reduction/free_interface.hpp"
 #include "kalfem/study/finite_element_builder.hpp"
@@ -173,16 +171,6 @@ void add_grounds(const d::Substructure& given, LinearModel& model) {
       model.grounds.push_back({name, none, none});
 }
 
-void require_no_mechanism(const FiniteElementModel& elements, const AssembledModel& assembled) {
-  const auto free = find_mechanisms(elements, assembled);
-  if (free.empty()) return;
-  std::string names;
-  for (std::size_t i = 0; i < std::min<std::size_t>(free.size(), 10); ++i) names += (i == 0 ? "" : ", ") + free[i];
-  throw InvalidInput("substructure '" + elements.name + "' is a mechanism: it moves without strain at " + names +
-                         (free.size() > 10 ? " and " + std::to_string(free.size() - 10) + " more" : ""),
-                     "its motion there is not determined", "hold or join these degrees of freedom");
-}
-
 }  // namespace
 
 DescribedPart make_finite_element_part(const std::string& name, const d::Substructure& given,
@@ -201,14 +189,7 @@ DescribedPart make_finite_element_part(const std::string& name, const d::Substru
   const auto boundary =
       is_given ? given_boundary(part, given.reduction->value) : attached_boundary(part, given, attached);
   try {
-    require_connected(part.elements);
-    part.assembled = assemble(
-        part.elements, {.parameters = {parameters.begin(), parameters.end()}, .independent = all_dofs(boundary)});
-    if (!part.elements.mesh.cells.empty()) require_no_mechanism(part.elements, part.assembled);
-    part.mass = mass_properties(part.assembled);
-    part.moving_mass = moving_mass(part.elements, part.assembled);
-    part.full = linear_model(part.elements, part.assembled, part.nodes, part.damping.rayleigh);
-    part.full.points_only = true;
+    assemble_part(part, {.parameters = {parameters.begin(), parameters.end()}, .independent = all_dofs(boundary)});
     add_grounds(given, part.full);
     add_weighted_points(given, part.full);
     if (!given.damping.modal.empty())

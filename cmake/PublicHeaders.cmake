@@ -1,0 +1,26 @@
+# The public interface: these headers are installed and documented, and no others. Each compiles by itself against the
+# installed package (the test "package"), so that what a public header includes is in the list.
+set(KALFEM_CORE_HEADERS
+    kalfem.hpp
+    # a structure and what is done with it
+    api/estimate.hpp api/finite_elements.hpp api/laws.hpp api/online_filter.hpp api/sensors.hpp api/simulate.hpp
+    api/structure.hpp api/update.hpp
+    # what these are described by
+    base/invalid_input.hpp base/progress.hpp
+    estimation/filter_kind.hpp estimation/parameter_transform.hpp identification/point_prior.hpp
+    linalg/sparse_factor.hpp
+    model/finite_element_model.hpp model/linear_model.hpp model/lumped.hpp model/unit_system.hpp
+    model/elements/element.hpp model/mesh/mesh.hpp model/mesh/properties.hpp
+    records/time_series.hpp reduction/superelement.hpp
+    system/connector_law.hpp system/signal.hpp
+    system/sensors/analog_section.hpp system/sensors/measurement_chain.hpp system/sensors/output_description.hpp
+    system/signals/sampled.hpp)
+set(KALFEM_FORMATS_HEADERS
+    formats/deck.hpp formats/matrices.hpp formats/matrices/write.hpp formats/read_deck.hpp formats/tables/csv.hpp)
+set(KALFEM_STUDY_HEADERS report/run_case.hpp)
+
+# The folders' libraries of each component; a component uses those before it.
+set(KALFEM_CORE_LIBRARIES base linalg records model reduction system dynamics estimation prediction updating
+                          identification api)
+set(KALFEM_FORMATS_LIBRARIES formats)
+set(KALFEM_STUDY_LIBRARIES evolution yaml casefile study pipeline report)

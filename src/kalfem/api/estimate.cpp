@@ -1,0 +1,144 @@
+#include "kalfem/api/estimate.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kalfem/api/filter_problem.hpp"
+#include "kalfem/api/structure_description.hpp"
+#include "kalfem/identification/filter_run.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+OutputDescription at(ObservedQuantity quantity, const std::string& place) { return {"", quantity, {{place, 1.0}}}; }
+
+/// A column for each sensor; throws InvalidInput with every sensor that was not recorded.
+void require_channels(const TimeSeries& record, const std::vector<SensorDescription>& sensors) {
+  std::vector<std::string> known;
+  for (const auto& channel : record.channels) known.push_back(channel.name);
+  IssueList issues;
+  for (std::size_t i = 0; i < sensors.size(); ++i)
+    if (record.find(sensors[i].name) < 0)
+      issues.add({}, "sensors[" + std::to_string(i) + "] '" + sensors[i].name + "': the record has no channel of that name" +
+                         did_you_mean(sensors[i].name, known),
+                 "", "name the sensor as the channel");
+  if (static_cast<Index>(known.size()) != record.values.cols())
+    issues.add({}, "record: it has " + std::to_string(record.values.cols()) + " columns and " +
+                       std::to_string(known.size()) + " channels",
+               "every column needs a name", "");
+  if (record.samples() < 1) issues.add({}, "record: it has no samples", "there is nothing to estimate from", "");
+  issues.raise();
+}
+
+/// The record's channels of the sensors, with their noise.
+FullRecord full_record(const TimeSeries& record, const std::vector<SensorDescription>& sensors) {
+  const auto count = static_cast<Index>(sensors.size());
+  FullRecord full{{record.sample_rate, record.start, {}, Eigen::MatrixXd(record.samples(), count)}, {}};
+  for (Index i = 0; i < count; ++i) {
+    const auto& sensor = sensors[static_cast<std::size_t>(i)];
+    full.series.channels.push_back({sensor.name, unit_of(sensor.output)});
+    full.series.values.col(i) = record.values.col(record.find(sensor.name));
+    full.noise.push_back(sensor.noise);
+  }
+  return full;
+}
+
+std::vector<ParameterEstimate> parameters_of(const AugmentedModelSetup& setup, const EstimationResult& result) {
+  std::vector<ParameterEstimate> parameters;
+  for (std::size_t i = 0; i < setup.options.unknowns.size(); ++i) {
+    const auto& unknown = setup.options.unknowns[i];
+    const auto row = static_cast<Index>(i);
+    const VectorXd mean = result.unknowns.mean.row(row).transpose();
+    const VectorXd std = result.unknowns.deviation.row(row).transpose();
+    parameters.push_back({unknown.name, unknown.unit, mean[mean.size() - 1], std[std.size() - 1], mean, std});
+  }
+  return parameters;
+}
+
+/// Motion of the points and internal states of the connectors in `states`, what was asked for in `outputs`.
+void set_quantities(const FilterProblem& made, const EstimateOptions& options, const FilteredRecord& filtered,
+                    EstimateResult& estimate) {
+  const auto& result = filtered.result;
+  const std::size_t motions = made.monitored.size() - options.outputs.size();
+  for (std::size_t i = 0; i < made.monitored.size(); ++i) {
+    const auto row = static_cast<Index>(i);
+    auto& list = i < motions ? estimate.states : estimate.outputs;
+    list.push_back({made.monitored[i].name, unit_of(made.monitored[i]), result.monitored.mean.row(row).transpose(),
+                    result.monitored.deviation.row(row).transpose()});
+  }
+  Index row = filtered.run.choice.augmented_model->layout().connector_state();
+  for (const auto& connector : made.setup.model->system().connectors)
+    for (const auto& state : connector.law->states()) {
+      estimate.states.push_back({connector.name + "." + state.name, state.unit, result.state.mean.row(row).transpose(),
+                                 result.state.deviation.row(row).transpose()});
+      ++row;
+    }
+}
+
+template <class T>
+const T& named(const std::vector<T>& all, const std::string& name, const char* what) {
+  const auto found = std::ranges::find(all, name, &T::name);
+  if (found != all.end()) return *found;
+  std::vector<std::string> known;
+  for (const auto& each : all) known.push_back(each.name);
+  throw InvalidInput(std::string("the result has no ") + what + " '" + name + "'" + did_you_mean(name, known), "", "");
+}
+
+}  // namespace
+
+OutputDescription displacement(const std::string& point) { return at(ObservedQuantity::displacement, point); }
+OutputDescription velocity(const std::string& point) { return at(ObservedQuantity::velocity, point); }
+OutputDescription acceleration(const std::string& point) { return at(ObservedQuantity::acceleration, point); }
+OutputDescription connector_force(const std::string& connector) {
+  return at(ObservedQuantity::connector_force, connector);
+}
+OutputDescription connector_deformation(const std::string& connector) {
+  return at(ObservedQuantity::connector_deformation, connector);
+}
+OutputDescription connector_rate(const std::string& connector) {
+  return at(ObservedQuantity::connector_rate, connector);
+}
+
+double EstimateResult::mean_nis(double settle) const {
+  const Index from = std::min(nis.size(), static_cast<Index>(std::llround(settle * sample_rate)));
+  const auto settled = nis.tail(nis.size() - from).array();
+  const auto measured = settled.isFinite();
+  return measured.select(settled, 0.0).sum() / static_cast<double>(std::max<Index>(1, measured.count()));
+}
+
+const ParameterEstimate& EstimateResult::parameter(const std::string& name) const {
+  return named(parameters, name, "parameter");
+}
+const EstimatedQuantity& EstimateResult::state(const std::string& name) const { return named(states, name, "state"); }
+const EstimatedQuantity& EstimateResult::output(const std::string& name) const {
+  return named(outputs, name, "output");
+}
+
+EstimateResult estimate(const Structure& structure, const TimeSeries& record, const EstimateOptions& options) {
+  require_signals(structure.description());
+  require_channels(record, options.sensors);
+  const FilterProblem made = make_filter_problem(structure, record.sample_rate, options);
+  const EstimationOptions of_filter{.threads = filter_threads(made.problem->settings),
+                                    .passes = options.passes,
+                                    .state_deviations = false,
+                                    .monitored = make_outputs(*made.setup.model, made.monitored),
+                                    .progress = options.progress};
+  const auto filtered = run_filter(made.problem, made.setup, full_record(record, options.sensors), of_filter);
+  EstimateResult estimate;
+  estimate.parameters = parameters_of(made.setup, filtered.result);
+  set_quantities(made, options, filtered, estimate);
+  estimate.innovation = filtered.result.innovation.transpose();
+  estimate.nis = filtered.result.nis;
+  estimate.log_likelihood = filtered.result.log_likelihood;
+  estimate.filter = name_of(filtered.run.choice.filter) + ": " + filtered.run.choice.reason;
+  estimate.sample_rate = record.sample_rate;
+  if (const auto& failure = filtered.result.failure)
+    estimate.failure = FilterStop{record.start + failure->time, failure->reason};
+  return estimate;
+}
+
+}  // namespace kalfem

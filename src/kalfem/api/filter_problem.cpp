@@ -1,0 +1,207 @@
+#include "kalfem/api/filter_problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kalfem/api/structure_description.hpp"
+#include "kalfem/base/units.hpp"
+#include "kalfem/identification/released_elements.hpp"
+
+namespace kalfem {
+namespace {
+
+/// "unknowns[0] 'suspension.mu_k1'": an argument by its place.
+std::string place_of(const char* list, std::size_t index, const std::string& name) {
+  return std::string(list) + "[" + std::to_string(index) + "] '" + name + "'";
+}
+
+/// Adds the issues of an error, each with the argument that it is about.
+void add(const InvalidInput& error, const std::string& place, IssueList& issues) {
+  for (const auto& issue : error.issues()) issues.add({}, place + ": " + issue.what, issue.why, issue.fix);
+}
+
+template <class T>
+void refuse_doubles(const char* list, const std::vector<T>& all, IssueList& issues) {
+  for (std::size_t i = 0; i < all.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (all[i].name == all[j].name)
+        issues.add({}, place_of(list, i, all[i].name) + ": " + list + "[" + std::to_string(j) + "] has that name too",
+                   "names tell them apart", "give each its own");
+}
+
+/// Frequency above which no sensor sees anything [Hz].
+double bandwidth_of(const std::vector<SensorDescription>& sensors, double sample_rate) {
+  double widest = 0.0;
+  for (const auto& sensor : sensors) widest = std::max(widest, std::min(0.5 * sample_rate, bandwidth(sensor.chain)));
+  return widest > 0.0 ? widest : std::numeric_limits<double>::infinity();
+}
+
+std::vector<std::string> targets_of(const UnknownDescription& given) {
+  return given.prior.applies_to.empty() ? std::vector{given.name} : given.prior.applies_to;
+}
+
+ParameterTransform transform_of(const Prior& prior, const StructureParts& parts, const Unknown& unknown) {
+  if (prior.transform) return *prior.transform;
+  const bool is_released = can_be_released(parts, unknown.targets.front());
+  const bool is_positive = std::ranges::all_of(unknown.targets, is_positive_by_nature);
+  const bool stays_positive = unknown.initial > 0.0 && (!is_released || is_positive);
+  return {stays_positive ? TransformKind::log : TransformKind::none};
+}
+
+void check_numbers(const Unknown& unknown) {
+  const auto& [kind, lower, upper] = unknown.transform;
+  const std::string value = shortest(unknown.initial);
+  if (!std::isfinite(unknown.initial))
+    throw InvalidInput("it starts at " + value, "a number is needed", "give a finite initial value");
+  if (!(unknown.deviation > 0.0) || !std::isfinite(unknown.deviation))
+    throw InvalidInput("its standard deviation is " + shortest(unknown.deviation),
+                       "a parameter without uncertainty is not unknown", "give a positive std");
+  if (!(unknown.random_walk >= 0.0) || !std::isfinite(unknown.random_walk))
+    throw InvalidInput("its random walk is " + shortest(unknown.random_walk), "it must be >= 0", "");
+  if (kind == TransformKind::log && !(unknown.initial > 0.0))
+    throw InvalidInput("it starts at " + value, "under the transform log it must be > 0", "start from a positive value");
+  if (kind == TransformKind::logit && !(lower < unknown.initial && unknown.initial < upper))
+    throw InvalidInput("it starts at " + value + ", outside its bounds " + shortest(lower) + " to " + shortest(upper),
+                       "the start must lie strictly between them", "move the start or the bounds");
+}
+
+Unknown unknown_of(const UnknownDescription& given, const ParameterSet& all, const StructureParts& parts) {
+  Unknown unknown{.name = given.name, .targets = {}};
+  for (const auto& name : targets_of(given)) {
+    auto parameter = all.find(name);
+    if (!parameter)
+      throw InvalidInput("there is no parameter '" + name + "'" + did_you_mean(name, all.names()),
+                         "an unknown is a number of a connector or of a substructure",
+                         "Structure::parameters() lists them");
+    unknown.targets.push_back(std::move(*parameter));
+  }
+  unknown.initial = given.prior.initial.value_or(unknown.targets.front().value);
+  unknown.deviation = given.prior.std != 0.0 ? given.prior.std : 0.5 * std::abs(unknown.initial);
+  unknown.random_walk = given.prior.random_walk;
+  unknown.transform = transform_of(given.prior, parts, unknown);
+  check_numbers(unknown);
+  return unknown;
+}
+
+Sensor sensor_of(const SensorDescription& given, const CoupledModel& model) {
+  if (!(given.noise > 0.0) || !std::isfinite(given.noise))
+    throw InvalidInput("its noise is " + shortest(given.noise), "a filter weighs a sensor by its noise",
+                       "give the standard deviation of its noise, > 0");
+  Sensor sensor{.name = given.name, .output = given.output, .chain = MeasurementChain(given.chain)};
+  sensor.output.name = given.name;
+  sensor.noise = given.noise;
+  sensor.unit = unit_of(given.output);
+  make_outputs(model, {sensor.output});  // throws where there is no such point
+  return sensor;
+}
+
+/// Displacement and velocity of every point that is reported.
+std::vector<OutputDescription> motions_of(const CoupledModel& model) {
+  std::vector<OutputDescription> outputs;
+  for (const auto& point : model.reported_points()) {
+    outputs.push_back({point + ".displacement", ObservedQuantity::displacement, {{point, 1.0}}});
+    outputs.push_back({point + ".velocity", ObservedQuantity::velocity, {{point, 1.0}}});
+  }
+  return outputs;
+}
+
+/// Collects a problem and what is wrong with its arguments.
+class ProblemMaker {
+public:
+  ProblemMaker(const Structure& structure, double sample_rate, const EstimateOptions& options) : options_(options) {
+    problem_.sample_rate = sample_rate;
+    problem_.structure = make_structure_model(
+        structure.description(),
+        {.parameters = varied_names(), .sensor_bandwidth = bandwidth_of(options.sensors, sample_rate)});
+  }
+
+  FilterProblem make() {
+    if (options_.sensors.empty())
+      issues_.add({}, "sensors: the list is empty", "there is nothing to estimate from", "give at least one sensor");
+    refuse_doubles("sensors", options_.sensors, issues_);
+    refuse_doubles("unknowns", options_.unknowns, issues_);
+    add_sensors();
+    add_unknowns();
+    issues_.raise();
+    add_settings();
+    return finished();
+  }
+
+private:
+  [[nodiscard]] std::vector<std::string> varied_names() const {
+    std::vector<std::string> names;
+    for (const auto& unknown : options_.unknowns)
+      for (const auto& name : targets_of(unknown)) names.push_back(name);
+    return names;
+  }
+
+  void add_sensors() {
+    const CoupledModel model = couple(problem_.structure->parts);
+    for (std::size_t i = 0; i < options_.sensors.size(); ++i) try {
+        problem_.sensors.push_back(sensor_of(options_.sensors[i], model));
+      } catch (const InvalidInput& error) {
+        add(error, place_of("sensors", i, options_.sensors[i].name), issues_);
+      }
+    for (std::size_t i = 0; i < options_.outputs.size(); ++i) try {
+        make_outputs(model, {options_.outputs[i].output});
+      } catch (const InvalidInput& error) {
+        add(error, place_of("outputs", i, options_.outputs[i].name), issues_);
+      }
+  }
+
+  void add_unknowns() {
+    const ParameterSet all(*problem_.structure);
+    for (std::size_t i = 0; i < options_.unknowns.size(); ++i) try {
+        problem_.settings.unknowns.push_back(unknown_of(options_.unknowns[i], all, problem_.structure->parts));
+      } catch (const InvalidInput& error) {
+        add(error, place_of("unknowns", i, options_.unknowns[i].name), issues_);
+      }
+  }
+
+  void add_settings() {
+    auto& settings = problem_.settings;
+    settings.filter = options_.filter;
+    settings.initial_state_from_record = options_.initial_state_from_record;
+    settings.process_noise.acceleration = options_.process_noise;
+    settings.estimate_initial_state = options_.estimate_initial_state;
+    settings.passes = options_.passes;
+    settings.substeps = options_.substeps;
+    settings.threads = options_.threads;
+    for (std::size_t i = 0; i < options_.initial_state.size(); ++i) {
+      const auto& [point, prior] = options_.initial_state[i];
+      settings.initial_state.push_back({point, {prior, {}, "initial_state[" + std::to_string(i) + "]"}});
+    }
+  }
+
+  FilterProblem finished() {
+    FilterProblem made;
+    made.problem = std::make_shared<const EstimationProblem>(std::move(problem_));
+    made.setup = make_augmented_model_setup(*made.problem, made.problem->structure->parts, {}, issues_);
+    issues_.raise();
+    made.monitored = motions_of(*made.setup.model);
+    for (const auto& [name, output] : options_.outputs) {
+      made.monitored.push_back(output);
+      made.monitored.back().name = name;
+    }
+    return made;
+  }
+
+  const EstimateOptions& options_;
+  EstimationProblem problem_;
+  IssueList issues_;
+};
+
+}  // namespace
+
+std::string unit_of(const OutputDescription& output) { return unit_of(output.quantity); }
+
+FilterProblem make_filter_problem(const Structure& structure, double sample_rate, const EstimateOptions& options) {
+  if (!(sample_rate > 0.0) || !std::isfinite(sample_rate))
+    throw InvalidInput("the sampling rate is " + shortest(sample_rate) + " Hz", "it must be > 0",
+                       "give the record's rate");
+  if (options.substeps < 1)
+    throw InvalidInput("substeps: " + std::to_string(options.substeps), "a sample interval has at least one", "");
+  return ProblemMaker(structure, sample_rate, options).make();
+}
+
+}  // namespace kalfem

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "kalfem/api/estimate.hpp"
+#include "kalfem/identification/augmented_model_setup.hpp"
+
+namespace kalfem {
+
+/// What the caller asks for as a problem of identification/, with the filter's model of it.
+struct FilterProblem {
+  EstimationProblemPtr problem;
+  AugmentedModelSetup setup;
+  std::vector<OutputDescription> monitored;  ///< motion of the reported points, then the outputs that are asked for
+};
+
+/// Looks up every name. `sample_rate`: of the record [Hz]. Throws InvalidInput with every argument that is wrong.
+FilterProblem make_filter_problem(const Structure& structure, double sample_rate, const EstimateOptions& options);
+
+/// Unit of a description's output, in SI.
+std::string unit_of(const OutputDescription& output);
+
+}  // namespace kalfem

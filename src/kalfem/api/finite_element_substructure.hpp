@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "kalfem/api/finite_elements.hpp"
+#include "kalfem/identification/finite_element_part.hpp"
+
+namespace kalfem {
+
+/// What the rest of the structure wants of a finite-element substructure.
+struct ElementsInUse {
+  std::vector<std::string> attached;    ///< its points that connectors and forces touch, without its name
+  std::vector<std::string> parameters;  ///< that vary, without its name
+  double sensor_bandwidth = std::numeric_limits<double>::infinity();  ///< [Hz]
+};
+
+/// Assembles the substructure and reduces it where it was told to. Throws InvalidInput with its name.
+FiniteElementSubstructure make_substructure(const FiniteElements& given, const ElementsInUse& use);
+
+}  // namespace kalfem

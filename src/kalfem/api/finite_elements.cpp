@@ -1,0 +1,185 @@
+#include "kalfem/api/finite_elements.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+#include "kalfem/api/finite_element_substructure.hpp"
+#include "kalfem/model/modal_damping.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+
+/// What the description holds, for those that build from it.
+struct FiniteElementsAccess {
+  const FiniteElements& of;
+
+  [[nodiscard]] const auto& nodes() const { return of.nodes_; }
+  [[nodiscard]] const auto& fixed() const { return of.fixed_; }
+  [[nodiscard]] const auto& boundary() const { return of.boundary_; }
+  [[nodiscard]] const auto& damping() const { return of.damping_; }
+  [[nodiscard]] const auto& reduction() const { return of.reduction_; }
+};
+
+namespace {
+
+/// Looks the names of one description up and builds the part.
+class PartBuilder {
+public:
+  PartBuilder(const FiniteElements& given, const ElementsInUse& use) : given_{given}, use_(use) {
+    part_.name = given.name();
+    part_.elements = given.model();
+    part_.elements.name = given.name();
+  }
+
+  FiniteElementPart build() {
+    find_nodes();
+    hold_fixed();
+    const auto kept = kept_dofs();
+    issues_.raise();
+    const auto& damping = given_.damping();
+    part_.damping = {{damping.alpha, damping.beta}, {damping.ratios, damping.up_to}};
+    assemble_part(part_, {.parameters = use_.parameters, .independent = kept});
+    if (!damping.ratios.empty()) add_modal_damping(part_.full, damping.ratios, {.up_to = damping.up_to});
+    for (const auto& dof : kept) keep(dof);
+    return std::move(part_);
+  }
+
+private:
+  void refuse(const std::string& what, const std::string& why, const std::string& fix) {
+    issues_.add({}, "finite elements '" + part_.name + "': " + what, why, fix);
+  }
+
+  void find_nodes() {
+    const NodeFinder finder(part_.elements.mesh);
+    for (const auto& [name, where] : given_.nodes()) {
+      if (const auto* place = std::get_if<Eigen::Vector3d>(&where)) {
+        const Index node = nearest_node(part_.elements.mesh, *place);
+        part_.nodes.push_back({name, node, (part_.elements.mesh.nodes.col(node) - *place).norm()});
+        continue;
+      }
+      const auto number = std::get<std::int64_t>(where);
+      const Index node = finder.find(number);
+      if (node < 0)
+        refuse("node '" + name + "': the mesh has no node " + std::to_string(number), "", "give one of its numbers");
+      else
+        part_.nodes.push_back({name, node});
+    }
+  }
+
+  /// Index of a named node, -1 with an issue where there is none.
+  Index node_of(const std::string& name, const std::string& what_for) {
+    const auto found = std::ranges::find(part_.nodes, name, &NamedNode::name);
+    if (found != part_.nodes.end()) return found->node;
+    std::vector<std::string> known;
+    for (const auto& node : part_.nodes) known.push_back(node.name);
+    refuse(what_for + ": there is no node '" + name + "'" + did_you_mean(name, known), "", "name it by node()");
+    return -1;
+  }
+
+  void hold_fixed() {
+    for (const auto& name : given_.fixed())
+      if (const Index node = node_of(name, "fix"); node >= 0) part_.elements.fixed.push_back({name, {node}});
+  }
+
+  /// "tip": its translations; "tip.rx": that motion and, where something touches it, the node's translations too.
+  void add_dofs(const std::string& place, bool touched, std::vector<NodalDof>& dofs) {
+    const auto dot = place.find('.');
+    const Index node = node_of(place.substr(0, dot), touched ? "a point that is used" : "boundary");
+    if (node < 0) return;
+    const auto add = [&](int direction) {
+      if (const NodalDof dof{node, direction}; std::ranges::find(dofs, dof) == dofs.end()) dofs.push_back(dof);
+    };
+    const int direction = dot == std::string::npos ? -1 : direction_index(place.substr(dot + 1));
+    if (dot != std::string::npos && direction < 0) {
+      refuse("'" + place + "' has no direction", "", "write node, or node.x, y, z, rx, ry or rz");
+      return;
+    }
+    if (direction < 0 || touched)
+      for (int each = 0; each < 3; ++each) add(each);
+    if (direction >= 0) add(direction);
+  }
+
+  std::vector<NodalDof> kept_dofs() {
+    std::vector<NodalDof> dofs;
+    for (const auto& place : given_.boundary()) add_dofs(place, false, dofs);
+    for (const auto& place : use_.attached)
+      if (place != "ground") add_dofs(place, true, dofs);
+    return dofs;
+  }
+
+  void keep(const NodalDof& dof) {
+    if (part_.assembled.find(dof) >= 0) part_.boundary.push_back(dof_name(part_.elements.mesh, dof));
+  }
+
+  FiniteElementsAccess given_;
+  const ElementsInUse& use_;
+  FiniteElementPart part_;
+  IssueList issues_;
+};
+
+}  // namespace
+
+FiniteElements::FiniteElements(std::string name, FiniteElementModel model)
+    : name_(std::move(name)), model_(std::move(model)) {}
+
+FiniteElements& FiniteElements::node(const std::string& name, std::int64_t number) {
+  nodes_.push_back({name, number});
+  return *this;
+}
+
+FiniteElements& FiniteElements::node(const std::string& name, const Eigen::Vector3d& place) {
+  nodes_.push_back({name, place});
+  return *this;
+}
+
+FiniteElements& FiniteElements::fix(const std::string& node) {
+  fixed_.push_back(node);
+  return *this;
+}
+
+FiniteElements& FiniteElements::modal_damping(std::vector<double> ratios, double up_to) {
+  damping_.ratios = std::move(ratios);
+  damping_.up_to = up_to;
+  return *this;
+}
+
+FiniteElements& FiniteElements::rayleigh_damping(double alpha, double beta) {
+  damping_.alpha = alpha;
+  damping_.beta = beta;
+  return *this;
+}
+
+FiniteElements& FiniteElements::reduce(ReductionRequest request, std::vector<std::string> boundary) {
+  reduction_ = std::move(request);
+  boundary_ = std::move(boundary);
+  return *this;
+}
+
+FiniteElementSubstructure make_substructure(const FiniteElements& given, const ElementsInUse& use) {
+  FiniteElementSubstructure substructure;
+  substructure.part = std::make_shared<const FiniteElementPart>(PartBuilder(given, use).build());
+  const auto& request = FiniteElementsAccess{given}.reduction();
+  if (!request) return substructure;
+  substructure.reduction = *request;
+  if (substructure.part->boundary.empty())
+    throw InvalidInput("finite elements '" + given.name() + "': the reduction has no boundary",
+                       "no connector or force touches the substructure", "name the nodes to keep in reduce()");
+  substructure.reduced = std::make_shared<const Superelement>(reduce(*substructure.part, *request, use.sensor_bandwidth));
+  return substructure;
+}
+
+Superelement reduce(const FiniteElements& elements) {
+  const auto substructure = make_substructure(elements, {});
+  if (!substructure.reduced)
+    throw InvalidInput("finite elements '" + elements.name() + "' are not to be reduced", "",
+                       "call reduce() of the substructure with the nodes to keep");
+  return *substructure.reduced;
+}
+
+Eigen::VectorXd natural_frequencies(const FiniteElements& elements, Index count) {
+  const FiniteElementPart part = PartBuilder(elements, {}).build();
+  return lowest_normal_modes(part.full, count).frequencies;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "kalfem/model/finite_element_model.hpp"
+#include "kalfem/reduction/superelement.hpp"
+
+namespace kalfem {
+
+/// A finite-element substructure as you describe it:
+///     FiniteElements("frame", read_deck("frame.bdf").model).node("tip", 12).modal_damping({0.01}).reduce()
+/// Names are looked up when the substructure is used. Its points are "frame.tip.x" and so on; its parameters
+/// "frame.steel.youngs_modulus", "frame.skin.thickness", "frame.damping.modal".
+class FiniteElements {
+public:
+  FiniteElements(std::string name, FiniteElementModel model);
+
+  /// Names a node by the mesh's number of it.
+  FiniteElements& node(const std::string& name, std::int64_t number);
+  /// Names the node that is nearest to a place [m].
+  FiniteElements& node(const std::string& name, const Eigen::Vector3d& place);
+  /// Holds all six motions of a named node.
+  FiniteElements& fix(const std::string& node);
+  /// Ratios to critical, one a mode, the last one for all further modes up to a frequency [Hz].
+  FiniteElements& modal_damping(std::vector<double> ratios, double up_to);
+  /// C = alpha M + beta K, alpha [1/s], beta [s].
+  FiniteElements& rayleigh_damping(double alpha, double beta);
+  /// Reduces the substructure: to the named nodes ("tip": its translations, "tip.rx") and to those that connectors and
+  /// forces touch. Without it the full model is used.
+  FiniteElements& reduce(ReductionRequest request = {}, std::vector<std::string> boundary = {});
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const FiniteElementModel& model() const { return model_; }
+
+private:
+  friend struct FiniteElementsAccess;
+
+  struct NodePlace {
+    std::string name;
+    std::variant<std::int64_t, Eigen::Vector3d> where;
+  };
+  struct Damping {
+    std::vector<double> ratios = {};
+    double up_to = std::numeric_limits<double>::infinity();
+    double alpha = 0.0, beta = 0.0;
+  };
+
+  std::string name_;
+  FiniteElementModel model_;
+  std::vector<NodePlace> nodes_;
+  std::vector<std::string> fixed_, boundary_;
+  Damping damping_;
+  std::optional<ReductionRequest> reduction_;
+};
+
+/// The superelement of a substructure that was told to reduce() itself, with its boundary; write_superelement() writes
+/// it for other codes. Throws InvalidInput where a name or number does not exist, the elements are a mechanism, or the
+/// boundary is empty.
+Superelement reduce(const FiniteElements& elements);
+
+/// Lowest natural frequencies of the full model [Hz], ascending; rigid-body motions are 0. Throws InvalidInput as
+/// above.
+Eigen::VectorXd natural_frequencies(const FiniteElements& elements, Eigen::Index count);
+
+}  // namespace kalfem

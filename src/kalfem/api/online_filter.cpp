@@ -1,0 +1,281 @@
+#include "kalfem/api/online_filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kalfem/api/filter_problem.hpp"
+#include "kalfem/api/structure_description.hpp"
+#include "kalfem/estimation/filter_setup.hpp"
+#include "kalfem/identification/filter_run.hpp"
+#include "kalfem/system/signals/sampled.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+
+/// Zero at all times, in the place of a signal that is told online.
+SignalPtr silence() {
+  return make_sampled(VectorXd::Zero(2), {.interpolation = Interpolation::linear, .beyond = BeyondRecord::hold});
+}
+
+/// The structure with a signal for every input, so that its model can be made.
+Structure with_signals(const Structure& structure) {
+  auto description = structure.description();
+  for (auto& signal : description.signals)
+    if (!signal) signal = silence();
+  return Structure(description);
+}
+
+void require_online(const EstimateOptions& options) {
+  IssueList issues;
+  const auto refuse = [&](bool given, const char* name) {
+    if (given) issues.add({}, std::string(name) + " needs a whole record", "an OnlineFilter does not know what follows", "use estimate()");
+  };
+  refuse(options.initial_state_from_record, "initial_state_from_record");
+  refuse(options.passes > 1, "passes");
+  issues.raise();
+}
+
+/// A record of one missing sample, from which the filter's model is made.
+FullRecord no_record(double sample_rate, const std::vector<SensorDescription>& sensors) {
+  const auto count = static_cast<Index>(sensors.size());
+  FullRecord record{{sample_rate, 0.0, {}, Eigen::MatrixXd::Constant(1, count, not_a_number)}, {}};
+  for (const auto& sensor : sensors) {
+    record.series.channels.push_back({sensor.name, unit_of(sensor.output)});
+    record.noise.push_back(sensor.noise);
+  }
+  return record;
+}
+
+}  // namespace
+
+/// The filter with its model and where it stands.
+class OnlineFilter::Loop {
+public:
+  Loop(const Structure& structure, double sample_rate, const EstimateOptions& options,
+       const std::vector<InputSample>& first)
+      : signals_(structure.description().signals),
+        made_(make_filter_problem(with_signals(structure), sample_rate, options)),
+        step_(1.0 / sample_rate) {
+    const FilterRun run = make_filter_run(made_.problem, made_.setup, no_record(sample_rate, options.sensors));
+    model_ = run.choice.augmented_model;
+    noise_ = run.record.noise;
+    options_.filter = run.choice.filter;
+    options_.threads = filter_threads(made_.problem->settings);
+    options_.monitored = make_outputs(*made_.setup.model, made_.monitored);
+    linear_unknowns_ = linear_unknowns(model_->options());
+    setup_ = std::make_unique<FilterSetup>(model_, options_);
+    setup_->filter->reset(model_->prior());
+    linearised_about_ = linear_estimate(true);
+    inputs_ = first.empty() ? run.record.inputs.col(0) : stacked(first);
+    innovation_ = VectorXd::Constant(noise_.rows(), not_a_number);
+    for (Index i = 0; i < noise_.rows(); ++i) rows_.push_back(i);
+  }
+
+  /// Inputs that are straight up to the next sample.
+  bool predict(const VectorXd& inputs) {
+    if (failure_) return false;
+    setup_->transition.set_inputs(inputs_, inputs);
+    return move(inputs);
+  }
+
+  /// With the signals at every substep of the interval.
+  bool predict() {
+    const Eigen::MatrixXd inputs = sampled_signals();
+    if (failure_) return false;
+    setup_->transition.set_inputs(inputs);
+    return move(inputs.rightCols(1));
+  }
+
+  bool update(const VectorXd& measured) {
+    if (measured.size() != noise_.rows())
+      throw InvalidInput("update() is given " + std::to_string(measured.size()) + " values",
+                         "there are " + std::to_string(noise_.rows()) + " sensors",
+                         "give one a sensor, not a number where nothing was measured");
+    if (failure_) return false;
+    std::vector<Index> rows;
+    for (Index i = 0; i < measured.size(); ++i)
+      if (std::isfinite(measured[i])) rows.push_back(i);
+    if (rows != rows_ && !rows.empty()) setup_->measurement.select_rows(rows_ = rows);
+    innovation_.setConstant(not_a_number);
+    nis_ = not_a_number;
+    if (rows.empty()) return true;
+    setup_->measurement.set_inputs(inputs_);
+    if (!linear_unknowns_.empty()) setup_->measurement.set_mean(setup_->filter->mean());
+    Innovation innovation;
+    const auto outcome =
+        setup_->filter->update(setup_->measurement, noise_(rows, rows), measured(rows), innovation);
+    if (!went_on(outcome)) return false;
+    innovation_(rows) = innovation.value;
+    nis_ = innovation.nis;
+    return linearise_where_it_moved();
+  }
+
+  /// [r; r'; r''] of the filter's model.
+  [[nodiscard]] VectorXd stacked(const std::vector<InputSample>& given) const {
+    const auto count = static_cast<Index>(signals_.size());
+    if (given.size() != signals_.size())
+      throw InvalidInput(std::to_string(given.size()) + " inputs are given",
+                         "the structure has " + std::to_string(signals_.size()), "give one sample for each of them");
+    VectorXd inputs(3 * count);
+    for (Index i = 0; i < count; ++i) {
+      const auto& [value, rate, acceleration] = given[static_cast<std::size_t>(i)];
+      if (!std::isfinite(value) || !std::isfinite(rate) || !std::isfinite(acceleration))
+        throw InvalidInput("inputs[" + std::to_string(i) + "] is not finite", "the filter's model is driven by it",
+                           "hold the last value where a sample is missing");
+      inputs[i] = value;
+      inputs[count + i] = rate;
+      inputs[2 * count + i] = acceleration;
+    }
+    return inputs;
+  }
+
+  [[nodiscard]] ParameterEstimate parameter(std::size_t i) const {
+    const auto& unknown = model_->options().unknowns[i];
+    const Index row = model_->layout().unknown() + static_cast<Index>(i);
+    const double state = setup_->filter->mean()[row];
+    return {unknown.name, unknown.unit, unknown.transform.to_parameter(state),
+            unknown.transform.slope(state) * setup_->filter->standard_deviation()[row]};
+  }
+
+  [[nodiscard]] PresentEstimate observe(const std::string& name) {
+    const auto found = std::ranges::find(made_.monitored, name, &OutputDescription::name);
+    if (found == made_.monitored.end()) {
+      std::vector<std::string> known;
+      for (const auto& each : made_.monitored) known.push_back(each.name);
+      throw InvalidInput("the filter has no state '" + name + "'" + did_you_mean(name, known), "", "");
+    }
+    auto& monitored = *setup_->monitored;
+    monitored.set_inputs(inputs_);
+    if (!linear_unknowns_.empty()) monitored.set_mean(setup_->filter->mean());
+    VectorXd mean, deviation;
+    if (setup_->filter->observe(monitored, mean, &deviation) != FilterOutcome::usable) return {not_a_number, not_a_number};
+    const auto row = found - made_.monitored.begin();
+    return {mean[row], deviation[row]};
+  }
+
+  [[nodiscard]] const FilterProblem& made() const { return made_; }
+  [[nodiscard]] std::size_t unknowns() const { return model_->options().unknowns.size(); }
+  [[nodiscard]] double time() const { return static_cast<double>(sample_) * step_; }
+  [[nodiscard]] const std::optional<FilterStop>& failure() const { return failure_; }
+  [[nodiscard]] const VectorXd& innovation() const { return innovation_; }
+  [[nodiscard]] double nis() const { return nis_; }
+
+private:
+  bool move(const VectorXd& inputs) {
+    ++sample_;
+    inputs_ = inputs;
+    if (!linear_unknowns_.empty()) setup_->transition.set_mean(setup_->filter->mean());
+    return went_on(setup_->filter->predict(setup_->transition, setup_->augmented_model->process_noise()));
+  }
+
+  /// [r; r'; r''] from the present sample to the next.
+  [[nodiscard]] Eigen::MatrixXd sampled_signals() const {
+    const auto count = static_cast<Index>(signals_.size());
+    const Index parts = model_->options().substeps;
+    Eigen::MatrixXd inputs(3 * count, parts + 1);
+    for (Index i = 0; i < count; ++i) {
+      const auto& signal = signals_[static_cast<std::size_t>(i)];
+      if (!signal)
+        throw InvalidInput("input '" + made_.problem->structure->parts.inputs[static_cast<std::size_t>(i)].name +
+                               "' has no signal",
+                           "predict() without arguments reads it", "give the inputs to predict()");
+      const auto samples = signal->sample(time(), step_ / static_cast<double>(parts), parts + 1);
+      for (Index derivative = 0; derivative < 3; ++derivative)
+        inputs.row(derivative * count + i) = samples.col(derivative).matrix().transpose();
+    }
+    return inputs;
+  }
+
+  bool went_on(FilterOutcome outcome) {
+    if (outcome != FilterOutcome::usable) failure_ = FilterStop{time(), to_string(outcome)};
+    return !failure_;
+  }
+
+  /// Values and deviations of the unknowns of the linear part, now or by their prior.
+  [[nodiscard]] LinearEstimate linear_estimate(bool prior) const {
+    const auto count = static_cast<Index>(linear_unknowns_.size());
+    LinearEstimate estimate{VectorXd(count), VectorXd(count)};
+    for (Index i = 0; i < count; ++i) {
+      const auto at = static_cast<std::size_t>(linear_unknowns_[static_cast<std::size_t>(i)]);
+      const auto& unknown = model_->options().unknowns[at];
+      const auto now = prior ? ParameterEstimate{{}, {}, unknown.initial, unknown.deviation} : parameter(at);
+      estimate.values[i] = now.mean;
+      estimate.deviations[i] = now.std;
+    }
+    return estimate;
+  }
+
+  bool linearise_where_it_moved() {
+    if (linear_unknowns_.empty()) return true;
+    auto now = linear_estimate(false);
+    if (!now.outdates(linearised_about_)) return true;
+    try {
+      setup_ = relinearised(*model_, now, *setup_, options_);
+    } catch (const InvalidInput&) {
+      return went_on(FilterOutcome::linear_part_impossible);
+    }
+    setup_->measurement.select_rows(rows_);
+    linearised_about_ = std::move(now);
+    return true;
+  }
+
+  std::vector<SignalPtr> signals_;
+  FilterProblem made_;
+  double step_;  ///< [s]
+  EstimationOptions options_;
+  std::shared_ptr<const AugmentedModel> model_;  ///< as the run began with it
+  std::unique_ptr<FilterSetup> setup_;
+  std::vector<Index> linear_unknowns_;
+  LinearEstimate linearised_about_;
+  Eigen::MatrixXd noise_;
+  std::vector<Index> rows_;  ///< sensors that the measurement's map holds
+  VectorXd inputs_;  ///< at the present sample
+  VectorXd innovation_;
+  double nis_ = not_a_number;
+  long sample_ = 0;
+  std::optional<FilterStop> failure_;
+};
+
+OnlineFilter::OnlineFilter(const Structure& structure, double sample_rate, const EstimateOptions& options,
+                           const std::vector<InputSample>& first) {
+  require_online(options);
+  loop_ = std::make_unique<Loop>(structure, sample_rate, options, first);
+}
+OnlineFilter::OnlineFilter(OnlineFilter&&) noexcept = default;
+OnlineFilter& OnlineFilter::operator=(OnlineFilter&&) noexcept = default;
+OnlineFilter::~OnlineFilter() = default;
+
+bool OnlineFilter::predict(const std::vector<InputSample>& inputs) { return loop_->predict(loop_->stacked(inputs)); }
+bool OnlineFilter::predict() { return loop_->predict(); }
+bool OnlineFilter::update(const VectorXd& measured) { return loop_->update(measured); }
+
+double OnlineFilter::time() const { return loop_->time(); }
+const std::optional<FilterStop>& OnlineFilter::failure() const { return loop_->failure(); }
+
+std::vector<ParameterEstimate> OnlineFilter::parameters() const {
+  std::vector<ParameterEstimate> all;
+  for (std::size_t i = 0; i < loop_->unknowns(); ++i) all.push_back(loop_->parameter(i));
+  return all;
+}
+
+PresentEstimate OnlineFilter::parameter(const std::string& name) const {
+  std::vector<std::string> known;
+  for (const auto& each : parameters()) {
+    if (each.name == name) return {each.mean, each.std};
+    known.push_back(each.name);
+  }
+  throw InvalidInput("the filter has no parameter '" + name + "'" + did_you_mean(name, known), "", "");
+}
+
+PresentEstimate OnlineFilter::state(const std::string& name) { return loop_->observe(name); }
+const VectorXd& OnlineFilter::innovation() const { return loop_->innovation(); }
+double OnlineFilter::nis() const { return loop_->nis(); }
+
+}  // namespace kalfem

@@ -1,0 +1,229 @@
+#include "kalfem/api/structure.hpp"
+
+#include "kalfem/api/finite_element_substructure.hpp"
+#include "kalfem/api/structure_description.hpp"
+#include "kalfem/system/signals/sampled.hpp"
+
+namespace kalfem {
+namespace {
+
+SignalPtr signal_of(const std::string& name, const Samples& samples, Interpolation interpolation) try {
+  return make_sampled(samples.values, {.sample_rate = samples.sample_rate,
+                                       .start = samples.start,
+                                       .interpolation = interpolation,
+                                       .beyond = BeyondRecord::reject});
+} catch (const InvalidInput& error) {
+  IssueList issues;
+  for (const auto& issue : error.issues()) issues.add({}, "input '" + name + "': " + issue.what, issue.why, issue.fix);
+  issues.raise();
+  return nullptr;
+}
+
+/// Names in `all` that belong to `owner`, without it.
+std::vector<std::string> names_of(const std::string& owner, const std::vector<std::string>& all) {
+  const std::string prefix = owner + ".";
+  std::vector<std::string> names;
+  for (const auto& name : all)
+    if (name.starts_with(prefix)) names.push_back(name.substr(prefix.size()));
+  return names;
+}
+
+/// Points that connectors and forces touch.
+std::vector<std::string> touched_points(const StructureParts& parts) {
+  std::vector<std::string> points;
+  for (const auto& connector : parts.connectors) {
+    points.push_back(connector.from);
+    points.push_back(connector.to);
+  }
+  for (const auto& input : parts.inputs)
+    if (input.kind == InputKind::force) points.push_back(input.target);
+  return points;
+}
+
+}  // namespace
+
+Samples channel(const TimeSeries& record, const std::string& name) {
+  if (const Eigen::Index column = record.find(name); column >= 0)
+    return {record.values.col(column), record.sample_rate, record.start};
+  std::vector<std::string> known;
+  for (const auto& each : record.channels) known.push_back(each.name);
+  throw InvalidInput("the record has no channel '" + name + "'" + did_you_mean(name, known), "", "name one of its own");
+}
+
+LumpedPart& LumpedPart::mass(const std::string& dof, double kilograms) {
+  part_.masses.push_back({dof, kilograms});
+  return *this;
+}
+
+LumpedPart& LumpedPart::spring(const std::string& name, const std::string& from, const std::string& to,
+                               double stiffness, double damping) {
+  part_.springs.push_back({name, from, to, stiffness, damping});
+  return *this;
+}
+
+LumpedPart& LumpedPart::ground(const std::string& name) {
+  part_.grounds.push_back(name);
+  return *this;
+}
+
+LumpedPart& LumpedPart::modal_damping(std::vector<double> ratios) {
+  part_.modal_damping = std::move(ratios);
+  return *this;
+}
+
+LumpedPart& LumpedPart::rayleigh_damping(double alpha, double beta) {
+  part_.rayleigh = {alpha, beta};
+  return *this;
+}
+
+LumpedPart lumped(const std::string& name) { return LumpedPart(name); }
+
+LumpedPart chain(const std::string& name, int masses, double mass, double stiffness, double damping) {
+  if (masses < 1)
+    throw InvalidInput("chain '" + name + "' has " + std::to_string(masses) + " masses", "it needs at least one",
+                       "give their number");
+  LumpedPart part(name);
+  for (int i = 1; i <= masses; ++i) {
+    const std::string here = std::to_string(i), before = std::to_string(i - 1);
+    part.mass(here, mass);
+    if (i > 1) part.spring(before + "-" + here, before, here, stiffness, damping);
+  }
+  return part;
+}
+
+Structure::Structure() : description_(std::make_unique<StructureDescription>()) {}
+Structure::Structure(const StructureDescription& description)
+    : description_(std::make_unique<StructureDescription>(description)) {}
+Structure::Structure(const Structure& other) : Structure(*other.description_) {}
+Structure::Structure(Structure&& other) noexcept = default;
+Structure& Structure::operator=(Structure other) noexcept {
+  std::swap(description_, other.description_);
+  return *this;
+}
+Structure::~Structure() = default;
+
+Structure& Structure::add(const LumpedPart& part) {
+  description_->parts.substructures.push_back(part.description());
+  return *this;
+}
+
+Structure& Structure::add(const FiniteElements& part) {
+  description_->finite_elements.push_back(part);
+  return *this;
+}
+
+Structure& Structure::connect(const std::string& name, const std::string& from, const std::string& to,
+                              const Law& law) {
+  if (!law.law) throw InvalidInput("connector '" + name + "' has no law", "", "make one by law()");
+  description_->parts.connectors.push_back({name, from, to, law.law, law.values});
+  return *this;
+}
+
+Structure& Structure::modal_damping(std::vector<double> ratios) {
+  description_->parts.damping = {.ratios = std::move(ratios)};
+  return *this;
+}
+
+Structure& Structure::base_displacement(const std::string& name, const std::string& ground, SignalPtr displacement) {
+  description_->parts.inputs.push_back({name, InputKind::base_displacement, ground});
+  description_->signals.push_back(std::move(displacement));
+  return *this;
+}
+
+Structure& Structure::base_acceleration(const std::string& name, SignalPtr acceleration) {
+  description_->parts.inputs.push_back({name, InputKind::base_acceleration, ""});
+  description_->signals.push_back(std::move(acceleration));
+  return *this;
+}
+
+Structure& Structure::force(const std::string& name, const std::string& point, SignalPtr force) {
+  description_->parts.inputs.push_back({name, InputKind::force, point});
+  description_->signals.push_back(std::move(force));
+  return *this;
+}
+
+Structure& Structure::base_displacement(const std::string& name, const std::string& ground,
+                                        const Samples& displacement) {
+  return base_displacement(name, ground, signal_of(name, displacement, Interpolation::cubic));
+}
+
+Structure& Structure::base_acceleration(const std::string& name, const Samples& acceleration) {
+  return base_acceleration(name, signal_of(name, acceleration, Interpolation::linear));
+}
+
+Structure& Structure::force(const std::string& name, const std::string& point, const Samples& force) {
+  return this->force(name, point, signal_of(name, force, Interpolation::linear));
+}
+
+Structure& Structure::base_displacement(const std::string& name, const std::string& ground) {
+  return base_displacement(name, ground, SignalPtr());
+}
+
+Structure& Structure::base_acceleration(const std::string& name) { return base_acceleration(name, SignalPtr()); }
+
+Structure& Structure::force(const std::string& name, const std::string& point) {
+  return force(name, point, SignalPtr());
+}
+
+std::vector<std::string> Structure::parameters() const {
+  return ParameterSet(*make_structure_model(*description_)).names();
+}
+
+double Structure::value(const std::string& parameter) const {
+  const auto model = make_structure_model(*description_, {.parameters = {parameter}});
+  return find_parameter(ParameterSet(*model), parameter, "value").value;
+}
+
+Structure Structure::at(const NamedValues& values) const {
+  Structure moved = *this;
+  const ParameterSet all(*make_structure_model(*description_));
+  IssueList issues;
+  for (const auto& [name, value] : values) try {
+      const Parameter parameter = find_parameter(all, name, "at");
+      if (!set_parameter(moved.description_->parts, parameter, value))
+        issues.add({}, "at '" + name + "': a number of finite elements", "it is set in the model that they are made of",
+                   "change the FiniteElementModel");
+    } catch (const InvalidInput& error) {
+      issues.add(error, {});
+    }
+  issues.raise();
+  return moved;
+}
+
+std::vector<std::string> Structure::points() const {
+  const auto model = make_structure_model(*description_);
+  StructureParts parts = model->parts;
+  parts.finite_elements = model->reduced_parts();
+  return couple(parts).point_names();
+}
+
+StructurePtr make_structure_model(const StructureDescription& description, const ModelUse& use) {
+  auto model = std::make_shared<StructureModel>();
+  model->parts = description.parts;
+  const auto touched = touched_points(description.parts);
+  for (const auto& given : description.finite_elements)
+    model->finite_elements.push_back(make_substructure(given, {.attached = names_of(given.name(), touched),
+                                                               .parameters = names_of(given.name(), use.parameters),
+                                                               .sensor_bandwidth = use.sensor_bandwidth}));
+  model->parts.finite_elements = model->reduced_parts();
+  model->signals = description.signals;
+  couple(model->parts);  // refuses what does not fit
+  return model;
+}
+
+void require_signals(const StructureDescription& description) {
+  IssueList issues;
+  for (std::size_t i = 0; i < description.signals.size(); ++i)
+    if (!description.signals[i])
+      issues.add({}, "input '" + description.parts.inputs[i].name + "' has no signal",
+                 "only an OnlineFilter is told it sample by sample", "give its samples with their rate");
+  issues.raise();
+}
+
+Parameter find_parameter(const ParameterSet& all, const std::string& name, const std::string& what) {
+  if (auto parameter = all.find(name)) return *parameter;
+  throw InvalidInput(what + " '" + name + "': there is no parameter of that name" + did_you_mean(name, all.names()),
+                     "a parameter is a number of a connector or of a substructure", "");
+}
+
+}  // namespace kalfem

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "kalfem/api/structure.hpp"
+#include "kalfem/identification/parameter_set.hpp"
+#include "kalfem/identification/structure.hpp"
+
+namespace kalfem {
+
+/// What a Structure holds: descriptions, of which models are made when they are wanted.
+struct StructureDescription {
+  StructureParts parts;  ///< without finite elements
+  std::vector<FiniteElements> finite_elements;
+  std::vector<SignalPtr> signals;  ///< one an input of the parts; nullptr where it is told online
+};
+
+/// What a model of the structure is wanted for.
+struct ModelUse {
+  std::vector<std::string> parameters = {};                           ///< that vary
+  double sensor_bandwidth = std::numeric_limits<double>::infinity();  ///< [Hz]
+};
+
+/// The structure as the library's own types, its finite elements assembled and reduced. Throws InvalidInput with
+/// everything that does not fit.
+StructurePtr make_structure_model(const StructureDescription& description, const ModelUse& use = {});
+
+/// Signals that a run over a record needs. Throws InvalidInput with every input that has none.
+void require_signals(const StructureDescription& description);
+
+/// The parameter of that name; throws InvalidInput with `what` before the message where there is none.
+Parameter find_parameter(const ParameterSet& all, const std::string& name, const std::string& what);
+
+}  // namespace kalfem

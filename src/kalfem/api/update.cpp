@@ -1,0 +1,117 @@
+#include "kalfem/api/update.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kalfem/api/structure_description.hpp"
+#include "kalfem/base/units.hpp"
+#include "kalfem/identification/parameterised_structure.hpp"
+#include "kalfem/updating/least_squares.hpp"
+#include "kalfem/updating/modal_residual.hpp"
+#include "kalfem/updating/parameter_statistics.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+/// What is refined, looked up.
+struct Refined {
+  std::vector<UpdatingParameter> parameters;
+  std::vector<StructureBinding> bindings;
+};
+
+/// Throws InvalidInput where it cannot be refined.
+Parameter parameter_of(const RefinedParameter& given, const ParameterSet& all, const std::string& substructure) {
+  auto parameter = all.find(given.name);
+  if (!parameter)
+    throw InvalidInput("there is no parameter '" + given.name + "'" + did_you_mean(given.name, all.names()),
+                       "it must be a number of the substructure", "Structure::parameters() lists them");
+  if (parameter->of_connector() || parameter->owner != substructure)
+    throw InvalidInput("the modes of '" + substructure + "' do not depend on it",
+                       "only numbers of the substructure that was measured are refined", "take it out");
+  return *parameter;
+}
+
+UpdatingParameter start_of(const RefinedParameter& given, const Parameter& parameter) {
+  UpdatingParameter start{given.name, parameter.unit, given.range.initial.value_or(parameter.value), given.range.lower,
+                          given.range.upper};
+  if (given.range.std) start.deviation = *given.range.std;
+  require_startable({start});
+  return start;
+}
+
+Refined refined(const StructureModel& structure, const UpdateOptions& options) {
+  const ParameterSet all(structure);
+  Refined made;
+  IssueList issues;
+  for (std::size_t i = 0; i < options.parameters.size(); ++i) try {
+      const auto& given = options.parameters[i];
+      const Parameter parameter = parameter_of(given, all, options.substructure);
+      made.parameters.push_back(start_of(given, parameter));
+      made.bindings.push_back({static_cast<Index>(i), parameter});
+    } catch (const InvalidInput& error) {
+      for (const auto& issue : error.issues())
+        issues.add({}, "parameters[" + std::to_string(i) + "] '" + options.parameters[i].name + "': " + issue.what,
+                   issue.why, issue.fix);
+    }
+  if (options.parameters.empty()) issues.add({}, "parameters: the list is empty", "there is nothing to refine", "");
+  issues.raise();
+  return made;
+}
+
+std::vector<MeasuredMode> measured_modes(const std::vector<MeasuredFrequency>& given) {
+  std::vector<MeasuredMode> modes;
+  IssueList issues;
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    const auto& [frequency, std, mode] = given[i];
+    if (!(frequency > 0.0) || !(std > 0.0))
+      issues.add({}, "frequencies[" + std::to_string(i) + "]: " + shortest(frequency) + " Hz with a standard deviation of " +
+                         shortest(std) + " Hz",
+                 "both must be > 0", "");
+    modes.push_back({.frequency = frequency, .deviation = std, .model_mode = mode});
+  }
+  if (given.empty()) issues.add({}, "frequencies: the list is empty", "there is nothing to compare with", "");
+  issues.raise();
+  return modes;
+}
+
+std::vector<std::string> names_of_parameters(const UpdateOptions& options) {
+  std::vector<std::string> names;
+  for (const auto& parameter : options.parameters) names.push_back(parameter.name);
+  return names;
+}
+
+}  // namespace
+
+UpdateResult update(const Structure& structure, const UpdateOptions& options) {
+  const auto model = make_structure_model(structure.description(), {.parameters = names_of_parameters(options)});
+  const auto [parameters, bindings] = refined(*model, options);
+  const auto substructure =
+      ParameterisedStructure(model, bindings, std::ssize(parameters)).model_of(options.substructure);
+  if (!substructure) throw InvalidInput("substructure '" + options.substructure + "': there is none of that name", "", "");
+  const VectorXd start = initial_values(parameters);
+  const ModalResidual residual(substructure, measured_modes(options.frequencies), {}, start, {.above = options.above});
+  const auto outcome =
+      minimise(residual, parameters, {.search = {.max_evaluations = options.max_evaluations, .cost_floor = 1e-6}});
+
+  UpdateResult result{.converged = outcome.usable(), .reason = outcome.reason()};
+  const auto before = residual.compare(start), after = residual.compare(outcome.parameters);
+  for (std::size_t i = 0; i < before.size(); ++i)
+    result.frequencies.push_back(
+        {before[i].measured_frequency, before[i].model_frequency, after[i].model_frequency});
+  const bool has_derivatives = outcome.residual.jacobian.size() > 0;
+  const VectorXd unknown = VectorXd::Constant(start.size(), std::numeric_limits<double>::infinity());
+  const VectorXd deviations =
+      has_derivatives ? parameter_statistics(parameters, outcome.parameters, outcome.residual).deviations : unknown;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const auto at = static_cast<Index>(i);
+    result.parameters.push_back(
+        {parameters[i].name, parameters[i].unit, start[at], outcome.parameters[at], deviations[at]});
+  }
+  return result;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,17 @@
+#pragma once
+
+/// Everything of kalfem::core: describe a structure, simulate it, estimate its states and parameters from a record, or
+/// update it by natural frequencies. Files of other programs (kalfem::formats) and case files (kalfem::study) have
+/// headers of their own:
+///     kalfem/formats/tables/csv.hpp, kalfem/formats/read_deck.hpp, kalfem/formats/matrices/write.hpp
+///     kalfem/report/run_case.hpp
+#include "kalfem/api/estimate.hpp"
+#include "kalfem/api/finite_elements.hpp"
+#include "kalfem/api/laws.hpp"
+#include "kalfem/api/online_filter.hpp"
+#include "kalfem/api/sensors.hpp"
+#include "kalfem/api/simulate.hpp"
+#include "kalfem/api/structure.hpp"
+#include "kalfem/api/update.hpp"
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/records/time_series.hpp"
