@@ -7,7 +7,7 @@
 #include "console.hpp"
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/base/units.hpp"
-#include "kalfem/formats/read_deck.hpp"
+#include "kalfem/formats/deck.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/model/unit_system.hpp"
 #include "kalfem/report/model_check_section.hpp"

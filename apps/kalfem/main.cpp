@@ -5,7 +5,7 @@
 #include "console.hpp"
 #include "kalfem/base/version.hpp"
 #include "kalfem/base/write_failure.hpp"
-#include "kalfem/formats/read_deck.hpp"
+#include "kalfem/formats/deck.hpp"
 #include "verbs.hpp"
 
 using namespace kalfem;

@@ -1,4 +1,4 @@
-#include "kalfem/formats/included_text.hpp"
+#include "kalfem/formats/text_file.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "formats/nastran_decks.hpp"
-#include "kalfem/formats/nastran/number.hpp"
+#include "kalfem/formats/nastran/card.hpp"
 
 namespace kalfem {
 namespace {

@@ -8,7 +8,7 @@
 #include "base/scratch_folder.hpp"
 #include "kalfem/formats/gmsh/gmsh.hpp"
 #include "kalfem/formats/matrices/entries.hpp"
-#include "kalfem/formats/nastran/number.hpp"
+#include "kalfem/formats/nastran/card.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
 
 namespace kalfem {

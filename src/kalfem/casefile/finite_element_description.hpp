@@ -9,7 +9,7 @@
 
 #include "kalfem/base/located.hpp"
 #include "kalfem/base/units.hpp"
-#include "kalfem/formats/read_deck.hpp"
+#include "kalfem/formats/deck.hpp"
 #include "kalfem/identification/finite_element_part.hpp"
 #include "kalfem/model/mesh/properties.hpp"
 #include "kalfem/model/unit_system.hpp"

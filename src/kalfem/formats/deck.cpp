@@ -1,8 +1,13 @@
 #include "kalfem/formats/deck.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <set>
+
+#include "kalfem/base/text.hpp"
+#include "kalfem/formats/abaqus.hpp"
+#include "kalfem/formats/nastran.hpp"
 
 namespace kalfem {
 namespace {
@@ -57,6 +62,22 @@ std::vector<std::string> accept_missing(std::vector<DeckNote>& notes, const std:
   std::ranges::copy_if(accepted, std::back_inserter(idle),
                        [&](const std::string& name) { return !met.contains(plain_name(name)); });
   return idle;
+}
+
+namespace {
+
+std::string ending_of(const std::filesystem::path& file) { return lower_case(file.extension().string()); }
+
+}  // namespace
+
+bool is_deck(const std::filesystem::path& file) {
+  static constexpr std::array endings = {".inp", ".bdf", ".dat", ".nas", ".blk"};
+  return std::ranges::find(endings, ending_of(file)) != endings.end();
+}
+
+Deck read_deck(const std::filesystem::path& file, DeckFormat format) {
+  if (format == DeckFormat::automatic) format = ending_of(file) == ".inp" ? DeckFormat::abaqus : DeckFormat::nastran;
+  return format == DeckFormat::abaqus ? read_abaqus(file) : read_nastran(file);
 }
 
 }  // namespace kalfem

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -51,5 +52,14 @@ private:
 /// compared without regard to case, blanks and a leading '*'. Returns the accepted names that the deck does not hold.
 std::vector<std::string> accept_missing(std::vector<DeckNote>& notes, const std::vector<std::string>& accepted,
                                         IssueList& issues);
+
+enum class DeckFormat { automatic, abaqus, nastran };
+
+/// Whether a file's name ends as those of decks do: .inp, .bdf, .dat, .nas, .blk, in any case.
+bool is_deck(const std::filesystem::path& file);
+
+/// Reads another code's input file, see abaqus.hpp and nastran.hpp. `automatic`: a name that ends in .inp is of Abaqus
+/// or CalculiX, any other of Nastran.
+Deck read_deck(const std::filesystem::path& file, DeckFormat format = DeckFormat::automatic);
 
 }  // namespace kalfem

@@ -3,7 +3,6 @@
 
 #include "kalfem/formats/abaqus/beam_profiles.hpp"
 #include "kalfem/formats/abaqus/fields.hpp"
-#include "kalfem/formats/abaqus/numbers.hpp"
 #include "kalfem/formats/abaqus/regions.hpp"
 
 namespace kalfem::abaqus {

@@ -1,7 +1,6 @@
 #include <algorithm>
 
 #include "kalfem/formats/abaqus/fields.hpp"
-#include "kalfem/formats/abaqus/numbers.hpp"
 #include "kalfem/formats/abaqus/orientations.hpp"
 #include "kalfem/formats/abaqus/supports.hpp"
 #include "kalfem/formats/abaqus/surfaces.hpp"

@@ -1,14 +1,59 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "kalfem/base/invalid_input.hpp"
 #include "kalfem/formats/abaqus.hpp"
-#include "kalfem/formats/abaqus/keyword.hpp"
 
 namespace kalfem::abaqus {
+
+/// A place in one of a deck's files.
+struct Where {
+  int file = 0;  ///< in the order of their first opening
+  int line = 0;  ///< 1-based
+};
+
+/// The files of a deck and the problems found in them; the twentieth ends the reading.
+class Problems {
+public:
+  int add_file(const std::string& name);
+  [[nodiscard]] const std::string& file(int index) const { return files_[static_cast<std::size_t>(index)]; }
+  [[nodiscard]] SourceLocation location(const Where& where) const { return {file(where.file), where.line}; }
+
+  /// Notes a problem and goes on, unless there are too many.
+  void add(const Where& where, std::string what, std::string why = {}, std::string fix = {});
+  /// Notes a problem and stops here.
+  [[noreturn]] void fail(const Where& where, std::string what, std::string why = {}, std::string fix = {});
+  /// Throws InvalidInput when there was any.
+  void raise() const { issues_.raise(); }
+  [[nodiscard]] bool empty() const { return issues_.empty(); }
+
+private:
+  std::vector<std::string> files_;
+  IssueList issues_;
+};
+
+/// A keyword line: "*SHELL SECTION, ELSET=skin, MATERIAL=al".
+struct Keyword {
+  std::string name;                                             ///< capitals without blanks: SHELLSECTION
+  std::string title;                                            ///< for messages: "*SHELL SECTION"
+  std::vector<std::pair<std::string, std::string>> parameters;  ///< names like the keyword's; values as they stand
+  Where where;
+
+  [[nodiscard]] bool has(std::string_view parameter) const;
+  /// Value of a parameter, "" where it is absent or has none.
+  [[nodiscard]] std::string get(std::string_view parameter) const;
+  /// The value in capitals without blanks, for words of the format.
+  [[nodiscard]] std::string word(std::string_view parameter) const;
+};
+
+/// Takes a keyword line apart. `line` begins with its asterisk.
+Keyword parse_keyword(std::string_view line, const Where& where);
 
 /// The lines of a deck from front to back, without comments and with included files in their places.
 class DeckLines {

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "kalfem/formats/abaqus/fields.hpp"
-#include "kalfem/formats/abaqus/numbers.hpp"
 
 namespace kalfem::abaqus {
 

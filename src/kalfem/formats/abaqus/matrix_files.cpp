@@ -1,8 +1,8 @@
 #include <algorithm>
 
 #include "kalfem/formats/abaqus/point_elements.hpp"
-#include "kalfem/formats/included_text.hpp"
 #include "kalfem/formats/matrices.hpp"
+#include "kalfem/formats/text_file.hpp"
 
 namespace kalfem::abaqus {
 

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "kalfem/formats/abaqus/axes.hpp"
 #include "kalfem/formats/abaqus/deck_reader.hpp"
 #include "kalfem/formats/abaqus/fields.hpp"
+#include "kalfem/formats/abaqus/orientations.hpp"
 
 namespace kalfem::abaqus {
 

@@ -2,7 +2,6 @@
 #include <numbers>
 
 #include "kalfem/formats/abaqus/fields.hpp"
-#include "kalfem/formats/abaqus/numbers.hpp"
 #include "kalfem/formats/abaqus/orientations.hpp"
 #include "kalfem/formats/abaqus/regions.hpp"
 

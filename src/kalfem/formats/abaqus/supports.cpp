@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "kalfem/formats/abaqus/fields.hpp"
-#include "kalfem/formats/abaqus/numbers.hpp"
 #include "kalfem/formats/abaqus/orientations.hpp"
 
 namespace kalfem::abaqus {

@@ -5,7 +5,6 @@
 #include <unordered_map>
 
 #include "kalfem/formats/abaqus/fields.hpp"
-#include "kalfem/formats/abaqus/numbers.hpp"
 
 namespace kalfem::abaqus {
 

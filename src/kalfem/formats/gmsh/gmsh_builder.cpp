@@ -1,10 +1,55 @@
 #include "kalfem/formats/gmsh/gmsh_builder.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 
 namespace kalfem {
+
+const GmshType* find_gmsh_type(std::int64_t number) {
+  static const std::array types{
+      GmshType{15, 0, 1, "point", CellShape::point1},
+      GmshType{1, 1, 2, "line", CellShape::line2},
+      GmshType{2, 2, 3, "triangle", CellShape::triangle3},
+      GmshType{3, 2, 4, "quadrilateral", CellShape::quadrilateral4},
+      GmshType{4, 3, 4, "tetrahedron", CellShape::tetrahedron4},
+      GmshType{5, 3, 8, "hexahedron", CellShape::hexahedron8},
+      GmshType{6, 3, 6, "prism", CellShape::wedge6},
+      GmshType{7, 3, 5, "pyramid"},
+      GmshType{8, 1, 3, "3-node line", CellShape::line3},
+      GmshType{9, 2, 6, "6-node triangle", CellShape::triangle6},
+      GmshType{10, 2, 9, "9-node quadrilateral"},
+      GmshType{11, 3, 10, "10-node tetrahedron", CellShape::tetrahedron10, {0, 1, 2, 3, 4, 5, 6, 7, 9, 8}},
+      GmshType{12, 3, 27, "27-node hexahedron"},
+      GmshType{13, 3, 18, "18-node prism"},
+      GmshType{14, 3, 14, "14-node pyramid"},
+      GmshType{16, 2, 8, "8-node quadrilateral", CellShape::quadrilateral8},
+      GmshType{17, 3, 20, "20-node hexahedron", CellShape::hexahedron20, {0,  1, 2,  3,  4,  5,  6,  7,  8,  11,
+                                                                          13, 9, 16, 18, 19, 17, 10, 12, 14, 15}},
+      GmshType{18, 3, 15, "15-node prism", CellShape::wedge15, {0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11}},
+      GmshType{19, 3, 13, "13-node pyramid"},
+      GmshType{20, 2, 9, "9-node triangle"},
+      GmshType{21, 2, 10, "10-node triangle"},
+      GmshType{22, 2, 12, "12-node triangle"},
+      GmshType{23, 2, 15, "15-node triangle"},
+      GmshType{24, 2, 15, "15-node triangle without inner nodes"},
+      GmshType{25, 2, 21, "21-node triangle"},
+      GmshType{26, 1, 4, "4-node line"},
+      GmshType{27, 1, 5, "5-node line"},
+      GmshType{28, 1, 6, "6-node line"},
+      GmshType{29, 3, 20, "20-node tetrahedron"},
+      GmshType{30, 3, 35, "35-node tetrahedron"},
+      GmshType{31, 3, 56, "56-node tetrahedron"},
+      GmshType{36, 2, 16, "16-node quadrilateral"},
+      GmshType{37, 2, 25, "25-node quadrilateral"},
+      GmshType{38, 2, 36, "36-node quadrilateral"},
+      GmshType{92, 3, 64, "64-node hexahedron"},
+      GmshType{93, 3, 125, "125-node hexahedron"},
+  };
+  const auto found = std::ranges::find(types, number, &GmshType::number);
+  return found == types.end() ? nullptr : &*found;
+}
 
 void GmshBuilder::name_group(std::int64_t dimension, std::int64_t number, std::string name) {
   names_[{dimension, number}] = std::move(name);
@@ -123,6 +168,47 @@ Mesh GmshBuilder::finish() {
   add_cells_without_group();
   add_regions();
   return std::move(mesh_);
+}
+
+NumberLookup::NumberLookup(const std::vector<std::int64_t>& numbers) {
+  if (numbers.empty()) return;
+  const auto [lowest, highest] = std::ranges::minmax(numbers);
+  lowest_ = lowest;
+  // Unsigned, as the difference of two 64-bit numbers may not fit into a signed one.
+  const std::uint64_t span = static_cast<std::uint64_t>(highest) - static_cast<std::uint64_t>(lowest);
+  if (span / 4 <= numbers.size())
+    fill_table(numbers, span);
+  else
+    sort_numbers(numbers);
+}
+
+void NumberLookup::fill_table(const std::vector<std::int64_t>& numbers, std::uint64_t span) {
+  table_.assign(static_cast<std::size_t>(span) + 1, -1);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    Eigen::Index& entry = table_[static_cast<std::uint64_t>(numbers[i]) - static_cast<std::uint64_t>(lowest_)];
+    if (entry < 0)
+      entry = static_cast<Eigen::Index>(i);
+    else
+      repeated_.emplace_back(static_cast<Eigen::Index>(i), entry);
+  }
+}
+
+void NumberLookup::sort_numbers(const std::vector<std::int64_t>& numbers) {
+  sorted_.reserve(numbers.size());
+  for (std::size_t i = 0; i < numbers.size(); ++i) sorted_.emplace_back(numbers[i], static_cast<Eigen::Index>(i));
+  std::ranges::sort(sorted_);
+  for (std::size_t i = 1; i < sorted_.size(); ++i)
+    if (sorted_[i].first == sorted_[i - 1].first) repeated_.emplace_back(sorted_[i].second, sorted_[i - 1].second);
+  std::ranges::sort(repeated_);
+}
+
+Eigen::Index NumberLookup::find(std::int64_t number) const {
+  if (!table_.empty()) {
+    const std::uint64_t position = static_cast<std::uint64_t>(number) - static_cast<std::uint64_t>(lowest_);
+    return position < table_.size() ? table_[position] : -1;
+  }
+  const auto found = std::ranges::lower_bound(sorted_, number, {}, &std::pair<std::int64_t, Eigen::Index>::first);
+  return found != sorted_.end() && found->first == number ? found->second : -1;
 }
 
 }  // namespace kalfem

@@ -1,17 +1,31 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "kalfem/formats/gmsh/gmsh_scanner.hpp"
-#include "kalfem/formats/gmsh/gmsh_types.hpp"
 #include "kalfem/model/mesh/mesh.hpp"
 
 namespace kalfem {
+
+/// A type of element of the MSH format.
+struct GmshType {
+  int number = 0;
+  int dimension = 0;
+  int nodes = 0;
+  std::string name;
+  std::optional<CellShape> shape = {};  ///< nothing where the program has no such cell
+  std::array<int, 20> order = {};  ///< where each of the shape's nodes stands in the file; all 0: in the same order
+};
+
+/// The type of this number, nullptr where the format has none.
+const GmshType* find_gmsh_type(std::int64_t number);
 
 /// Finds positions in a list of distinct numbers: by a table where they are dense, by bisection where they are not.
 class NumberLookup {

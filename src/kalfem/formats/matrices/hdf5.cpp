@@ -10,7 +10,6 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
 #include "kalfem/formats/matrices/entries.hpp"
-#include "kalfem/formats/matrices/map_names.hpp"
 #include "kalfem/formats/matrices/readers.hpp"
 
 namespace kalfem {

@@ -3,9 +3,9 @@
 // column starts before them. Compressed elements are zlib streams. Arrays of other kinds (cells, structures, text) are
 // passed over.
 
-#include "kalfem/formats/gzip.hpp"
 #include "kalfem/formats/matrices/bytes.hpp"
 #include "kalfem/formats/matrices/readers.hpp"
+#include "kalfem/formats/text_file.hpp"
 
 namespace kalfem {
 namespace {

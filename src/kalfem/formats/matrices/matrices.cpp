@@ -4,10 +4,10 @@
 #include <array>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/formats/gzip.hpp"
 #include "kalfem/formats/matrices/entries.hpp"
 #include "kalfem/formats/matrices/readers.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
+#include "kalfem/formats/text_file.hpp"
 
 namespace kalfem {
 namespace {

@@ -6,7 +6,6 @@
 #include <map>
 
 #include "kalfem/formats/matrices/bytes.hpp"
-#include "kalfem/formats/matrices/map_names.hpp"
 #include "kalfem/formats/matrices/readers.hpp"
 
 namespace kalfem {

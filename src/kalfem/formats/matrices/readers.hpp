@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "kalfem/formats/matrices.hpp"
+#include "kalfem/formats/matrices/entries.hpp"
 
 namespace kalfem {
 
@@ -35,5 +36,12 @@ bool looks_like_op4_text(std::string_view text);
 /// Rows of a map "number, direction 1 ... 6 (0: generalised)"; generalised coordinates without a number are counted.
 /// Throws where a direction is none or a degree of freedom stands twice.
 std::vector<MatrixDof> dofs_of_map(const Eigen::Ref<const Eigen::MatrixXd>& map, const std::string& source);
+
+/// Whether an array of two columns under this name says what the rows of the matrices beside it are.
+inline bool is_map_name(const std::string& name) {
+  const std::string lower = lower_case(name.substr(name.find_last_of('/') + 1));
+  return lower == "cbmap" || lower == "dof_map" || lower == "dofmap" || lower == "map" || lower == "dofs" ||
+         lower == "dof";
+}
 
 }  // namespace kalfem

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "kalfem/formats/gmsh/gmsh_scanner.hpp"
-#include "kalfem/formats/nastran/number.hpp"
+#include "kalfem/formats/nastran/card.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
 
 namespace kalfem::nastran {

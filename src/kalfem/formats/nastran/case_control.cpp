@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "kalfem/formats/nastran/number.hpp"
+#include "kalfem/formats/nastran/card.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
 
 namespace kalfem::nastran {

@@ -1,8 +1,8 @@
 #include <algorithm>
 
-#include "kalfem/formats/included_text.hpp"
 #include "kalfem/formats/nastran/card_stream.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
+#include "kalfem/formats/text_file.hpp"
 
 namespace kalfem::nastran {
 namespace {

@@ -1,4 +1,4 @@
-#include "kalfem/formats/abaqus/element_types.hpp"
+#include "kalfem/formats/abaqus/raw_deck.hpp"
 
 #include <cctype>
 #include <map>
