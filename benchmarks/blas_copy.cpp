@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "kalfem/base/text.hpp"
-#include "kalfem/linalg/blas_kernels.hpp"
+#include "kalfem/linalg/blas.hpp"
 
 // OpenBLAS declares the last in headers that other BLAS libraries do not have; weak, so that any BLAS links.
 extern "C" {

@@ -6,7 +6,7 @@
 #include <set>
 #include <tuple>
 
-#include "kalfem/linalg/blas_kernels.hpp"
+#include "kalfem/linalg/blas.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/linalg/sparse_select.hpp"
 #include "kalfem/reduction/superelement.hpp"

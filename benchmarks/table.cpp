@@ -8,7 +8,7 @@
 
 #include "blas_copy.hpp"
 #include "dense_kernels.hpp"
-#include "kalfem/linalg/blas_kernels.hpp"
+#include "kalfem/linalg/blas.hpp"
 
 namespace kalfem::benchmarks {
 

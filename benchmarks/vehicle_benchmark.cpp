@@ -11,7 +11,7 @@
 #include "kalfem/dynamics/damped_mode_split.hpp"
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/estimation/filter_choice.hpp"
-#include "kalfem/linalg/blas_kernels.hpp"
+#include "kalfem/linalg/blas.hpp"
 #include "kalfem/linalg/sparse_factor.hpp"
 #include "kalfem/linalg/sparse_select.hpp"
 #include "kalfem/study/case_study.hpp"

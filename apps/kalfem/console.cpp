@@ -9,8 +9,8 @@
 #include <string>
 #include <system_error>
 
-#include "kalfem/base/utf8.hpp"
-#include "kalfem/base/write_failure.hpp"
+#include "kalfem/base/atomic_file.hpp"
+#include "kalfem/base/text.hpp"
 
 namespace kalfem::command {
 namespace {

@@ -3,8 +3,8 @@
 #include <sstream>
 
 #include "console.hpp"
+#include "kalfem/base/atomic_file.hpp"
 #include "kalfem/base/version.hpp"
-#include "kalfem/base/write_failure.hpp"
 #include "kalfem/formats/deck.hpp"
 #include "verbs.hpp"
 

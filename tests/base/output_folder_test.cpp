@@ -13,7 +13,6 @@
 
 #include "base/scratch_folder.hpp"
 #include "kalfem/base/atomic_file.hpp"
-#include "kalfem/base/write_failure.hpp"
 
 namespace kalfem {
 namespace {

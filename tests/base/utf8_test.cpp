@@ -1,4 +1,4 @@
-#include "kalfem/base/utf8.hpp"
+#include "kalfem/base/text.hpp"
 
 #include <gtest/gtest.h>
 

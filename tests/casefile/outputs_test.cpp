@@ -5,7 +5,7 @@
 #include "casefile/probes.hpp"
 #include "kalfem/estimation/consistency.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
-#include "kalfem/report/results_file.hpp"
+#include "kalfem/report/result_files.hpp"
 #include "kalfem/report/summary.hpp"
 #include "kalfem/report/tables.hpp"
 

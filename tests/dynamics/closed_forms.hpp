@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "kalfem/dynamics/simulate.hpp"
-#include "kalfem/system/laws/saturating_law.hpp"
+#include "kalfem/system/laws/memoryless_laws.hpp"
 #include "kalfem/system/signals/sampled.hpp"
-#include "kalfem/system/signals/smooth_step.hpp"
+#include "kalfem/system/signals/transients.hpp"
 #include "system/small_systems.hpp"
 
 namespace kalfem {

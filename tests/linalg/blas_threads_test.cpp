@@ -1,4 +1,4 @@
-#include "kalfem/linalg/blas_threads.hpp"
+#include "kalfem/linalg/blas.hpp"
 
 #include <gtest/gtest.h>
 

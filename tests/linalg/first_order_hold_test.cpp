@@ -1,4 +1,4 @@
-#include "kalfem/linalg/first_order_hold.hpp"
+#include "kalfem/linalg/discretisation.hpp"
 
 #include <gtest/gtest.h>
 

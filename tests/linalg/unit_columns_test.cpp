@@ -1,4 +1,4 @@
-#include "kalfem/linalg/unit_columns.hpp"
+#include "kalfem/linalg/scaling.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "kalfem/linalg/van_loan.hpp"
+#include "kalfem/linalg/discretisation.hpp"
 
 #include <gtest/gtest.h>
 

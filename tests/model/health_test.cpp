@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "kalfem/model/mesh/coincident_nodes.hpp"
+#include "kalfem/model/mesh/connectivity.hpp"
 #include "model/fe_models.hpp"
 
 namespace kalfem {

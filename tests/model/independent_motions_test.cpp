@@ -1,7 +1,7 @@
 // Motions that links make dependent, chosen as coordinates: the same structure in other coordinates.
 #include <gtest/gtest.h>
 
-#include "kalfem/model/assembly/rigid_mass.hpp"
+#include "kalfem/model/assembly/rigid_motion.hpp"
 #include "model/fe_models.hpp"
 
 namespace kalfem {

@@ -1,4 +1,4 @@
-#include "kalfem/model/elements/laminate.hpp"
+#include "kalfem/model/elements/shell_common.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "kalfem/report/outer_faces.hpp"
-#include "kalfem/report/painters_order.hpp"
+#include "kalfem/report/visible_faces.hpp"
 
 namespace kalfem {
 namespace {

@@ -4,9 +4,9 @@
 #include <thread>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/system/laws/bouc_wen_law.hpp"
 #include "kalfem/system/laws/expression_law.hpp"
-#include "kalfem/system/laws/saturating_law.hpp"
+#include "kalfem/system/laws/hysteretic_laws.hpp"
+#include "kalfem/system/laws/memoryless_laws.hpp"
 #include "system/law_bench.hpp"
 
 namespace kalfem {

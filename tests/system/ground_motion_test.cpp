@@ -7,10 +7,9 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/system/signals/harmonic.hpp"
-#include "kalfem/system/signals/pulse.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
 #include "kalfem/system/signals/sampled.hpp"
-#include "kalfem/system/signals/smooth_step.hpp"
+#include "kalfem/system/signals/transients.hpp"
 
 namespace kalfem {
 namespace {

@@ -9,7 +9,6 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/random.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
-#include "kalfem/system/signals/road_profile.hpp"
 
 namespace kalfem {
 namespace {

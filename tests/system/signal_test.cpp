@@ -12,11 +12,9 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/records/time_series.hpp"
 #include "kalfem/system/signals/harmonic.hpp"
-#include "kalfem/system/signals/pulse.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
-#include "kalfem/system/signals/road_profile.hpp"
 #include "kalfem/system/signals/sampled.hpp"
-#include "kalfem/system/signals/smooth_step.hpp"
+#include "kalfem/system/signals/transients.hpp"
 
 namespace kalfem {
 namespace {

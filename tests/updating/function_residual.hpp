@@ -3,7 +3,6 @@
 #include <functional>
 
 #include "kalfem/updating/residual.hpp"
-#include "kalfem/updating/updating_parameter.hpp"
 
 namespace kalfem {
 

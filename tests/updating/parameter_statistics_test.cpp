@@ -6,7 +6,6 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/random.hpp"
 #include "kalfem/updating/least_squares.hpp"
-#include "kalfem/updating/parameter_findings.hpp"
 #include "updating/nist_problems.hpp"
 
 namespace kalfem {

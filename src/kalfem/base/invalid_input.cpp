@@ -4,7 +4,7 @@
 #include <numeric>
 #include <utility>
 
-#include "kalfem/base/utf8.hpp"
+#include "kalfem/base/text.hpp"
 
 namespace kalfem {
 namespace {

@@ -17,7 +17,7 @@
 #include "kalfem/system/sensors/output_map.hpp"
 #include "kalfem/system/signals/ground_motion.hpp"
 #include "kalfem/system/signals/harmonic.hpp"
-#include "kalfem/system/signals/pulse.hpp"
+#include "kalfem/system/signals/transients.hpp"
 #include "kalfem/yaml/case_source.hpp"
 #include "kalfem/yaml/form.hpp"
 

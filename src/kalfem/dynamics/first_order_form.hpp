@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "kalfem/linalg/block_diagonal_form.hpp"
-#include "kalfem/linalg/first_order_hold.hpp"
+#include "kalfem/linalg/discretisation.hpp"
 #include "kalfem/system/locally_nonlinear_system.hpp"
 #include "kalfem/system/sensors/measurement_chain.hpp"
 #include "kalfem/system/sensors/output_map.hpp"

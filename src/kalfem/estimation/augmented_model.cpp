@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/linalg/van_loan.hpp"
+#include "kalfem/linalg/discretisation.hpp"
 
 namespace kalfem {
 

@@ -8,7 +8,6 @@
 #include "kalfem/identification/initial_state.hpp"
 #include "kalfem/identification/parameterised_structure.hpp"
 #include "kalfem/updating/residual.hpp"
-#include "kalfem/updating/updating_parameter.hpp"
 
 namespace kalfem {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "kalfem/identification/augmented_model_setup.hpp"
-#include "kalfem/updating/updating_parameter.hpp"
+#include "kalfem/updating/residual.hpp"
 
 namespace kalfem {
 

@@ -4,8 +4,8 @@
 #include <complex>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/linalg/balancing.hpp"
-#include "kalfem/linalg/blas_threads.hpp"
+#include "kalfem/linalg/blas.hpp"
+#include "kalfem/linalg/scaling.hpp"
 
 extern "C" {
 void dgees_(const char* jobvs, const char* sort, void* select, const int* n, double* a, const int* lda, int* sdim,

@@ -1,5 +1,7 @@
 #include "kalfem/linalg/lowest_modes.hpp"
 
+#include <Eigen/Dense>
+#include <Eigen/Sparse>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,9 +10,63 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/linalg/block_lanczos.hpp"
-#include "kalfem/linalg/dense_modes.hpp"
+#include "kalfem/linalg/sparse_factor.hpp"
+#include "kalfem/linalg/sparse_select.hpp"
 
 namespace kalfem {
+namespace {
+
+/// Eigenpairs of K phi = lambda M phi by dense solvers, ascending, Phi^T M Phi = 1.
+struct DensePairs {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd vectors;
+};
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// R with R R^T = M, n x rank.
+MatrixXd root(const MatrixXd& mass) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(mass);
+  const double largest = solver.eigenvalues().tail(1)[0];
+  const Index rank = (solver.eigenvalues().array() > 1e-13 * largest).count();
+  return solver.eigenvectors().rightCols(rank) * solver.eigenvalues().tail(rank).cwiseSqrt().asDiagonal();
+}
+
+DensePairs condensed_modes(const Eigen::SparseMatrix<double>& mass, const SparseFactor& shifted, double shift) {
+  std::vector<Index> massive;
+  const VectorXd diagonal = mass.diagonal();
+  for (Index j = 0; j < diagonal.size(); ++j)
+    if (diagonal[j] > 0.0) massive.push_back(j);
+  const MatrixXd loads = root(MatrixXd(select(mass, massive, massive)));
+  MatrixXd displacements = MatrixXd::Zero(mass.rows(), loads.cols());
+  displacements(massive, Eigen::all) = loads;
+  shifted.solve(displacements, displacements);
+  const MatrixXd flexibility = loads.transpose() * displacements(massive, Eigen::all);
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(0.5 * (flexibility + flexibility.transpose()));
+  const VectorXd shifted_values = solver.eigenvalues().reverse().cwiseInverse();
+  return {shifted_values.array() - shift,
+          displacements * (solver.eigenvectors().rowwise().reverse() * shifted_values.asDiagonal())};
+}
+
+/// All pairs with finite lambda. Where M is positive definite, of the pencil itself. Else of G = L^T E^T A^-1 E L with
+/// A = K + s M (`shifted`), E the columns of the identity that have mass and L L^T the mass there: G w = w / (lambda +
+/// s), phi = (lambda + s) A^-1 E L w; its size is the number of degrees of freedom with mass.
+DensePairs dense_modes(const Eigen::SparseMatrix<double>& stiffness, const Eigen::SparseMatrix<double>& mass,
+                       const SparseFactor& shifted, double shift) {
+  if ((mass.diagonal().array() > 0.0).all()) {
+    const MatrixXd dense_mass(mass);
+    const Eigen::LLT<MatrixXd> factor(dense_mass);
+    if (factor.info() == Eigen::Success && factor.rcond() > 1e-13) {
+      const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(MatrixXd(stiffness), dense_mass);
+      return {solver.eigenvalues(), solver.eigenvectors()};
+    }
+  }
+  return condensed_modes(mass, shifted, shift);
+}
+
+}  // namespace
 
 using Eigen::Index;
 using Eigen::MatrixXd;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/linalg/blas_threads.hpp"
+#include "kalfem/linalg/blas.hpp"
 
 namespace kalfem {
 

@@ -13,6 +13,10 @@
 
 namespace kalfem {
 
+/// Node set of a model whose nodes are no places: scalar points and generalised coordinates, each with one motion x
+/// that is a number and not a displacement. They take no part in rigid-body motions.
+inline constexpr const char* scalar_points = "scalar points";
+
 /// Degrees of freedom of a node, in this order everywhere.
 inline constexpr std::array<const char*, 6> direction_names = {"x", "y", "z", "rx", "ry", "rz"};
 /// Index of a direction by its name, -1 where there is none.

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "kalfem/model/assembly/affine_term.hpp"
+#include "kalfem/model/assembly/matrix_sums.hpp"
 
 namespace kalfem {
 

@@ -1,4 +1,4 @@
-#include "kalfem/pipeline/run_estimation.hpp"
+#include "kalfem/pipeline/stages.hpp"
 
 #include <cmath>
 #include <limits>

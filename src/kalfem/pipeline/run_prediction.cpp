@@ -1,11 +1,11 @@
-#include "kalfem/pipeline/run_prediction.hpp"
+#include "kalfem/pipeline/stages.hpp"
 
 #include <algorithm>
 
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/identification/driven_substructure.hpp"
 #include "kalfem/pipeline/reported_quantities.hpp"
-#include "kalfem/study/driven_check.hpp"
+#include "kalfem/study/filter_checks.hpp"
 
 namespace kalfem {
 

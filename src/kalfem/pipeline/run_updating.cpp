@@ -9,7 +9,7 @@
 #include "kalfem/updating/evolution.hpp"
 #include "kalfem/updating/frf_residual.hpp"
 #include "kalfem/updating/multi_start.hpp"
-#include "kalfem/updating/parameter_findings.hpp"
+#include "kalfem/updating/parameter_statistics.hpp"
 
 namespace kalfem {
 

@@ -2,15 +2,47 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/stopwatch.hpp"
+#include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/linalg/sparse_select.hpp"
-#include "kalfem/reduction/augmentation_vectors.hpp"
 #include "kalfem/reduction/constraint_modes.hpp"
 #include "kalfem/reduction/error_indicators.hpp"
 #include "kalfem/reduction/mode_selection.hpp"
+#include "kalfem/reduction/partition.hpp"
 #include "kalfem/reduction/projection.hpp"
+#include "kalfem/reduction/ritz.hpp"
 #include "kalfem/reduction/superelement.hpp"
 
 namespace kalfem {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+void remove_kept(MatrixXd& shapes, const MatrixXd& kept, const SparseMatrix& mass) {
+  for (int pass = 0; pass < 2; ++pass) shapes -= kept * (kept.transpose() * (mass * shapes));
+}
+
+/// Shapes that make up for the fixed-interface modes Phi that were left out [DNW97]: what the interior does
+/// quasi-statically under the inertia forces of unit boundary accelerations, less the kept modes' part of it,
+///     X = (1 - Phi Phi^T M_ii) K_ii^-1 (M_ii Psi + M_ib),
+/// made mass-normalised and uncoupled, so that they read as further modes (vectors n_i x at most n_b, values
+/// [(rad/s)^2] above those of the kept modes). Columns that add nothing are dropped: none are left where all modes are
+/// kept.
+LowestModes augmentation_vectors(const Partition& parts, const SparseMatrix& mass_ib, const MatrixXd& constraint_modes,
+                                 const MatrixXd& kept, const SparseFactor& stiffness) {
+  MatrixXd shapes = stiffness.solve(MatrixXd(parts.mass_ii * constraint_modes + MatrixXd(mass_ib)));
+  for (Index j = 0; j < shapes.cols(); ++j)
+    if (const double size = std::sqrt(shapes.col(j).dot(parts.mass_ii * shapes.col(j))); size > 0.0)
+      shapes.col(j) /= size;
+  remove_kept(shapes, kept, parts.mass_ii);
+  shapes = orthonormal(shapes, parts.mass_ii);
+  if (shapes.cols() == 0) return {VectorXd(), shapes, {}, 0};
+  remove_kept(shapes, kept, parts.mass_ii);
+  return uncoupled(shapes, parts.stiffness_ii, parts.mass_ii);
+}
+
+}  // namespace
 
 using Eigen::Index;
 using Eigen::MatrixXd;

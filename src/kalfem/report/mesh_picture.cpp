@@ -9,8 +9,7 @@
 #include <set>
 
 #include "kalfem/base/text.hpp"
-#include "kalfem/report/outer_faces.hpp"
-#include "kalfem/report/painters_order.hpp"
+#include "kalfem/report/visible_faces.hpp"
 
 namespace kalfem {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "kalfem/model/scalar_points.hpp"
+#include "kalfem/model/finite_element_model.hpp"
 #include "kalfem/report/mesh_picture.hpp"
 #include "kalfem/report/tables.hpp"
 

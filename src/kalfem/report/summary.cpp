@@ -1,21 +1,58 @@
 #include "kalfem/report/summary.hpp"
 
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include <fmt/format.h>
 
 #include "kalfem/base/version.hpp"
 #include "kalfem/report/json_number.hpp"
 #include "kalfem/report/record_report.hpp"
 #include "kalfem/report/resting_points.hpp"
-#include "kalfem/report/run_identity.hpp"
 #include "kalfem/report/updating_summary.hpp"
 #include "kalfem/study/structural_modifications.hpp"
+#include "kalfem/study/study.hpp"
 
 namespace kalfem {
+namespace {
 
 using Json = nlohmann::ordered_json;
 
-namespace {
+/// Fowler, Noll and Vo's hash FNV-1a of 64 bits: the same on every computer, as std::hash is not.
+class Hash {
+public:
+  void add(const std::string& text) {
+    for (const char c : text) state_ = (state_ ^ static_cast<unsigned char>(c)) * 0x100000001B3U;
+  }
+  [[nodiscard]] std::uint64_t value() const { return state_; }
+
+private:
+  std::uint64_t state_ = 0xCBF29CE484222325U;
+};
+
+void drop_times(Json& json) {
+  if (json.is_object()) {
+    json.erase("seconds");
+    json.erase("timing");
+  }
+  for (auto& item : json)
+    if (item.is_structured()) drop_times(item);
+}
+
+/// What all files of one run carry, so that files of two runs are told apart: 16 hexadecimal digits, a hash of the case
+/// with all its defaults and of the numbers in its summary. Times that were taken are left out: the same run again has
+/// the same identity.
+std::string run_identity(const Study& study, const Json& summary) {
+  Json numbers = summary;
+  drop_times(numbers);
+  Hash hash;
+  hash.add(study.resolved_case);
+  hash.add(numbers.dump(-1, ' ', false, Json::error_handler_t::replace));
+  return fmt::format("{:016x}", hash.value());
+}
 
 Json reduction_summary(const Superelement& superelement) {
   const auto& error_indicators = superelement.error_indicators;

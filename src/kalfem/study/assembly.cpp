@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "kalfem/study/place_checks.hpp"
+#include "kalfem/study/case_checks.hpp"
 #include "kalfem/system/laws/law_library.hpp"
 #include "kalfem/yaml/bounds.hpp"
 

@@ -7,7 +7,7 @@
 #include <unordered_set>
 
 #include "kalfem/dynamics/simulate.hpp"
-#include "kalfem/system/signals/smooth_step.hpp"
+#include "kalfem/system/signals/transients.hpp"
 
 namespace kalfem {
 namespace {

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "kalfem/casefile/description.hpp"
+#include "kalfem/study/assembly.hpp"
 #include "kalfem/study/case_study.hpp"
 
 /// What a case may not say, as far as it shows without computing: sections that need each other, names that do not
@@ -25,5 +27,14 @@ void check_signals(const CaseStudy& study, IssueList& issues);
 void check_estimation(const description::Case& given, IssueList& issues);
 /// Parameters that `update` refines and `estimate` estimates.
 void check_parameters_once(const description::Case& given, IssueList& issues);
+
+/// Keys that the case gives and that nothing reads, one sentence each: options of another integrator, filter or search,
+/// of finite elements where there are none, of connectors that a local augmented model leaves out.
+std::vector<std::string> keys_without_effect(const description::Case& given);
+
+/// Points and grounds that connectors and excitations name: they must exist, a moving ground must be one, be driven
+/// once and be felt by something, and a connector must not end at two grounds that stand still. Problems go to `issues`
+/// with their place in the file.
+void check_places(const description::Case& given, const StructureParts& parts, IssueList& issues);
 
 }  // namespace kalfem

@@ -6,7 +6,6 @@
 
 #include "kalfem/identification/local_model.hpp"
 #include "kalfem/identification/released_elements.hpp"
-#include "kalfem/study/parameter_names.hpp"
 #include "kalfem/yaml/bounds.hpp"
 
 namespace kalfem {
@@ -226,6 +225,25 @@ EstimationProblem make_estimation_problem(const CaseStudy& study, IssueList& iss
   for (const auto& [name, unknown] : given.unknown)
     if (auto read = reader.read(name, unknown)) problem.settings.unknowns.push_back(std::move(*read));
   return problem;
+}
+
+std::vector<Name> names_of(const std::string& name, const description::Unknown& given) {
+  if (!given.applies_to.empty()) return given.applies_to;
+  return {{name, given.initial.location, "estimate.unknown." + name}};
+}
+
+std::optional<Issue> unlike_ratios(const description::Case& given, const Parameter& parameter, const Name& name) {
+  if (!parameter.name.ends_with(".damping.modal")) return std::nullopt;
+  const auto& ratios =
+      std::ranges::find(given.substructures, parameter.owner, &std::pair<std::string, description::Substructure>::first)
+          ->second.damping.modal;
+  if (std::ranges::adjacent_find(ratios, std::ranges::not_equal_to{}) == ratios.end()) return std::nullopt;
+  std::string listed;
+  for (const double ratio : ratios) listed += (listed.empty() ? "" : ", ") + shortest(100.0 * ratio) + " %";
+  return name.issue(
+      "'" + parameter.name + "' stands for all modal ratios as one number, and the case gives [" + listed + "]",
+      "these would all become the same",
+      "name single ratios, " + parameter.name + ".1 and so on; several share a value by applies_to");
 }
 
 }  // namespace kalfem

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kalfem/identification/driven_substructure.hpp"
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/study/full_record.hpp"
 
@@ -97,6 +98,23 @@ void check_filter(const CaseStudy& study) {
   validate(*run.choice.augmented_model,
            {.filter = run.choice.filter, .unscented = given.unscented, .passes = given.passes})
       .raise();
+}
+
+using Eigen::Index;
+
+InvalidInput not_estimated(const Name& substructure, const std::string& point) {
+  return InvalidInput(substructure.issue("the filter's model does not estimate the motion of '" + point + "'",
+                                         "the substructure is driven by it",
+                                         "hold the point in the filter's model or make it an interface"));
+}
+
+void check_driven(const Study& study, const CoupledModel& model, const Name& substructure) {
+  constexpr Index largest_driven = 2000;  // degrees of freedom; larger ones are factored once, when they are driven
+  if (model.find_substructure(substructure.value).part.model->size() > largest_driven) return;
+  const DrivenSubstructure drive(*study.structure, model, substructure.value);
+  const auto estimated = study.augmented_model->model->reported_points();
+  for (const auto& point : drive.points())
+    if (std::ranges::find(estimated, point) == estimated.end()) throw not_estimated(substructure, point);
 }
 
 }  // namespace kalfem

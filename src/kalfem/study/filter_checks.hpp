@@ -12,4 +12,11 @@ void check_augmented_model(const CaseStudy& study, IssueList& issues);
 /// Throws InvalidInput where the filter of the case's `estimate` could not be made or run, as far as it shows before.
 void check_filter(const CaseStudy& study);
 
+/// Throws InvalidInput where the substructure, as `model` holds it, has no boundary or interior, where its interior
+/// moves freely, or where the filter's model does not estimate the motion of its boundary.
+void check_driven(const Study& study, const CoupledModel& model, const Name& substructure);
+
+/// That the filter's model does not estimate the motion of a point that drives the substructure.
+InvalidInput not_estimated(const Name& substructure, const std::string& point);
+
 }  // namespace kalfem

@@ -9,7 +9,6 @@
 #include "kalfem/model/mesh/split_quadratic_shells.hpp"
 #include "kalfem/model/unit_system.hpp"
 #include "kalfem/study/assembly.hpp"
-#include "kalfem/study/matrix_source.hpp"
 
 namespace kalfem {
 namespace {

@@ -1,4 +1,4 @@
-#include "kalfem/study/keys_without_effect.hpp"
+#include "kalfem/study/case_checks.hpp"
 
 #include <algorithm>
 #include <set>

@@ -1,4 +1,4 @@
-#include "kalfem/study/matrix_source.hpp"
+#include "kalfem/study/finite_element_builder.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "kalfem/base/units.hpp"
 #include "kalfem/formats/matrices/matrix_model.hpp"
 #include "kalfem/formats/tables/csv.hpp"
-#include "kalfem/model/scalar_points.hpp"
+#include "kalfem/model/finite_element_model.hpp"
 #include "kalfem/model/unit_system.hpp"
 
 namespace kalfem {

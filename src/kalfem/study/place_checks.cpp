@@ -1,4 +1,4 @@
-#include "kalfem/study/place_checks.hpp"
+#include "kalfem/study/case_checks.hpp"
 
 #include <algorithm>
 #include <map>

@@ -5,10 +5,30 @@
 #include <string>
 #include <vector>
 
+#include "kalfem/base/located.hpp"
 #include "kalfem/records/time_series.hpp"
-#include "kalfem/study/channel_unit.hpp"
+#include "kalfem/system/sensors/output_map.hpp"
 
 namespace kalfem {
+
+/// A column of a record file as a case asks for it.
+struct WantedChannel {
+  std::string column;                    ///< its name, with or without its unit
+  std::string owner;                     ///< what it is for, as the case names it: "sensors.a3"
+  std::string unit;                      ///< SI unit of the quantity that it holds
+  std::string rotational_unit = {};      ///< SI unit of the same quantity of a rotation; empty: there is none
+  std::string unit_key = {};             ///< where the case may state its unit: "sensors.a3.unit"; empty: nowhere
+  Located<std::string> unit_given = {};  ///< what it states; empty: nothing, so that the file's own holds, else SI
+};
+
+/// SI unit of the quantity of a rotation: rad, rad/s and rad/s^2 for motions, nothing for those of connectors.
+std::string rotational_unit_of(ObservedQuantity quantity);
+
+/// Factor that turns the column's numbers into SI. The unit is the case's, or that of the file's title; g beside an
+/// acceleration is standard gravity. Adds an issue with both values where the two contradict each other, where a unit
+/// has another dimension than the quantity, and where the file's unit is not understood and the case states none.
+double factor_to_si(const WantedChannel& wanted, const Channel& in_file, const SourceLocation& title,
+                    IssueList& issues);
 
 /// What a case says of a record file beside its columns.
 struct RecordFileOptions {

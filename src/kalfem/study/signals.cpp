@@ -6,11 +6,9 @@
 #include "kalfem/study/record_file.hpp"
 #include "kalfem/system/signals/ground_motion.hpp"
 #include "kalfem/system/signals/harmonic.hpp"
-#include "kalfem/system/signals/pulse.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
-#include "kalfem/system/signals/road_profile.hpp"
 #include "kalfem/system/signals/sampled.hpp"
-#include "kalfem/system/signals/smooth_step.hpp"
+#include "kalfem/system/signals/transients.hpp"
 #include "kalfem/yaml/bounds.hpp"
 
 namespace kalfem {

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "kalfem/study/comparisons.hpp"
-#include "kalfem/study/parameter_names.hpp"
+#include "kalfem/study/estimation_problem_of.hpp"
 #include "kalfem/yaml/bounds.hpp"
 
 namespace kalfem {

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "kalfem/base/independent.hpp"
-#include "kalfem/system/connector_response.hpp"
 #include "kalfem/system/force_correction.hpp"
 
 namespace kalfem {

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "kalfem/updating/residual.hpp"
-#include "kalfem/updating/updating_parameter.hpp"
 
 namespace kalfem {
 
@@ -17,7 +16,7 @@ struct GaussNewtonOptions {
   /// ... or would lower the cost by no more than cost_tolerance cost, ...
   double cost_tolerance = 1e-8;
   /// ... or |J_i^T r| <= gradient_tolerance |J_i| |r| for all i that no bound holds, the prior's rows counted in.
-  double cost_floor = 0.0;           ///< or <= this: 1e-6 is a step of 1/700 standard deviation
+  double cost_floor = 0.0;  ///< or <= this: 1e-6 is a step of 1/700 standard deviation
   double gradient_tolerance = 1e-8;
   double initial_radius = 0.5;   ///< the first step changes no parameter by more than initial_radius scale_i
   double rank_tolerance = 1e-7;  ///< singular values of J below this part of the largest count as zero

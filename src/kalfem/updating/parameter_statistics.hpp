@@ -2,10 +2,10 @@
 
 #include <Eigen/Dense>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "kalfem/updating/residual.hpp"
-#include "kalfem/updating/updating_parameter.hpp"
 
 namespace kalfem {
 
@@ -56,5 +56,15 @@ struct ParameterStatistics {
 ParameterStatistics parameter_statistics(const std::vector<UpdatingParameter>& parameters,
                                          const Eigen::VectorXd& values, const ResidualValue& value,
                                          const ParameterStatisticsOptions& options = {});
+
+/// Sentences for a reader on what the residual does not tell: parameters that it does not see or sees poorly,
+/// combinations that cannot be told apart, pairs of high correlation, parameters at a bound, residuals larger than
+/// their deviations. Empty where all is well.
+std::vector<std::string> parameter_findings(const std::vector<UpdatingParameter>& parameters,
+                                            const Eigen::VectorXd& values, const ParameterStatistics& statistics);
+
+/// The parameters without equal bounds whose columns of the Jacobian are zero: the residual does not depend on them.
+std::vector<std::string> without_effect(const std::vector<UpdatingParameter>& parameters,
+                                        const Eigen::MatrixXd& jacobian);
 
 }  // namespace kalfem

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "kalfem/updating/residual.hpp"
-#include "kalfem/updating/updating_parameter.hpp"
 
 namespace kalfem {
 

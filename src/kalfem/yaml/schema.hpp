@@ -1,11 +1,41 @@
 #pragma once
 
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
-#include "kalfem/yaml/form_schema.hpp"
 #include "kalfem/yaml/yaml_node.hpp"
 
 namespace kalfem {
+
+/// What JSON Schema (draft 2020-12) says of a form, with words of our own: "x-written", the form in a few English
+/// words, "x-unit", and "x-needed", which says when a key of alternatives is needed. Immutable and shared, as forms
+/// nest.
+class FormSchema {
+public:
+  FormSchema();
+  explicit FormSchema(nlohmann::ordered_json json);
+
+  [[nodiscard]] const nlohmann::ordered_json& json() const { return *json_; }
+  [[nodiscard]] std::string written() const;
+  [[nodiscard]] std::string unit() const;
+  /// The same in other words.
+  [[nodiscard]] FormSchema written_as(const std::string& written) const;
+
+private:
+  std::shared_ptr<const nlohmann::ordered_json> json_;
+};
+
+/// A text or a number.
+FormSchema scalar_schema(const std::string& written);
+/// One of the words, each with its meaning.
+FormSchema choice_schema(const std::vector<std::string>& words, const std::vector<std::string>& meanings);
+FormSchema list_schema(const FormSchema& item, std::size_t least, std::size_t most);
+/// "a or b".
+FormSchema either_schema(const FormSchema& one, const FormSchema& other);
+/// Names that the user chooses, each with such an item.
+FormSchema named_schema(const FormSchema& item);
 
 /// A value as JSON; scalars that were written without quotes become numbers, true, false or null where they read so.
 nlohmann::ordered_json to_json(const YamlNode& node);

@@ -5,7 +5,6 @@
 #include <cctype>
 
 #include "kalfem/base/text.hpp"
-#include "kalfem/base/utf8.hpp"
 
 namespace kalfem {
 namespace {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string_view>
 
+#include "kalfem/base/atomic_file.hpp"
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/base/write_failure.hpp"
 
 namespace kalfem {
 namespace {

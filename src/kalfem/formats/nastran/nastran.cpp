@@ -9,8 +9,8 @@
 #include "kalfem/formats/nastran/case_control.hpp"
 #include "kalfem/formats/nastran/model_building.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
+#include "kalfem/model/finite_element_model.hpp"
 #include "kalfem/model/mesh/split_quadratic_shells.hpp"
-#include "kalfem/model/scalar_points.hpp"
 
 namespace kalfem {
 namespace nastran {

@@ -5,12 +5,12 @@
 #include <set>
 
 #include "kalfem/model/assembly/constraints.hpp"
-#include "kalfem/model/assembly/sparse_sum.hpp"
+#include "kalfem/model/assembly/matrix_sums.hpp"
 #include "kalfem/model/elements/beam.hpp"
-#include "kalfem/model/elements/laminate.hpp"
 #include "kalfem/model/elements/point_mass.hpp"
 #include "kalfem/model/elements/shell3.hpp"
 #include "kalfem/model/elements/shell4.hpp"
+#include "kalfem/model/elements/shell_common.hpp"
 #include "kalfem/model/elements/solid.hpp"
 
 namespace kalfem {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "kalfem/model/assembly/affine_term.hpp"
-#include "kalfem/model/assembly/rigid_mass.hpp"
+#include "kalfem/model/assembly/matrix_sums.hpp"
+#include "kalfem/model/assembly/rigid_motion.hpp"
 #include "kalfem/model/finite_element_model.hpp"
 #include "kalfem/model/linear_model.hpp"
 

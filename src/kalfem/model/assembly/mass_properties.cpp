@@ -1,7 +1,7 @@
 #include "kalfem/model/assembly/mass_properties.hpp"
 
 #include "kalfem/model/assembly/rigid_motion.hpp"
-#include "kalfem/model/scalar_points.hpp"
+#include "kalfem/model/finite_element_model.hpp"
 
 namespace kalfem {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "kalfem/base/random.hpp"
+#include "kalfem/linalg/scaling.hpp"
 #include "kalfem/linalg/sparse_factor.hpp"
-#include "kalfem/linalg/unit_columns.hpp"
 #include "kalfem/model/assembly/mass_properties.hpp"
 
 namespace kalfem {

@@ -3,7 +3,6 @@
 
 #include "kalfem/model/checks/single_checks.hpp"
 #include "kalfem/model/mesh/cell_corners.hpp"
-#include "kalfem/model/mesh/coincident_nodes.hpp"
 #include "kalfem/model/mesh/connectivity.hpp"
 #include "kalfem/model/model_items.hpp"
 

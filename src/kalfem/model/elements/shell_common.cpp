@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kalfem/model/elements/shell3.hpp"
+#include "kalfem/model/elements/shell4.hpp"
+
 namespace kalfem {
 
 double relative_shear_modulus(double poissons_ratio) { return 0.5 / (1.0 + poissons_ratio); }
@@ -78,6 +81,12 @@ void carry_to_nodes(ElementMatrices& matrices, const Eigen::Matrix3Xd& arms) {
       const Eigen::MatrixXd carried = transform.transpose() * term.matrix * transform;
       term.matrix = 0.5 * (carried + carried.transpose());
     }
+}
+
+ElementMatrices laminate(const Eigen::Matrix3Xd& corners, const LaminateProperty& property,
+                         const Eigen::Vector3d& direction, MassKind mass_kind) {
+  return corners.cols() == 3 ? shell3(corners, property, direction, mass_kind)
+                             : shell4(corners, property, direction, mass_kind);
 }
 
 }  // namespace kalfem

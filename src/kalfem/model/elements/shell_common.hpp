@@ -1,5 +1,6 @@
 #pragma once
 
+#include "kalfem/model/elements/element.hpp"
 #include "kalfem/model/mesh/properties.hpp"
 
 namespace kalfem {
@@ -44,5 +45,10 @@ std::vector<ElementTerm> section_mass(const PlateMass& mass, double amount, doub
 /// Carries matrices from places that stand off the nodes to the nodes, by rigid arms u = u_node + theta x arm.
 /// `arms`: from each node to its place [m], 3 x nodes.
 void carry_to_nodes(ElementMatrices& matrices, const Eigen::Matrix3Xd& arms);
+
+/// Shell of any cross-section, 3 x 3 or 3 x 4 corners [m]: shell3() or shell4() of a LaminateProperty. Its x axis is
+/// `direction` laid into the surface, or the first side where that is zero.
+ElementMatrices laminate(const Eigen::Matrix3Xd& corners, const LaminateProperty& property,
+                         const Eigen::Vector3d& direction, MassKind mass_kind);
 
 }  // namespace kalfem

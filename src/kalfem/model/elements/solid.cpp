@@ -1,13 +1,245 @@
 #include "kalfem/model/elements/solid.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <cmath>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/model/elements/solid_enhanced.hpp"
-#include "kalfem/model/elements/solid_stiffness.hpp"
+#include "kalfem/model/elements/solid_geometry.hpp"
+#include "kalfem/model/mesh/properties.hpp"
 
 namespace kalfem {
 namespace {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+constexpr double stabilising_share = 0.02;
+
+/// Stress per strain of a material with this modulus for every strain: half of it per engineering shear.
+Matrix6 even_elasticity(double modulus) {
+  return (Vector6() << modulus, modulus, modulus, 0.5 * modulus, 0.5 * modulus, 0.5 * modulus).finished().asDiagonal();
+}
+
+/// Least eigenvalue of stress per strain, as tensors.
+double softest_modulus(const Matrix6& elasticity) {
+  const double root = std::sqrt(2.0);
+  const auto scale = (Vector6() << 1.0, 1.0, 1.0, root, root, root).finished();
+  const Matrix6 tensor = scale.asDiagonal() * elasticity * scale.asDiagonal();
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(tensor, Eigen::EigenvaluesOnly).eigenvalues()[0];
+}
+
+/// du/dx + dv/dy + dw/dz per nodal motion.
+Eigen::RowVectorXd dilatation(const StrainMatrix& strains) { return strains.topRows<3>().colwise().sum(); }
+
+/// Isotropic elasticity per unit Young's modulus,
+///     D = lambda 1 1^T + 2 mu I,  2 mu = 1 / (1 + nu),  lambda = 2 mu nu / (1 - 2 nu).
+Matrix6 isotropic_elasticity(double poissons_ratio) {
+  const double shear = 1.0 / (1.0 + poissons_ratio);  // 2 mu
+  Matrix6 elasticity = even_elasticity(shear);
+  elasticity.topLeftCorner<3, 3>().array() += shear * poissons_ratio / (1.0 - 2.0 * poissons_ratio);
+  return elasticity;
+}
+
+/// Stiffness of the interpolated displacements, K = sum_p B_p^T D B_p V_p over the points.
+Eigen::MatrixXd displacement_stiffness(const std::vector<SolidPoint>& points, const Matrix6& elasticity) {
+  const Eigen::Index size = 3 * points.front().gradients.rows();
+  Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(size, size);
+  for (const auto& point : points) {
+    const StrainMatrix strains = strain_matrix(point.gradients);
+    stiffness.noalias() += strains.transpose() * (point.volume * elasticity * strains);
+  }
+  return stiffness;
+}
+
+/// The same with the volume change of every point replaced by its mean over the element (B-bar [Hug80]).
+Eigen::MatrixXd mean_dilatation_stiffness(const std::vector<SolidPoint>& points, const Matrix6& elasticity) {
+  const Eigen::Index size = 3 * points.front().gradients.rows();
+  Eigen::RowVectorXd mean = Eigen::RowVectorXd::Zero(size);
+  double volume = 0.0;
+  for (const auto& point : points) {
+    mean += point.volume * dilatation(strain_matrix(point.gradients));
+    volume += point.volume;
+  }
+  mean /= volume;
+  Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(size, size);
+  for (const auto& point : points) {
+    StrainMatrix strains = strain_matrix(point.gradients);
+    const Eigen::RowVectorXd correction = (mean - dilatation(strains)) / 3.0;
+    strains.topRows<3>().rowwise() += correction;
+    stiffness.noalias() += strains.transpose() * (point.volume * elasticity * strains);
+  }
+  return stiffness;
+}
+
+/// Stiffness of fewer points, in which a small part of the elasticity is integrated with all of them,
+///     K = sum_few B^T (D - d m I) B V + sum_all B^T (d m I) B V,
+/// m the softest modulus of D (least eigenvalue of stress per strain; 2 G of common isotropic materials), d = 0.02. The
+/// six motions of a hexahedron20 that eight points do not see get 0.02 of the stiffness that they would have: in a free
+/// element frequencies of a fifth of its first elastic one. The locking of all the points comes back by that part only,
+/// and that of volume not at all.
+Eigen::MatrixXd stabilised_stiffness(const std::vector<SolidPoint>& few, const std::vector<SolidPoint>& all,
+                                     const Matrix6& elasticity) {
+  const Matrix6 part = even_elasticity(stabilising_share * softest_modulus(elasticity));
+  return displacement_stiffness(few, elasticity - part) + displacement_stiffness(all, part);
+}
+
+constexpr int most_modes = 12;
+using ModeMatrix = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, most_modes>;  ///< strains, one mode a column
+
+/// Strains of an element at one integration point.
+struct EnhancedPoint {
+  StrainMatrix strains;  ///< B, of the displacements
+  ModeMatrix modes;      ///< G
+  double volume = 0.0;
+};
+
+/// Cartesian strains [xx yy zz xy yz xz] of natural ones [rr ss tt rs st rt]: e = g^-T E g^-1, g the tangents.
+Matrix6 natural_to_cartesian(const Eigen::Matrix3d& tangents) {
+  static constexpr int row[] = {0, 1, 2, 0, 1, 0}, column[] = {0, 1, 2, 1, 2, 2};
+  const Eigen::Matrix3d inverse = tangents.inverse();
+  Matrix6 transform;
+  for (int k = 0; k < 6; ++k) {
+    const Eigen::Vector3d a = inverse.row(row[k]), b = inverse.row(column[k]);
+    const Eigen::Matrix3d strain = 0.5 * (a * b.transpose() + b * a.transpose());
+    for (int i = 0; i < 6; ++i) transform(i, k) = (i < 3 ? 1.0 : 2.0) * strain(row[i], column[i]);
+  }
+  return transform;
+}
+
+ModeMatrix hexahedron_modes(const Eigen::Vector3d& place) {
+  const double r = place[0], s = place[1], t = place[2];
+  ModeMatrix modes = ModeMatrix::Zero(6, 9);
+  modes(0, 0) = r;
+  modes(1, 1) = s;
+  modes(2, 2) = t;
+  modes.block<1, 2>(3, 3) << r, s;
+  modes.block<1, 2>(4, 5) << s, t;
+  modes.block<1, 2>(5, 7) << r, t;
+  return modes;
+}
+
+ModeMatrix wedge_modes(const Eigen::Vector3d& place) {
+  const double r = place[0] - 1.0 / 3.0, s = place[1] - 1.0 / 3.0, t = place[2];
+  ModeMatrix modes = ModeMatrix::Zero(6, 12);
+  modes.block<1, 2>(0, 0) << r, s;
+  modes.block<1, 2>(1, 2) << r, s;
+  modes.block<1, 2>(3, 4) << r, s;
+  modes(2, 6) = t;
+  modes(5, 7) = t;
+  modes(4, 8) = t;
+  modes(5, 9) = r;
+  modes(4, 10) = s;
+  modes(5, 11) = s;
+  modes(4, 11) = r;
+  return modes;
+}
+
+/// G at a place where the Jacobian is j, of an element with these tangents at its centre.
+ModeMatrix enhanced_strains(CellShape shape, const Eigen::Vector3d& place, const Eigen::Matrix3d& centre, double j) {
+  const double ratio = centre.determinant() / j;
+  const Matrix6 transform = natural_to_cartesian(centre);
+  if (shape == CellShape::wedge6) return ratio * transform * wedge_modes(place);
+  ModeMatrix modes = ModeMatrix::Zero(6, 12);
+  modes.leftCols<9>() = ratio * transform * hexahedron_modes(place);
+  const double r = place[0], s = place[1], t = place[2];
+  for (int i = 0; i < 3; ++i) modes.block<1, 3>(i, 9) = ratio * Eigen::RowVector3d(r * s, s * t, r * t);
+  return modes;
+}
+
+Eigen::MatrixXd condensed(const std::vector<EnhancedPoint>& points, const Matrix6& elasticity) {
+  const Eigen::Index size = points.front().strains.cols(), modes = points.front().modes.cols();
+  Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(size, size), coupling = Eigen::MatrixXd::Zero(modes, size),
+                  inner = Eigen::MatrixXd::Zero(modes, modes);
+  for (const auto& point : points) {
+    const StrainMatrix stresses = point.volume * elasticity * point.strains;
+    stiffness.noalias() += point.strains.transpose() * stresses;
+    coupling.noalias() += point.modes.transpose() * stresses;
+    inner.noalias() += point.modes.transpose() * (point.volume * elasticity * point.modes);
+  }
+  const Eigen::MatrixXd amounts = inner.llt().solve(coupling);
+  return stiffness - coupling.transpose() * amounts;
+}
+
+/// Tangents at the centre of gravity of the natural shape.
+Eigen::Matrix3d centre_tangents(CellShape shape, const SolidNodes& nodes) {
+  const Eigen::Vector3d centre =
+      shape == CellShape::wedge6 ? Eigen::Vector3d(1.0 / 3.0, 1.0 / 3.0, 0.0) : Eigen::Vector3d::Zero();
+  return nodes * solid_shape_functions(shape, centre).slopes;
+}
+
+/// Hourglass functions st, rt, rs and rst by their slopes along r, s, t at a place.
+Eigen::Matrix<double, 4, 3> hourglass_slopes(const Eigen::Vector3d& place) {
+  const double r = place[0], s = place[1], t = place[2];
+  return (Eigen::Matrix<double, 4, 3>() << 0, t, s, t, 0, r, s, r, 0, s * t, r * t, r * s).finished();
+}
+
+/// Stiffness of hourglass motions q_a of unit size along x, y, z, on the parallelepiped with these tangents.
+Eigen::MatrixXd hourglass_stiffness(const Eigen::Matrix3d& tangents, const Matrix6& elasticity) {
+  const double jacobian = tangents.determinant();
+  std::vector<EnhancedPoint> points;
+  for (const auto& at : integration_rule(CellShape::hexahedron8, RulePurpose::strain))
+    points.push_back({strain_matrix(hourglass_slopes(at.place) * tangents.inverse()),
+                      enhanced_strains(CellShape::hexahedron8, at.place, tangents, jacobian), at.weight * jacobian});
+  return condensed(points, elasticity);
+}
+
+/// gamma_a at the nodes, 8 x 4: no part of a motion that is linear in space.
+Eigen::Matrix<double, 8, 4> hourglass_patterns(const SolidNodes& nodes, const ShapeSlopes& mean_gradients) {
+  const SolidNodes corners = natural_nodes(CellShape::hexahedron8);
+  Eigen::Matrix<double, 8, 4> patterns;
+  for (int i = 0; i < 8; ++i) {
+    const double r = corners(0, i), s = corners(1, i), t = corners(2, i);
+    patterns.row(i) << s * t, r * t, r * s, r * s * t;
+  }
+  return 0.125 * (patterns - mean_gradients * (nodes * patterns));
+}
+
+/// Stiffness of an element whose displacements' strains e = B u are joined by strains G a of its own, without
+/// continuity, that are condensed [SR90]:
+///     K = int B^T D B - L^T H^-1 L,  H = int G^T D G,  L = int G^T D B,  G = j0 / j T0 M(r, s, t).
+/// M holds strains in the natural axes with no mean over the element, T0 turns those of the element's centre into
+/// global ones, j is the Jacobian (j0 of the centre): G has no mean, so that constant strain is exact for any shape.
+///
+/// hexahedron8, 12 of them: those of Simo and Rifai,
+///     rr: r,  ss: s,  tt: t,  2rs: r, s,  2st: s, t,  2rt: r, t,
+/// which make bending free of shear, and the volume changes rs, st, rt [SAT93], without which an incompressible
+/// material locks.
+///
+/// wedge6, 12, with r and s from the centre of the triangle:
+///     rr, ss and 2rs: r, s,  tt: t,  2rt and 2st: t,  [2rt 2st]: [r 0], [0 s], [s r],
+/// those of the quadratic displacements that a wedge lacks. Bending about the axes of the triangle is free of shear;
+/// bending in the plane of the triangle stays that of constant strain, as it must.
+Eigen::MatrixXd enhanced_stiffness(CellShape shape, const SolidNodes& nodes, const Matrix6& elasticity) {
+  const Eigen::Matrix3d centre = centre_tangents(shape, nodes);
+  std::vector<EnhancedPoint> points;
+  for (const auto& point : solid_points(integration_rule(shape, RulePurpose::strain), nodes))
+    points.push_back(
+        {strain_matrix(point.gradients), enhanced_strains(shape, point.place, centre, point.jacobian), point.volume});
+  return condensed(points, elasticity);
+}
+
+/// Stiffness of a hexahedron8 of the mean strains [FB81] and of its twelve hourglass motions,
+///     K = V B^T D B + Gamma^T K_h Gamma,  gamma_a = 1/8 (h_a - sum_i (h_a . x_i) b_i),
+/// b_i the mean gradients of the shape functions. K_h is the stiffness of the hourglass functions st, rt, rs and rst
+/// with the enhanced strains of enhanced_stiffness(), on the parallelepiped with the tangents of the centre (in the
+/// manner of [Pus00]): no parameter, no locking, and equal to enhanced_stiffness() on a parallelepiped.
+Eigen::MatrixXd one_point_hexahedron_stiffness(const SolidNodes& nodes, const Matrix6& elasticity) {
+  ShapeSlopes gradients = ShapeSlopes::Zero(8, 3);
+  double volume = 0.0;
+  for (const auto& point : solid_points(integration_rule(CellShape::hexahedron8, RulePurpose::strain), nodes)) {
+    gradients += point.volume * point.gradients;
+    volume += point.volume;
+  }
+  gradients /= volume;
+  const StrainMatrix strains = strain_matrix(gradients);
+  const auto patterns = hourglass_patterns(nodes, gradients);
+  Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(12, 24);  // Gamma
+  for (int i = 0; i < 8; ++i)
+    for (int a = 0; a < 4; ++a) motions.block<3, 3>(3 * a, 3 * i).diagonal().setConstant(patterns(i, a));
+  const auto centre = centre_tangents(CellShape::hexahedron8, nodes);
+  return strains.transpose() * (volume * elasticity * strains) +
+         motions.transpose() * hourglass_stiffness(centre, elasticity) * motions;
+}
 
 Eigen::MatrixXd stiffness_of(CellShape shape, const SolidNodes& nodes, SolidKind kind, const Matrix6& elasticity) {
   const bool linear = shape == CellShape::hexahedron8 || shape == CellShape::wedge6;

@@ -5,12 +5,8 @@
 #include <functional>
 #include <sstream>
 
-#include "kalfem/system/laws/bouc_wen_law.hpp"
-#include "kalfem/system/laws/elastoplastic_laws.hpp"
-#include "kalfem/system/laws/friction_laws.hpp"
-#include "kalfem/system/laws/gap_law.hpp"
-#include "kalfem/system/laws/polynomial_laws.hpp"
-#include "kalfem/system/laws/saturating_law.hpp"
+#include "kalfem/system/laws/hysteretic_laws.hpp"
+#include "kalfem/system/laws/memoryless_laws.hpp"
 
 namespace kalfem {
 namespace {

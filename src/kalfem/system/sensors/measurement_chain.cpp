@@ -5,7 +5,7 @@
 #include <numbers>
 #include <string>
 
-#include "kalfem/linalg/first_order_hold.hpp"
+#include "kalfem/linalg/discretisation.hpp"
 #include "kalfem/system/option_checks.hpp"
 
 namespace kalfem {

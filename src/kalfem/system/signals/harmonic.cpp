@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "kalfem/system/option_checks.hpp"
-#include "kalfem/system/signals/smooth_step.hpp"
-#include "kalfem/system/signals/spectral_lines.hpp"
+#include "kalfem/system/signals/line_series.hpp"
+#include "kalfem/system/signals/transients.hpp"
 
 namespace kalfem {
 

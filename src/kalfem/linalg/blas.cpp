@@ -1,0 +1,77 @@
+#include "kalfem/linalg/blas.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <mutex>
+#include <string_view>
+
+// Declared weak, so that a BLAS library without them links as well.
+extern "C" {
+[[gnu::weak]] void openblas_set_num_threads(int count);
+[[gnu::weak]] int openblas_get_num_threads();
+}
+
+namespace kalfem {
+
+void keep_blas_to_one_thread() {
+  static std::once_flag done;
+  std::call_once(done, [] {
+    if (openblas_set_num_threads != nullptr) openblas_set_num_threads(1);
+  });
+}
+
+int blas_threads() { return openblas_get_num_threads != nullptr ? openblas_get_num_threads() : 0; }
+
+}  // namespace kalfem
+
+// Declared weak, so that a BLAS library without it links as well.
+extern "C" {
+[[gnu::weak]] char* openblas_get_corename();
+}
+
+#include "kalfem/base/text.hpp"
+
+namespace kalfem {
+
+namespace {
+
+/// OpenBLAS's x86-64 kernels without AVX2, the newest of 2012.
+constexpr std::array<std::string_view, 15> old_kernels = {
+    "katmai",  "coppermine",  "northwood", "prescott", "banias",    "core2",  "penryn", "dunnington",
+    "nehalem", "sandybridge", "athlon",    "opteron",  "barcelona", "bobcat", "generic"};
+
+bool processor_has_avx2() {
+#if defined(__x86_64__)
+  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+#else
+  return false;
+#endif
+}
+
+bool processor_has_avx512() {
+#if defined(__x86_64__)
+  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl");
+#else
+  return false;
+#endif
+}
+
+}  // namespace
+
+std::string blas_kernels() { return openblas_get_corename != nullptr ? openblas_get_corename() : ""; }
+
+std::optional<std::string> blas_warning(const std::string& kernels, bool has_avx2, bool has_avx512) {
+  if (!has_avx2 || std::ranges::find(old_kernels, lower_case(kernels)) == old_kernels.end()) return std::nullopt;
+  return "OpenBLAS runs its " + kernels + " kernels, though this processor has " +
+         (has_avx512 ? std::string("AVX-512") : std::string("AVX2")) +
+         ": large models are solved slower than need be; set the environment variable "
+         "OPENBLAS_CORETYPE=" +
+         (has_avx512 ? "SkylakeX" : "Haswell") + " (Zen on AMD processors)";
+}
+
+std::optional<std::string> blas_warning() {
+  return blas_warning(blas_kernels(), processor_has_avx2(), processor_has_avx512());
+}
+
+}  // namespace kalfem

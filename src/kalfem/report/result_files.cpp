@@ -1,0 +1,184 @@
+#include "kalfem/report/result_files.hpp"
+
+#include "kalfem/base/version.hpp"
+#include "kalfem/formats/hdf5/hdf5_file.hpp"
+#include "kalfem/formats/matrices/write.hpp"
+
+namespace kalfem {
+namespace {
+
+struct QuantityName {
+  const char* name;
+  const char* unit;
+};
+
+QuantityName name_of(ObservedQuantity quantity) {
+  switch (quantity) {
+    case ObservedQuantity::displacement:
+      return {"displacement", "m"};
+    case ObservedQuantity::velocity:
+      return {"velocity", "m/s"};
+    case ObservedQuantity::acceleration:
+      return {"acceleration", "m/s^2"};
+    case ObservedQuantity::connector_deformation:
+      return {"deformation", "m"};
+    case ObservedQuantity::connector_rate:
+      return {"rate", "m/s"};
+    case ObservedQuantity::connector_force:
+      return {"force", "N"};
+  }
+  return {"", ""};
+}
+
+/// A file whose series all have the same sampling rate.
+class SeriesFile {
+public:
+  SeriesFile(const std::string& path, double sample_rate, const std::string& run)
+      : file_(Hdf5File::create(path)), sample_rate_(sample_rate) {
+    file_.set_attribute("/", "kalfem", version);
+    file_.set_attribute("/", "run", run);
+    file_.set_attribute("/", "sample_rate", sample_rate);
+  }
+
+  void write(const std::string& name, const Eigen::VectorXd& values, const std::string& unit) {
+    if (values.size() == 0) return;
+    file_.write(name, values);
+    file_.set_attribute(name, "unit", unit);
+    file_.set_attribute(name, "sample_rate", sample_rate_);
+  }
+
+  void write_points(const std::string& group, const std::vector<PointQuantity>& points) {
+    for (const auto& point : points) {
+      const auto [quantity, unit] = name_of(point.quantity);
+      const std::string name = group + "/" + point.point + "/" + quantity;
+      write(name, point.mean, unit);
+      write(name + "_std", point.deviation, unit);
+    }
+  }
+
+  /// A column without a time: one value a stage of the updating, or a line of a response.
+  void write_column(const std::string& name, const Eigen::VectorXd& values, const std::string& unit) {
+    if (values.size() == 0) return;
+    file_.write(name, values);
+    file_.set_attribute(name, "unit", unit);
+  }
+
+  void close() { file_.close(); }
+
+private:
+  Hdf5File file_;
+  double sample_rate_;
+};
+
+void write_truth(SeriesFile& file, const Study& study, const SimulationOutcome& outcome) {
+  file.write_points("/truth", outcome.points);
+  const auto& inputs = outcome.reference.simulation.trajectory.inputs;
+  for (Eigen::Index i = 0; i < study.model->system().input_count(); ++i) {
+    const auto& input = study.model->system().inputs[static_cast<std::size_t>(i)];
+    file.write("/inputs/" + input.name, inputs.row(i).transpose(), input.unit);
+  }
+}
+
+void write_estimate(SeriesFile& file, const EstimationOutcome& outcome) {
+  file.write_points("/estimate", outcome.points);
+  const auto& unknowns = outcome.augmented_model->options().unknowns;
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    const std::string name = "/estimate/parameters/" + unknowns[i].name;
+    file.write(name, outcome.result.unknowns.mean.row(row).transpose(), unknowns[i].unit);
+    file.write(name + "_std", outcome.result.unknowns.deviation.row(row).transpose(), unknowns[i].unit);
+  }
+  for (std::size_t i = 0; i < outcome.measurements.channels.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    const auto& channel = outcome.measurements.channels[i];
+    file.write("/innovation/value/" + channel.name, outcome.result.innovation.row(row).transpose(), channel.unit);
+    file.write("/innovation/deviation/" + channel.name, outcome.result.innovation_deviation.row(row).transpose(),
+               channel.unit);
+    if (outcome.open_loop) file.write("/open_loop/" + channel.name, outcome.open_loop_sensors.col(row), channel.unit);
+  }
+  file.write("/innovation/nis", outcome.result.nis, "-");
+}
+
+/// Every stage: the residual, what was tried, what was accepted last. Then the responses that were compared.
+void write_updating(SeriesFile& file, const Study& study, const UpdatingOutcome& outcome) {
+  const auto stages = static_cast<Eigen::Index>(outcome.trace.size());
+  const auto column = [&](const auto& value) {
+    Eigen::VectorXd values(stages);
+    for (Eigen::Index k = 0; k < stages; ++k) values[k] = value(outcome.trace[static_cast<std::size_t>(k)]);
+    return values;
+  };
+  file.write_column("/updating/residual", column([](const auto& step) { return step.residual; }), "-");
+  file.write_column("/updating/accepted", column([](const auto& step) { return step.accepted ? 1.0 : 0.0; }), "-");
+  for (std::size_t i = 0; i < study.updating->parameters.size(); ++i) {
+    const auto& parameter = study.updating->parameters[i];
+    const auto index = static_cast<Eigen::Index>(i);
+    const std::string name = "/updating/parameters/" + parameter.name;
+    file.write_column(name, column([&](const auto& step) { return step.parameters[index]; }), parameter.unit);
+    file.write_column(name + "_tried", column([&](const auto& step) { return step.tried[index]; }), parameter.unit);
+  }
+  for (const auto& comparison : outcome.comparisons)
+    for (std::size_t i = 0; i < comparison.responses.size(); ++i) {
+      const auto& curve = comparison.responses[i];
+      const std::string group = "/updating/responses/" + comparison.name + "/" + std::to_string(i + 1);
+      file.write_column(group + "/frequency", curve.lines, "Hz");
+      file.write_column(group + "/measured", curve.measured, "SI");
+      file.write_column(group + "/before", curve.before, "SI");
+      file.write_column(group + "/after", curve.after, "SI");
+    }
+}
+
+}  // namespace
+
+void write_results(const std::string& path, const Study& study, const StudyResults& results, const std::string& run) {
+  const TimeSeries* record = results.estimation   ? &results.estimation->measurements
+                             : results.simulation ? &results.simulation->measurements
+                                                  : nullptr;
+  if (!record && !results.updating) return;
+  SeriesFile file(path, study.sample_rate(), run);
+  if (results.updating) write_updating(file, study, *results.updating);
+  if (!record) {
+    file.close();
+    return;
+  }
+  const Eigen::Index samples =
+      results.simulation ? results.simulation->reference.simulation.trajectory.samples() : record->samples();
+  file.write("/time",
+             Eigen::VectorXd::LinSpaced(samples, record->start,
+                                        record->start + static_cast<double>(samples - 1) / study.sample_rate()),
+             "s");
+  const TimeSeries& measurements = results.simulation ? results.simulation->measurements : *record;
+  for (std::size_t i = 0; i < measurements.channels.size(); ++i)
+    file.write("/measurements/" + measurements.channels[i].name, measurements.values.col(static_cast<Eigen::Index>(i)),
+               measurements.channels[i].unit);
+  if (results.simulation) write_truth(file, study, *results.simulation);
+  if (results.estimation) write_estimate(file, *results.estimation);
+  if (results.prediction) file.write_points("/prediction", results.prediction->points);
+  file.close();
+}
+
+namespace {
+
+const char* ending(MatrixFormat format) {
+  switch (format) {
+    case MatrixFormat::dmig:
+      return ".dmig";
+    case MatrixFormat::op4:
+      return ".op4";
+    case MatrixFormat::hdf5:
+      return ".h5";
+    default:
+      return ".mtx";
+  }
+}
+
+}  // namespace
+
+void write_superelements(const std::filesystem::path& folder, const Study& study) {
+  for (const auto& elements : study.structure->finite_elements)
+    for (const auto format : study.report.superelements)
+      if (elements.reduced)
+        write_superelement(folder / (elements.part->name + "_reduced" + ending(format)), elements.reduced->model,
+                           format, elements.reduced->basis);
+}
+
+}  // namespace kalfem

@@ -1,0 +1,155 @@
+#include "kalfem/system/signals/transients.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "kalfem/system/option_checks.hpp"
+
+namespace kalfem {
+
+namespace {
+
+class Step final : public FormulaSignal {
+public:
+  explicit Step(const StepOptions& options) : options_(options) {}
+
+private:
+  Eigen::Array<double, 1, 3> at(double time) const override {
+    const double T = options_.duration;
+    const double x = std::clamp((time - options_.start) / T, 0.0, 1.0);
+    const double height = options_.after - options_.before;
+    return {options_.before + height * x * x * x * (10.0 + x * (-15.0 + 6.0 * x)),
+            height / T * 30.0 * x * x * (1.0 - x) * (1.0 - x),
+            height / (T * T) * 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x)};
+  }
+
+  StepOptions options_;
+};
+
+class Constant final : public Signal {
+public:
+  explicit Constant(double value) : value_(value) {}
+  SignalSamples sample(double start, double step, Eigen::Index count) const override {
+    check_sampling(start, step, count);
+    SignalSamples samples = SignalSamples::Zero(count, 3);
+    samples.col(0) = value_;
+    return samples;
+  }
+
+private:
+  double value_;
+};
+
+class Product final : public Signal {
+public:
+  Product(SignalPtr x, SignalPtr y) : x_(std::move(x)), y_(std::move(y)) {}
+  SignalSamples sample(double start, double step, Eigen::Index count) const override {
+    const SignalSamples x = x_->sample(start, step, count);
+    const SignalSamples y = y_->sample(start, step, count);
+    SignalSamples xy(count, 3);
+    xy.col(0) = x.col(0) * y.col(0);
+    xy.col(1) = x.col(1) * y.col(0) + x.col(0) * y.col(1);
+    xy.col(2) = x.col(2) * y.col(0) + 2.0 * x.col(1) * y.col(1) + x.col(0) * y.col(2);
+    return xy;
+  }
+  bool covers(double begin, double end) const override { return x_->covers(begin, end) && y_->covers(begin, end); }
+
+private:
+  SignalPtr x_;
+  SignalPtr y_;
+};
+
+}  // namespace
+
+IssueList validate(const StepOptions& options) {
+  IssueList issues;
+  require_finite(issues, "step: before", options.before);
+  require_finite(issues, "step: after", options.after);
+  require_finite(issues, "step: start [s]", options.start);
+  require_positive(issues, "step: duration of the transition [s]", options.duration);
+  return issues;
+}
+
+SignalPtr make_step(const StepOptions& options) {
+  validate(options).raise();
+  return std::make_shared<Step>(options);
+}
+
+SignalPtr make_constant(double value) {
+  IssueList issues;
+  require_finite(issues, "constant signal: value", value);
+  issues.raise();
+  return std::make_shared<Constant>(value);
+}
+
+SignalPtr product(SignalPtr x, SignalPtr y) {
+  if (!x || !y) throw InvalidInput("a signal is missing (null pointer)", "a product needs two signals", "");
+  return std::make_shared<Product>(std::move(x), std::move(y));
+}
+
+SignalPtr faded_in(SignalPtr signal, double rise, double begin) {
+  IssueList issues;
+  require_nonnegative(issues, "fade-in [s]", rise);
+  issues.raise();
+  if (rise == 0.0) return signal;
+  return product(std::move(signal), make_step({.before = 0.0, .after = 1.0, .start = begin, .duration = rise}));
+}
+
+namespace {
+
+class Pulse final : public FormulaSignal {
+public:
+  explicit Pulse(const PulseOptions& options) : options_(options) {}
+
+private:
+  Eigen::Array<double, 1, 3> at(double time) const override {
+    const double elapsed = time - options_.start;
+    if (options_.integrated_twice) return integral_at(elapsed);
+    if (elapsed < 0.0 || elapsed > options_.duration) return {0.0, 0.0, 0.0};
+    const double w = std::numbers::pi / options_.duration;
+    const double s = std::sin(w * elapsed), c = std::cos(w * elapsed);
+    const double height = options_.amplitude;
+    if (options_.shape == PulseShape::half_sine) return {height * s, height * w * c, -height * w * w * s};
+    return {height * s * s * s * s, height * 4.0 * w * s * s * s * c,
+            height * 4.0 * w * w * s * s * (3.0 * c * c - s * s)};
+  }
+
+  /// The displacement of which the pulse is the acceleration; after it the speed stays.
+  Eigen::Array<double, 1, 3> integral_at(double elapsed) const {
+    if (elapsed < 0.0) return {0.0, 0.0, 0.0};
+    const double w = std::numbers::pi / options_.duration, height = options_.amplitude;
+    const double inside = std::min(elapsed, options_.duration), x = w * inside, s = std::sin(x);
+    Eigen::Array<double, 1, 3> motion;
+    if (options_.shape == PulseShape::half_sine)
+      motion << height / (w * w) * (x - s), height / w * (1.0 - std::cos(x)), height * s;
+    else
+      motion << height / (w * w) * (3.0 / 16.0 * x * x + (16.0 * std::cos(2.0 * x) - std::cos(4.0 * x) - 15.0) / 128.0),
+          height / w * (3.0 / 8.0 * x - std::sin(2.0 * x) / 4.0 + std::sin(4.0 * x) / 32.0), height * s * s * s * s;
+    if (elapsed > inside) {
+      motion[0] += (elapsed - inside) * motion[1];
+      motion[2] = 0.0;
+    }
+    return motion;
+  }
+
+  PulseOptions options_;
+};
+
+}  // namespace
+
+IssueList validate(const PulseOptions& options) {
+  IssueList issues;
+  require_finite(issues, "pulse: amplitude", options.amplitude);
+  require_finite(issues, "pulse: start [s]", options.start);
+  require_positive(issues, "pulse: duration [s]", options.duration);
+  return issues;
+}
+
+SignalPtr make_pulse(const PulseOptions& options) {
+  validate(options).raise();
+  return std::make_shared<Pulse>(options);
+}
+
+}  // namespace kalfem
