@@ -60,7 +60,7 @@ Table unknown_table(const AugmentedModelSetup& setup) {
 }
 
 Table updating_table(const UpdatingSetup& setup) {
-  Table table{"", {"refined", "unit", "initial", "lower", "upper", "prior std"}, {}, {}};
+  Table table{"", {"updated", "unit", "initial", "lower", "upper", "prior std"}, {}, {}};
   for (const auto& each : setup.parameters)
     table.rows.push_back({each.name, each.unit, four_digits(each.initial), four_digits(each.lower),
                           four_digits(each.upper), std::isfinite(each.deviation) ? four_digits(each.deviation) : "-"});
@@ -73,7 +73,7 @@ void print_table(const Table& table) {
 
 void check_parts(const Study& study, const std::string& page_file) {
   Page page{.title = study.title.empty() ? "kalfem" : study.title,
-            .subtitle = "Health of the finite-element substructures",
+            .subtitle = "Model check of the finite-element substructures",
             .status = PageStatus::ok,
             .summary = "The case can be run.",
             .sections = {}};
@@ -105,7 +105,7 @@ ExitCode check(const std::string& case_file, const std::string& page_file) {
   if (study.updating) print_table(updating_table(*study.updating));
   check_parts(study, page_file);
   for (const auto& warning : study.warnings) print_error("warning: {}\n", warning);
-  print("No problem found; nothing was run.\n");
+  print("No problem found. Nothing was run.\n");
   return done;
 }
 

@@ -22,7 +22,7 @@ UnitSystem unit_system(const std::vector<std::string>& words) {
   if (words.empty()) return {};
   if (words.size() != 3)
     throw InvalidInput("--units has " + std::to_string(words.size()) + " words",
-                       "a deck has units of length, mass and time", "write them in this order: --units mm t s");
+                       "a deck needs units of length, mass and time", "write them in this order: --units mm t s");
   return {to_si("1 " + words[0], "m"), to_si("1 " + words[1], "kg"), to_si("1 " + words[2], "s")};
 }
 
@@ -56,7 +56,7 @@ ExitCode check_deck(const std::string& file, const std::vector<std::string>& uni
     Page page{.title = name,
               .subtitle = fmt::format("{} degrees of freedom", assembled.size()),
               .status = sound ? PageStatus::ok : PageStatus::unusable,
-              .summary = "Health report of the deck.",
+              .summary = "Model check of the deck.",
               .sections = {model_check_section(name, deck.model, report, deck.notes)}};
     if (sound) page.sections.front().items.emplace_back(frequencies);
     write_file_atomically(page_file, render_html(page));

@@ -47,9 +47,10 @@ void print_error_text(std::string_view text) {
 void require_output() {
   if (output_error == 0 || output_error == EPIPE) return;
   if (output_error == EBADF)
-    throw WriteFailure("cannot write to the standard output", "it is closed", "open it; >/dev/null discards the text");
+    throw WriteFailure("cannot write to the standard output", "it is closed",
+                       "open it, or discard the text by >/dev/null");
   throw WriteFailure("cannot write to the standard output", std::generic_category().message(output_error),
-                     "send it to another place");
+                     "redirect it to another place");
 }
 
 }  // namespace kalfem::command

@@ -21,7 +21,7 @@ struct Arguments {
 CLI::App* add_stage(CLI::App& app, const char* verb, const char* meaning, Arguments& arguments) {
   auto* command = app.add_subcommand(verb, meaning);
   command->add_option("case", arguments.case_file, "case file (YAML)")->required();
-  command->add_option("--out", arguments.folder, "folder of the results; default: <case>.kalfem-out");
+  command->add_option("--out", arguments.folder, "folder for the results; default: <case>.kalfem-out");
   return command;
 }
 
@@ -75,20 +75,21 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", version);
   app.require_subcommand(1);
   Arguments arguments;
-  add_stage(app, "run", "every stage that the case declares", arguments);
-  add_stage(app, "modes", "modes of every substructure, and what its reduction keeps of them", arguments);
-  add_stage(app, "simulate", "the reference solution and the record made from it", arguments);
-  add_stage(app, "estimate", "states and unknown parameters, with what it needs before", arguments);
-  add_stage(app, "predict", "response of a linear substructure, with what it needs before", arguments);
-  add_stage(app, "update", "refine the linear substructures by measurements, with what it needs before", arguments);
-  auto* check = app.add_subcommand("check", "validate and explain a case or a deck, run nothing");
-  check->add_option("case", arguments.case_file, "case file (YAML), or deck (.inp, .bdf, .dat, .nas)")->required();
-  check->add_option("--page", arguments.page, "write the health report to this HTML file, with a picture of the mesh");
-  check->add_option("--units", arguments.units, "of a deck: length, mass and time, such as mm t s; default: SI")
+  add_stage(app, "run", "run everything the case asks for", arguments);
+  add_stage(app, "modes", "compute the natural modes of every substructure, full and reduced", arguments);
+  add_stage(app, "simulate", "simulate the structure and make its record", arguments);
+  add_stage(app, "estimate", "estimate the states and the unknown parameters, running the steps this needs", arguments);
+  add_stage(app, "predict", "predict the response of a linear substructure, running the steps this needs", arguments);
+  add_stage(app, "update", "update the linear substructures from measurements, running the steps this needs",
+            arguments);
+  auto* check = app.add_subcommand("check", "validate and explain a case file or a deck without running it");
+  check->add_option("case", arguments.case_file, "case file (YAML) or deck (.inp, .bdf, .dat, .nas)")->required();
+  check->add_option("--page", arguments.page, "write the model check to this HTML file, with a picture of the mesh");
+  check->add_option("--units", arguments.units, "units of a deck: length, mass and time, such as mm t s; default: SI")
       ->expected(3);
-  auto* schema = app.add_subcommand("schema", "the case-file reference");
-  schema->add_flag("--json", arguments.json, "as JSON Schema, for editors");
-  schema->add_flag("--laws", arguments.laws, "the connector laws and their parameters");
+  auto* schema = app.add_subcommand("schema", "print the reference of the case file");
+  schema->add_flag("--json", arguments.json, "as a JSON Schema, for editors");
+  schema->add_flag("--laws", arguments.laws, "list the connector laws and their parameters");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -23,7 +23,7 @@ void print_heading(const Study& study) {
 
 void print_files(const fs::path& folder, const ResultSet& set) {
   print("Results in {}: {}\n", folder.string(), listed(set.files));
-  if (!set.removed.empty()) print("Removed there, as of a former run: {}\n", listed(set.removed));
+  if (!set.removed.empty()) print("Removed from there (results of an earlier run): {}\n", listed(set.removed));
 }
 
 /// A verb that asks for one step needs its section.
@@ -32,8 +32,7 @@ void require_section(const Study& study, Step asked) {
     if (!present)
       throw InvalidInput(Issue{{study.file, 1},
                                "the case has no `" + std::string(section) + "`",
-                               "there is nothing to do for `kalfem " + std::string(section) + "`",
-                               "add it, or use another verb"});
+                               "`kalfem " + std::string(section) + "`", "add the section or use another verb"});
   };
   if (asked == Step::simulate) require(study.simulation.has_value(), "simulate");
   if (asked == Step::estimate) require(study.problem != nullptr, "estimate");

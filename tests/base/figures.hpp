@@ -73,7 +73,7 @@ inline void expect_figure(const std::string& name, double measured) {
   }
   const auto stated = parse_figure(*text);
   if (!stated) {
-    ADD_FAILURE() << "docs/figures.txt states '" << *text << "' for '" << name << "': that is no number";
+    ADD_FAILURE() << "docs/figures.txt states '" << *text << "' for '" << name << "': that is not a number";
     return;
   }
   EXPECT_TRUE(stated->agrees_with(measured))

@@ -24,7 +24,7 @@ TEST(InvalidInput, CountsTheOthersAtTheEnd) {
   const InvalidInput error(issues(150'000));
   const std::string text = error.what();
   EXPECT_EQ(std::ranges::count(text, '\n'), 15);
-  EXPECT_TRUE(text.ends_with("\nand 149985 more problems; mend these first")) << text;
+  EXPECT_TRUE(text.ends_with("\nand 149985 more problems; correct these first")) << text;
   EXPECT_EQ(error.issues().size(), 150'000U);
 }
 

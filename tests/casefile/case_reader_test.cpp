@@ -152,10 +152,10 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"binary", std::string("a\0b", 3), {"case.yaml:1: not a text file in UTF-8"}},
         Mistake{"key_is_a_map", "{a: 1}: 2", {"a key must be a word or a number"}},
         Mistake{"unknown_alias", sub + "title: *nowhere", {"case.yaml:2: this is not YAML"}},
-        Mistake{"alias_of_itself", "substructures: &a {b: *a}", {"the alias stands inside what it refers to"}},
+        Mistake{"alias_of_itself", "substructures: &a {b: *a}", {"the alias is inside the value that it refers to"}},
         Mistake{"merge_of_text",
                 "substructures: {a: {<<: x, masses: {m: 1}}}",
-                {"<< merges 'x'", "only maps can be merged"}}),
+                {"<< is used on 'x'", "only maps can be merged"}}),
     [](const auto& each) { return each.param.name; });
 
 TEST(CaseReader, SeveralMistakesAreReportedInOrderOfLines) {

@@ -163,7 +163,7 @@ TEST(ConnectorGrounds, ALocalModelKeepsItsConnectorsToGrounds) {
 TEST(ConnectorGrounds, TwoGroundsThatDoNotMoveAreRefusedWithTheirLine) {
   const auto found = problems_of(across("frame.wall", "ground"));
   EXPECT_NE(
-      found.find("case.yaml:9: connector 'across' joins the grounds 'frame.wall' and 'ground', which do not move"),
+      found.find("case.yaml:9: connector 'across' connects the grounds 'frame.wall' and 'ground', which do not move"),
       std::string::npos)
       << found;
   EXPECT_NE(problems_of(across("frame.table", "frame.table")).find("case.yaml:9"), std::string::npos);

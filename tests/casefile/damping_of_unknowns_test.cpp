@@ -102,7 +102,7 @@ TEST(DampingOfUnknowns, AFirstGuessOfNothingIsRefusedWhereDampingFollowsIt) {
     study_of(chain_case("1 s", "    body.3-4.stiffness: {initial: 0 N/m, std: 10 kN/m}\n"));
     FAIL() << "it was accepted";
   } catch (const InvalidInput& error) {
-    EXPECT_NE(std::string(error.what()).find("start from a positive first guess"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("start from a positive initial value"), std::string::npos) << error.what();
   }
   study_of(
       chain_case("1 s", "    wheel.k_w.stiffness: {initial: 0 N/m, std: 10 kN/m}\n"));  // carried by a connector alone

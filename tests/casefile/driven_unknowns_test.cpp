@@ -17,8 +17,8 @@ TEST(DrivenUnknowns, AreRefused) {
     study_of(updating_case(unknown, "body.7-8.stiffness: {}"));
     FAIL() << "it was accepted";
   } catch (const InvalidInput& error) {
-    for (const char* piece : {"chain.yaml:", "'body.3-4.stiffness' is an unknown of the filter",
-                              "refine it under update.parameters instead"})
+    for (const char* piece :
+         {"chain.yaml:", "'body.3-4.stiffness' is an unknown of the filter", "list it under update.parameters instead"})
       EXPECT_NE(std::string(error.what()).find(piece), std::string::npos) << piece << " in: " << error.what();
   }
   study_of(updating_case("    wheel.k_w.stiffness: {initial: 22 kN/m, std: 3 %}\n", "body.7-8.stiffness: {}"));

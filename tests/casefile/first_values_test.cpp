@@ -36,7 +36,7 @@ std::string refusal_of(const Study& study) {
 TEST(FirstValues, AParameterThatNoComparisonDependsOnIsRefusedByCheckAsByRun) {
   const Study study = study_of(frames("{frame.a.stiffness: {}, other.b.stiffness: {}}"));
   const std::string refusal = refusal_of(study);
-  EXPECT_NE(refusal.find("chain.yaml:11: update.parameters.other.b.stiffness: no comparison depends on it"),
+  EXPECT_NE(refusal.find("chain.yaml:11: update.parameters.other.b.stiffness: no comparison depends on this parameter"),
             std::string::npos)
       << refusal;
   try {
@@ -57,7 +57,7 @@ TEST(FirstValues, WhereTheFilterFailsTheResultsAreNotUsable) {
   check_first_values(study);
   const StudyResults results = run_study(study, Step::update);
   EXPECT_FALSE(results.usable());
-  EXPECT_NE(results.failure.find("at the first values of the updated parameters"), std::string::npos)
+  EXPECT_NE(results.failure.find("at the initial values of the updated parameters"), std::string::npos)
       << results.failure;
 }
 

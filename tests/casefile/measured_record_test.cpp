@@ -67,7 +67,7 @@ estimate:
     FAIL();
   } catch (const InvalidInput& error) {
     expect_in(error.what(),
-              {"case.yaml:8: sensors.a drives an interface of the filter's model and misses the sample at 2 s"});
+              {"case.yaml:8: sensors.a drives an interface of the filter's model, but its sample is missing at 2 s"});
   }
 }
 
@@ -83,13 +83,13 @@ TEST_F(MeasuredRecords, AChannelWithoutANumberIsRefusedByItsName) {
   write_with(written(displacement), [](double) { return "nan"; });
   const std::pair<std::string, std::string> skip{"{file: record.csv}\nest",
                                                  "{file: record.csv, skip_missing: true}\nest"};
-  expect_in(errors({skip}), {"case.yaml:8: sensors.a: channel 'a' holds no number", "401 samples from 0 s to 4 s"});
+  expect_in(errors({skip}), {"case.yaml:8: sensors.a: channel 'a' has no number", "401 samples from 0 s to 4 s"});
   write_with([](double) { return ""; }, [](double) { return "nan"; });
-  expect_in(errors({skip}), {"sensors.x: channel 'x' holds no number", "sensors.a: channel 'a' holds no number"});
+  expect_in(errors({skip}), {"sensors.x: channel 'x' has no number", "sensors.a: channel 'a' has no number"});
   // There are numbers, but none in the part that is used.
   write_with(written(displacement), [](double t) { return t > 2.0 ? "" : written(acceleration)(t); });
   expect_in(errors({{skip.first, "{file: record.csv, skip_missing: true, start: 2.5 s}\nest"}}),
-            {"channel 'a' holds no number", "from 2.5 s to 4 s"});
+            {"channel 'a' has no number", "from 2.5 s to 4 s"});
 }
 
 TEST_F(MeasuredRecords, AConstantChannelIsRefusedWithItsValue) {

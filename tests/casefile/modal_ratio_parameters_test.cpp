@@ -35,7 +35,7 @@ std::string refusal_of(const std::string& text) {
 void expect_refusal(const std::string& text) {
   const std::string refusal = refusal_of(text);
   for (const char* piece :
-       {"chain.yaml:", "stands for all modal ratios as one number", "[0.2 %, 2 %, 2 %]", "body.damping.modal.1"})
+       {"chain.yaml:", "is one value for all modal damping ratios", "[0.2 %, 2 %, 2 %]", "body.damping.modal.1"})
     EXPECT_NE(refusal.find(piece), std::string::npos) << piece << " in: " << refusal;
 }
 

@@ -112,7 +112,7 @@ TEST(MultiSupport, AnAccelerometersOffsetDoesNotPullTheSupportsApart) {
   const std::string left = "  a: {base_acceleration: beam.left, file: " + (folder / "a.csv").string() + ", channel: a1";
   const auto study = study_of(driven_by(left + "}"));
   ASSERT_EQ(study.warnings.size(), 1U);
-  EXPECT_NE(study.warnings[0].find("excitation 'a': its acceleration is taken to have an offset of 0.05"),
+  EXPECT_NE(study.warnings[0].find("excitation 'a': its acceleration is assumed to have an offset of 0.05"),
             std::string::npos)
       << study.warnings[0];
   EXPECT_NE(study.warnings[0].find("drift: keep"), std::string::npos);
@@ -239,7 +239,7 @@ INSTANTIATE_TEST_SUITE_P(
         Contradiction{"different_grounds", left + "}\n  b: {base_displacement: beam.right, " + sine_m + "}", ""},
         Contradiction{"gravity_beside", left + "}\n  g: {base_acceleration: all, constant: 9.81 m/s^2}", ""},
         Contradiction{"grounds_and_masses", "  a: {base_acceleration: {beam.left: 1, beam.1: 1}, " + sine + "}",
-                      "case.yaml:14: excitation.a.base_acceleration names grounds and degrees of freedom"},
+                      "case.yaml:14: excitation.a.base_acceleration lists both grounds and degrees of freedom"},
         Contradiction{"no_such_ground", "  a: {base_acceleration: beam.lift, " + sine + "}",
                       "case.yaml:14: excitation.a.base_acceleration: there is no point 'beam.lift' (did you mean "
                       "'beam.left'?)"},
@@ -269,9 +269,9 @@ INSTANTIATE_TEST_SUITE_P(
                       left + "}\n  b: {base_displacement: beam.right, delayed: {input: a, delay: 0.1}}",
                       "case.yaml:15: excitation.b.delayed.input: input 'a' is in m/s^2"},
         Contradiction{"follows_itself", "  b: {base_displacement: beam.right, delayed: {input: b, delay: 0.1}}",
-                      "case.yaml:14: excitation.b.delayed.input: there is no input 'b' before this one"},
+                      "case.yaml:14: excitation.b.delayed.input: there is no input 'b' above this one"},
         Contradiction{"road_as_acceleration", "  a: {base_acceleration: beam.left, road: {class: C, speed: 20}}",
-                      "case.yaml:14: excitation.a: a road is a displacement [m]"}),
+                      "case.yaml:14: excitation.a: a road profile is a displacement [m]"}),
     [](const auto& each) { return each.param.name; });
 
 TEST(MultiSupport, EveryProblemIsReportedAtOnce) {
@@ -298,7 +298,7 @@ simulate: {duration: 1 s, sample_rate: 200 Hz}
 )";
   const auto found = problems_of(changed(lever, "@", "all"));
   EXPECT_NE(found.find("case.yaml:8: "), std::string::npos) << found;
-  EXPECT_NE(found.find("which strains substructure 'bar'"), std::string::npos) << found;
+  EXPECT_NE(found.find("which deforms substructure 'bar'"), std::string::npos) << found;
   EXPECT_EQ(problems_of(changed(lever, "@", "{bar.z: 1}")), "");
   const auto relative = problems_of(changed(lever, "@", "bar.ground"));
   EXPECT_NE(relative.find("case.yaml:9: sensors.s.acceleration is relative to the accelerated base"), std::string::npos)

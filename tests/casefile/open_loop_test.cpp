@@ -45,7 +45,7 @@ TEST_F(OpenLoop, ThatDivergesIsAnOutcome) {
     EXPECT_FALSE(results.estimation->open_loop);
     const auto summary = summarise(study, results);
     EXPECT_EQ(summary["status"], force == untrusted ? "unusable" : "ok");
-    EXPECT_NE(results.estimation->open_loop_failure.find("the simulation from the estimates "), std::string::npos);
+    EXPECT_NE(results.estimation->open_loop_failure.find("the simulation with the estimates "), std::string::npos);
     EXPECT_EQ(summary["estimation"]["open_loop_failure"], results.estimation->open_loop_failure);
     EXPECT_FALSE(summary["estimation"].contains("open_loop"));
     EXPECT_NE(console_report(study, results).find("No open-loop comparison: "), std::string::npos);

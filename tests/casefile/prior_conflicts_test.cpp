@@ -21,7 +21,7 @@ TEST(PriorConflicts, AFirstGuessOfOnePerCentOfTheTruthIsNotTrusted) {
   const StudyResults results = results_of("mu_k1: {initial: 0.2 N, std: 50 %}");
   ASSERT_FALSE(results.usable());
   EXPECT_TRUE(results.warnings.empty());
-  for (const char* piece : {"'suspension.mu_k1'", "prior standard deviations from its first guess 0.2",
+  for (const char* piece : {"'suspension.mu_k1'", "prior standard deviations from its initial value 0.2",
                             "(expected 4): do not trust the estimates", "transform: log"})
     EXPECT_TRUE(holds(results.failure, piece)) << piece << " in: " << results.failure;
 }
@@ -31,7 +31,7 @@ TEST(PriorConflicts, AnEstimateFarFromItsPriorWithARightNisIsNamedOnly) {
   const StudyResults results = results_of("mu_k1: {initial: 2 N, std: 50 %}");
   EXPECT_TRUE(results.usable()) << results.failure;
   ASSERT_EQ(results.warnings.size(), 1u);
-  EXPECT_TRUE(holds(results.warnings[0], "prior standard deviations from its first guess 2")) << results.warnings[0];
+  EXPECT_TRUE(holds(results.warnings[0], "prior standard deviations from its initial value 2")) << results.warnings[0];
 }
 
 TEST(PriorConflicts, AnEstimateWithinItsPriorIsNoConflict) {

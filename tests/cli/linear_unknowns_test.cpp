@@ -35,7 +35,7 @@ TEST(LinearUnknowns, YoungsModulusOfTwoRegionsOfTheVehicle) {
   for (const char* point : {"p5.z", "p6.z", "p7.z", "p8.z"})
     EXPECT_LT(summary["prediction"]["frame"][point]["acceleration_nrmse_in_band"].get<double>(), 0.025)
         << point;  // found .8 %
-  EXPECT_NE(outcome.output.find("Linear part: linearised anew"), std::string::npos);
+  EXPECT_NE(outcome.output.find("Linear part: relinearised"), std::string::npos);
 }
 
 std::string chain_with(const std::string& unknowns) {
@@ -99,14 +99,14 @@ INSTANTIATE_TEST_SUITE_P(
         UnknownMistake{"OfTwoUnits",
                        chain_with("    both: {initial: 1, applies_to: [body.damping.modal, "
                                   "body.damping.mass_factor]}\n"),
-                       "applies to numbers in - and in 1/s"},
+                       "applies to parameters in - and in 1/s"},
         UnknownMistake{"GivenTwice",
                        chain_with("    body.damping.modal: {initial: 1 %}\n"
                                   "    again: {initial: 1 %, applies_to: [body.damping.modal]}\n"),
                        "'body.damping.modal' is estimated already by estimate.unknown.body.damping.modal"},
         UnknownMistake{"WhileUpdating",
                        changed(short_chain(), "  unknown:\n", "  unknown:\n    body.damping.modal: {initial: 1 %}\n"),
-                       "'body.damping.modal' is refined already by update.parameters.body.damping.modal"}),
+                       "'body.damping.modal' is updated already by update.parameters.body.damping.modal"}),
     [](const auto& each) { return each.param.name; });
 
 }  // namespace

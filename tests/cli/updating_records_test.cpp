@@ -36,7 +36,7 @@ TEST(UpdatingByRecords, TheChainIsRefinedByItsOwnRecord) {
   for (std::size_t i = 1; i <= stages; ++i)
     EXPECT_NE(outcome.output.find("stage " + std::string(i < 10 ? " " : "") + std::to_string(i) + ":"),
               std::string::npos);
-  EXPECT_NE(read(folder / "report.html").find("Parameters by stage"), std::string::npos);
+  EXPECT_NE(read(folder / "report.html").find("Parameters by iteration"), std::string::npos);
 }
 
 /// Both ways of differentiating the boundary's motion end at the same place, one in fewer stages.

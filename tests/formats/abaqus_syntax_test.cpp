@@ -88,9 +88,9 @@ TEST(AbaqusSyntax, MissingAndRingIncludesAreTold) {
 TEST(AbaqusSyntax, ProblemsOfTheMeshAreToldTogetherWithTheirLines) {
   const std::string text =
       nodes + "2, 5, 0, 0\n5, x, 0, 0\n*ELEMENT, TYPE=S4, ELSET=Plate\n1, 1, 2, 3, 77\n1, 4, 3, 2, 1\n2, 1, 2, 3\n";
-  expect_problem(text, 6, "second time");
+  expect_problem(text, 6, "defined twice");
   expect_problem(text, 7, "'x'");
-  expect_problem(text, 10, "second time");
+  expect_problem(text, 10, "defined twice");
   expect_problem(text, 11, "3 nodes");
   expect_problem(nodes + "*ELEMENT, TYPE=S4, ELSET=Plate\n1, 1, 2, 3, 77\n" + properties, 7, "unknown node 77");
 }
@@ -105,8 +105,8 @@ TEST(AbaqusSyntax, MissingSectionsMaterialsAndEnds) {
   expect_problem(plate, 7, "no section");
   expect_problem(plate + "*SHELL SECTION, ELSET=Plate, MATERIAL=none\n0.01\n", 8, "no material 'none'");
   expect_problem(plate + "*SHELL SECTION, ELSET=Plat, MATERIAL=none\n0.01\n", 8, "did you mean 'Plate'");
-  expect_problem("*PART, NAME=p\n" + plate, 1, "not ended");
-  expect_problem(plate + properties + "*STEP\n*STATIC\n", 15, "not ended");
+  expect_problem("*PART, NAME=p\n" + plate, 1, "not closed");
+  expect_problem(plate + properties + "*STEP\n*STATIC\n", 15, "not closed");
   expect_problem("no deck at all\n", 1, "begins with");
   expect_problem("", 1, "no nodes");
 }
@@ -126,13 +126,13 @@ TEST(AbaqusSyntax, WhatHasNoEffectIsNotedOncePerKeyword) {
   ASSERT_EQ(notes.size(), 3u);
   EXPECT_EQ(notes.at("*CLOAD").count, 2u);
   EXPECT_EQ(notes.at("*CLOAD").where.line, 15);
-  EXPECT_EQ(notes.at("*CONTACT PAIR").consequence, "the parts are not joined by contact");
+  EXPECT_EQ(notes.at("*CONTACT PAIR").consequence, "contact does not join the parts");
   EXPECT_NE(notes.at("*WHATEVER").consequence.find("not known"), std::string::npos);
 }
 
 TEST(AbaqusSyntax, SetsInARingAndUnreadableLinesAreTold) {
   expect_problem(plate + properties + "*NSET, NSET=a\nb\n*NSET, NSET=b\na\n", 18, "contains itself");
-  expect_problem(plate + properties + "*NSET, NSET=a, GENERATE\n5, 1\n", 16, "no range");
+  expect_problem(plate + properties + "*NSET, NSET=a, GENERATE\n5, 1\n", 16, "not a range");
   expect_problem(plate + properties + "*BOUNDARY\nAll, q\n", 16, "directions");
   expect_problem(plate + properties + "*BOUNDARY\nAl, 1\n", 16, "did you mean 'All'");
   expect_problem(plate + properties + "*EQUATION\n3\n1, 1, 1., 2, 1, -1.\n", 16, "2 of 3 terms");

@@ -121,7 +121,7 @@ TEST_F(FrfTables, RefusesNamesThatMakeNoFrf) {
   only("f;a_re;a_im;a_re\n1;2;3;4\n", "two columns");
   only("f;a_mag;b_re;b_im\n1;2;3;4\n", "without phase");
   only("f;a_mag\n1;-2\n", "is negative");
-  only("f;a_re;a_im\n1;2;3j\n", "this column is real");
+  only("f;a_re;a_im\n1;2;3j\n", "the column is real elsewhere");
   only("f [min];a\n1;2j\n", "Hz, kHz and rad/s");
   only("f;accel\n1;2j\n", "did you mean 'accel'", {.outputs = {"acel"}});
   only("f;a\n1;2j\n", "no column 'g'", {.frequency_column = "g"});

@@ -238,29 +238,29 @@ TEST(GmshText, SaysWhatIsWrongInAnAsciiFile) {
   const struct {
     std::string text, message;
   } cases[] = {
-      {"", "mesh.msh:1: this is no Gmsh mesh"},
-      {"solid cube\n", "mesh.msh:1: this is no Gmsh mesh"},
-      {"$NOD\n1\n1 0 0 0\n$ENDNOD\n", "mesh.msh:1: this is no Gmsh mesh"},
-      {replaced(ascii4, "4.1 0 8", "4 0 8"), "mesh.msh:2: the mesh is of version '4'"},
-      {replaced(ascii4, "4.1 0 8", "3 0 8"), "mesh.msh:2: the mesh is of version '3'"},
+      {"", "mesh.msh:1: this is not a readable Gmsh mesh"},
+      {"solid cube\n", "mesh.msh:1: this is not a readable Gmsh mesh"},
+      {"$NOD\n1\n1 0 0 0\n$ENDNOD\n", "mesh.msh:1: this is not a readable Gmsh mesh"},
+      {replaced(ascii4, "4.1 0 8", "4 0 8"), "mesh.msh:2: the mesh has format version '4'"},
+      {replaced(ascii4, "4.1 0 8", "3 0 8"), "mesh.msh:2: the mesh has format version '3'"},
       {replaced(ascii4, "4.1 0 8", "4.1 0 4"), "mesh.msh:2: the format line cannot be understood"},
       {replaced(ascii2, "$Nodes\n5", "$Nodes\n-5"), "mesh.msh:10: -5 nodes are announced: a count cannot be negative"},
       {replaced(ascii2, "$Nodes\n5", "$Nodes\n900000000000"),
        "mesh.msh:10: 900000000000 nodes are announced: the rest"},
       {replaced(ascii2, "$Nodes\n5", "$Nodes\n4"), "mesh.msh:15: there is '12 2.5 5e-1 -0.25' where $EndNodes"},
-      {replaced(ascii2, "$Nodes\n5", "$Nodes\n6"), "mesh.msh:16: the section ends where a node's number"},
+      {replaced(ascii2, "$Nodes\n5", "$Nodes\n6"), "mesh.msh:16: the section ends instead of a node's number"},
       {replaced(ascii2, "7 1 0 0", "7 1 0"), "mesh.msh:12: the line holds too few numbers for a node"},
       {replaced(ascii2, "7 1 0 0", "7 1 0 0 0"), "mesh.msh:12: the line holds too many numbers for a node"},
       {replaced(ascii2, "7 1 0 0", "7 1 zero 0"), "mesh.msh:12: a node's coordinate is 'zero': it must be a number"},
       {replaced(ascii2, "7 1 0 0", "7.5 1 0 0"), "mesh.msh:12: a node's number is '7.5': it must be a whole"},
       {replaced(ascii2, "7 1 0 0", "7 nan 0 0"), "mesh.msh:12: node 7 has a coordinate that is not finite"},
       {replaced(ascii2, "7 1 0 0", "7 1e999 0 0"), "mesh.msh:12: node 7 has a coordinate that is not finite"},
-      {replaced(ascii2, "7 1 0 0", "40 1 0 0"), "mesh.msh:12: node 40 is given a second time"},
+      {replaced(ascii2, "7 1 0 0", "40 1 0 0"), "mesh.msh:12: node 40 is defined twice"},
       {replaced(ascii2, "5 2 2 1 1 7 12", "5 2 2 1 1 7 13"), "mesh.msh:23: element 5 names the node 13"},
       {replaced(ascii2, "5 2 2 1 1 7 12", "5 777 2 1 1 7 12"), "mesh.msh:23: an element is of type 777"},
       {replaced(ascii2, "5 2 2 1 1 7 12", "5 2 -2 1 1 7 12"), "mesh.msh:23: -2 tags of an element are announced"},
       {replaced(ascii2, "$EndElements", "$EndElement"), "mesh.msh:24: there is '$EndElement' where $EndElements"},
-      {replaced(ascii2, "$Nodes", "stray\n$Nodes"), "mesh.msh:9: a section should begin here"},
+      {replaced(ascii2, "$Nodes", "stray\n$Nodes"), "mesh.msh:9: a section was expected here"},
       {replaced(ascii2, "\"a plate\"", "plate"), "mesh.msh:7: the name of physical group 1 cannot be read"},
       {replaced(ascii4, "1 1 1 2\n40", "1 1 1 6\n40"),
        "mesh.msh:17: a block announces 6 nodes: the section has 5 left"},
@@ -270,7 +270,8 @@ TEST(GmshText, SaysWhatIsWrongInAnAsciiFile) {
       {replaced(ascii4, "3 40 7 1000000 3", "3 40 7 1000000"), "mesh.msh:37: the line holds too few numbers"},
       {ascii4.substr(0, ascii4.find("$Elements")), "mesh.msh:30: the file has no $Elements section"},
       {ascii4.substr(0, ascii4.find("$Nodes")), "mesh.msh:15: the file has no $Nodes section"},
-      {replaced(ascii4, "$EndElements\n", "$EndElements\n$Nodes\n"), "mesh.msh:41: there is a second section $Nodes"},
+      {replaced(ascii4, "$EndElements\n", "$EndElements\n$Nodes\n"),
+       "mesh.msh:41: there is more than one section $Nodes"},
       {ascii4 + "$Periodic\n1\n", "mesh.msh:41: the section $Periodic has no end"},
   };
   for (const auto& [text, message] : cases) EXPECT_EQ(refusal(text).substr(0, message.size()), message);
@@ -279,10 +280,10 @@ TEST(GmshText, SaysWhatIsWrongInAnAsciiFile) {
 TEST(GmshText, SaysWhatIsWrongInABinaryFile) {
   const std::string good = binary4();
   const auto swapped = replaced(good, "4.1 1 8\n" + bytes(i(1)), "4.1 1 8\n" + bytes(i(0x01000000)));
-  EXPECT_EQ(refusal(swapped).substr(0, 56), "mesh.msh: the mesh was written with another byte order (");
+  EXPECT_EQ(refusal(swapped).substr(0, 56), "mesh.msh: the mesh has the byte order of another machine (");
   EXPECT_NE(refusal(swapped).find("(byte 20)"), std::string::npos);
   const auto doubled = replaced(good, bytes(s(40), s(7)), bytes(s(40), s(40)));
-  EXPECT_NE(refusal(doubled).find("node 40 is given a second time (byte "), std::string::npos);
+  EXPECT_NE(refusal(doubled).find("node 40 is defined twice (byte "), std::string::npos);
   const auto countless = replaced(good, bytes(s(2), s(5), s(3)), bytes(s(2), s(INT64_MAX), s(3)));
   EXPECT_NE(refusal(countless).find("9223372036854775807 nodes are announced (byte "), std::string::npos);
   const auto negative = replaced(good, bytes(s(2), s(5), s(3)), bytes(s(-2), s(5), s(3)));

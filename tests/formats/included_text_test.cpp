@@ -10,8 +10,8 @@ namespace kalfem {
 namespace {
 
 TEST(IncludedText, MessagesQuoteNumbersAndNothingElse) {
-  EXPECT_EQ(without_quotations("'root:x:0' is no number"), "'...' is no number");
-  EXPECT_EQ(without_quotations("the set 'a' b' c' is not there"), "the set '...' is not there");
+  EXPECT_EQ(without_quotations("'root:x:0' is not a number"), "'...' is not a number");
+  EXPECT_EQ(without_quotations("the set 'a' b' c' is missing"), "the set '...' is missing");
   EXPECT_EQ(without_quotations("the beam's axis is ('secret')"), "the beam's axis is ('...')");
   EXPECT_EQ(without_quotations("field 3 is '1.2.3'"), "field 3 is '1.2.3'");
   EXPECT_EQ(without_quotations("the beam's axis is missing"), "the beam's axis is missing");

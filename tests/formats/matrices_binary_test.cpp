@@ -142,7 +142,7 @@ TEST(MatrixBinary, Outputs4InEveryKind) {
     }
   EXPECT_NE(refusal(op4(kinds[0], Columns::dense, 4), "x").find("matrix 'KAA' is complex"), std::string::npos);
   const std::string whole = op4(kinds[0], Columns::dense);
-  EXPECT_NE(refusal(whole.substr(0, whole.size() - 30), "x").find("the file ends where"), std::string::npos);
+  EXPECT_NE(refusal(whole.substr(0, whole.size() - 30), "x").find("the file ends, but"), std::string::npos);
 }
 
 TEST(MatrixBinary, Outputs2InEveryKind) {
@@ -308,7 +308,7 @@ TEST(MatrixBinary, CompressedFilesAndWhatIsWrongWithThem) {
   deflateEnd(&stream);
   EXPECT_EQ(parse_matrices(packed, "K.mtx.gz")[0].matrix.coeff(0, 0), 5.0);
   EXPECT_EQ(parse_matrices(packed, "K.mtx.gz")[0].name, "K");
-  EXPECT_NE(refusal(packed.substr(0, 30), "K.mtx.gz").find("ends too early"), std::string::npos);
+  EXPECT_NE(refusal(packed.substr(0, 30), "K.mtx.gz").find("truncated"), std::string::npos);
   packed[20] = static_cast<char>(packed[20] ^ 0x55);
   EXPECT_NE(refusal(packed, "K.mtx.gz").find("K.mtx.gz: "), std::string::npos);
 }

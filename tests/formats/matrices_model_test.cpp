@@ -66,7 +66,7 @@ TEST(MatrixModel, SaysEverythingThatIsWrongTogether) {
   negative(1, 1) = -2.0;
   infinite(2, 2) = std::numeric_limits<double>::infinity();
   const std::string both = refusal(matrix("K", infinite), matrix("M", negative));
-  EXPECT_NE(both.find("the stiffness matrix 'K' holds a number that is not finite"), std::string::npos) << both;
+  EXPECT_NE(both.find("the stiffness matrix 'K' has an entry that is not finite"), std::string::npos) << both;
   EXPECT_NE(both.find("the mass matrix 'M' has -2.000000 on its diagonal at row 2"), std::string::npos) << both;
   beside(0, 0) = 0.0;
   beside(0, 1) = beside(1, 0) = 0.1;
@@ -76,15 +76,16 @@ TEST(MatrixModel, SaysEverythingThatIsWrongTogether) {
   } cases[] = {
       {matrix("K", k), matrix("M", m.topRows(2)), "the mass matrix 'M' is 2 x 3: it must be square"},
       {matrix("K", k), matrix("M", m.topLeftCorner(2, 2)), "the mass matrix 'M' is 2 x 2: there are 3 degrees"},
-      {matrix("K", k), matrix("M", beside), "entries beside it need a positive one"},
-      {matrix("K", k), matrix("M", 0.0 * m), "the mass matrix holds no mass"},
+      {matrix("K", k), matrix("M", beside), "a row with other entries needs a positive diagonal"},
+      {matrix("K", k), matrix("M", 0.0 * m), "the mass matrix is zero"},
   };
   for (const auto& [stiffness, mass, message] : cases)
     EXPECT_NE(refusal(stiffness, mass).find(message), std::string::npos) << refusal(stiffness, mass);
-  EXPECT_NE(refusal(matrix("K", k), matrix("M", m), {.dofs = {{1, 0}, {1, 0}, {1, 1}}}).find("stands twice in the map"),
-            std::string::npos);
+  EXPECT_NE(
+      refusal(matrix("K", k), matrix("M", m), {.dofs = {{1, 0}, {1, 0}, {1, 1}}}).find("is listed twice in the map"),
+      std::string::npos);
   EXPECT_NE(refusal(matrix("K", k, {{1, 0}, {2, 0}, {3, 0}}), matrix("M", m), {.dofs = {{1, 0}, {2, 0}, {4, 0}}})
-                .find("has degree of freedom 3.x: the map does not have it"),
+                .find("has degree of freedom 3.x: the map does not list it"),
             std::string::npos);
 }
 

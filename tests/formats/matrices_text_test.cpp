@@ -102,7 +102,7 @@ TEST(MatrixText, SaysWhatIsWrong) {
     std::string text, source, message;
   } cases[] = {
       {"", "a.mtx", "a.mtx: the file is empty"},
-      {"hello\n", "a.txt", "a.txt: the format of this file is not known"},
+      {"hello\n", "a.txt", "a.txt: the format of this file is unknown"},
       {with(market, "real", "complex"), "a.mtx", "a.mtx:1: the matrix is complex"},
       {with(market, "3 3 5", "3 3 6"), "a.mtx", "a.mtx:9: the file ends after 5 of 6 entries"},
       {with(market, "3 3 5", "3 3 4"), "a.mtx", "a.mtx:9: there are more entries"},
@@ -111,19 +111,19 @@ TEST(MatrixText, SaysWhatIsWrong) {
       {with(market, "2 1 -1", "2 4 -1"), "a.mtx", "a.mtx:6: entry (2, 4) of matrix 'a' is out of range"},
       {with(market, "2 1 -1", "2 1 nan"), "a.mtx", "a.mtx:6: entry (2, 1) of matrix 'a' is not finite"},
       {with(market, "2 1 -1", "2 1 1e999"), "a.mtx", "a.mtx:6: entry (2, 1) of matrix 'a' is not finite"},
-      {with(market, "2 1 -1", "1 1 -1"), "a.mtx", "entry (1, 1) of matrix 'a' is given twice"},
-      {with(market, "3 2 -2.5e-1", "1 2 -2.5e-1"), "a.mtx", "holds both entries of a symmetric pair"},
-      {with(nodal, "7,6,12", "7,7,12"), "a.mtx", "a.mtx:4: '7, 7' is no degree of freedom"},
+      {with(market, "2 1 -1", "1 1 -1"), "a.mtx", "entry (1, 1) of matrix 'a' is defined twice"},
+      {with(market, "3 2 -2.5e-1", "1 2 -2.5e-1"), "a.mtx", "has both entries of a symmetric pair"},
+      {with(nodal, "7,6,12", "7,7,12"), "a.mtx", "a.mtx:4: '7, 7' is not a degree of freedom"},
       {with(nodal, "7,6,12", "7,6,-2"), "a.mtx", "a.mtx:4: the matrix has the internal node -2"},
       {with(nodal, "7,6,12,3,-.25", "7,6,12,-.25"), "a.mtx", "a.mtx:4: the line holds 4 numbers"},
       {with(user_element, "NODES=   2", "NODES= 3"), "a.mtx", "*USER ELEMENT has 3 nodes, of which 2 are named"},
       {with(user_element, " 2.\n", "\n"), "a.mtx", "matrix 'stiffness' has 5 entries: 3 degrees of freedom need 6"},
       {with(dmig, "       6       2", "       6       4"), "a.pch", "a.pch:2: matrix 'KAAX' is complex"},
       {with(dmig, "DMIG,MAAX,0,6,1,0\n", ""), "a.pch", "a.pch:10: a column of matrix 'MAAX' has no header before it"},
-      {with(dmig, "1.+1", "1.x1"), "a.pch", "a.pch:11: '1.x1' in matrix 'MAAX' is no number"},
-      {with(dmig, "12,3,,12,3,2.0", "7,6,,7,6,2.0"), "a.pch", "entry (2, 2) of matrix 'KAAX' is given twice"},
+      {with(dmig, "1.+1", "1.x1"), "a.pch", "a.pch:11: '1.x1' in matrix 'MAAX' is not a number"},
+      {with(dmig, "12,3,,12,3,2.0", "7,6,,7,6,2.0"), "a.pch", "entry (2, 2) of matrix 'KAAX' is defined twice"},
       {with(op4_text, "2KAA", "4KAA"), "a.op4", "a.op4:1: matrix 'KAA' is complex"},
-      {op4_text.substr(0, 200), "a.op4", "a.op4:8: the file ends within a matrix"},
+      {op4_text.substr(0, 200), "a.op4", "a.op4:8: the file ends inside a matrix"},
       {with(op4_text, "       5       1\n", "       5       3\n"), "a.op4",
        "a.op4:4: entry (4, 1) of matrix 'KAA' is out of range"},
   };
@@ -138,7 +138,7 @@ TEST(MatrixText, MatricesAreChosenByName) {
     parse_matrices(dmig, "x.pch", {.names = {"KAAZ"}});
     FAIL();
   } catch (const InvalidInput& error) {
-    EXPECT_STREQ(error.what(), "x.pch: there is no matrix 'KAAZ' (did you mean 'KAAX'?): the file holds KAAX, MAAX");
+    EXPECT_STREQ(error.what(), "x.pch: there is no matrix 'KAAZ' (did you mean 'KAAX'?): the file contains KAAX, MAAX");
   }
 }
 
@@ -166,11 +166,11 @@ TEST(DofMap, SaysWhatIsWrong) {
     }
     return "";
   };
-  EXPECT_NE(message("1 1\n1 9\n").find("map:2: '1 9' is no degree of freedom"), std::string::npos);
-  EXPECT_NE(message("1 1\n2 1\n1 1\n").find("map:3: degree of freedom 1.x stands here again: it is in line 1"),
+  EXPECT_NE(message("1 1\n1 9\n").find("map:2: '1 9' is not a degree of freedom"), std::string::npos);
+  EXPECT_NE(message("1 1\n2 1\n1 1\n").find("map:3: degree of freedom 1.x is listed twice: it is first in line 1"),
             std::string::npos);
-  EXPECT_NE(message("node dof\n").find("names no degree of freedom"), std::string::npos);
-  EXPECT_NE(message("1\nx\n", {.directions = 3}).find("map:2: 'x' is no degree of freedom"), std::string::npos);
+  EXPECT_NE(message("node dof\n").find("lists no degrees of freedom"), std::string::npos);
+  EXPECT_NE(message("1\nx\n", {.directions = 3}).find("map:2: 'x' is not a degree of freedom"), std::string::npos);
 }
 
 TEST(MatrixText, CalculixMapBesideTheMatrices) {

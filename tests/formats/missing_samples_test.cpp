@@ -121,7 +121,7 @@ TEST_F(Gaps, ALabViewFileThatWasCutOffIsRefused) {
   EXPECT_EQ(read_lvm(file(lvm("Samples\t3\t3\n", rows), "a.lvm")).samples(), 3);
   EXPECT_EQ(read_lvm(file(lvm("", rows), "a.lvm")).samples(), 3);  // nothing is declared
   const std::string cut = errors_of([&] { read_lvm(file(lvm("Samples\t40\t40\n", rows), "a.lvm")); });
-  EXPECT_NE(cut.find("a.lvm:8: the header declares 40 samples, the file holds 3"), std::string::npos) << cut;
+  EXPECT_NE(cut.find("a.lvm:8: the header declares 40 samples, the file contains 3"), std::string::npos) << cut;
 }
 
 }  // namespace

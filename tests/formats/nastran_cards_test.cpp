@@ -123,10 +123,10 @@ TEST(NastranCards, AreToldWhereTheyCannotBeRead) {
   expect("GRID,1\nGRID,2\nCROD,1,5,1,2\n", "property 5 is missing");
   expect("GRID,1\nGRID,2\nPROD,5,9,1.\nCROD,1,5,1,2\n", "material 9 is missing");
   expect("GRID,1,7\n", "coordinate system 7 is missing");
-  expect("GRID,1\nCONM2,1,1,,1.\nCONM2,1,1,,1.\n", "element 1 is given twice");
+  expect("GRID,1\nCONM2,1,1,,1.\nCONM2,1,1,,1.\n", "element 1 is defined twice");
   expect("GRID,1\nGRID,2\nPBCOMP,5,9,1.\nCBEAM,1,5,1,2,0.,0.,1.\n", "PBCOMP 5");
   expect("INCLUDE 'more.bdf'\nGRID,1\n", "INCLUDE 'more.bdf'");
-  expect("INCLUDE 'more.bdf\nGRID,1\n", "does not end");
+  expect("INCLUDE 'more.bdf\nGRID,1\n", "is not closed");
   expect("SOL 103\nCEND\nSPC = 4\nBEGIN BULK\nGRID,1\nCONM2,1,1,,1.\n", "SPC = 4");
   expect("SPC1,1,123,4,5,6,7,8,9,10\nGRID,1\n", "in its tenth field");
   expect("", "no grid points");
@@ -148,9 +148,9 @@ TEST(NastranCards, ThatAreNotUsedAreNoted) {
   const auto deck = test::nastran(
       "GRID,1\nGRID,2\nCONM2,1,1,,1.\nCELAS2,2,1.,1,1\nFORCE,1,1,0,1.,1.,0.,0.\nFORCE,1,1,0,1.,1.,0.,0.\nEIGRL,1,,,10\n"
       "CSHEAR,3,1,1,2,1,2\nZZTOP,1\nCWHAT,9\n");
-  EXPECT_TRUE(test::has_note(deck, "FORCE: loads are not read"));
-  EXPECT_TRUE(test::has_note(deck, "CSHEAR: the element is left out"));
-  EXPECT_TRUE(test::has_note(deck, "ZZTOP: the card is not known"));
+  EXPECT_TRUE(test::has_note(deck, "FORCE: loads are ignored"));
+  EXPECT_TRUE(test::has_note(deck, "CSHEAR: unsupported element"));
+  EXPECT_TRUE(test::has_note(deck, "ZZTOP: unknown card"));
   EXPECT_TRUE(test::has_note(deck, "CWHAT"));
   EXPECT_FALSE(test::has_note(deck, "EIGRL"));
   for (const auto& note : deck.notes)

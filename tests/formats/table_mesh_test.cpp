@@ -74,22 +74,22 @@ TEST_F(TableMesh, ReadsTablesWithoutTitlesInTheirOrder) {
 TEST_F(TableMesh, ScaleAndUnitsExcludeEachOther) {
   EXPECT_EQ(read(two_nodes, one_element, {.scale = 0.001}).nodes(0, 1), 0.001);
   expect_parts(message("node,x_mm,y,z\n1,0,0,0\n", one_element, {.scale = 0.001}),
-               {"nodes.csv", "'x' names its unit, and a scale is given too", "leave the scale out"});
+               {"nodes.csv", "'x' states its unit, and a scale is given too", "remove the scale"});
 }
 
 TEST_F(TableMesh, ProblemsOfTheNodesAreToldTogether) {
-  expect_parts(
-      message("node,x,y,z\n1,0,0,0\n1,1,0,0\n2.5,0,,0\n3,0,nan,1e999\n4,0\n", one_element),
-      {"nodes.csv:3: node 1 is given twice", "line 2 gives it too", "nodes.csv:4: node '2.5'", "nodes.csv:4: y is ''",
-       "nodes.csv:5: y is 'nan'", "nodes.csv:5: z is '1e999'", "nodes.csv:6: the line has 2 cells"});
+  expect_parts(message("node,x,y,z\n1,0,0,0\n1,1,0,0\n2.5,0,,0\n3,0,nan,1e999\n4,0\n", one_element),
+               {"nodes.csv:3: node 1 is defined twice", "line 2 already defines it", "nodes.csv:4: node '2.5'",
+                "nodes.csv:4: y is ''", "nodes.csv:5: y is 'nan'", "nodes.csv:5: z is '1e999'",
+                "nodes.csv:6: the line has 2 cells"});
 }
 
 TEST_F(TableMesh, ProblemsOfTheElementsAreToldTogether) {
   const std::string elements =
       "element,node1,node2,region\n1,1,2,bar\n1,1,3,bar\n2,1,1,bar\n3,x,2,bar\n4,1,2,wing tip\n5,1,2,\n";
   expect_parts(message(two_nodes, elements),
-               {"elements.csv:3: element 1 is given twice", "elements.csv:3: there is no node 3",
-                "elements.csv:4: element 2 has the length 0", "elements.csv:5: node 'x' is no number",
+               {"elements.csv:3: element 1 is defined twice", "elements.csv:3: there is no node 3",
+                "elements.csv:4: element 2 has the length 0", "elements.csv:5: node 'x' is not a number",
                 "elements.csv:6: the region is 'wing tip'", "elements.csv:7: the region is ''"});
   EXPECT_NE(message("node,x,y,z\n1,1e3,0,0\n2,1000,0,0\n", one_element).find("has the length 0"), std::string::npos);
 }
@@ -100,8 +100,8 @@ TEST_F(TableMesh, TitlesAndUnitsThatAreNotUnderstoodAreNamed) {
   expect_parts(message("node,x,x,y,z\n1,0,0,0,0\n", one_element), {"two columns are named 'x'"});
   expect_parts(message(two_nodes, "element,node1,nod2,region\n1,1,2,bar\n"),
                {"elements.csv:1: there is no column 'node2' (did you mean 'nod2'?)"});
-  expect_parts(message("", one_element), {"nodes.csv", "holds no data"});
-  EXPECT_NE(message(two_nodes, "# nothing\nelement,n1,n2,region\n").find("holds no data"), std::string::npos);
+  expect_parts(message("", one_element), {"nodes.csv", "has no data"});
+  EXPECT_NE(message(two_nodes, "# nothing\nelement,n1,n2,region\n").find("has no data"), std::string::npos);
 }
 
 TEST_F(TableMesh, MissingFilesAreNamed) {

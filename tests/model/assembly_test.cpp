@@ -168,7 +168,7 @@ TEST(Assembly, RegionsWithHingesHaveOneFactorWhichNoSpringMayShare) {
   const AssemblyOptions options{.parameters = {"rib.stiffness"}};
   EXPECT_EQ(assemble(model, options).parameters.at("rib.stiffness"), 1.0);
   model.springs[0].name = "rib";
-  EXPECT_NE(message_of([&] { assemble(model, options); }).find("'rib.stiffness' is a factor of a beam region and"),
+  EXPECT_NE(message_of([&] { assemble(model, options); }).find("'rib.stiffness' is both a factor of a beam region and"),
             std::string::npos);
   EXPECT_EQ(assemble(model).parameters.at("rib.stiffness"), 5e4);
 }
@@ -278,7 +278,7 @@ TEST(Assembly, ElementsThatCannotBeIntegratedAreAllNamed) {
     const std::string text = error.what();
     for (const char* part :
          {"line.msh: line 3 of region 'line' cannot be integrated: its ends coincide", "line 14 of",
-          "13 more cells of region 'line'", "line 28 of region 'other' cannot be integrated: the direction 'up'"})
+          "13 more elements of region 'line'", "line 28 of region 'other' cannot be integrated: the direction 'up'"})
       EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
     EXPECT_EQ(text.find("line 15 of"), std::string::npos);
   }
@@ -399,11 +399,11 @@ TEST(Validation, MaterialsAndPropertiesAreNamedTogether) {
        {"'weird' has Young's modulus -1", "'weird' has Poisson's ratio 0.5", "'weird' has density -3",
         "'lost' has Young's modulus nan", "'lost' has Poisson's ratio nan", "'lost' has density nan",
         "region 'thin' has the thickness 0", "'stel', which is not defined (did you mean 'steel'?)",
-        "region 'rib' has a shell property and holds the line 9",
-        "region 'thick' has a beam property and holds the quadrilateral 5",
+        "region 'rib' has a shell property but contains the line 9",
+        "region 'thick' has a beam property but contains the quadrilateral 5",
         "the region 'thik', which the mesh does not have (did you mean 'thick'?)", "region 'thik' has torsion 0",
         "region 'thik' has the shear factor -0.1", "'up' or 'offset' of region 'thik'", "region 'thick' has area 0",
-        "region 'empty' has a property and no cells"})
+        "region 'empty' has a property but no elements"})
     EXPECT_NE(issues.find(part), std::string::npos) << part << "\n" << issues;
   EXPECT_THROW(assemble(model), InvalidInput);
 }
@@ -419,11 +419,11 @@ TEST(Validation, RegionsWithoutPropertyAndCellsThatCountTwiceAreNamed) {
   model.properties.erase("rib");
   model.mesh.regions["all"] = {0, 1, 2};  // covered by another region with a property
   auto issues = issues_of(model);
-  EXPECT_NE(issues.find("missing property for region 'rib': 4 of its cells have none"), std::string::npos) << issues;
+  EXPECT_NE(issues.find("missing property for region 'rib': 4 of its elements have none"), std::string::npos) << issues;
   EXPECT_EQ(issues.find("'all'"), std::string::npos) << issues;
   model.properties["all"] = ShellProperty{"steel", 0.01};
   issues = issues_of(model);
-  EXPECT_NE(issues.find("quadrilateral 1 stands in region 'all' and again in 'thin'"), std::string::npos) << issues;
+  EXPECT_NE(issues.find("quadrilateral 1 belongs to region 'all' and also to 'thin'"), std::string::npos) << issues;
   FiniteElementModel nothing;
   nothing.name = "nothing";
   EXPECT_NE(issues_of(nothing).find("'nothing' has no properties, masses or springs"), std::string::npos);
@@ -451,7 +451,7 @@ TEST(Validation, MassesSpringsAndNodesAreNamedTogether) {
                            "'negative' has an inertia",
                            "'far' has an offset",
                            "spring 's' is given twice",
-                           "'s' joins a degree of freedom to itself",
+                           "'s' connects a degree of freedom to itself",
                            "'s' names the node at position -1",
                            "'s' names the node at position 16 of 16",
                            "'s' has the stiffness -5",
@@ -477,7 +477,7 @@ TEST(Validation, BrokenMeshesAreRefused) {
   model.mesh.nodes(1, 2) = std::nan("");
   const auto issues = issues_of(model);
   for (const char* part : {"quadrilateral 1 has a node that does not exist",
-                           "region 'rib' has a cell that does not exist", "a coordinate of the mesh is not finite"})
+                           "region 'rib' has an element that does not exist", "a coordinate of the mesh is not finite"})
     EXPECT_NE(issues.find(part), std::string::npos) << part << "\n" << issues;
   model.mesh.node_ids.pop_back();
   EXPECT_NE(issues_of(model).find("16 nodes and 15 numbers"), std::string::npos);

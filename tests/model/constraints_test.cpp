@@ -241,7 +241,7 @@ TEST(Constraints, RingsAreNamed) {
   auto model = beam_model({1.0, 0.0, 0.0}, 3, rectangular_section(0.04, 0.06));
   model.links = {link("there", 0, {1}), link("on", 1, {2}), link("back", 2, {0})};
   const auto issues = issues_of(model);
-  EXPECT_NE(issues.find("'back', 'on', 'there': their degrees of freedom follow from one another in a ring"),
+  EXPECT_NE(issues.find("'back', 'on', 'there': their degrees of freedom depend on one another in a circle"),
             std::string::npos)
       << issues;
   EXPECT_THROW(assemble(model), InvalidInput);
@@ -258,10 +258,11 @@ TEST(Connectivity, PartsAreFoundAndNamed) {
   ASSERT_EQ(parts.size(), 2u);
   EXPECT_EQ(parts[0], (std::vector<Eigen::Index>{0, 1, 2, 3}));
   EXPECT_EQ(parts[1], (std::vector<Eigen::Index>{4, 5}));
-  EXPECT_NE(message_of([&] {
-              require_connected(model);
-            }).find("falls into 2 parts: 4 nodes with n1 in region 'left', 2 nodes with n5 in region 'right'"),
-            std::string::npos);
+  EXPECT_NE(
+      message_of([&] {
+        require_connected(model);
+      }).find("consists of 2 unconnected parts: 4 nodes with n1 in region 'left', 2 nodes with n5 in region 'right'"),
+      std::string::npos);
   auto tied = model, sprung = model, bound = model;
   tied.links = {link("l", 3, {4})};
   sprung.springs = {spring_to_ground("s", {3, 0}, 1.0)};

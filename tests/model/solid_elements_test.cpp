@@ -398,7 +398,8 @@ std::string complaint(CellShape shape, const Eigen::Matrix3Xd& nodes, SolidKind 
 }
 
 TEST(SolidFaults, WrongShapesAndNumbersOfNodesAreRejected) {
-  EXPECT_NE(complaint(CellShape::quadrilateral4, Eigen::Matrix3Xd::Random(3, 4)).find("no solid"), std::string::npos);
+  EXPECT_NE(complaint(CellShape::quadrilateral4, Eigen::Matrix3Xd::Random(3, 4)).find("not a solid"),
+            std::string::npos);
   EXPECT_NE(complaint(CellShape::hexahedron8, Eigen::Matrix3Xd::Random(3, 6)).find("8 nodes, not 6"),
             std::string::npos);
 }

@@ -148,7 +148,7 @@ TEST(Report, EveryMistakeIsNamed) {
   const std::string text = problems(page);
   for (const char* part :
        {"its id is taken", "not finite", "x does not increase", "x_window is", "y_window is",
-        "2 values over 3 abscissae", "band of other length", "id holds a blank", "3 values over 0 abscissae",
+        "2 values over 3 abscissae", "band whose length differs", "id holds a blank", "3 values over 0 abscissae",
         "no series", "1 alignments for 2 columns", "row 1 has 1 cells"}) {
     EXPECT_TRUE(contains(text, part)) << part << "\nin\n" << text;
   }

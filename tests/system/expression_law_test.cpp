@@ -86,7 +86,7 @@ TEST(ExpressionLaw, NamesWhatIsWrong) {
   expect_in(refusal({.force = "k*(x", .parameters = named({"k"})}), "Missing parenthesis");
   expect_in(refusal({.force = "", .parameters = {}}), "empty");
   expect_in(refusal({.force = "k*x, 3", .parameters = named({"k"})}), "several results");
-  expect_in(refusal({.force = "k = 3", .parameters = named({"k"})}), "would change a variable");
+  expect_in(refusal({.force = "k = 3", .parameters = named({"k"})}), "would assign to a variable");
   expect_in(refusal({.force = "\"k\"", .parameters = {}}), "Strings");
   expect_in(refusal({.force = "k*x", .parameters = named({"k", "c"})}), "'c' appears in no expression");
   expect_in(refusal({.force = "k*x*z", .parameters = named({"k"}), .states = {{{"z"}, "a - z"}}}), "\"a\"");

@@ -240,10 +240,10 @@ TEST(ParameterStatistics, ReportsWeakPriorsCorrelationBoundsAndLargeResiduals) {
   EXPECT_FALSE(parameter_statistics(held_by_prior, values, {residual, jacobian}).at_bound[3]) << "its prior pulls back";
   const auto findings = parameter_findings(parameters, values, statistics);
   EXPECT_EQ(findings.size(), 4U);
-  EXPECT_TRUE(mentions(findings, {"p1 and p2 are correlated by -0.99"}));
-  EXPECT_TRUE(mentions(findings, {"p3 is hardly informed", "% of that of its prior"}));
+  EXPECT_TRUE(mentions(findings, {"p1 and p2 have a correlation of -0.99"}));
+  EXPECT_TRUE(mentions(findings, {"the data hardly identify p3", "% of the prior's"}));
   EXPECT_TRUE(mentions(findings, {"p4 ended at its upper bound, 1.25"}));
-  EXPECT_TRUE(mentions(findings, {"times as large as their stated deviations"}));
+  EXPECT_TRUE(mentions(findings, {"times as large as the stated standard deviations"}));
 }
 
 TEST(ParameterStatistics, SaysNothingWhereAllIsWell) {

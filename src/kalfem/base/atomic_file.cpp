@@ -49,7 +49,7 @@ std::string full_disk(const fs::path& path, const std::optional<NeededSpace>& ne
   if (!left) return "the disk is full";
   constexpr std::uintmax_t of_a_folder = 100'000;
   if (*left > (needed ? needed->bytes : 0) + of_a_folder && !(needed && needed->at_least))
-    return "the disk takes no more files, though " + size_text(*left) + " are available";
+    return "the disk cannot hold more files, although " + size_text(*left) + " are available";
   return "the disk is full: " + needs(needed) + size_text(*left) + " are available";
 }
 
@@ -65,17 +65,17 @@ void fail_to_write(const fs::path& path, int code, std::optional<NeededSpace> ne
   const std::string what = "cannot write '" + path.string() + "'";
   switch (code) {
     case ENOSPC:
-      throw WriteFailure(what, full_disk(path, needed), "free some space, or write to another disk");
+      throw WriteFailure(what, full_disk(path, needed), "free some space or write to another disk");
     case EDQUOT:
       throw WriteFailure(what, "the disk quota is used up" + (needed ? ": " + needs(needed) + "more than is left" : ""),
-                         "free some space, or write to another disk");
+                         "free some space or write to another disk");
     case EFBIG:
       throw WriteFailure(what, "the file would be too large: " + needs(needed) + "the limit is " + size_limit(),
-                         "raise the limit, or write to another disk");
+                         "raise the limit or write to another disk");
     case EIO:
-      throw WriteFailure(what, "the device reports an error", "check the disk, or write to another one");
+      throw WriteFailure(what, "the device reports an error", "check the disk or write to another one");
     case EISDIR:
-      throw InvalidInput(what, "a folder of that name stands there", "rename the folder, or choose another place");
+      throw InvalidInput(what, "a folder of that name is in the way", "rename the folder or choose another place");
     case ENOTDIR:
       throw InvalidInput(what, "a part of its path is a file, not a folder", "choose another place");
     default:

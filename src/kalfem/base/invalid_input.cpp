@@ -17,7 +17,7 @@ std::string join(const std::vector<Issue>& issues) {
   for (std::size_t i = 0; i < std::min(issues.size(), most_told); ++i)
     text += (text.empty() ? "" : "\n") + to_string(issues[i]);
   if (issues.size() > most_told)
-    text += "\nand " + std::to_string(issues.size() - most_told) + " more problems; mend these first";
+    text += "\nand " + std::to_string(issues.size() - most_told) + " more problems; correct these first";
   return text;
 }
 

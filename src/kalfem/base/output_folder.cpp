@@ -35,8 +35,8 @@ std::string this_process() {
   std::ifstream stream(lock);
   std::getline(stream, holder);
   throw InvalidInput(
-      "another run writes into '" + folder.string() + "'" + (holder.empty() ? "" : " (process " + holder + ")"),
-      "the results of two runs would be mixed", "wait until it has ended, or give another folder with --out");
+      "another run is writing into '" + folder.string() + "'" + (holder.empty() ? "" : " (process " + holder + ")"),
+      "two runs would mix their results", "wait until it has ended, or choose another folder with --out");
 }
 
 /// Whether the open file is still the one of that name.
@@ -53,8 +53,8 @@ void make_folder(const fs::path& folder) {
   const int code = error.value();
   if (code == ENOSPC || code == EDQUOT || code == EIO) fail_to_write(folder, code);
   if (error || !fs::is_directory(folder, error))
-    throw InvalidInput("the folder '" + folder.string() + "' cannot be made",
-                       error ? error.message() : "a file of that name stands there", "give another one with --out");
+    throw InvalidInput("the folder '" + folder.string() + "' cannot be created",
+                       error ? error.message() : "a file of that name is in the way", "choose another one with --out");
 }
 
 bool has_no_locks(int code) { return code == ENOLCK || code == ENOSYS || code == EOPNOTSUPP; }

@@ -125,8 +125,8 @@ public:
     if (text_.size() > longest_text) fail("the text is too long");
     if (rest_.empty()) return {};
     const Unit unit = product();
-    if (!rest_.empty()) fail("'" + std::string(rest_) + "' is not understood");
-    if (!std::isfinite(unit.factor) || unit.factor == 0.0) fail("it is out of the range of numbers");
+    if (!rest_.empty()) fail("'" + std::string(rest_) + "' is not a unit");
+    if (!std::isfinite(unit.factor) || unit.factor == 0.0) fail("its factor is out of range");
     return unit;
   }
 
@@ -280,7 +280,7 @@ std::optional<Unit> unit_with_gravity(std::string_view text, const Dimension& wa
 
 [[noreturn]] void fail_dimension(const std::string& given, std::string_view expected, const Dimension& found) {
   const Dimension wanted = parse_unit(expected).dimension;
-  const std::string required = wanted == Dimension{} ? "a pure number" : std::string(expected);
+  const std::string required = wanted == Dimension{} ? "a number without a unit" : std::string(expected);
   std::string fix = "give it in " + (wanted == Dimension{} ? "no unit or %" : required) + ", or as a bare number in SI";
   const bool gram_for_gravity = found == parse_unit("g").dimension && wanted == parse_unit("g0").dimension;
   if (gram_for_gravity) fix = "g is the gram; write g0 for standard gravity";
@@ -315,7 +315,7 @@ Quantity parse_quantity(std::string_view text) {
   if (!std::isfinite(number)) throw InvalidInput(shown + " is not a finite number", "", "");
 
   const std::string_view unit_text = trim(digits.substr(static_cast<std::size_t>(end - digits.data())));
-  if (unit_text.starts_with(',')) throw InvalidInput(shown + " is not a number", "", "write a point for the decimals");
+  if (unit_text.starts_with(',')) throw InvalidInput(shown + " is not a number", "", "write the decimals with a point");
   if (unit_text.empty()) return {number, {}, true};
   const Unit unit = parse_unit(unit_text);
   const double value = number * unit.factor;

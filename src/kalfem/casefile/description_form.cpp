@@ -27,15 +27,18 @@ Form<Connector> connector() {
   const auto state = Fields<ExpressionState>()
                          .required("rate", &ExpressionState::rate, text(), "time derivative as an expression")
                          .optional("unit", &ExpressionState::unit, text(), "unit of the state");
-  return mapping(Fields<Connector>()
-                     .required("from", &Connector::from, name(),
-                               "point at one end, substructure.name, or `ground`, which is fixed")
-                     .required("to", &Connector::to, name(), "point at the other end; the deformation is to minus from")
-                     .required("law", &Connector::law, name(), "name of the law; `kalfem schema --laws` lists them")
-                     .optional("parameters", &Connector::parameters, named(value()), "parameters of the law by name")
-                     .optional("force", &Connector::force, text(),
-                               "law expression: force [N] of x (deformation), v (rate), states and parameters")
-                     .optional("states", &Connector::states, named(mapping(state)), "law expression: internal states"));
+  return mapping(
+      Fields<Connector>()
+          .required("from", &Connector::from, name(),
+                    "point at one end: substructure.name, or `ground` for a fixed ground")
+          .required("to", &Connector::to, name(),
+                    "point at the other end; deformation = displacement of `to` minus that of `from`")
+          .required("law", &Connector::law, name(), "name of the law; `kalfem schema --laws` lists them")
+          .optional("parameters", &Connector::parameters, named(value()), "parameters of the law by name")
+          .optional(
+              "force", &Connector::force, text(),
+              "for law: expression: the force [N] as a function of x (deformation), v (rate), states and parameters")
+          .optional("states", &Connector::states, named(mapping(state)), "for law: expression: internal states"));
 }
 
 Form<std::vector<ChainSection>> measurement_chain() {
@@ -50,29 +53,30 @@ Form<std::vector<ChainSection>> measurement_chain() {
     std::optional<ResonanceSection> resonance;
     std::optional<double> gain;
   };
-  const auto filter =
-      mapping(Fields<Filter>()
-                  .optional("order", &Filter::order, integer(1, 12), "of the low-pass prototype")
-                  .optional("low_pass", &Filter::low_pass, number("Hz", plausible::frequency()), "cut-off, -3 dB")
-                  .optional("high_pass", &Filter::high_pass, number("Hz", plausible::frequency()), "cut-off, -3 dB")
-                  .optional("band_pass", &Filter::band_pass, tuple<2>(number("Hz", plausible::frequency())),
-                            "lower and upper edge, -3 dB"));
+  const auto filter = mapping(
+      Fields<Filter>()
+          .optional("order", &Filter::order, integer(1, 12), "order of the low-pass prototype")
+          .optional("low_pass", &Filter::low_pass, number("Hz", plausible::frequency()), "cut-off frequency (-3 dB)")
+          .optional("high_pass", &Filter::high_pass, number("Hz", plausible::frequency()), "cut-off frequency (-3 dB)")
+          .optional("band_pass", &Filter::band_pass, tuple<2>(number("Hz", plausible::frequency())),
+                    "lower and upper cut-off frequency (-3 dB)"));
   const auto resonance = mapping(
       Fields<ResonanceSection>()
           .required("frequency", &ResonanceSection::frequency, number("Hz", plausible::frequency()), "resonance")
-          .optional("damping", &ResonanceSection::damping, number("-", Bounds::positive()), "ratio to critical"));
-  const auto stage = mapping(Fields<Step>()
-                                 .optional("butterworth", &Step::butterworth, filter, "maximally flat filter")
-                                 .optional("bessel", &Step::bessel, filter, "filter of constant delay")
-                                 .optional("delay", &Step::delay, number("s", plausible::sensor_delay()), "pure delay")
-                                 .optional("resonance", &Step::resonance, resonance, "roll-off of an accelerometer")
-                                 .optional("gain", &Step::gain, number("-"), "constant factor"));
+          .optional("damping", &ResonanceSection::damping, number("-", Bounds::positive()), "damping ratio"));
+  const auto stage = mapping(
+      Fields<Step>()
+          .optional("butterworth", &Step::butterworth, filter, "Butterworth filter (maximally flat magnitude)")
+          .optional("bessel", &Step::bessel, filter, "Bessel filter (nearly constant delay)")
+          .optional("delay", &Step::delay, number("s", plausible::sensor_delay()), "pure delay")
+          .optional("resonance", &Step::resonance, resonance, "resonance of the sensor: a second-order low-pass")
+          .optional("gain", &Step::gain, number("-"), "constant factor"));
   const auto make_filter_section = [](const Filter& given, FilterFamily family) -> ChainSection {
     const int bands = given.low_pass.has_value() + given.high_pass.has_value() + given.band_pass.has_value();
     if (bands != 1)
       throw InvalidInput("the " + std::string(family == FilterFamily::bessel ? "bessel" : "butterworth") +
                              " filter has " + std::to_string(bands) + " bands",
-                         "it has one of low_pass, high_pass, band_pass", "give one of them");
+                         "a filter has exactly one of low_pass, high_pass and band_pass", "give one of them");
     if (given.band_pass)
       return FilterSection{family, FilterBand::band_pass, given.order, (*given.band_pass)[0], (*given.band_pass)[1]};
     return FilterSection{family, given.low_pass ? FilterBand::low_pass : FilterBand::high_pass, given.order,
@@ -130,85 +134,95 @@ Form<Sensor> sensor() {
                   observing<connector_force>("force", "connector", "force of a connector [N]"),
                   observing<connector_deformation>("deformation", "connector", "deformation of a connector [m]"),
                   observing<connector_rate>("rate", "connector", "deformation rate of a connector [m/s]"))
-          .optional("relative", &Sensor::relative, boolean(), "relative to the accelerated base")
+          .optional("relative", &Sensor::relative, boolean(), "measure relative to the accelerated base")
           .required("noise", &Sensor::noise, value(),
-                    "standard deviation: per cent of the channel's rms, or in the sensor's unit")
-          .optional("chain", &Sensor::chain, measurement_chain(), "dynamics between the quantity and the record")
+                    "standard deviation of the noise: per cent of the channel's rms, or in the sensor's unit")
+          .optional("chain", &Sensor::chain, measurement_chain(),
+                    "measurement chain: dynamics between the quantity and its recorded sample")
           .optional("channel", &Sensor::channel, text(),
-                    "column of the record, with or without its unit; default: the sensor's name")
+                    "title of its column in the record, with or without the unit; default: the sensor's name")
           .optional("unit", &Sensor::unit, located(text()),
-                    "of its column, where it is another than record.unit; g is standard gravity for an acceleration; "
-                    "default: that of the column's title, else SI")
+                    "unit of its column, if it differs from record.unit; for an acceleration, g is standard gravity; "
+                    "default: the unit in the column's title, otherwise SI")
           .optional("accept_constant", &Sensor::accept_constant, boolean(),
-                    "its channel may hold one value throughout; else that is taken for a dead sensor"));
+                    "accept a channel with the same value throughout; otherwise it is refused as a dead sensor"));
 }
 
 Form<Record> record() {
   const auto free_response =
       Fields<FreeResponse>()
-          .optional("delay", &FreeResponse::delay, number("s", plausible::time()), "begin so long after the release")
+          .optional("delay", &FreeResponse::delay, number("s", plausible::time()),
+                    "time from the release to the first sample used")
           .optional("threshold", &FreeResponse::threshold, number("m", plausible::length()),
-                    "the filter stops when no channel is further from rest")
-          .optional("margin", &FreeResponse::margin, number("s", plausible::time()), "and so much later")
+                    "the filter stops when every channel stays within this distance of rest")
+          .optional("margin", &FreeResponse::margin, number("s", plausible::time()), "time added to that")
           .optional("rest_std", &FreeResponse::rest_std, number("m", Bounds::positive()),
-                    "where the record ends before the rest: prior standard deviation of each channel's rest position, "
-                    "which is estimated; default: half of the last swing");
+                    "if the record ends before the structure is at rest, each channel's rest position is estimated: "
+                    "its prior standard deviation; default: half of the last swing");
 
   return mapping(
       Fields<Record>()
-          .required("file", &Record::file, located(path()), "measured record: .csv, .lvm or .h5")
+          .required("file", &Record::file, located(path()), "file of the measured record: .csv, .lvm or .h5")
           .optional("sample_rate", &Record::sample_rate, number("Hz", plausible::frequency()),
-                    "where the file does not say it")
+                    "sampling rate, if the file does not state it")
           .optional("unit", &Record::unit, located(text()),
-                    "unit of the columns, g is standard gravity for accelerations; default: those of their titles "
-                    "(\"a [g]\"), else SI")
-          .optional("dataset", &Record::group, text(), "in an .h5 file: the dataset whose columns are the channels")
-          .optional("start", &Record::start, number("s", plausible::clock()), "time in the file where the case begins")
-          .optional("end", &Record::end, number("s", plausible::clock()), "time in the file where it ends")
+                    "unit of the columns; for accelerations, g is standard gravity; default: the units in their titles "
+                    "(\"a [g]\"), otherwise SI")
+          .optional("dataset", &Record::group, text(), "for an .h5 file: the dataset whose columns are the channels")
+          .optional("start", &Record::start, number("s", plausible::clock()),
+                    "time in the file of the first sample used")
+          .optional("end", &Record::end, number("s", plausible::clock()), "time in the file of the last sample used")
           .optional("skip_missing", &Record::skip_missing, boolean(),
-                    "NaN in the record: skip the sample, not an error")
+                    "skip samples that are NaN instead of refusing the record")
           .optional("repair_splice", &Record::repair_splice, boolean(),
-                    "find a place where two recordings were put together and leave the samples missing there out")
+                    "find the place where two recordings were joined and treat the samples lost there as missing")
           .optional("free_response", &Record::free_response, mapping(free_response),
-                    "a structure is held, released and comes to rest: find both, take the record about the rest"));
+                    "the structure is held, released and comes to rest: find the release and the rest position, and "
+                    "measure from that position"));
 }
 
 Form<Simulation> simulation() {
   const auto start =
       Fields<PointStart>()
-          .optional("displacement", &PointStart::displacement, number("m", plausible::position()), "at time 0")
-          .optional("velocity", &PointStart::velocity, number("m/s"), "at time 0");
+          .optional("displacement", &PointStart::displacement, number("m", plausible::position()), "value at time 0")
+          .optional("velocity", &PointStart::velocity, number("m/s"), "value at time 0");
   return mapping(
       Fields<Simulation>()
-          .required("duration", &Simulation::duration, number("s", plausible::duration()), "length of the record")
-          .required("sample_rate", &Simulation::sample_rate, number("Hz", plausible::frequency()), "of the record")
+          .required("duration", &Simulation::duration, number("s", plausible::duration()), "duration of the record")
+          .required("sample_rate", &Simulation::sample_rate, number("Hz", plausible::frequency()),
+                    "sampling rate of the record")
           .optional("integrator", &Simulation::integrator,
-                    choice<Integrator>({{"newmark", Integrator::newmark, "average acceleration"},
-                                        {"hht_alpha", Integrator::hht_alpha, "with high-frequency dissipation"},
-                                        {"generalized_alpha", Integrator::generalized_alpha, "Chung and Hulbert"},
-                                        {"exact", Integrator::exact, "exact linear part, forces linear over a step"}}),
-                    "time stepping of the reference")
-          .optional("hht_alpha", &Simulation::hht_alpha, number("-", Bounds::between(-1.0 / 3.0, 0.0)), "of hht_alpha")
+                    choice<Integrator>(
+                        {{"newmark", Integrator::newmark, "average acceleration"},
+                         {"hht_alpha", Integrator::hht_alpha, "Hilber-Hughes-Taylor: dissipates high frequencies"},
+                         {"generalized_alpha", Integrator::generalized_alpha,
+                          "generalised-alpha method of Chung and Hulbert"},
+                         {"exact", Integrator::exact,
+                          "exact propagation of the linear part, connector forces linear over a step"}}),
+                    "time integration method")
+          .optional("hht_alpha", &Simulation::hht_alpha, number("-", Bounds::between(-1.0 / 3.0, 0.0)),
+                    "parameter alpha of hht_alpha")
           .optional("spectral_radius", &Simulation::spectral_radius, number("-", Bounds::between(0, 1)),
-                    "of generalized_alpha, at infinite frequency")
+                    "spectral radius of generalized_alpha at infinite frequency")
           .optional("tolerance", &Simulation::tolerance, number("-", Bounds::positive()),
-                    "the step is halved until no sensor's record changes by more than this part of its rms")
+                    "the step is halved until no sensor's record changes by more than this fraction of its rms")
           .optional("reference", &Simulation::superelements,
-                    choice<bool>({{"full", false, "every degree of freedom"},
-                                  {"superelement", true, "reduced, with many modes"}}),
-                    "model of finite-element substructures")
+                    choice<bool>({{"full", false, "all degrees of freedom"},
+                                  {"superelement", true, "a superelement with many modes"}}),
+                    "model of the finite-element substructures that is simulated")
           .optional("modes_up_to", &Simulation::modes_up_to, number("Hz", plausible::frequency()),
-                    "fixed-interface modes of reference: superelement")
+                    "for reference: superelement: keep fixed-interface modes up to this frequency")
           .optional("first_substeps", &Simulation::first_substeps, integer(1, 65536),
-                    "steps per sample of the first solution")
-          .optional("max_substeps", &Simulation::max_substeps, integer(1, 65536), "steps per sample at the most")
-          .optional("substeps", &Simulation::substeps, located(integer(1, 65536)),
-                    "a fixed number of steps per sample, without halving: for motion so sensitive (contact, friction) "
-                    "that no finer step brings the records together; in the place of tolerance, first_substeps and "
-                    "max_substeps")
-          .optional("seed", &Simulation::seed, seed(), "of the sensors' noise")
+                    "time steps per sample of the first, coarsest solution")
+          .optional("max_substeps", &Simulation::max_substeps, integer(1, 65536),
+                    "largest number of time steps per sample")
+          .optional(
+              "substeps", &Simulation::substeps, located(integer(1, 65536)),
+              "fixed number of time steps per sample, without refinement, instead of tolerance, first_substeps and "
+              "max_substeps; for motion so sensitive (contact, friction) that refining the step does not converge")
+          .optional("seed", &Simulation::seed, seed(), "seed of the sensors' noise")
           .optional("initial", &Simulation::initial, named(located(mapping(start)), NameRule::dotted),
-                    "degrees of freedom that do not start at rest at zero"));
+                    "initial values of degrees of freedom that do not start at rest at zero"));
 }
 
 }  // namespace
@@ -217,54 +231,57 @@ Form<Case> case_form() {
   const auto fields =
       Fields<Pictures>()
           .required("substructure", &Pictures::substructure, name(), "finite-element substructure")
-          .optional("every", &Pictures::every, number("s", plausible::duration()), "time between two pictures");
+          .optional("every", &Pictures::every, number("s", plausible::duration()), "time between two frames");
   const auto report =
       Fields<Report>()
           .optional("fields", &Report::fields, mapping(fields),
-                    "write the displacement of a whole substructure over time for ParaView")
+                    "write the displacement field of a substructure over time for ParaView")
           .optional("modes", &Report::modes, integer(1, 10000),
-                    "lowest modes of a finite-element substructure that are computed and listed")
+                    "number of lowest modes computed and listed for a finite-element substructure")
           .optional("displacements", &Report::displacements, one_or_list(name()),
-                    "points whose displacement is drawn; default: the first of the predicted part")
+                    "points whose displacement is plotted; default: the first points of the predicted substructure")
           .optional("superelements", &Report::superelements,
                     located(one_or_list(choice<MatrixFormat>(
-                        {{"matrix_market", MatrixFormat::matrix_market, "K, M and C, and the rows' names beside them"},
+                        {{"matrix_market", MatrixFormat::matrix_market, "K, M and C, with a file that names the rows"},
                          {"dmig", MatrixFormat::dmig, "Nastran"},
                          {"op4", MatrixFormat::op4, "Nastran OUTPUT4, binary"},
-                         {"hdf5", MatrixFormat::hdf5, "with the basis"}}))),
-                    "write the reduced substructures for other codes")
-          .optional("zoom", &Report::zoom, number("s", plausible::duration()), "length of the zoomed pictures");
+                         {"hdf5", MatrixFormat::hdf5, "with the reduction basis"}}))),
+                    "write the reduced substructures as superelements for other codes")
+          .optional("zoom", &Report::zoom, number("s", plausible::duration()), "length of the zoomed charts");
   const auto prediction = Fields<Prediction>()
                               .required("substructure", &Prediction::substructure, name(),
                                         "linear substructure to drive by its estimated boundary motion")
                               .optional("substeps", &Prediction::substeps, integer(1, 1000),
-                                        "steps per sample of a large substructure's time integration");
+                                        "time steps per sample for a large substructure");
   const auto damping =
       Fields<GlobalModalDamping>()
           .required("modal", &GlobalModalDamping::modal, one_or_list(number("-", Bounds::between(0, 0.999))),
-                    "ratio to critical of every mode, or of each in turn (the last holds for the rest)")
-          .optional(
-              "up_to", &GlobalModalDamping::up_to, number("Hz", plausible::frequency()),
-              "with finite elements: modes up to here have their own ratio, all above it the rate of the last one");
+                    "damping ratio of every mode, or a list with one ratio per mode (the last one applies to the rest)")
+          .optional("up_to", &GlobalModalDamping::up_to, number("Hz", plausible::frequency()),
+                    "finite elements only: modes up to this frequency have their own ratio; higher modes share the "
+                    "damping rate of the last one");
   const auto all = mapping(
       Fields<Case>()
           .required("kalfem", &Case::version, integer(1, 1), "version of the case-file format")
-          .optional("title", &Case::title, text(), "one line for the report")
+          .optional("title", &Case::title, text(), "title of the report, in one line")
           .required("substructures", &Case::substructures, named(substructure()), "linear parts")
-          .optional("connectors", &Case::connectors, named(connector()), "local nonlinear parts between points")
+          .optional("connectors", &Case::connectors, named(connector()), "local nonlinear elements between two points")
           .optional("damping", &Case::damping, located(mapping(damping)),
-                    "of the modes of the whole structure, its connectors as stiff as at rest (unknowns at their first "
-                    "values), in the place of the substructures' own modal damping")
-          .optional("excitation", &Case::excitation, named(excitation()), "what drives the structure")
-          .optional("sensors", &Case::sensors, named(sensor()), "what is measured")
+                    "modal damping of the whole structure (connectors with their stiffness at rest, unknowns at their "
+                    "initial values), instead of modal damping of the substructures")
+          .optional("excitation", &Case::excitation, named(excitation()), "inputs that drive the structure")
+          .optional("sensors", &Case::sensors, named(sensor()), "measured quantities")
           .optional("simulate", &Case::simulate, simulation(), "make the record by simulation")
-          .optional("record", &Case::record, record(), "or read it from a file")
-          .optional("estimate", &Case::estimate, estimation(), "states and unknown parameters from the record")
-          .optional("predict", &Case::predict, mapping(prediction), "response of a linear substructure")
-          .optional("update", &Case::update, updating(), "refine the linear substructures by measurements")
-          .optional("modifications", &Case::modifications, named(located(modification())),
-                    "changes of the updated structure whose natural frequencies are predicted")
-          .optional("report", &Case::report, mapping(report), "what the report page shows"));
+          .optional("record", &Case::record, record(), "read the record from a file")
+          .optional("estimate", &Case::estimate, estimation(),
+                    "estimate the states and unknown parameters from the record")
+          .optional("predict", &Case::predict, mapping(prediction), "predict the response of a linear substructure")
+          .optional("update", &Case::update, updating(),
+                    "update parameters of the linear substructures from measurements")
+          .optional(
+              "modifications", &Case::modifications, named(located(modification())),
+              "structural modifications: changes of the updated structure whose natural frequencies are predicted")
+          .optional("report", &Case::report, mapping(report), "contents of the report"));
   const auto read = [=](const Cursor& cursor, Case& given) {
     given.source = {cursor.location().file, cursor.shared_node()};
     return all.read(cursor, given);

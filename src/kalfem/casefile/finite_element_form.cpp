@@ -18,56 +18,60 @@ Form<Material> material() {
           .required("youngs_modulus", &Material::youngs_modulus, number("Pa", plausible::modulus()), "E")
           .optional("poissons_ratio", &Material::poissons_ratio, number("-", Bounds::between(-0.99, 0.499)), "nu")
           .required("density", &Material::density, number("kg/m^3", plausible::density()),
-                    "rho; 0: stiff without mass"));
+                    "rho; 0 for a material without mass"));
 }
 
 Form<SectionHolder> section() {
   const auto rectangle = Fields<RectangleSection>()
-                             .required("width", &RectangleSection::width, length(), "along local y")
-                             .required("height", &RectangleSection::height, length(), "along local z");
+                             .required("width", &RectangleSection::width, length(), "width along local y")
+                             .required("height", &RectangleSection::height, length(), "height along local z");
   const auto circle = Fields<CircleSection>().required("diameter", &CircleSection::diameter, length(), "outer");
   const auto tube = Fields<CircularTubeSection>()
                         .required("diameter", &CircularTubeSection::diameter, length(), "outer")
                         .required("wall", &CircularTubeSection::wall, length(), "thickness");
   const auto box = Fields<RectangularTubeSection>()
-                       .required("width", &RectangularTubeSection::width, length(), "outer, along local y")
-                       .required("height", &RectangularTubeSection::height, length(), "outer, along local z")
+                       .required("width", &RectangularTubeSection::width, length(), "outer width along local y")
+                       .required("height", &RectangularTubeSection::height, length(), "outer height along local z")
                        .required("wall", &RectangularTubeSection::wall, length(), "thickness");
   const auto general =
       Fields<GeneralSection>()
           .required("area", &GeneralSection::area, number("m^2", Bounds::positive()), "A")
-          .required("inertia_y", &GeneralSection::inertia_y, number("m^4", Bounds::positive()), "bending in x-z")
-          .required("inertia_z", &GeneralSection::inertia_z, number("m^4", Bounds::positive()), "bending in x-y")
-          .required("torsion", &GeneralSection::torsion, number("m^4", Bounds::positive()), "St Venant constant J")
-          .optional("shear_factor_y", &GeneralSection::shear_factor_y, factor(), "shear area / A; 0: shear rigid")
-          .optional("shear_factor_z", &GeneralSection::shear_factor_z, factor(), "shear area / A; 0: shear rigid");
+          .required("inertia_y", &GeneralSection::inertia_y, number("m^4", Bounds::positive()),
+                    "second moment of area for bending in x-z")
+          .required("inertia_z", &GeneralSection::inertia_z, number("m^4", Bounds::positive()),
+                    "second moment of area for bending in x-y")
+          .required("torsion", &GeneralSection::torsion, number("m^4", Bounds::positive()),
+                    "torsion constant J (St Venant)")
+          .optional("shear_factor_y", &GeneralSection::shear_factor_y, factor(), "shear area / A; 0 for rigid in shear")
+          .optional("shear_factor_z", &GeneralSection::shear_factor_z, factor(),
+                    "shear area / A; 0 for rigid in shear");
   return mapping(Fields<SectionHolder>().one_of(
       &SectionHolder::section, when("rectangle", mapping(rectangle), "solid rectangle"),
       when("circle", mapping(circle), "solid circle"), when("circular_tube", mapping(tube), "circular tube"),
       when("rectangular_tube", mapping(box), "thin-walled rectangular tube"),
-      when("general", mapping(general), "any section by its constants")));
+      when("general", mapping(general), "any section, given by its constants")));
 }
 
 Form<Region> region() {
-  const auto shell =
-      Fields<ShellRegion>()
-          .required("thickness", &ShellRegion::thickness, length(), "of the shell")
-          .optional("offset", &ShellRegion::offset, number("m", plausible::position()), "mid-surface above the nodes");
+  const auto shell = Fields<ShellRegion>()
+                         .required("thickness", &ShellRegion::thickness, length(), "thickness of the shell")
+                         .optional("offset", &ShellRegion::offset, number("m", plausible::position()),
+                                   "distance of the mid-surface above the nodes");
   const auto solid = Fields<SolidRegion>().optional(
       "integration", &SolidRegion::kind,
-      choice<SolidKind>({{"standard", SolidKind::standard, "free of locking"},
-                         {"full", SolidKind::full, "the plain displacement element"},
-                         {"mean_dilatation", SolidKind::mean_dilatation, "B-bar, 8-node hexahedra"},
+      choice<SolidKind>({{"standard", SolidKind::standard, "incompatible modes: no shear locking"},
+                         {"full", SolidKind::full, "standard displacement element"},
+                         {"mean_dilatation", SolidKind::mean_dilatation, "B-bar (8-node hexahedra)"},
                          {"reduced", SolidKind::reduced, "fewer points"}}),
-      "of the strains");
+      "treatment of the strains");
   const auto beam = Fields<BeamRegion>()
                         .required("section", &BeamRegion::section, section(), "cross-section")
                         .optional("up", &BeamRegion::up, tuple<3>(number("-")),
-                                  "direction; local z lies in the plane of the axis and this")
+                                  "orientation vector: local z lies in the plane of the axis and this vector")
                         .optional("offset", &BeamRegion::offset, tuple<3>(number("m", plausible::position())),
-                                  "centroid minus node, global axes");
+                                  "offset of the centroid from the node, in global axes");
   return mapping(Fields<Region>()
-                     .required("material", &Region::material, name(), "one of `materials`")
+                     .required("material", &Region::material, name(), "name of one of `materials`")
                      .one_of(&Region::property, when("shell", mapping(shell), "triangles and quadrilaterals"),
                              when("beam", mapping(beam), "lines"),
                              when("solid", mapping(solid), "tetrahedra, wedges and hexahedra")));
@@ -90,33 +94,36 @@ Form<NodePlace> node_place() {
 
 Form<NodeMass> node_mass() {
   return mapping(Fields<NodeMass>()
-                     .required("at", &NodeMass::at, name(), "one of `nodes`")
+                     .required("at", &NodeMass::at, name(), "name of one of `nodes`")
                      .required("mass", &NodeMass::mass, number("kg", Bounds::between(0, plausible::mass().high)),
-                               "of the body; 0: a place for a mass that comes later")
+                               "mass of the body; 0 for a place where a modification adds mass")
                      .optional("inertia", &NodeMass::inertia, tuple<3>(number("kg m^2", Bounds::nonnegative())),
-                               "about its own centre, axes x, y, z")
+                               "moments of inertia about its own centre, axes x, y, z")
                      .optional("offset", &NodeMass::offset, tuple<3>(number("m", plausible::position())),
-                               "its centre minus the node"));
+                               "offset of its centre from the node"));
 }
 
 Form<Link> link() {
-  return mapping(Fields<Link>()
-                     .required("master", &Link::master, name(), "one of `nodes`")
-                     .required("nodes", &Link::nodes, located(text()), "group of nodes that follow it as a rigid body")
-                     .optional("directions", &Link::directions, directions(), "that follow; default: all"));
+  return mapping(
+      Fields<Link>()
+          .required("master", &Link::master, name(), "name of one of `nodes`")
+          .required("nodes", &Link::nodes, located(text()), "group of nodes that follow this node as one rigid body")
+          .optional("directions", &Link::directions, directions(), "directions that follow; default: all"));
 }
 
 Form<Fixed> fixed() {
-  return mapping(Fields<Fixed>()
-                     .required("nodes", &Fixed::nodes, located(text()), "group of the mesh, or one of `nodes`")
-                     .optional("directions", &Fixed::directions, directions(), "that are held; default: all"));
+  return mapping(
+      Fields<Fixed>()
+          .required("nodes", &Fixed::nodes, located(text()), "group of the mesh, or name of one of `nodes`")
+          .optional("directions", &Fixed::directions, directions(), "directions that are fixed; default: all"));
 }
 
 Form<UnitSystem> units() {
-  return mapping(Fields<UnitSystem>()
-                     .optional("length", &UnitSystem::length, number("m", Bounds::positive()), "such as 1 mm")
-                     .optional("mass", &UnitSystem::mass, number("kg", Bounds::positive()), "such as 1 t")
-                     .optional("time", &UnitSystem::time, number("s", Bounds::positive()), "such as 1 s"));
+  return mapping(
+      Fields<UnitSystem>()
+          .optional("length", &UnitSystem::length, number("m", Bounds::positive()), "unit of length, such as 1 mm")
+          .optional("mass", &UnitSystem::mass, number("kg", Bounds::positive()), "unit of mass, such as 1 t")
+          .optional("time", &UnitSystem::time, number("s", Bounds::positive()), "unit of time, such as 1 s"));
 }
 
 Form<MatrixSet> matrix_set() {
@@ -126,16 +133,18 @@ Form<MatrixSet> matrix_set() {
               "files", &MatrixSet::files, one_or_list(located(path())),
               "Matrix Market (.mtx, .mtx.gz), CalculiX .sti and .mas, node-direction lists, DMIG, OP4, OP2, HDF5, "
               "netCDF or MATLAB")
-          .optional("stiffness", &MatrixSet::stiffness, text(), "its name in the files; default: K, KAA, Kr, ...")
-          .optional("mass", &MatrixSet::mass, text(), "likewise; default: M, MAA, Mr, ...")
+          .optional("stiffness", &MatrixSet::stiffness, text(),
+                    "name of the stiffness matrix in the files; default: K, KAA, Kr, ...")
+          .optional("mass", &MatrixSet::mass, text(), "name of the mass matrix in the files; default: M, MAA, Mr, ...")
           .optional("damping", &MatrixSet::damping, text(), "likewise")
           .optional("dofs", &MatrixSet::dofs, located(path()),
-                    "what the rows are, where the files do not say: node.direction or \"node direction\" a line")
+                    "degrees of freedom of the rows, if the files do not state them: node.direction or \"node "
+                    "direction\", one per line")
           .optional("directions", &MatrixSet::directions, integer(0, 6),
-                    "of each node, where `dofs` lists nodes alone: 3 for x, y, z; 6 with rotations")
+                    "directions per node, if `dofs` lists nodes only: 3 for x, y, z; 6 with rotations")
           .check([](const MatrixSet& set) {
             std::vector<Issue> issues;
-            if (set.files.empty()) issues.push_back({{}, "no file is given", "stiffness and mass are needed", ""});
+            if (set.files.empty()) issues.push_back({{}, "no file is given", "stiffness and mass are required", ""});
             return issues;
           }));
 }
@@ -144,57 +153,61 @@ Form<MatrixSet> matrix_set() {
 
 Form<FiniteElements> finite_elements() {
   const auto mesh = Fields<MeshFile>()
-                        .required("mesh", &MeshFile::file, located(path()), "Gmsh mesh (.msh 2.2 or 4.1)")
+                        .required("mesh", &MeshFile::file, located(path()), "Gmsh mesh (.msh, version 2.2 or 4.1)")
                         .optional("scale", &MeshFile::scale, number("-", Bounds::positive()),
-                                  "of the mesh's coordinates to metres: 0.001 for millimetres");
+                                  "factor from the mesh's coordinates to metres: 0.001 for millimetres");
   const auto tables =
       Fields<TableFiles>()
           .required("nodes", &TableFiles::nodes, located(path()), "table (CSV) with columns node, x, y, z")
           .required("elements", &TableFiles::elements, located(path()),
-                    "table with columns element, node1, node2, region; a region is a name or a number")
+                    "table (CSV) with columns element, node1, node2, region; a region is a name or a number")
           .optional("scale", &TableFiles::scale, number("-", Bounds::positive()),
-                    "of the coordinates to metres, where their titles name no unit: x_mm or x [mm]");
-  const auto deck = Fields<DeckFile>()
-                        .required("deck", &DeckFile::file, located(path()),
-                                  "input file of Abaqus or CalculiX (.inp) or Nastran (.bdf, .dat, .nas)")
-                        .optional("format", &DeckFile::format,
-                                  choice<DeckFormat>({{"automatic", DeckFormat::automatic, "by the file's name"},
-                                                      {"abaqus", DeckFormat::abaqus, "Abaqus or CalculiX"},
-                                                      {"nastran", DeckFormat::nastran, "Nastran bulk data"}}),
-                                  "of the deck")
-                        .optional("units", &DeckFile::units, units(), "that its numbers are in; default: SI")
-                        .optional("accept_missing", &DeckFile::accept_missing, one_or_list(name()),
-                                  "cards or keywords of the deck with stiffness, mass or connections that kalfem does "
-                                  "not read and that the model may lack, such as CSHEAR");
-  const auto matrices = Fields<MatrixFiles>()
-                            .required("matrices", &MatrixFiles::sets, one_or_list(matrix_set()),
-                                      "of another code; of several sets equal degrees of freedom are joined")
-                            .check([](const MatrixFiles& files) {
-                              std::vector<Issue> issues;
-                              if (files.sets.empty())
-                                issues.push_back({{}, "no matrices are given", "stiffness and mass are needed", ""});
-                              return issues;
-                            })
-                            .optional("coordinates", &MatrixFiles::coordinates, located(path()),
-                                      "table (CSV) of node, x, y, z: for places, rigid links and the centre of gravity")
-                            .optional("units", &MatrixFiles::units, units(), "that their numbers are in; default: SI");
+                    "factor from the coordinates to metres, if their titles state no unit (x_mm or x [mm])");
+  const auto deck =
+      Fields<DeckFile>()
+          .required("deck", &DeckFile::file, located(path()),
+                    "input file of Abaqus or CalculiX (.inp) or Nastran (.bdf, .dat, .nas)")
+          .optional("format", &DeckFile::format,
+                    choice<DeckFormat>({{"automatic", DeckFormat::automatic, "decided by the file's name"},
+                                        {"abaqus", DeckFormat::abaqus, "Abaqus or CalculiX"},
+                                        {"nastran", DeckFormat::nastran, "Nastran bulk data"}}),
+                    "format of the deck")
+          .optional("units", &DeckFile::units, units(), "consistent units of its numbers; default: SI")
+          .optional("accept_missing", &DeckFile::accept_missing, one_or_list(name()),
+                    "cards or keywords with stiffness, mass or connections that kalfem cannot read and that may be "
+                    "left out of the model, such as CSHEAR");
+  const auto matrices =
+      Fields<MatrixFiles>()
+          .required("matrices", &MatrixFiles::sets, one_or_list(matrix_set()),
+                    "stiffness and mass matrices of another code; several sets are joined at equal degrees of freedom")
+          .check([](const MatrixFiles& files) {
+            std::vector<Issue> issues;
+            if (files.sets.empty())
+              issues.push_back({{}, "no matrices are given", "stiffness and mass are required", ""});
+            return issues;
+          })
+          .optional("coordinates", &MatrixFiles::coordinates, located(path()),
+                    "table (CSV) with node, x, y, z: for places, rigid links and the centre of gravity")
+          .optional("units", &MatrixFiles::units, units(), "consistent units of their numbers; default: SI");
   return mapping(
       Fields<FiniteElements>()
-          .one_of(&FiniteElements::source, when(mesh), when("tables", mapping(tables), "of a stick model"), when(deck),
+          .one_of(&FiniteElements::source, when(mesh),
+                  when("tables", mapping(tables), "tables of nodes and beam elements (stick model)"), when(deck),
                   when(matrices))
-          .optional("materials", &FiniteElements::materials, named(material()), "by name; of a deck: those that differ")
+          .optional("materials", &FiniteElements::materials, named(material()),
+                    "materials by name; for a deck: those to replace")
           .optional("regions", &FiniteElements::regions, named(region()),
-                    "properties by physical group of the mesh or region of the tables; of a deck: those that differ")
+                    "properties by physical group of the mesh or region of the tables; for a deck: those to replace")
           .optional("nodes", &FiniteElements::nodes, named(located(node_place())),
-                    "places with a name, whose motion is known as substructure.name.x ... rz: a group or set of one "
-                    "node, a node number, or coordinates [x, y, z] (the nearest node)")
-          .optional("masses", &FiniteElements::masses, named(node_mass()), "bodies at nodes")
+                    "named nodes, whose motion is substructure.name.x ... rz: a group or set of one node, a node "
+                    "number, or coordinates [x, y, z] (the nearest node)")
+          .optional("masses", &FiniteElements::masses, named(node_mass()), "rigid bodies (point masses) at nodes")
           .optional("links", &FiniteElements::links, named(link()), "rigid links (RBE2)")
-          .optional("fixed", &FiniteElements::fixed, named(fixed()), "nodes that do not move")
+          .optional("fixed", &FiniteElements::fixed, named(fixed()), "supports: nodes that do not move")
           .optional("mass_matrix", &FiniteElements::mass_matrix,
-                    choice<MassKind>({{"consistent", MassKind::consistent, "as the stiffness is integrated"},
-                                      {"lumped", MassKind::lumped, "diagonal by element"}}),
-                    "kind of the elements' mass; default: consistent, or as the deck says"));
+                    choice<MassKind>({{"consistent", MassKind::consistent, "consistent mass matrix"},
+                                      {"lumped", MassKind::lumped, "lumped (diagonal) mass matrix"}}),
+                    "mass matrix of the elements; default: consistent, or as the deck says"));
 }
 
 const SourceLocation& FiniteElements::location() const {
@@ -207,24 +220,25 @@ const SourceLocation& FiniteElements::location() const {
 Form<Reduction> reduction() {
   return mapping(
       Fields<Reduction>()
-          .optional("method", &Reduction::method,
-                    choice<ReductionMethod>(
-                        {{"craig_bampton", ReductionMethod::craig_bampton, "boundary and fixed-interface modes"},
-                         {"rubin", ReductionMethod::rubin, "free modes and residual flexibility, with residual mass"},
-                         {"macneal", ReductionMethod::macneal, "free modes and residual flexibility"},
-                         {"guyan", ReductionMethod::guyan, "boundary alone, static"}}),
-                    "")
-          .optional("modes", &Reduction::modes, integer(0, 100000), "modes, at least so many")
-          .optional("up_to", &Reduction::up_to, number("Hz", plausible::frequency()), "modes up to here")
-          .optional("effective_mass", &Reduction::effective_mass, number("-", Bounds::between(0, 1)),
-                    "modes until they carry this part of the mass that boundary motion accelerates")
-          .optional("truncation_vectors", &Reduction::augmentation_vectors, boolean(),
-                    "shapes under boundary acceleration that make up for the modes left out, one a boundary degree of "
-                    "freedom")
           .optional(
-              "boundary", &Reduction::boundary, list(name()),
-              "nodes (their translations) or node.direction, also on rigid and weighted links; default: the nodes "
-              "that connectors and forces touch"));
+              "method", &Reduction::method,
+              choice<ReductionMethod>(
+                  {{"craig_bampton", ReductionMethod::craig_bampton, "constraint modes and fixed-interface modes"},
+                   {"rubin", ReductionMethod::rubin,
+                    "free-interface modes and residual flexibility, with residual mass"},
+                   {"macneal", ReductionMethod::macneal, "free-interface modes and residual flexibility"},
+                   {"guyan", ReductionMethod::guyan, "static condensation to the boundary"}}),
+              "")
+          .optional("modes", &Reduction::modes, integer(0, 100000), "keep at least this number of modes")
+          .optional("up_to", &Reduction::up_to, number("Hz", plausible::frequency()), "keep modes up to this frequency")
+          .optional("effective_mass", &Reduction::effective_mass, number("-", Bounds::between(0, 1)),
+                    "keep modes until they carry this fraction of the mass that boundary motion accelerates")
+          .optional("truncation_vectors", &Reduction::augmentation_vectors, boolean(),
+                    "modal truncation augmentation vectors: static shapes under boundary acceleration that correct for "
+                    "the modes left out, one per boundary degree of freedom")
+          .optional("boundary", &Reduction::boundary, list(name()),
+                    "boundary: nodes (their translations) or node.direction, also on rigid and weighted links; "
+                    "default: the nodes that connectors and forces touch"));
 }
 
 }  // namespace kalfem::description

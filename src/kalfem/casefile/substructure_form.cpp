@@ -26,18 +26,19 @@ Form<Named<double>> mass() {
 
 Form<Spring> spring() {
   const auto coefficient = [](const std::string& unit) { return number(unit, plausible::coefficient()); };
-  return mapping(Fields<Spring>()
-                     .optional("name", &Spring::name, text(), "to name it as an unknown; default from-to")
-                     .required("from", &Spring::from, name(), "mass, point or ground at one end")
-                     .required("to", &Spring::to, name(), "at the other end")
-                     .optional("stiffness", &Spring::stiffness, coefficient("N/m"), "of the spring")
-                     .optional("damping", &Spring::damping, coefficient("N s/m"), "of the dashpot beside it"));
+  return mapping(
+      Fields<Spring>()
+          .optional("name", &Spring::name, text(), "name, to refer to it as a parameter; default: from-to")
+          .required("from", &Spring::from, name(), "mass, point or ground at one end")
+          .required("to", &Spring::to, name(), "mass, point or ground at the other end")
+          .optional("stiffness", &Spring::stiffness, coefficient("N/m"), "stiffness of the spring")
+          .optional("damping", &Spring::damping, coefficient("N s/m"), "damping of the dashpot in parallel"));
 }
 
 Form<Chain> chain() {
   const auto coefficient = [](const std::string& unit) { return number(unit, plausible::coefficient()); };
   return mapping(Fields<Chain>()
-                     .required("masses", &Chain::masses, integer(1, 100000), "how many, named 1, 2, ...")
+                     .required("masses", &Chain::masses, integer(1, 100000), "number of masses, named 1, 2, ...")
                      .required("mass", &Chain::mass, number("kg", plausible::mass()), "of each")
                      .required("stiffness", &Chain::stiffness, coefficient("N/m"), "between neighbours")
                      .optional("damping", &Chain::damping, coefficient("N s/m"), "between neighbours"));
@@ -49,24 +50,26 @@ Form<Substructure> substructure() {
   const auto damping =
       Fields<Damping>()
           .optional("modal", &Damping::modal, one_or_list(number("-", Bounds::between(0, 0.999))),
-                    "ratio to critical of every mode, or of each in turn (the last holds for the rest)")
+                    "damping ratio of every mode, or a list with one ratio per mode (the last one applies to the rest)")
           .optional("mass_factor", &Damping::mass_factor, number("1/s", plausible::coefficient()), "Rayleigh alpha")
           .optional("stiffness_factor", &Damping::stiffness_factor, number("s", plausible::time()), "Rayleigh beta")
           .optional("modal_up_to", &Damping::modal_up_to, number("Hz", plausible::frequency()),
-                    "finite elements: modes up to here have their own ratio, all above it the rate of the last one");
-  return mapping(Fields<Substructure>()
-                     .optional("finite_elements", &Substructure::finite_elements, finite_elements(),
-                               "a finite-element model in the place of masses and chain")
-                     .optional("masses", &Substructure::masses, named(mass()),
-                               "by name: a mass, or one a direction ({x: 2 kg, rz: 0.1}) named node.direction")
-                     .optional("chain", &Substructure::chain, chain(), "equal masses in a row, joined by equal springs")
-                     .optional("springs", &Substructure::springs, list(spring()), "springs and dashpots")
-                     .optional("grounds", &Substructure::grounds, list(text()), "names of grounds beside `ground`")
-                     .optional("points", &Substructure::points, named(named(number("-"), NameRule::dotted)),
-                               "named weighted sums of degrees of freedom: LH: {heave: 1, pitch: -0.75}")
-                     .optional("damping", &Substructure::damping, mapping(damping), "beside the dashpots")
-                     .optional("reduction", &Substructure::reduction, located(reduction()),
-                               "of a finite-element model in the filter's model"));
+                    "finite elements only: modes up to this frequency have their own ratio; higher modes share the "
+                    "damping rate of the last one");
+  return mapping(
+      Fields<Substructure>()
+          .optional("finite_elements", &Substructure::finite_elements, finite_elements(),
+                    "a finite-element model, instead of masses and chain")
+          .optional("masses", &Substructure::masses, named(mass()),
+                    "masses by name: one value, or one per direction ({x: 2 kg, rz: 0.1}), then named node.direction")
+          .optional("chain", &Substructure::chain, chain(), "equal masses in a row, joined by equal springs")
+          .optional("springs", &Substructure::springs, list(spring()), "springs and dashpots")
+          .optional("grounds", &Substructure::grounds, list(text()), "names of further grounds, besides `ground`")
+          .optional("points", &Substructure::points, named(named(number("-"), NameRule::dotted)),
+                    "named weighted sums of degrees of freedom: LH: {heave: 1, pitch: -0.75}")
+          .optional("damping", &Substructure::damping, mapping(damping), "damping in addition to the dashpots")
+          .optional("reduction", &Substructure::reduction, located(reduction()),
+                    "reduction of the finite-element model inside the filter's model"));
 }
 
 }  // namespace kalfem::description

@@ -12,20 +12,22 @@ Form<UpdatedParameter> updated_parameter() {
   return mapping(
       Fields<UpdatedParameter>()
           .optional("initial", &UpdatedParameter::initial, value(),
-                    "where the updating starts; default: the value that the substructure has")
-          .optional("std", &UpdatedParameter::std, value(),
-                    "standard deviation of what is known before, in its unit or per cent of initial; default: no prior")
+                    "value at which the updating starts; default: the substructure's own value")
+          .optional(
+              "std", &UpdatedParameter::std, value(),
+              "standard deviation of the prior, in the parameter's unit or in per cent of `initial`; default: no prior")
           .optional("bounds", &UpdatedParameter::bounds, located(tuple<2>(quantity())), "lower and upper bound")
-          .optional("truth", &UpdatedParameter::truth, value(), "true value where known; default: the simulated one")
+          .optional("truth", &UpdatedParameter::truth, value(), "true value, if known; default: the simulated one")
           .optional("applies_to", &UpdatedParameter::applies_to, list(name()),
                     "several parameters that share this value"));
 }
 
 Form<Frequencies> frequencies() {
-  const auto column = mapping(Fields<TableColumn>()
-                                  .required("file", &TableColumn::file, path(), "text table")
-                                  .required("column", &TableColumn::column, text(), "its column of frequencies [Hz]")
-                                  .optional("first", &TableColumn::first, integer(1, 100000), "so many rows"));
+  const auto column =
+      mapping(Fields<TableColumn>()
+                  .required("file", &TableColumn::file, path(), "text table")
+                  .required("column", &TableColumn::column, text(), "column of frequencies [Hz]")
+                  .optional("first", &TableColumn::first, integer(1, 100000), "number of rows to read"));
   const auto values = list(number("Hz", plausible::frequency()), 1);
   const auto read = [=](const Cursor& cursor, Frequencies& given) {
     return cursor.node().kind == YamlNode::Kind::list ? values.read(cursor, given.emplace<std::vector<double>>())
@@ -39,96 +41,103 @@ Form<Frequencies> frequencies() {
 }
 
 kalfem::Case<ModalData> modal_data() {
-  const auto shapes = Fields<ShapeTable>()
-                          .required("file", &ShapeTable::file, path(), "text table: one row a point, one column a mode")
-                          .required("points", &ShapeTable::points, list(name(), 1), "of the rows, in order")
-                          .optional("deviation", &ShapeTable::deviation, number("-", Bounds::positive()),
-                                    "standard deviation of an entry, as a part of the shape's largest");
+  const auto shapes =
+      Fields<ShapeTable>()
+          .required("file", &ShapeTable::file, path(), "text table: one row per point, one column per mode")
+          .required("points", &ShapeTable::points, list(name(), 1), "points of the rows, in order")
+          .optional("deviation", &ShapeTable::deviation, number("-", Bounds::positive()),
+                    "standard deviation of an entry, as a fraction of the shape's largest entry");
   return when(
       Fields<ModalData>()
           .required("modes", &ModalData::substructure, name(), "substructure whose natural frequencies are compared")
-          .required("frequencies", &ModalData::frequencies, located(frequencies()), "measured")
-          .optional("deviation", &ModalData::deviation, value(), "standard deviation: per cent of each, or in Hz")
-          .optional("model_modes", &ModalData::model_modes, list(integer(1, 100000)),
-                    "number of each among the model's modes at the start; default: in order, or by shapes")
+          .required("frequencies", &ModalData::frequencies, located(frequencies()), "measured natural frequencies")
+          .optional("deviation", &ModalData::deviation, value(),
+                    "standard deviation: in per cent of each frequency, or in Hz")
+          .optional(
+              "model_modes", &ModalData::model_modes, list(integer(1, 100000)),
+              "number of the model's mode that each one corresponds to at the start; default: in order, or by shape")
           .optional("shapes", &ModalData::shapes, mapping(shapes), "measured mode shapes")
           .optional("above", &ModalData::above, number("Hz", Bounds::nonnegative()),
-                    "modes of the model below are left out: rigid-body modes on a soft suspension")
+                    "leave out the model's modes below this frequency, such as rigid-body modes on a soft suspension")
           .optional("minimum_mac", &ModalData::minimum_mac, number("-", Bounds::between(0, 1)),
-                    "shapes that agree less are not of the same mode"));
+                    "smallest MAC of two shapes of the same mode"));
 }
 
 kalfem::Case<FrfData> frf_data() {
   const auto table =
       Fields<FrfFile>()
           .required("file", &FrfFile::file, located(path()),
-                    "table: frequency, then one complex column an output (1.2+3.4j) or two, or magnitudes")
+                    "table: frequency, then for each output one complex column (1.2+3.4j), two columns, or a magnitude")
           .optional("values", &FrfFile::values,
                     choice<FrfColumnContent>({{"complex", FrfColumnContent::complex, "real and imaginary part"},
                                               {"magnitude", FrfColumnContent::magnitude, "|H|"},
                                               {"dB", FrfColumnContent::decibel, "20 log10 |H|"}}),
-                    "what columns hold whose names have no ending _re, _im, _mag, _db, _phase");
+                    "contents of columns whose names do not end in _re, _im, _mag, _db or _phase");
   const auto record =
       Fields<FrfRecordSource>()
           .required("record", &FrfRecordSource::file, located(path()), "time record from which H1 is estimated")
-          .required("input", &FrfRecordSource::input, text(), "its column of the input")
+          .required("input", &FrfRecordSource::input, text(), "column of the input")
           .optional("segment", &FrfRecordSource::segment, number("s", plausible::duration()),
-                    "length of the averaged pieces")
-          .optional("dataset", &FrfRecordSource::dataset, text(), "in an .h5 file")
+                    "length of the averaged segments")
+          .optional("dataset", &FrfRecordSource::dataset, text(), "dataset, for an .h5 file")
           .optional("sample_rate", &FrfRecordSource::sample_rate, number("Hz", plausible::frequency()),
-                    "where the file does not say it");
+                    "sampling rate, if the file does not state it");
   const auto force = convert<FrfForce>(
       name(), [](const Name& point) { return FrfForce{point}; }, [](const FrfForce& given) { return given.point; });
   const auto ground = convert<FrfGround>(
       name(), [](const Name& moving) { return FrfGround{moving}; },
       [](const FrfGround& given) { return given.ground; });
-  const auto input = mapping(
-      Fields<FrfInput>()
-          .one_of(&FrfInput::input, when("force", force, "point at which a force acts [N]"),
-                  when("ground", ground, "ground that moves; responses are per its acceleration"))
-          .one_of(&FrfInput::source, when(table), when(record))
-          .optional("columns", &FrfInput::columns, list(text()),
-                    "one an output; default: those of a table in order, those of a record by the outputs' names"));
+  const auto input =
+      mapping(Fields<FrfInput>()
+                  .one_of(&FrfInput::input, when("force", force, "point at which a force acts [N]"),
+                          when("ground", ground, "ground that moves; responses are per unit of its acceleration"))
+                  .one_of(&FrfInput::source, when(table), when(record))
+                  .optional("columns", &FrfInput::columns, list(text()),
+                            "one column per output; default: the columns of a table in order, those of a record by the "
+                            "outputs' names"));
   return when(
       Fields<FrfData>()
           .required("frf", &FrfData::substructure, name(), "substructure whose frequency responses are compared")
-          .required("inputs", &FrfData::inputs, list(input, 1), "what drives it, with the measured responses")
-          .required("outputs", &FrfData::outputs, list(name(), 1), "points of the responses")
+          .required("inputs", &FrfData::inputs, list(input, 1), "inputs, each with its measured responses")
+          .required("outputs", &FrfData::outputs, list(name(), 1), "points at which the responses were measured")
           .optional("quantity", &FrfData::quantity,
                     choice<FrfQuantity>({{"acceleration", FrfQuantity::acceleration, "accelerance, (m/s^2)/N"},
                                          {"velocity", FrfQuantity::velocity, "mobility"},
                                          {"displacement", FrfQuantity::displacement, "receptance"}}),
-                    "of the outputs")
+                    "quantity of the outputs")
           .optional("bands", &FrfData::bands, list(tuple<2>(number("Hz", Bounds::nonnegative()))),
-                    "frequencies that are used; default: all")
+                    "frequency bands to use; default: all")
           .optional("compare", &FrfData::compare,
                     choice<FrfComparison>(
                         {{"logarithm", FrfComparison::logarithm, "magnitude and phase"},
-                         {"log_magnitude", FrfComparison::log_magnitude, "magnitude alone, as of data without phases"},
+                         {"log_magnitude", FrfComparison::log_magnitude, "magnitude only, for data without phases"},
                          {"difference", FrfComparison::difference, "real and imaginary parts"}}),
-                    "what is compared")
+                    "how the responses are compared")
           .optional("scale", &FrfData::scale,
-                    choice<FrfScale>({{"fixed", FrfScale::fixed, "responses are calibrated"},
-                                      {"per_input", FrfScale::per_input, "a free factor for each input"},
-                                      {"per_response", FrfScale::per_response, "a free factor for each response"}}),
-                    "factor between measured and model responses, estimated beside the parameters; not for compare: "
-                    "difference")
+                    choice<FrfScale>({{"fixed", FrfScale::fixed, "no factor: the responses are calibrated"},
+                                      {"per_input", FrfScale::per_input, "one free factor per input"},
+                                      {"per_response", FrfScale::per_response, "one free factor per response"}}),
+                    "factor between measured and computed responses, estimated together with the parameters; not for "
+                    "compare: difference")
           .optional("deviation", &FrfData::deviation, number("-", Bounds::positive()),
                     "standard deviation relative to each value")
           .optional("floor", &FrfData::floor, number("-", Bounds::nonnegative()),
-                    "and relative to the rms of the lines that are used, where the data have none of their own")
+                    "standard deviation relative to the rms of the lines used, added to it if the data state none of "
+                    "their own")
           .optional("smoothing", &FrfData::smoothing, number("Hz", Bounds::nonnegative()),
-                    "width by which resonances of both are widened, so that distant ones are found"));
+                    "bandwidth by which resonances of measurement and model are widened at first, so that distant ones "
+                    "overlap"));
 }
 
 kalfem::Case<StaticData> static_data() {
-  return when(Fields<StaticData>()
-                  .required("static", &StaticData::substructure, name(), "substructure whose deflection is compared")
-                  .required("loads", &StaticData::loads, named(located(number("N")), NameRule::dotted), "by point")
-                  .required("displacements", &StaticData::displacements, named(located(number("m")), NameRule::dotted),
-                            "measured, by point")
-                  .optional("deviation", &StaticData::deviation, number("-", Bounds::positive()),
-                            "standard deviation, as a part of the largest displacement"));
+  return when(
+      Fields<StaticData>()
+          .required("static", &StaticData::substructure, name(), "substructure whose deflection is compared")
+          .required("loads", &StaticData::loads, named(located(number("N")), NameRule::dotted), "forces by point")
+          .required("displacements", &StaticData::displacements, named(located(number("m")), NameRule::dotted),
+                    "measured displacements by point")
+          .optional("deviation", &StaticData::deviation, number("-", Bounds::positive()),
+                    "standard deviation, as a fraction of the largest displacement"));
 }
 
 kalfem::Case<DrivenHistory> driven_history() {
@@ -136,15 +145,16 @@ kalfem::Case<DrivenHistory> driven_history() {
                   .required("time_history", &DrivenHistory::substructure, name(),
                             "substructure that the estimated motion of its boundary drives")
                   .optional("sensors", &DrivenHistory::sensors, one_or_list(name()),
-                            "compared with it; default: all on the substructure")
+                            "sensors to compare; default: all on the substructure")
                   .optional("derivatives", &DrivenHistory::derivatives,
                             choice<HistoryDerivatives>(
-                                {{"auto", HistoryDerivatives::automatic, "held_gains with finite elements"},
+                                {{"auto", HistoryDerivatives::automatic,
+                                  "held_gains with finite elements, otherwise filter_passes"},
                                  {"filter_passes", HistoryDerivatives::filter_passes,
-                                  "a filter pass a parameter: fewer stages, each dearer"},
+                                  "one filter run per parameter: fewer but dearer iterations"},
                                  {"held_gains", HistoryDerivatives::held_gains,
-                                  "the filter's gains are held: a tenth of that, more stages"}}),
-                            "of the boundary's estimated motion"));
+                                  "one run with the filter's gains held: about a tenth of the time, more iterations"}}),
+                            "derivatives of the boundary's estimated motion"));
 }
 
 kalfem::Case<SimulatedHistory> simulated_history() {
@@ -160,42 +170,43 @@ Form<Updating> updating() {
       Fields<Comparison>()
           .one_of(&Comparison::data, modal_data(), frf_data(), static_data(), driven_history(), simulated_history())
           .optional("weight", &Comparison::weight, number("-", Bounds::nonnegative()), "factor on its sum of squares");
-  const auto evolution =
-      Fields<Evolution>()
-          .optional("generations", &Evolution::generations, integer(1, 100000), "at the most")
-          .optional("population", &Evolution::population, integer(0, 10000), "0: by the number of parameters")
-          .optional("seed", &Evolution::seed, seed(), "of its random numbers");
+  const auto evolution = Fields<Evolution>()
+                             .optional("generations", &Evolution::generations, integer(1, 100000), "at the most")
+                             .optional("population", &Evolution::population, integer(0, 10000),
+                                       "points per generation; 0: chosen from the number of parameters")
+                             .optional("seed", &Evolution::seed, seed(), "seed of its random numbers");
   return mapping(
       Fields<Updating>()
           .required("parameters", &Updating::parameters, named(located(updated_parameter()), NameRule::dotted),
-                    "what is refined: substructure.spring.stiffness, substructure.material.youngs_modulus, "
+                    "parameters to update: substructure.spring.stiffness, substructure.material.youngs_modulus, "
                     "substructure.region.thickness, substructure.damping.modal ..., or a name with applies_to")
           .required("compare", &Updating::comparisons, named(located(mapping(comparison))),
-                    "with what, by names of your own")
-          .optional(
-              "method", &Updating::method,
-              choice<UpdatingMethod>(
-                  {{"least_squares", UpdatingMethod::least_squares, "Gauss-Newton in a trust region"},
-                   {"cma_es", UpdatingMethod::evolution, "evolution strategy, for rough landscapes; then the former"}}),
-              "how the residual is minimised")
-          .optional("starts", &Updating::starts, integer(1, 10000), "starting points spread over the bounds")
-          .optional("seed", &Updating::seed, seed(), "of the starting points")
+                    "measurements to compare with, by names of your own")
+          .optional("method", &Updating::method,
+                    choice<UpdatingMethod>(
+                        {{"least_squares", UpdatingMethod::least_squares, "Gauss-Newton in a trust region"},
+                         {"cma_es", UpdatingMethod::evolution,
+                          "evolution strategy for many local minima, followed by least_squares"}}),
+                    "method that minimises the residual")
+          .optional("starts", &Updating::starts, integer(1, 10000), "number of starting points, spread over the bounds")
+          .optional("seed", &Updating::seed, seed(), "seed of the starting points")
           .optional("stages", &Updating::stages, integer(1, 10000), "at the most")
           .optional("tolerance", &Updating::tolerance, number("-", Bounds{.low = 0.0, .high = 0.1, .low_open = true}),
-                    "relative change of the parameters from one stage to the next at which the updating ends")
-          .optional("evolution", &Updating::evolution, mapping(evolution), "of method: cma_es")
+                    "the updating ends when the parameters change by less than this (relative) between iterations")
+          .optional("evolution", &Updating::evolution, mapping(evolution), "options of method: cma_es")
           .optional("check_sensitivities", &Updating::check_sensitivities, boolean(),
-                    "compare the residual's derivatives with finite differences at the start"));
+                    "check the residual's derivatives against finite differences at the start"));
 }
 
 Form<Modification> modification() {
-  return mapping(Fields<Modification>()
-                     .required("substructure", &Modification::substructure, name(), "that is changed")
-                     .required("set", &Modification::set, named(value(), NameRule::dotted),
-                               "parameters by their names in the substructure, and what they become")
-                     .optional("modes", &Modification::modes, integer(1, 10000), "natural frequencies to predict")
-                     .optional("above", &Modification::above, number("Hz", Bounds::nonnegative()),
-                               "lower ones are left out: rigid-body modes on a soft suspension"));
+  return mapping(
+      Fields<Modification>()
+          .required("substructure", &Modification::substructure, name(), "substructure that is changed")
+          .required("set", &Modification::set, named(value(), NameRule::dotted),
+                    "new values of parameters, by their names in the substructure")
+          .optional("modes", &Modification::modes, integer(1, 10000), "number of natural frequencies to predict")
+          .optional("above", &Modification::above, number("Hz", Bounds::nonnegative()),
+                    "leave out frequencies below this, such as rigid-body modes on a soft suspension"));
 }
 
 }  // namespace kalfem::description

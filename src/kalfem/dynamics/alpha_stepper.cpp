@@ -16,7 +16,7 @@ SparseFactor factor(const SparseMatrix& matrix, const LocallyNonlinearSystem& sy
   } catch (const NotPositiveDefinite& error) {
     throw InvalidInput(
         "the " + what + " is not positive definite at '" + system.dofs[static_cast<std::size_t>(error.column())] + "'",
-        "every degree of freedom needs mass", "give massless degrees of freedom a mass");
+        "every degree of freedom needs a mass", "give massless degrees of freedom a mass");
   }
 }
 

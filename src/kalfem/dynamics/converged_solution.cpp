@@ -99,9 +99,9 @@ void check(const ConvergenceOptions& options) {
     issues.add({},
                "the time steps per sample go from " + std::to_string(options.first_substeps) + " to " +
                    std::to_string(options.max_substeps),
-               "the first is at least 1, the last no less");
+               "the first must be at least 1, and the last at least the first");
   if (!(options.tolerance > 0.0))
-    issues.add({}, "the tolerance of the reference is " + std::to_string(options.tolerance), "it must be positive");
+    issues.add({}, "the tolerance of the simulation is " + std::to_string(options.tolerance), "it must be positive");
   issues.raise();
 }
 

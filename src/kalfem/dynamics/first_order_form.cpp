@@ -37,14 +37,14 @@ void check(const std::vector<InputTreatment>& treatments, Index inputs, std::siz
   IssueList issues;
   if (!treatments.empty() && static_cast<Index>(treatments.size()) != inputs)
     issues.add({}, std::to_string(treatments.size()) + " input models for " + std::to_string(inputs) + " inputs",
-               "each input needs one");
+               "every input needs one");
   if (chains != 0 && static_cast<Index>(chains) != outputs)
     issues.add({}, std::to_string(chains) + " measurement chains for " + std::to_string(outputs) + " sensors",
-               "each sensor needs one");
+               "every sensor needs one");
   for (const auto& treatment : treatments)
     if (treatment.model == InputModel::first_order_markov && !(treatment.correlation_time > 0.0))
       issues.add({}, "the correlation time of an input is " + std::to_string(treatment.correlation_time) + " s",
-                 "it must be positive (infinite: a random walk)");
+                 "it must be positive; infinity stands for a random walk");
   issues.raise();
 }
 

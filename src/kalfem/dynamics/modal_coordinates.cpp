@@ -29,9 +29,9 @@ ModalCoordinates::ModalCoordinates(const LocallyNonlinearSystem& physical) {
   const MatrixXd mass(physical.mass);
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> pairs(MatrixXd(physical.stiffness), mass);
   if (pairs.info() != Eigen::Success)
-    throw InvalidInput("the filter's model's mass matrix is not positive definite",
-                       "every degree of freedom needs mass",
-                       "reduce the substructure, or give the degree of freedom a mass");
+    throw InvalidInput("the mass matrix of the filter's model is not positive definite",
+                       "every degree of freedom needs a mass",
+                       "reduce the substructure or give the degree of freedom a mass");
   shapes = pairs.eigenvectors();
   mass_weighted_modes = mass * shapes;
   VectorXd squares = pairs.eigenvalues();

@@ -35,24 +35,25 @@ void check(const LocallyNonlinearSystem& system, const std::vector<SignalPtr>& s
     issues.add({}, "the time step is " + std::to_string(options.step) + " s", "it must be positive");
   if (!(options.duration >= options.step) || !std::isfinite(options.duration))
     issues.add({}, "the duration is " + std::to_string(options.duration) + " s", "it must be at least one time step");
-  if (options.keep_every < 1) issues.add({}, "keep_every is below 1", "every so many steps one is kept");
+  if (options.keep_every < 1) issues.add({}, "keep_every is below 1", "it is the number of steps per stored sample");
   if (options.integrator == Integrator::hht_alpha && !(options.hht_alpha >= -1.0 / 3.0 && options.hht_alpha <= 0.0))
-    issues.add({}, "alpha of HHT is " + std::to_string(options.hht_alpha), "it lies in [-1/3, 0]");
+    issues.add({}, "alpha of HHT is " + std::to_string(options.hht_alpha), "it must lie in [-1/3, 0]");
   if (options.integrator == Integrator::generalized_alpha &&
       !(options.spectral_radius >= 0.0 && options.spectral_radius <= 1.0))
-    issues.add({}, "the spectral radius is " + std::to_string(options.spectral_radius), "it lies in [0, 1]");
+    issues.add({}, "the spectral radius is " + std::to_string(options.spectral_radius), "it must lie in [0, 1]");
   if (static_cast<Index>(signals.size()) != system.input_count())
     issues.add({}, std::to_string(signals.size()) + " signals for " + std::to_string(system.input_count()) + " inputs",
-               "each input needs one signal");
+               "every input needs one signal");
   if (initial.displacement.size() != system.size() || initial.velocity.size() != system.size() ||
       initial.connector_states.size() != system.connector_states())
     issues.add({}, "the initial state does not fit the system's size",
-               "one value a degree of freedom and internal state");
+               "it needs one value per degree of freedom and internal state");
   issues.raise();
   if (options.duration / options.step > most_steps || stored_values(system, options) > most_values)
     throw InvalidInput(std::to_string(options.duration) + " s in steps of " + std::to_string(options.step) +
                            " s are more samples than fit in memory",
-                       "at most 10^10 steps and 2 10^9 stored values", "shorten the duration or keep fewer samples");
+                       "at most 10^10 steps and 2 10^9 stored values are possible",
+                       "shorten the duration or keep fewer samples");
 }
 
 /// Of the schemes of the generalised-alpha family; nothing for exact stepping.
@@ -182,13 +183,12 @@ private:
 
 std::optional<SimulationFailure> failure_of(const ForceSolveOutcome& outcome, const Motion& motion, double time) {
   if (!outcome.finite || !motion.acceleration.allFinite())
-    return SimulationFailure{
-        time,
-        "a connector force or the motion is no longer finite: a law divides by zero, or the response "
-        "grows without bound (exact stepping with connectors much stiffer than the rest does so "
-        "where omega h is above about 3.5: take more steps, or newmark)"};
+    return SimulationFailure{time,
+                             "a connector force or the motion is no longer finite: a law divides by zero or the "
+                             "response grows without bound; with integrator: exact, connectors much stiffer than the "
+                             "rest cause this when omega h exceeds about 3.5: use more steps or newmark"};
   if (!outcome.converged)
-    return SimulationFailure{time, "the connector forces did not converge: take a smaller step or a smoother law"};
+    return SimulationFailure{time, "the connector forces did not converge: use a smaller step or a smoother law"};
   return std::nullopt;
 }
 

@@ -19,20 +19,22 @@ void check_unknown(const UnknownParameter& unknown, const LocallyNonlinearSystem
     issues.add({}, title + " has no finite initial value", "the filter starts from it");
   if (!(unknown.deviation > 0.0) || !std::isfinite(unknown.deviation))
     issues.add({}, title + " has the prior standard deviation " + std::to_string(unknown.deviation),
-               "it must be positive: a parameter without uncertainty is not unknown");
+               "it must be > 0; to hold a parameter fixed, remove it from estimate.unknown");
   if (!(unknown.random_walk >= 0.0) || !std::isfinite(unknown.random_walk))
-    issues.add({}, title + " has a random walk that is negative or not finite", "it is a density");
+    issues.add({}, title + " has a random walk whose density is negative or not finite", "it must be zero or positive");
   if (!unknown.sensors.empty() && (!unknown.targets.empty() || unknown.transform.kind != TransformKind::none))
-    issues.add({}, title + " is a sensor's constant with a target or a transform", "it is added as it is");
+    issues.add({}, title + " is the constant of a sensor and has a target or a transform",
+               "such an unknown is added to the sensor's output directly");
   for (const auto& target : unknown.targets)
     if (target.connector < 0 || target.connector >= system.connector_count() || target.parameter < 0 ||
         target.parameter >= system.connectors[static_cast<std::size_t>(target.connector)].parameters.size())
       issues.add({}, title + " names a connector parameter that does not exist", "");
   const auto& transform = unknown.transform;
   if (transform.kind == TransformKind::log && !(unknown.initial > 0.0))
-    issues.add({}, title + " starts at " + std::to_string(unknown.initial), "under transform: log it must be positive");
+    issues.add({}, title + " starts at " + std::to_string(unknown.initial), "with transform: log it must be > 0");
   if (transform.kind == TransformKind::logit && !std::isfinite(transform.upper - transform.lower))
-    issues.add({}, title + " has a bound that is not finite", "logit needs two bounds", "use transform: log");
+    issues.add({}, title + " has a bound that is not finite", "transform: logit needs two finite bounds",
+               "use transform: log");
   else if (transform.kind == TransformKind::logit &&
            !(transform.lower < unknown.initial && unknown.initial < transform.upper))
     issues.add({},
@@ -47,8 +49,9 @@ void check_finite(const VectorXd& values, const std::string& what, IssueList& is
 
 void check_deviation(const VectorXd& values, const std::string& what, IssueList& issues) {
   if (!values.allFinite() || (values.array() < 0.0).any())
-    issues.add({}, "a " + what + " is negative or not finite", "it is a standard deviation or a noise density",
-               "zero says that it is known exactly");
+    issues.add({}, "a " + what + " is negative or not finite",
+               "it is a standard deviation or a noise density; it must be zero or positive",
+               "write 0 for a value that is known exactly");
 }
 
 MatrixXd symmetric(const MatrixXd& matrix) { return 0.5 * (matrix + matrix.transpose()); }
@@ -132,9 +135,10 @@ void AugmentedModel::check() const {
       if (sensor < 0 || sensor >= form().outputs().state.rows())
         issues.add({}, "unknown '" + unknown.name + "' names a sensor that does not exist", "");
     if (unknown.targets.empty() && unknown.sensors.empty() && !options_.system_at)
-      issues.add({}, "unknown '" + unknown.name + "' changes nothing", "name a parameter of a connector");
+      issues.add({}, "unknown '" + unknown.name + "' has no effect on the model", "name a parameter of a connector");
     else if (unknown.in_linear_part && !options_.system_at)
-      issues.add({}, "unknown '" + unknown.name + "' is in the linear part, which is not given as a function of it",
+      issues.add({},
+                 "unknown '" + unknown.name + "' belongs to the linear part, which was not given as a function of it",
                  "set AugmentedModelOptions::system_at");
   }
   const auto& prior = options_.prior;
@@ -145,16 +149,17 @@ void AugmentedModel::check() const {
                     prior.velocity_deviation.size() == n && prior.connector_state_deviation.size() == s &&
                     prior.input_deviation.size() == u && prior.input_rate_deviation.size() == u &&
                     noise.acceleration.size() == n && noise.input.size() == u && noise.connector_states.size() == s;
-  if (!fits) issues.add({}, "prior or process noise does not fit the system's size", "one value a state");
+  if (!fits) issues.add({}, "prior or process noise does not fit the system's size", "it needs one value per state");
   check_finite(prior.mean.displacement, "initial displacement", issues);
   check_finite(prior.mean.velocity, "initial velocity", issues);
   check_finite(prior.mean.connector_states, "initial internal state of a connector", issues);
-  check_deviation(prior.displacement_deviation, "prior deviation of a displacement", issues);
-  check_deviation(prior.velocity_deviation, "prior deviation of a velocity", issues);
-  check_deviation(prior.connector_state_deviation, "prior deviation of a connector's internal state", issues);
-  check_deviation(prior.input_deviation, "prior deviation of an input", issues);
-  check_deviation(prior.input_rate_deviation, "prior deviation of an input's rate", issues);
-  check_deviation(VectorXd::Constant(1, prior.sensor_state_deviation), "prior deviation of a sensor's state", issues);
+  check_deviation(prior.displacement_deviation, "prior standard deviation of a displacement", issues);
+  check_deviation(prior.velocity_deviation, "prior standard deviation of a velocity", issues);
+  check_deviation(prior.connector_state_deviation, "prior standard deviation of a connector's internal state", issues);
+  check_deviation(prior.input_deviation, "prior standard deviation of an input", issues);
+  check_deviation(prior.input_rate_deviation, "prior standard deviation of an input's rate", issues);
+  check_deviation(VectorXd::Constant(1, prior.sensor_state_deviation), "prior standard deviation of a sensor's state",
+                  issues);
   check_deviation(noise.acceleration, "process noise of a degree of freedom", issues);
   check_deviation(noise.input, "process noise of an input", issues);
   check_deviation(noise.connector_states, "process noise of a connector's internal state", issues);

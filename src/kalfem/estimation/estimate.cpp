@@ -36,21 +36,21 @@ void check_sigma_points(const AugmentedModel& augmented_model, const EstimationO
              "the sigma points have alpha " + std::to_string(alpha) + ", beta " + std::to_string(beta) + ", kappa " +
                  (kappa ? std::to_string(*kappa) : "by default") + " with " + std::to_string(static_cast<Index>(n)) +
                  " variables",
-             "alpha must be positive, kappa above minus the number of variables, all finite",
-             "use 1 and 2, and leave kappa out");
+             "alpha must be > 0 and kappa > minus the number of variables; all must be finite",
+             "use alpha 1 and beta 2, and omit kappa");
 }
 
 void check(const AugmentedModel& augmented_model, const Record& record, const EstimationOptions& options) {
   IssueList issues;
   const Index l = augmented_model.form().outputs().state.rows(), n_u = augmented_model.system().input_count();
   if (record.measurements.rows() != l || record.noise.rows() != l || record.noise.cols() != l)
-    issues.add({}, "record or noise does not have one channel a sensor", "");
+    issues.add({}, "the record or the noise does not have one channel per sensor", "");
   const Index samples = record.measurements.cols(), fine = (samples - 1) * augmented_model.options().substeps + 1;
   if (record.inputs.rows() != 3 * n_u || (record.inputs.cols() != samples && record.inputs.cols() != fine))
-    issues.add({}, "inputs and measurements do not have the same samples", "");
+    issues.add({}, "inputs and measurements have different numbers of samples", "");
   if (!record.inputs.allFinite()) issues.add({}, "an input is not finite", "the filter's model is driven by it");
   if (!record.noise.allFinite() || (record.noise.diagonal().array() < 0.0).any())
-    issues.add({}, "a sensor's noise is negative or not finite", "it is a covariance", "give every sensor its noise");
+    issues.add({}, "a sensor's noise is negative or not finite", "it is a variance", "give every sensor its noise");
   const IssueList of_options = validate(augmented_model, options);
   for (const auto& [place, what, why, fix] : of_options.issues()) issues.add(place, what, why, fix);
   if (record.measurements.cols() < 1) issues.add({}, "the record is empty", "");
@@ -302,7 +302,8 @@ IssueList validate(const AugmentedModel& augmented_model, const EstimationOption
   if (options.deviation_stride < 1) issues.add({}, "the stride of standard deviations is below 1", "");
   if (options.passes < 1) issues.add({}, "the number of passes is below 1", "");
   if (options.passes > 1 && !augmented_model.options().keep_initial_state)
-    issues.add({}, "several passes without an estimate of the initial state", "each pass starts from it",
+    issues.add({}, "several passes are requested without estimating the initial state",
+               "each pass starts from the initial state that the previous one estimated",
                "set estimate_initial_state: true");
   return issues;
 }

@@ -26,8 +26,8 @@ FilterChoice choose_filter(std::optional<FilterKind> requested, const LocallyNon
     return std::make_shared<const AugmentedModel>(system, sensors, chains, options);
   };
   if (requested && *requested != FilterKind::partially_linear)
-    return {*requested, make(StateCoordinates::physical), "as the case asks"};
-  const std::string asked = requested ? "as the case asks; " : "";
+    return {*requested, make(StateCoordinates::physical), "requested by the case"};
+  const std::string asked = requested ? "requested by the case; " : "";
   const auto modal = make(StateCoordinates::modal);
   const Eigen::Index block = modal->augmented_model_form().largest_block;
   if (block <= tile_size)

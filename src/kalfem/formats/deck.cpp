@@ -56,7 +56,7 @@ std::vector<std::string> accept_missing(std::vector<DeckNote>& notes, const std:
     }
     issues.add(note.where,
                note.what + (note.count > 1 ? " (" + std::to_string(note.count) + " times)" : "") + " is missing",
-               note.consequence, "mend the deck, or let the case do without: accept_missing: [" + note.what + "]");
+               note.consequence, "correct the deck, or accept this in the case: accept_missing: [" + note.what + "]");
   }
   std::vector<std::string> idle;
   std::ranges::copy_if(accepted, std::back_inserter(idle),

@@ -14,13 +14,13 @@ constexpr int either_header = 15 + 32;               ///< largest window; zlib l
 constexpr std::size_t piece = std::size_t{1} << 20;  ///< bytes handed over at a time
 
 [[noreturn]] void refuse(const std::string& source, std::string what) {
-  throw InvalidInput(Issue{{source, 0}, std::move(what), "its content is needed whole", "compress the file again"});
+  throw InvalidInput(Issue{{source, 0}, std::move(what), "the whole content is needed", "compress the file again"});
 }
 
 class Inflater {
 public:
   explicit Inflater(const std::string& source) : source_(source) {
-    if (inflateInit2(&stream_, either_header) != Z_OK) refuse(source_, "there is no memory to uncompress the file");
+    if (inflateInit2(&stream_, either_header) != Z_OK) refuse(source_, "not enough memory to decompress the file");
   }
   Inflater(const Inflater&) = delete;
   Inflater& operator=(const Inflater&) = delete;
@@ -36,7 +36,7 @@ public:
     while (state != Z_STREAM_END) {
       if (stream_.avail_in == 0) {
         const std::size_t count = std::min(piece, bytes.size() - given);
-        if (count == 0) refuse(source_, "the compressed file ends too early");
+        if (count == 0) refuse(source_, "the compressed file is truncated");
         stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data() + given));
         stream_.avail_in = static_cast<uInt>(count);
         given += count;

@@ -66,17 +66,17 @@ void check(const Mesh& mesh, const std::vector<NodalField>& fields) {
   IssueList issues;
   std::set<std::string> names{"node"};
   for (const auto& field : fields) {
-    if (field.name.empty()) issues.add({}, "a field has no name", "ParaView lists fields by their names", "name it");
+    if (field.name.empty()) issues.add({}, "a field has no name", "ParaView needs names for fields", "name it");
     if (!names.insert(field.name).second)
-      issues.add({}, "the field '" + field.name + "' is given twice, or is named as the numbers of the nodes",
+      issues.add({}, "the field '" + field.name + "' is given twice or has the name of the node numbers",
                  "names must differ", "rename it");
     if (field.values.cols() != mesh.node_count() || field.values.rows() < 1)
       issues.add(
           {},
           "the field '" + field.name + "' is of size " + std::to_string(field.values.rows()) + " x " +
               std::to_string(field.values.cols()),
-          "it must have a column for each of the " + std::to_string(mesh.node_count()) + " nodes and a row at least",
-          "give components x nodes");
+          "it needs one column for each of the " + std::to_string(mesh.node_count()) + " nodes, and at least one row",
+          "give a matrix of components x nodes");
   }
   issues.raise();
 }
@@ -160,8 +160,8 @@ void write_pvd(const std::filesystem::path& file, const std::vector<SeriesEntry>
   std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";
   for (const auto& entry : entries) {
     if (!std::isfinite(entry.time))
-      throw InvalidInput("the time of '" + entry.file + "' is not finite", "a series needs the time of each file",
-                         "give it in s");
+      throw InvalidInput("the time of '" + entry.file + "' is not finite",
+                         "a series needs a finite time for every file", "give it in s");
     text += "<DataSet timestep=\"" + shortest(entry.time) + "\" part=\"0\" file=\"" + escaped(entry.file) + "\"/>\n";
   }
   write_file_atomically(file, text + "</Collection>\n</VTKFile>\n");

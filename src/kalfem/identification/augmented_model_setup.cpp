@@ -39,7 +39,7 @@ void set_state_prior(const EstimationSettings& given, const CoupledModel& model,
     if (const Index index = model.dof_index(point); index >= 0)
       apply(index, start.value);
     else
-      issues.add(start.location, start.path + ": '" + point + "' is no degree of freedom of the filter's model" +
+      issues.add(start.location, start.path + ": '" + point + "' is not a degree of freedom of the filter's model" +
                                      did_you_mean(point, model.system().dofs));
   }
   for (const auto& [name, start] : given.initial_connector_states) {
@@ -59,7 +59,7 @@ void set_noise(const AccelerationNoise& given, const CoupledModel& model, Proces
   for (const auto& [point, density] : given.accelerations) {
     const Index index = model.dof_index(point);
     if (index < 0)
-      issues.add(density.location, density.path + ": '" + point + "' is no degree of freedom of the filter's model" +
+      issues.add(density.location, density.path + ": '" + point + "' is not a degree of freedom of the filter's model" +
                                        did_you_mean(point, model.system().dofs));
     else
       noise.acceleration[index] = density.value;
@@ -82,7 +82,7 @@ std::vector<Sensor> sensors_of(const EstimationProblem& problem, const Augmented
   if (sensors.empty())
     issues.add(problem.sensors.empty() ? SourceLocation{} : problem.sensors.front().location,
                "no sensor is attached to the modelled part", "there is nothing to estimate from",
-               "place a sensor on the part of the structure that the filter's model holds");
+               "attach a sensor to a part of the structure that the filter's model contains");
   return sensors;
 }
 
@@ -127,7 +127,8 @@ private:
   bool check_positive(const Unknown& given, const UnknownParameter& unknown) {
     if (unknown.initial > 0.0 || !std::ranges::all_of(given.targets, is_positive_by_nature)) return true;
     issues_.add(given.location, "'" + given.name + "' starts at " + shortest(unknown.initial) + " " + unknown.unit,
-                "damping of its substructure follows it, and needs it positive", "start from a positive first guess");
+                "the modal damping of its substructure depends on it, so it must be positive",
+                "start from a positive initial value");
     return false;
   }
 
@@ -244,9 +245,9 @@ AugmentedModelSetup make_augmented_model_setup(const EstimationProblem& problem,
   setup.model = std::make_shared<const CoupledModel>(couple(parts));
   constexpr Index most_dofs = 5000;
   if (const Index dofs = setup.model->system().size(); dofs > most_dofs) {
-    issues.add({}, "the filter would hold " + std::to_string(dofs) + " degrees of freedom",
-               "its covariance is a full matrix: at most " + std::to_string(most_dofs),
-               "reduce the finite elements, or hold a part of the structure by estimate.local");
+    issues.add({}, "the filter's model would have " + std::to_string(dofs) + " degrees of freedom",
+               "its covariance is a full matrix, so at most " + std::to_string(most_dofs),
+               "reduce the finite elements, or model only a part of the structure by estimate.local");
     return setup;
   }
   auto& options = setup.options;

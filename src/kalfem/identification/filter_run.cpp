@@ -181,7 +181,7 @@ FilteredRecord run_filter(const EstimationProblemPtr& problem, const AugmentedMo
   filtered.run = make_filter_run(problem, setup, record, StateCoordinates::physical);
   filtered.run.choice.filter = options.filter;
   filtered.run.choice.reason =
-      reason + "; in physical coordinates, as rounding in modal ones cost the covariance its sign";
+      reason + "; in physical coordinates, because rounding errors in modal ones made the covariance indefinite";
   filtered.result = estimate(*filtered.run.choice.augmented_model, filtered.run.record, options);
   return filtered;
 }

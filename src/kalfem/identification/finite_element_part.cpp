@@ -49,7 +49,7 @@ void require_no_mechanism(const FiniteElementModel& elements, const AssembledMod
   for (std::size_t i = 0; i < std::min<std::size_t>(free.size(), 10); ++i) names += (i == 0 ? "" : ", ") + free[i];
   throw InvalidInput("substructure '" + elements.name + "' is a mechanism: it moves without strain at " + names +
                          (free.size() > 10 ? " and " + std::to_string(free.size() - 10) + " more" : ""),
-                     "its motion there is not determined", "hold or join these degrees of freedom");
+                     "its motion there is undetermined", "fix or connect these degrees of freedom");
 }
 
 }  // namespace

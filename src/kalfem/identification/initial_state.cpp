@@ -8,8 +8,8 @@ InitialState initial_state(const InitialMotion& initial, const CoupledModel& mod
   for (const auto& [point, given] : initial) {
     const Eigen::Index index = model.dof_index(point);
     if (index < 0)
-      throw InvalidInput(given.issue("'" + point + "' is no degree of freedom" + did_you_mean(point, system.dofs), "",
-                                     "name one of a lumped substructure"));
+      throw InvalidInput(given.issue("'" + point + "' is not a degree of freedom" + did_you_mean(point, system.dofs),
+                                     "", "name a degree of freedom of a lumped substructure"));
     start.displacement[index] = given.value.displacement;
     start.velocity[index] = given.value.velocity;
   }

@@ -112,8 +112,7 @@ void LocalModel::add_interface(const std::string& point, const Located<Interface
     if (inside || dot == std::string::npos) {
       issues_.add(measured->sensor.location,
                   "estimate.local.interface." + point +
-                      ": an interface that moves as measured "
-                      "lies outside the local substructures",
+                      ": an interface that moves as measured must lie outside the local substructures",
                   "", "name a point of the part that is left out");
       return;
     }

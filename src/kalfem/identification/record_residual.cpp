@@ -75,7 +75,7 @@ RecordResidual::RecordResidual(EstimationProblemPtr problem, FullRecord record,
   const auto samples = record_.series.samples();
   const auto settled = static_cast<Index>(std::llround(problem_->settings.settle * problem_->sample_rate));
   if (settled >= samples - 1)
-    throw InvalidInput("estimate.settle is as long as the record", "nothing is left to compare", "shorten it");
+    throw InvalidInput("estimate.settle covers the whole record", "no sample is left to compare", "shorten it");
   settled_ = settled;
   measured_.resize(samples, static_cast<Index>(sensors_.size()));
   for (std::size_t j = 0; j < sensors_.size(); ++j)

@@ -32,7 +32,7 @@ SimulationResidual::SimulationResidual(StructurePtr given, std::vector<Sensor> m
     noise_[j] = record.noise[static_cast<std::size_t>(channel)];
     if (!(noise_[j] > 0.0))
       throw InvalidInput("sensor '" + sensors_[static_cast<std::size_t>(j)].name + "' has no noise",
-                         "the residual is in parts of it", "give the sensor a noise");
+                         "the residual is measured in standard deviations of the noise", "give the sensor a noise");
   }
 }
 

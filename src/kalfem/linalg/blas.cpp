@@ -63,10 +63,9 @@ std::string blas_kernels() { return openblas_get_corename != nullptr ? openblas_
 
 std::optional<std::string> blas_warning(const std::string& kernels, bool has_avx2, bool has_avx512) {
   if (!has_avx2 || std::ranges::find(old_kernels, lower_case(kernels)) == old_kernels.end()) return std::nullopt;
-  return "OpenBLAS runs its " + kernels + " kernels, though this processor has " +
+  return "OpenBLAS runs its " + kernels + " kernels, although this processor has " +
          (has_avx512 ? std::string("AVX-512") : std::string("AVX2")) +
-         ": large models are solved slower than need be; set the environment variable "
-         "OPENBLAS_CORETYPE=" +
+         ": large models are solved more slowly than possible; set the environment variable OPENBLAS_CORETYPE=" +
          (has_avx512 ? "SkylakeX" : "Haswell") + " (Zen on AMD processors)";
 }
 

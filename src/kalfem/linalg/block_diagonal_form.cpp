@@ -240,7 +240,7 @@ Index BlockDiagonalForm::largest_block() const {
 }
 
 BlockDiagonalForm block_diagonal_form(const MatrixXd& A) {
-  if (!A.allFinite()) throw InvalidInput("a matrix of dynamics is not finite", "its entries must be numbers", "");
+  if (!A.allFinite()) throw InvalidInput("a matrix of dynamics is not finite", "all its entries must be finite", "");
   const Index n = A.rows();
   BlockDiagonalForm form{MatrixXd::Zero(n, n), {}, MatrixXd::Zero(n, n), {}};
   const Groups groups = separable_groups(A);

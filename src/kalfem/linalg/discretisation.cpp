@@ -65,7 +65,7 @@ void check_density(const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::Ref<
     issues.add({},
                "process noise of a " + std::to_string(A.rows()) + " x " + std::to_string(A.cols()) +
                    " matrix A and a " + std::to_string(Qc.rows()) + " x " + std::to_string(Qc.cols()) + " density",
-               "both must be square and of one size");
+               "both must be square and of the same size");
   if (!(h > 0.0) || !std::isfinite(h))
     issues.add({}, "process noise over h = " + std::to_string(h) + " s", "the interval must be positive and finite");
   if (!A.allFinite() || !Qc.allFinite())

@@ -40,7 +40,7 @@ public:
            work.data(), &size, nullptr, &info);
     if (info != 0)
       throw InvalidInput("the eigenvalues of a matrix of " + std::to_string(n_) + " states did not converge",
-                         "its entries must be finite and of sensible scale", "check the model's masses and dampers");
+                         "its entries must be finite and reasonably scaled", "check the model's masses and dampers");
   }
 
   InvariantSubspaces run() {
@@ -105,7 +105,7 @@ private:
 }  // namespace
 
 InvariantSubspaces invariant_subspaces(const MatrixXd& A, double magnification) {
-  if (!A.allFinite()) throw InvalidInput("a matrix of dynamics is not finite", "its entries must be numbers", "");
+  if (!A.allFinite()) throw InvalidInput("a matrix of dynamics is not finite", "all its entries must be finite", "");
   const VectorXd scale = balancing_scale(A);
   const VectorXd inverse = scale.cwiseInverse();
   InvariantSubspaces result = SchurSplit(inverse.asDiagonal() * A * scale.asDiagonal(), magnification).run();

@@ -93,11 +93,11 @@ void check(const Matrix& stiffness, const Matrix& mass, const LowestModesOptions
     issues.add({},
                "modes of a " + std::to_string(stiffness.rows()) + "-row stiffness and a " +
                    std::to_string(mass.rows()) + "-row mass matrix",
-               "both must be square and of one size");
+               "both must be square and of the same size");
   if (!options.count && !options.below)
-    issues.add({}, "neither a number of modes nor a limit is given", "one of them must end the search");
+    issues.add({}, "neither a number of modes nor a limit is given", "one of them must limit the search");
   if (options.count && *options.count < 0)
-    issues.add({}, std::to_string(*options.count) + " modes are asked for", "the number must not be negative");
+    issues.add({}, std::to_string(*options.count) + " modes are requested", "the number must not be negative");
   if (!(options.tolerance > 0.0)) issues.add({}, "the tolerance is not positive");
   issues.raise();
 }
@@ -180,7 +180,7 @@ RitzPairs iterate(BlockLanczos& lanczos, const Wanted& wanted) {
   }
   throw InvalidInput("the eigenvalue iteration does not converge",
                      "after " + std::to_string(most_rooms) + " restarts the residuals are above the tolerance",
-                     "ask for fewer modes or a larger tolerance, and check the stiffness matrix");
+                     "request fewer modes or a larger tolerance, and check the stiffness matrix");
 }
 
 /// Whether a random block, iterated in the complement of the `count` leading pairs, brings nothing above `floor`.
@@ -246,8 +246,8 @@ LowestModes by_lanczos(const Problem& problem) {
     if ((mass.diagonal().array() <= 0.0).any()) modes.vectors = purified(mass, shifted.factor, modes.vectors);
     return modes;
   }
-  throw InvalidInput("eigenvalues below the highest that was found are missing",
-                     "K - lambda M has more negative pivots than eigenvalues were found, also after " +
+  throw InvalidInput("eigenvalues below the highest one found are missing",
+                     "K - lambda M has more negative pivots than eigenvalues found, even after " +
                          std::to_string(most_checks) + " attempts",
                      "check that the stiffness and mass matrices are symmetric and well scaled");
 }
@@ -299,9 +299,9 @@ ShiftedStiffness factor_stiffness(const Matrix& stiffness, const Matrix& mass, s
   } catch (const NotPositiveDefinite& error) {
     const auto column = static_cast<std::size_t>(error.column());
     throw InvalidInput("degree of freedom " + (names.empty() ? std::to_string(column) : "'" + names[column] + "'") +
-                           " takes part in a motion without stiffness and mass, or with negative stiffness",
-                       "modes need K positive semi-definite and mass wherever there is no stiffness",
-                       "hold that degree of freedom, or give it a mass");
+                           " takes part in a motion that has no stiffness and no mass, or negative stiffness",
+                       "K must be positive semi-definite, and motions without stiffness need mass",
+                       "fix that degree of freedom or give it a mass");
   }
 }
 
@@ -320,9 +320,9 @@ LowestModes lowest_modes(const Matrix& stiffness, const Matrix& mass, const Shif
   check(stiffness, mass, options);
   const Index massive = (mass.diagonal().array() > 0.0).count();
   if (options.count.value_or(0) > massive)
-    throw InvalidInput(std::to_string(*options.count) + " modes are asked for of a model with mass at " +
+    throw InvalidInput(std::to_string(*options.count) + " modes are requested of a model with mass at " +
                            std::to_string(massive) + " degrees of freedom",
-                       "there are no more modes than that", "ask for fewer modes");
+                       "a model has no more modes than degrees of freedom with mass", "request fewer modes");
   if (massive == 0) return {VectorXd(0), MatrixXd(mass.rows(), 0), {}, 0};
   const Problem problem{stiffness, mass, shifted, options};
   const bool most_of_all = 3 * options.count.value_or(0) >= massive && mass.rows() <= sturm_limit;

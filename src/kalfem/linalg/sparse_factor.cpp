@@ -191,7 +191,7 @@ SparseFactor::SparseFactor(const Eigen::SparseMatrix<double>& matrix, const Elim
   if (!order.empty() && static_cast<Index>(order.size()) != matrix.rows())
     throw InvalidInput(
         "an order of " + std::to_string(order.size()) + " rows for a matrix of " + std::to_string(matrix.rows()),
-        "it names each row once", "pass the order of a factor of the same size");
+        "it must contain each row once", "pass the order of a factor of the same size");
   workspace_ = std::make_unique<Workspace>(LowerTriangle(matrix), order);
   workspace_->factorize();
 }
@@ -203,8 +203,8 @@ SparseFactor& SparseFactor::operator=(SparseFactor&&) noexcept = default;
 void SparseFactor::refactor(const Eigen::SparseMatrix<double>& matrix) {
   LowerTriangle given(matrix);
   if (given.size != size() || !given.same_pattern(workspace_->matrix))
-    throw InvalidInput("the matrix has another pattern than the one that was analysed", "its factor has another size",
-                       "make a new SparseFactor, or keep explicit zeros");
+    throw InvalidInput("the matrix has a different pattern from the one analysed", "its factor has a different size",
+                       "make a new SparseFactor or keep explicit zeros");
   workspace_->matrix = std::move(given);
   workspace_->factorize();
 }

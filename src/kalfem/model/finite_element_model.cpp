@@ -79,24 +79,25 @@ void Validator::check_mesh() {
     return index >= 0 && static_cast<std::size_t>(index) < size;
   };
   const auto refuse = [&](std::string what, std::string why) {
-    add(std::move(what), std::move(why), "mend the mesh");
+    add(std::move(what), std::move(why), "correct the mesh");
     mesh_is_sound_ = false;
   };
   const auto nodes = static_cast<std::size_t>(mesh_.node_count());
   if (mesh_.node_ids.size() != nodes) {
     refuse("the mesh has " + std::to_string(nodes) + " nodes and " + std::to_string(mesh_.node_ids.size()) + " numbers",
-           "each node has its number");
+           "every node needs a number");
     nodes_exist_ = false;
     return;
   }
-  if (!mesh_.nodes.allFinite()) refuse("a coordinate of the mesh is not finite", "coordinates are numbers in m");
+  if (!mesh_.nodes.allFinite())
+    refuse("a coordinate of the mesh is not finite", "coordinates must be finite numbers in m");
   for (const auto& cell : mesh_.cells)
     if (!std::ranges::all_of(mesh_.nodes_of(cell), [&](auto node) { return in_range(node, nodes); }))
       refuse(to_string(cell.shape) + " " + std::to_string(cell.id) + " has a node that does not exist",
-             "cells join nodes of the mesh");
+             "elements must connect nodes of the mesh");
   for (const auto& [region, cells] : mesh_.regions)
     if (!std::ranges::all_of(cells, [&](auto cell) { return in_range(cell, mesh_.cells.size()); }))
-      refuse("region '" + region + "' has a cell that does not exist", "regions list cells of the mesh");
+      refuse("region '" + region + "' has an element that does not exist", "a region must list elements of the mesh");
 }
 
 void Validator::check_material(const std::string& name, const IsotropicMaterial& material) {
@@ -114,7 +115,7 @@ void Validator::check_property(const std::string& region, const RegionProperty& 
   if (!mesh_.regions.contains(region))
     add("a property is given for the region '" + region + "', which the mesh does not have" +
             did_you_mean(region, names_of(mesh_.regions)),
-        "a property belongs to a region of the mesh");
+        "a property must belong to a region of the mesh");
   else if (mesh_is_sound_)
     check_shape(region, property);
   const auto material = material_of(property);
@@ -122,19 +123,19 @@ void Validator::check_property(const std::string& region, const RegionProperty& 
   if (laminate)
     check_laminate(region, *laminate);
   else if (!model_.materials.contains(material))
-    add("region '" + region + "' is of the material '" + material + "', which is not defined" +
+    add("region '" + region + "' has the material '" + material + "', which is not defined" +
             did_you_mean(material, names_of(model_.materials)),
         "each property needs a material");
   if (const auto* shell = std::get_if<ShellProperty>(&property); shell && !is_positive(shell->thickness))
     add("region '" + region + "' has the thickness " + std::to_string(shell->thickness),
-        "a thickness is positive and finite", "give it in m");
+        "a thickness must be positive and finite", "give it in m");
   if (const auto* beam = std::get_if<BeamProperty>(&property)) check_section(region, *beam);
 }
 
 void Validator::check_laminate(const std::string& region, const LaminateProperty& laminate) {
   if (!is_positive(laminate.mass))
     add("the cross-section of region '" + region + "' has the mass " + std::to_string(laminate.mass),
-        "dynamics need the mass of every region", "give it in kg/m^2");
+        "dynamics need a mass for every region", "give it in kg/m^2");
   Matrix6 joined;
   joined << laminate.stiffness.membrane, laminate.stiffness.coupling, laminate.stiffness.coupling,
       laminate.stiffness.bending;
@@ -144,7 +145,7 @@ void Validator::check_laminate(const std::string& region, const LaminateProperty
   if (!joined.allFinite() || !laminate.stiffness.shear.allFinite() || !(lowest(joined) > 0.0) ||
       !(lowest(laminate.stiffness.shear) > 0.0))
     add("the cross-section of region '" + region + "' has a stiffness that is not positive definite",
-        "every strain, curvature and transverse shear takes work",
+        "every strain, curvature and transverse shear must have positive energy",
         "complete its layers and their transverse shear moduli");
 }
 
@@ -154,23 +155,23 @@ void Validator::check_shape(const std::string& region, const RegionProperty& pro
     const char *title, *shapes;
     int dimension;
   };
-  const Kind kind = std::holds_alternative<BeamProperty>(property) ? Kind{"beam", "beams are made of 2-node lines", 1}
+  const Kind kind = std::holds_alternative<BeamProperty>(property) ? Kind{"beam", "beams need 2-node lines", 1}
                     : std::holds_alternative<SolidProperty>(property)
-                        ? Kind{"solid", "solids are made of bodies", 3}
-                        : Kind{"shell", "shells are made of triangles and quadrilaterals of 3 and 4 nodes", 2};
+                        ? Kind{"solid", "solids need solid elements", 3}
+                        : Kind{"shell", "shells need triangles of 3 nodes or quadrilaterals of 4 nodes", 2};
   const auto fits = [&](CellShape shape) {
     return dimension(shape) == kind.dimension && (kind.dimension == 3 || node_count(shape) == corner_count(shape));
   };
   const auto& cells = mesh_.regions.at(region);
   const auto wrong =
       std::ranges::find_if(cells, [&](auto cell) { return !fits(mesh_.cells[static_cast<std::size_t>(cell)].shape); });
-  if (cells.empty()) add("region '" + region + "' has a property and no cells", "nothing would be made of it");
+  if (cells.empty()) add("region '" + region + "' has a property but no elements", "the property would have no effect");
   check_directions(region, property, cells.size());
   if (wrong == cells.end()) return;
   const auto& cell = mesh_.cells[static_cast<std::size_t>(*wrong)];
-  add("region '" + region + "' has a " + kind.title + " property and holds the " + to_string(cell.shape) + " " +
+  add("region '" + region + "' has a " + kind.title + " property but contains the " + to_string(cell.shape) + " " +
           std::to_string(cell.id),
-      kind.shapes, "give lines, surfaces and bodies regions of their own");
+      kind.shapes, "put lines, surfaces and solids into separate regions");
 }
 
 /// What is given for each cell is given for all of them.
@@ -179,9 +180,9 @@ void Validator::check_directions(const std::string& region, const RegionProperty
   const auto* laminate = std::get_if<LaminateProperty>(&property);
   const std::size_t given = beam ? beam->placements.size() : laminate ? laminate->directions.size() : cells;
   if (given != cells && given != 1 && !(laminate && given == 0))
-    add("region '" + region + "' has " + std::to_string(cells) + " cells and " + std::to_string(given) +
+    add("region '" + region + "' has " + std::to_string(cells) + " elements and " + std::to_string(given) +
             (beam ? " placements" : " directions"),
-        "one holds for all cells, or each has its own");
+        "give one for all elements, or one for each");
 }
 
 void Validator::check_section(const std::string& region, const BeamProperty& beam) {
@@ -196,10 +197,10 @@ void Validator::check_section(const std::string& region, const BeamProperty& bea
   for (const double value : {section.shear_factor_y, section.shear_factor_z})
     if (!(value >= 0.0) || !std::isfinite(value))
       add("the section of region '" + region + "' has the shear factor " + std::to_string(value),
-          "a shear factor is positive, or 0 for a beam that is rigid in shear");
+          "a shear factor must be positive, or 0 for a beam that is rigid in shear");
   for (const auto& placement : beam.placements)
     if (!placement.up.allFinite() || !placement.offsets.allFinite()) {
-      add("'up' or 'offset' of region '" + region + "' is not finite", "both are vectors of numbers");
+      add("'up' or 'offset' of region '" + region + "' is not finite", "both must be vectors of finite numbers");
       break;
     }
 }
@@ -220,8 +221,9 @@ void Validator::check_regions() {
       return dimension(mesh_.cells[index].shape) > 0 && !covered[index];
     });
     if (missing > 0)
-      add("missing property for region '" + region + "': " + std::to_string(missing) + " of its cells have none",
-          "they would be left out of the structure", "give the region a property, or take it out of the mesh");
+      add("missing property for region '" + region + "': " + std::to_string(missing) + " of its elements have none",
+          "these elements would be missing from the structure",
+          "give the region a property or remove it from the mesh");
   }
   check_overlaps();
 }
@@ -237,9 +239,9 @@ void Validator::check_overlaps() {
       auto& first = owner[static_cast<std::size_t>(index)];
       if (first && told.insert({*first, region}).second) {
         const auto& cell = mesh_.cells[static_cast<std::size_t>(index)];
-        add(to_string(cell.shape) + " " + std::to_string(cell.id) + " stands in region '" + *first +
-                "' and again in '" + region + "'",
-            "it would count twice", "leave it in one region with a property");
+        add(to_string(cell.shape) + " " + std::to_string(cell.id) + " belongs to region '" + *first +
+                "' and also to '" + region + "'",
+            "it would be counted twice", "keep it in one region with a property");
       }
       first = &region;
     }
@@ -250,14 +252,14 @@ bool Validator::check_node(Eigen::Index node, const std::string& title) {
   if (node >= 0 && node < mesh_.node_count()) return true;
   nodes_exist_ = false;
   add(title + " names the node at position " + std::to_string(node) + " of " + std::to_string(mesh_.node_count()),
-      "it does not exist", "name a node of the mesh");
+      "it does not exist", "refer to a node of the mesh");
   return false;
 }
 
 bool Validator::check_dof(const NodalDof& dof, const std::string& title) {
   if (dof.direction >= 0 && dof.direction < 6) return check_node(dof.node, title);
   nodes_exist_ = false;
-  add(title + " acts in direction " + std::to_string(dof.direction), "directions are x, y, z, rx, ry, rz (0 to 5)");
+  add(title + " acts in direction " + std::to_string(dof.direction), "directions must be x, y, z, rx, ry, rz (0 to 5)");
   return false;
 }
 
@@ -276,11 +278,11 @@ void Validator::check_masses() {
     const std::string title = "point mass '" + mass.name + "'";
     check_node(mass.node, title);
     if (!(mass.mass >= 0.0) || !std::isfinite(mass.mass))
-      add(title + " has the mass " + std::to_string(mass.mass), "a mass is not negative, and finite",
+      add(title + " has the mass " + std::to_string(mass.mass), "a mass must be finite and not negative",
           "give the mass in kg");
     const auto& inertia = mass.inertia;
     if (!mass.offset.allFinite() || !inertia.allFinite()) {
-      add(title + " has an offset or an inertia that is not finite", "both are numbers in m and kg m^2");
+      add(title + " has an offset or an inertia that is not finite", "both must be finite, in m and kg m^2");
       continue;
     }
     const double scale = inertia.cwiseAbs().maxCoeff();
@@ -289,7 +291,7 @@ void Validator::check_masses() {
     if ((inertia - inertia.transpose()).cwiseAbs().maxCoeff() > 1e-9 * scale ||
         principal.eigenvalues().minCoeff() < -1e-9 * scale)
       add(title + " has an inertia that is not symmetric or has a negative principal moment",
-          "no body has such an inertia");
+          "such an inertia is physically impossible");
   }
 }
 
@@ -300,11 +302,12 @@ void Validator::check_springs() {
     check_dof(spring.from, title);
     if (spring.to) check_dof(*spring.to, title);
     if (spring.to && *spring.to == spring.from)
-      add(title + " joins a degree of freedom to itself", "it has no effect", "name two, or one and a ground");
+      add(title + " connects a degree of freedom to itself", "it has no effect",
+          "name two different ones, or one and a ground");
     for (const auto& [what, value] : {std::pair{"stiffness", spring.stiffness}, {"damping", spring.damping}})
       if (!(value >= 0.0) || !std::isfinite(value))
         add(title + " has the " + what + " " + std::to_string(value),
-            "stiffness and damping of a spring are not negative, and finite");
+            "stiffness and damping of a spring must be finite and not negative");
   }
 }
 
@@ -319,7 +322,7 @@ void Validator::check_joints() {
     }
     if (!finite || joint.stiffness < 0.0 || joint.damping < 0.0 || joint.deformation.empty())
       add(title + " has no deformation, or a stiffness or damping that is negative or not finite",
-          "it is a spring between degrees of freedom");
+          "a spring needs a deformation and finite, non-negative values");
   }
 }
 
@@ -334,12 +337,12 @@ void Validator::check_matrices() {
       if (matrix->rows() != size || matrix->cols() != size) {
         add(title + " is " + std::to_string(matrix->rows()) + " x " + std::to_string(matrix->cols()) + " for " +
                 std::to_string(size) + " degrees of freedom",
-            "each row has its degree of freedom");
+            "every row needs a degree of freedom");
         continue;
       }
       const Eigen::SparseMatrix<double> difference = *matrix - Eigen::SparseMatrix<double>(matrix->transpose());
       if (!(difference.norm() <= 1e-9 * matrix->norm()))
-        add(title + " is not symmetric, or not finite", "stiffness, mass and damping are symmetric here");
+        add(title + " is not symmetric, or not finite", "stiffness, mass and damping must be symmetric and finite");
     }
   }
 }
@@ -353,15 +356,17 @@ void Validator::check_links() {
     for (const auto& share : link.shares) {
       check_node(share.node, title);
       if (!is_positive(share.weight))
-        add(title + " has the weight " + std::to_string(share.weight), "a weight is positive and finite");
+        add(title + " has the weight " + std::to_string(share.weight), "a weight must be positive and finite");
     }
-    if (link.shares.empty()) add(title + " follows nothing", "it has the mean motion of other nodes", "name them");
+    if (link.shares.empty())
+      add(title + " follows no nodes", "it must take the weighted mean motion of other nodes", "name them");
   }
   for (const auto& link : model_.links) {
     const std::string title = "rigid link '" + link.name + "'";
     check_node(link.master, title);
     for (const auto slave : link.slaves) check_node(slave, title);
-    if (link.slaves.empty()) add(title + " has no slaves", "it ties nothing", "name the nodes that follow");
+    if (link.slaves.empty())
+      add(title + " has no slaves", "a rigid link needs at least one", "name the nodes that follow");
   }
 }
 

@@ -10,7 +10,7 @@ namespace kalfem {
 NormalModes normal_modes(const SparseMatrix& mass, const SparseMatrix& stiffness) {
   const Eigen::MatrixXd dense_mass(mass);
   if (Eigen::LLT<Eigen::MatrixXd>(dense_mass).info() != Eigen::Success)
-    throw InvalidInput("the mass matrix is not positive definite", "modes need mass at every degree of freedom",
+    throw InvalidInput("the mass matrix is not positive definite", "modes need a mass at every degree of freedom",
                        "give every degree of freedom a mass");
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(Eigen::MatrixXd(stiffness), dense_mass);
   NormalModes modes{solver.eigenvalues().cwiseMax(0.0).cwiseSqrt(), solver.eigenvectors()};

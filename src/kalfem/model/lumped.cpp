@@ -47,12 +47,12 @@ void check_springs(const LumpedSubstructure& substructure, IssueList& issues) {
     for (const auto& end : {spring.from, spring.to})
       if (std::ranges::find(known, end) == known.end())
         issues.add({}, title + " ends at '" + end + "', which does not exist" + did_you_mean(end, known),
-                   "a spring joins masses, points or grounds of its substructure");
+                   "a spring connects masses, points or grounds of its substructure");
     if (spring.from == spring.to) issues.add({}, title + " joins '" + spring.from + "' to itself", "it has no effect");
     for (const double value : {spring.stiffness, spring.damping})
       if (!(value >= 0.0) || !std::isfinite(value))
         issues.add({}, title + " has the value " + std::to_string(value),
-                   "stiffness and damping of a lumped spring are not negative");
+                   "stiffness and damping of a lumped spring must not be negative");
   }
 }
 
@@ -78,12 +78,12 @@ void check_points(const LumpedSubstructure& substructure, IssueList& issues) {
       if (!std::isfinite(coefficient))
         issues.add(
             {}, "point '" + substructure.name + "." + name + "' has a coefficient of '" + dof + "' that is not finite",
-            "a point is a combination of degrees of freedom");
+            "a point is a weighted sum of degrees of freedom");
       const bool exists = std::ranges::any_of(substructure.masses, [&](const auto& m) { return m.dof == dof; });
       if (!exists)
-        issues.add({},
-                   "point '" + substructure.name + "." + name + "' uses '" + dof + "', which is no degree of freedom",
-                   "a point is a combination of degrees of freedom");
+        issues.add(
+            {}, "point '" + substructure.name + "." + name + "' uses '" + dof + "', which is not a degree of freedom",
+            "a point is a weighted sum of degrees of freedom");
     }
 }
 
@@ -91,11 +91,11 @@ void check_damping(const LumpedSubstructure& substructure, IssueList& issues) {
   for (const double ratio : substructure.modal_damping)
     if (!(ratio >= 0.0 && ratio < 1.0))
       issues.add({}, "modal damping ratio of '" + substructure.name + "' is " + std::to_string(ratio),
-                 "a ratio lies in [0, 1)", "write 1 % or 0.01");
+                 "a ratio must lie in [0, 1)", "write 1 % or 0.01");
   const auto& [alpha, beta] = substructure.rayleigh;
   if (!(alpha >= 0.0 && beta >= 0.0) || !std::isfinite(alpha + beta))
     issues.add({}, "Rayleigh factors of '" + substructure.name + "' are negative or not finite",
-               "they would feed energy in");
+               "they must not be: the structure would gain energy");
 }
 
 GroundCoupling& coupling_of(LinearModel& model, const std::string& ground) {

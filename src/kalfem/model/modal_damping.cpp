@@ -19,17 +19,18 @@ void check(const LinearModel& model, const std::vector<double>& ratios, const Mo
   IssueList issues;
   for (const double ratio : ratios)
     if (!(ratio >= 0.0) || !std::isfinite(ratio))
-      issues.add({}, "a damping ratio is " + std::to_string(ratio), "a negative one would feed energy in");
+      issues.add({}, "a damping ratio is " + std::to_string(ratio),
+                 "it must not be negative: the structure would gain energy");
   if (!options.count && !options.up_to)
-    issues.add({}, "modal damping does not say for how many modes", "not all modes of a large model are computed",
-               "give their number or a frequency");
+    issues.add({}, "the number of modes with modal damping is not given",
+               "only some modes of a large model are computed", "give their number or a frequency");
   if (options.count && *options.count < 0)
-    issues.add({}, "modal damping of " + std::to_string(*options.count) + " modes", "the number is negative");
+    issues.add({}, "modal damping of " + std::to_string(*options.count) + " modes", "the number must not be negative");
   if (options.up_to && !(*options.up_to > 0.0 && std::isfinite(*options.up_to)))
     issues.add({}, "modal damping up to " + std::to_string(*options.up_to) + " Hz",
                "the frequency must be positive and finite");
   if (model.modal_damping.rates.size() > 0)
-    issues.add({}, "modal damping is added to a model that has some", "the modes would be damped twice");
+    issues.add({}, "the model has modal damping already", "its modes would be damped twice");
   issues.raise();
 }
 

@@ -14,7 +14,7 @@ constexpr double far = 4.0;         ///< prior standard deviations
 constexpr double nis_factor = 1.2;  ///< of the mean NIS to the expected one
 
 std::string remedy(double estimate) {
-  return fmt::format("start again from about {:.2g}, widen its std, or set transform: log", estimate);
+  return fmt::format("start again from about {:.2g}, increase its std, or set transform: log", estimate);
 }
 
 }  // namespace
@@ -32,7 +32,7 @@ PriorConflicts prior_conflicts(const EstimationOutcome& outcome) {
     if (!(moved > far) || unknown.random_walk > 0.0) continue;
     const double estimate = outcome.result.unknowns.mean(i, last);
     const auto text =
-        fmt::format("unknown '{}' ended at {:.4g} {}, {:.3g} prior standard deviations from its first guess {:.4g}",
+        fmt::format("unknown '{}' ended at {:.4g} {}, {:.3g} prior standard deviations from its initial value {:.4g}",
                     unknown.name, estimate, unknown.unit, moved, unknown.initial);
     if (nis > nis_factor * expected)
       conflicts.failures.push_back(

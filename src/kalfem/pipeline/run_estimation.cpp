@@ -73,14 +73,14 @@ constexpr double diverged = 1e6;
 /// Why the simulation is no comparison, in words; empty: it is one.
 std::string failure_of(const ConvergedSolution& reference, const TimeSeries& measured) {
   if (const auto& failure = reference.simulation.failure)
-    return "the simulation from the estimates stopped at " + shortest(measured.start + failure->time) +
+    return "the simulation with the estimates stopped at " + shortest(measured.start + failure->time) +
            " s: " + failure->reason;
   for (Index j = 0; j < reference.sensors.cols(); ++j) {
     const double simulated = reference.sensors.col(j).cwiseAbs().maxCoeff();
     const auto record = measured.values.col(j).array();
     const double recorded = record.isFinite().select(record.abs(), 0.0).maxCoeff();
     if (!reference.sensors.col(j).allFinite() || simulated > diverged * std::max(recorded, 1e-300))
-      return "the simulation from the estimates grows beyond a million times the record of '" +
+      return "the simulation with the estimates exceeds a million times the record of '" +
              measured.channels[static_cast<std::size_t>(j)].name + "': the estimated structure is unstable";
   }
   return "";

@@ -51,7 +51,7 @@ void add_noise(const Study& study, SimulationOutcome& outcome) {
 /// Why there is no reference, and what to do. Where trajectories part whatever the step, no finer step helps.
 std::string not_converged(const ConvergedSolution& reference, int max_substeps) {
   if (!reference.stagnates())
-    return "the reference did not converge: halving the step to 1/" + std::to_string(reference.substeps) +
+    return "the simulation did not converge: halving the step to 1/" + std::to_string(reference.substeps) +
            " of a sample still changes a sensor's record by " + shortest(reference.last_change) +
            " of its rms; raise simulate.max_substeps or simulate.tolerance";
   std::string changes;
@@ -63,7 +63,7 @@ std::string not_converged(const ConvergedSolution& reference, int max_substeps) 
   return "the motion is chaotic or very sensitive: halving the step does not reduce the difference between two records "
          "(" +
          changes +
-         " of a sensor's rms in the last three halvings), so that more substeps cannot help; take a fixed step with "
+         " of a sensor's rms in the last three halvings), so more substeps cannot help; use a fixed step with "
          "simulate.substeps: " +
          std::to_string(max_substeps) + ", which gives one of the possible motions, or simulate a shorter time";
 }
@@ -146,7 +146,8 @@ std::optional<CoupledModel> estimated_model(const Study& study, const AugmentedM
   if (!changed && !updated && !bound) return std::nullopt;
   return couple(parts);
 } catch (const InvalidInput& error) {
-  failure = "the estimates make no structure to predict from: " + error.issues().front().what;
+  failure =
+      "the estimates are physically impossible, so there is nothing to predict from: " + error.issues().front().what;
   return std::nullopt;
 }
 

@@ -220,8 +220,8 @@ ComparisonResidual with_record(const Study& study, const RecordComparison& given
 
 [[noreturn]] void refuse_first_values(const Study& study) {
   throw InvalidInput(Issue{study.updating_plan->location,
-                           "update.parameters: the model has no response at their first values",
-                           "the search starts there", "change the first values"});
+                           "update.parameters: the model has no response at the initial values",
+                           "the updating starts from these values", "change the initial values"});
 }
 
 /// Throws InvalidInput with the place of every parameter that the comparisons do not depend on.
@@ -229,8 +229,9 @@ void require_effects(const Study& study, const Eigen::MatrixXd& jacobian) {
   IssueList issues;
   for (const auto& name : without_effect(study.updating->parameters, jacobian))
     issues.add(study.updating_plan->parameter_locations.at(name),
-               "update.parameters." + name + ": no comparison depends on it", "a parameter is found by what it changes",
-               "remove it, or compare with a measurement that it changes");
+               "update.parameters." + name + ": no comparison depends on this parameter",
+               "a measurement must depend on a parameter to identify it",
+               "remove it or compare with a measurement that depends on it");
   issues.raise();
 }
 
@@ -248,13 +249,13 @@ std::optional<ResidualValue> first_values_without_record(const Study& study,
 /// Why there is no residual at the first values, where the comparisons with the record are the reason.
 std::string failure_at_first_values(const Study& study, const std::vector<ComparisonResidual>& comparisons) {
   first_values_without_record(study, comparisons);
-  return "at the first values of the updated parameters the filter or the simulation of the record fails; change them, "
-         "or the priors of the filter's unknowns";
+  return "at the initial values of the updated parameters the filter or the simulation of the record fails; change "
+         "these values or the priors of the filter's unknowns";
 }
 
 std::string unusable(const UpdatingOutcome& updating, const LastResidual& last) {
   if (!last || !std::isfinite(updating.residual_final) || !updating.values.allFinite())
-    return "the updating found no parameters at which the model has a response";
+    return "the updating found no parameter values at which the model has a response";
   return "";
 }
 

@@ -46,8 +46,8 @@ void require_held(const MatrixXd& rigid_modes, const std::vector<std::string>& d
   Index free = 0;
   rigid_modes.col(0).cwiseAbs().maxCoeff(&free);
   throw InvalidInput(
-      "with its boundary held, the substructure still moves freely at '" + dofs[static_cast<std::size_t>(free)] + "'",
-      "its motion does not follow from the boundary's", "join every part to the boundary by springs");
+      "with its boundary fixed, the substructure still moves freely at '" + dofs[static_cast<std::size_t>(free)] + "'",
+      "the boundary does not determine its motion", "connect every part to the boundary by springs");
 }
 
 std::vector<std::string> names_of(const LinearModel& model, const std::vector<Index>& dofs) {
@@ -79,10 +79,10 @@ BaseDrivenSubstructure::BaseDrivenSubstructure(const LinearModel& model, std::ve
   const Partition parts = partition(model, names_of(model, boundary_));
   interior_ = parts.interior;
   if (boundary_.empty() || interior_.empty())
-    throw InvalidInput(boundary_.empty() ? "no connector touches the substructure that is to be predicted"
-                                         : "the substructure that is to be predicted has no degree of freedom beside "
-                                           "those of its connectors",
-                       "the prediction drives the interior by the boundary", "predict another substructure");
+    throw InvalidInput(
+        boundary_.empty() ? "no connector is attached to the predicted substructure"
+                          : "the predicted substructure has no degree of freedom other than those of its connectors",
+        "the prediction drives the interior by the motion of the boundary", "predict another substructure");
   const ShiftedStiffness factored = factor_stiffness(parts.stiffness_ii, parts.mass_ii, parts.interior_names);
   const MatrixXd rigid_modes = rigid_body_modes(parts, factored);
   require_held(rigid_modes, parts.interior_names);

@@ -31,7 +31,7 @@ void check(const TimeSeries& record, const FreeResponseOptions& options) {
   positive("still", options.still);
   if (options.departure >= 0.5)
     issues.add({}, "departure is " + std::to_string(options.departure),
-               "it is a part of the largest excursion below 0.5");
+               "it must be a fraction of the largest excursion, below 0.5");
   if (options.samples < 1) issues.add({}, "samples is " + std::to_string(options.samples), "it must be at least 1");
   issues.raise();
 }
@@ -254,7 +254,7 @@ Rest rest_of(const TimeSeries& record, Index from, const Standstill& run) {
 void check_sample(const TimeSeries& record, Index from) {
   if (from < 0 || from >= record.samples())
     throw InvalidInput("sample " + std::to_string(from) + " is outside the record",
-                       "it has " + std::to_string(record.samples()) + " samples", "give a sample of the record");
+                       "it has " + std::to_string(record.samples()) + " samples", "give a sample number of the record");
 }
 
 }  // namespace

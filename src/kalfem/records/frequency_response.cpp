@@ -41,10 +41,10 @@ Index segments_in(const TimeSeries& record, const H1Options& options) {
 
 void check_options(const H1Options& options, IssueList& issues) {
   if (options.segment < 4)
-    issues.add({}, "a segment is " + std::to_string(options.segment) + " samples long", "its lines need at least 4",
-               "give the sampling rate over the wanted distance of lines");
+    issues.add({}, "a segment is " + std::to_string(options.segment) + " samples long", "a spectrum needs at least 4",
+               "use the sampling rate divided by the wanted line spacing");
   if (!(options.overlap >= 0.0 && options.overlap <= 0.95))
-    issues.add({}, "segments overlap by " + std::to_string(options.overlap), "the part lies in [0, 0.95]");
+    issues.add({}, "segments overlap by " + std::to_string(options.overlap), "the overlap must lie in [0, 0.95]");
 }
 
 void check_channels(const TimeSeries& record, const std::vector<std::string>& names, IssueList& issues) {
@@ -54,7 +54,7 @@ void check_channels(const TimeSeries& record, const std::vector<std::string>& na
     if (record.find(name) < 0)
       issues.add({}, "the record has no channel '" + name + "'" + did_you_mean(name, known));
     else if (!record.values.col(record.find(name)).allFinite())
-      issues.add({}, "channel '" + name + "' holds values that are not finite", "a spectrum needs all samples");
+      issues.add({}, "channel '" + name + "' holds values that are not finite", "a spectrum needs every sample");
 }
 
 void check(std::span<const TimeSeries> records, std::vector<std::string> names, const H1Options& options) {
@@ -68,13 +68,13 @@ void check(std::span<const TimeSeries> records, std::vector<std::string> names, 
       issues.add({},
                  "records are sampled at " + std::to_string(record.sample_rate) + " and " +
                      std::to_string(records.front().sample_rate) + " Hz",
-                 "spectra are averaged over records of one rate");
+                 "records can be averaged only if they have the same rate");
   }
   if (longest < options.segment)
-    issues.add(
-        {},
-        "the longest record has " + std::to_string(longest) + " samples, a segment " + std::to_string(options.segment),
-        "at least one segment must fit", "shorten the segment");
+    issues.add({},
+               "the longest record has " + std::to_string(longest) + " samples, a segment has " +
+                   std::to_string(options.segment),
+               "at least one segment must fit into the record", "shorten the segment");
   issues.raise();
 }
 

@@ -89,9 +89,9 @@ LocalMotion local_motion(const TimeSeries& record, Index sample, const LocalPoly
       issues.add({},
                  "channel " + std::to_string(c + 1) + " has " + std::to_string(window.values.size()) +
                      " samples near " + std::to_string(record.time(sample)) + " s",
-                 "a polynomial of degree " + std::to_string(options.degree) + " and its scatter need " +
+                 "a polynomial of degree " + std::to_string(options.degree) + " and its residual variance need " +
                      std::to_string(options.degree + 2),
-                 "take a wider half_window");
+                 "increase half_window");
       continue;
     }
     const auto [coefficients, covariance] = fit(window, options.degree);

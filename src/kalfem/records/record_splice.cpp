@@ -43,7 +43,8 @@ void check(const TimeSeries& record, const SpliceOptions& options) {
                    std::to_string(options.largest) + " and " + std::to_string(options.blanked),
                "they must be at least 10, 1 and 0");
   if (options.largest > 1000 || options.before > 1000 || options.after > 1000)
-    issues.add({}, "the search spans more than 1000 samples", "a polynomial does not follow a motion over so many");
+    issues.add({}, "the search spans more than 1000 samples",
+               "a polynomial cannot follow the motion over more than 1000 samples");
   issues.raise();
 }
 
@@ -179,9 +180,9 @@ std::optional<Splice> find_splice(const TimeSeries& record, const SpliceOptions&
 TimeSeries mend(const TimeSeries& record, const Splice& splice) {
   const Index n = record.samples();
   if (splice.sample < 0 || splice.sample >= n || splice.inserted < 0 || splice.blanked < 0)
-    throw InvalidInput("the splice at sample " + std::to_string(splice.sample) + " is not of this record",
+    throw InvalidInput("the splice at sample " + std::to_string(splice.sample) + " is outside this record",
                        "the record has " + std::to_string(n) + " samples",
-                       "find the splice in the record it is to mend");
+                       "search for the splice in the record that is repaired");
   const Index kept_before = std::max<Index>(0, splice.sample - splice.blanked);
   const Index kept_after = std::max<Index>(0, n - splice.sample - splice.blanked - 1);
   TimeSeries mended = record;
@@ -197,11 +198,11 @@ std::string describe(const Splice& splice) {
   text.precision(3);
   text << "splice at " << splice.time << " s (sample " << splice.sample << "): " << splice.inserted
        << " missing samples inserted (estimated " << splice.missing << "), " << 2 * splice.blanked + 1
-       << " samples around it blanked";
+       << " samples around it removed";
   for (const auto& channel : splice.evidence)
-    text << "\n  " << channel.channel << ": noise changes from " << channel.noise_before << " to "
-         << channel.noise_after << ", jump is worth " << channel.missing << " samples (weight " << channel.weight
-         << ")";
+    text << "\n  " << channel.channel << ": the noise changes from " << channel.noise_before << " to "
+         << channel.noise_after << ", the jump corresponds to " << channel.missing << " samples (weight "
+         << channel.weight << ")";
   return text.str();
 }
 

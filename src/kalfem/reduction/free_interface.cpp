@@ -25,11 +25,11 @@ constexpr double no_flexibility = 1e-9;  ///< of the residual flexibility scaled
 void require_free_modes(const ModeSelection& selection) {
   IssueList issues;
   if (selection.effective_mass)
-    issues.add({}, "a free-interface reduction is to keep modes for a part of the mass",
-               "elastic modes of a free component carry none of the mass in a translation",
-               "give a number or a cut-off");
+    issues.add({}, "effective_mass is given for a free-interface reduction",
+               "elastic modes of a free component carry no mass in a translation",
+               "give a number of modes or a frequency");
   else if (!selection.count && !selection.cutoff)
-    issues.add({}, "the reduction does not say how many free modes are kept",
+    issues.add({}, "the number of free-interface modes is not given",
                "a free-interface reduction needs a number of modes or a frequency", "give one of them");
   issues.raise();
 }
@@ -168,7 +168,7 @@ Superelement free_interface(const LinearModel& model, const std::vector<std::str
     error_indicators.reason =
         to_macneal(model, names, kept.modes.values, element)
             ? kept.reason + ", and the residual flexibility of the boundary without its mass"
-            : error_indicators.reason + " (so few modes are left out that MacNeal's form does not exist)";
+            : error_indicators.reason + " (too few modes are left out for MacNeal's form to exist)";
   error_indicators.static_error = static_error(parts, space.static_part);
   error_indicators.fixed_interface_frequencies = natural_frequencies(kept.modes.values);
   error_indicators.highest_kept =

@@ -29,16 +29,17 @@ std::string number(double value) {
 void check(const ModeSelection& selection) {
   IssueList issues;
   if (!selection.count && !selection.cutoff && !selection.effective_mass)
-    issues.add({}, "the reduction does not say how many fixed-interface modes are kept",
-               "Craig-Bampton needs a number of modes, a frequency or a part of the mass", "give one of them");
+    issues.add({}, "the number of fixed-interface modes is not given",
+               "Craig-Bampton needs a number of modes, a frequency or a fraction of the mass", "give one of them");
   if (selection.count && *selection.count < 0)
-    issues.add({}, "the reduction keeps " + std::to_string(*selection.count) + " modes", "the number is negative");
+    issues.add({}, "the reduction keeps " + std::to_string(*selection.count) + " modes",
+               "the number must not be negative");
   if (selection.cutoff && !(*selection.cutoff >= 0.0 && std::isfinite(*selection.cutoff)))
     issues.add({}, "the reduction keeps modes up to " + number(*selection.cutoff) + " Hz",
                "the frequency must be finite and not negative");
   if (selection.effective_mass && !(*selection.effective_mass > 0.0 && *selection.effective_mass < 1.0))
     issues.add({}, "the reduction keeps modes for " + number(*selection.effective_mass) + " of the mass",
-               "the part must be between 0 and 1");
+               "the fraction must be between 0 and 1");
   issues.raise();
 }
 
@@ -134,9 +135,10 @@ SelectedModes select_modes(const Partition& parts, const MatrixXd& following, co
   search.up_to_rigid_modes();
   const Index rigid = search.rigid();
   if (rigid > 0)
-    want(rigid, parts.boundary.empty() ? "in which the whole moves rigidly" : "in which the interior moves rigidly");
+    want(rigid,
+         parts.boundary.empty() ? "that move the whole as a rigid body" : "that move the interior as a rigid body");
   truncate(search.modes, kept);
-  if (!search.modes.next) reason += "; all there are";
+  if (!search.modes.next) reason += "; all modes";
   return {std::move(search.modes), rigid, reason};
 }
 

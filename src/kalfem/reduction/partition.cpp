@@ -23,9 +23,10 @@ std::vector<Index> indices_of(const LinearModel& model, const std::vector<std::s
     const auto found = known.find(name);
     if (found == known.end())
       issues.add({}, "the model has no degree of freedom '" + name + "'" + did_you_mean(name, model.dofs),
-                 "the boundary is made of degrees of freedom of the model", "name one of them");
+                 "the boundary must consist of degrees of freedom of the model", "name one of them");
     else if (found->second == outside)
-      issues.add({}, "the boundary names '" + name + "' twice", "each degree of freedom is kept once", "name it once");
+      issues.add({}, "the boundary names '" + name + "' twice", "each degree of freedom can be kept only once",
+                 "name it once");
     else
       indices.push_back(std::exchange(found->second, outside));
   }

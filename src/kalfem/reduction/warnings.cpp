@@ -25,9 +25,10 @@ std::vector<std::string> reduction_warnings(const ReductionErrorIndicators& erro
   const double left_out = error_indicators.next_left_out;
   if (left_out > 0.0 && left_out < excitation_band)
     warnings.push_back("the first mode left out, at " + hertz(left_out) + ", is inside the band of the excitation, " +
-                       hertz(excitation_band) + ": the excitation drives motion that the reduced model does not have");
+                       hertz(excitation_band) +
+                       ": the excitation causes motion that the reduced model cannot represent");
   if (left_out > 0.0 && left_out < 3.0 * sensor_bandwidth)
-    warnings.push_back("the modes end below " + hertz(left_out) + ", less than three times the sensors' " +
+    warnings.push_back("the kept modes end below " + hertz(left_out) + ", less than three times the sensors' " +
                        "bandwidth of " + hertz(sensor_bandwidth) + ": keep modes up to " +
                        hertz(3.0 * sensor_bandwidth) + ", better up to " + hertz(6.0 * sensor_bandwidth));
   for (const auto& mode : error_indicators.modes) {
@@ -37,12 +38,12 @@ std::vector<std::string> reduction_warnings(const ReductionErrorIndicators& erro
     char mac[16];
     std::snprintf(mac, sizeof mac, "%.2f", mode.mac);
     warnings.push_back("the mode of the full model at " + hertz(mode.full) + ", inside the sensors' bandwidth, is at " +
-                       hertz(mode.reduced) + " in the reduced one, with an assurance criterion of " + mac +
-                       ": keep more modes or more of the boundary");
+                       hertz(mode.reduced) + " in the reduced model, with a MAC of " + mac +
+                       ": keep more modes or add boundary nodes");
   }
   if (error_indicators.static_error > static_tolerance)
     warnings.push_back("the constraint modes leave " + std::to_string(error_indicators.static_error) +
-                       " of the boundary's forces unbalanced: the interior's stiffness is nearly singular");
+                       " of the boundary forces unbalanced: the stiffness of the interior is almost singular");
   return warnings;
 }
 

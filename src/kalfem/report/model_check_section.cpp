@@ -90,23 +90,24 @@ Table properties_table(const ModelCheckReport& report) {
     add("mass [kg]", four_digits(mass));
     add("centre of gravity [m]", vector_text(centre));
     if (report.moving_mass && report.moving_mass->minCoeff() < (1.0 - 1e-9) * mass)
-      add("mass that is free to move along x, y, z [kg]", vector_text(*report.moving_mass));
-    add("inertia about it xx, yy, zz [kg m^2]", vector_text(inertia.diagonal()));
-    add("inertia about it xy, yz, xz [kg m^2]", vector_text({inertia(0, 1), inertia(1, 2), inertia(0, 2)}));
+      add("mass free to move along x, y, z [kg]", vector_text(*report.moving_mass));
+    add("inertia about the centre of gravity: xx, yy, zz [kg m^2]", vector_text(inertia.diagonal()));
+    add("inertia about the centre of gravity: xy, yz, xz [kg m^2]",
+        vector_text({inertia(0, 1), inertia(1, 2), inertia(0, 2)}));
   }
   if (report.grounding) {
-    add("rigid-body motions that are free", motions_text(*report.grounding, false));
-    add("rigid-body motions that are held", motions_text(*report.grounding, true));
+    add("free rigid-body motions", motions_text(*report.grounding, false));
+    add("restrained rigid-body motions", motions_text(*report.grounding, true));
   }
   add("directions held by supports", std::to_string(report.fixed_dofs));
   if (report.grounded_dofs > 0) add("degrees of freedom on springs to ground", std::to_string(report.grounded_dofs));
   add("stiffness matrix", matrix_text(report.stiffness_matrix));
   add("mass matrix", matrix_text(report.mass_matrix));
-  if (report.parts.size() > 1) add("parts that nothing joins", std::to_string(report.parts.size()));
+  if (report.parts.size() > 1) add("unconnected parts", std::to_string(report.parts.size()));
   if (report.coincident_pairs > 0)
-    add("pairs of nodes at one place",
-        fmt::format("{}, {} of them not joined", report.coincident_pairs, report.unjoined_pairs));
-  if (report.free_nodes > 0) add("nodes that nothing touches", std::to_string(report.free_nodes));
+    add("pairs of coincident nodes",
+        fmt::format("{}, {} of them not connected", report.coincident_pairs, report.unjoined_pairs));
+  if (report.free_nodes > 0) add("unconnected nodes", std::to_string(report.free_nodes));
   return table;
 }
 
@@ -134,7 +135,7 @@ Table materials_table(const ModelCheckReport& report) {
 }
 
 Table quality_table(const ModelCheckReport& report) {
-  Table table{"Shapes of cells: worst value (number beyond the usual limit)", {"region"}, {}, {}};
+  Table table{"Element quality: worst value (number beyond the usual limit)", {"region"}, {}, {}};
   for (int m = 0; m < quality_measures; ++m) table.columns.push_back(to_string(static_cast<QualityMeasure>(m)));
   for (const auto& region : report.quality) {
     if (region.measured == 0) continue;
@@ -146,7 +147,7 @@ Table quality_table(const ModelCheckReport& report) {
 }
 
 Table places_table(const FiniteElementPart& part) {
-  Table table{"Named nodes", {"name", "node", "at x, y, z [m]", "from the place given [m]"}, {}, {}};
+  Table table{"Named nodes", {"name", "node", "at x, y, z [m]", "distance from the given place [m]"}, {}, {}};
   const auto& mesh = part.elements.mesh;
   const bool has_places = !mesh.nodes.isZero(0.0);  // matrices may come without
   for (const auto& [name, node, distance] : part.nodes)
@@ -157,7 +158,7 @@ Table places_table(const FiniteElementPart& part) {
 }
 
 Table notes_table(const std::vector<DeckNote>& notes) {
-  Table table{"In the deck and not used", {"", "what", "first at", "times", "it follows"}, {}, {}};
+  Table table{"In the deck, but ignored", {"", "what", "first at", "times", "it follows"}, {}, {}};
   for (const auto& note : by_weight(notes))
     table.rows.push_back(
         {to_string(note.kind), note.what,
@@ -173,7 +174,7 @@ std::string model_check_text(const ModelCheckReport& report, const std::vector<D
     text += std::string(to_string(note.kind)) + ": " +
             to_string(Issue{note.where, note.what + (note.count > 1 ? fmt::format(" ({} times)", note.count) : ""),
                             note.consequence,
-                            is_missing ? "a case that does without it says accept_missing: [" + note.what + "]" : ""}) +
+                            is_missing ? "to accept this in a case: accept_missing: [" + note.what + "]" : ""}) +
             "\n";
   };
   const auto ordered = by_weight(notes);
@@ -192,7 +193,7 @@ std::string model_check_text(const ModelCheckReport& report, const std::vector<D
 
 Section model_check_section(const std::string& name, const FiniteElementModel& model, const ModelCheckReport& report,
                             const std::vector<DeckNote>& notes) {
-  Section section{"Health of '" + name + "'", "", {}};
+  Section section{"Model check of '" + name + "'", "", {}};
   section.text = fmt::format("Errors: {}, warnings: {}, notes: {}.", report.count(FindingSeverity::error),
                              report.count(FindingSeverity::warning), report.count(FindingSeverity::note));
   if (!model.mesh.cells.empty())

@@ -28,7 +28,7 @@ private:
   void check(const Chart& chart) {
     where_ = "chart '" + (chart.id.empty() ? chart.title : chart.id) + "'";
     check_id(chart.id);
-    require(!chart.series.empty(), "it has no series", "there must be something to draw");
+    require(!chart.series.empty(), "it has no series", "a chart needs a series");
     check_window(chart.x_window, "x_window");
     check_window(chart.y_window, "y_window");
     if (!chart.scatter) check_abscissa(chart.x);
@@ -36,10 +36,10 @@ private:
   }
 
   void check_id(const std::string& id) {
-    require(id.find_first_of(" \t\r\n\f") == std::string::npos, "its id holds a blank", "an id is one word");
+    require(id.find_first_of(" \t\r\n\f") == std::string::npos, "its id holds a blank", "an id must be one word");
     // A chart without an id is known by its number.
     const std::string known_as = id.empty() ? std::to_string(ids_.size() + 1) : id;
-    require(ids_.insert(known_as).second, "its id is taken", "each chart has an id of its own");
+    require(ids_.insert(known_as).second, "its id is taken", "every chart needs its own id");
   }
 
   void check_window(const std::optional<AxisRange>& window, const std::string& name) {
@@ -51,7 +51,7 @@ private:
 
   void check_abscissa(const std::vector<double>& x) {
     const auto finite = [](double value) { return std::isfinite(value); };
-    require(std::all_of(x.begin(), x.end(), finite), "x holds a value that is not finite", "each point needs a place");
+    require(std::all_of(x.begin(), x.end(), finite), "x holds a value that is not finite", "every x must be finite");
     const auto not_increasing = [](double a, double b) { return !(a < b); };
     require(std::adjacent_find(x.begin(), x.end(), not_increasing) == x.end(), "x does not increase",
             "use a scatter chart for paths");
@@ -62,11 +62,11 @@ private:
     const std::string name = "series '" + series.label + "': ";
     require(series.y.size() == x.size(),
             name + std::to_string(series.y.size()) + " values over " + std::to_string(x.size()) + " abscissae",
-            "each value needs one");
+            "every value needs one x");
     const bool no_band = series.lower.empty() && series.upper.empty();
     require(no_band || (series.lower.size() == series.y.size() && series.upper.size() == series.y.size()),
-            name + "a band of other length than the curve", "lower and upper have one value for each of y");
-    require(no_band || !chart.scatter, name + "a band on a scatter chart", "a path has none");
+            name + "a band whose length differs from the curve's", "lower and upper need one value per y");
+    require(no_band || !chart.scatter, name + "a band on a scatter chart", "a path cannot have a band");
   }
 
   void check(const Table& table) {
@@ -75,7 +75,7 @@ private:
     require(
         table.alignment.empty() || table.alignment.size() == table.columns.size(),
         std::to_string(table.alignment.size()) + " alignments for " + std::to_string(table.columns.size()) + " columns",
-        "give one for each or none");
+        "give one for each column or none");
     for (std::size_t row = 0; row < table.rows.size(); ++row) {
       require(table.rows[row].size() == table.columns.size(),
               "row " + std::to_string(row + 1) + " has " + std::to_string(table.rows[row].size()) + " cells",
@@ -85,8 +85,8 @@ private:
 
   void check(const Picture& picture) {
     where_ = "picture '" + picture.title + "'";
-    require(picture.svg.starts_with("<svg") && picture.svg.find("</svg>") != std::string::npos, "it is no svg element",
-            "it goes into the page as it is");
+    require(picture.svg.starts_with("<svg") && picture.svg.find("</svg>") != std::string::npos,
+            "it is not an svg element", "it is inserted into the page unchanged");
   }
 
   void require(bool fulfilled, const std::string& what, const std::string& why) {

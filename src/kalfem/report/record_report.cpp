@@ -77,7 +77,7 @@ std::string record_words(const Study& study, const StudyResults& results) {
   for (const auto& rest : rest_positions(study, results))
     text += fmt::format("  {} rests at {} {}{}\n", rest.sensor, four_digits(rest.position), rest.unit,
                         rest.deviation ? fmt::format(" +- {} {}{}", four_digits(*rest.deviation), rest.unit,
-                                                     results.estimation ? "" : ", not estimated yet")
+                                                     results.estimation ? "" : ", not yet estimated")
                                        : "");
   return text;
 }

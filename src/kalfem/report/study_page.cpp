@@ -86,11 +86,11 @@ std::vector<std::string> shown_points(const Study& study, const EstimationOutcom
 /// "NRMSE 0.31 % in the band of the excitation, 0.5 to 30 Hz; 59.9 % of the whole signal, after 2 s."
 std::string error_words(const Study& study, const EstimationOutcome& outcome, const std::vector<PointQuantity>& points,
                         const PointQuantity& point) {
-  if (RestingPoints(points, outcome.settled).rests(point)) return "The reference is at rest there.";
+  if (RestingPoints(points, outcome.settled).rests(point)) return "The simulated structure is at rest there.";
   if (!point.nrmse) return "";
   const std::string after = fmt::format(", after {} s.", four_digits(study.problem->settings.settle));
   if (!point.nrmse_in_band || !outcome.band) return "NRMSE " + per_cent(*point.nrmse) + after;
-  return fmt::format("NRMSE {} in the band of the excitation, {} to {} Hz; {} of the whole signal",
+  return fmt::format("NRMSE {} in the band of the excitation, {} to {} Hz; {} over the whole signal",
                      per_cent(*point.nrmse_in_band), four_digits(outcome.band->from), four_digits(outcome.band->to),
                      per_cent(*point.nrmse)) +
          after;
@@ -112,14 +112,14 @@ Chart motion_chart(const Study& study, const EstimationOutcome& outcome, const P
 }
 
 Section motion_section(const Study& study, const EstimationOutcome& outcome) {
-  Section section{"Estimated motion", "Displacements that were not measured, whole and after settling.", {}};
+  Section section{"Estimated motion", "Displacements that were not measured: whole record and after settling.", {}};
   for (const auto& name : shown_points(study, outcome))
     if (const auto* point = find(outcome.points, name, ObservedQuantity::displacement)) {
       section.items.emplace_back(motion_chart(study, outcome, *point, false));
       if (outcome.settled + 1 < outcome.measurements.samples())
         section.items.emplace_back(motion_chart(study, outcome, *point, true));
     }
-  if (auto table = error_table("NRMSE against the reference", study, outcome.points, outcome.settled);
+  if (auto table = error_table("NRMSE against the simulation", study, outcome.points, outcome.settled);
       !table.rows.empty())
     section.items.emplace_back(std::move(table));
   return section;
@@ -149,7 +149,8 @@ Section prediction_section(const Study& study, const EstimationOutcome& estimati
     if (from < chart.x.back()) chart.x_window = AxisRange{from, std::min(from + study.report.zoom, chart.x.back())};
     section.items.emplace_back(std::move(chart));
   }
-  if (auto table = error_table("NRMSE against the whole simulation", study, outcome.points, estimation.settled);
+  if (auto table =
+          error_table("NRMSE against the simulation of the whole structure", study, outcome.points, estimation.settled);
       !table.rows.empty())
     section.items.emplace_back(std::move(table));
   return section;
@@ -179,7 +180,7 @@ Chart nis_chart(const EstimationOutcome& outcome) {
 
 Section consistency_section(const EstimationOutcome& outcome) {
   Section section{"Innovations",
-                  fmt::format("Mean NIS {:.3f} where {:.3f} is right; {:.1f} % of the samples lie in the 95 % band.",
+                  fmt::format("Mean NIS {:.3f} (expected {:.3f}); {:.1f} % of the samples are in the 95 % band.",
                               outcome.consistency.mean_nis, outcome.consistency.expected_nis,
                               100.0 * outcome.consistency.fraction_in_95),
                   {nis_chart(outcome)}};
@@ -205,8 +206,8 @@ Section consistency_section(const EstimationOutcome& outcome) {
 }
 
 Section open_loop_section(const EstimationOutcome& outcome) {
-  Section section{"The record again, open loop",
-                  "Simulated from the estimated parameters and initial state alone, without any correction.",
+  Section section{"Open-loop simulation of the record",
+                  "Simulated from the estimated parameters and initial state, without correction by measurements.",
                   {open_loop_table(outcome)}};
   for (std::size_t i = 0; i < outcome.measurements.channels.size(); ++i) {
     const auto column = static_cast<Index>(i);
@@ -229,16 +230,16 @@ Section open_loop_section(const EstimationOutcome& outcome) {
 std::string answer(const StudyResults& results) {
   if (!results.usable()) return results.failure;
   const std::string updated =
-      results.updating ? fmt::format(
-                             "{} parameters of the model updated: the residual fell from {} to {} standard "
-                             "deviations. ",
-                             results.updating->values.size(), four_digits(results.updating->residual_initial),
-                             four_digits(results.updating->residual_final))
-                       : "";
+      results.updating
+          ? fmt::format(
+                "{} parameters of the model updated: the residual decreased from {} to {} standard deviations. ",
+                results.updating->values.size(), four_digits(results.updating->residual_initial),
+                four_digits(results.updating->residual_final))
+          : "";
   if (!results.estimation)
-    return updated + (results.simulation ? "The simulation ran to its end." : updated.empty() ? "Modes computed." : "");
+    return updated + (results.simulation ? "The simulation is complete." : updated.empty() ? "Modes computed." : "");
   const auto& consistency = results.estimation->consistency;
-  std::string text = updated + fmt::format("{} unknown parameters estimated; mean NIS {:.2f} where {:.2f} is right.",
+  std::string text = updated + fmt::format("{} unknown parameters estimated; mean NIS {:.2f} (expected {:.2f}).",
                                            results.estimation->augmented_model->layout().unknowns, consistency.mean_nis,
                                            consistency.expected_nis);
   for (const auto& warning : results.warnings) text += " Warning: " + warning + ".";
@@ -273,7 +274,7 @@ Section model_section(const Study& study, const StudyResults& results) {
     section.text += fmt::format("'{}' has {} degrees of freedom and weighs {}. ", elements.part->name,
                                 elements.part->full.size(), mass_text(*elements.part));
     if (elements.reduced)
-      section.text += fmt::format("The filter's model holds {} coordinates of it: {} of the boundary, {}. ",
+      section.text += fmt::format("The filter's model has {} coordinates of it: {} of the boundary, {}. ",
                                   elements.reduced->model.size(), elements.reduced->boundary.size(),
                                   elements.reduced->error_indicators.reason);
   }
@@ -308,7 +309,8 @@ Page make_page(const Study& study, const StudyResults& results) {
     if (outcome.augmented_model->layout().unknowns > 0) page.sections.push_back(parameters_section(study, outcome));
     if (outcome.open_loop) page.sections.push_back(open_loop_section(outcome));
     if (!outcome.open_loop_failure.empty())
-      page.sections.push_back({"The record again, open loop", "No comparison: " + outcome.open_loop_failure + ".", {}});
+      page.sections.push_back(
+          {"Open-loop simulation of the record", "No comparison: " + outcome.open_loop_failure + ".", {}});
     page.sections.push_back(motion_section(study, outcome));
     if (auto section = connectors_section(study, outcome); !section.items.empty())
       page.sections.push_back(std::move(section));

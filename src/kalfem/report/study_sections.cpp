@@ -165,8 +165,8 @@ std::vector<double> list(const Eigen::VectorXd& values) { return {values.begin()
 /// The parameters of every stage, as parts of where they started.
 Chart trace_chart(const Study& study, const UpdatingOutcome& outcome) {
   Chart chart{.id = "updating-trace",
-              .title = "Parameters by stage",
-              .caption = "As accepted, in parts of the first values.",
+              .title = "Parameters by iteration",
+              .caption = "Accepted values, relative to the initial values.",
               .x_label = "stage",
               .y_label = "value / initial [-]"};
   for (std::size_t k = 0; k < outcome.trace.size(); ++k) chart.x.push_back(static_cast<double>(k + 1));
@@ -181,7 +181,7 @@ Chart trace_chart(const Study& study, const UpdatingOutcome& outcome) {
 }
 
 Chart residual_chart(const UpdatingOutcome& outcome) {
-  Chart chart{.id = "updating-residual", .title = "Residual by stage", .x_label = "stage", .y_label = "rms [std]"};
+  Chart chart{.id = "updating-residual", .title = "Residual by iteration", .x_label = "stage", .y_label = "rms [std]"};
   Series series{.label = "accepted", .role = Role::estimate};
   for (std::size_t k = 0; k < outcome.trace.size(); ++k) {
     chart.x.push_back(static_cast<double>(k + 1));

@@ -158,9 +158,10 @@ std::string to_text(const Table& table) {
 /// How the unknowns of the linear part were followed; nothing where there are none.
 std::string linearisation_words(const EstimationOutcome& outcome) {
   if (outcome.reductions == 0 && outcome.result.linearisations == 0) return "";
-  return fmt::format(
-      "Linear part: linearised anew {} times{}\n", outcome.result.linearisations,
-      outcome.reductions > 1 ? fmt::format(", reduced {} times: the last at the estimates", outcome.reductions) : "");
+  return fmt::format("Linear part: relinearised {} times{}\n", outcome.result.linearisations,
+                     outcome.reductions > 1
+                         ? fmt::format(", reduced {} times, the last time at the estimates", outcome.reductions)
+                         : "");
 }
 
 std::string mass_text(const FiniteElementPart& part) {
@@ -168,8 +169,8 @@ std::string mass_text(const FiniteElementPart& part) {
   std::string text = four_digits(part.mass.mass) + " kg";
   if (moving.minCoeff() >= (1.0 - 1e-9) * part.mass.mass) return text;
   if (moving.maxCoeff() - moving.minCoeff() <= 1e-9 * part.mass.mass)
-    return text + fmt::format(" ({} kg of it free to move)", four_digits(moving[0]));
-  return text + fmt::format(" ({}, {}, {} kg of it free to move along x, y, z)", four_digits(moving[0]),
+    return text + fmt::format(" (of which {} kg can move)", four_digits(moving[0]));
+  return text + fmt::format(" (of which {}, {} and {} kg can move along x, y and z)", four_digits(moving[0]),
                             four_digits(moving[1]), four_digits(moving[2]));
 }
 
@@ -191,7 +192,7 @@ std::string console_report(const Study& study, const StudyResults& results) {
     const bool of_superelements = std::ranges::any_of(study.structure->finite_elements,
                                                       [](const auto& each) { return each.reference != nullptr; });
     text += fmt::format(
-        "Reference: {} degrees of freedom{}, {} s at {} Hz, {} steps a sample{} ({}), {:.1f} s\n\n",
+        "Simulation: {} degrees of freedom{}, {} s at {} Hz, {} steps per sample{} ({}), {:.1f} s\n\n",
         study.model->system().size(), of_superelements ? " (superelements)" : "",
         four_digits(study.simulation->duration), four_digits(study.sample_rate()), reference.substeps,
         reference.extrapolations > 0 ? " and extrapolated" : "",
@@ -205,7 +206,7 @@ std::string console_report(const Study& study, const StudyResults& results) {
     const auto& time = outcome.result.time;
     const auto samples = static_cast<double>(outcome.measurements.samples());
     text += "Estimated parameters\n" + to_text(parameter_table(study, outcome)) + "\n";
-    text += fmt::format("NIS {:.2f} where {:.2f} is right, {} inside the 95 % band\n", outcome.consistency.mean_nis,
+    text += fmt::format("NIS {:.2f} (expected {:.2f}); {} of samples in the 95 % band\n", outcome.consistency.mean_nis,
                         outcome.consistency.expected_nis, per_cent(outcome.consistency.fraction_in_95));
     text += fmt::format(
         "{} states, {} steps, {:.2f} us a step: {:.3g} x real time (predict {}, update {}; output {} beside it)\n"
@@ -220,7 +221,8 @@ std::string console_report(const Study& study, const StudyResults& results) {
               to_text(table) + "\n";
     if (!outcome.open_loop_failure.empty()) text += "No open-loop comparison: " + outcome.open_loop_failure + "\n\n";
     if (outcome.open_loop)
-      text += "Open loop from the estimated parameters and initial state\n" + to_text(open_loop_table(outcome)) + "\n";
+      text += "Open-loop simulation from the estimated parameters and initial state\n" +
+              to_text(open_loop_table(outcome)) + "\n";
   }
   if (results.prediction)
     if (const auto table = error_table("", study, results.prediction->points, results.estimation->settled);

@@ -102,7 +102,7 @@ Table correlation_table(const Study& study, const UpdatingOutcome& outcome) {
 }
 
 Table sensitivity_table(const UpdatingOutcome& outcome) {
-  Table table{"Derivatives against differences", {"parameter", "deviation", "uncertainty", "verdict"}, {}, {}};
+  Table table{"Derivatives against finite differences", {"parameter", "deviation", "uncertainty", "verdict"}, {}, {}};
   for (const auto& each : outcome.sensitivities)
     table.rows.push_back({each.parameter, fmt::format("{:.1e}", each.deviation),
                           fmt::format("{:.1e}", each.uncertainty), words(each.verdict)});
@@ -133,7 +133,7 @@ Table modification_table(const std::vector<StructuralModificationResult>& modifi
 }
 
 Table before_and_after_table(const Study& study, const StudyResults& results) {
-  Table table{"Unknowns of the filter without and with the updating",
+  Table table{"Unknowns of the filter before and after the updating",
               {"parameter", "unit", "truth", "without", "error", "with", "error"},
               {},
               {}};
@@ -158,7 +158,7 @@ std::string console_updating(const Study& study, const StudyResults& results) {
   std::string text = fmt::format(
       "Updated in {} evaluations ({} steps), {:.1f} s: {}{}\nby {}\n", outcome.evaluations, outcome.iterations,
       outcome.seconds, outcome.termination,
-      outcome.resumed_at > 0 ? fmt::format("; {} evaluations were made by an earlier run", outcome.resumed_at) : "",
+      outcome.resumed_at > 0 ? fmt::format("; {} evaluations come from an earlier run", outcome.resumed_at) : "",
       outcome.method);
   text += fmt::format("residual {} -> {} standard deviations\n\n", finite(outcome.residual_initial),
                       finite(outcome.residual_final));
@@ -172,14 +172,14 @@ std::string console_updating(const Study& study, const StudyResults& results) {
                                   per_cent(mean_frequency_error(each.modes_initial)),
                                   per_cent(mean_frequency_error(each.modes_final))),
                       paired_mode_table(each));
-  text += section("Derivatives against differences", sensitivity_table(outcome));
-  text += section("Unknowns of the filter without and with the updating", before_and_after_table(study, results));
+  text += section("Derivatives against finite differences", sensitivity_table(outcome));
+  text += section("Unknowns of the filter before and after the updating", before_and_after_table(study, results));
   return text;
 }
 
 std::string console_updating_step(const Study& study, int number, const UpdatingStep& step) {
   std::string line =
-      fmt::format("stage {:2}: residual {}{}", number, finite(step.residual), step.accepted ? "" : " (kept)");
+      fmt::format("iteration {:2}: residual {}{}", number, finite(step.residual), step.accepted ? "" : " (kept)");
   constexpr std::size_t most_named = 4;
   const auto& parameters = study.updating->parameters;
   for (std::size_t i = 0; i < std::min(parameters.size(), most_named); ++i)

@@ -109,7 +109,7 @@ void check_expression_keys(const std::string& name, const description::Connector
     if (present)
       issues.add(given.law.location,
                  "connectors." + name + ": `" + key + "` is given beside the law '" + given.law.value + "'",
-                 "the law has its own force, so that it would have no effect",
+                 "the law has its own force, so this would have no effect",
                  "remove `" + std::string(key) + "`, or write law: expression");
 }
 
@@ -157,13 +157,13 @@ GlobalModalDamping global_modal_damping(const Case& given, IssueList& issues) {
     if (part.finite_elements) result.up_to = damping.up_to;
     if (!part.damping.modal.empty())
       issues.add(given.damping->location,
-                 "damping: the modes of the structure have ratios, and so has substructure '" + name + "'",
-                 "they would be damped twice", "take one of the two out");
+                 "damping: modal damping is given for the whole structure and for substructure '" + name + "'",
+                 "its modes would be damped twice", "remove one of the two");
   }
   if (given.estimate && given.estimate->local)
     issues.add(given.damping->location,
-               "damping: the modes of the structure have ratios, but the filter's model is local",
-               "a part has none of the whole structure's modes", "give its substructures damping of their own");
+               "damping: modal damping is given for the whole structure, but the filter's model is local",
+               "a part of the structure does not have its modes", "give the substructures their own damping");
   return result;
 }
 
@@ -216,21 +216,21 @@ StructureParts make_parts(const Case& given, std::vector<Substructure> finite_el
     if (part.finite_elements) {
       if (!part.masses.empty() || part.chain)
         issues.add(part.finite_elements->location(),
-                   "substructures." + name + " has finite elements and also masses or a chain",
-                   "it is one or the other", "put bodies at nodes under finite_elements.masses");
+                   "substructures." + name + " has both finite elements and masses or a chain",
+                   "only one of them is possible", "give masses at nodes under finite_elements.masses");
       continue;
     }
     if (const auto masses = masses_of(part); masses > most_masses) {
       issues.add(given.source.at({"substructures", name}),
                  "substructures." + name + " has " + std::to_string(masses) + " masses",
-                 "a lumped substructure has full matrices and at most " + std::to_string(most_masses) + " masses",
-                 "describe a larger one by finite_elements, or by its matrices");
+                 "a lumped substructure has full matrices, so at most " + std::to_string(most_masses) + " masses",
+                 "describe a larger one by finite_elements or by its matrices");
       continue;
     }
     parts.substructures.push_back(make_substructure(name, part));
     if (parts.substructures.back().masses.empty())
       issues.add(given.source.at({"substructures", name}), "substructures." + name + " has no masses",
-                 "it has no degree of freedom", "give it `masses`, a `chain` or `finite_elements`");
+                 "it has no degrees of freedom", "give it `masses`, a `chain` or `finite_elements`");
     check_substructure(given, name, parts.substructures.back(), part, issues);
   }
   const bool points_are_known = issues.empty();

@@ -43,8 +43,8 @@ void check_steps(const d::Simulation& given, IssueList& issues) {
   if (given.substeps && (given.tolerance != defaults.tolerance || given.first_substeps != defaults.first_substeps ||
                          given.max_substeps != defaults.max_substeps))
     issues.add(given.substeps->location,
-               given.substeps->path + " fixes the step, and tolerance, first_substeps or max_substeps are given too",
-               "with a fixed step nothing is halved", "take `substeps` or these out");
+               given.substeps->path + " fixes the step, but tolerance, first_substeps or max_substeps is given too",
+               "a fixed step is not refined", "remove `substeps` or the others");
 }
 
 }  // namespace
@@ -53,20 +53,22 @@ void check_sections(const d::Case& given, IssueList& issues) {
   if (given.simulate) check_steps(*given.simulate, issues);
   const auto place = [&](const char* section) { return given.source.at({section}); };
   if (given.simulate && given.record)
-    issues.add(place("record"), "the case has both `simulate` and `record`", "there can be one record only",
-               "take one of them out");
+    issues.add(place("record"), "the case has both `simulate` and `record`", "there can be only one record",
+               "remove one of them");
   if (given.estimate && !given.simulate && !given.record)
-    issues.add(place("estimate"), "the case estimates but has no record", "", "add `simulate` or `record`");
+    issues.add(place("estimate"), "the case has `estimate` but no record", "", "add `simulate` or `record`");
   if (given.estimate && given.sensors.empty())
-    issues.add(place("estimate"), "the case estimates but has no sensors", "", "add at least one under `sensors`");
+    issues.add(place("estimate"), "the case has `estimate` but no sensors", "",
+               "add at least one sensor under `sensors`");
   if (given.record && given.sensors.empty())
-    issues.add(place("record"), "the case has a record but no sensors", "sensors say what its columns are",
-               "add at least one under `sensors`");
+    issues.add(place("record"), "the case has a record but no sensors", "sensors state what its columns are",
+               "add at least one sensor under `sensors`");
   if (given.predict && !given.estimate)
-    issues.add(place("predict"), "the case predicts but does not estimate",
+    issues.add(place("predict"), "the case has `predict` but no `estimate`",
                "the prediction is driven by the estimated boundary motion", "add `estimate`");
   if (given.substructures.empty())
-    issues.add(place("substructures"), "substructures is empty", "there is no structure", "describe at least one");
+    issues.add(place("substructures"), "substructures is empty", "the case needs a structure",
+               "describe at least one substructure");
 }
 
 void check_sensor_names(const d::Case& given, const std::vector<std::string>& points, IssueList& issues) {
@@ -80,9 +82,9 @@ void check_sensor_names(const d::Case& given, const std::vector<std::string>& po
     for (const auto& [target, weight] : seen) {
       const Name named{target, location, path};
       if (of_connector)
-        check_name(named, "connector", connectors, "name one of `connectors`", issues);
+        check_name(named, "connector", connectors, "name one of the `connectors`", issues);
       else if (!known_points.contains(target))
-        check_name(named, "point", points, "points are written substructure.name", issues);
+        check_name(named, "point", points, "write points as substructure.name", issues);
     }
   }
 }
@@ -92,13 +94,13 @@ void check_reported_names(const d::Case& given, const std::vector<std::string>& 
   for (const auto& [name, part] : given.substructures)
     if (part.finite_elements) meshes.push_back(name);
   if (given.predict)
-    check_name(given.predict->substructure, "substructure", names_of(given.substructures), "name one that there is",
+    check_name(given.predict->substructure, "substructure", names_of(given.substructures), "name an existing one",
                issues);
   if (given.report.fields)
     check_name(given.report.fields->substructure, "finite-element substructure", meshes,
-               "the motion of a mesh is drawn: name one that has finite_elements", issues);
+               "fields are written for meshes only: name a substructure with finite_elements", issues);
   for (const auto& name : given.report.displacements)
-    check_name(name, "point", points, "name a point whose motion is reported, substructure.name", issues);
+    check_name(name, "point", points, "name a point whose motion is reported: substructure.name", issues);
 }
 
 namespace {
@@ -113,15 +115,16 @@ void check_integrator(const CaseStudy& study, IssueList& issues) {
     Eigen::Index first = 0;
     mass.minCoeff(&first);
     issues.add(study.given.source.at({"simulate"}),
-               std::to_string(massless) + " degrees of freedom have no mass, the first of them '" +
+               std::to_string(massless) + " degrees of freedom have no mass; the first is '" +
                    system.dofs[static_cast<std::size_t>(first)] + "'",
-               "every one needs mass to be stepped in time", "give them mass, or take reference: superelement");
+               "time integration needs mass at every degree of freedom",
+               "give them mass or use reference: superelement");
   }
   if (study.given.simulate->integrator == Integrator::exact && system.size() > most_exact)
     issues.add(study.given.source.at({"simulate", "integrator"}),
                "simulate.integrator: exact given for " + std::to_string(system.size()) + " degrees of freedom",
-               "its matrices are full: at most " + std::to_string(most_exact),
-               "take newmark, or reference: superelement");
+               "its matrices are full, so at most " + std::to_string(most_exact),
+               "use newmark or reference: superelement");
 }
 
 /// One step from rest, where it costs nothing: values too far apart leave no matrix that can be factored.
@@ -155,26 +158,26 @@ void check_simulation(const CaseStudy& study, IssueList& issues) {
   constexpr double most_samples = 1e8;
   const double samples = given.duration * given.sample_rate;
   if (samples < 1.0)
-    issues.add(
-        place("duration"),
-        "simulate.duration: " + shortest(given.duration) + " s at " + shortest(given.sample_rate) + " Hz is no sample",
-        "the record would hold its start alone", "lengthen the duration or raise sample_rate");
+    issues.add(place("duration"),
+               "simulate.duration: " + shortest(given.duration) + " s at " + shortest(given.sample_rate) +
+                   " Hz is less than one sample",
+               "the record would consist of its first sample only", "increase duration or sample_rate");
   if (samples > most_samples)
     issues.add(place("duration"),
                "simulate.duration: " + shortest(given.duration) + " s at " + shortest(given.sample_rate) + " Hz are " +
                    shortest(samples) + " samples",
-               "at most " + shortest(most_samples) + " are simulated", "shorten the duration or lower sample_rate");
+               "at most " + shortest(most_samples) + " can be simulated", "reduce duration or sample_rate");
   if (given.max_substeps < given.first_substeps)
     issues.add(place("max_substeps"),
                "simulate.max_substeps: " + std::to_string(given.max_substeps) + " given with first_substeps of " +
                    std::to_string(given.first_substeps),
-               "it must be no less", "raise it, or lower first_substeps");
+               "it must not be less", "increase it or reduce first_substeps");
   for (const auto& [point, start] : given.initial)
     if (study.model->dof_index(point) < 0)
       issues.add(
           start.location,
-          start.path + ": '" + point + "' is no degree of freedom" + did_you_mean(point, study.model->system().dofs),
-          "", "name one of a lumped substructure");
+          start.path + ": '" + point + "' is not a degree of freedom" + did_you_mean(point, study.model->system().dofs),
+          "", "name a degree of freedom of a lumped substructure");
 }
 
 void check_pictures(const CaseStudy& study, IssueList& issues) {
@@ -183,7 +186,7 @@ void check_pictures(const CaseStudy& study, IssueList& issues) {
   if (study.sample_rate() > 0.0 && zoom * study.sample_rate() < 2.0)
     issues.add(study.given.source.at({"report", "zoom"}),
                "report.zoom: " + shortest(zoom) + " s at " + shortest(study.sample_rate()) + " Hz given",
-               "it holds less than two samples", "lengthen it");
+               "the record has fewer than two samples", "lengthen it");
 }
 
 void check_signals(const CaseStudy& study, IssueList& issues) {
@@ -213,21 +216,21 @@ namespace {
 void check_driving_sensor(const d::Case& given, const std::string& point, const Name& name, IssueList& issues) {
   const auto sensor = std::ranges::find(given.sensors, name.value, &std::pair<std::string, d::Sensor>::first);
   if (sensor == given.sensors.end()) {
-    check_name(name, "sensor", names_of(given.sensors), "name one of `sensors`", issues);
+    check_name(name, "sensor", names_of(given.sensors), "name one of the `sensors`", issues);
     return;
   }
-  const std::string fix = "name an accelerometer at '" + point + "'";
+  const std::string fix = "name an acceleration sensor at '" + point + "'";
   const auto* seen = std::get_if<d::Observed<ObservedQuantity::acceleration>>(&sensor->second.observed);
   if (!seen) {
     issues.add(name.location, name.path + ": sensor '" + name.value + "' does not measure acceleration",
-               "the interface is driven by an acceleration", fix);
+               "an acceleration must drive the interface", fix);
     return;
   }
   const auto& points = seen->points.value;
   if (points == Named<double>{{point, 1.0}}) return;
   const std::string measured = points.size() == 1 ? "'" + points.front().first + "'" : "several points";
   issues.add(name.location, name.path + ": sensor '" + name.value + "' measures " + measured + ", not '" + point + "'",
-             "the interface moves as its own point was measured", fix);
+             "the sensor must measure the interface point itself", fix);
 }
 
 }  // namespace
@@ -237,19 +240,19 @@ void check_estimation(const d::Case& given, IssueList& issues) {
   const auto& estimate = *given.estimate;
   const auto place = [&](const char* key) { return given.source.at({"estimate", key}); };
   if (estimate.passes > 1 && !estimate.estimate_initial_state)
-    issues.add(place("passes"), "estimate.passes is above 1 without estimate_initial_state",
-               "each pass starts from the initial state that the last one estimated",
+    issues.add(place("passes"), "estimate.passes is > 1 without estimate_initial_state",
+               "each pass starts from the initial state that the previous one estimated",
                "set estimate.estimate_initial_state: true");
   if (estimate.initial_state_from_record)
     for (const auto& [point, start] : estimate.initial_state)
       if (start.value.displacement != 0.0 || start.value.velocity != 0.0)
-        issues.add(start.location, start.path + ": a mean is given beside initial_state_from_record",
-                   "the record would replace it",
-                   "remove the mean (deviations may stay), or initial_state_from_record");
+        issues.add(start.location, start.path + ": a mean is given together with initial_state_from_record",
+                   "the record would replace this mean",
+                   "remove the mean (standard deviations may stay) or initial_state_from_record");
   for (const auto& [name, sensor] : given.sensors)
     if (sensor.noise.value.value == 0.0)
       issues.add(sensor.noise.location, sensor.noise.path + ": the noise is 0",
-                 "the filter cannot weigh a sensor without noise", "give a small one");
+                 "the filter needs the noise of every sensor", "give a small positive value");
   if (!estimate.local) return;
   for (const auto& [point, interface] : estimate.local->interface)
     if (const auto* driven = std::get_if<InterfaceAcceleration>(&interface.value.motion))
@@ -271,10 +274,10 @@ void check_parameters_once(const d::Case& given, IssueList& issues) {
       const auto update = refined.find(target.value);
       if (!is_new)
         issues.add(target.location, owner + ": '" + target.value + "' is estimated already by " + first->second,
-                   "a parameter has one value", "take one of them out");
+                   "a parameter can have only one value", "remove one of them");
       if (update != refined.end())
-        issues.add(target.location, owner + ": '" + target.value + "' is refined already by " + update->second,
-                   "the updating and the filter would each give it a value", "take one of them out");
+        issues.add(target.location, owner + ": '" + target.value + "' is updated already by " + update->second,
+                   "the updating and the filter would both change it", "remove one of them");
     }
   }
 }

@@ -50,9 +50,9 @@ void check_unknowns_of_driven_part(const CaseStudy& study, const Name& substruct
       if (!element || element->owner != substructure.value || !can_be_released(study.structure->parts, *element))
         continue;
       issues.add(target.location,
-                 target.path + ": '" + target.value + "' is an unknown of the filter, and " + substructure.path +
+                 target.path + ": '" + target.value + "' is an unknown of the filter, but " + substructure.path +
                      " compares the record with its substructure",
-                 "there it would keep the value that the case gives", "refine it under update.parameters instead");
+                 "in that comparison it would keep its initial value", "list it under update.parameters instead");
     }
 }
 
@@ -68,7 +68,7 @@ double factor_to_hertz(const std::string& unit) {
   const Unit parsed = parse_unit(unit);
   if (parsed.dimension == parse_unit("Hz").dimension) return parsed.factor;
   if (parsed.dimension == parse_unit("rad/s").dimension) return parsed.factor / (2.0 * std::numbers::pi);
-  throw InvalidInput("the frequencies are in '" + unit + "'", "that is no unit of frequency", "give them in Hz");
+  throw InvalidInput("the frequencies are in '" + unit + "'", "that is not a unit of frequency", "give them in Hz");
 }
 
 std::vector<double> measured_frequencies(const d::Frequencies& given) {
@@ -115,15 +115,15 @@ std::vector<std::string> compared_sensors(const CaseStudy& study, const d::Drive
     sensors.push_back(name.value);
     if (std::ranges::find(own, name.value) == own.end())
       issues.add(name.location,
-                 name.path + ": sensor '" + name.value + "' does not see the motion of '" + given.substructure.value +
-                     "' alone",
-                 "its points must lie there");
+                 name.path + ": sensor '" + name.value + "' does not measure the motion of '" +
+                     given.substructure.value + "' alone",
+                 "its points must belong to that substructure");
   }
   issues.raise();
   if (sensors.empty()) sensors = own;
   if (sensors.empty())
-    throw InvalidInput(given.substructure.issue("no sensor sees the motion of '" + given.substructure.value + "'",
-                                                "there is nothing to compare"));
+    throw InvalidInput(given.substructure.issue("no sensor measures the motion of '" + given.substructure.value + "'",
+                                                "there is nothing to compare with"));
   return sensors;
 }
 
@@ -133,7 +133,7 @@ std::vector<std::string> compared_sensors(const CaseStudy& study, const d::Simul
     if (std::ranges::any_of(given.sensors,
                             [&](const auto& name) { return name.value == "all" || name.value == sensor.name; }))
       sensors.push_back(sensor.name);
-  if (sensors.empty()) throw InvalidInput("it names no sensor", "", "name some, or write simulation: all");
+  if (sensors.empty()) throw InvalidInput("no sensor is listed", "", "list some, or write simulation: all");
   return sensors;
 }
 
@@ -142,8 +142,8 @@ void check_twice(const std::vector<Name>& names, IssueList& issues) {
   std::set<std::string> seen;
   for (const auto& name : names)
     if (!seen.insert(name.value).second)
-      issues.add(name.location, name.path + ": '" + name.value + "' is given twice", "it would count twice",
-                 "take one of them out");
+      issues.add(name.location, name.path + ": '" + name.value + "' is given twice", "it would be counted twice",
+                 "remove one of them");
 }
 
 double samples_of(const CaseStudy& study) {
@@ -164,7 +164,7 @@ public:
     if (!given.model_modes.empty() && given.model_modes.size() != frequencies.size())
       throw InvalidInput(given.frequencies.issue(std::to_string(frequencies.size()) + " frequencies and " +
                                                      std::to_string(given.model_modes.size()) + " model_modes",
-                                                 "", "give one of each, or no model_modes"));
+                                                 "", "give the same number of each, or remove model_modes"));
     std::vector<MeasuredMode> measured;
     for (std::size_t i = 0; i < frequencies.size(); ++i) {
       MeasuredMode mode;
@@ -251,8 +251,8 @@ private:
     measured.name = source.file.value.string();
     const std::vector<std::string> outputs = input.columns.empty() ? measured.set.outputs : input.columns;
     if (std::ranges::find(outputs, source.input) != outputs.end())
-      throw InvalidInput(source.file.issue("the column '" + source.input + "' is input and output", "",
-                                           "name the outputs' columns under `columns`"));
+      throw InvalidInput(source.file.issue("the column '" + source.input + "' is both input and output", "",
+                                           "list the columns of the outputs under `columns`"));
     std::vector<WantedChannel> columns;
     for (const auto& output : outputs)
       columns.push_back({.column = output, .owner = owner(), .unit = unit_of(given.quantity)});
@@ -305,7 +305,7 @@ private:
           given.file.string() + " holds " + std::to_string(table.values.rows()) + " rows and " +
               std::to_string(table.values.cols()) + " columns of numbers",
           "there are " + std::to_string(rows) + " points and " + std::to_string(columns) + " frequencies",
-          "give one row a point and one column a mode");
+          "give one row per point and one column per mode");
     for (Index i = 0; i < columns; ++i) {
       measured[static_cast<std::size_t>(i)].shape = table.values.col(i);
       measured[static_cast<std::size_t>(i)].shape_deviation = given.deviation;
@@ -381,8 +381,8 @@ void check_comparisons(const CaseStudy& study, IssueList& issues) {
   double weights = 0.0;
   for (const auto& [name, given] : study.given.update->comparisons) weights += given.value.weight;
   if (!study.given.update->comparisons.empty() && weights == 0.0)
-    issues.add(study.given.source.at({"update", "compare"}), "every comparison has the weight 0",
-               "nothing is left to refine the model by", "give one of them a weight");
+    issues.add(study.given.source.at({"update", "compare"}), "every comparison has weight 0",
+               "no measurement is left for the updating", "give at least one a weight > 0");
   for (const auto& [name, given] : study.given.update->comparisons) {
     const auto& part = substructure_of(given.value);
     if (!part.path.empty() && std::ranges::find(parts, part.value) == parts.end())
@@ -390,13 +390,14 @@ void check_comparisons(const CaseStudy& study, IssueList& issues) {
                  part.path + ": there is no substructure '" + part.value + "'" + did_you_mean(part.value, parts));
     if (study.given.damping && std::holds_alternative<d::FrfData>(given.value.data))
       issues.add(given.location,
-                 given.path + " compares one substructure, whose damping is that of the whole structure's modes",
-                 "its own is not known", "give the substructure modal damping in the place of `damping`");
+                 given.path + " compares one substructure, but modal damping is given for the whole structure",
+                 "the damping of the substructure alone is unknown",
+                 "give the substructure its own modal damping instead of `damping`");
     if (const auto* frf = std::get_if<d::FrfData>(&given.value.data)) check_twice(frf->outputs, issues);
     if (const auto* modal = std::get_if<d::ModalData>(&given.value.data))
       if (std::set<int>(modal->model_modes.begin(), modal->model_modes.end()).size() < modal->model_modes.size())
-        issues.add(given.location, given.path + ".model_modes: a mode is given twice",
-                   "each measured mode is one of the model's", "mend the numbers");
+        issues.add(given.location, given.path + ".model_modes: a mode is listed twice",
+                   "each measured mode needs its own mode of the model", "correct the numbers");
     const auto* named = sensors_of(given.value);
     if (!named) continue;
     check_twice(*named, issues);
@@ -407,7 +408,7 @@ void check_comparisons(const CaseStudy& study, IssueList& issues) {
         issues.add(sensor.location,
                    sensor.path + ": there is no sensor '" + sensor.value + "'" + did_you_mean(sensor.value, sensors));
     if (!study.given.simulate && !study.given.record)
-      issues.add(given.location, given.path + " compares with a record and the case has none", "",
+      issues.add(given.location, given.path + " compares with a record, but the case has none", "",
                  "add `record` or `simulate`");
     if (std::holds_alternative<d::DrivenHistory>(given.value.data) && study.given.estimate)
       check_unknowns_of_driven_part(study, part, issues);
@@ -419,8 +420,8 @@ void check_comparisons(const CaseStudy& study, IssueList& issues) {
         add_at(given.location, error, issues);
       }
     if (std::holds_alternative<d::DrivenHistory>(given.value.data) && !study.given.estimate)
-      issues.add(given.location, given.path + " needs the boundary's motion and the case does not estimate it", "",
-                 "add `estimate`");
+      issues.add(given.location, given.path + " needs the motion of the boundary, but the case does not estimate it",
+                 "", "add `estimate`");
   }
 }
 
@@ -436,8 +437,8 @@ void check_driven_histories(const CaseStudy& study, const CoupledModel& start, I
     const double settle = study.given.estimate->settle;
     if (settle * study.sample_rate() >= samples_of(study) - 1.5)
       issues.add(study.given.source.at({"estimate", "settle"}),
-                 "estimate.settle: " + shortest(settle) + " s are as long as the record",
-                 "'" + given.path + "' compares what comes after them", "shorten it");
+                 "estimate.settle: " + shortest(settle) + " s cover the whole record",
+                 "'" + given.path + "' compares the samples after this time", "shorten it");
   }
 }
 

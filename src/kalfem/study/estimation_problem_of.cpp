@@ -26,7 +26,8 @@ double absolute(const d::Value& given, const std::string& unit, double initial) 
   if (percentage && given.value.value < 0.0)
     throw InvalidInput(given.issue(shortest(100.0 * given.value.value) + " % given", "it must be >= 0"));
   if (percentage && initial == 0.0)
-    throw InvalidInput(given.issue("per cent of an initial value of 0", "that is nothing", "give it in its unit"));
+    throw InvalidInput(given.issue("per cent of an initial value of 0 is given", "this would be 0",
+                                   "give it in the parameter's unit"));
   return percentage ? given.value.value * std::abs(initial) : checked_number(given, unit, Bounds::nonnegative());
 }
 
@@ -35,11 +36,11 @@ double deviation_of(const d::Unknown& given, const std::string& unit, double ini
   const double deviation = given.std ? absolute(*given.std, unit, initial) : 0.5 * std::abs(initial);
   if (deviation > 0.0 && std::isfinite(deviation)) return deviation;
   if (!given.std)
-    throw InvalidInput(given.initial.issue("it starts at 0 and has no `std`", "by default std is 50 % of initial",
-                                           "give std in its unit"));
-  throw InvalidInput(given.std->issue("the standard deviation of the prior is " + shortest(deviation),
-                                      "a parameter without uncertainty is not unknown",
-                                      "give a positive one, or take the unknown out"));
+    throw InvalidInput(given.initial.issue("its initial value is 0 and it has no `std`",
+                                           "the default of std is 50 % of initial",
+                                           "give std in the parameter's unit"));
+  throw InvalidInput(given.std->issue("the standard deviation of the prior is " + shortest(deviation), "it must be > 0",
+                                      "to hold a parameter fixed, remove it from estimate.unknown"));
 }
 
 /// The lower (0) or upper (1) bound in SI.
@@ -53,8 +54,9 @@ double bound(const d::Unknown& given, std::size_t side, const std::string& unit)
 void check_start(const d::Unknown& given, const ParameterTransform& transform, const std::string& unit,
                  double initial) {
   if (transform.kind == TransformKind::log && !(initial > 0.0))
-    throw InvalidInput(given.initial.issue("it starts at " + shortest(initial), "under transform: log it must be > 0",
-                                           "give a positive start, or transform: none"));
+    throw InvalidInput(given.initial.issue("its initial value is " + shortest(initial),
+                                           "with transform: log it must be > 0",
+                                           "give a positive initial value or use transform: none"));
   if (!given.bounds) return;
   const double lower = bound(given, 0, unit), upper = bound(given, 1, unit);
   if (!(lower < upper))
@@ -62,9 +64,10 @@ void check_start(const d::Unknown& given, const ParameterTransform& transform, c
         given.initial.issue("the lower bound " + shortest(lower) + " is not below the upper one " + shortest(upper), "",
                             "write bounds: [lower, upper]"));
   if (!(lower < initial && initial < upper))
-    throw InvalidInput(given.initial.issue(
-        "it starts at " + shortest(initial) + ", outside its bounds " + shortest(lower) + " to " + shortest(upper),
-        "the start must lie strictly between them", "move the start or the bounds"));
+    throw InvalidInput(given.initial.issue("its initial value is " + shortest(initial) + ", outside its bounds " +
+                                               shortest(lower) + " to " + shortest(upper),
+                                           "it must lie strictly between the bounds",
+                                           "change the initial value or the bounds"));
 }
 
 /// `positive`: where the case does not say, the parameter is kept so.
@@ -75,7 +78,8 @@ ParameterTransform transform_of(const d::Unknown& given, const std::string& unit
                                                          : TransformKind::none);
   if (transform.kind == TransformKind::logit) {
     if (!given.bounds)
-      throw InvalidInput(given.initial.issue("transform: logit without bounds", "it keeps the parameter between them",
+      throw InvalidInput(given.initial.issue("transform: logit without bounds",
+                                             "this transform keeps the parameter between bounds",
                                              "give bounds: [lower, upper]"));
     transform.lower = bound(given, 0, unit);
     transform.upper = bound(given, 1, unit);
@@ -127,10 +131,10 @@ private:
     for (const auto& name : names) {
       auto parameter = known_.find(name.value);
       if (!parameter) {
-        issues_.add(
-            name.location,
-            name.path + ": there is no parameter '" + name.value + "'" + did_you_mean(name.value, all_.names()),
-            "an unknown is a parameter of a connector or of a linear substructure that the filter's model holds", "");
+        issues_.add(name.location,
+                    name.path + ": there is no parameter '" + name.value + "'" + did_you_mean(name.value, all_.names()),
+                    "an unknown must be a parameter of a connector or of a linear substructure in the filter's model",
+                    "");
         continue;
       }
       if (const auto issue = unlike_ratios(study_.given, *parameter, name))
@@ -143,7 +147,7 @@ private:
     if (released == 0 || released == std::ssize(targets)) return targets;
     issues_.add(names.front().location,
                 "estimate.unknown." + owner + " applies to parameters of connectors and of linear substructures",
-                "the filter carries the two in different ways", "make it two unknowns");
+                "the filter treats them in different ways", "make two unknowns");
     return {};
   }
 
@@ -154,7 +158,7 @@ private:
       if (unit.empty() || other.unit.empty() || same_dimension(unit, other.unit)) continue;
       issues_.add(names.front().location,
                   "estimate.unknown." + owner + " applies to parameters in " + unit + " and in " + other.unit,
-                  "they share one value", "give parameters of one kind");
+                  "parameters that share a value need the same unit", "list parameters of the same kind");
       return;
     }
   }
@@ -177,13 +181,13 @@ private:
     if (is_released(unknown.targets.front())) return;
     if (study_.given.update)
       throw InvalidInput(
-          "estimate.unknown." + unknown.name + ": a number of a linear substructure, and the case updates",
-          "while the structure is being updated the filter cannot estimate its numbers too",
-          "refine it under update.parameters");
+          "estimate.unknown." + unknown.name + ": a parameter of a linear substructure, but the case has `update`",
+          "during updating the filter cannot estimate parameters of linear substructures",
+          "list it under update.parameters");
     for (const auto& target : unknown.targets)
       if (!linear_.insert(target.name).second)
-        throw InvalidInput("estimate.unknown." + unknown.name + ": '" + target.name + "' is an unknown already",
-                           "a parameter has one value", "take one of them out");
+        throw InvalidInput("estimate.unknown." + unknown.name + ": '" + target.name + "' is already an unknown",
+                           "a parameter can have only one value", "remove one of them");
   }
 
   const CaseStudy& study_;
@@ -241,9 +245,9 @@ std::optional<Issue> unlike_ratios(const description::Case& given, const Paramet
   std::string listed;
   for (const double ratio : ratios) listed += (listed.empty() ? "" : ", ") + shortest(100.0 * ratio) + " %";
   return name.issue(
-      "'" + parameter.name + "' stands for all modal ratios as one number, and the case gives [" + listed + "]",
-      "these would all become the same",
-      "name single ratios, " + parameter.name + ".1 and so on; several share a value by applies_to");
+      "'" + parameter.name + "' is one value for all modal damping ratios, but the case gives [" + listed + "]",
+      "the ratios would all become equal",
+      "name single ratios, " + parameter.name + ".1 and so on; use applies_to for several that share a value");
 }
 
 }  // namespace kalfem

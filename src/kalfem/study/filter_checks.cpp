@@ -20,10 +20,10 @@ void check_start_from_record(const CaseStudy& study, IssueList& issues) {
     return sensor.output.quantity == ObservedQuantity::displacement;
   };
   if (std::ranges::none_of(study.augmented_model->sensors, measures_displacement))
-    issues.add(
-        study.given.source.at({"estimate", "initial_state_from_record"}),
-        "estimate.initial_state_from_record is given and no sensor of the filter's model measures a displacement",
-        "the start is taken from displacement sensors", "remove it, or give the start under initial_state");
+    issues.add(study.given.source.at({"estimate", "initial_state_from_record"}),
+               "estimate.initial_state_from_record is set, but no sensor of the filter's model measures a displacement",
+               "the initial state is taken from displacement sensors",
+               "remove it, or give the initial state under initial_state");
 }
 
 SourceLocation location_of_sensor(const CaseStudy& study, Index column) {
@@ -41,8 +41,8 @@ void check_first_samples(const CaseStudy& study, IssueList& issues) {
     issues.add(location_of_sensor(study, column),
                "sensors." + sensor.name + ": one of the first " + std::to_string(samples_at_start) +
                    " samples is missing, from " + shortest(series.start) + " s on",
-               "estimate.initial_state_from_record reads displacement and velocity there",
-               "let the case begin later (record.start), or give estimate.initial_state");
+               "estimate.initial_state_from_record takes displacement and velocity from these samples",
+               "start later (record.start) or give estimate.initial_state");
   }
 }
 
@@ -55,9 +55,10 @@ void check_driving_channels(const CaseStudy& study, IssueList& issues) {
     const auto gap = std::ranges::find_if(samples, [](double value) { return !std::isfinite(value); });
     if (gap == samples.end()) continue;
     issues.add(location_of_sensor(study, column),
-               "sensors." + source.substr(1) + " drives an interface of the filter's model and misses the sample at " +
+               "sensors." + source.substr(1) +
+                   " drives an interface of the filter's model, but its sample is missing at " +
                    shortest(series.time(gap - samples.begin())) + " s",
-               "the motion of the interface is not known there",
+               "the motion of the interface is unknown there",
                "use a part of the record without gaps in this channel (record.start, record.end)");
   }
 }

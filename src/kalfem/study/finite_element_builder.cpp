@@ -104,18 +104,18 @@ private:
   void read(const d::MeshFile& mesh) {
     model_.mesh = read_gmsh(mesh.file.value);
     model_.mesh.nodes *= mesh.scale;
-    require_regions("give each physical group its property");
+    require_regions("give each physical group a property");
   }
 
   void read(const d::TableFiles& tables) {
     model_.mesh = read_table_mesh(tables.nodes.value, tables.elements.value, {.scale = tables.scale});
-    require_regions("give each region of the elements its property");
+    require_regions("give each region of the table a property");
   }
 
   void require_regions(const std::string& fix) {
     if (fe_.regions.empty())
       issues_.add(fe_.location(), "substructures." + name_ + ".finite_elements has no `regions`",
-                  "a mesh does not say what its cells are made of", fix);
+                  "a mesh does not state the properties of its elements", fix);
   }
 
   void read(const d::DeckFile& file) {
@@ -132,8 +132,8 @@ private:
     const auto idle = kalfem::accept_missing(notes, accepted, issues_);
     for (const auto& name : file.accept_missing)
       if (std::ranges::find(idle, name.value) != idle.end())
-        issues_.add(name.location, name.path + ": nothing in the deck by the name of '" + name.value + "' is missing",
-                    "what is accepted would hide the next thing of that name", "take it out, or mend the name");
+        issues_.add(name.location, name.path + ": nothing in the deck named '" + name.value + "' is missing",
+                    "an unused entry could hide a later problem", "remove it or correct the name");
   }
 
   void read(const d::MatrixFiles& files) {
@@ -148,8 +148,8 @@ private:
   }
 
   void refuse_without_coordinates(const SourceLocation& location, const std::string& path) {
-    issues_.add(location, path + ": matrices do not say where their nodes are", "it needs places",
-                "give `coordinates`, or name nodes by their numbers");
+    issues_.add(location, path + ": matrices do not state where their nodes are", "this needs coordinates",
+                "give `coordinates`, or refer to nodes by number");
   }
 
   void add_properties() {
@@ -160,9 +160,9 @@ private:
       const auto& place = region.material;
       if (!model_.mesh.regions.contains(name))
         issues_.add(place.location,
-                    "region '" + name + "' is no group of " + model_.mesh.source +
+                    "region '" + name + "' is not a group of " + model_.mesh.source +
                         did_you_mean(name, names_of(model_.mesh.regions)),
-                    "a property needs cells", "name one of its groups");
+                    "a property needs elements", "name one of its groups");
       else if (!model_.materials.contains(place.value))
         issues_.add(place.location,
                     place.path + ": there is no material '" + place.value + "'" +
@@ -182,7 +182,7 @@ private:
         issues_.add(fe_.location(),
                     "substructures." + name_ + ".finite_elements.materials." + name + ": the deck has no material '" +
                         name + "'" + did_you_mean(name, names_of(model_.materials)),
-                    "it would change nothing", "name one of the deck's materials, or one that a region is made of");
+                    "it would have no effect", "name a material of the deck, or one that a region uses");
     }
   }
 
@@ -228,8 +228,8 @@ private:
     issues_.add(place.location,
                 place.path + ": the nearest node to " + written(vector(place.value.at)) + " is " +
                     title_of(named.node) + ", " + metres(*named.distance) + " away",
-                "the elements there are " + metres(size) + " large: the place lies outside of the model",
-                "give coordinates in metres (compare the units of the model), or the number of a node");
+                "the elements there are " + metres(size) + " large: the place lies outside the model",
+                "give coordinates in metres (check the units of the model) or a node number");
   }
 
   /// Two different places on one node would be one motion under two names.
@@ -240,8 +240,8 @@ private:
     if (apart.norm() <= 1e-2 * size) return;
     issues_.add(second.location,
                 second.path + " " + written(vector(second.value.at)) + " and '" + one.name + "' " +
-                    written(vector(first.value.at)) + " both fall on " + title_of(other.node),
-                "the mesh is too coarse to tell the two places apart: they would be one motion",
+                    written(vector(first.value.at)) + " both have the nearest node " + title_of(other.node),
+                "the mesh is too coarse to separate the two places",
                 "refine the mesh there, or give both the number of that node");
   }
 
@@ -251,7 +251,7 @@ private:
       if (set->second.size() == 1) return set->second.front();
       issues_.add(place.location,
                   place.path + ": the group '" + word + "' has " + std::to_string(set->second.size()) + " nodes",
-                  "a named node is one", "give a node number or coordinates");
+                  "a named node must be a single node", "give a node number or coordinates");
       return -1;
     }
     std::int64_t number = 0;
@@ -261,7 +261,7 @@ private:
     issues_.add(place.location,
                 place.path + ": " + model_.mesh.source + " has no " + (is_number ? "node " : "group ") + "'" + word +
                     "'" + did_you_mean(word, names_of(model_.mesh.node_sets)),
-                "", "name a group of one node, a node number, or coordinates [x, y, z]");
+                "", "give a group of one node, a node number or coordinates [x, y, z]");
     return -1;
   }
 
@@ -271,7 +271,7 @@ private:
     if (found != nodes_.end()) return found->node;
     if (std::ranges::find(fe_.nodes, name, &std::pair<std::string, Located<d::NodePlace>>::first) == fe_.nodes.end())
       issues_.add(location, path + ": there is no node '" + name + "'" + did_you_mean(name, names_of(fe_.nodes)), "",
-                  "name it under `nodes`");
+                  "define it under `nodes`");
     return -1;
   }
 
@@ -289,7 +289,7 @@ private:
     const auto dot = end.value.rfind('.');
     const int direction = dot == std::string::npos ? -1 : direction_index(end.value.substr(dot + 1));
     if (direction < 0) {
-      issues_.add(end.location, end.path + ": '" + end.value + "' has no direction", "a spring acts along one motion",
+      issues_.add(end.location, end.path + ": '" + end.value + "' has no direction", "a spring acts in one direction",
                   "write node.x, y, z, rx, ry or rz, or a ground");
       return std::nullopt;
     }
@@ -302,7 +302,8 @@ private:
     for (const auto& spring : given_.springs) {
       const bool from_ground = is_ground(spring.from.value), to_ground = is_ground(spring.to.value);
       if (from_ground && to_ground) {
-        issues_.add(spring.from.location, spring.from.path + ": the spring joins two grounds", "it has no effect", "");
+        issues_.add(spring.from.location, spring.from.path + ": the spring connects two grounds", "it has no effect",
+                    "");
         continue;
       }
       const auto first = spring_end(from_ground ? spring.to : spring.from);

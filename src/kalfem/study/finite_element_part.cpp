@@ -61,7 +61,7 @@ std::vector<BoundaryPlace> given_boundary(const FiniteElementPart& part, const d
     if (boundary.back().dofs.empty())
       issues.add(place.location,
                  place.path + ": there is no node '" + place.value + "'" + did_you_mean(place.value, known),
-                 "the boundary is made of named nodes", "name one of `nodes`, or node.direction");
+                 "the boundary must consist of named nodes", "name one of the `nodes`, or node.direction");
   }
   issues.raise();
   return boundary;
@@ -99,10 +99,10 @@ public:
     }
     if (is_given && still.size() == place.dofs.size()) refuse(place, issues);
     if (is_given && !following.empty())
-      warnings_.push_back("the boundary keeps no coordinate of its own for " + place.place.value + " along " +
-                          listed(following) + ": links make it follow exactly from the other boundary nodes");
+      warnings_.push_back("the boundary has no independent coordinate for " + place.place.value + " along " +
+                          listed(following) + ": links express it exactly by the other boundary nodes");
     if (is_given && !still.empty() && still.size() < place.dofs.size())
-      warnings_.push_back("the boundary node " + place.place.value + " does not move along " + listed(still));
+      warnings_.push_back("the boundary node " + place.place.value + " cannot move along " + listed(still));
   }
 
 private:
@@ -119,10 +119,10 @@ private:
   void refuse(const BoundaryPlace& place, IssueList& issues) const {
     const bool held =
         std::ranges::any_of(place.dofs, [&](const NodalDof& dof) { return is_held(part_.elements, dof); });
-    issues.add(place.place.location, place.place.path + ": '" + place.place.value + "' does not move",
-               held ? "a support holds it, so nothing can act there"
-                    : "no element, spring or mass moves there, or it follows what is held",
-               "name a node or direction that moves");
+    issues.add(place.place.location, place.place.path + ": '" + place.place.value + "' cannot move",
+               held ? "a support fixes it, so nothing can act there"
+                    : "it has no element, spring or mass, or depends on fixed nodes",
+               "name a node or direction that can move");
   }
 
   FiniteElementPart& part_;
@@ -141,10 +141,10 @@ bool touches_nodes(const d::Substructure& given, const std::vector<std::string>&
 /// A reduction that was asked for keeps something at its boundary.
 void require_boundary(const FiniteElementPart& part, const Located<d::Reduction>& reduction) {
   if (!part.boundary.empty()) return;
-  throw InvalidInput(
-      Issue{reduction.location, reduction.path + ": the reduction of '" + part.name + "' has no boundary",
-            "no connector or force touches the substructure, and `boundary` names no node",
-            "name the nodes to keep under `boundary`, or leave `reduction` out: the full model is used"});
+  throw InvalidInput(Issue{reduction.location,
+                           reduction.path + ": the reduction of '" + part.name + "' has no boundary",
+                           "no connector or force is attached to the substructure, and `boundary` lists no node",
+                           "list the nodes to keep under `boundary`, or remove `reduction` to use the full model"});
 }
 
 void add_weighted_points(const d::Substructure& given, LinearModel& model) {
@@ -153,8 +153,9 @@ void add_weighted_points(const d::Substructure& given, LinearModel& model) {
     for (const auto& [place, weight] : weights) {
       const auto found = model.points.find(place);
       if (found == model.points.end())
-        throw InvalidInput("point '" + point + "' uses '" + place + "', which is no motion of a named node",
-                           "a point is a weighted sum of node.direction", "name the node under `nodes`");
+        throw InvalidInput(
+            "point '" + point + "' uses '" + place + "', which is not a degree of freedom of a named node",
+            "a point is a weighted sum of node.direction", "define the node under `nodes`");
       for (const auto& [dof, coefficient] : found->second) sum[dof] += weight * coefficient;
     }
     model.points[point] = sum;

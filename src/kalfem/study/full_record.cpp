@@ -12,8 +12,8 @@ void check_noise(const Study& study, const std::vector<double>& noise, const std
       issues.add(sensor.location,
                  "sensors." + sensor.name + ".noise: the noise is " + shortest(100.0 * sensor.noise) +
                      " % of the channel's rms, but " + channel + " is 0 throughout",
-                 "per cent of nothing is no noise",
-                 "give the noise in " + sensor.unit + ", or take the sensor out if nothing moves there");
+                 "per cent of 0 gives no noise",
+                 "give the noise in " + sensor.unit + ", or remove the sensor if nothing moves there");
   }
   issues.raise();
 }

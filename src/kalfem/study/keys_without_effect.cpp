@@ -36,10 +36,10 @@ private:
     if (!given_.simulate) return;
     const auto& simulate = *given_.simulate;
     if (simulate.integrator != Integrator::hht_alpha)
-      warn({"simulate", "hht_alpha"}, "it belongs to integrator: hht_alpha");
+      warn({"simulate", "hht_alpha"}, "it applies to integrator: hht_alpha only");
     if (simulate.integrator != Integrator::generalized_alpha)
-      warn({"simulate", "spectral_radius"}, "it belongs to integrator: generalized_alpha");
-    if (!simulate.superelements) warn({"simulate", "modes_up_to"}, "it belongs to reference: superelement");
+      warn({"simulate", "spectral_radius"}, "it applies to integrator: generalized_alpha only");
+    if (!simulate.superelements) warn({"simulate", "modes_up_to"}, "it applies to reference: superelement only");
     if (simulate.superelements && !has_finite_elements())
       warn({"simulate", "reference"}, "the case has no finite elements");
   }
@@ -66,7 +66,7 @@ private:
     for (const auto& [material, given] : part.finite_elements->materials) {
       const auto made_of_it = [&](const auto& region) { return region.second.material.value == material; };
       if (std::ranges::none_of(part.finite_elements->regions, made_of_it))
-        warn(below({"finite_elements", "materials", material}), "no region is made of it");
+        warn(below({"finite_elements", "materials", material}), "no region uses it");
     }
   }
 
@@ -78,13 +78,14 @@ private:
     };
     if (guyan)
       for (const char* key : {"modes", "up_to", "effective_mass"}) of_other_method(key, "method: guyan keeps no modes");
-    if (!craig_bampton) of_other_method("truncation_vectors", "they belong to method: craig_bampton");
+    if (!craig_bampton) of_other_method("truncation_vectors", "they apply to method: craig_bampton only");
   }
 
   void of_sensor(const std::string& name, const d::Sensor& sensor) {
     const bool of_connector = std::visit(
         [](const auto& observed) { return observed.quantity > ObservedQuantity::acceleration; }, sensor.observed);
-    if (of_connector) warn({"sensors", name, "relative"}, "a connector does not see the base's motion");
+    if (of_connector)
+      warn({"sensors", name, "relative"}, "a quantity of a connector does not depend on the base's motion");
     if (!given_.record) warn({"sensors", name, "channel"}, "the case reads no record");
   }
 
@@ -94,7 +95,7 @@ private:
     if (estimate.filter == FilterKind::extended)
       for (const char* key : {"alpha", "beta", "kappa"}) warn({"estimate", key}, "filter: ekf has no sigma points");
     if (estimate.filter && *estimate.filter != FilterKind::partially_linear && !given_.update)
-      warn({"estimate", "threads"}, "only filter: partially_linear_ukf shares its work");
+      warn({"estimate", "threads"}, "only filter: partially_linear_ukf uses threads");
     for (const auto& [name, unknown] : estimate.unknown)
       if (unknown.transform && *unknown.transform != TransformKind::logit)
         warn({"estimate", "unknown", name, "bounds"}, "only transform: logit keeps a parameter between bounds");
@@ -112,9 +113,9 @@ private:
       const auto& [inside, outside] =
           is_held(connector.from) ? std::tie(connector.from, connector.to) : std::tie(connector.to, connector.from);
       if (!ends.contains(outside.value) && !ends.contains(inside.value))
-        warn({"connectors", name}, "estimate.local leaves its end '" + outside.value +
-                                       "' out; make that point an interface with its acceleration, or '" +
-                                       inside.value + "' one with a force");
+        warn({"connectors", name}, "estimate.local leaves out its end '" + outside.value +
+                                       "'; make that point an interface with its acceleration, or '" + inside.value +
+                                       "' one with a force");
     }
     for (const auto& [point, interface] : local.interface) {
       const auto* driven = std::get_if<InterfaceAcceleration>(&interface.value.motion);
@@ -124,9 +125,9 @@ private:
         return (from.value == point && is_held(to)) || (to.value == point && is_held(from));
       };
       if (std::ranges::none_of(given_.connectors, touches))
-        warn({"estimate", "local", "interface", point}, "no connector joins it to what the filter's model holds");
+        warn({"estimate", "local", "interface", point}, "no connector attaches it to the filter's model");
       warn({"sensors", driven->sensor.value, "chain"},
-           "the interface '" + point + "' moves as the sensor recorded, its measurement chain is not undone");
+           "the interface '" + point + "' follows the sensor's record, without correction for its measurement chain");
     }
   }
 
@@ -134,14 +135,14 @@ private:
     if (!given_.update) return;
     const auto& update = *given_.update;
     const bool evolves = update.method == UpdatingMethod::evolution;
-    if (!evolves) warn({"update", "evolution"}, "it belongs to method: cma_es");
-    if (evolves) warn({"update", "starts"}, "method: cma_es spreads its own points");
+    if (!evolves) warn({"update", "evolution"}, "it applies to method: cma_es only");
+    if (evolves) warn({"update", "starts"}, "method: cma_es chooses its own points");
     if (evolves || update.starts == 1) warn({"update", "seed"}, "there is one starting point");
     for (const auto& [name, given] : update.comparisons) {
       const auto* modal = std::get_if<d::ModalData>(&given.value.data);
       if (modal && !modal->shapes) warn({"update", "compare", name, "minimum_mac"}, "no mode shapes are compared");
       if (std::holds_alternative<d::FrfData>(given.value.data) && (evolves || update.starts > 1))
-        warn({"update", "compare", name, "smoothing"}, "it serves a search from one starting point");
+        warn({"update", "compare", name, "smoothing"}, "it applies to a search from one starting point only");
     }
   }
 

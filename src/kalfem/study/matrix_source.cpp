@@ -24,9 +24,9 @@ MatrixModel read_set(const d::MatrixSet& set) {
   for (const auto& file : set.files) files.push_back(file.value);
   MatrixModel model = read_superelement(files, options);
   if (model.dofs.empty())
-    throw InvalidInput(set.files.front().issue("the files do not say what the rows of their matrices are",
-                                               "places are named by node and direction",
-                                               "give `dofs`, a list of node.direction, or of nodes with `directions`"));
+    throw InvalidInput(set.files.front().issue("the files do not state the degrees of freedom of their rows",
+                                               "nodes and directions are needed to name places",
+                                               "give `dofs`: a list of node.direction, or of nodes with `directions`"));
   return model;
 }
 
@@ -65,7 +65,7 @@ public:
     const CsvTable table = read_csv_table(coordinates->value);
     if (table.values.cols() < 4)
       throw InvalidInput(coordinates->issue("the table has " + std::to_string(table.values.cols()) + " columns",
-                                            "a node has a number, x, y and z", "give these four columns"));
+                                            "a node needs a number, x, y and z", "give these four columns"));
     const Eigen::Vector3d factors = length_factors(table, length, *coordinates);
     for (Index row = 0; row < table.values.rows(); ++row)
       if (const auto found = index_.find(std::llround(table.values(row, 0))); found != index_.end())
@@ -84,7 +84,7 @@ private:
         if (!column.unit.empty()) factors[i] = parse_unit_as(column.unit, "m").factor;
       } catch (const InvalidInput& error) {
         issues.add({coordinates.value.string(), table.title_line}, "column '" + column.name + "': " + error.what(),
-                   "it is a coordinate", "mend its title");
+                   "a coordinate must be a length", "correct its title");
       }
     }
     issues.raise();

@@ -38,7 +38,7 @@ private:
     if (!found)
       issues_.add(name.location,
                   name.path + ": there is no point '" + name.value + "'" + did_you_mean(name.value, points_),
-                  "points are written substructure.name", "name a mass, point or ground of a substructure");
+                  "write points as substructure.name", "name a mass, point or ground of a substructure");
     return found;
   }
 
@@ -52,18 +52,19 @@ private:
     else
       issues_.add(name.location,
                   name.path + ": '" + name.value + "' is not a ground" + did_you_mean(name.value, grounds_),
-                  "only a ground can be moved", "name it as substructure.ground");
+                  "only a ground can be moved", "write it as substructure.ground");
   }
 
   void check(const description::BaseAcceleration& target) {
     const auto& points = target.direction;
     if (points.value.empty())
-      issues_.add(points.location, points.path + " names nothing", "it would accelerate nothing",
-                  "name grounds, or write all");
+      issues_.add(points.location, points.path + " lists no ground", "it would accelerate nothing",
+                  "list grounds or write all");
     for (const auto& [point, weight] : points.value)
       if (weight == 0.0 || (point == "all" && weight != 1.0))
         issues_.add(points.location, points.path + ": the weight of '" + point + "' is " + shortest(weight),
-                    weight == 0.0 ? "it would not move" : "all move by 1", "give the signal's size by `scale`");
+                    weight == 0.0 ? "a ground with weight 0 would not move" : "with `all`, every ground has weight 1",
+                    "set the size of the signal by `scale`");
     if (points.value.size() == 1 && points.value.front().first == "all") return check_translation(points);
     std::size_t grounds = 0;
     for (const auto& [point, weight] : points.value) {
@@ -73,9 +74,8 @@ private:
       drive(name);
     }
     if (grounds > 0 && grounds < points.value.size())
-      issues_.add(points.location, points.path + " names grounds and degrees of freedom",
-                  "either grounds are accelerated one by one, or the whole base in a direction",
-                  "make it two excitations");
+      issues_.add(points.location, points.path + " lists both grounds and degrees of freedom",
+                  "an excitation accelerates either single grounds or the whole base", "make it two excitations");
   }
 
   /// The structure must follow a base that moves every degree of freedom alike.
@@ -92,11 +92,11 @@ private:
     const auto [first, added] = driven_.emplace(ground.value, ground);
     if (!added)
       issues_.add(ground.location, ground.path + ": the ground '" + ground.value + "' is driven twice",
-                  "excitation on line " + std::to_string(first->second.location.line) + " moves it already",
+                  "the excitation on line " + std::to_string(first->second.location.line) + " drives it already",
                   "keep one of the two");
     else if (!is_felt(ground.value))
       issues_.add(ground.location, ground.path + ": nothing is attached to the ground '" + ground.value + "'",
-                  "its motion moves nothing", "name a ground at which a spring or a connector ends");
+                  "its motion would have no effect", "name a ground with a spring or a connector");
   }
 
   [[nodiscard]] bool is_felt(const std::string& ground) const {
@@ -115,8 +115,8 @@ private:
     const std::string &from = connector.from.value, &to = connector.to.value;
     if (is_ground(from) && is_ground(to) && (from == to || (!driven_.contains(from) && !driven_.contains(to))))
       issues_.add(connector.from.location,
-                  "connector '" + name + "' joins the grounds '" + from + "' and '" + to + "', which do not move",
-                  "it has no effect", "join a point to a ground, or move one of the grounds by an excitation");
+                  "connector '" + name + "' connects the grounds '" + from + "' and '" + to + "', which do not move",
+                  "it has no effect", "connect a point to a ground, or move one of the grounds by an excitation");
   }
 
   const description::Case& given_;

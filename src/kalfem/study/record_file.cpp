@@ -60,8 +60,8 @@ double factor_of_case(const WantedChannel& wanted, const Channel& in_file, const
     issues.add(given.location,
                given.path + " is '" + given.value + "', but the column '" + in_file.name + "' (" + wanted.owner +
                    ") is in '" + in_file.unit + "'",
-               place_in_words(title) + " says so",
-               given.path == wanted.unit_key ? "take the wrong one out" : "take it out, or set " + wanted.unit_key);
+               place_in_words(title) + " states it",
+               given.path == wanted.unit_key ? "remove the wrong one" : "remove it, or set " + wanted.unit_key);
   return unit.factor;
 }
 
@@ -90,11 +90,11 @@ double factor_to_si(const WantedChannel& wanted, const Channel& in_file, const S
     for (const Issue& issue : error.issues()) {
       if (!given.value.empty())
         issues.add(given.location, given.path + ": " + issue.what + " (" + wanted.owner + ")", issue.why,
-                   "write a unit like " + wanted.unit);
+                   "write a unit such as " + wanted.unit);
       else
         issues.add(title, "column '" + in_file.name + "' (" + wanted.owner + "): " + issue.what, issue.why,
                    understood(wanted, in_file.unit) || wanted.unit_key.empty()
-                       ? "name another column, or mend its title"
+                       ? "choose another column or correct its title"
                        : "state it in " + wanted.unit_key);
     }
     return 1.0;
@@ -147,7 +147,7 @@ double rate_of(const Hdf5File& file, const std::string& dataset, std::optional<d
   for (const char* name : {"sample_rate", "sampling_rate", "fs_Hz", "fs", "sample_rate_Hz"})
     if (file.has_attribute(dataset, name)) return file.number_attribute(dataset, name);
   throw InvalidInput({{path, 0},
-                      "the dataset '" + dataset + "' does not say its sampling rate",
+                      "the dataset '" + dataset + "' does not state its sampling rate",
                       "it has no attribute sample_rate, fs or fs_Hz",
                       "give sample_rate in the case"});
 }
@@ -159,8 +159,8 @@ Index column_number(const std::string& channel, Index columns, const std::string
   if (error != std::errc() || end != channel.data() + channel.size() || number < 0 || number >= columns)
     throw InvalidInput({{path, 0},
                         "there is no column '" + channel + "'",
-                        "columns of a dataset are numbered 0 to " + std::to_string(columns - 1),
-                        "give such a number"});
+                        "the columns of this dataset are numbered 0 to " + std::to_string(columns - 1),
+                        "give one of these numbers"});
   return number;
 }
 
@@ -177,7 +177,7 @@ std::vector<std::string> units_of(const Hdf5File& file, const std::string& datas
                         "the attribute '" + std::string(name) + "' of '" + dataset + "' holds " +
                             std::to_string(units.size()) + " units",
                         "the dataset has " + std::to_string(columns) + " columns",
-                        "write one for all of them, or one each"});
+                        "write one value for all columns, or one per column"});
   }
   return std::vector<std::string>(count);
 }

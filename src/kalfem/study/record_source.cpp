@@ -22,7 +22,7 @@ void check_finite(const TimeSeries& series, const description::Record& record) {
         issues.add({record.file.value.string(), 0},
                    "channel '" + series.channels[static_cast<std::size_t>(j)].name + "' is not a number at " +
                        shortest(series.time(k)) + " s",
-                   "the filter needs numbers", "set record.skip_missing: true to pass over such samples");
+                   "the filter needs a number at every sample", "set record.skip_missing: true to skip such samples");
         break;
       }
   issues.raise();
@@ -35,10 +35,10 @@ TimeSeries cut(const TimeSeries& series, double from, double to) {
   const auto last = std::min<Index>(series.samples() - 1,
                                     static_cast<Index>(std::floor((to - series.start) * series.sample_rate + 1e-6)));
   if (last <= first)
-    throw InvalidInput(
-        "the record has no samples between " + shortest(from) + " s and " + shortest(to) + " s",
-        "it runs from " + shortest(series.start) + " s to " + shortest(series.time(series.samples() - 1)) + " s",
-        "mend record.start and record.end");
+    throw InvalidInput("the record has no samples between " + shortest(from) + " s and " + shortest(to) + " s",
+                       "the record runs from " + shortest(series.start) + " s to " +
+                           shortest(series.time(series.samples() - 1)) + " s",
+                       "correct record.start and record.end");
   TimeSeries part{series.sample_rate, series.time(first), series.channels, {}};
   part.values = series.values.middleRows(first, last - first + 1);
   return part;
@@ -69,15 +69,15 @@ void check_channels(const TimeSeries& series, const description::Case& given) {
     const double infinity = std::numeric_limits<double>::infinity();
     const double lowest = finite.select(values, infinity).minCoeff();
     if (!finite.any())
-      issues.add(location_of(sensor), channel + "holds no number in the record" + part,
-                 "there is nothing to learn from", "take the sensor out, or name another channel");
+      issues.add(location_of(sensor), channel + "has no number in the record" + part,
+                 "there is no data to estimate from", "remove the sensor or choose another channel");
     else if (lowest == finite.select(values, -infinity).maxCoeff() && !sensor.accept_constant)
       issues.add(location_of(sensor),
                  channel + "has the value " + shortest(lowest) + " " +
                      series.channels[static_cast<std::size_t>(j)].unit + " throughout the record" + part,
-                 "a dead sensor would tell the filter that nothing moves",
-                 "take the sensor out, or use a part of the record in which it measures; if this was truly measured, "
-                 "set accept_constant: true for it");
+                 "a dead sensor would make the filter believe that nothing moves",
+                 "remove the sensor or use a part of the record in which it works; if the value is a real measurement, "
+                 "set accept_constant: true");
   }
   issues.raise();
 }
@@ -92,7 +92,7 @@ void take_until_rest(MeasuredRecord& record, const description::FreeResponse& as
     if ((series.values.row(k).array().abs() > asked.threshold).any()) last = k;
   record.used = std::min(series.samples(), last + 1 + static_cast<Index>(asked.margin * series.sample_rate));
   record.preparation.push_back("released at " + shortest(record.free_response->release) + " s, at rest from " +
-                               shortest(rest.motion_end_time) + " s; taken about the rest position");
+                               shortest(rest.motion_end_time) + " s; values are relative to the rest position");
 }
 
 /// About the middle of its last swing, from the release up to the record's end.
@@ -107,17 +107,17 @@ void take_without_rest(MeasuredRecord& record, const description::Case& given, c
   series = cut(series, record.free_response->release + asked.delay, series.time(series.samples() - 1));
   record.used = series.samples();
   record.preparation.push_back("released at " + shortest(record.free_response->release) +
-                               " s, still moving at the end; taken about the middle of the last swing, the rest "
-                               "position is estimated");
+                               " s, still moving at the end; values are relative to the middle of the last swing, and "
+                               "the rest position is estimated");
 }
 
 void take_free_response(MeasuredRecord& record, const description::Case& given) {
   TimeSeries& series = record.series;
   const auto times = find_free_response(series);
   if (!times)
-    throw InvalidInput("the record shows no release: it does not begin with a hold that ends",
-                       "record.free_response asks for one",
-                       "take record.free_response out, or give a record that begins before the release");
+    throw InvalidInput("the record has no release: it does not start with the structure held",
+                       "record.free_response needs a release",
+                       "remove record.free_response, or use a record that starts before the release");
   const auto guess = times->rest ? RestGuess{times->rest->position, {}} : guess_rest(series, times->release.sample);
   record.free_response = {times->release.time, {}, guess.position, {}};
   series.values.rowwise() -= guess.position.transpose();

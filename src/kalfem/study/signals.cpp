@@ -70,17 +70,16 @@ private:
     if (!excitation_.drift) return;
     const auto refuse = [&](const std::string& why, const std::string& fix) {
       const auto& [value, location, path] = *excitation_.drift;
-      throw InvalidInput(Issue{location, path + " says nothing here", why, fix});
+      throw InvalidInput(Issue{location, path + " has no effect here", why, fix});
     };
     if (!integrated_ && !follows_another())
-      refuse("only the acceleration of grounds by name is integrated to their displacement",
-             "take it out, or accelerate the grounds by name");
-    if (follows_another()) refuse("the motion is that of the input that it follows", "give `drift` at that input");
+      refuse("only accelerations of named grounds are integrated", "remove it, or accelerate grounds by name");
+    if (follows_another()) refuse("the motion is that of the input that it refers to", "give `drift` at that input");
     const bool lasting = std::holds_alternative<d::Impulse>(excitation_.signal) ||
                          std::holds_alternative<d::Constant>(excitation_.signal);
     if (lasting && !keeps_drift())
-      refuse("an impulse or a constant acceleration moves the ground for good: there is no drift in it",
-             "take it out, or write drift: keep");
+      refuse("an impulse or a constant acceleration moves the ground permanently, which is not drift",
+             "remove it or write drift: keep");
   }
 
   /// Whether the lines of a spectrum are integrated one by one.
@@ -125,7 +124,7 @@ private:
   }
   SignalPtr from(const d::Road& g) {
     if (unit_ != "m")
-      throw InvalidInput("a road is a displacement [m]", "here a value in " + unit_ + " is needed",
+      throw InvalidInput("a road profile is a displacement [m]", "a value in " + unit_ + " is needed",
                          "move a ground by it: base_displacement");
     return make_road_profile({.road_class = g.road_class,
                               .speed = g.speed,
@@ -177,10 +176,10 @@ private:
       const double unit = value == 0.0 ? 1.0 : std::pow(10.0, std::floor(std::log10(std::abs(value))) - 2.0);
       return shortest(std::round(value / unit) * unit);
     };
-    all_.notes.push_back("excitation '" + name_ + "': its acceleration is taken to have an offset of " +
+    all_.notes.push_back("excitation '" + name_ + "': its acceleration is assumed to have an offset of " +
                          three_digits(removed.offset) + " m/s^2, and the ground to start at " +
                          three_digits(-removed.velocity) +
-                         " m/s: without that it would drift; `drift: keep` integrates the acceleration as it is");
+                         " m/s; otherwise it would drift; use `drift: keep` to integrate the acceleration as it is");
   }
 
   SignalPtr after(const Name& input, double delay) {
@@ -188,10 +187,10 @@ private:
         all_.given.excitation, [&](const auto& each) { return each.first == input.value || each.first == name_; });
     if (input.value == name_ || earlier->first != input.value)
       throw InvalidInput(
-          input.issue("there is no input '" + input.value + "' before this one", "", "name an input above"));
+          input.issue("there is no input '" + input.value + "' above this one", "", "refer to an input listed above"));
     if (unit_of(earlier->second) != unit_)
       throw InvalidInput(input.issue("input '" + input.value + "' is in " + unit_of(earlier->second),
-                                     "this one needs values in " + unit_, "name an input of the same kind"));
+                                     "this input needs values in " + unit_, "refer to an input of the same kind"));
     return delayed(signal_of(all_, input.value, integrated_), delay);
   }
 

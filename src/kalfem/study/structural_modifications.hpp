@@ -7,8 +7,8 @@ namespace kalfem {
 
 /// What the standard deviations of predicted frequencies do not cover, in a sentence for reports.
 inline constexpr const char* deviations_leave_out =
-    "The standard deviations are those of the updated parameters, to first order. They leave out errors of the model's "
-    "form, of the values that the modification sets and of the places where its masses sit.";
+    "The standard deviations are propagated from those of the updated parameters, to first order. They do not include "
+    "errors of the model's form, of the values that the modification sets, or of the positions of its masses.";
 
 /// Natural frequencies of the updated structure after a change.
 struct StructuralModificationResult {

@@ -43,7 +43,7 @@ Sensor make_sensor(const std::string& name, const d::Sensor& given, const Source
   sensor.noise =
       sensor.relative_noise ? given.noise.value.value : checked_number(given.noise, sensor.unit, Bounds::nonnegative());
   if (!(sensor.noise >= 0.0))
-    throw InvalidInput(given.noise.issue("the noise is negative", "it is a standard deviation"));
+    throw InvalidInput(given.noise.issue("the noise is negative", "a standard deviation must not be negative"));
   sensor.chain = MeasurementChain({given.chain});
   return sensor;
 }
@@ -56,8 +56,8 @@ void check_relative(const CaseStudy& study, const d::Sensor& given, const d::Poi
       [](const auto& observed) { return observed.quantity > ObservedQuantity::acceleration; }, given.observed);
   if (given.relative && !uniform && !of_connector)
     issues.add(points.location,
-               points.path + " is relative to the accelerated base, but the case accelerates no whole base",
-               "with grounds that move one by one, displacements are absolute",
+               points.path + " is relative to the accelerated base, but the case does not accelerate a whole base",
+               "when single grounds move, displacements are absolute",
                "write {point: 1, ground: -1} for the motion relative to a ground");
 }
 
@@ -109,8 +109,7 @@ StructureParts starting_parts(const CaseStudy& study) {
 /// What is allowed but probably not meant.
 void warn(CaseStudy& study) {
   if (study.given.estimate && study.given.simulate && study.given.estimate->settle >= study.given.simulate->duration)
-    study.warnings.push_back(
-        "estimate.settle is no shorter than the record: errors and NIS are of its last sample alone");
+    study.warnings.push_back("estimate.settle is not shorter than the record: errors and NIS use the last sample only");
   if (!study.augmented_model) return;
   for (const auto& unknown : study.augmented_model->options.unknowns) {
     const auto entry =
@@ -119,9 +118,9 @@ void warn(CaseStudy& study) {
     const auto& given = entry->second;
     if (unknown.transform.kind == TransformKind::none && given.std && !given.std->value.bare &&
         unknown.initial != 0.0 && unknown.deviation > 0.6 * std::abs(unknown.initial))
-      study.warnings.push_back("unknown '" + unknown.name +
-                               "' has a wide prior and no transform: sigma points may become negative; "
-                               "set transform: log");
+      study.warnings.push_back(
+          "unknown '" + unknown.name +
+          "' has a wide prior and no transform, so sigma points may become negative; set transform: log");
   }
 }
 

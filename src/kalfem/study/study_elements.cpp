@@ -55,7 +55,7 @@ void warn_of_notes(const ElementNotes& part, std::vector<std::string>& warnings)
                          "': " + kalfem::to_string(Issue{note.where, note.what, note.consequence, ""}));
   if (unused > 0)
     warnings.push_back("substructure '" + part.substructure + "': its deck holds " + std::to_string(unused) +
-                       " kinds of things that are not used; `kalfem check` lists them");
+                       " kinds of entries that kalfem ignores; `kalfem check` lists them");
 }
 
 /// Files of superelements are written of what is reduced.
@@ -64,13 +64,13 @@ void check_superelement_files(const StructureModel& structure, CaseStudy& study,
   if (files.value.empty() || !issues.empty()) return;
   const auto is_reduced = [](const FiniteElementSubstructure& elements) { return elements.reduced != nullptr; };
   if (std::ranges::none_of(structure.finite_elements, is_reduced))
-    issues.add(files.location, files.path + ": no substructure of the case is reduced", "there is nothing to write",
+    issues.add(files.location, files.path + ": the case reduces no substructure", "there is no superelement to write",
                "give a finite-element substructure `reduction: {boundary: [...]}`");
   else
     for (const auto& elements : structure.finite_elements)
       if (!is_reduced(elements))
         study.warnings.push_back("substructure '" + elements.part->name +
-                                 "' is not reduced, as nothing touches it: no superelement file is written of it");
+                                 "' is not reduced because nothing is attached to it: no superelement file is written");
 }
 
 }  // namespace

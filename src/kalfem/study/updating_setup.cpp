@@ -43,7 +43,8 @@ private:
       issues_.add(
           target.location,
           target.path + ": there is no parameter '" + target.value + "'" + did_you_mean(target.value, known_.names()),
-          "the updating refines numbers of linear substructures; those of connectors are unknowns of the filter");
+          "updating changes parameters of linear substructures; parameters of connectors are estimated by the filter "
+          "(estimate.unknown)");
     else if (const auto issue = unlike_ratios(study_.given, *parameter, target))
       issues_.add(issue->location, issue->what, issue->why, issue->fix);
     const auto all_ratios = target.value.find(".damping.modal");  // one of them is refined by all of them
@@ -51,14 +52,14 @@ private:
       const std::string whole = target.value.substr(0, all_ratios) + ".damping.modal";
       for (const auto& [taken, by] : owners_)
         if (taken != target.value && (taken == whole || (target.value == whole && taken.starts_with(whole + "."))))
-          issues_.add(target.location, target.path + ": '" + target.value + "' and '" + taken + "' are both refined",
-                      "damping.modal is all ratios as one", "take one of them out");
+          issues_.add(target.location, target.path + ": '" + target.value + "' and '" + taken + "' are both updated",
+                      "damping.modal is one value for all ratios", "remove one of them");
     }
     const auto [first, is_new] = owners_.try_emplace(target.value, owner);
     if (!is_new)
       issues_.add(target.location,
-                  target.path + ": '" + target.value + "' is refined already by '" + first->second + "'",
-                  "a parameter has one value", "take one of them out");
+                  target.path + ": '" + target.value + "' is updated already by '" + first->second + "'",
+                  "a parameter can have only one value", "remove one of them");
     return parameter;
   }
 
@@ -66,8 +67,8 @@ private:
     const std::string unit = targets.front().unit;
     for (const auto& target : targets)
       if (target.unit != unit)
-        throw InvalidInput(name + " applies to numbers in " + unit + " and in " + target.unit, "they share one value",
-                           "give parameters of one kind");
+        throw InvalidInput(name + " applies to parameters in " + unit + " and in " + target.unit,
+                           "parameters that share a value need the same unit", "list parameters of the same kind");
     UpdatingParameter parameter{name, unit, targets.front().value};
     if (given.initial) parameter.initial = checked_number(*given.initial, unit);
     if (given.std) parameter.deviation = deviation(*given.std, unit, parameter.initial);
@@ -93,8 +94,9 @@ private:
     parameter.lower = 0.0;
     if (!given.bounds) {
       if (!(parameter.initial >= 0.0))
-        throw InvalidInput("update.parameters." + parameter.name + ": it starts at " + shortest(parameter.initial),
-                           "such a parameter is not negative", "change its initial value");
+        throw InvalidInput(
+            "update.parameters." + parameter.name + ": its initial value is " + shortest(parameter.initial),
+            "this parameter must not be negative", "change its initial value");
       return;
     }
     const auto bound = [&](const Quantity& quantity) {
@@ -106,9 +108,10 @@ private:
       throw InvalidInput("update.parameters." + parameter.name + ": the lower bound is not below the upper one", "",
                          "write bounds: [lower, upper]");
     if (parameter.initial < parameter.lower || parameter.initial > parameter.upper)
-      throw InvalidInput("update.parameters." + parameter.name + ": it starts at " + shortest(parameter.initial) +
-                             ", outside its bounds " + shortest(parameter.lower) + " to " + shortest(parameter.upper),
-                         "the updating moves from the start within the bounds", "move one of them");
+      throw InvalidInput("update.parameters." + parameter.name + ": its initial value is " +
+                             shortest(parameter.initial) + ", outside its bounds " + shortest(parameter.lower) +
+                             " to " + shortest(parameter.upper),
+                         "the initial value must lie within the bounds", "change one of them");
   }
 
   const CaseStudy& study_;
@@ -126,13 +129,13 @@ void check_search(const CaseStudy& study, const UpdatingSetup& setup, IssueList&
   for (const auto& parameter : setup.parameters)
     if (!std::isfinite(parameter.lower) || !std::isfinite(parameter.upper))
       issues.add(study.given.source.at({"update", "parameters", parameter.name}),
-                 "update.parameters." + parameter.name + " has no bounds", "method: cma_es searches between bounds",
+                 "update.parameters." + parameter.name + " has no bounds", "method: cma_es needs bounds",
                  "give bounds: [lower, upper]");
   if (given.evolution.population > 0 && given.evolution.population < fewest_points)
     issues.add(study.given.source.at({"update", "evolution", "population"}),
                "update.evolution.population: " + std::to_string(given.evolution.population) + " given",
-               "CMA-ES needs at least " + std::to_string(fewest_points) + " points a generation",
-               "raise it, or leave it out");
+               "CMA-ES needs at least " + std::to_string(fewest_points) + " points per generation",
+               "increase or remove it");
 }
 
 }  // namespace
@@ -143,10 +146,10 @@ UpdatingSetup make_updating_setup(const CaseStudy& study, IssueList& issues) {
   for (const auto& [name, given] : study.given.update->parameters) builder.add(name, given);
   if (study.given.update->parameters.empty())
     issues.add(study.given.source.at({"update", "parameters"}), "update.parameters is empty",
-               "there is nothing to refine", "name at least one");
+               "there is nothing to update", "list at least one parameter");
   if (study.given.update->comparisons.empty())
-    issues.add(study.given.source.at({"update", "compare"}), "update.compare is empty",
-               "there is nothing to refine the model by", "give at least one comparison");
+    issues.add(study.given.source.at({"update", "compare"}), "update.compare is empty", "updating needs a measurement",
+               "give at least one comparison");
   check_comparisons(study, issues);
   check_search(study, setup, issues);
   return setup;

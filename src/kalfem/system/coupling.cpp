@@ -151,7 +151,7 @@ void CoupledModel::add_input(const InputDescription& description, std::size_t in
     input.value = motion(description.target).dofs;
     if (input.value.isZero())
       throw InvalidInput("force '" + description.name + "' acts on the ground '" + description.target + "'",
-                         "the ground does not move by a force", "name a point of a substructure");
+                         "a force cannot move a ground", "name a point of a substructure");
   } else if (description.kind == InputKind::base_displacement) {
     for (const auto& [ground, weight] : moved_grounds(description)) add_ground_load(ground, weight, input);
   } else {
@@ -183,16 +183,16 @@ void CoupledModel::add_ground_load(const std::string& ground, double weight, Inp
   if (!found)
     throw InvalidInput("base displacement '" + input.name + "' moves '" + ground + "', which is not a ground" +
                            did_you_mean(ground, point_names()),
-                       "only a ground can be moved", "name it as substructure.ground");
+                       "only a ground can be moved", "write it as substructure.ground");
 }
 
 void CoupledModel::require_translation(const InputDescription& description) const {
   for (const auto& part : substructures_)
     if (!follows_its_base(*part.model))
       throw InvalidInput("base acceleration '" + description.name +
-                             "' moves every degree of freedom alike, which strains substructure '" + part.name + "'",
-                         "it holds rotations, several directions or modes, which do not move as its base does",
-                         "accelerate its grounds by name, or give the degrees of freedom that move a weight each");
+                             "' moves every degree of freedom equally, which deforms substructure '" + part.name + "'",
+                         "it has rotations, several directions or modes, which do not move with its base",
+                         "accelerate its grounds by name, or give a weight for each degree of freedom that moves");
 }
 
 void CoupledModel::add_connector(const ConnectorDescription& description, IssueList& issues) {
@@ -200,15 +200,15 @@ void CoupledModel::add_connector(const ConnectorDescription& description, IssueL
     const PointMotion from = end_motion(description.from), to = end_motion(description.to);
     const Eigen::VectorXd deformation = to.dofs - from.dofs, base = from.base - to.base;
     if (deformation.isZero() && base.isZero())
-      issues.add(description.location,
-                 "connector '" + description.name + "' joins '" + description.from + "' and '" + description.to + "'",
-                 "they do not move against each other",
-                 "join two different points, one of them not a ground or a ground that an excitation moves");
+      issues.add(
+          description.location,
+          "connector '" + description.name + "' connects '" + description.from + "' and '" + description.to + "'",
+          "there is no relative motion between them", "connect two different points, at least one of which moves");
     if (moves_alike_by_all() && std::abs(translation_of(to) - translation_of(from)) > 1e-9)
-      throw InvalidInput("a base acceleration of all degrees of freedom alike deforms it",
-                         "one of its ends is a sum of degrees of freedom that do not all move as the base does",
-                         "give the degrees of freedom that move with the base a weight each");
-    if (!description.law) throw InvalidInput("it has no law", "its force is unknown", "name one of the laws");
+      throw InvalidInput("accelerating all degrees of freedom equally deforms it",
+                         "one of its ends is a sum of degrees of freedom that do not all move with the base",
+                         "give a weight for each degree of freedom that moves with the base");
+    if (!description.law) throw InvalidInput("it has no law", "its force is unknown", "choose one of the laws");
     for (const auto& issue : validate_parameters(*description.law, description.parameters))
       issues.add(description.location, "connector '" + description.name + "': " + issue.what, issue.why, issue.fix);
     system_.connectors.push_back({description.name, description.law, description.parameters, deformation, base});
@@ -254,8 +254,7 @@ PointMotion CoupledModel::motion(const std::string& point) const {
       }
   }
   throw InvalidInput("there is no point '" + point + "'" + did_you_mean(point, point_names()),
-                     "points are written substructure.name",
-                     "name one of the substructure's masses, points or grounds");
+                     "write points as substructure.name", "name a mass, point or ground of the substructure");
 }
 
 std::vector<std::string> CoupledModel::reported_points() const {
@@ -288,8 +287,7 @@ CoupledModel::Placed CoupledModel::find_substructure(const std::string& name) co
     offset += part.model->size();
     known.push_back(part.name);
   }
-  throw InvalidInput("there is no substructure '" + name + "'" + did_you_mean(name, known), "",
-                     "name one that there is");
+  throw InvalidInput("there is no substructure '" + name + "'" + did_you_mean(name, known), "", "name an existing one");
 }
 
 Eigen::Index CoupledModel::dof_index(const std::string& dof) const {

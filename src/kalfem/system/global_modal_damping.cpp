@@ -20,8 +20,8 @@ double checked_stiffness(const Connector& connector) {
   const double stiffness = stiffness_at_rest(*connector.law, connector.parameters);
   if (!std::isfinite(stiffness))
     throw InvalidInput("connector '" + connector.name + "' has no stiffness at rest",
-                       "damping of the whole structure's modes needs one of each connector",
-                       "give the substructures damping of their own");
+                       "modal damping of the whole structure needs a stiffness of every connector",
+                       "give the substructures their own damping");
   return stiffness;
 }
 

@@ -28,7 +28,7 @@ void require_nonnegative(IssueList& issues, const std::string& option, double va
 void require_band(IssueList& issues, const std::string& option, double low, double high) {
   if (!(low > 0.0) || !(low < high) || !std::isfinite(high))
     issues.add({}, option + " is [" + shown(low) + ", " + shown(high) + "]",
-               "a band needs two finite bounds, 0 < lower < upper");
+               "a band needs two finite bounds with 0 < lower < upper");
 }
 
 }  // namespace kalfem

@@ -54,7 +54,7 @@ private:
 };
 
 void require_signal(IssueList& issues, const SignalPtr& signal) {
-  if (!signal) issues.add({}, "a signal is missing (null pointer)", "wrappers need a signal to act on");
+  if (!signal) issues.add({}, "a signal is missing (null pointer)", "this signal modifies another one");
 }
 
 }  // namespace

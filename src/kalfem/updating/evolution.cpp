@@ -27,15 +27,15 @@ void require_searchable(const std::vector<UpdatingParameter>& parameters, const 
     if (std::isfinite(p.lower) && std::isfinite(p.upper)) continue;
     issues.add(
         {}, fmt::format("{}: bounds from {} to {}", p.name, p.lower, p.upper),
-        "an evolution strategy searches between finite bounds",
+        "an evolution strategy needs finite bounds",
         fmt::format("give both, for example {:g} and {:g}", p.initial - 0.5 * p.scale(), p.initial + 0.5 * p.scale()));
   }
   if (!any_free)
-    issues.add({}, "no parameter is free", "an evolution strategy needs one at least",
-               "widen the bounds of those that may change");
+    issues.add({}, "no parameter is free", "an evolution strategy needs at least one",
+               "widen the bounds of the parameters that may change");
   if (options.population < 5)
-    issues.add({}, fmt::format("a population of {}", options.population), "CMA-ES needs at least 5 points a generation",
-               "take 4 + 3 ln(parameters) or more");
+    issues.add({}, fmt::format("a population of {}", options.population),
+               "CMA-ES needs at least 5 points per generation", "use 4 + 3 ln(parameters) or more");
   issues.raise();
 }
 
@@ -107,9 +107,9 @@ void polish(EvolutionOutcome& outcome, const Residual& residual, const std::vect
 std::string words(CmaEsEnd end) {
   switch (end) {
     case CmaEsEnd::settled:
-      return "the generations gathered at one point";
+      return "the generations converged to one point";
     case CmaEsEnd::generations:
-      return "all generations allowed are used";
+      return "the limit on generations was reached";
     case CmaEsEnd::stopped:
       return "stopped on request";
   }
@@ -119,7 +119,7 @@ std::string words(CmaEsEnd end) {
 }  // namespace
 
 std::string EvolutionOutcome::reason() const {
-  const std::string search = found() ? words(end) : "the model has no response at any point that was tried";
+  const std::string search = found() ? words(end) : "the model has no response at any point tried";
   return polished ? search + "; then least squares " + polished->reason() : search;
 }
 

@@ -31,24 +31,25 @@ void check_response(const MeasuredFrf& frf, const FrfResidualOptions& options, I
     issues.add({},
                fmt::format("{} has {} x {} values for {} lines and {} points", title(frf), values.rows(), values.cols(),
                            lines.size(), frf.set.outputs.size()),
-               "every column needs a point", "name one point a column, or choose columns");
+               "every column needs a point", "name one point per column, or select columns");
   if (deviations.size() > 0 && (deviations.rows() != values.rows() || deviations.cols() != values.cols()))
-    issues.add({}, title(frf) + " has deviations of another size than its values", "each value needs its own");
+    issues.add({}, title(frf) + " has standard deviations of a different size from its values",
+               "every value needs its own");
   else if (!deviations.allFinite() || (deviations.array() < 0.0).any())
-    issues.add({}, title(frf) + " has deviations that are negative or not finite");
+    issues.add({}, title(frf) + " has standard deviations that are negative or not finite");
   if (!lines.allFinite() || !values.allFinite())
-    issues.add({}, title(frf) + " holds values that are not finite", "", "leave those lines out");
+    issues.add({}, title(frf) + " has values that are not finite", "", "remove those lines");
   for (Index k = 1; k < lines.size(); ++k)
     if (!(lines[k] > lines[k - 1])) {
       issues.add({},
-                 fmt::format("{}: line {} at {} Hz follows one at {} Hz", title(frf), k + 1, lines[k], lines[k - 1]),
+                 fmt::format("{}: line {} at {} Hz follows a line at {} Hz", title(frf), k + 1, lines[k], lines[k - 1]),
                  "frequencies must be in ascending order", "sort the lines");
       break;
     }
   if (magnitudes_only && options.form != FrfForm::log_magnitude)
-    issues.add({}, title(frf) + " has no phases", "this comparison needs them", "compare: log_magnitude does not");
+    issues.add({}, title(frf) + " has no phases", "this comparison needs phases", "use compare: log_magnitude");
   if (magnitudes_only && options.smoothing > 0.0)
-    issues.add({}, title(frf) + " has no phases", "smoothing needs them", "set the smoothing to 0");
+    issues.add({}, title(frf) + " has no phases", "smoothing needs phases", "set the smoothing to 0");
 }
 
 void check_options(const FrfResidualOptions& options, IssueList& issues) {
@@ -57,16 +58,17 @@ void check_options(const FrfResidualOptions& options, IssueList& issues) {
       issues.add({}, fmt::format("the {} is {}", what, value), "it must not be negative");
   };
   not_negative(options.smoothing, "smoothing width");
-  not_negative(options.relative_deviation, "relative deviation of FRFs");
-  not_negative(options.floor, "floor of FRFs' deviation");
+  not_negative(options.relative_deviation, "relative standard deviation of FRFs");
+  not_negative(options.floor, "floor of the standard deviation of FRFs");
   if (options.relative_deviation == 0.0 && options.floor == 0.0)
-    issues.add({}, "relative deviation and floor of FRFs are both 0", "the residual is weighted with them");
+    issues.add({}, "relative standard deviation and floor of FRFs are both 0", "the residual is divided by them");
   if (options.scale != FrfScale::fixed && options.form == FrfForm::complex_difference)
-    issues.add({}, "the scale of FRFs is free and their differences are compared",
-               "a factor is free between logarithms only", "compare the logarithm or log_magnitude, or fix the scale");
+    issues.add({}, "the scale of FRFs is free, but differences are compared", "a free factor needs logarithms",
+               "compare logarithm or log_magnitude, or fix the scale");
   for (const auto& [from, to] : options.bands)
     if (!(from >= 0.0 && to > from))
-      issues.add({}, fmt::format("a band goes from {} to {} Hz", from, to), "it must rise");
+      issues.add({}, fmt::format("a band goes from {} to {} Hz", from, to),
+                 "its upper limit must exceed its lower one");
 }
 
 /// ln |H| - ln |H_model| with ln omega, of all lines and outputs of a set.
@@ -138,7 +140,7 @@ void check_level(const MeasuredFrf& frf, const LogRatios& ratios, bool any_level
   if (ratios.values.empty()) return;
   constexpr const char* why = "measurement and model are compared in m, s, N";
   if (const int power = power_of(ratios, any_level); power != 0) {
-    issues.add({}, fmt::format("{} against the model's goes like omega^{}", title(frf), power), why,
+    issues.add({}, fmt::format("the ratio of {} to the model's response varies as omega^{}", title(frf), power), why,
                "is it " + std::string(std::abs(power) == 2 ? "a displacement for an acceleration" : "a velocity") +
                    ", or the other way round?");
     return;
@@ -161,7 +163,7 @@ void check_level(const MeasuredFrf& frf, const LogRatios& ratios, bool any_level
 
 void check_measured(const std::vector<MeasuredFrf>& measured, const FrfResidualOptions& options) {
   IssueList issues;
-  if (measured.empty()) issues.add({}, "no FRF is given", "there is nothing to compare");
+  if (measured.empty()) issues.add({}, "no FRF is given", "there is nothing to compare with");
   check_options(options, issues);
   for (const auto& frf : measured) check_response(frf, options, issues);
   issues.raise();
@@ -175,12 +177,12 @@ void check_lines(const std::vector<MeasuredFrf>& measured, const std::vector<Fre
     if (compared[i].lines.size() == 0)
       issues.add({},
                  lines.size() == 0 ? title(measured[i]) + " has no lines"
-                                   : fmt::format("{} has no line in the bands; its lines go from {} to {} Hz",
+                                   : fmt::format("{} has no line in the bands; its lines run from {} to {} Hz",
                                                  title(measured[i]), lines[0], lines[lines.size() - 1]),
-                 options.smoothing > 0.0 ? "smoothing also leaves out lines near the ends" : "", "change the bands");
+                 options.smoothing > 0.0 ? "smoothing also removes lines near the ends" : "", "change the bands");
     else if ((compared[i].deviations.array() == 0.0).any() || (compared[i].values.array() == 0.0).any())
-      issues.add({}, title(measured[i]) + " is exactly 0 at a line in the bands", "such a line was not measured",
-                 "leave it out by bands");
+      issues.add({}, title(measured[i]) + " is exactly 0 at a line in the bands", "such a value was not measured",
+                 "exclude it by bands");
   }
   issues.raise();
 }
@@ -194,7 +196,7 @@ void check_range(const std::vector<MeasuredFrf>& measured, const std::vector<Fre
     const double last = compared[i].lines[compared[i].lines.size() - 1];
     if (highest > 0.0 && last > beyond * highest)
       issues.add({},
-                 fmt::format("{} is used up to {:.4g} Hz, the model's highest natural frequency is {:.4g} Hz",
+                 fmt::format("{} is used up to {:.4g} Hz, but the model's highest natural frequency is {:.4g} Hz",
                              title(measured[i]), last, highest),
                  "the model has no resonances there", fmt::format("give bands up to about {:.3g} Hz", 1.5 * highest));
   }

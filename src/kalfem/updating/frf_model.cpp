@@ -36,7 +36,7 @@ public:
       vector[dof->second] = 1.0;
     else
       issues.add({}, "there is no point '" + name + "'" + did_you_mean(name, names()),
-                 "an FRF is measured at degrees of freedom or named points of the model");
+                 "an FRF needs degrees of freedom or named points of the model");
     return vector;
   }
 
@@ -65,7 +65,7 @@ void check_ground(const LinearModel& model, const std::string& name, IssueList& 
     issues.add({}, "there is no ground '" + name + "'" + did_you_mean(name, known),
                "a base-excited FRF needs the ground that moves");
   else if (ground->stiffness.isZero() && ground->damping.isZero())
-    issues.add({}, "nothing is attached to the ground '" + name + "'", "its motion would move nothing");
+    issues.add({}, "nothing is attached to the ground '" + name + "'", "its motion would have no effect");
 }
 
 int order_of(const FrfSet& set) { return int(set.quantity) - (set.input == FrfInput::ground_acceleration ? 2 : 0); }

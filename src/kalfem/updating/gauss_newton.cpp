@@ -48,15 +48,15 @@ std::string words(Termination termination) {
     case Termination::converged_cost:
       return "converged: the next step would lower the cost by less than the tolerance";
     case Termination::converged_gradient:
-      return "converged: no change of a parameter within its bounds lowers the cost to first order";
+      return "converged: no parameter change within the bounds lowers the cost to first order";
     case Termination::no_progress:
-      return "not converged: no shorter step lowers the cost, so its derivatives are wrong or it is rough";
+      return "not converged: no step lowers the cost; its derivatives are wrong or it is not smooth";
     case Termination::no_response:
-      return "not begun: the model has no response at the start";
+      return "not started: the model has no response at the initial values";
     case Termination::no_derivatives:
       return "not converged: the model has no derivatives at the point reached";
     case Termination::budget:
-      return "not converged: all evaluations allowed are used";
+      return "not converged: the limit on evaluations was reached";
     case Termination::stopped:
       return "not converged: stopped on request";
   }
@@ -79,14 +79,15 @@ void require_startable(const std::vector<UpdatingParameter>& parameters) {
   IssueList issues;
   for (const auto& [name, unit, initial, lower, upper, deviation] : parameters) {
     if (!(lower <= upper))
-      issues.add({}, fmt::format("{}: bounds from {} to {}", name, lower, upper), "the lower bound is above the upper",
-                 "exchange them");
+      issues.add({}, fmt::format("{}: bounds from {} to {}", name, lower, upper),
+                 "the lower bound exceeds the upper one", "exchange them");
     else if (!std::isfinite(initial) || initial < lower || initial > upper)
       issues.add({}, fmt::format("{}: initial value {} with bounds from {} to {}", name, initial, lower, upper),
-                 "a search begins inside the bounds", "widen the bounds or begin between them");
+                 "the initial value must lie within the bounds", "widen the bounds or change the initial value");
     if (!(deviation > 0.0))
-      issues.add({}, fmt::format("{}: prior deviation {}", name, deviation), "a standard deviation is positive",
-                 "give a positive one, or equal bounds to hold the parameter");
+      issues.add({}, fmt::format("{}: prior standard deviation {}", name, deviation),
+                 "a standard deviation must be > 0",
+                 "give a positive one, or equal bounds to hold the parameter fixed");
   }
   issues.raise();
 }

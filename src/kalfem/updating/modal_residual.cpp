@@ -31,9 +31,9 @@ std::string named(std::size_t mode, const MeasuredMode& measured) {
 void check_shape(const std::string& name, const MeasuredMode& mode, std::size_t points, IssueList& issues) {
   if (mode.shape.size() != static_cast<Index>(points))
     issues.add({}, name + " has a shape of " + std::to_string(mode.shape.size()) + " entries",
-               "there are " + std::to_string(points) + " measured points", "give one entry a point");
+               "there are " + std::to_string(points) + " measured points", "give one entry per point");
   else if (!mode.shape.allFinite() || mode.shape.isZero(0.0))
-    issues.add({}, name + " has a shape without motion, or with entries that are no numbers");
+    issues.add({}, name + " has a shape that is zero or has entries that are not numbers");
   if (!(mode.shape_deviation > 0.0))
     issues.add({}, "the standard deviation of the shape of " + name + " is " + number(mode.shape_deviation),
                "it must be positive", "give it relative to the largest entry: 0.02 for 2 %");
@@ -42,7 +42,7 @@ void check_shape(const std::string& name, const MeasuredMode& mode, std::size_t 
 void check(const std::vector<MeasuredMode>& measured, std::size_t points, const ModalResidualOptions& options) {
   IssueList issues;
   std::set<int> numbers;
-  if (measured.empty()) issues.add({}, "there are no measured modes", "a modal residual compares at least one");
+  if (measured.empty()) issues.add({}, "there are no measured modes", "a modal residual needs at least one");
   for (std::size_t i = 0; i < measured.size(); ++i) {
     const MeasuredMode& mode = measured[i];
     const std::string name = named(i, mode);
@@ -50,15 +50,17 @@ void check(const std::vector<MeasuredMode>& measured, std::size_t points, const 
       issues.add({}, "the frequency of " + name + " is not a positive number");
     if (!(mode.deviation > 0.0))
       issues.add({}, "the standard deviation of " + name + " is " + number(mode.deviation) + " Hz",
-                 "it must be positive", "give what the measurement is good for: 0.5 % of the frequency, say");
+                 "it must be positive", "give the accuracy of the measurement, such as 0.5 % of the frequency");
     if (mode.model_mode && *mode.model_mode < 1)
-      issues.add({}, name + " names model mode " + std::to_string(*mode.model_mode), "elastic modes count from 1");
+      issues.add({}, name + " refers to model mode " + std::to_string(*mode.model_mode),
+                 "elastic modes are numbered from 1");
     if (mode.model_mode && !numbers.insert(*mode.model_mode).second)
-      issues.add({}, name + " names model mode " + std::to_string(*mode.model_mode) + ", as another one does",
-                 "a model mode pairs with one measured mode");
+      issues.add({},
+                 name + " refers to model mode " + std::to_string(*mode.model_mode) + ", as another measured mode does",
+                 "a model mode can pair with only one measured mode");
     if (mode.shape.size() > 0) check_shape(name, mode, points, issues);
   }
-  if (options.skip < 0) issues.add({}, "a negative number of modes is to be skipped");
+  if (options.skip < 0) issues.add({}, "the number of modes to skip is negative");
   issues.raise();
 }
 
@@ -110,11 +112,11 @@ void pair_by_order(const std::vector<MeasuredMode>& measured, const VectorXd& fr
 
 void add_unpaired(std::size_t i, const MeasuredMode& mode, const VectorXd& mac, const VectorXd& frequencies,
                   const ModalResidualOptions& options, IssueList& issues) {
-  const std::string fact = named(i, mode) + " pairs with no mode of the model";
+  const std::string fact = named(i, mode) + " does not pair with any mode of the model";
   const auto elastic = frequencies.size();
   if (elastic == 0 || mode.model_mode || mode.shape.size() == 0) {
     issues.add({}, fact, "there are " + std::to_string(elastic) + " elastic modes to pair with",
-               "compute more modes, skip fewer of the lowest, or leave the measured mode out");
+               "compute more modes, skip fewer of the lowest, or remove the measured mode");
     return;
   }
   Index nearest = 0, best = 0;
@@ -125,10 +127,10 @@ void add_unpaired(std::size_t i, const MeasuredMode& mode, const VectorXd& mac, 
            number(mac[j]);
   };
   issues.add({}, fact,
-             "nearest in frequency is " + model_mode(nearest) + ", nearest in shape is " + model_mode(best) +
+             "the nearest in frequency is " + model_mode(nearest) + ", the nearest in shape is " + model_mode(best) +
                  (mac[best] < options.pairing.least_mac ? "; a pair needs a MAC of " + number(options.pairing.least_mac)
-                                                        : "; that one agrees better with another measured mode"),
-             "check places, directions and signs of the measured points, name its model mode, or leave it out");
+                                                        : "; that mode agrees better with another measured mode"),
+             "check positions, directions and signs of the measured points, state its model mode, or remove it");
 }
 
 double frequency_of(double lambda) { return std::sqrt(std::max(lambda, 0.0)) / (2.0 * M_PI); }

@@ -32,8 +32,8 @@ InvalidInput no_such_point(const LinearModel& model, const std::string& name) {
   std::vector<std::string> known;
   for (const auto& [point, combination] : model.points) known.push_back(point);
   if (!model.points_only) known.insert(known.end(), model.dofs.begin(), model.dofs.end());
-  return {"there is no point '" + name + "'" + did_you_mean(name, known), "a measured point must be one of the model",
-          "name a degree of freedom or a point of the model"};
+  return {"there is no point '" + name + "'" + did_you_mean(name, known),
+          "a measured point must be a point of the model", "name a degree of freedom or a point of the model"};
 }
 
 /// Rows are assigned one after the other; each is a search for the path of least reduced cost to a free column, along

@@ -253,8 +253,8 @@ std::string unidentifiable_in_words(const UnidentifiableCombination& combination
     changes.push_back(change_in_words(parameter, shown * combination.changes[k]));
   }
   return fmt::format(
-      "{} cannot be told apart: to change {} at the same time hardly changes the residual; hold one of them, give it a "
-      "narrow prior, or compare with measurements that tell them apart",
+      "{} cannot be identified separately: changing {} together hardly changes the residual; fix one of them, give it "
+      "a narrow prior, or add measurements that separate them",
       listed(names), listed(changes));
 }
 
@@ -268,17 +268,17 @@ bool is_unidentifiable(const ParameterStatistics& statistics, Index i) {
 std::string poorly_in_words(const UpdatingParameter& p, const ParameterStatistics& statistics, Index i) {
   if (std::isfinite(p.deviation))
     return fmt::format(
-        "{} is hardly informed by the residual: its deviation is {:.0f} % of that of its prior, so its value is mostly "
-        "the prior's",
+        "the data hardly identify {}: its standard deviation is {:.0f} % of the prior's, so its value comes mostly "
+        "from the prior",
         p.name, 100.0 * statistics.to_prior[i]);
-  return fmt::format("{} is hardly informed by the residual: its deviation is {:.2g} {}", p.name,
+  return fmt::format("the data hardly identify {}: its standard deviation is {:.2g} {}", p.name,
                      statistics.deviations[i], p.unit);
 }
 
 std::string bound_in_words(const UpdatingParameter& p, double value) {
   return fmt::format(
-      "{} ended at its {} bound, {:g} {}: beyond it the residual would be smaller, and its deviation does not know of "
-      "the bound",
+      "{} ended at its {} bound, {:g} {}: the residual would be smaller beyond it; the standard deviation ignores the "
+      "bound",
       p.name, value == p.lower ? "lower" : "upper", value, p.unit);
 }
 
@@ -290,7 +290,8 @@ std::vector<std::string> parameter_findings(const Parameters& parameters, const 
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const auto index = static_cast<Index>(i);
     if (statistics.seen[i] == Seen::not_at_all)
-      findings.push_back(parameters[i].name + " is not informed by the residual at all: it stays where it was");
+      findings.push_back(parameters[i].name +
+                         " cannot be identified: no measurement depends on it, so it keeps its initial value");
     if (statistics.seen[i] == Seen::poorly && !is_unidentifiable(statistics, index))
       findings.push_back(poorly_in_words(parameters[i], statistics, index));
     if (statistics.at_bound[i]) findings.push_back(bound_in_words(parameters[i], values[index]));
@@ -298,12 +299,14 @@ std::vector<std::string> parameter_findings(const Parameters& parameters, const 
   for (const auto& combination : statistics.unidentifiable)
     findings.push_back(unidentifiable_in_words(combination, parameters));
   for (const auto& [first, second, correlation] : statistics.correlated)
-    findings.push_back(fmt::format("{} and {} are correlated by {:.4f}: errors of one are made up for by the other",
-                                   at(parameters, first).name, at(parameters, second).name, correlation));
+    findings.push_back(
+        fmt::format("{} and {} have a correlation of {:.4f}: an error of one is compensated by the other",
+                    at(parameters, first).name, at(parameters, second).name, correlation));
   if (statistics.variance_inflation > notable_inflation)
-    findings.push_back(fmt::format(
-        "residuals are {:.2g} times as large as their stated deviations: the parameters' deviations are widened for it",
-        std::sqrt(statistics.variance_inflation)));
+    findings.push_back(
+        fmt::format("residuals are {:.2g} times as large as the stated standard deviations: the standard deviations of "
+                    "the parameters are increased accordingly",
+                    std::sqrt(statistics.variance_inflation)));
   return findings;
 }
 

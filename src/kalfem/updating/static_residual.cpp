@@ -16,18 +16,19 @@ namespace {
 
 void check(const std::vector<StaticTest>& tests) {
   IssueList issues;
-  if (tests.empty()) issues.add({}, "there are no static tests", "a static residual compares at least one");
+  if (tests.empty()) issues.add({}, "there are no static tests", "a static residual needs at least one");
   for (const StaticTest& test : tests) {
     const std::string name = "static test '" + test.name + "'";
-    if (test.forces.empty()) issues.add({}, name + " has no forces", "nothing would move");
-    if (test.displacements.empty()) issues.add({}, name + " has no measured displacements", "nothing is compared");
+    if (test.forces.empty()) issues.add({}, name + " has no forces", "the structure would not deform");
+    if (test.displacements.empty())
+      issues.add({}, name + " has no measured displacements", "there is nothing to compare with");
     for (const auto& force : test.forces)
       if (!std::isfinite(force.force)) issues.add({}, "a force of " + name + " is not a number");
     for (const auto& displacement : test.displacements) {
       if (!std::isfinite(displacement.value)) issues.add({}, "a displacement of " + name + " is not a number");
       if (!(displacement.deviation > 0.0))
         issues.add({}, "a standard deviation of " + name + " is not positive", "",
-                   "give what the displacement is measured to");
+                   "give the accuracy of the displacement");
     }
   }
   issues.raise();
@@ -35,8 +36,8 @@ void check(const std::vector<StaticTest>& tests) {
 
 InvalidInput free_to_move(const std::string& how) {
   return {"the structure is free to move under static loads: " + how,
-          "a static displacement exists only where supports or springs to grounds hold every rigid motion",
-          "hold the structure, or compare modes instead"};
+          "static displacements exist only if supports or springs to grounds restrain every rigid-body motion",
+          "restrain the structure or compare modes instead"};
 }
 
 /// u = K^-1 F with the factor. Throws InvalidInput where K leaves a motion free.
@@ -52,7 +53,7 @@ struct Equilibrium {
     try {
       return SparseFactor(model.stiffness);
     } catch (const NotPositiveDefinite& error) {
-      throw free_to_move("nothing holds '" + model.dofs[static_cast<std::size_t>(error.column())] + "'");
+      throw free_to_move("nothing restrains '" + model.dofs[static_cast<std::size_t>(error.column())] + "'");
     }
   }
 

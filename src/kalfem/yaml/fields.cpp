@@ -24,7 +24,7 @@ Json requirement(const Json& keys) { return {{"required", keys}}; }
 void report_unknown_keys(const Cursor& map, const std::vector<std::string>& known) {
   for (const auto& entry : map.node().entries)
     if (!holds(known, entry.key))
-      map.at(entry).issue("unknown key" + did_you_mean(entry.key, known), "", "known here: " + join(known, ", "));
+      map.at(entry).issue("unknown key" + did_you_mean(entry.key, known), "", "allowed here: " + join(known, ", "));
 }
 
 /// Index of the only key that the map has, or nothing; adds an issue for two keys, or for none when one is `needed`.
@@ -34,7 +34,7 @@ std::optional<std::size_t> only_key(const Cursor& map, const std::vector<std::st
     const auto* entry = map.node().find(keys[i]);
     if (!entry) continue;
     if (chosen) {
-      map.at(*entry).issue("given beside '" + keys[*chosen] + "'", "only one of them can hold",
+      map.at(*entry).issue("given together with '" + keys[*chosen] + "'", "only one of them can apply",
                            "keep one of " + join(keys, ", "));
       return std::nullopt;
     }
@@ -50,7 +50,7 @@ void report_keys_without_effect(const Cursor& map, const std::vector<BoundKeysPt
   for (std::size_t i = 0; i < cases.size(); ++i)
     for (const auto& key : cases[i]->keys)
       if (const auto* entry = map.node().find(key); entry && !holds(cases[chosen]->keys, key))
-        map.at(*entry).issue("belongs to '" + names[i] + "' but '" + names[chosen] + "' is given",
+        map.at(*entry).issue("applies only with '" + names[i] + "' but '" + names[chosen] + "' is given",
                              "it would have no effect", "remove it");
 }
 

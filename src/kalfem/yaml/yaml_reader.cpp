@@ -33,7 +33,7 @@ public:
 private:
   /// Copies up to the closing brace of the enclosing ${ (depth > 0) or the end of the text.
   std::string until_brace(int depth) {
-    if (depth > deepest_default) fail("the defaults are nested too deeply", "use fewer ${...} inside one another");
+    if (depth > deepest_default) fail("the defaults are nested too deeply", "use fewer nested ${...}");
     std::string out;
     while (position_ < text_.size() && !(depth > 0 && text_[position_] == '}')) {
       if (take("$${")) {
@@ -59,7 +59,8 @@ private:
       unused_ -= is_used ? 0 : 1;
     }
     if (!take("}")) {
-      fail("a '}' is missing or the name is not one of letters, digits and _", "write ${NAME} or ${NAME:-default}");
+      fail("a '}' is missing, or the name has characters other than letters, digits and _",
+           "write ${NAME} or ${NAME:-default}");
     }
     if (value && !(value->empty() && fallback)) return *value;
     if (!fallback && unused_ == 0) {
@@ -138,7 +139,7 @@ public:
 
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     const auto found = anchors_.find(anchor);
-    if (found == anchors_.end()) fail(mark.line + 1, "the alias stands inside what it refers to", "");
+    if (found == anchors_.end()) fail(mark.line + 1, "the alias is inside the value that it refers to", "");
     add(found->second, 0, mark.line + 1);
   }
 
@@ -170,7 +171,7 @@ private:
     if (open_.size() == deepest_tree)
       fail(mark.line + 1, "the file is nested too deeply", "at most 100 levels are read");
     if (expects_key())
-      fail(mark.line + 1, "a key must be a word or a number, not a map or a list", "check for stray braces");
+      fail(mark.line + 1, "a key must be a word or a number, not a map or a list", "check for extra braces");
     open_.push_back({YamlNode{.kind = kind, .line = mark.line + 1}, anchor, std::nullopt});
   }
 
@@ -194,7 +195,8 @@ private:
     }
     YamlNode& parent = open_.back().node;
     parent.weight += node->weight;
-    if (parent.weight > largest_tree) fail(line, "the file holds too many values", "check for aliases that multiply");
+    if (parent.weight > largest_tree)
+      fail(line, "the file has too many values", "check for aliases that multiply values");
     if (parent.kind == YamlNode::Kind::list) {
       parent.items.push_back(std::move(node));
     } else {
@@ -226,7 +228,7 @@ private:
     if (source.kind == YamlNode::Kind::list)
       for (const auto& item : source.items) merge(*item, target);
     else if (source.kind != YamlNode::Kind::map)
-      issues_.add({name_, target.node.line}, "<< merges " + describe(source), "only maps can be merged",
+      issues_.add({name_, target.node.line}, "<< is used on " + describe(source), "only maps can be merged",
                   "write <<: *anchor_of_a_map");
     for (const auto& entry : source.entries)
       if (target.keys.emplace(entry.key, entry.line).second) target.node.entries.push_back(entry);
@@ -260,7 +262,7 @@ void require_text(const std::string& text, const std::string& name) {
     const bool control = (c < 0x20 && c != '\t' && c != '\n' && c != '\r') || c == 0x7F;
     if (length == 0 || control)
       throw InvalidInput(Issue{
-          {name, line}, "not a text file in UTF-8", "a byte that is no text was found", "save the file as UTF-8"});
+          {name, line}, "not a text file in UTF-8", "it has a byte that is not valid text", "save the file as UTF-8"});
     if (c == '\n') ++line;
     i += length;
   }
@@ -279,7 +281,7 @@ YamlNodePtr parse_yaml(const std::string& text, const std::string& name, const E
     const YamlNodePtr first = builder.root;
     if (parser.HandleNextDocument(builder))
       issues.add({name, builder.root ? builder.root->line : 0}, "a second document starts with ---",
-                 "a case is one document", "remove it");
+                 "a case file must be one document", "remove it");
     builder.root = first;
   } catch (const YAML::Exception& error) {
     throw InvalidInput(Issue{{name, std::max(1, error.mark.line + 1)},
@@ -288,7 +290,7 @@ YamlNodePtr parse_yaml(const std::string& text, const std::string& name, const E
                              "check indentation, quotes and brackets"});
   }
   if (!builder.root || builder.root->kind == YamlNode::Kind::null)
-    throw InvalidInput(Issue{{name, 1}, "the file is empty", "", "write the case in it"});
+    throw InvalidInput(Issue{{name, 1}, "the file is empty", "", "write a case into it"});
   return builder.root;
 }
 
@@ -298,7 +300,7 @@ std::string read_text_file(const std::string& file) {
   if (!std::filesystem::is_regular_file(file, error))
     throw InvalidInput(Issue{{file, 0}, "not a file", "", "give a case file"});
   if (std::filesystem::file_size(file, error) > largest_file)
-    throw InvalidInput(Issue{{file, 0}, "too large for a case file", "", "keep data in files of their own"});
+    throw InvalidInput(Issue{{file, 0}, "the file is too large for a case file", "", "keep data in separate files"});
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw InvalidInput(Issue{{file, 0}, "the file cannot be read", "", "check its permissions"});
   return {std::istreambuf_iterator<char>(stream), {}};

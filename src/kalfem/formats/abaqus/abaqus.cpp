@@ -37,9 +37,9 @@ void replace_quadratic_cells(PlacedDeck& deck, FiniteElementModel& model) {
     if (element.cell < 0 || type.family == Family::solid || node_count(type.shape) == corner_count(type.shape))
       continue;
     any = true;
-    deck.notes.add(
-        deck.problems.location(element.raw->where), "element type " + deck.type_name(element),
-        type.family == Family::beam ? "two linear beams stand for each" : "four linear shells stand for each");
+    deck.notes.add(deck.problems.location(element.raw->where), "element type " + deck.type_name(element),
+                   type.family == Family::beam ? "each is replaced by two linear beams"
+                                               : "each is replaced by four linear shells");
   }
   if (any) replace_quadratic(model);
 }
@@ -56,15 +56,16 @@ void release_held_rotations(PlacedDeck& deck, FiniteElementModel& model) {
   if (held.empty()) return;
   release(model, held);
   deck.notes.add(
-      {}, "held rotations of shells about their normal",
-      "at " + std::to_string(held.size()) + " nodes the shells turn freely, as they do in Abaqus and CalculiX");
+      {}, "fixed rotations of shells about their normal",
+      "at " + std::to_string(held.size()) + " nodes these rotations are left free, as in Abaqus and CalculiX");
 }
 
 FiniteElementModel build_model(const RawDeck& raw, DeckNotes& notes, Problems& problems) {
   FiniteElementModel model;
   PlacedDeck deck(raw, model.mesh, notes, problems);
   if (deck.mesh.node_count() == 0)
-    problems.fail({0, 1}, "the deck has no nodes", "a model needs nodes and elements", "is this the right file?");
+    problems.fail({0, 1}, "the deck has no nodes", "a model needs nodes and elements",
+                  "check that this is the right file");
   Materials materials(raw, deck);
   build_regions(raw, deck, materials, model);
   add_springs(deck, model);

@@ -122,7 +122,8 @@ std::optional<BeamProfile> beam_profile(const std::string& shape, const std::vec
                                                              {"I", 7},    {"L", 4},    {"GENERAL", 5}};
   const auto needed = numbers.find(shape);
   if (needed == numbers.end()) {
-    problems.add(where, "SECTION=" + shown(shape) + " is not read", "RECT, CIRC, PIPE, BOX, I, L and GENERAL are",
+    problems.add(where, "SECTION=" + shown(shape) + " is not read",
+                 "supported: RECT, CIRC, PIPE, BOX, I, L and GENERAL",
                  "give its A, I11, I12, I22 and J by *BEAM GENERAL SECTION, SECTION=GENERAL");
     return {};
   }
@@ -140,9 +141,9 @@ std::optional<BeamProfile> beam_profile(const std::string& shape, const std::vec
   }
   if (!profile || !(profile->area > 0.0) || !std::isfinite(profile->area + profile->i11 + profile->i22))
     problems.add(
-        where, "the dimensions of the section make no " + shape + " profile",
-        "it needs " + std::to_string(needed->second) + " numbers, lengths above 0, and walls that leave a hole",
-        "mend the data line");
+        where, "the dimensions of the section do not form a section " + shape + " profile",
+        "it needs " + std::to_string(needed->second) + " numbers: lengths above 0, and walls that leave a hole",
+        "correct the data line");
   return profile && profile->area > 0.0 ? profile : std::nullopt;
 }
 

@@ -20,7 +20,7 @@ Releases read_releases(PlacedDeck& deck) {
       const std::size_t first = end == "S2" ? 6 : 0;
       if ((end != "S1" && end != "S2") || moments.empty()) {
         deck.problems.add(line.where, "the line cannot be read",
-                          "*RELEASE takes an element, S1 or S2, and M1, M2, T or ALLM", "mend the line");
+                          "*RELEASE takes an element, S1 or S2, and M1, M2, T or ALLM", "correct the line");
         continue;
       }
       const bool all = moments == "ALLM";
@@ -91,7 +91,7 @@ std::optional<BeamData> beam_data(PlacedDeck& deck, Materials& materials, const 
   data.profile = *profile;
   if (shape == "L")
     deck.notes.add(deck.problems.location(block.keyword.where), "SECTION=L",
-                   "the nodes are taken where the middles of its legs meet");
+                   "the nodes are assumed where the centre lines of its legs meet");
   if (const auto& line = line_of(block, 1);
       std::ranges::any_of(line.fields, [](const auto& f) { return !f.empty(); })) {
     for (std::size_t i = 0; i < 3; ++i)
@@ -201,7 +201,7 @@ void add_trusses(PlacedDeck& deck, Materials& materials, const RegionDraft& draf
   if (!material) return;
   if (!(area > 0.0)) {
     deck.problems.add(block.keyword.where, "the trusses '" + draft.name + "' have the area " + std::to_string(area),
-                      "an area is above 0", "mend the data line");
+                      "an area must be > 0", "correct the data line");
     return;
   }
   std::vector<Index> nodes;
@@ -214,7 +214,7 @@ void add_trusses(PlacedDeck& deck, Materials& materials, const RegionDraft& draf
       const double length = along.norm();
       if (!(length > 0.0)) {
         deck.problems.add(element.raw->where, "the truss " + deck.element_name(element) + " has no length",
-                          "its nodes must lie apart", "mend them");
+                          "its two nodes coincide", "correct them");
         continue;
       }
       JointSpring joint;
@@ -235,7 +235,7 @@ void add_trusses(PlacedDeck& deck, Materials& materials, const RegionDraft& draf
       model.masses.push_back(
           {draft.name + ".n" + std::to_string(deck.mesh.node_ids[static_cast<std::size_t>(node)]), node, mass});
   deck.notes.add(deck.problems.location(block.keyword.where), "trusses",
-                 "springs along their axes and masses at their nodes stand for them");
+                 "they are replaced by springs along their axes and masses at their nodes");
 }
 
 }  // namespace kalfem::abaqus

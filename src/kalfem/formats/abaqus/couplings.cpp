@@ -24,7 +24,7 @@ std::optional<Index> single_node(PlacedDeck& deck, const std::string& text, int 
   if (nodes.size() == 1) return nodes.front();
   if (!nodes.empty())
     deck.problems.add(where, what + " '" + shown(text) + "' has " + std::to_string(nodes.size()) + " nodes",
-                      "it is one node", "name one");
+                      "it must be a single node", "name one");
   return {};
 }
 
@@ -37,8 +37,8 @@ Directions read_tied(PlacedDeck& deck, const Block& block, std::size_t first_fie
     const auto first = to_integer(line.field(first_field));
     const auto last = line.field(first_field + 1).empty() ? first : to_integer(line.field(first_field + 1));
     if (!first || !last || *first < 1 || *last > 6 || *last < *first) {
-      deck.problems.add(line.where, "the directions of the coupling cannot be read", "they are 1 to 6, first and last",
-                        "mend the line");
+      deck.problems.add(line.where, "the directions of the coupling cannot be read",
+                        "write the first and the last direction, 1 to 6", "correct the line");
       continue;
     }
     for (auto d = *first; d <= *last; ++d) tied[static_cast<std::size_t>(d - 1)] = true;
@@ -111,7 +111,7 @@ void read_coupling(PlacedDeck& deck, const PlacedBlock& at, Kinematics& motions)
     distribute(name, *reference, used, keyword.where, motions);
   else
     deck.problems.add(keyword.where, "*COUPLING '" + shown(name) + "' has neither *KINEMATIC nor *DISTRIBUTING",
-                      "one of them must follow it", "add it");
+                      "one of these keywords must follow it", "add it");
 }
 
 }  // namespace
@@ -132,9 +132,9 @@ void read_couplings(PlacedDeck& deck, Kinematics& motions) {
     const Keyword& keyword = at.block->keyword;
     const auto elements = deck.element_list({keyword.get("ELSET"), keyword.where}, at.place);
     if (elements.size() != 1) {
-      deck.problems.add(keyword.where,
-                        "*DISTRIBUTING COUPLING has " + std::to_string(elements.size()) + " reference elements",
-                        "one element of type DCOUP3D has its reference node", "name it by ELSET");
+      deck.problems.add(
+          keyword.where, "*DISTRIBUTING COUPLING has " + std::to_string(elements.size()) + " reference elements",
+          "it needs one element of type DCOUP3D, which holds its reference node", "name that element by ELSET");
       continue;
     }
     if (!deck.nodes_of(deck.elements[static_cast<std::size_t>(elements.front())], nodes)) continue;
@@ -174,7 +174,7 @@ void read_rigid_bodies(PlacedDeck& deck, Kinematics& motions) {
     std::erase_if(pinned, [&](Index node) { return std::ranges::binary_search(tied, node); });
     if (tied.empty() && pinned.empty()) {
       if (keyword.has("ANALYTICALSURFACE")) continue;
-      deck.problems.add(keyword.where, "*RIGID BODY has no nodes", "NSET, ELSET, PIN NSET or TIE NSET name them",
+      deck.problems.add(keyword.where, "*RIGID BODY has no nodes", "NSET, ELSET, PIN NSET or TIE NSET must name them",
                         "name a set");
       continue;
     }
@@ -186,7 +186,7 @@ void read_rigid_bodies(PlacedDeck& deck, Kinematics& motions) {
     if (!reference) continue;
     if (keyword.word("POSITION") == "CENTEROFMASS")
       deck.notes.add(deck.problems.location(keyword.where), "*RIGID BODY, POSITION=CENTER OF MASS",
-                     "the reference node stays where it is");
+                     "the reference node is not moved to the centre of mass");
     const std::string name = deck.place(at.place).full_name("rigid." + std::to_string(keyword.where.line));
     motions.add_link(name, *reference, tied, all_directions);
     if (!pinned.empty()) motions.add_link(name + ".pinned", *reference, pinned, displacements);

@@ -25,7 +25,7 @@ void Problems::add(const Where& where, std::string what, std::string why, std::s
   issues_.add(location(where), std::move(what), std::move(why), std::move(fix));
   if (issues_.issues().size() < most_listed) return;
   issues_.add(location(where), "reading stops here",
-              "there are " + std::to_string(most_listed) + " problems up to this place", "mend them first");
+              "there are " + std::to_string(most_listed) + " problems up to here", "correct them first");
   raise();
 }
 
@@ -166,9 +166,9 @@ bool DeckLines::follow_include() {
   const Where where = line_where_;
   const Keyword keyword = parse_keyword(joined_keyword(), where);
   if (keyword.name != "INCLUDE")
-    problems_.fail(where, "the keyword " + keyword.title + " cannot be read", "", "mend it");
+    problems_.fail(where, "the keyword " + keyword.title + " cannot be read", "", "correct it");
   if (keyword.get("INPUT").empty())
-    problems_.fail(where, "*INCLUDE has no INPUT", "it must name a file", "write *INCLUDE, INPUT=<file>");
+    problems_.fail(where, "*INCLUDE has no INPUT", "it must name the file to include", "write *INCLUDE, INPUT=<file>");
   insert(keyword.get("INPUT"), where);
   return true;
 }
@@ -228,15 +228,15 @@ std::string DeckLines::load(const std::string& name, const Where& where) {
     return loader_(path);
   } catch (const InvalidInput& error) {
     problems_.fail(where, "the file '" + shown(name) + "' cannot be read", error.issues().front().why,
-                   "put it beside the deck, as '" + path + "', or mend the name");
+                   "place it relative to the deck, as '" + path + "', or correct the name");
   }
 }
 
 void DeckLines::insert(const std::string& name, const Where& where) {
   const std::string path = normal_path(problems_.file(where.file), name);
   if (std::ranges::any_of(files_, [&](const auto& file) { return file->path == path; }))
-    problems_.fail(where, "'" + shown(name) + "' includes itself", "files must not include one another in a ring",
-                   "take out one of the *INCLUDE lines");
+    problems_.fail(where, "'" + shown(name) + "' includes itself", "files must not include one another in a circle",
+                   "remove one of the *INCLUDE lines");
   if (files_.size() >= deepest_inclusion)
     problems_.fail(where, "files are included more than " + std::to_string(deepest_inclusion) + " deep", "",
                    "include them from one file");

@@ -72,7 +72,7 @@ void DeckReader::warn_of_leading_data() {
   std::string_view line;
   if (lines_.next_data(line))
     problems_.fail(lines_.where(), "the deck begins with '" + shown(line) + "'",
-                   "it must begin with a keyword (*NODE, ...)", "this may be no Abaqus or CalculiX deck");
+                   "a deck begins with a keyword (*NODE, ...)", "check that this is an Abaqus or CalculiX deck");
 }
 
 bool DeckReader::read_structure(const Keyword& keyword) {
@@ -101,17 +101,18 @@ bool DeckReader::read_structure(const Keyword& keyword) {
 
 void DeckReader::end(bool open, const Keyword& keyword) {
   if (!open)
-    problems_.add(keyword.where, keyword.title + " ends what was not begun", "", "take it out, or begin the block");
+    problems_.add(keyword.where, keyword.title + " ends a block that was not started", "",
+                  "remove it or start the block");
 }
 
 void DeckReader::begin_part(const Keyword& keyword) {
   const std::string name = keyword.get("NAME");
   if (in_part_ || in_instance_)
-    problems_.fail(keyword.where, "*PART stands in a part or instance", "the one before has no end",
+    problems_.fail(keyword.where, "*PART stands inside another part or instance", "the previous one is not closed",
                    "end it by *END PART");
   if (name.empty()) problems_.fail(keyword.where, "*PART has no NAME", "instances refer to it", "give it a name");
   const auto [place, is_new] = deck_.parts.try_emplace(upper_case(name));
-  if (!is_new) problems_.fail(keyword.where, "there is a second part '" + shown(name) + "'", "", "rename one");
+  if (!is_new) problems_.fail(keyword.where, "there are two parts named '" + shown(name) + "'", "", "rename one");
   place->second.name = name;
   scope_ = &place->second;
   scope_start_ = keyword.where;
@@ -122,13 +123,13 @@ void DeckReader::begin_part(const Keyword& keyword) {
 
 void DeckReader::begin_instance(const Keyword& keyword) {
   if (in_part_ || in_instance_)
-    problems_.fail(keyword.where, "*INSTANCE stands in a part or instance", "the one before has no end",
+    problems_.fail(keyword.where, "*INSTANCE stands inside another part or instance", "the previous one is not closed",
                    "end it by *END INSTANCE");
   const std::string name = keyword.get("NAME");
   if (name.empty()) problems_.fail(keyword.where, "*INSTANCE has no NAME", "sets refer to it", "give it a name");
   for (const auto& other : deck_.instances)
     if (upper_case(other.name) == upper_case(name))
-      problems_.fail(keyword.where, "there is a second instance '" + shown(name) + "'", "", "rename one");
+      problems_.fail(keyword.where, "there are two instances named '" + shown(name) + "'", "", "rename one");
   if (keyword.has("LIBRARY"))
     problems_.fail(keyword.where, "the instance '" + shown(name) + "' is imported from another analysis",
                    "its nodes and elements are not in the deck", "write the model into one deck");
@@ -152,7 +153,7 @@ void DeckReader::begin_material(const Keyword& keyword) {
   }
   auto& material = deck_.materials[upper_case(name)];
   if (!material.name.empty())
-    problems_.add(keyword.where, "there is a second material '" + shown(name) + "'", "", "rename one");
+    problems_.add(keyword.where, "there are two materials named '" + shown(name) + "'", "", "rename one");
   material.name = name;
   material.where = keyword.where;
   material_ = &material;
@@ -164,7 +165,7 @@ void DeckReader::begin_step(const Keyword& keyword) {
   scope_start_ = keyword.where;
   if (keyword.has("NLGEOM") && keyword.word("NLGEOM") != "NO")
     notes_.add(problems_.location(keyword.where), "*STEP, NLGEOM",
-               "large displacements and the stiffness due to preload are not considered");
+               "large displacements and the stiffness due to preload are ignored");
 }
 
 bool DeckReader::read_mesh(const Keyword& keyword) {
@@ -205,7 +206,8 @@ void DeckReader::read_other(const Keyword& keyword) {
     }
     case KeywordUse::option: {
       if (scope.blocks.empty())
-        problems_.add(keyword.where, keyword.title + " stands alone", "it belongs to the keyword before it");
+        problems_.add(keyword.where, keyword.title + " has no keyword to belong to",
+                      "it must follow the keyword that it completes");
       else
         scope.blocks.back().options.push_back(read_block(keyword));
       break;
@@ -226,14 +228,15 @@ void DeckReader::read_other(const Keyword& keyword) {
       break;
     case KeywordUse::missing:
       problems_.add(keyword.where, keyword.title + " is not read", consequence,
-                    "write the model without it, or take the keyword out");
+                    "write the model without it or remove the keyword");
       break;
   }
 }
 
 void DeckReader::read_material_option(const Keyword& keyword) {
   if (!material_)
-    problems_.add(keyword.where, keyword.title + " stands outside of a material", "", "begin with *MATERIAL, NAME=...");
+    problems_.add(keyword.where, keyword.title + " stands outside of a material", "",
+                  "put *MATERIAL, NAME=... before it");
   else
     material_->blocks.push_back(read_block(keyword));
 }
@@ -253,9 +256,10 @@ void DeckReader::read_in_step(const Keyword& keyword) {
   if (keyword.name == "ENDSTEP") {
     step_open_ = false;
   } else if (keyword.name == "STEP") {
-    problems_.add(keyword.where, "*STEP stands in a step", "the one before has no end", "end it by *END STEP");
+    problems_.add(keyword.where, "*STEP stands inside another step", "the previous one is not closed",
+                  "end it by *END STEP");
   } else if (keyword.name == "BOUNDARY") {
-    if (steps_ > 1) return note(keyword, "boundary conditions of the second and later steps are not used");
+    if (steps_ > 1) return note(keyword, "boundary conditions of the second and later steps are ignored");
     Block block = read_block(keyword);
     block.keyword.parameters.emplace_back("INSTEP", "");
     deck_.root.blocks.push_back(std::move(block));
@@ -272,19 +276,19 @@ void DeckReader::read_in_step(const Keyword& keyword) {
 void DeckReader::check_last_lines() {
   for (const auto& [where, in_deck_itself] : lines_.open_ends())
     if (in_deck_itself)
-      problems_.add(where, "the deck ends inside a data line, which has no line end",
-                    "it may be cut off: the last number may lack digits",
-                    "write the deck again, or end the line if it is whole");
+      problems_.add(where, "the last data line of the deck has no line end",
+                    "the file may be truncated: the last number may lack digits",
+                    "export the deck again, or add a line end if the line is complete");
     else
-      notes_.add(problems_.location(where), "an included file whose last line has no end",
-                 "if the file is cut off, its last number lacks digits", DeckNoteKind::doubtful);
+      notes_.add(problems_.location(where), "an included file whose last line has no line end",
+                 "if the file is truncated, its last number lacks digits", DeckNoteKind::doubtful);
 }
 
 void DeckReader::check_ends() {
   check_last_lines();
   const auto open = [&](bool is_open, const char* begin, const char* finish) {
     if (is_open)
-      problems_.add(scope_start_, std::string(begin) + " is not ended", "the deck may be cut off",
+      problems_.add(scope_start_, std::string(begin) + " is not closed", "the deck may be truncated",
                     std::string("end it by ") + finish);
   };
   open(in_part_, "*PART", "*END PART");

@@ -17,8 +17,8 @@ std::optional<double> number_at(const DataLine& line, std::size_t field, const s
   const auto& text = line.field(field);
   const auto value = to_number(text);
   if (!value)
-    problems.add(line.where, text.empty() ? "there is no " + what : "'" + shown(text) + "' is no number",
-                 text.empty() ? "it has no default" : "it should be " + what, "mend the line");
+    problems.add(line.where, text.empty() ? "there is no " + what : "'" + shown(text) + "' is not a number",
+                 text.empty() ? "it has no default value" : "it should be " + what, "correct the line");
   return value;
 }
 
@@ -35,8 +35,8 @@ std::optional<double> number_parameter(const Keyword& keyword, std::string_view 
   if (!keyword.has(parameter)) return {};
   const auto value = to_number(keyword.get(parameter));
   if (!value)
-    problems.add(keyword.where, std::string(parameter) + "=" + shown(keyword.get(parameter)) + " is no number",
-                 keyword.title + " takes a number there", "mend it");
+    problems.add(keyword.where, std::string(parameter) + "=" + shown(keyword.get(parameter)) + " is not a number",
+                 keyword.title + " expects a number here", "correct it");
   return value;
 }
 

@@ -134,20 +134,20 @@ void enter_silent(Table& table) {
 }
 
 void enter_notes(Table& table) {
-  enter(table, KeywordUse::noted, "loads have no effect on the linear model",
+  enter(table, KeywordUse::noted, "loads do not affect the linear model",
         {"CLOAD",         "DLOAD",           "DSLOAD",      "DSFLUX",
          "DFLUX",         "CFLUX",           "TEMPERATURE", "FIELD",
          "INERTIARELIEF", "BASEMOTION",      "FILM",        "SFILM",
          "CFILM",         "RADIATE",         "SRADIATE",    "PRETENSIONSECTION",
          "CONNECTORLOAD", "CONNECTORMOTION", "FOLLOWER",    "PSDDEFINITION",
          "SPECTRUM",      "CORRELATION",     "LOADCASE",    "DEFORMATIONPLASTICITYLOAD"});
-  enter(table, KeywordUse::noted, "initial stresses, temperatures and velocities do not change the linear model",
+  enter(table, KeywordUse::noted, "initial stresses, temperatures and velocities do not affect the linear model",
         {"INITIALCONDITIONS"});
-  enter(table, KeywordUse::lacking, "the parts are not joined by contact", {"CONTACTPAIR", "CONTACT", "GAP"});
+  enter(table, KeywordUse::lacking, "contact does not join the parts", {"CONTACTPAIR", "CONTACT", "GAP"});
   enter(table, KeywordUse::noted, "contact is not read",
         {"CONTACTINTERFERENCE", "FRICTION", "CONTACTDAMPING", "CONTACTSTABILIZATION", "COHESIVEBEHAVIOR",
          "SURFACESMOOTHING", "CHANGEFRICTION", "GAPCONDUCTANCE", "GAPHEATGENERATION", "INTERACTION", "PAIR"});
-  enter(table, KeywordUse::noted, "linear elastic behaviour is used",
+  enter(table, KeywordUse::noted, "only the linear elastic behaviour is used",
         {"PLASTIC",
          "HYPERELASTIC",
          "HYPERFOAM",
@@ -193,9 +193,9 @@ void enter_notes(Table& table) {
          "SUPERELASTIC",
          "CYCLICPLASTIC",
          "TRS"});
-  enter(table, KeywordUse::noted, "damping of materials and steps is not used; give it where the model is used",
+  enter(table, KeywordUse::noted, "damping of materials and steps is ignored; give damping in the case",
         {"DAMPING", "MODALDAMPING", "GLOBALDAMPING", "COMPOSITEMODALDAMPING", "DAMPINGCONTROLS", "STRUCTURALDAMPING"});
-  enter(table, KeywordUse::noted, "heat, flow and electricity are no part of the model",
+  enter(table, KeywordUse::noted, "heat, flow and electricity are not modelled",
         {"EXPANSION",
          "CONDUCTIVITY",
          "SPECIFICHEAT",
@@ -216,28 +216,29 @@ void enter_notes(Table& table) {
          "ACOUSTICMEDIUM",
          "SURFACEFLUX",
          "CAVITYDEFINITION"});
-  enter(table, KeywordUse::doubtful, "directions of shells and beams follow from their nodes and sections", {"NORMAL"});
-  enter(table, KeywordUse::doubtful, "the shape is that of the nodes as they stand", {"IMPERFECTION"});
-  enter(table, KeywordUse::doubtful, "the whole model is used in its first state", {"MODELCHANGE"});
-  enter(table, KeywordUse::noted, "parts of the model that are retained or selected are up to the user of the model",
+  enter(table, KeywordUse::doubtful, "ignored: directions of shells and beams follow from their nodes and sections",
+        {"NORMAL"});
+  enter(table, KeywordUse::doubtful, "the geometry is that of the nodes as given", {"IMPERFECTION"});
+  enter(table, KeywordUse::doubtful, "the whole model is used in its initial state", {"MODELCHANGE"});
+  enter(table, KeywordUse::noted, "the selection is ignored: the whole model is read",
         {"RETAINEDNODALDOFS", "SUBSTRUCTUREGENERATE", "SUBSTRUCTUREMATRIXOUTPUT", "SELECTEIGENMODES",
          "SELECTCYCLICSYMMETRYMODES", "MATRIXGENERATE", "MATRIXOUTPUT"});
 }
 
 void enter_missing(Table& table) {
-  enter(table, KeywordUse::missing, "nodes and elements made by rules are not read",
+  enter(table, KeywordUse::missing, "generated nodes and elements are not supported",
         {"NGEN", "NFILL", "ELGEN", "NCOPY", "ELCOPY", "NMAP", "ELEMENTCOPY", "IMPORT", "IMPORTNSET", "IMPORTELSET",
          "SYMMETRICMODELGENERATION", "BEAMSECTIONGENERATE"});
-  enter(table, KeywordUse::missing, "elements of the user's own, substructures and matrices by reference are not read",
+  enter(table, KeywordUse::missing, "user elements, substructures and matrices by reference are not supported",
         {"USERELEMENT", "UELPROPERTY", "SUBSTRUCTUREPATH", "SUBSTRUCTUREPROPERTY", "MATRIXINPUT", "MATRIX",
          "USERSECTION", "FLUIDSECTION", "CONNECTORSECTION", "JOINT", "FRAMESECTION", "GASKETSECTION", "COHESIVESECTION",
          "EULERIANSECTION", "ACOUSTICINFINITE"});
-  enter(table, KeywordUse::missing, "this way of joining parts is not read",
+  enter(table, KeywordUse::missing, "this way of joining parts is not supported",
         {"SHELLTOSOLIDCOUPLING", "EMBEDDEDELEMENT", "CYCLICSYMMETRYMODEL", "TIEDCYCLIC", "FASTENER", "FASTENERPROPERTY",
          "MULTIPOINTCONSTRAINT", "SUBMODEL", "RIGIDBODYLINK"});
-  enter(table, KeywordUse::missing, "stiffness and mass of reinforcement would be left out",
+  enter(table, KeywordUse::missing, "stiffness and mass of the reinforcement would be missing",
         {"REBAR", "REBARLAYER", "PRESTRESSHOLD"});
-  enter(table, KeywordUse::missing, "values between < and > in the data lines are not replaced",
+  enter(table, KeywordUse::missing, "parameters between < and > in the data lines are not substituted",
         {"PARAMETER", "PARAMETERDEPENDENCE"});
 }
 
@@ -257,7 +258,7 @@ const Table& table() {
 
 KeywordClass classify(std::string_view name) {
   if (const auto entry = table().find(name); entry != table().end()) return entry->second;
-  return {KeywordUse::lacking, "this keyword is not known; the model is read without it"};
+  return {KeywordUse::lacking, "unknown keyword; the model is read without it"};
 }
 
 }  // namespace kalfem::abaqus

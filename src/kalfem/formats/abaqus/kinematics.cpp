@@ -54,8 +54,8 @@ void Kinematics::add_link(const std::string& name, Index master, const std::vect
 void Kinematics::add_weighted_link(WeightedLink link, const Where& where) {
   std::erase_if(link.shares, [&](const auto& share) { return share.node == link.follower; });
   if (link.shares.empty()) {
-    problems_.add(where, "the coupling '" + link.name + "' has no nodes that its reference node could follow", "",
-                  "give its surface nodes");
+    problems_.add(where, "the coupling '" + link.name + "' has no nodes for its reference node to follow", "",
+                  "give its surface at least one node");
     return;
   }
   MeanMotion mean(model_.mesh, link);
@@ -63,7 +63,7 @@ void Kinematics::add_weighted_link(WeightedLink link, const Where& where) {
     bool& tied = link.tied[static_cast<std::size_t>(d)];
     if (!tied || mean.determines(d)) continue;
     notes_.add(problems_.location(where), "coupling '" + link.name + "', direction " + std::to_string(d + 1),
-               "its nodes do not determine that motion of the reference node, which is left free");
+               "its nodes do not determine this motion of the reference node, which is left free");
     tied = false;
   }
   weighted_.push_back({std::move(link), std::move(mean)});

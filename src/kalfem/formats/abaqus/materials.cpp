@@ -82,8 +82,8 @@ void Materials::read(const RawDeck::Material& raw, Elastic& material) {
     if (block.keyword.name != "DENSITY") continue;
     material.scalar.density = number_at(line_of(block, 0), 0, "density", deck_.problems).value_or(0.0);
     if (block.lines.size() > 1)
-      deck_.notes.add(deck_.problems.location(block.keyword.where), "*DENSITY at several temperatures",
-                      "the first line is used");
+      deck_.notes.add(deck_.problems.location(block.keyword.where), "*DENSITY with several temperatures",
+                      "only the first line is used");
   }
   for (const auto& block : raw.blocks)
     if (block.keyword.name == "ELASTIC") read_elastic(block, material);
@@ -95,12 +95,12 @@ void Materials::read_elastic(const Block& block, Elastic& material) {
     auto values = all_numbers(block, 0, "an elastic constant", deck_.problems);
     if (values.size() < count)
       deck_.problems.add(block.keyword.where, "*ELASTIC has " + std::to_string(values.size()) + " constants",
-                         "its type has " + std::to_string(count), "mend the data");
+                         "its type has " + std::to_string(count), "correct the data");
     // Behind a full row stands the temperature, and further rows for others; 8 stand in a line.
     const std::size_t lines = (count + 7) / 8;
     if (block.lines.size() > lines)
-      deck_.notes.add(deck_.problems.location(block.keyword.where), "*ELASTIC at several temperatures",
-                      "the first row is used");
+      deck_.notes.add(deck_.problems.location(block.keyword.where), "*ELASTIC with several temperatures",
+                      "only the first row is used");
     values.resize(std::max(values.size(), count), 0.0);
     return values;
   };
@@ -128,7 +128,8 @@ void Materials::read_elastic(const Block& block, Elastic& material) {
     material.solid = from_stiffnesses(values_of(21), false);
   } else {
     deck_.problems.add(block.keyword.where, "*ELASTIC has TYPE=" + shown(type),
-                       "isotropic, engineering constants, lamina, orthotropic and anisotropic are read", "mend it");
+                       "supported: isotropic, engineering constants, lamina, orthotropic and anisotropic",
+                       "correct it");
     return;
   }
   if (material.solid) {
@@ -139,7 +140,7 @@ void Materials::read_elastic(const Block& block, Elastic& material) {
   }
   if (!material.solid && !material.sheet)
     deck_.problems.add(block.keyword.where, "the elastic constants of '" + shown(material.name) + "' are not positive",
-                       "a strained material holds energy", "check their order and values");
+                       "strain energy must be positive", "check their order and values");
   material.scalar.youngs_modulus = material.sheet   ? material.sheet->youngs_modulus_1
                                    : material.solid ? material.solid->trace() / 6.0
                                                     : 1.0;

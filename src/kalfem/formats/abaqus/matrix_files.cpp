@@ -50,7 +50,8 @@ Triplets MatrixFiles::read(const std::string& text, const Where& where, const st
             continue;
           }
           deck_.problems.add(where, "the " + what + " file names a node that the deck does not have",
-                             "its rows are motions of the deck's nodes", "mend the file, or add the node");
+                             "its rows must be degrees of freedom of the deck's nodes",
+                             "correct the file or add the node");
           return {};
         }
   } catch (const InvalidInput& error) {

@@ -47,7 +47,7 @@ void MultiPointReader::read(const PlacedBlock& block) {
       entries.push_back({upper_case(start), line.where, {}});
       first = 1;
     } else if (entries.empty()) {
-      deck_.problems.add(line.where, "the line cannot be read", "*MPC takes a type and its nodes",
+      deck_.problems.add(line.where, "the line cannot be read", "*MPC expects a type and its nodes",
                          "begin with the type");
       continue;
     } else if (start.empty() || start == "0") {
@@ -80,16 +80,16 @@ void MultiPointReader::apply(const Entry& entry) {
     const std::size_t leaders = type == "LINEAR" ? 2 : 3;
     if (all.size() == leaders + 1) return interpolate(all.front(), {all.begin() + 1, all.end()});
   } else if (type == "DIST") {
-    deck_.notes.add(deck_.problems.location(entry.where), "*MPC of type DIST", "a limit of a distance is not active");
+    deck_.notes.add(deck_.problems.location(entry.where), "*MPC of type DIST", "limits of a distance are ignored");
     return;
   } else {
     deck_.problems.add(entry.where, "*MPC of type " + shown(type) + " is not read",
-                       "BEAM, TIE, PIN, LINK, SLIDER, LINEAR, QUADRATIC, STRAIGHT and PLANE are",
+                       "supported: BEAM, TIE, PIN, LINK, SLIDER, LINEAR, QUADRATIC, STRAIGHT and PLANE",
                        "write it as *EQUATION");
     return;
   }
   deck_.problems.add(entry.where, "*MPC of type " + shown(type) + " has " + std::to_string(all.size()) + " nodes", "",
-                     "mend the line");
+                     "correct the line");
 }
 
 /// Every node of the first field follows the node of the second one, or that at the same place of its set.
@@ -97,7 +97,7 @@ void MultiPointReader::apply_pairs(const Entry& entry) {
   if (entry.nodes.size() < 2 || (entry.nodes[1].size() != 1 && entry.nodes[1].size() != entry.nodes[0].size())) {
     deck_.problems.add(entry.where,
                        "*MPC of type " + entry.type + " needs two nodes, or a set and a node, or two sets of one size",
-                       "", "mend the line");
+                       "", "correct the line");
     return;
   }
   for (std::size_t i = 0; i < entry.nodes[0].size(); ++i) {
@@ -134,7 +134,8 @@ void MultiPointReader::keep_on_line(const std::vector<Index>& nodes, const Where
   if (nodes.size() < 3) return;
   const Eigen::Vector3d along = at(nodes[1]) - at(nodes[0]);
   if (along.norm() == 0.0) {
-    deck_.problems.add(where, "the first two nodes of the line coincide", "they must show it", "mend the line");
+    deck_.problems.add(where, "the first two nodes, which define the line, coincide", "they must define it",
+                       "correct the line");
     return;
   }
   const Eigen::Vector3d tangent = along.normalized(), first = tangent.unitOrthogonal(), second = tangent.cross(first);
@@ -158,8 +159,8 @@ void MultiPointReader::keep_in_plane(const std::vector<Index>& nodes, const Wher
   const Eigen::Vector3d p = at(nodes[1]) - at(nodes[0]), q = at(nodes[2]) - at(nodes[0]);
   const Eigen::Vector3d cross = p.cross(q);
   if (cross.norm() < 1e-9 * p.norm() * q.norm() || p.norm() == 0.0 || q.norm() == 0.0) {
-    deck_.problems.add(where, "the first three nodes of the plane lie on one line", "they must show it",
-                       "mend the line");
+    deck_.problems.add(where, "the first three nodes, which define the plane, lie on one line", "they must define it",
+                       "correct the line");
     return;
   }
   const Eigen::Vector3d normal = cross.normalized();

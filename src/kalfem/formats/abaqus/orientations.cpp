@@ -62,7 +62,7 @@ std::optional<std::array<Eigen::Vector3d, 3>> defining_points(PlacedDeck& deck, 
   const std::string definition = at.block->keyword.word("DEFINITION");
   if (!definition.empty() && definition != "COORDINATES" && definition != "NODES") {
     deck.problems.add(at.block->keyword.where, "DEFINITION=" + shown(definition) + " is not read",
-                      "local axes are given by coordinates or nodes", "write the axes by coordinates");
+                      "local axes must be given by coordinates or nodes", "define the axes by coordinates");
     return {};
   }
   std::array<Eigen::Vector3d, 3> points = {motion.translation(), motion.translation(), motion.translation()};
@@ -76,14 +76,14 @@ std::optional<std::array<Eigen::Vector3d, 3>> defining_points(PlacedDeck& deck, 
   }
   if (!line.fields.empty() && !to_number(line.field(0))) {
     deck.problems.add(line.where, "the axes refer to '" + shown(line.field(0)) + "'",
-                      "axes by a distribution over elements are not read", "write them by coordinates");
+                      "distributions over elements are not supported", "define the axes by coordinates");
     return {};
   }
   for (std::size_t i = 0; i < 9 && i < line.fields.size(); ++i)
     points[i / 3][static_cast<Index>(i % 3)] = number_or(line, i, 0.0, "a coordinate", deck.problems);
   if (line.fields.size() < 6) {
     deck.problems.add(at.block->keyword.where, at.block->keyword.title + " has fewer than six coordinates",
-                      "two points show the axes", "mend the data line");
+                      "two points define the axes", "correct the data line");
     return {};
   }
   for (std::size_t i = 0; i < 3; ++i) {
@@ -97,7 +97,7 @@ std::optional<std::array<Eigen::Vector3d, 3>> defining_points(PlacedDeck& deck, 
 
 void report_line(PlacedDeck& deck, const PlacedBlock& at) {
   deck.problems.add(at.block->keyword.where, "the points of " + at.block->keyword.title + " lie on one line",
-                    "they must show the directions of axes", "mend them");
+                    "they must define the directions of the axes", "correct them");
 }
 
 }  // namespace
@@ -129,7 +129,7 @@ LocalAxes orientation_axes(PlacedDeck& deck, const std::string& name, int place,
     axes = polar_axes(a, b);
   } else {
     deck.problems.add(at.block->keyword.where, "SYSTEM=" + shown(system) + " is not read",
-                      "axes are rectangular, cylindrical or spherical", "mend it");
+                      "axes can be rectangular, cylindrical or spherical", "correct it");
     return {};
   }
   if (!axes) {
@@ -140,13 +140,13 @@ LocalAxes orientation_axes(PlacedDeck& deck, const std::string& name, int place,
   if (const auto& turn = line_of(*at.block, 1); !turn.fields.empty()) {
     const double axis = number_or(turn, 0, 1.0, "1, 2 or 3", deck.problems);
     if (axis != 1.0 && axis != 2.0 && axis != 3.0)
-      deck.problems.add(turn.where, "the axes are turned about axis " + shown(turn.field(0)), "axes are 1, 2 and 3",
-                        "mend the line");
+      deck.problems.add(turn.where, "the axes are rotated about axis " + shown(turn.field(0)),
+                        "the axes are 1, 2 and 3", "correct the line");
     else
       result.rotated_axis = static_cast<int>(axis) - 1;
     if (!turn.field(1).empty() && !to_number(turn.field(1)))
       deck.problems.add(turn.where, "the angle of the axes is '" + shown(turn.field(1)) + "'",
-                        "angles by a distribution over elements are not read", "write a number in degrees");
+                        "distributions over elements are not supported", "give a number in degrees");
     else
       result.angle = degree * number_or(turn, 1, 0.0, "an angle", deck.problems);
   }
@@ -169,7 +169,8 @@ LocalAxes transform_axes(PlacedDeck& deck, const PlacedBlock& at) {
     result.origin = motion * points[0];
     axes = polar_axes(result.origin, motion * points[1]);
   } else {
-    deck.problems.add(at.block->keyword.where, "*TRANSFORM has TYPE=" + shown(type), "it is R, C or S", "mend it");
+    deck.problems.add(at.block->keyword.where, "*TRANSFORM has TYPE=" + shown(type), "it must be R, C or S",
+                      "correct it");
     return {};
   }
   if (!axes) {

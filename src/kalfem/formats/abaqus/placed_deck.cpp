@@ -40,9 +40,10 @@ void PlacedDeck::make_places() {
     if (part != raw_.parts.end())
       place.scopes.push_back(&part->second);
     else if (!instance.part.empty())
-      problems.add(instance.where,
-                   "the instance '" + shown(instance.name) + "' is of the unknown part '" + shown(instance.part) + "'",
-                   "", "define it by *PART, NAME=" + shown(instance.part));
+      problems.add(
+          instance.where,
+          "the instance '" + shown(instance.name) + "' refers to the unknown part '" + shown(instance.part) + "'", "",
+          "define it by *PART, NAME=" + shown(instance.part));
     place.scopes.push_back(&instance.own);
     places_.push_back(std::move(place));
   }
@@ -53,13 +54,13 @@ Eigen::Isometry3d PlacedDeck::motion_of(const RawInstance& instance) {
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
   if (instance.placement.size() > 2)
     problems.add(instance.placement[2].where, "*INSTANCE has more than two data lines",
-                 "they are a translation and a rotation", "take the line out");
+                 "it takes a translation and a rotation", "remove the line");
   for (std::size_t i = 0; i < std::min<std::size_t>(2, instance.placement.size()); ++i) {
     const auto& line = instance.placement[i];
     const auto values = i == 0 ? numbers_of(line, 1, 3) : numbers_of(line, 7, 7);
     if (!values) {
       problems.add(line.where, "the line cannot be read",
-                   "*INSTANCE takes a translation (x, y, z), then a rotation (a, b and an angle: 7 numbers)");
+                   "*INSTANCE expects a translation (x, y, z), then a rotation (a, b and an angle: 7 numbers)");
       return motion;
     }
     if (i == 0) {
@@ -68,8 +69,8 @@ Eigen::Isometry3d PlacedDeck::motion_of(const RawInstance& instance) {
     }
     const Eigen::Vector3d a = values->head<3>(), axis = values->segment<3>(3) - a;
     if (!(axis.norm() > 0.0)) {
-      problems.add(line.where, "the points of the axis of rotation coincide", "they must show a direction",
-                   "mend them");
+      problems.add(line.where, "the points of the axis of rotation coincide", "they must define a direction",
+                   "correct them");
       return motion;
     }
     const Eigen::Isometry3d turn = Eigen::Translation3d(a) *
@@ -115,9 +116,9 @@ void PlacedDeck::number_places() {
   for (std::size_t i = 0; i < places_.size(); ++i)
     if (places_[i].raised_by > 0)
       notes.add(problems.location({}),
-                i == 0 ? "nodes and elements outside of instances" : "instance '" + places_[i].name + "'",
+                i == 0 ? "nodes and elements outside instances" : "instance '" + places_[i].name + "'",
                 "their numbers are raised by " + std::to_string(places_[i].raised_by) +
-                    ", since numbers of the deck's parts collide");
+                    ", because numbers of the deck's parts collide");
 }
 
 void PlacedDeck::add_nodes(Place& place) {
@@ -134,8 +135,9 @@ void PlacedDeck::add_nodes(Place& place) {
       const Eigen::Vector3d position = place.motion * Eigen::Map<const Eigen::Vector3d>(&nodes.coordinates[3 * i]);
       if (const auto earlier = place.nodes.find(nodes.labels[i]); earlier >= 0) {
         if ((mesh.nodes.col(earlier) - position).norm() > 1e-9 * position.norm())
-          problems.add(nodes.places[i], "node " + std::to_string(nodes.labels[i]) + " is given a second time elsewhere",
-                       "a node has one place", "renumber one of them");
+          problems.add(nodes.places[i],
+                       "node " + std::to_string(nodes.labels[i]) + " is defined again with other coordinates",
+                       "a node can have only one place", "renumber one of them");
         continue;
       }
       const auto index = static_cast<Index>(mesh.node_ids.size());
@@ -159,10 +161,10 @@ void PlacedDeck::add_elements(int index) {
   for (const Scope* scope : place.scopes)
     for (const auto& element : scope->elements) {
       if (const auto earlier = place.elements.find(element.label); earlier >= 0) {
-        problems.add(element.where, "element " + std::to_string(element.label) + " is given a second time",
-                     "the first one stands in line " +
+        problems.add(element.where, "element " + std::to_string(element.label) + " is defined twice",
+                     "the first definition is in line " +
                          std::to_string(elements[static_cast<std::size_t>(earlier)].raw->where.line),
-                     "renumber one of them, or take it out");
+                     "renumber or remove one of them");
         continue;
       }
       place.elements.add(element.label, static_cast<std::int64_t>(elements.size()));
@@ -184,9 +186,10 @@ bool PlacedDeck::nodes_of(const PlacedElement& element, std::vector<Index>& node
     }
     const auto node = place(element.place).nodes.find(label);
     if (node < 0) {
-      problems.add(element.raw->where,
-                   "element " + std::to_string(element.raw->label) + " has the unknown node " + std::to_string(label),
-                   "every node of an element must be given by *NODE", "add the node or mend the element");
+      problems.add(
+          element.raw->where,
+          "element " + std::to_string(element.raw->label) + " refers to the unknown node " + std::to_string(label),
+          "every node of an element must be defined by *NODE", "add the node or correct the element");
       return false;
     }
     nodes.push_back(node);

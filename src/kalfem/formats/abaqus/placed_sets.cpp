@@ -70,13 +70,13 @@ std::vector<Index> PlacedDeck::list(Sets sets, const ConvergedSolution& referenc
     if (const auto position = index_of(sets, index).find(*label); position >= 0) return {position};
     problems.add(reference.where,
                  std::string(of_nodes ? "node " : "element ") + shown(reference.text) + " does not exist", "",
-                 "mend the number");
+                 "correct the number");
     return {};
   }
   problems.add(reference.where,
                std::string("there is no set of ") + (of_nodes ? "nodes '" : "elements '") + shown(reference.text) +
                    "'" + did_you_mean(reference.text, known_names(sets)),
-               "", "define it, or mend the name");
+               "", "define it or correct the name");
   return {};
 }
 
@@ -87,7 +87,7 @@ const std::vector<Index>& PlacedDeck::flattened(Sets sets, const Found& found, c
   if (const auto known = flat_.find(key); known != flat_.end()) return known->second;
   if (std::ranges::find(open_, key) != open_.end() || open_.size() >= deepest_nesting) {
     problems.add(reference.where, "the set '" + shown(found.set->name) + "' contains itself",
-                 "sets must not hold one another in a ring", "take one out");
+                 "sets must not contain one another in a circle", "remove one");
     return none;
   }
   open_.push_back(key);
@@ -97,7 +97,7 @@ const std::vector<Index>& PlacedDeck::flattened(Sets sets, const Found& found, c
     if (!piece.instance.empty()) {
       index = place_named(piece.instance);
       if (index < 0) {
-        problems.add(reference.where, "the set '" + shown(found.set->name) + "' is of the unknown instance '" +
+        problems.add(reference.where, "the set '" + shown(found.set->name) + "' refers to the unknown instance '" +
                                           shown(piece.instance) + "'");
         continue;
       }
@@ -122,7 +122,7 @@ void PlacedDeck::append(Sets sets, const RawSet::Piece& piece, int index, std::v
       members.push_back(position);
     else
       notes.add(problems.location(piece.where),
-                std::string(of_nodes ? "nodes" : "elements") + " of sets that do not exist",
+                std::string(of_nodes ? "nodes" : "elements") + " of sets that are not nodes or elements of the deck",
                 "they are left out of the sets");
   }
   for (const auto& range : piece.ranges) append_range(sets, range, index, members);

@@ -55,7 +55,8 @@ std::optional<SpringData> spring_data(PlacedDeck& deck, const Block& block, Fami
           end == 1 && line.field(1).empty() ? to_integer(line.field(0)) : to_integer(line.field(end));
       if (!direction || *direction < 1 || *direction > 6) {
         deck.problems.add(lines.empty() ? block.keyword.where : line.where, block.keyword.title + " has no direction",
-                          "1 to 6 say along or about which axis it acts", "write the direction on the first data line");
+                          "the direction (1 to 6) states the axis along or about which it acts",
+                          "write the direction on the first data line");
         return {};
       }
       data.directions[end] = static_cast<int>(*direction) - 1;
@@ -64,7 +65,7 @@ std::optional<SpringData> spring_data(PlacedDeck& deck, const Block& block, Fami
   if (block.keyword.has("NONLINEAR")) {
     data.value = slope_at_rest(deck, block);
     deck.notes.add(deck.problems.location(block.keyword.where), block.keyword.title + ", NONLINEAR",
-                   "linear behaviour is used: the slope at rest");
+                   "only the slope at rest is used");
     return data;
   }
   if (value_line >= lines.size()) {
@@ -99,7 +100,7 @@ void SpringMaker::add_axial(const PlacedElement& element, const std::string& nam
   if (!(along.norm() > 0.0)) {
     deck_.problems.add(element.raw->where,
                        "the nodes of " + deck_.type_name(element) + " " + deck_.element_name(element) + " coincide",
-                       "it acts along the line between them", "use SPRING2 or DASHPOT2 with a direction");
+                       "it acts along the line between its nodes", "use SPRING2 or DASHPOT2 with a direction");
     return;
   }
   JointSpring joint{name, {}, stiffness, damping};
@@ -162,7 +163,7 @@ void add_springs(PlacedDeck& deck, FiniteElementModel& model) {
       deck.problems.add(deck.elements[i].raw->where,
                         deck.type_name(deck.elements[i]) + " " + deck.element_name(deck.elements[i]) + " has no " +
                             (is_spring(family) ? "*SPRING" : "*DASHPOT"),
-                        "it needs a stiffness or damping", "give one for its ELSET");
+                        "it needs a stiffness or a damping", "give one for its ELSET");
       break;
     }
   }
@@ -177,7 +178,7 @@ void report_missing(PlacedDeck& deck, const std::vector<bool>& given, Family fam
       deck.problems.add(
           deck.elements[i].raw->where,
           deck.type_name(deck.elements[i]) + " " + deck.element_name(deck.elements[i]) + " has no " + keyword,
-          "the model would be incomplete", std::string("give ") + keyword + " for its ELSET");
+          "the model would be incomplete without it", std::string("give ") + keyword + " for its ELSET");
       return;
     }
 }
@@ -296,7 +297,8 @@ void add_nonstructural_masses(PlacedDeck& deck, FiniteElementModel& model) {
       continue;
     }
     const double density = units == "TOTALMASS" ? *value / total : *value;
-    deck.notes.add(deck.problems.location(keyword.where), "*NONSTRUCTURAL MASS", "masses at the nodes stand for it");
+    deck.notes.add(deck.problems.location(keyword.where), "*NONSTRUCTURAL MASS",
+                   "it is replaced by masses at the nodes");
     for (const Index cell : cells) {
       const auto& item = model.mesh.cells[static_cast<std::size_t>(cell)];
       const auto corners = model.mesh.nodes_of(item).first(static_cast<std::size_t>(corner_count(item.shape)));

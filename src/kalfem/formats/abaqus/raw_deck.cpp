@@ -14,9 +14,9 @@ std::string remark_of(std::string_view suffix) {
   std::string remark;
   const auto mention = [&](const char* text) { remark += (remark.empty() ? "" : ", ") + std::string(text); };
   for (const char letter : suffix) {
-    if (letter == 'H') mention("its pressure as an unknown of its own (H) is not used");
-    if (letter == 'M') mention("its modified formulation (M) is not used");
-    if (letter == 'T') mention("its temperatures (T) are left out");
+    if (letter == 'H') mention("hybrid formulation (H): the pressure is not a separate unknown here");
+    if (letter == 'M') mention("the modified formulation (M) is ignored");
+    if (letter == 'T') mention("its temperatures (T) are ignored");
   }
   return remark;
 }
@@ -72,7 +72,7 @@ std::optional<ElementType> membrane_type(std::string_view name) {
   auto type = shell_type(name);
   if (type) {
     type->family = Family::membrane;
-    type->remark = "it is a shell of negligible bending stiffness here";
+    type->remark = "it is read as a shell of negligible bending stiffness";
   }
   return type;
 }
@@ -91,12 +91,12 @@ std::optional<ElementType> beam_type(std::string_view name) {
   }
   type.remark = remark_of(name.substr(2));
   if (name.find("OS") != std::string_view::npos)
-    type.remark = "its warping is left free: torsion by the St Venant constant alone";
+    type.remark = "warping is left free: torsion uses the St Venant constant only";
   return type;
 }
 
 const std::map<std::string, ElementType, std::less<>>& other_types() {
-  static const std::string no_stiffness = "it has no stiffness and no mass, or only while in contact";
+  static const std::string no_stiffness = "it has no mass, and stiffness at most while in contact";
   static const std::map<std::string, ElementType, std::less<>> types = {
       {"STRI3", {Family::shell, CellShape::triangle3, 3}},
       {"STRI65", {Family::shell, CellShape::triangle6, 6}},

@@ -45,7 +45,7 @@ std::vector<PlacedBlock> assign_sections(PlacedDeck& deck) {
   for (std::size_t i = 0; i < sections.size(); ++i) {
     const Keyword& keyword = sections[i].block->keyword;
     if (keyword.get("ELSET").empty()) {
-      deck.problems.add(keyword.where, keyword.title + " has no ELSET", "it must name the elements",
+      deck.problems.add(keyword.where, keyword.title + " has no ELSET", "ELSET must name its elements",
                         "give ELSET=<name>");
       continue;
     }
@@ -53,8 +53,7 @@ std::vector<PlacedBlock> assign_sections(PlacedDeck& deck) {
       auto& element = deck.elements[static_cast<std::size_t>(index)];
       if (!fits(keyword.name, deck.type_of(element).family)) continue;
       if (element.section >= 0)
-        deck.notes.add(deck.problems.location(keyword.where), "elements with two sections",
-                       "the later section is used");
+        deck.notes.add(deck.problems.location(keyword.where), "elements with two sections", "the last section is used");
       element.section = static_cast<int>(i);
     }
   }
@@ -83,10 +82,10 @@ void report_without_section(PlacedDeck& deck, const PlacedElement& element, std:
   for (const auto& other : deck.elements)
     if (other.section < 0 && deck.type_name(other) == deck.type_name(element)) ++count;
   deck.problems.add(element.raw->where,
-                    std::to_string(count) + " element(s) of type " + deck.type_name(element) +
-                        " have no section, the first is " + deck.element_name(element),
-                    "every element needs its properties",
-                    std::string("put them into the ELSET of a ") + section_for(deck.type_of(element).family));
+                    std::to_string(count) + " elements of type " + deck.type_name(element) +
+                        " have no section; the first is " + deck.element_name(element),
+                    "every element needs a section",
+                    std::string("add them to the ELSET of a ") + section_for(deck.type_of(element).family));
 }
 
 /// How elements of one section are told apart.
@@ -104,10 +103,10 @@ SolidKind kind_in_dialect(const RawDeck& raw, PlacedDeck& deck, const PlacedElem
   const auto where = deck.problems.location(element.raw->where);
   if (raw.from_abaqus) {
     deck.notes.add(where, "element type C3D8",
-                   "as Abaqus has it (one volume change an element), since the deck has keywords of Abaqus");
+                   "read as in Abaqus (one volume change per element), because the deck has Abaqus keywords");
     return SolidKind::mean_dilatation;
   }
-  deck.notes.add(where, "element type C3D8", "as CalculiX has it (plain); C3D8I bends without locking");
+  deck.notes.add(where, "element type C3D8", "read as in CalculiX (fully integrated); C3D8I bends without locking");
   return SolidKind::full;
 }
 
@@ -215,8 +214,8 @@ void add_solid_region(PlacedDeck& deck, Materials& materials, const RegionDraft&
   const Keyword& keyword = draft.section.block->keyword;
   const Elastic* material = materials.find(keyword.get("MATERIAL"), keyword.where);
   if (keyword.has("COMPOSITE"))
-    deck.problems.add(keyword.where, "the solids '" + draft.name + "' are composite", "layered solids are not read",
-                      "use a layer of solids a ply, or shells");
+    deck.problems.add(keyword.where, "the solids '" + draft.name + "' are composite",
+                      "layered solids are not supported", "use one layer of solids per ply, or shells");
   if (!material) return;
   if (material->isotropic) {
     const std::string name = free_region_name(model, draft.name);

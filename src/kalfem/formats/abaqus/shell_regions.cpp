@@ -69,8 +69,8 @@ double ShellRegion::offset_ratio() {
   if (text == "SNEG") return -0.5;
   const auto value = to_number(text);
   if (!value)
-    deck_.problems.add(where(), "OFFSET=" + shown(text) + " is not read", "it is a number, SPOS or SNEG",
-                       "write the share of the thickness");
+    deck_.problems.add(where(), "OFFSET=" + shown(text) + " is not read", "it must be a number, SPOS or SNEG",
+                       "write the offset as a fraction of the thickness");
   return value.value_or(0.0);
 }
 
@@ -83,7 +83,7 @@ std::optional<RegionProperty> ShellRegion::homogeneous() {
   if (!material->sheet) {
     deck_.problems.add(where(),
                        "the shells '" + draft_.name + "' have the anisotropic material '" + material->name + "'",
-                       "shells take isotropic, orthotropic and lamina materials", "give it by engineering constants");
+                       "shells need isotropic, orthotropic or lamina materials", "give engineering constants");
     return {};
   }
   auto laminate = laminated({{*material->sheet, *t, 0.0}}, -0.5 * *t - ratio * *t);
@@ -139,7 +139,7 @@ std::optional<Ply> ShellRegion::ply(const DataLine& line) {
   if (!t || !material || !angle) return {};
   if (!material->sheet) {
     deck_.problems.add(line.where, "the layer has the anisotropic material '" + material->name + "'",
-                       "layers take isotropic, orthotropic and lamina materials", "");
+                       "layers need isotropic, orthotropic or lamina materials", "");
     return {};
   }
   OrthotropicSheet sheet = *material->sheet;
@@ -161,8 +161,8 @@ std::optional<double> ShellRegion::ply_angle(const DataLine& line) {
     const Eigen::Vector3d laid = shell_direction(axes, place, normal);
     const double here = std::atan2(normal.dot(x.cross(laid)), x.dot(laid));
     if (angle && std::abs(std::remainder(here - *angle, std::numbers::pi)) > 1e-3) {
-      deck_.problems.add(line.where, "the orientation '" + shown(text) + "' of a layer turns from cell to cell",
-                         "a layer has one angle to the section's direction", "give ORIENTATION to the section too");
+      deck_.problems.add(line.where, "the orientation '" + shown(text) + "' of a layer varies from element to element",
+                         "a layer needs one angle to the section's direction", "give the section the ORIENTATION too");
       return {};
     }
     if (!angle) angle = here;
@@ -175,7 +175,7 @@ std::optional<RegionProperty> ShellRegion::direct_stiffness() {
   const auto values = all_numbers(block_, 0, "a section stiffness", deck_.problems);
   if (values.size() < 21) {
     deck_.problems.add(where(), "*SHELL GENERAL SECTION has " + std::to_string(values.size()) + " stiffnesses",
-                       "21 are the upper triangle of the 6 x 6 matrix", "or give MATERIAL= and a thickness");
+                       "the upper triangle of the 6 x 6 matrix has 21", "give 21, or MATERIAL= and a thickness");
     return {};
   }
   Matrix6 d;
@@ -293,8 +293,8 @@ void apply_nodal_thickness(PlacedDeck& deck, FiniteElementModel& model) {
     const bool plain = std::holds_alternative<ShellProperty>(model.properties.at(region));
     if (plain) split_by_thickness(model, region, at_node);
     deck.notes.add(deck.problems.location({}), "NODAL THICKNESS of '" + region + "'",
-                   plain ? "each cell has the mean of its nodes, in regions by steps of 2 %"
-                         : "the thickness of the section is used, since it is no plain shell");
+                   plain ? "each element takes the mean of its nodes, rounded to steps of 2 %"
+                         : "ignored: the thickness of the section is used");
   }
 }
 

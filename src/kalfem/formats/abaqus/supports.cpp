@@ -33,15 +33,16 @@ std::optional<Directions> read_directions(PlacedDeck& deck, const DataLine& line
   const auto first = to_integer(line.field(1));
   const auto last = line.field(2).empty() ? first : to_integer(line.field(2));
   if (!first || !last || *first < 1 || *last < *first) {
-    deck.problems.add(
-        line.where, "the directions '" + shown(line.field(1)) + "', '" + shown(line.field(2)) + "' cannot be read",
-        "*BOUNDARY takes a node or set, the first and the last direction (1 to 6), or ENCASTRE, PINNED, XSYMM ...",
-        "mend the line");
+    deck.problems.add(line.where,
+                      "the directions '" + shown(line.field(1)) + "', '" + shown(line.field(2)) + "' cannot be read",
+                      "*BOUNDARY expects a node or set, then the first and the last direction (1 to 6), or ENCASTRE, "
+                      "PINNED, XSYMM ...",
+                      "correct the line");
     return {};
   }
   if (*last > 6)
     deck.notes.add(deck.problems.location(line.where), "*BOUNDARY of directions above 6",
-                   "pressures, temperatures and warping are no part of the model");
+                   "pressures, temperatures and warping are not modelled");
   Directions directions{};
   for (std::int64_t d = *first; d <= std::min<std::int64_t>(6, *last); ++d)
     directions[static_cast<std::size_t>(d - 1)] = true;
@@ -85,7 +86,7 @@ void read_boundaries(PlacedDeck& deck, const NodeAxes& axes, Kinematics& motions
       lifted = true;
     }
     if (keyword.has("SUBMODEL"))
-      deck.notes.add(deck.problems.location(keyword.where), "*BOUNDARY, SUBMODEL", "the driven nodes count as held");
+      deck.notes.add(deck.problems.location(keyword.where), "*BOUNDARY, SUBMODEL", "the driven nodes are fixed");
     for (const auto& line : at.block->lines) {
       const auto directions = keyword.has("SUBMODEL") && line.fields.size() < 2
                                   ? std::optional<Directions>(Directions{true, true, true, false, false, false})
@@ -93,7 +94,7 @@ void read_boundaries(PlacedDeck& deck, const NodeAxes& axes, Kinematics& motions
       if (!directions) continue;
       if (const auto value = to_number(line.field(3)); value && *value != 0.0)
         deck.notes.add(deck.problems.location(line.where), "*BOUNDARY with a value",
-                       "a prescribed motion counts as held");
+                       "a prescribed motion is read as fixed");
       const bool by_name = deck.is_node_set(line.field(0), at.place);
       supports.push_back({by_name ? deck.spelled_set(line.field(0), at.place, true) : "boundary",
                           deck.node_list({line.field(0), line.where}, at.place), *directions});
@@ -127,8 +128,8 @@ void read_equations(PlacedDeck& deck, const NodeAxes& axes, Kinematics& motions)
       const DataLine& start = lines[i];
       const auto count = to_integer(start.field(0));
       if (!count || *count < 1 || *count > 1000000 || start.fields.size() > 1) {
-        deck.problems.add(start.where, "'" + shown(start.field(0)) + "' is no number of terms",
-                          "an equation begins with a line that has the number of its terms alone", "mend the line");
+        deck.problems.add(start.where, "'" + shown(start.field(0)) + "' is not a number of terms",
+                          "an equation begins with a line that holds only the number of its terms", "correct the line");
         break;
       }
       std::vector<Term> terms;
@@ -139,8 +140,9 @@ void read_equations(PlacedDeck& deck, const NodeAxes& axes, Kinematics& motions)
           const auto direction = to_integer(lines[i].field(field + 1));
           const auto coefficient = number_at(lines[i], field + 2, "a coefficient", deck.problems);
           if (!direction || *direction < 1 || *direction > 6) {
-            deck.problems.add(lines[i].where, "'" + shown(lines[i].field(field + 1)) + "' is no direction",
-                              "*EQUATION takes node or set, direction (1 to 6) and coefficient", "mend the line");
+            deck.problems.add(lines[i].where, "'" + shown(lines[i].field(field + 1)) + "' is not a direction",
+                              "*EQUATION expects a node or set, a direction (1 to 6) and a coefficient",
+                              "correct the line");
             good = false;
           }
           good = good && coefficient.has_value();
@@ -153,7 +155,7 @@ void read_equations(PlacedDeck& deck, const NodeAxes& axes, Kinematics& motions)
         deck.problems.add(
             start.where,
             "the equation has " + std::to_string(terms.size()) + " of " + std::to_string(*count) + " terms",
-            "the deck ends before the others", "mend the number or add the terms");
+            "the deck ends before the remaining terms", "correct the number or add the terms");
         break;
       }
       if (!good) continue;
@@ -161,7 +163,7 @@ void read_equations(PlacedDeck& deck, const NodeAxes& axes, Kinematics& motions)
       for (const auto& term : terms)
         if (term.nodes.size() != size && term.nodes.size() != 1) {
           deck.problems.add(start.where, "the sets of the equation have different numbers of nodes",
-                            "they are taken side by side", "use sets of the same size, or single nodes");
+                            "they are paired in order", "use sets of the same size, or single nodes");
           good = false;
         }
       for (std::size_t k = 0; good && k < size; ++k) {

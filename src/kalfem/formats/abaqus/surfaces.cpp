@@ -81,14 +81,14 @@ void SurfaceBuilder::add(const PlacedBlock& at, int depth) {
           deck_.problems.add(line.where, "there is no surface '" + shown(name) + "'");
   } else if (!combine.empty()) {
     deck_.problems.add(keyword.where, "*SURFACE, COMBINE=" + shown(combine) + " is not read", "unions are",
-                       "list its faces or nodes");
+                       "list faces or nodes");
   } else if (type == "NODE") {
     add_nodes(at);
   } else if (type.empty() || type == "ELEMENT") {
     add_elements(at);
   } else {
     deck_.problems.add(keyword.where, "*SURFACE, TYPE=" + shown(type) + " is not read",
-                       "surfaces are of nodes or elements", "list its faces or nodes");
+                       "a surface must consist of nodes or elements", "list faces or nodes");
   }
 }
 
@@ -111,9 +111,9 @@ void SurfaceBuilder::add_elements(const PlacedBlock& at) {
       const auto& placed = deck_.elements[static_cast<std::size_t>(element)];
       if (!deck_.nodes_of(placed, nodes)) continue;
       if (!add_named_face(element, nodes, label)) {
-        deck_.problems.add(line.where,
-                           "elements of type " + deck_.type_name(placed) + " have no face '" + shown(label) + "'", "",
-                           "mend the label");
+        deck_.problems.add(
+            line.where, "elements of type " + deck_.type_name(placed) + " do not have the face '" + shown(label) + "'",
+            "", "correct the label");
         break;
       }
     }

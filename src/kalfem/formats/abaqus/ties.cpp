@@ -203,7 +203,7 @@ private:
 void TieMaker::read(const PlacedBlock& at) {
   const Keyword& keyword = at.block->keyword;
   if (keyword.has("CYCLICSYMMETRY") || keyword.has("MULTISTAGE"))
-    deck_.problems.add(keyword.where, "*TIE, CYCLIC SYMMETRY is not read", "sectors are not turned into wholes",
+    deck_.problems.add(keyword.where, "*TIE, CYCLIC SYMMETRY is not read", "cyclic sectors are not expanded",
                        "model the whole structure");
   else
     for (const auto& line : at.block->lines) tie(at, line);
@@ -225,8 +225,8 @@ void TieMaker::tie(const PlacedBlock& at, const DataLine& line) {
   }
   if (faces.empty()) {
     deck_.problems.add(line.where, "the second surface of *TIE, '" + shown(line.field(1)) + "', has no faces",
-                       "the nodes of the first surface follow faces of the second",
-                       "give it by elements and their faces");
+                       "the nodes of the first surface must follow faces of the second",
+                       "define it by elements and their faces");
     return;
   }
   size /= static_cast<double>(faces.size());
@@ -254,12 +254,12 @@ void TieMaker::tie(const PlacedBlock& at, const DataLine& line) {
   if (tied == 0)
     deck_.problems.add(
         line.where,
-        "*TIE '" + shown(name) + "' ties no node: all lie farther from the second surface than its tolerance",
-        "the parts would not be joined", "mend the surfaces, or give POSITION TOLERANCE");
+        "*TIE '" + shown(name) + "' ties no node: all are farther from the second surface than the tolerance",
+        "the parts would not be connected", "correct the surfaces or give POSITION TOLERANCE");
   else if (far > 0)
-    deck_.notes.add(
-        deck_.problems.location(line.where), "*TIE '" + name + "'",
-        std::to_string(far) + " of " + std::to_string(far + tied) + " nodes lie beyond its tolerance and are not tied");
+    deck_.notes.add(deck_.problems.location(line.where), "*TIE '" + name + "'",
+                    std::to_string(far) + " of " + std::to_string(far + tied) +
+                        " nodes are farther away than the tolerance and are not tied");
 }
 
 /// u = sum N_i u_i and the motion by the turning of the face over the gap d: of faces with rotations sum N_i theta_i x

@@ -19,7 +19,7 @@ public:
     while (!in_.at_end()) read_section();
     if (!mesh_.has_nodes() || seen_.count("Elements") == 0)
       in_.fail(in_.start(), std::string("the file has no $") + (mesh_.has_nodes() ? "Elements" : "Nodes") + " section",
-               "a mesh needs nodes and elements", "write the mesh again, without parametric nodes in version 2.2");
+               "a mesh needs nodes and elements", "export the mesh again, without parametric nodes in version 2.2");
     return mesh_.finish();
   }
 
@@ -48,18 +48,18 @@ void GmshReader::skip_comments() {
 /// $MeshFormat: version, 0 for ASCII or 1 for binary, bytes of a real number.
 void GmshReader::read_format() {
   if (next_line() != "$MeshFormat")
-    in_.fail(line_start_, "this is no Gmsh mesh that can be read", "it must begin with $MeshFormat",
-             "write it by Gmsh as .msh, version 4.1 (gmsh -format msh41) or 2.2");
+    in_.fail(line_start_, "this is not a readable Gmsh mesh", "it must begin with $MeshFormat",
+             "export it from Gmsh as .msh, version 4.1 (gmsh -format msh41) or 2.2");
   const std::size_t at = in_.start();
   const auto words = split_cells(in_.line(), ' ');
   const std::string version = words.empty() ? "" : printable(words[0]);
   version4_ = version == "4.1";
   if (!version4_ && version != "2.2")
-    in_.fail(at, "the mesh is of version '" + version + "'", "versions 2.2 and 4.1 of the format can be read",
-             "write it again (gmsh -format msh41 -save, Mesh.MshFileVersion = 4.1)");
+    in_.fail(at, "the mesh has format version '" + version + "'", "versions 2.2 and 4.1 are supported",
+             "export it again (gmsh -format msh41 -save, Mesh.MshFileVersion = 4.1)");
   if (words.size() != 3 || (words[1] != "0" && words[1] != "1") || words[2] != "8")
     in_.fail(at, "the format line cannot be understood",
-             "it must hold the version, 0 (ASCII) or 1 (binary), and 8, the size of a number", "write the mesh again");
+             "it must hold the version, 0 (ASCII) or 1 (binary), and 8, the size of a number", "export the mesh again");
   if (words[1] == "1") check_byte_order();
   in_.end_section("MeshFormat");
 }
@@ -75,21 +75,22 @@ void GmshReader::check_byte_order() {
   in_.set_binary();
   const std::size_t start = in_.start();
   if (in_.int32("the mark of the byte order") != 1)
-    in_.fail(start, "the mesh was written with another byte order",
-             "the mark after the format line must be the number 1", "write it on a machine like this one, or as ASCII");
+    in_.fail(start, "the mesh has the byte order of another machine",
+             "the mark after the format line must be the number 1",
+             "export it on a machine like this one, or as ASCII");
 }
 
 void GmshReader::read_section() {
   const std::string_view line = next_line();
   const std::size_t start = line_start_;
   if (line.size() < 2 || line.front() != '$' || line.starts_with("$End"))
-    in_.fail(start, "a section should begin here", "it begins with $ and its name",
-             "take out what stands between sections");
+    in_.fail(start, "a section was expected here", "a section begins with $ and its name",
+             "remove the text between the sections");
   const std::string name(line.substr(1));
   static const std::set<std::string> needed{"PhysicalNames", "Entities", "PartitionedEntities", "Nodes", "Elements"};
   if (!needed.contains(name)) return in_.skip_section(name, start);
   if (!seen_.insert(name).second)
-    in_.fail(start, "there is a second section $" + name, "a mesh has one", "write the mesh again");
+    in_.fail(start, "there is more than one section $" + name, "a mesh may have only one", "export the mesh again");
   read_known_section(name, start);
   in_.end_section(name);
 }
@@ -100,10 +101,11 @@ void GmshReader::read_known_section(const std::string& name, std::size_t start) 
   if (name == "PartitionedEntities" && version4_) return gmsh4::read_partitioned_entities(in_, mesh_, groups_);
   if (name == "Nodes") return version4_ ? gmsh4::read_nodes(in_, mesh_) : gmsh2::read_nodes(in_, mesh_);
   if (name != "Elements")
-    in_.fail(start, "there is a section $" + name, "version 2.2 of the format has none", "write the mesh again");
+    in_.fail(start, "there is a section $" + name, "version 2.2 of the format does not have it",
+             "export the mesh again");
   if (!mesh_.has_nodes())
     in_.fail(start, "the elements stand before the nodes", "the section $Nodes must come first",
-             "write the mesh again");
+             "export the mesh again");
   version4_ ? gmsh4::read_elements(in_, mesh_, groups_) : gmsh2::read_elements(in_, mesh_);
 }
 
@@ -121,7 +123,7 @@ void GmshReader::read_names() {
     const auto name = in_.line();
     if (name.size() < 3 || name.front() != '"' || name.back() != '"')
       in_.fail(line, "the name of physical group " + std::to_string(number) + " cannot be read",
-               "it must stand in quotation marks in the group's line", "mend the line");
+               "it must be in quotation marks", "correct the line");
     mesh_.name_group(dimension, number, std::string(name.substr(1, name.size() - 2)));
   }
 }

@@ -76,7 +76,7 @@ void GmshBuilder::reserve_nodes(std::int64_t count) {
 void GmshBuilder::add_node(std::int64_t id, const Eigen::Vector3d& place, std::size_t start) {
   if (!place.allFinite())
     in_.note(start, "node " + std::to_string(id) + " has a coordinate that is not finite",
-             "it must be a finite number in m", "mend the coordinates or mesh again");
+             "it must be a finite number in m", "correct the coordinates or mesh again");
   mesh_.node_ids.push_back(id);
   places_.push_back(place);
   node_starts_.push_back(start);
@@ -87,8 +87,8 @@ void GmshBuilder::finish_nodes() {
   lookup_ = NumberLookup(mesh_.node_ids);
   for (const auto& [later, earlier] : lookup_.repeated())
     in_.note(node_starts_[static_cast<std::size_t>(later)],
-             "node " + std::to_string(mesh_.node_ids[static_cast<std::size_t>(later)]) + " is given a second time",
-             "node numbers must differ", "renumber the mesh");
+             "node " + std::to_string(mesh_.node_ids[static_cast<std::size_t>(later)]) + " is defined twice",
+             "node numbers must be unique", "renumber the mesh");
   mesh_.nodes = Eigen::Map<const Eigen::Matrix3Xd>(places_.empty() ? nullptr : places_.front().data(), 3,
                                                    static_cast<Eigen::Index>(places_.size()));
 }
@@ -105,7 +105,7 @@ void GmshBuilder::add_element(const GmshType& type, std::int64_t id, std::span<c
     found_.push_back(lookup_.find(node));
     if (found_.back() < 0)
       in_.note(start, "element " + std::to_string(id) + " names the node " + std::to_string(node),
-               "the mesh has no such node", "write the mesh again with all its nodes");
+               "this node is not in the mesh", "export the mesh again with all its nodes");
   }
   if (type.order != decltype(type.order){}) {
     const auto in_file = found_;
@@ -123,9 +123,9 @@ void GmshBuilder::note_refused() {
   for (const auto& [type, refused] : refused_)
     in_.note(refused.first,
              "the mesh has " + std::to_string(refused.count) + " cells of Gmsh type " + std::to_string(type->number) +
-                 " (" + type->name + "), the first of them here",
-             "lines, triangles, quadrilaterals, tetrahedra, prisms and hexahedra of first order or of second order "
-             "without nodes inside faces can be read",
+                 " (" + type->name + "); the first one is here",
+             "supported: lines, triangles, quadrilaterals, tetrahedra, prisms and hexahedra of first order, or of "
+             "second order without nodes inside faces",
              "mesh with order 1 (gmsh -order 1) or with Mesh.SecondOrderIncomplete = 1");
 }
 

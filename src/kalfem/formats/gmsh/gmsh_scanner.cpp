@@ -9,7 +9,7 @@ namespace kalfem {
 
 namespace {
 
-const char* const mend_truncated = "write the mesh again; the file may be cut off or damaged";
+const char* const mend_truncated = "export the mesh again; the file may be truncated or damaged";
 
 bool is_space(char c) { return c == ' ' || c == '\n' || c == '\t' || c == '\r'; }
 
@@ -52,13 +52,13 @@ std::size_t GmshScanner::start() {
 }
 
 std::string_view GmshScanner::word(const char* what) {
-  if (at_end()) fail(at_, "the file ends where " + std::string(what) + " should stand", "", mend_truncated);
+  if (at_end()) fail(at_, "the file ends instead of " + std::string(what) + " is expected", "", mend_truncated);
   std::size_t end = at_;
   while (end < text_.size() && !is_space(text_[end])) ++end;
   const auto found = std::string_view(text_).substr(at_, end - at_);
   if (found.front() == '$')
-    fail(at_, "the section ends where " + std::string(what) + " should stand", "it announces more than it holds",
-         mend_truncated);
+    fail(at_, "the section ends instead of " + std::string(what) + " is expected",
+         "it announces more entries than it has", mend_truncated);
   return found;
 }
 
@@ -69,7 +69,7 @@ std::int64_t GmshScanner::text_integer(const char* what) {
   if (error == std::errc::result_out_of_range)
     fail(at_, std::string(what) + " is " + shown(found), "it must fit into 64 bits", "renumber the mesh");
   if (error != std::errc{} || end != found.data() + found.size())
-    fail(at_, std::string(what) + " is " + shown(found), "it must be a whole number", "mend the line");
+    fail(at_, std::string(what) + " is " + shown(found), "it must be a whole number", "correct the line");
   at_ += found.size();
   return value;
 }
@@ -77,7 +77,7 @@ std::int64_t GmshScanner::text_integer(const char* what) {
 template <typename Number>
 Number GmshScanner::bytes(const char* what) {
   if (text_.size() - at_ < sizeof(Number))
-    fail(at_, "the file ends where " + std::string(what) + " should stand", "", mend_truncated);
+    fail(at_, "the file ends instead of " + std::string(what) + " is expected", "", mend_truncated);
   Number value{};
   std::memcpy(&value, text_.data() + at_, sizeof value);
   at_ += sizeof value;
@@ -96,7 +96,7 @@ double GmshScanner::real(const char* what) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(begin, last, value);
   if (error == std::errc::invalid_argument || end != last)
-    fail(at_, std::string(what) + " is " + shown(found), "it must be a number", "mend the line");
+    fail(at_, std::string(what) + " is " + shown(found), "it must be a number", "correct the line");
   at_ += found.size();
   // Too large and too small are the same error; the C function tells them apart as infinity and nearly zero.
   return error == std::errc::result_out_of_range ? std::strtod(begin, nullptr) : value;
@@ -108,7 +108,7 @@ std::int64_t GmshScanner::check_count(std::int64_t count, const char* items, std
   if (count < 0) fail(start, announced, "a count cannot be negative", mend_truncated);
   const std::size_t shortest = binary_ ? bytes : 2 * words;  // a digit and a blank
   if (static_cast<std::uint64_t>(count) > (text_.size() - at_) / shortest + 1)
-    fail(start, announced, "the rest of the file cannot hold so many", mend_truncated);
+    fail(start, announced, "the rest of the file is too short for them", mend_truncated);
   return count;
 }
 
@@ -119,7 +119,7 @@ void GmshScanner::end_record(std::size_t start, const char* what) {
   const bool broken = std::memchr(text_.data() + start, '\n', at_ - start) != nullptr;
   if (!broken && (next == text_.size() || text_[next] == '\n')) return;
   fail(start, "the line holds too " + std::string(broken ? "few" : "many") + " numbers for " + what,
-       "each stands on a line of its own", "mend the line");
+       "each must be on its own line", "correct the line");
 }
 
 void GmshScanner::end_section(std::string_view name) {
@@ -128,8 +128,8 @@ void GmshScanner::end_section(std::string_view name) {
   const std::size_t begin = at_;
   const std::string_view found = line();
   if (found == end) return;
-  fail(begin, "there is " + shown(found) + " where " + end + " should stand",
-       "the section holds more than it announces, or its end is missing", mend_truncated);
+  fail(begin, "there is " + shown(found) + " where " + end + " is expected",
+       "the section has more entries than it announces, or its end is missing", mend_truncated);
 }
 
 void GmshScanner::skip_section(std::string_view name, std::size_t start) {

@@ -25,8 +25,8 @@ const GmshType& read_type(GmshScanner& in) {
   const std::size_t start = in.start();
   const std::int64_t number = in.int32("an element's type");
   if (const GmshType* type = find_gmsh_type(number)) return *type;
-  in.fail(start, "an element is of type " + std::to_string(number), "Gmsh's format has no such type",
-          "write the mesh again");
+  in.fail(start, "an element is of type " + std::to_string(number), "the Gmsh format has no such type",
+          "export the mesh again");
 }
 
 std::int64_t read_tag_count(GmshScanner& in) {
@@ -95,7 +95,7 @@ void read_binary_elements(GmshScanner& in, ElementReader& elements, std::int64_t
     const std::int64_t block = in.int32("a number of elements");
     if (block < 1 || block > count - done)
       in.fail(start, "a block has " + std::to_string(block) + " elements",
-              "there must be one at least, and " + std::to_string(count - done) + " at most", "write the mesh again");
+              "it must have at least one and " + std::to_string(count - done) + " at most", "export the mesh again");
     kind.tags = read_tag_count(in);
     for (std::int64_t i = 0; i < block; ++i) {
       const std::size_t own = in.start();
@@ -192,14 +192,14 @@ std::int64_t read_block_count(GmshScanner& in, const char* items, std::int64_t l
   const std::int64_t count = in.int64((std::string("the number of ") + items + " of a block").c_str());
   if (count < 0 || count > left)
     in.fail(start, "a block announces " + std::to_string(count) + " " + items,
-            "the section has " + std::to_string(left) + " left", "write the mesh again");
+            "the section has " + std::to_string(left) + " left", "export the mesh again");
   return count;
 }
 
 void check_left(GmshScanner& in, const char* items, std::int64_t left) {
   if (left > 0)
     in.fail(in.start(), "the blocks end " + std::to_string(left) + " " + items + " early",
-            "they must hold as many as the section announces", "write the mesh again");
+            "they must have as many entries as the section announces", "export the mesh again");
 }
 
 struct NumberInFile {
@@ -214,7 +214,7 @@ std::int64_t read_node_block(GmshScanner& in, GmshBuilder& mesh, std::int64_t le
   const std::int64_t dimension = in.int32("an entity's dimension");
   if (dimension < 0 || dimension > 3)
     in.fail(start, "an entity's dimension is " + std::to_string(dimension), "it must be 0, 1, 2 or 3",
-            "write the mesh again");
+            "export the mesh again");
   in.int32("an entity's number");
   const std::int64_t parameters = in.int32("whether nodes are parametric") != 0 ? dimension : 0;
   const std::int64_t count = read_block_count(in, "nodes", left);
@@ -242,8 +242,8 @@ std::int64_t read_element_block(GmshScanner& in, GmshBuilder& mesh, const Entity
   const std::int64_t number = in.int32("an element type");
   const GmshType* type = find_gmsh_type(number);
   if (!type)
-    in.fail(start, "elements are of type " + std::to_string(number), "Gmsh's format has no such type",
-            "write the mesh again");
+    in.fail(start, "elements are of type " + std::to_string(number), "the Gmsh format has no such type",
+            "export the mesh again");
   const std::int64_t count = read_block_count(in, "elements", left);
   const auto found = groups.find({dimension, entity});
   const auto own = found == groups.end() ? std::span<const std::size_t>() : found->second;

@@ -58,7 +58,7 @@ public:
       separator_ = find_separator();
       place_columns();
     }
-    if (lines_.empty()) problems.add(0, "the file holds no data", "", "check the path");
+    if (lines_.empty()) problems.add(0, "the file has no data", "", "check the path");
     problems.raise();
   }
 
@@ -85,7 +85,7 @@ public:
     constexpr double largest = 9e15;  // whole numbers are exact in a double up to here
     if (value && *value >= 1.0 && *value <= largest && *value == std::floor(*value))
       return static_cast<std::int64_t>(*value);
-    problems.add(line, what + " '" + std::string(cell.substr(0, 40)) + "' is no number of one",
+    problems.add(line, what + " '" + std::string(cell.substr(0, 40)) + "' is not a number of one",
                  "nodes and elements are numbered 1, 2, ...", "give a whole number");
     return std::nullopt;
   }
@@ -145,7 +145,7 @@ private:
     try {
       column.unit = to_si("1 " + title.unit, "m");
     } catch (const InvalidInput&) {
-      problems.add(line, "the column '" + title.name + "' is in '" + title.unit + "'", "a coordinate is a length",
+      problems.add(line, "the column '" + title.name + "' is in '" + title.unit + "'", "a coordinate must be a length",
                    "write m, mm, ...");
     }
   }
@@ -161,16 +161,16 @@ void add_once(std::map<std::int64_t, int>& seen, std::int64_t number, int line, 
               FileProblems& problems) {
   const auto [first, is_new] = seen.try_emplace(number, line);
   if (!is_new)
-    problems.add(line, kind + " " + std::to_string(number) + " is given twice",
-                 "line " + std::to_string(first->second) + " gives it too", "renumber one of them");
+    problems.add(line, kind + " " + std::to_string(number) + " is defined twice",
+                 "line " + std::to_string(first->second) + " already defines it", "renumber one of them");
 }
 
 /// Metres per number of the column.
 double metres(const Column& column, const TableMeshOptions& options, FileProblems& problems) {
   if (column.unit == 0.0) return options.scale.value_or(1.0);
   if (options.scale)
-    problems.add(0, "the column '" + column.titles.front() + "' names its unit, and a scale is given too",
-                 "one of the two says what the numbers are", "leave the scale out");
+    problems.add(0, "the column '" + column.titles.front() + "' states its unit, and a scale is given too",
+                 "only one of them can apply", "remove the scale");
   return column.unit;
 }
 
@@ -190,7 +190,7 @@ void read_nodes(const std::filesystem::path& path, const TableMeshOptions& optio
       const auto value = table.number_in(cells[i + 1]);
       if (!value)
         table.problems.add(line, std::string(1, "xyz"[i]) + " is '" + std::string(cells[i + 1].substr(0, 40)) + "'",
-                           "a coordinate is a finite number", "");
+                           "a coordinate must be a finite number", "");
       places.push_back(value.value_or(0.0) * scale[static_cast<Eigen::Index>(i)]);
     }
   });
@@ -225,7 +225,7 @@ private:
     // Nodes nearer than rounding of their coordinates leave the element without a direction.
     if (!(length > 1e-12 * nodes.cwiseAbs().maxCoeff()))
       table_.problems.add(line, "element " + std::string(cells[0]) + " has the length 0",
-                          "its ends stand at the same place", "join other nodes, or take it out");
+                          "its two nodes are at the same place", "connect other nodes or remove it");
     mesh_.regions[region].push_back(mesh_.add_cell(CellShape::line2, id.value_or(0), ends));
   }
 
@@ -234,8 +234,8 @@ private:
     if (!id) return -1;
     const auto index = finder_.find(*id);
     if (index < 0)
-      table_.problems.add(line, "there is no node " + std::to_string(*id), "an element joins two nodes of the table",
-                          "add it to the nodes, or name another");
+      table_.problems.add(line, "there is no node " + std::to_string(*id),
+                          "an element must connect two nodes of the table", "add it to the nodes or name another one");
     return index;
   }
 
@@ -246,7 +246,7 @@ private:
     const auto fits = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-'; };
     std::string name(cell);
     if (name.empty() || !std::ranges::all_of(name, fits))
-      table_.problems.add(line, "the region is '" + name.substr(0, 40) + "'", "its name stands in case files",
+      table_.problems.add(line, "the region is '" + name.substr(0, 40) + "'", "its name is used in case files",
                           "use letters, digits, _ and -");
     return name;
   }

@@ -53,7 +53,7 @@ Hdf5File Hdf5File::open(const std::string& path) {
   silence_hdf5();
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) {
-    refuse_hdf5(path, "there is no such file", "an HDF5 file is needed", "check the path");
+    refuse_hdf5(path, "there is no such file", "an HDF5 file is required", "check the path");
   }
   auto handle =
       std::make_unique<Handle>(Handle{path, Hdf5Id(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose), 0});
@@ -90,7 +90,7 @@ std::string Hdf5File::bytes() const {
 }
 
 const Hdf5File::Handle& Hdf5File::handle() const {
-  if (!handle_) throw InvalidInput("the HDF5 file was closed", "it can be used only while it is open", {});
+  if (!handle_) throw InvalidInput("the HDF5 file was closed", "it cannot be used after closing", {});
   return *handle_;
 }
 
@@ -115,7 +115,7 @@ void Hdf5File::write_strings(const std::string& dataset, const std::vector<std::
   std::vector<const char*> texts;
   for (const auto& value : values) {
     if (value.find('\0') != std::string::npos)
-      handle().fail("a text of '" + dataset + "' holds a zero byte", "HDF5 ends text there");
+      handle().fail("a text of '" + dataset + "' contains a zero byte", "HDF5 would end the text there");
     texts.push_back(value.c_str());
   }
   const Hdf5Id type = hdf5_text_type();
@@ -173,7 +173,8 @@ Eigen::VectorXd Hdf5File::read(const std::string& dataset) const {
   const auto lengths = shape(dataset);
   const bool one_line = lengths.size() < 2 || (lengths.size() == 2 && std::min(lengths[0], lengths[1]) == 1);
   if (!one_line)
-    handle().fail("'" + dataset + "' is not one line of numbers", "it has several rows and columns", "name a column");
+    handle().fail("'" + dataset + "' is not a single column of numbers", "it has several rows and columns",
+                  "name a column");
   const Hdf5Id id = handle().dataset(dataset);
   handle().require_numbers(Hdf5Id(H5Dget_type(id), H5Tclose), dataset);
   Eigen::VectorXd values(hdf5_count({lengths.begin(), lengths.end()}));
@@ -187,7 +188,8 @@ Eigen::MatrixXd Hdf5File::read_matrix(const std::string& dataset) const {
   const auto lengths = shape(dataset);
   if (lengths.size() < 2) return read(dataset);
   if (lengths.size() > 2) {
-    handle().fail("'" + dataset + "' has " + std::to_string(lengths.size()) + " dimensions", "a matrix has two");
+    handle().fail("'" + dataset + "' has " + std::to_string(lengths.size()) + " dimensions",
+                  "a matrix has two dimensions");
   }
   const Hdf5Id id = handle().dataset(dataset);
   handle().require_numbers(Hdf5Id(H5Dget_type(id), H5Tclose), dataset);

@@ -106,7 +106,7 @@ void Hdf5File::Handle::require(bool done, const std::string& action) const {
 
 void Hdf5File::Handle::check_name(const std::string& name) const {
   if (name.empty() || name.back() == '/' || name.find('\0') != std::string::npos) {
-    fail("'" + name + "' is no name for a dataset", "a dataset has a path such as /group/name");
+    fail("'" + name + "' is not a name for a dataset", "a dataset needs a path such as /group/name");
   }
 }
 
@@ -120,7 +120,7 @@ bool Hdf5File::Handle::contains(const std::string& object) const {
 }
 
 Hdf5Id Hdf5File::Handle::object(const std::string& name) const {
-  if (!contains(name)) fail("there is no '" + name + "'", "a dataset or group of that name is needed");
+  if (!contains(name)) fail("there is no '" + name + "'", "a dataset or group of that name is required");
   Hdf5Id id(H5Oopen(file, name.c_str(), H5P_DEFAULT), H5Oclose);
   require(id.valid(), "open '" + name + "'");
   return id;
@@ -128,13 +128,13 @@ Hdf5Id Hdf5File::Handle::object(const std::string& name) const {
 
 Hdf5Id Hdf5File::Handle::dataset(const std::string& name) const {
   Hdf5Id id = object(name);
-  if (H5Iget_type(id) != H5I_DATASET) fail("'" + name + "' is a group", "a dataset is needed");
+  if (H5Iget_type(id) != H5I_DATASET) fail("'" + name + "' is a group", "a dataset is required");
   return id;
 }
 
 void Hdf5File::Handle::require_numbers(hid_t type, const std::string& name) const {
   const H5T_class_t kind = H5Tget_class(type);
-  if (kind != H5T_FLOAT && kind != H5T_INTEGER) fail("'" + name + "' does not hold numbers", "numbers are needed");
+  if (kind != H5T_FLOAT && kind != H5T_INTEGER) fail("'" + name + "' does not hold numbers", "numbers are required");
 }
 
 std::vector<hsize_t> Hdf5File::Handle::lengths(hid_t space, const std::string& name) const {
@@ -153,7 +153,7 @@ std::vector<hsize_t> Hdf5File::Handle::lengths(hid_t space, const std::string& n
 Hdf5Id Hdf5File::Handle::create_dataset(const std::string& name, hid_t type,
                                         const std::vector<hsize_t>& lengths) const {
   check_name(name);
-  if (contains(name)) fail("'" + name + "' is there already", "a dataset is written once");
+  if (contains(name)) fail("'" + name + "' exists already", "a dataset can be written only once");
   const Hdf5Id space(H5Screate_simple(static_cast<int>(lengths.size()), lengths.data(), nullptr), H5Sclose);
   const Hdf5Id created(
       H5Dcreate2(file, name.c_str(), type, space, link_creation(), dataset_creation(lengths), H5P_DEFAULT), H5Dclose);
@@ -182,17 +182,18 @@ void Hdf5File::Handle::write_attribute(const std::string& object_name, const std
 Hdf5Id Hdf5File::Handle::attribute(const std::string& object_name, const std::string& name) const {
   const Hdf5Id owner = object(object_name);
   if (H5Aexists(owner, name.c_str()) <= 0)
-    fail("'" + object_name + "' has no attribute '" + name + "'", "it is needed");
+    fail("'" + object_name + "' has no attribute '" + name + "'", "it is required");
   Hdf5Id id(H5Aopen(owner, name.c_str(), H5P_DEFAULT), H5Aclose);
   require(id.valid(), "open attribute '" + name + "' of '" + object_name + "'");
   const Hdf5Id space(H5Aget_space(id), H5Sclose);
-  if (H5Sget_simple_extent_npoints(space) != 1) fail("attribute '" + name + "' is a list", "one value is needed");
+  if (H5Sget_simple_extent_npoints(space) != 1)
+    fail("attribute '" + name + "' is a list of values", "one value is required");
   return id;
 }
 
 std::vector<std::string> Hdf5File::Handle::strings(hid_t stored, hid_t space, const std::string& name,
                                                    const std::function<herr_t(hid_t, void*)>& read) const {
-  if (H5Tget_class(stored) != H5T_STRING) fail("'" + name + "' does not hold text", "text is needed");
+  if (H5Tget_class(stored) != H5T_STRING) fail("'" + name + "' does not hold text", "text is required");
   const std::size_t number = hdf5_count(lengths(space, name));
   if (number == 0) return {};
   const Hdf5Id type(H5Tcopy(stored), H5Tclose);

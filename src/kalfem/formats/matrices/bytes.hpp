@@ -36,14 +36,15 @@ public:
   }
 
   std::string_view take(std::size_t count) {
-    if (count > remaining()) refuse("the file ends where " + std::to_string(count) + " more bytes are needed");
+    if (count > remaining()) refuse("the file ends, but " + std::to_string(count) + " more bytes are expected");
     const std::string_view taken = bytes_.substr(position_, count);
     position_ += count;
     return taken;
   }
 
   void go_to(std::size_t position) {
-    if (position > bytes_.size()) refuse("the file ends before byte " + std::to_string(position) + " that it names");
+    if (position > bytes_.size())
+      refuse("the file ends before byte " + std::to_string(position) + " that it refers to");
     position_ = position;
   }
 
@@ -54,8 +55,8 @@ public:
   [[nodiscard]] bool big_endian() const { return big_endian_; }
   [[nodiscard]] const std::string& file() const { return file_; }
 
-  [[noreturn]] void refuse(std::string what, std::string why = "the file is cut off or damaged",
-                           std::string fix = "write the file again") const {
+  [[noreturn]] void refuse(std::string what, std::string why = "the file is truncated or damaged",
+                           std::string fix = "export the file again") const {
     refuse_matrix(file_, 0, std::move(what) + " (at byte " + std::to_string(position_) + ")", std::move(why),
                   std::move(fix));
   }

@@ -29,8 +29,8 @@ public:
     read_banner();
     const Words size = next_words();
     if (size.size() != (coordinate_ ? 3u : 2u))
-      refuse("the size line holds " + std::to_string(size.size()) + " numbers",
-             coordinate_ ? "rows, columns and entries are needed" : "rows and columns are needed");
+      refuse("the size line has " + std::to_string(size.size()) + " numbers",
+             coordinate_ ? "rows, columns and entries are expected" : "rows and columns are expected");
     rows_ = whole(size[0]);
     columns_ = whole(size[1]);
     MatrixEntries entries(source_, name_from(source_), rows_, columns_, bytes_, lines_.number());
@@ -39,7 +39,8 @@ public:
     } else {
       read_array(entries);
     }
-    if (!next_words().empty()) refuse("there are more entries than the size line announces", "one of them is wrong");
+    if (!next_words().empty())
+      refuse("there are more entries than the size line states", "either the size line or the entries are wrong");
     return entries.finish(storage_);
   }
 
@@ -48,15 +49,17 @@ private:
     const auto first = lines_.next();
     const Words words = first ? number_words(*first) : Words{};
     if (words.size() < 5 || !is_banner(words[0]) || lower_case(words[1]) != "matrix")
-      refuse("this is no Matrix Market file", "it begins with %%MatrixMarket matrix, a format, a field and a symmetry");
+      refuse("this is not a Matrix Market file",
+             "it must begin with %%MatrixMarket matrix, a format, a field and a symmetry");
     const std::string format = lower_case(words[2]), field = lower_case(words[3]), symmetry = lower_case(words[4]);
     if (format != "coordinate" && format != "array")
-      refuse("the format '" + format + "' is not known", "it is 'coordinate' or 'array'");
+      refuse("the format '" + format + "' is not known", "it must be 'coordinate' or 'array'");
     if (field == "complex")
-      refuse("the matrix is complex", "the structures here are real", "write stiffness and damping as real matrices");
-    if (field == "pattern") refuse("the matrix is a pattern without values", "its entries are needed");
+      refuse("the matrix is complex", "only real matrices are supported",
+             "export stiffness and damping as real matrices");
+    if (field == "pattern") refuse("the matrix is a pattern without values", "its entries are missing");
     if (field != "real" && field != "integer" && field != "double")
-      refuse("the field '" + field + "' is not known", "it is 'real' or 'integer'");
+      refuse("the field '" + field + "' is not known", "it must be 'real' or 'integer'");
     coordinate_ = format == "coordinate";
     if (symmetry == "general")
       storage_ = Storage::full;
@@ -65,7 +68,7 @@ private:
     else if (symmetry == "skew-symmetric")
       storage_ = Storage::skew_triangle;
     else
-      refuse("the symmetry '" + symmetry + "' is not known", "it is 'general', 'symmetric' or 'skew-symmetric'");
+      refuse("the symmetry '" + symmetry + "' is not known", "it must be 'general', 'symmetric' or 'skew-symmetric'");
   }
 
   /// Words of the next line that holds some and is no comment; none at the end.
@@ -84,7 +87,7 @@ private:
       if (words.size() != 3)
         refuse(words.empty() ? "the file ends after " + std::to_string(i) + " of " + std::to_string(count) + " entries"
                              : "an entry has " + std::to_string(words.size()) + " numbers",
-               "every entry is a row, a column and a value");
+               "every entry needs a row, a column and a value");
       entries.add(whole(words[0]) - 1, whole(words[1]) - 1, number(words[2]), lines_.number());
     }
   }
@@ -102,23 +105,25 @@ private:
           words = next_words();
           used = 0;
           if (words.empty())
-            refuse("the file ends in column " + std::to_string(column + 1), "every entry of an array is given");
+            refuse("the file ends in column " + std::to_string(column + 1), "an array needs every entry");
         }
         entries.add(row, column, number(words[used++]), lines_.number());
       }
     }
-    if (used < words.size()) refuse("there are more entries than the size line announces", "one of them is wrong");
+    if (used < words.size())
+      refuse("there are more entries than the size line states", "either the size line or the entries are wrong");
   }
 
   std::int64_t whole(std::string_view word) const {
     const auto value = whole_number(word);
-    if (!value) refuse("'" + std::string(word.substr(0, 40)) + "' is no whole number", "a size or an index is needed");
+    if (!value)
+      refuse("'" + std::string(word.substr(0, 40)) + "' is not a whole number", "a size or an index is expected here");
     return *value;
   }
 
   double number(std::string_view word) const {
     const auto value = fortran_number(word);
-    if (!value) refuse("'" + std::string(word.substr(0, 40)) + "' is no number", "a value is needed");
+    if (!value) refuse("'" + std::string(word.substr(0, 40)) + "' is not a number", "a value is expected here");
     return *value;
   }
 
@@ -156,15 +161,15 @@ std::vector<ForeignMatrix> parse_triplets(std::string_view text, const std::stri
     const auto column = words.size() == 3 ? whole_number(words[1]) : std::nullopt;
     const auto value = words.size() == 3 ? fortran_number(words[2]) : std::nullopt;
     if (!row || !column || !value)
-      refuse_matrix(source, lines.number(), "the line is no entry of a matrix",
-                    "a row, a column and a value are needed");
+      refuse_matrix(source, lines.number(), "the line is not an entry of a matrix",
+                    "a row, a column and a value are expected");
     if (*row < 1 || *column < 1)
       refuse_matrix(source, lines.number(), "an index is below 1", "rows and columns count from 1");
     size = std::max({size, *row, *column});
     entries.push_back({*row - 1, *column - 1, *value, lines.number()});
   }
   if (entries.empty())
-    refuse_matrix(source, 0, "the file holds no entry of a matrix", "a row, a column and a value are needed");
+    refuse_matrix(source, 0, "the file has no matrix entries", "a row, a column and a value are expected");
   MatrixEntries matrix(source, name_from(source), size, size, text.size());
   for (const auto& entry : entries) matrix.add(entry.row, entry.column, entry.value, entry.line);
   return {matrix.finish(Storage::triangle_or_full)};
@@ -199,7 +204,7 @@ public:
     }
     finish();
     if (matrices_.empty())
-      refuse("the file holds no entry of a matrix", "node, direction, node, direction and value are needed");
+      refuse("the file has no matrix entries", "node, direction, node, direction and value are expected");
     return std::move(matrices_);
   }
 
@@ -214,19 +219,20 @@ private:
     const std::string scale = parameter(keyword, "scalefactor");
     const auto factor = scale.empty() ? std::optional<double>(1.0) : fortran_number(scale);
     if (!factor)
-      refuse("the scale factor '" + scale.substr(0, 40) + "' is no number", "every entry is multiplied by it");
+      refuse("the scale factor '" + scale.substr(0, 40) + "' is not a number",
+             "every entry is multiplied by this factor");
     factor_ = *factor;
     if (!parameter(keyword, "input").empty())
-      refuse("the entries stand in another file", "INPUT= names it", "read that file");
+      refuse("the entries are in another file", "INPUT= names it", "read that file");
   }
 
   void add(const std::vector<std::string_view>& words) {
     if (words.size() != 5)
       refuse("the line holds " + std::to_string(words.size()) + " numbers",
-             "an entry is node, direction, node, direction and value");
+             "an entry needs node, direction, node, direction and value");
     const MatrixDof row = dof(words[0], words[1]), column = dof(words[2], words[3]);
     const auto value = fortran_number(words[4]);
-    if (!value) refuse("'" + std::string(words[4].substr(0, 40)) + "' is no number", "a value is needed");
+    if (!value) refuse("'" + std::string(words[4].substr(0, 40)) + "' is not a number", "a value is expected here");
     if (!entries_) entries_.emplace(source_, name_.empty() ? name_from(source_) : name_);
     entries_->add(row, column, factor_ * *value, lines_.number());
   }
@@ -235,12 +241,11 @@ private:
     const auto number = whole_number(node), axis = whole_number(direction);
     if (!number || !axis || *axis < 0 || *axis > 6)
       refuse("'" + std::string(node.substr(0, 40)) + ", " + std::string(direction.substr(0, 40)) +
-                 "' is no degree of freedom",
-             "a node's number and a direction 1 ... 6 are needed, or 0 for a generalised coordinate");
+                 "' is not a degree of freedom",
+             "a node number and a direction are expected: 1 ... 6, or 0 for a generalised coordinate");
     if (*number < 0)
-      refuse("the matrix has the internal node " + std::to_string(*number),
-             "it holds multipliers of constraints and is not positive definite",
-             "write it without the constraints, or condense it to retained nodes in the other code");
+      refuse("the matrix has the internal node " + std::to_string(*number), "Lagrange multipliers make it indefinite",
+             "export it without the constraints, or condense it to retained nodes in the other code");
     // Node 0 has generalised coordinates too: the direction counts them.
     if (*number == 0) return {*axis, -1};
     return {*number, static_cast<int>(*axis) - 1};

@@ -34,14 +34,14 @@ public:
     files.raise();
     std::vector<ForeignMatrix> matrices;
     for (const auto& name : order_) matrices.push_back(finished(name));
-    if (matrices.empty()) refuse(0, "the file holds no DMIG matrix", "a DMIG header and columns are needed");
+    if (matrices.empty()) refuse(0, "the file has no DMIG matrix", "a DMIG header and columns are required");
     return matrices;
   }
 
 private:
   static std::string refuse_include(const std::filesystem::path& file) {
-    throw InvalidInput("the file includes '" + file.string() + "'", "matrices are read from one file",
-                       "name that file too");
+    throw InvalidInput("the file includes '" + file.string() + "'", "included files are not read",
+                       "add that file to the list");
   }
 
   /// Field of the present card: 0 is the name of the matrix.
@@ -49,7 +49,7 @@ private:
 
   void interpret() {
     const std::string name = field(0);
-    if (name.empty()) refuse(card_->place.line, "a DMIG entry has no name", "its second field names the matrix");
+    if (name.empty()) refuse(card_->place.line, "a DMIG entry has no name", "its second field must name the matrix");
     if (field(1) == "0") {
       add_header(name);
       return;
@@ -57,7 +57,7 @@ private:
     const auto header = headers_.find(name);
     if (header == headers_.end())
       refuse(card_->place.line, "a column of matrix '" + name + "' has no header before it",
-             "the header says whether the matrix is symmetric", "put 'DMIG, " + name + ", 0, 6, 2, 0' before it");
+             "the header states whether the matrix is symmetric", "put 'DMIG, " + name + ", 0, 6, 2, 0' before it");
     add_column(name, header->second.form);
   }
 
@@ -65,14 +65,14 @@ private:
     const std::int64_t form = whole(2, "form"), type = whole(3, "type");
     if (form != 1 && form != 2 && form != 6 && form != 9)
       refuse(card_->place.line, "matrix '" + name + "' has form " + std::to_string(form),
-             "it is 1 (square), 2 or 9 (rectangular) or 6 (symmetric)");
+             "it must be 1 (square), 2 or 9 (rectangular) or 6 (symmetric)");
     if (type == 3 || type == 4)
-      refuse(card_->place.line, "matrix '" + name + "' is complex", "the structures here are real",
-             "write stiffness and damping as real matrices");
+      refuse(card_->place.line, "matrix '" + name + "' is complex", "only real matrices are supported",
+             "export stiffness and damping as real matrices");
     if (type != 1 && type != 2)
-      refuse(card_->place.line, "matrix '" + name + "' has type " + std::to_string(type), "it is 1 or 2 (real)");
+      refuse(card_->place.line, "matrix '" + name + "' has type " + std::to_string(type), "it must be 1 or 2 (real)");
     if (!headers_.try_emplace(name, Header{static_cast<int>(form), card_->place.line}).second)
-      refuse(card_->place.line, "matrix '" + name + "' has a second header", "it is not clear which one counts");
+      refuse(card_->place.line, "matrix '" + name + "' has two headers", "it is not clear which one applies");
     order_.push_back(name);
     if (form == 1 || form == 6) square_.try_emplace(name, source_, name);
   }
@@ -86,10 +86,11 @@ private:
       const MatrixDof row = dof(i, i + 1);
       const auto value = fortran_number(field(i + 2));
       if (!value)
-        refuse(card_->place.line, "'" + field(i + 2) + "' in matrix '" + name + "' is no number", "an entry is needed");
+        refuse(card_->place.line, "'" + field(i + 2) + "' in matrix '" + name + "' is not a number",
+               "an entry is expected here");
       if (!field(i + 3).empty() && fortran_number(field(i + 3)) != 0.0)
         refuse(card_->place.line, "an entry of matrix '" + name + "' has an imaginary part",
-               "the structures here are real");
+               "only real matrices are supported");
       if (form == 1 || form == 6)
         square_.at(name).add(row, column, *value, card_->place.line);
       else
@@ -101,16 +102,16 @@ private:
     const std::int64_t number = whole(point, "point");
     const std::int64_t direction = field(component).empty() ? 0 : whole(component, "component");
     if (number < 1 || direction < 0 || direction > 6)
-      refuse(
-          card_->place.line,
-          "point " + std::to_string(number) + ", component " + std::to_string(direction) + " is no degree of freedom",
-          "points are positive, components 1 ... 6, or 0 for scalar points");
+      refuse(card_->place.line,
+             "point " + std::to_string(number) + ", component " + std::to_string(direction) +
+                 " is not a degree of freedom",
+             "points are > 0; components are 1 ... 6, or 0 for scalar points");
     return {number, static_cast<int>(direction) - 1};
   }
 
   [[nodiscard]] std::int64_t whole(std::size_t i, const std::string& meaning) const {
     const auto value = whole_number(field(i));
-    if (!value) refuse(card_->place.line, "'" + field(i) + "' is no " + meaning, "a whole number is needed");
+    if (!value) refuse(card_->place.line, "'" + field(i) + "' is no " + meaning, "a whole number is expected here");
     return *value;
   }
 
@@ -143,7 +144,7 @@ private:
 
   [[nodiscard]] ForeignMatrix nonempty(ForeignMatrix matrix, const Header& header) const {
     if (matrix.matrix.rows() == 0)
-      refuse(header.line, "matrix '" + matrix.name + "' has a header but no columns", "its entries are needed");
+      refuse(header.line, "matrix '" + matrix.name + "' has a header but no columns", "its entries are missing");
     return matrix;
   }
 

@@ -39,13 +39,13 @@ public:
       if (words.empty()) continue;
       if (!take(words, lines.number()) && !first)
         problems_.add(
-            lines.number(), "'" + std::string(trimmed(content)).substr(0, 60) + "' is no degree of freedom",
-            options_.directions > 0 ? "a node's number is needed" : "a node and a direction are needed",
-            options_.directions > 0 ? "" : "write 'node direction', or say how many directions every node has");
+            lines.number(), "'" + std::string(trimmed(content)).substr(0, 60) + "' is not a degree of freedom",
+            options_.directions > 0 ? "a node number is expected here" : "a node and a direction are expected here",
+            options_.directions > 0 ? "" : "write 'node direction', or state how many directions every node has");
       first = false;
     }
     if (problems_.empty() && dofs_.empty())
-      problems_.add(0, "the file names no degree of freedom", "one a row of the matrix is needed");
+      problems_.add(0, "the file lists no degrees of freedom", "one per row of the matrix is required");
     joined_ ? number_copies() : report_doubled();
     problems_.raise();
     return std::move(dofs_);
@@ -106,9 +106,8 @@ private:
     std::ranges::sort(sorted);
     for (std::size_t i = 1; i < sorted.size(); ++i)
       if (sorted[i].first == sorted[i - 1].first)
-        problems_.add(
-            sorted[i].second, "degree of freedom " + to_string(sorted[i].first) + " stands here again",
-            "it is in line " + std::to_string(sorted[i - 1].second) + " already; every row has one of its own");
+        problems_.add(sorted[i].second, "degree of freedom " + to_string(sorted[i].first) + " is listed twice",
+                      "it is first in line " + std::to_string(sorted[i - 1].second) + "; every row needs its own");
   }
 
   FileProblems problems_;
@@ -129,7 +128,8 @@ std::vector<MatrixDof> dofs_of_map(const Eigen::Ref<const Eigen::MatrixXd>& map,
     const std::string row = "row " + std::to_string(i + 1) + " of the map of degrees of freedom";
     if (!(std::abs(node) < 9e15 && node == std::floor(node) && node >= 0.0) ||
         !(direction >= 0.0 && direction <= 6.0 && direction == std::floor(direction)))
-      refuse_matrix(source, 0, row + " is no degree of freedom", "a node and a direction 1 ... 6, or 0, are needed");
+      refuse_matrix(source, 0, row + " is not a degree of freedom",
+                    "a node and a direction 1 ... 6, or 0, are required");
     MatrixDof dof{static_cast<std::int64_t>(node), static_cast<int>(direction) - 1};
     if (dof.direction < 0 && dof.node == 0) dof.node = ++generalised;
     dofs.push_back(dof);
@@ -137,20 +137,20 @@ std::vector<MatrixDof> dofs_of_map(const Eigen::Ref<const Eigen::MatrixXd>& map,
   auto sorted = dofs;
   std::ranges::sort(sorted);
   if (const auto twice = std::ranges::adjacent_find(sorted); twice != sorted.end())
-    refuse_matrix(source, 0, "degree of freedom " + to_string(*twice) + " stands twice in the map",
-                  "every row has its own");
+    refuse_matrix(source, 0, "degree of freedom " + to_string(*twice) + " is listed twice in the map",
+                  "every row needs its own");
   return dofs;
 }
 
 std::vector<MatrixDof> parse_dof_map(std::string_view text, const std::string& source, const DofMapOptions& options) {
   if (options.directions < 0 || options.directions > 6)
-    throw InvalidInput("a node has " + std::to_string(options.directions) + " directions", "it has 1 to 6", {});
+    throw InvalidInput("a node has " + std::to_string(options.directions) + " directions", "it must have 1 to 6", {});
   if (is_gzip(text)) return parse_dof_map(uncompressed(text, source), source, options);
   if (text.starts_with("CDF") || looks_like_hdf5(text)) {
     for (const auto& matrix : parse_matrices(text, source))
       if (!matrix.dofs.empty()) return matrix.dofs;
-    refuse_matrix(source, 0, "the file holds no map of degrees of freedom",
-                  "an array of nodes and directions is needed");
+    refuse_matrix(source, 0, "the file has no map of degrees of freedom",
+                  "an array of nodes and directions is required");
   }
   return MapReader(source, options).read(text);
 }

@@ -118,8 +118,8 @@ MatrixEntries::MatrixEntries(std::string file, std::string name, std::int64_t ro
   if (rows < 1 || columns < 1 || rows > most || columns > most)
     refuse(line,
            "matrix '" + name_ + "' has " + std::to_string(rows) + " rows and " + std::to_string(columns) + " columns",
-           "a matrix needs both, and a file of " + std::to_string(bytes) + " bytes cannot hold so large a one",
-           "write the file again; it is damaged");
+           "a matrix needs both, and a file of " + std::to_string(bytes) + " bytes is too small for it",
+           "the file is damaged; export it again");
 }
 
 void MatrixEntries::refuse(int line, std::string what, std::string why, std::string fix) const {
@@ -134,10 +134,10 @@ void MatrixEntries::add(std::int64_t row, std::int64_t column, double value, int
   if (row < 0 || column < 0 || row >= rows_ || column >= columns_)
     refuse(line, place(row, column) + " is out of range",
            "the matrix has " + std::to_string(rows_) + " rows and " + std::to_string(columns_) + " columns",
-           "write the file again, or correct its header");
+           "export the file again or correct its header");
   if (!std::isfinite(value))
-    refuse(line, place(row, column) + " is not finite", "a structure's matrices are numbers",
-           "find out why the other code wrote it");
+    refuse(line, place(row, column) + " is not finite", "every entry must be a finite number",
+           "check why the other code wrote it");
   entries_.emplace_back(static_cast<std::int32_t>(row), static_cast<std::int32_t>(column), value);
 }
 
@@ -153,8 +153,8 @@ SparseMatrix MatrixEntries::assembled() const {
   const auto key = [](const auto& entry) { return std::pair(entry.col(), entry.row()); };
   std::ranges::sort(sorted, {}, key);
   const auto twice = std::ranges::adjacent_find(sorted, {}, key);
-  refuse(0, place(twice->row(), twice->col()) + " is given twice", "it is not clear which one counts",
-         "give every entry once");
+  refuse(0, place(twice->row(), twice->col()) + " is defined twice", "it is not clear which one applies",
+         "write every entry once");
 }
 
 ForeignMatrix MatrixEntries::finish(Storage storage) const {
@@ -164,8 +164,8 @@ ForeignMatrix MatrixEntries::finish(Storage storage) const {
     const SparseMatrix transposed = matrix.transpose();
     const bool twice = holds_a_pair_twice(matrix, transposed);
     if (twice && storage != Storage::triangle_or_full)
-      refuse(0, "matrix '" + name_ + "' holds both entries of a symmetric pair",
-             "its file says that only one triangle is given", "give one triangle, or call the matrix general");
+      refuse(0, "matrix '" + name_ + "' has both entries of a symmetric pair",
+             "its file states that only one triangle is given", "write one triangle or declare the matrix general");
     if (storage == Storage::skew_triangle) {
       matrix = SparseMatrix(matrix - transposed);
     } else if (!twice) {
@@ -173,7 +173,8 @@ ForeignMatrix MatrixEntries::finish(Storage storage) const {
       symmetric = true;
     }
   } else if (storage == Storage::one_triangle || storage == Storage::skew_triangle) {
-    refuse(0, "matrix '" + name_ + "' is called symmetric but is not square", "only square ones are symmetric");
+    refuse(0, "matrix '" + name_ + "' is declared symmetric but is not square",
+           "only a square matrix can be symmetric");
   }
   matrix.prune([](Eigen::Index, Eigen::Index, double value) { return value != 0.0; });
   matrix.makeCompressed();

@@ -47,8 +47,8 @@ public:
     }
     std::erase_if(matrices, [](const ForeignMatrix& matrix) { return matrix.matrix.size() == 0; });
     if (matrices.empty())
-      refuse("the file holds no matrix",
-             "a dataset of two dimensions, or a group with data, indices and indptr, is needed");
+      refuse("the file has no matrix",
+             "a dataset of two dimensions or a group with data, indices and indptr is required");
     attach_map(matrices);
     return matrices;
   }
@@ -87,8 +87,8 @@ private:
     const std::int64_t lines = static_cast<std::int64_t>(outer.size()) - 1;
     if (lines < 1 || outer.front() != 0 || outer.back() != data.size() ||
         inner.size() != static_cast<std::size_t>(data.size()))
-      refuse("the sparse matrix '" + group + "' contradicts itself",
-             "its starts rise from 0 to the number of its values, each with an index");
+      refuse("the sparse matrix '" + group + "' is inconsistent",
+             "its starts must rise from 0 to the number of its values, each of which needs an index");
     // Without a word on it, the shape tells rows from columns, and a square matrix is taken by rows.
     const bool by_columns = kind == "csc" || (kind.empty() && size && (*size)[0] != lines && (*size)[1] == lines);
     const std::int64_t across = inner.empty() ? lines : *std::ranges::max_element(inner) + 1;
@@ -102,7 +102,7 @@ private:
     for (std::int64_t line = 0; line < lines; ++line) {
       const std::int64_t begin = outer[static_cast<std::size_t>(line)], end = outer[static_cast<std::size_t>(line) + 1];
       if (begin > end || end > data.size())
-        refuse("the starts of the sparse matrix '" + group + "' do not rise", "they delimit its lines");
+        refuse("the starts of the sparse matrix '" + group + "' do not increase", "they delimit its rows or columns");
       for (std::int64_t i = begin; i < end; ++i) {
         const std::int64_t index = inner[static_cast<std::size_t>(i)];
         by_columns ? entries.add(index, line, data[i]) : entries.add(line, index, data[i]);
@@ -116,7 +116,7 @@ private:
     const Eigen::VectorXd data = numbers(values);
     const auto row = whole_numbers(rows), column = whole_numbers(columns);
     if (row.size() != static_cast<std::size_t>(data.size()) || column.size() != row.size() || row.empty())
-      refuse("the sparse matrix '" + group + "' contradicts itself", "every value has a row and a column");
+      refuse("the sparse matrix '" + group + "' is inconsistent", "every value needs a row and a column");
     const auto size = stated_size(group);
     const std::int64_t last_row = *std::ranges::max_element(row), last_column = *std::ranges::max_element(column);
     // From 1 where 0 never occurs and the size, if there is one, is reached; from 0 otherwise.
@@ -137,7 +137,7 @@ private:
     Eigen::MatrixXd values = file_.read_matrix(name);
     if (file_.has_attribute(name, "MATLAB_class")) values.transposeInPlace();
     if (!values.allFinite())
-      refuse("matrix '" + plain(name) + "' holds a number that is not finite", "a structure's matrices are numbers");
+      refuse("matrix '" + plain(name) + "' has an entry that is not finite", "every entry must be a finite number");
     return {plain(name), values.sparseView(), {}, false};
   }
 
@@ -185,8 +185,8 @@ private:
     double count = 1.0;
     for (const Index length : file_.shape(name)) count *= static_cast<double>(length);
     if (count > small_dataset && count > most_compression * static_cast<double>(file_.stored_bytes(name)))
-      refuse("'" + name + "' claims " + std::to_string(count) + " values, which the file does not hold",
-             "it is damaged");
+      refuse("'" + name + "' claims " + std::to_string(count) + " values, but the file is too short for them",
+             "the file is damaged");
   }
 
   [[nodiscard]] Eigen::VectorXd numbers(const std::string& name) const {

@@ -24,7 +24,7 @@ Element next_element(ByteReader& reader) {
   if (first >> 16) {
     const std::size_t size = first >> 16;
     const std::string_view four = reader.take(4);
-    if (size > 4) reader.refuse("a small element is larger than its tag");
+    if (size > 4) reader.refuse("a small data element is larger than its tag");
     return {first & 0xffff, four.substr(0, size)};
   }
   const auto size = reader.read<std::uint32_t>();
@@ -56,7 +56,7 @@ double number(ByteReader& reader, std::uint32_t type) {
     case 13:
       return static_cast<double>(reader.read<std::uint64_t>());
     default:
-      reader.refuse("numbers of type " + std::to_string(type) + " are not known");
+      reader.refuse("numbers of type " + std::to_string(type) + " are not supported");
   }
 }
 
@@ -70,8 +70,8 @@ public:
   std::vector<ForeignMatrix> read() {
     while (!file_.at_end()) take(next_element(file_));
     if (matrices_.empty())
-      file_.refuse("the file holds no matrix of real numbers" + passed_over(), "full or sparse matrices are needed",
-                   "save stiffness and mass as variables of their own");
+      file_.refuse("the file has no matrix of real numbers" + passed_over(), "full or sparse matrices are required",
+                   "save stiffness and mass as separate variables");
     return std::move(matrices_);
   }
 
@@ -99,7 +99,7 @@ private:
       return;
     }
     if (flags & complex_flag)
-      file_.refuse("matrix '" + name + "' is complex", "the structures here are real",
+      file_.refuse("matrix '" + name + "' is complex", "only real matrices are supported",
                    "save stiffness and damping as real matrices");
     if (lengths[0] == 0 || lengths[1] == 0) return;
     MatrixEntries entries(file_.file(), name, lengths[0], lengths[1], file_.size() + data.size());
@@ -124,12 +124,12 @@ private:
     ByteReader numbers = inside(values);
     if (static_cast<std::int64_t>(starts.size()) != lengths[1] + 1 || starts.front() != 0)
       file_.refuse("a sparse matrix of " + std::to_string(lengths[1]) + " columns has " +
-                   std::to_string(starts.size()) + " starts of columns");
+                   std::to_string(starts.size()) + " column starts");
     for (std::int64_t column = 0; column < lengths[1]; ++column) {
       const std::int64_t begin = starts[static_cast<std::size_t>(column)],
                          end = starts[static_cast<std::size_t>(column) + 1];
       if (begin > end || end > static_cast<std::int64_t>(rows.size()))
-        file_.refuse("the starts of the columns of a sparse matrix do not rise");
+        file_.refuse("the column starts of a sparse matrix do not increase");
       for (std::int64_t i = begin; i < end; ++i)
         entries.add(rows[static_cast<std::size_t>(i)], column, number(numbers, values.type));
     }
@@ -144,7 +144,7 @@ private:
     std::vector<std::int64_t> numbers;
     while (!reader.at_end()) {
       const double value = number(reader, element.type);
-      if (!(value >= 0.0 && value < 9e15)) file_.refuse("a size or an index is no whole number");
+      if (!(value >= 0.0 && value < 9e15)) file_.refuse("a size or an index is not a whole number");
       numbers.push_back(static_cast<std::int64_t>(value));
     }
     return numbers;

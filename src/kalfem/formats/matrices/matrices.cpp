@@ -93,10 +93,9 @@ std::vector<ForeignMatrix> parse_as(MatrixFormat format, std::string_view bytes,
     case MatrixFormat::automatic:
       break;
   }
-  refuse_matrix(
-      source, 0, "the format of this file is not known",
-      "matrices come in Matrix Market, CalculiX, Abaqus, DMIG, OUTPUT4, OUTPUT2, HDF5, netCDF and MATLAB files",
-      "name the format");
+  refuse_matrix(source, 0, "the format of this file is unknown",
+                "supported: Matrix Market, CalculiX, Abaqus, DMIG, OUTPUT4, OUTPUT2, HDF5, netCDF and MATLAB",
+                "state the format");
 }
 
 /// The matrices of the given names, in their order.
@@ -116,7 +115,7 @@ std::vector<ForeignMatrix> wanted(std::vector<ForeignMatrix> all, const std::vec
           all, [&](const ForeignMatrix& matrix) { return lower_case(matrix.name) == lower_case(name); });
     if (found == all.end()) {
       issues.add({source, 0}, "there is no matrix '" + name + "'" + did_you_mean(name, known),
-                 "the file holds " + list);
+                 "the file contains " + list);
       continue;
     }
     chosen.push_back(*found);
@@ -139,8 +138,9 @@ void require_last_line_end(std::string_view text, const std::string& source, Mat
       lower_case(last).starts_with("enddata"))
     return;
   refuse_matrix(source, static_cast<int>(std::ranges::count(text, '\n')) + 1,
-                "the last line of the file has no line end", "the file may be cut off: its last number may lack digits",
-                "write the file again, or end the line if it is whole");
+                "the last line of the file has no line end",
+                "the file may be truncated: its last number may lack digits",
+                "export the file again, or add a line end if the line is complete");
 }
 
 /// CalculiX writes what the rows are into a file of its own beside the matrices.
@@ -179,7 +179,7 @@ std::vector<ForeignMatrix> parse_matrices(std::string_view bytes, const std::str
     const std::string name = source.ends_with(".gz") ? source.substr(0, source.size() - 3) : source;
     return parse_matrices(uncompressed(bytes, source), name, options);
   }
-  if (bytes.empty()) refuse_matrix(source, 0, "the file is empty", "it should hold matrices");
+  if (bytes.empty()) refuse_matrix(source, 0, "the file is empty", "it should contain matrices");
   const MatrixFormat format = options.format == MatrixFormat::automatic ? format_of(bytes, source) : options.format;
   return wanted(parse_as(format, bytes, source), options.names, source);
 }

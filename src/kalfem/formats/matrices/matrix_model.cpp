@@ -49,8 +49,8 @@ public:
       : options_(options), dofs_(std::move(dofs)), size_(size) {
     for (std::size_t i = 0; i < dofs_.size(); ++i)
       if (!places_.emplace(dofs_[i], static_cast<Index>(i)).second)
-        issues_.add({}, "degree of freedom " + to_string(dofs_[i]) + " stands twice in the map",
-                    "every row has its own");
+        issues_.add({}, "degree of freedom " + to_string(dofs_[i]) + " is listed twice in the map",
+                    "every row needs its own");
   }
 
   /// The matrix over all degrees of freedom, exactly symmetric.
@@ -58,7 +58,7 @@ public:
     SparseMatrix full = placed(role, matrix);
     if (full.rows() != size_ || full.cols() != size_) return SparseMatrix(size_, size_);
     if (!full.coeffs().allFinite())
-      issues_.add({}, quoted(role, matrix) + " holds a number that is not finite", "the equations need numbers");
+      issues_.add({}, quoted(role, matrix) + " has an entry that is not finite", "every entry must be a finite number");
     else
       check_symmetry(role, matrix, full);
     if (semi_definite) check_diagonal(role, matrix, full);
@@ -80,7 +80,8 @@ private:
     if (matrix.dofs.empty() || matrix.dofs == dofs_) {
       if (entries.rows() != size_)
         issues_.add({}, quoted(role, matrix) + " is " + size,
-                    "there are " + std::to_string(size_) + " degrees of freedom", "give the map that belongs to it");
+                    "there are " + std::to_string(size_) + " degrees of freedom",
+                    "give the map that belongs to this matrix");
       return entries;
     }
     return moved(role, matrix);
@@ -92,7 +93,7 @@ private:
       const auto place = places_.find(matrix.dofs[i]);
       if (place == places_.end()) {
         issues_.add({}, quoted(role, matrix) + " has degree of freedom " + to_string(matrix.dofs[i]),
-                    "the map does not have it", "give the map that belongs to it");
+                    "the map does not list it", "give the map that belongs to this matrix");
         return {};
       }
       to[i] = place->second;
@@ -114,10 +115,12 @@ private:
     const std::string part = std::to_string(difference / scale) + " of its largest entry";
     if (difference <= options_.rounding * scale) return;
     if (options_.symmetrise)
-      notes.push_back(quoted(role, matrix) + " was not symmetric, by " + part + ": its symmetric part is used");
+      notes.push_back(quoted(role, matrix) + " was not symmetric: its asymmetry is " + part +
+                      "; its symmetric part is used");
     else
-      issues_.add({}, quoted(role, matrix) + " is not symmetric, by " + part, "a linear structure's matrices are",
-                  "write both triangles from the same data, or ask for the symmetric part");
+      issues_.add({}, quoted(role, matrix) + " is not symmetric: its asymmetry is " + part,
+                  "the matrices of a linear structure are symmetric",
+                  "export both triangles from the same data, or request the symmetric part");
   }
 
   void check_diagonal(const std::string& role, const ForeignMatrix& matrix, const SparseMatrix& full) {
@@ -128,8 +131,9 @@ private:
         if (it.row() != column) beside = std::max(beside, std::abs(it.value()));
       if (diagonal > 0.0 || (diagonal == 0.0 && beside == 0.0)) continue;
       issues_.add({}, quoted(role, matrix) + " has " + std::to_string(diagonal) + " on its diagonal at " + name(column),
-                  diagonal < 0.0 ? "it would be negative" : "entries beside it need a positive one",
-                  "check the matrix, and the sign that the other code gives it");
+                  diagonal < 0.0 ? "a mass or stiffness must not be negative"
+                                 : "a row with other entries needs a positive diagonal",
+                  "check the matrix and the sign convention of the other code");
       return;
     }
   }
@@ -148,7 +152,8 @@ private:
 void require_mass(const SparseMatrix& mass, IssueList& issues, std::vector<std::string>& notes) {
   const Index massless = (mass.diagonal().array() <= 0.0).count();
   if (massless == mass.rows())
-    issues.add({}, "the mass matrix holds no mass", "a structure has some", "check which matrix is which");
+    issues.add({}, "the mass matrix is zero", "a structure needs mass",
+               "check that stiffness and mass are not exchanged");
   else if (massless > 0)
     notes.push_back(std::to_string(massless) + " degrees of freedom have no mass");
 }
@@ -163,9 +168,8 @@ void add_means_of_copies(MatrixModel& result) {
   if (copies.empty()) return;
   const std::string first = dof_name(copies.begin()->first);
   result.notes.push_back(std::to_string(copies.size()) +
-                         " degrees of freedom stand several times in the map, as those of "
-                         "expanded shells do: " +
-                         first + " is the mean of " + copies.begin()->second.front() + " and its likes");
+                         " degrees of freedom are listed several times in the map, as those of expanded shells do: " +
+                         first + " is the mean of " + copies.begin()->second.front() + " and its copies");
 }
 
 enum class Role { none, stiffness, mass, damping };
@@ -236,12 +240,11 @@ std::optional<ForeignMatrix> chosen(const std::vector<Found>& all, Role role, co
     issues.add({file, 0},
                std::to_string(fitting.size()) + " matrices may be the " + meaning + " matrix, '" +
                    fitting[0]->matrix.name + "' and '" + fitting[1]->matrix.name + "'",
-               "one is needed", "name it");
+               "one is required", "name it");
   else if (!name.empty())
     issues.add({file, 0}, "there is no matrix '" + name + "'" + did_you_mean(name, known), "there are " + list);
   else if (needed)
-    issues.add({file, 0}, "it cannot be told which matrix is the " + meaning + " matrix", "there are " + list,
-               "name it");
+    issues.add({file, 0}, "it is unclear which matrix is the " + meaning + " matrix", "there are " + list, "name it");
   return {};
 }
 
@@ -285,7 +288,7 @@ MatrixModel matrix_model(const ForeignMatrix& stiffness, const ForeignMatrix& ma
 }
 
 MatrixModel read_superelement(const std::vector<std::filesystem::path>& files, const SuperelementReadOptions& options) {
-  if (files.empty()) throw InvalidInput("no file of matrices is given", "stiffness and mass are needed", "name one");
+  if (files.empty()) throw InvalidInput("no matrix file is given", "stiffness and mass are needed", "name one");
   const auto all = all_matrices(files, options.format);
   IssueList issues;
   const auto stiffness = chosen(all, Role::stiffness, options.stiffness, "stiffness", true, issues);

@@ -47,7 +47,7 @@ public:
     file_.go_to(3);
     version_ = file_.read<std::int8_t>();
     if (version_ != 1 && version_ != 2 && version_ != 5)
-      file_.refuse("the netCDF version " + std::to_string(version_) + " is not known", "it is 1, 2 or 5");
+      file_.refuse("the netCDF version " + std::to_string(version_) + " is not known", "it must be 1, 2 or 5");
     records_ = count();
     read_dimensions();
     pass_over_attributes();
@@ -65,7 +65,7 @@ public:
       found.push_back({variable.name, checked(variable).sparseView(), {}, false});
       if (static_cast<std::size_t>(found.back().matrix.rows()) == map.size()) found.back().dofs = map;
     }
-    if (found.empty()) file_.refuse("the file holds no matrix", "a variable of two dimensions is needed");
+    if (found.empty()) file_.refuse("the file has no matrix", "a variable of two dimensions is required");
     return found;
   }
 
@@ -118,13 +118,14 @@ private:
       const std::size_t rank = count();
       for (std::size_t d = 0; d < rank; ++d) {
         variable.dimensions.push_back(count());
-        if (variable.dimensions.back() >= lengths_.size()) file_.refuse("a variable has a dimension that is not there");
+        if (variable.dimensions.back() >= lengths_.size())
+          file_.refuse("a variable has a dimension that does not exist");
       }
       pass_over_attributes();
       variable.type = file_.read<std::int32_t>();
       count();
       const std::int64_t begin = version_ == 1 ? file_.read<std::int32_t>() : file_.read<std::int64_t>();
-      if (begin < 0) file_.refuse("variable '" + variable.name + "' begins before the file");
+      if (begin < 0) file_.refuse("variable '" + variable.name + "' has a negative start");
       variable.begin = static_cast<std::size_t>(begin);
       variables_.push_back(std::move(variable));
     }
@@ -138,7 +139,7 @@ private:
   Eigen::MatrixXd values(const Variable& variable) {
     const std::size_t rows = length(variable, 0), columns = length(variable, 1), width = width_of(variable.type);
     file_.go_to(variable.begin);
-    if (width == 0) file_.refuse("variable '" + variable.name + "' has a type that is not known");
+    if (width == 0) file_.refuse("variable '" + variable.name + "' has an unknown type");
     if (rows > 0 && columns > file_.remaining() / width / rows)
       file_.refuse("variable '" + variable.name + "' is longer than the file");
     Eigen::MatrixXd matrix(rows, columns);
@@ -150,8 +151,8 @@ private:
   Eigen::MatrixXd checked(const Variable& variable) {
     Eigen::MatrixXd matrix = values(variable);
     if (!matrix.allFinite())
-      file_.refuse("matrix '" + variable.name + "' holds a number that is not finite",
-                   "a structure's matrices are numbers", "find out why the other code wrote it");
+      file_.refuse("matrix '" + variable.name + "' has an entry that is not finite",
+                   "every entry must be a finite number", "check why the other code wrote it");
     return matrix;
   }
 

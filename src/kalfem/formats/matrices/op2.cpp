@@ -37,8 +37,8 @@ public:
     if (key == 3) key = pass_over_label();
     for (; key != 0; key = file_.at_end() ? 0 : read_key()) read_block(key, matrices);
     if (matrices.empty())
-      file_.refuse("the file holds no matrix, only tables", "matrices such as KAA and MAA are needed",
-                   "write them with OUTPUT2 in the other code");
+      file_.refuse("the file has no matrix, only tables", "matrices such as KAA and MAA are required",
+                   "export them with OUTPUT2 from the other code");
     return matrices;
   }
 
@@ -132,7 +132,7 @@ private:
     const auto length = file_.read<std::int32_t>();
     if (length < 0) file_.refuse("a record has a negative length");
     const std::string_view content = file_.take(static_cast<std::size_t>(length));
-    if (file_.read<std::int32_t>() != length) file_.refuse("the lengths before and behind a record differ");
+    if (file_.read<std::int32_t>() != length) file_.refuse("the lengths before and after a record differ");
     return content;
   }
 
@@ -148,7 +148,7 @@ bool looks_like_op2(std::string_view bytes) {
 
 std::vector<ForeignMatrix> parse_op2(std::string_view bytes, const std::string& source) {
   if (!looks_like_op2(bytes))
-    refuse_matrix(source, 0, "this is no OUTPUT2 file", "it begins with a record of one integer");
+    refuse_matrix(source, 0, "this is not an OUTPUT2 file", "it must begin with a record of one integer");
   const bool big = is_big_endian(bytes);
   const std::size_t word = begins_with_key(bytes, 8, big) ? 8 : 4;
   return Op2Reader(bytes, source, big, word).read();

@@ -20,17 +20,17 @@ namespace kalfem {
 
 void check_op4(const Op4Header& header, const std::string& source, int line) {
   if (header.type == 3 || header.type == 4)
-    refuse_matrix(source, line, "matrix '" + header.name + "' is complex", "the structures here are real",
-                  "write stiffness and damping as real matrices");
+    refuse_matrix(source, line, "matrix '" + header.name + "' is complex", "only real matrices are supported",
+                  "export stiffness and damping as real matrices");
   if (header.type != 1 && header.type != 2)
     refuse_matrix(source, line, "matrix '" + header.name + "' has type " + std::to_string(header.type),
-                  "it is 1 or 2 (real)");
+                  "it must be 1 or 2 (real)");
 }
 
 MatrixEntries op4_entries(const Op4Header& header, const std::string& source, std::size_t bytes, int line) {
   check_op4(header, source, line);
   if (header.rows == INT64_MIN)
-    refuse_matrix(source, line, "the size of a matrix is no number of rows", "the file is damaged");
+    refuse_matrix(source, line, "the size of a matrix is not a number of rows", "the file is damaged");
   return {source, header.name, std::abs(header.rows), header.columns, bytes, line};
 }
 
@@ -109,10 +109,11 @@ public:
       if (blankless(*line).empty()) continue;
       const auto header = header_of(*line);
       if (!header)
-        refuse("the line is no header of an OUTPUT4 matrix", "columns, rows, form, type, name and a format are needed");
+        refuse("the line is not a header of an OUTPUT4 matrix",
+               "columns, rows, form, type, name and a format are expected");
       matrices.push_back(read_matrix(*header, matrices.size()));
     }
-    if (matrices.empty()) refuse("the file holds no matrix", "an OUTPUT4 file is expected");
+    if (matrices.empty()) refuse("the file has no matrix", "an OUTPUT4 file is expected");
     return matrices;
   }
 
@@ -136,7 +137,7 @@ private:
     const auto words = number_words(line);
     for (std::size_t i = 0; i < 3; ++i) {
       const auto value = whole_number(words.size() == 3 ? words[i] : cut(line, 8 * i, 8));
-      if (!value) refuse("the line is no header of a column", "column, first row and number of words are needed");
+      if (!value) refuse("the line is not a header of a column", "column, first row and number of words are expected");
       numbers[i] = *value;
     }
     if (numbers[0] < 1 || numbers[1] < 0 || numbers[2] < 0)
@@ -151,7 +152,7 @@ private:
       const auto first = numbers.empty() ? std::nullopt : whole_number(numbers[0]);
       const auto second = numbers.size() < 2 ? std::nullopt : whole_number(numbers[1]);
       if (!first || numbers.size() > 2 || (numbers.size() == 2 && !second))
-        refuse("the line is no header of a string of non-zeros", "one or two whole numbers are needed");
+        refuse("the line is not a header of a string of non-zeros", "one or two whole numbers are expected");
       const Op4String string = second ? Op4String{*second - 1, *first - 1} : op4_short_string(*first);
       if (string.words < 1 || string.row < 0) refuse("a string of non-zeros is empty", "it needs a row and a length");
       words -= string.words + (second ? 2 : 1);
@@ -168,15 +169,15 @@ private:
       const std::string_view field = cut(line, place * header.fields.width, header.fields.width);
       const auto value = fortran_number(field);
       if (!value)
-        refuse("'" + std::string(field) + "' is no number",
-               "an entry of matrix '" + header.matrix.name + "' is needed");
+        refuse("'" + std::string(field) + "' is not a number",
+               "an entry of matrix '" + header.matrix.name + "' is expected");
       entries.add(row + i, column, *value, lines_.number());
     }
   }
 
   std::string_view next_line() {
     const auto line = lines_.next();
-    if (!line) refuse("the file ends within a matrix", "it is cut off or damaged", "write the file again");
+    if (!line) refuse("the file ends inside a matrix", "it is truncated or damaged", "export the file again");
     return *line;
   }
 
@@ -289,7 +290,7 @@ private:
     const auto length = file_.read<std::int32_t>();
     if (length < 0) file_.refuse("a record has a negative length");
     const std::string_view content = file_.take(static_cast<std::size_t>(length));
-    if (file_.read<std::int32_t>() != length) file_.refuse("the lengths before and behind a record differ");
+    if (file_.read<std::int32_t>() != length) file_.refuse("the lengths before and after a record differ");
     return {content, file_.file(), file_.big_endian()};
   }
 
@@ -305,7 +306,7 @@ bool looks_like_op4_binary(std::string_view bytes) {
 
 std::vector<ForeignMatrix> parse_op4_binary(std::string_view bytes, const std::string& source) {
   if (!looks_like_op4_binary(bytes))
-    refuse_matrix(source, 0, "this is no binary OUTPUT4 file", "its first record has 24 or 48 bytes");
+    refuse_matrix(source, 0, "this is not a binary OUTPUT4 file", "its first record must have 24 or 48 bytes");
   return BinaryReader(bytes, source, begins_with_header(bytes, true)).read();
 }
 

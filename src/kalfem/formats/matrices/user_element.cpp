@@ -27,7 +27,7 @@ public:
       }
     }
     finish_matrix();
-    if (matrices_.empty()) refuse("the file holds no matrix", "*MATRIX, TYPE=STIFFNESS or TYPE=MASS is needed");
+    if (matrices_.empty()) refuse("the file has no matrix", "*MATRIX, TYPE=STIFFNESS or TYPE=MASS is required");
     return std::move(matrices_);
   }
 
@@ -68,7 +68,7 @@ private:
                              ? std::nullopt
                              : whole_number(std::string_view(text).substr(at + 7, text.find(',', at + 7) - at - 7));
       if (!count || *count < 1 || *count > static_cast<std::int64_t>(bytes_))
-        refuse("*USER ELEMENT does not say how many nodes it has", "NODES= is needed");
+        refuse("*USER ELEMENT does not state how many nodes it has", "NODES= is required");
       count_ = static_cast<std::size_t>(*count);
       unsymmetric_ = text.find(",unsymm") != std::string::npos;
     } else if (text.starts_with("*matrix,")) {
@@ -85,18 +85,20 @@ private:
       for (const auto word : words) {
         const auto value = fortran_number(word);
         if (!value)
-          refuse("'" + std::string(word.substr(0, 40)) + "' is no number", "an entry of the matrix is needed");
+          refuse("'" + std::string(word.substr(0, 40)) + "' is not a number",
+                 "an entry of the matrix is expected here");
         values_.emplace_back(*value, lines_.number());
       }
     } else if (block_ == Block::element) {
       std::vector<std::int64_t> numbers;
       for (const auto word : words) {
         const auto number = whole_number(word);
-        if (!number) refuse("'" + std::string(word.substr(0, 40)) + "' is no whole number", "directions are numbers");
+        if (!number)
+          refuse("'" + std::string(word.substr(0, 40)) + "' is not a whole number", "directions must be whole numbers");
         numbers.push_back(*number);
       }
       if (!changes_.empty() && numbers.size() < 2)
-        refuse("a line of *USER ELEMENT holds one number", "a node's position and its directions are needed");
+        refuse("a line of *USER ELEMENT has only one number", "a node's position and its directions are required");
       const std::int64_t position = changes_.empty() ? 1 : numbers.front();
       const std::size_t skip = changes_.empty() ? 0 : 1;
       changes_.push_back({position, {numbers.begin() + static_cast<std::ptrdiff_t>(skip), numbers.end()}});
@@ -107,8 +109,8 @@ private:
   [[nodiscard]] std::vector<MatrixDof> element_dofs() const {
     if (nodes_.size() != count_)
       refuse("*USER ELEMENT has " + std::to_string(count_) + " nodes, of which " + std::to_string(nodes_.size()) +
-                 " are named",
-             "the comment '** ELEMENT NODES' gives their numbers", "keep the comments of the file");
+                 " have a number",
+             "the comment '** ELEMENT NODES' must list their numbers", "keep the comments of the file");
     std::vector<MatrixDof> dofs;
     std::vector<std::int64_t> directions;
     std::size_t change = 0;
@@ -119,17 +121,17 @@ private:
         if (direction < 0 || direction > 6)
           refuse(
               "direction " + std::to_string(direction) + " at node " + std::to_string(nodes_[i]) + " is not mechanical",
-              "directions 1 ... 6 are displacements and rotations, 0 is a generalised coordinate");
+              "directions 1 ... 6 are displacements and rotations; 0 is a generalised coordinate");
         dofs.push_back({nodes_[i], static_cast<int>(direction) - 1});
       }
     }
     auto sorted = dofs;
     std::ranges::sort(sorted);
     if (const auto twice = std::ranges::adjacent_find(sorted); twice != sorted.end())
-      refuse("degree of freedom " + to_string(*twice) + " of the element stands twice", "each has one row");
+      refuse("degree of freedom " + to_string(*twice) + " of the element is listed twice", "each needs one row");
     if (change != changes_.size())
-      refuse("the directions of *USER ELEMENT change at a node that it does not have",
-             "positions rise from 1 to NODES");
+      refuse("the directions of *USER ELEMENT change at a node position that does not exist",
+             "positions must rise from 1 to NODES");
     return dofs;
   }
 

@@ -21,28 +21,29 @@ void check(const std::vector<ForeignMatrix>& matrices, MatrixFormat format, cons
   if (!nastran && format != MatrixFormat::matrix_market && format != MatrixFormat::hdf5)
     throw InvalidInput(Issue{{path.string(), 0},
                              "matrices cannot be written in this format",
-                             "they are written as matrix_market, dmig, op4 and hdf5",
+                             "matrix_market, dmig, op4 and hdf5 can be written",
                              "choose one of them"});
   IssueList issues;
   if (format == MatrixFormat::matrix_market && matrices.size() != 1)
     issues.add({path.string(), 0}, std::to_string(matrices.size()) + " matrices for a Matrix Market file",
-               "it holds one");
+               "such a file holds one matrix");
   std::set<std::string> names;
   for (const auto& matrix : matrices) {
     if (nastran && (matrix.name.empty() || matrix.name.size() > 8))
-      issues.add({path.string(), 0}, "the matrix name '" + matrix.name + "' is not one of Nastran",
-                 "it has 1 to 8 letters", "rename it");
+      issues.add({path.string(), 0}, "the matrix name '" + matrix.name + "' is not valid in Nastran",
+                 "it must have 1 to 8 letters", "rename it");
     if (!names.insert(matrix.name).second)
-      issues.add({path.string(), 0}, "two matrices are named '" + matrix.name + "'", "names must differ", "rename one");
+      issues.add({path.string(), 0}, "two matrices have a number '" + matrix.name + "'", "names must differ",
+                 "rename one");
     if (matrix.matrix.nonZeros() > 0 && !matrix.matrix.coeffs().allFinite())
-      issues.add({path.string(), 0}, "matrix '" + matrix.name + "' holds a number that is not finite",
-                 "it would not be read");
+      issues.add({path.string(), 0}, "matrix '" + matrix.name + "' has an entry that is not finite",
+                 "other codes could not read it");
     if (format == MatrixFormat::dmig && matrix.matrix.rows() != matrix.matrix.cols())
       issues.add({path.string(), 0}, "matrix '" + matrix.name + "' is not square",
-                 "only square ones are written as DMIG");
+                 "only square matrices can be written as DMIG");
     if (std::ranges::any_of(matrix.dofs, [](const MatrixDof& dof) { return dof.copy > 0; }))
-      issues.add({path.string(), 0}, "rows of matrix '" + matrix.name + "' share a degree of freedom",
-                 "a map names one each");
+      issues.add({path.string(), 0}, "rows of matrix '" + matrix.name + "' have the same degree of freedom",
+                 "every row needs its own");
   }
   issues.raise();
 }

@@ -50,7 +50,7 @@ void BeamBuilder::no_stiffness(double& value, double instead, const char* what, 
   if (value > 0.0 || !(instead > 0.0)) return;
   value = 1e-6 * instead;
   building_.note(where, std::string("beam sections with ") + what + " of 0",
-                 "it is given a millionth of that of a solid circle of this area");
+                 "it is set to a millionth of that of a solid circle of this area");
 }
 
 bool BeamBuilder::make_region(const std::string& region, const SectionCard& card, const std::string& title,
@@ -143,13 +143,14 @@ std::optional<BeamPlacement> BeamBuilder::placement(const BeamCard& card, const 
   }
   const Eigen::Vector3d along = between + placement.offsets.col(1) - placement.offsets.col(0);
   if (!(along.norm() > 0.0)) {
-    building_.files.problem(card.where, title + " has no length", "its ends, with offsets, coincide", "mend the nodes");
+    building_.files.problem(card.where, title + " has no length", "its ends coincide, offsets included",
+                            "correct the nodes");
     return std::nullopt;
   }
   placement.up = along.normalized().cross(*v);
   if (!(placement.up.norm() > 1e-6 * v->norm())) {
     building_.files.problem(card.where, title + ": its orientation vector is zero or parallel to its axis",
-                            "it spans the plane of bending 1", "give X1, X2, X3 or G0 across the axis");
+                            "this vector defines plane 1 of bending", "give X1, X2, X3 or G0 not parallel to the axis");
     return std::nullopt;
   }
   placement.up.normalize();

@@ -25,14 +25,14 @@ std::set<Id> chosen_sets(Building& building, const char* kind, std::optional<Id>
   if (choice) {
     follow_sums(sums, *choice, sets);
     if (std::ranges::none_of(sets, [&](Id set) { return present.contains(set); }))
-      building.files.problem({},
-                             std::string(kind) + " = " + std::to_string(*choice) + " of the case control has no cards",
-                             "the structure would not be held as it says", "add the set, or mend the number");
+      building.files.problem(
+          {}, std::string(kind) + " = " + std::to_string(*choice) + " of the case control selects a set without cards",
+          "the structure would lack these constraints", "add the set or correct the number");
     return sets;
   }
   if (present.empty()) return sets;
   if (has_control) {
-    building.note(first, std::string(kind) + " sets of the bulk data", "the case control chooses none, so none holds",
+    building.note(first, std::string(kind) + " sets in the bulk data", "the case control selects none, so none is used",
                   DeckNoteKind::doubtful);
     return sets;
   }
@@ -41,8 +41,8 @@ std::set<Id> chosen_sets(Building& building, const char* kind, std::optional<Id>
     return sets;
   }
   if (present.size() > 1)
-    building.note(first, std::string(kind) + " sets of the bulk data",
-                  "no case control chooses one of them, so all hold", DeckNoteKind::doubtful);
+    building.note(first, std::string(kind) + " sets in the bulk data", "no case control selects one, so all are used",
+                  DeckNoteKind::doubtful);
   return present;
 }
 
@@ -217,15 +217,16 @@ unsigned ConstraintBuilder::without_shared(const RigidBodyCard& card, Eigen::Ind
       other = place->second.card;
     else if (place->second.card != &card)
       building_.note(card.where, std::string(card.kind) + "s of one master that share nodes",
-                     "they are merged into one rigid body");
+                     "these are merged into one rigid body");
   }
   if (other != nullptr)
-    building_.files.problem(
-        card.where,
-        "grid point " + std::to_string(building_.model.mesh.node_ids[static_cast<std::size_t>(node)]) +
-            " follows from " + title_of(card) + " and from " + title_of(*other) + " in line " +
-            std::to_string(other->where.line),
-        "a motion can follow one master", "leave it out of one of them, or let one master follow the other");
+    building_.files.problem(card.where,
+                            "grid point " +
+                                std::to_string(building_.model.mesh.node_ids[static_cast<std::size_t>(node)]) +
+                                " follows from " + title_of(card) + " and from " + title_of(*other) + " in line " +
+                                std::to_string(other->where.line),
+                            "a degree of freedom can depend on one element only",
+                            "remove it from one of them, or let one master depend on the other");
   return fresh;
 }
 
@@ -271,15 +272,16 @@ void ConstraintBuilder::add_rigid_body(const RigidBodyCard& card) {
                    card.where);
     else
       building_.files.problem(card.where, title + " needs two nodes apart and one dependent component",
-                              "it keeps their distance", "mend GA, GB, CMA and CMB");
+                              "it keeps the distance between two nodes", "correct GA, GB, CMA and CMB");
     return;
   }
   for (const auto& [node, components] : *independent)
     if (components == all_six) return add_links(card, node, *dependent);
   const auto rows = rigid_rows(building_, *independent, *dependent);
   if (rows.empty())
-    return building_.files.problem(card.where, title + ": its independent components do not fix a rigid body",
-                                   "six of them must determine its motion", "choose others");
+    return building_.files.problem(card.where,
+                                   title + ": its independent components do not determine a rigid-body motion",
+                                   "six independent components must determine it", "choose others");
   for (const auto& [component, terms] : rows)
     add_equation("rigid_" + std::to_string(card.id), terms, component.node, component.direction, card.where);
 }
@@ -313,8 +315,9 @@ void ConstraintBuilder::add_weighted() {
     }
     const auto rows = weighted_rows(building_, link, *moved);
     if (rows.empty())
-      building_.files.problem(card.where, title + ": its nodes and components do not determine the reference's motion",
-                              "or those of UM do not depend", "add nodes or components");
+      building_.files.problem(card.where,
+                              title + ": its nodes and components do not determine the motion of the reference node",
+                              "or the components of UM are not dependent", "add nodes or components");
     for (const auto& [component, terms] : rows)
       add_equation(link.name, terms, component.node, component.direction, card.where);
   }

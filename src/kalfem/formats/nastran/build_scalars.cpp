@@ -72,8 +72,8 @@ std::optional<Eigen::Matrix3d> bushing_axes(Building& building, const BushCard& 
   const Eigen::Vector3d between =
       nodes[1] < 0 ? Eigen::Vector3d::Zero() : Eigen::Vector3d(building.place(nodes[1]) - building.place(nodes[0]));
   if (!(between.norm() > 0.0)) {
-    building.files.problem(card.where, title + " joins nodes at one place, or one node, and has no CID",
-                           "its axes cannot be told", "give CID");
+    building.files.problem(card.where, title + " connects one node or two coincident nodes and has no CID",
+                           "its axes are undefined", "give CID");
     return std::nullopt;
   }
   const Eigen::Vector3d x = between.normalized();
@@ -86,12 +86,12 @@ std::optional<Eigen::Matrix3d> bushing_axes(Building& building, const BushCard& 
     v = building.motion_axes(nodes[0]) * *card.orientation;
   } else if (!only_axial) {
     building.files.problem(card.where, title + " has neither an orientation nor CID",
-                           "its values across its axis need one", "give X1, X2, X3, G0 or CID");
+                           "its transverse stiffnesses need one", "give X1, X2, X3, G0 or CID");
     return std::nullopt;
   }
   const Eigen::Vector3d z = x.cross(v);
   if (!(z.norm() > 1e-6 * v.norm())) {
-    building.files.problem(card.where, title + ": its orientation is zero or parallel to its axis", "", "mend it");
+    building.files.problem(card.where, title + ": its orientation is zero or parallel to its axis", "", "correct it");
     return std::nullopt;
   }
   Eigen::Matrix3d axes;
@@ -151,7 +151,7 @@ void gather_joints(Building& building) {
   const bool all = joints.size() > most_named_springs;
   if (all)
     building.note({}, std::to_string(joints.size()) + " springs and dashpots",
-                  "so many are kept as one matrix; their values are not parameters of the model");
+                  "they are kept as one matrix; their values cannot be parameters");
   std::erase_if(joints, [&](const JointSpring& joint) {
     if (!all && joint.stiffness >= 0.0 && joint.damping >= 0.0) return false;
     if (joint.stiffness != 0.0)
@@ -228,8 +228,8 @@ void add_mass(Building& building, const Conm2Card& card) {
     building.model.masses.push_back(std::move(mass));
     return;
   }
-  building.note(card.where, "CONM2 with a negative mass or an inertia that no body has",
-                "it is kept as a matrix; its mass is not a parameter of the model");
+  building.note(card.where, "CONM2 with a negative mass or an impossible inertia",
+                "it is kept as a matrix; its mass cannot be a parameter");
   add_matrix(building, node, point_mass(mass));
 }
 
@@ -251,7 +251,8 @@ bool add_direct(Building& building, MatrixGather& gather, MatrixGather::Kind kin
                 double factor, const std::string& title) {
   if (matrix.complex || (matrix.form && *matrix.form != 6 && *matrix.form != 1)) {
     building.files.problem(matrix.where, title + " is complex or not square (IFO, TIN)",
-                           "stiffness, mass and damping are real and symmetric", "write it with IFO 6 and TIN 1 or 2");
+                           "stiffness, mass and damping must be real and symmetric",
+                           "write it with IFO 6 and TIN 1 or 2");
     return false;
   }
   const bool is_symmetric = matrix.form.value_or(6) == 6;
@@ -283,8 +284,8 @@ void build_direct_matrices(Building& building) {
       const auto title = std::string(command) + " = " + name;
       const auto matrix = building.bulk.matrices.find(name);
       if (matrix == building.bulk.matrices.end()) {
-        building.files.problem({}, title + " names a DMIG that the bulk data does not have", "",
-                               "add it, or take it out");
+        building.files.problem({}, title + " refers to a DMIG that is not in the bulk data", "",
+                               "add it, or remove it");
         continue;
       }
       used[name] = true;
@@ -299,7 +300,7 @@ void build_direct_matrices(Building& building) {
   for (const auto& [name, matrix] : building.bulk.matrices)
     if (!used.contains(name))
       building.note(matrix.where, "DMIG " + name,
-                    "no K2GG, M2GG or B2GG of the case control names it; it is not part of the model");
+                    "no K2GG, M2GG or B2GG of the case control selects it, so it is not part of the model");
   if (!building.matrices.empty()) building.model.matrices.push_back(building.matrices.finish("scalar_elements"));
 }
 

@@ -62,7 +62,7 @@ double ShellBuilder::thickness_of(const ShellCard& card, double property) {
     sum += value;
   }
   if (differ)
-    building_.note(card.where, "shells with different thicknesses at their corners", "each is read with their mean");
+    building_.note(card.where, "shells with different thicknesses at their corners", "each takes the mean thickness");
   return differ ? sum / static_cast<double>(count) : first;
 }
 
@@ -93,7 +93,7 @@ CellShape ShellBuilder::shape_of(const ShellCard& card) {
   if (middles == corners) return card.triangle ? CellShape::triangle6 : CellShape::quadrilateral8;
   if (middles > 0)
     building_.note(card.where, "shells with some of their midside nodes",
-                   "they are read with their corners alone; the midside nodes do not hang on them");
+                   "they are read by their corners only; the midside nodes are not connected to them");
   return card.triangle ? CellShape::triangle3 : CellShape::quadrilateral4;
 }
 
@@ -154,7 +154,7 @@ std::optional<SheetStiffness> ShellBuilder::sheet(Id material, const std::string
     sheet.density = ply->density * building_.bulk.mass_factor;
   } else {
     building_.files.problem(where, title + ": material " + std::to_string(material) + " is a MAT9",
-                            "shells take MAT1, MAT2 or MAT8", "give the material as one of them");
+                            "shells need MAT1, MAT2 or MAT8", "give the material as one of these");
     return std::nullopt;
   }
   return sheet;
@@ -175,7 +175,7 @@ std::optional<RegionProperty> ShellBuilder::plate(const PshellCard& shell, doubl
       membrane_card != building_.bulk.materials.end() && std::holds_alternative<Material1>(membrane_card->second.law);
   if (is_plain) {
     if (shell.shear == 0)
-      building_.note(where, "PSHELL without MID3", "Nastran takes it rigid in transverse shear; here it has 5/6 of G");
+      building_.note(where, "PSHELL without MID3", "Nastran makes it rigid in transverse shear; kalfem uses 5/6 of G");
     const auto name = materials_.isotropic(shell.membrane, title, where);
     if (name.empty()) return std::nullopt;
     return ShellProperty{name, thickness, offset, added};
@@ -193,7 +193,7 @@ std::optional<RegionProperty> ShellBuilder::plate(const PshellCard& shell, doubl
     return std::nullopt;
   if (!membrane || !bending)
     building_.note(where, membrane ? "PSHELL without MID2" : "PSHELL without MID1",
-                   std::string("the shell has a millionth of the stiffness in ") +
+                   std::string("the shell gets a millionth of the stiffness in ") +
                        (membrane ? "bending" : "its plane") + " that the other material would give it");
   LaminateProperty property;
   auto& stiffness = property.stiffness;
@@ -229,8 +229,8 @@ std::optional<OrthotropicSheet> ShellBuilder::ply_material(Id material, const st
                               0.0,
                               sheet->density * factor};
   }
-  building_.files.problem(where, title + ": material " + std::to_string(material) + " is not one of a ply",
-                          "plies take MAT1, MAT8, or MAT2 without G13 and G23", "give the material as one of them");
+  building_.files.problem(where, title + ": material " + std::to_string(material) + " is not allowed for a ply",
+                          "plies need MAT1, MAT8, or MAT2 without G13 and G23", "give the material as one of these");
   return std::nullopt;
 }
 

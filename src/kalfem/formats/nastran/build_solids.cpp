@@ -62,8 +62,8 @@ bool SolidBuilder::make_region(const SolidCard& card, const PsolidCard& solid, c
         solid.axes > 0 ? building_.frames.find(solid.axes, card.where) : building_.frames.find(0, card.where);
     if (frame == nullptr) return false;
     if (solid.axes < 0 || frame->kind != SystemKind::rectangular)
-      building_.note(card.where, "CORDM of a PSOLID with MAT9 that turns from element to element",
-                     "its stiffness is read in the axes at the system's origin");
+      building_.note(card.where, "CORDM of a PSOLID with MAT9 that varies from element to element",
+                     "its stiffness uses the axes at the origin of the system");
     property.elasticity = in_global_axes(law->stiffness, frame->axes);
     property.material = "mat" + std::to_string(solid.material);
     // E and nu of the material serve no element then; the mean stiffness keeps its place.
@@ -95,7 +95,7 @@ void SolidBuilder::add(const SolidCard& card) {
   if (card.pyramid) {
     const auto nodes = indices(card, 5, title);
     if (nodes.empty()) return;
-    building_.note(card.where, "CPYRAM", "each is read as two tetrahedra over its corners");
+    building_.note(card.where, "CPYRAM", "each is replaced by two tetrahedra between its corners");
     add_cell(CellShape::tetrahedron4, card.id, {nodes[0], nodes[1], nodes[2], nodes[4]}, region);
     add_cell(CellShape::tetrahedron4, card.id, {nodes[0], nodes[2], nodes[3], nodes[4]}, region);
     return;
@@ -107,7 +107,7 @@ void SolidBuilder::add(const SolidCard& card) {
   const bool full = middles == order.size();
   if (middles > 0 && !full)
     building_.note(card.where, "solids with some of their midside nodes",
-                   "they are read with their corners alone; the midside nodes do not hang on them");
+                   "they are read by their corners only; the midside nodes are not connected to them");
   const auto nodes = indices(card, full ? corners + order.size() : corners, title);
   if (nodes.empty()) return;
   std::vector<Eigen::Index> ordered(nodes.begin(), nodes.begin() + static_cast<std::ptrdiff_t>(corners));

@@ -81,7 +81,8 @@ std::string field_title(const char* what, std::size_t i) {
 
 [[noreturn]] void fail(const Card& card, std::size_t i, const char* what, const std::string& needed) {
   const auto found = card.blank(i) ? std::string("blank") : "'" + printable(card.raw(i)) + "'";
-  throw CardError(title(card) + ": " + field_title(what, i) + " is " + found, "it must be " + needed, "mend the field");
+  throw CardError(title(card) + ": " + field_title(what, i) + " is " + found, "it must be " + needed,
+                  "correct the field");
 }
 
 /// Takes a number out of the last range by parting it.
@@ -154,7 +155,7 @@ unsigned Card::components(std::size_t i, const char* what) const {
 
 int Card::component(std::size_t i, const char* what) const {
   const auto value = integer_or(i, 0, what);
-  if (value < 0 || value > 6) fail(*this, i, what, "one direction from 1 to 6, or 0 of a scalar point");
+  if (value < 0 || value > 6) fail(*this, i, what, "one direction from 1 to 6, or 0 for a scalar point");
   return value == 0 ? 0 : static_cast<int>(value) - 1;
 }
 
@@ -175,7 +176,7 @@ std::vector<IdRange> Card::id_list(std::size_t first, const char* what) const {
       auto& range = list.back();
       range.single = false;
       range.last = id(i, what);
-      if (range.last < range.first) fail(*this, i, what, "the end of a range that ascends");
+      if (range.last < range.first) fail(*this, i, what, "the end of an ascending range");
       if (text(i + 1) == "BY") range.step = id(i + 2, "BY"), i += 2;
       except = false;
     } else {

@@ -46,45 +46,45 @@ const std::vector<UnusedClass>& unused_classes() {
                     "SWLDPRM", "BCPARA", "SPBLND",  "CBARAO",  "CAMPBLL", "CONTRLT", "RCROSS", "BNDF",    "SEUSET",
                     "SEQSET",  "SECSET", "SEBSET",  "SESUP"}},
       {unused,
-       "loads are not read; only the structure itself is",
+       "loads are ignored; only the structure is read",
        {"FORCE", "MOMENT", "PLOAD",  "GRAV", "LOAD", "RLOAD",  "TLOAD", "ACSRCE", "DAREA",  "TEMP",  "RFORCE", "ACCEL",
         "LSEQ",  "SLOAD",  "PRESAX", "QBDY", "QVOL", "DEFORM", "NOLIN", "BOLT",   "SLOADN", "CLOAD", "LOADCYN"}},
       {unused,
-       "optimisation is not read; the design is that of the properties as they stand",
+       "optimisation is ignored; the properties are used as they are",
        {"DESVAR", "DVPREL", "DVCREL", "DVMREL", "DRESP", "DCONSTR", "DCONADD", "DEQATN", "DLINK", "DDVAL", "DTABLE",
         "DVSHAP", "DVBSHAP", "TOPVAR", "DOBJ", "DOPT", "BEADVAR", "TOMVAR"}},
-      {unused, "no reduction is made of the deck; it reads as the full model", {"ASET", "OMIT"}},
+      {unused, "reductions in the deck are ignored; the full model is read", {"ASET", "OMIT"}},
       {missing,
-       "superelements of the deck are not read: their stiffness and mass are missing",
+       "superelements are not supported: their stiffness and mass are missing",
        {"CSUPER", "SEBULK", "SECON", "SEEXCLD", "SELOC", "SEMPLN", "EXTRN"}},
       {unused,
-       "the deck is read as one structure, without its division into superelements",
+       "the division into superelements is ignored; the deck is read as one structure",
        {"SELABEL", "SEELT", "SEB", "SEC", "SEQ", "SES", "SETREE", "RELEASE"}},
       {missing, "this nonstructural mass is missing; give it as NSM of a property or as CONM2", {"NSM"}},
       {missing,
-       "gaps and contact are not read: the parts are not joined there",
+       "gaps and contact are not supported: the parts are not connected there",
        {"CGAP", "BCTABL", "BCONTACT", "BGSET", "BGADD", "BCTSET", "BCTADD"}},
       {unused,
-       "gaps and contact are not read",
+       "gaps and contact are not supported",
        {"PGAP", "BCBODY", "BSURF", "BCONP", "BLSEG", "BFRIC", "BCT", "BCB", "BGPARM", "BCPROP", "BCGRID"}},
       {missing,
-       "the parts are not joined there",
+       "the parts are not connected there",
        {"CWELD", "CFAST", "CSEAM", "RSPLINE", "RSSCON", "RTRPLT", "RJOINT", "CINTC", "RBAR1", "RBJOINT", "RBJSTIF"}},
-      {missing, "the cyclic symmetry that joins its faces is missing", {"CYJOIN", "CYAX", "CYSYM", "CYSUP"}},
+      {missing, "the cyclic symmetry that connects its faces is missing", {"CYJOIN", "CYAX", "CYSYM", "CYSUP"}},
       {unused,
-       "its elements are not read",
+       "its elements are not supported",
        {"PWELD", "PFAST", "PSEAM", "PSHEAR", "PBEND", "PBEAM3", "PRAC", "PCONEAX"}},
       {unused,
-       "the cards of this material law beside the linear one are not read",
+       "only the linear part of this material is read",
        {"MATS1", "MATT", "MATF", "MATEP", "MATHE", "MATVE", "CREEP", "MATTVE"}},
       {doubtful,
-       "how these properties change with frequency or deflection is not read; the nominal ones hold",
+       "the dependence on frequency or deflection is ignored; the nominal values are used",
        {"PBUSHT", "PELAST", "PDAMPT"}},
-      {unused, "matrices of aerodynamics and fluids are not read", {"DMIJ", "DMIK", "DMIAX"}},
-      {doubtful, "this coordinate system is not read", {"CORD"}},
+      {unused, "matrices of aerodynamics and fluids are not supported", {"DMIJ", "DMIK", "DMIAX"}},
+      {doubtful, "this coordinate system is not supported", {"CORD"}},
       {missing, "this stiffness is missing", {"GENEL"}},
       {missing, "the terms of this transfer function are missing in stiffness, damping and mass", {"TF"}},
-      {doubtful, "this damping is not read", {"HYBDAMP", "DAMPING"}},
+      {doubtful, "this damping is ignored", {"HYBDAMP", "DAMPING"}},
   };
   return classes;
 }
@@ -124,8 +124,8 @@ void read_card(const Card& card, const Reading& reading) {
 void unused_card(const Card& card, const Reading& reading) {
   const std::string& name = card.name;
   if (!is_plain_word(name))
-    throw CardError("a line begins with '" + printable(name) + "'", "a card begins with its name",
-                    "mend the line; comments begin with $");
+    throw CardError("a line begins with '" + printable(name) + "'", "a card must begin with its name",
+                    "correct the line; comments begin with $");
   // Elements that name such a property or material tell that it is not read.
   if ((name.starts_with("P") || name.starts_with("MAT")) && card.is_integer(1)) {
     auto& unread = name.starts_with("MAT") ? reading.bulk.unread_materials : reading.bulk.unread_properties;
@@ -135,8 +135,7 @@ void unused_card(const Card& card, const Reading& reading) {
   // A word at the start of a line makes no card, and a file that is included may be no deck: its words are not shown.
   const std::string unknown = card.place.file > 0 ? "an unknown card of an included file" : name;
   if (is_left_out_element(name))
-    return reading.note(card, name, "the element is left out of the structure: its stiffness and mass are missing",
-                        missing);
+    return reading.note(card, name, "unsupported element: its stiffness and mass are missing", missing);
   for (const auto& [kind, consequence, prefixes] : unused_classes())
     for (const auto prefix : prefixes)
       if (name.starts_with(prefix)) {
@@ -145,13 +144,11 @@ void unused_card(const Card& card, const Reading& reading) {
         return;
       }
   if (name.starts_with("P") || name.starts_with("MAT"))
-    return reading.note(card, unknown, "the card is not read; elements that name it cannot be formed");
+    return reading.note(card, unknown, "unsupported card: elements that refer to it cannot be built");
   if (name.starts_with("C"))
-    return reading.note(card, unknown,
-                        "the card is not known; by its name it is an element, whose stiffness and mass are missing",
+    return reading.note(card, unknown, "unknown card; by its name it is an element: its stiffness and mass are missing",
                         missing);
-  reading.note(card, unknown,
-               "the card is not known and not used; if it is part of the structure, that part is missing", doubtful);
+  reading.note(card, unknown, "unknown card, ignored; if it belongs to the structure, that part is missing", doubtful);
 }
 
 }  // namespace kalfem::nastran

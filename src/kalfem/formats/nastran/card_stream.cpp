@@ -37,8 +37,8 @@ std::string_view marker_name(std::string_view marker) { return marker.empty() ? 
 
 void CardStream::line(const DeckLine& text) {
   if (trimmed(text.text).starts_with('='))
-    return files_.problem(text.place, "a replicated card ('=')", "replication is not read",
-                          "write the cards out, as the echo of the bulk data shows them");
+    return files_.problem(text.place, "a replicated card ('=')", "replication is not supported",
+                          "write the cards in full, as in the echo of the bulk data");
   Line line = split(text);
   if (!line.continues) {
     end_card();
@@ -52,14 +52,15 @@ void CardStream::line(const DeckLine& text) {
     set_aside(line);
   } else if (has_card_ && card_.place.file != text.place.file) {
     files_.problem(text.place, "a continuation that begins a file, or follows an INCLUDE",
-                   "a card ends with the file that it stands in", "put the card and its continuations into one file");
+                   "a card cannot continue in another file", "put the card and its continuations into one file");
   } else if (has_card_ || orphan_ != nullptr) {
     append(has_card_ ? card_.fields : orphan_->fields, line);
     marker_ = line.marker;
     if (orphan_ != nullptr) orphan_->marker = marker_;
   } else {
     files_.problem(text.place, "a continuation ('" + printable(text.text) + "') without a card before it",
-                   "its first field is blank or begins with + or *", "mend the line, or the one before it");
+                   "a line whose first field is blank or begins with + or * continues a card",
+                   "correct the line or the previous one");
   }
 }
 
@@ -107,7 +108,7 @@ void CardStream::split_free(std::string_view text, Line& line) {
       const bool is_marker = field.empty() || field.front() == '+' || field.front() == '*';
       if (!is_marker && (position <= text.size() || parse_real(field)))
         files_.problem(line.place, "a card in free field with '" + printable(field) + "' in its tenth field",
-                       "there stands the marker of the continuation", "begin a new line with a comma or '+,'");
+                       "that field is reserved for the continuation marker", "begin a new line with a comma or '+,'");
     }
     ++count;
   }
@@ -130,8 +131,8 @@ void CardStream::set_aside(Line& line) {
   append(aside.fields, line);
   const auto [place, is_new] = orphans_.try_emplace(marker_name(line.first), std::move(aside));
   if (!is_new)
-    files_.problem(line.place, "the continuation '" + printable(line.first) + "' stands twice",
-                   "it cannot be told which one is meant", "name continuations differently");
+    files_.problem(line.place, "the continuation '" + printable(line.first) + "' appears twice", "it is ambiguous",
+                   "give continuations different markers");
   orphan_ = &place->second;
   marker_ = line.marker;
 }
@@ -143,7 +144,7 @@ void CardStream::append(std::vector<std::string_view>& fields, const Line& line)
   const auto whole = [&](std::size_t size) { return (size + width - 1) / width * width; };
   if (fields.size() + line.fields.size() > most_fields)
     return files_.problem(line.place, "a card of more than " + std::to_string(most_fields) + " fields", "",
-                          "mend the file");
+                          "correct the file");
   const std::size_t begin = whole(fields.size());
   fields.resize(begin);
   fields.insert(fields.end(), line.fields.begin(), line.fields.end());
@@ -181,8 +182,8 @@ void CardStream::finish() {
     hand_over(card);
   }
   for (const auto& [name, orphan] : orphans_)
-    files_.problem(orphan.place, "the continuation '" + printable(name) + "' belongs to no card",
-                   "no card ends with its marker", "mend the markers");
+    files_.problem(orphan.place, "the continuation '" + printable(name) + "' does not belong to a card",
+                   "no card ends with this marker", "correct the markers");
   deferred_.clear();
   orphans_.clear();
 }

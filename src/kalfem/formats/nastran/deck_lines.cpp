@@ -59,10 +59,10 @@ void DeckFiles::problem(const Place& place, const std::string& what, const std::
 void DeckFiles::raise() const {
   IssueList all = listed_;
   if (!all.empty() && open_end_)
-    all.add(location(*open_end_), "ENDDATA is missing", "the deck may be cut off here", "write the file again");
+    all.add(location(*open_end_), "ENDDATA is missing", "the deck may be truncated", "export the file again");
   if (count_ > most_told)
     all.add(all.issues().back().location,
-            "and " + std::to_string(count_ - most_told) + " more problems, which are not listed");
+            "and " + std::to_string(count_ - most_told) + " more problems are not listed");
   all.raise();
 }
 
@@ -124,27 +124,29 @@ void DeckLines::include(std::string_view statement, const Place& place) {
       end = rest.find(quote);
     }
     if (end == std::string_view::npos)
-      return files_.problem(place, "INCLUDE: the name of the file does not end",
-                            "its closing quotation mark is missing", "close it");
+      return files_.problem(place, "INCLUDE: the file name is not closed", "its closing quotation mark is missing",
+                            "close it");
     name += trimmed(rest.substr(0, end));
   } else {
     name = trimmed(without_comment(rest));
   }
   std::ranges::replace(name, '\\', '/');
   const std::string title = "INCLUDE '" + name + "'";
-  if (name.empty()) return files_.problem(place, "INCLUDE without the name of a file", "", "name it");
-  if (!loader_) return files_.problem(place, title + " is not followed", "this deck is read without access to files");
+  if (name.empty()) return files_.problem(place, "INCLUDE without a file name", "", "name it");
+  if (!loader_)
+    return files_.problem(place, title + " cannot be followed", "this deck is read without access to other files");
   const auto path = (stack_.back().path.parent_path() / name).lexically_normal();
   if (std::ranges::any_of(stack_, [&](const Open& file) { return file.path.lexically_normal() == path; }))
-    return files_.problem(place, title + ": the file includes itself", "it would have no end", "take the INCLUDE out");
+    return files_.problem(place, title + ": the file includes itself", "the inclusion would never end",
+                          "remove the INCLUDE");
   if (stack_.size() >= deepest_include || opened_ >= most_includes)
     return files_.problem(place, title + " is nested more than " + std::to_string(deepest_include) +
-                                     " deep, or one of more than " + std::to_string(most_includes));
+                                     " levels deep, or there are more than " + std::to_string(most_includes));
   try {
     open(loader_(path), path);
   } catch (const InvalidInput& error) {
-    files_.problem(place, title + ": '" + path.string() + "' cannot be read", "the deck goes on in it",
-                   "names are relative to the file that includes them");
+    files_.problem(place, title + ": '" + path.string() + "' cannot be read", "the deck continues in that file",
+                   "names are relative to the including file");
   }
 }
 

@@ -56,8 +56,8 @@ const Frame* Frames::find(Id system, const Place& where) const {
   const auto frame = frames_.find(system);
   if (frame != frames_.end()) return &frame->second;
   if (!failed_.contains(system))
-    files_.problem(where, "coordinate system " + std::to_string(system) + " is missing", "the card names it",
-                   "add its CORD card, or mend the number");
+    files_.problem(where, "coordinate system " + std::to_string(system) + " is missing", "the card refers to it",
+                   "add its CORD card, or correct the number");
   return nullptr;
 }
 
@@ -69,7 +69,7 @@ const Frame* Frames::resolve(Id id, const Place& where, int depth) {
   if (depth > deepest) {
     if (failed_.try_emplace(id, true).second)
       files_.problem(card->second.where, "coordinate system " + std::to_string(id) + " depends on itself",
-                     "its place cannot be found", "break the ring of references");
+                     "its position cannot be determined", "remove the circular reference");
     return nullptr;
   }
   Eigen::Matrix3d points;
@@ -100,8 +100,8 @@ Frame Frames::from_points(const SystemCard& card, const Eigen::Matrix3d& points)
   const Eigen::Vector3d up = points.col(1) - points.col(0), side = points.col(2) - points.col(0);
   const Eigen::Vector3d across = up.cross(side);
   if (!(across.norm() > 1e-10 * up.norm() * side.norm())) {
-    files_.problem(card.where, "the three points of a coordinate system coincide or lie on a line",
-                   "they must span its x-z plane", "mend the points");
+    files_.problem(card.where, "the three points of a coordinate system coincide or lie on one line",
+                   "they must define its x-z plane", "correct the points");
     return frame;
   }
   const Eigen::Vector3d z = up.normalized(), y = across.normalized();
@@ -112,8 +112,8 @@ Frame Frames::from_points(const SystemCard& card, const Eigen::Matrix3d& points)
 bool Frames::resolve_node(Id node, const Place& where, int depth, Eigen::Vector3d& place) {
   const auto index = nodes_.find(node);
   if (index < 0) {
-    files_.problem(where, "grid point " + std::to_string(node) + " is missing",
-                   "the coordinate system is defined by it", "add the GRID card, or mend the number");
+    files_.problem(where, "grid point " + std::to_string(node) + " is missing", "the coordinate system depends on it",
+                   "add the GRID card, or correct the number");
     return false;
   }
   if (!resolve_grid(static_cast<std::size_t>(index), depth)) return false;
@@ -160,8 +160,8 @@ NodalMatrices MatrixGather::finish(const std::string& name) const {
 Eigen::Index Building::node(Id id, const std::string& title, const Place& where) {
   const auto index = nodes.find(id);
   if (index < 0)
-    files.problem(where, title + ": grid point " + std::to_string(id) + " is missing", "the card names it",
-                  "add the GRID card, or mend the number");
+    files.problem(where, title + ": grid point " + std::to_string(id) + " is missing", "the card refers to it",
+                  "add the GRID card, or correct the number");
   return index;
 }
 
@@ -205,16 +205,16 @@ const PropertyCard* find_property(Building& building, Id property, const std::st
   const auto unread = building.bulk.unread_properties.find(property);
   if (unread != building.bulk.unread_properties.end())
     building.files.problem(where, title + " names the " + unread->second + " " + std::to_string(property),
-                           "this kind of property is not read", "give the section by another card");
+                           "this type of property is not supported", "define the section by another card");
   else
-    building.files.problem(where, title + ": property " + std::to_string(property) + " is missing", "the card names it",
-                           "add the property, or mend the number");
+    building.files.problem(where, title + ": property " + std::to_string(property) + " is missing",
+                           "the card refers to it", "add the property, or correct the number");
   return nullptr;
 }
 
 void wrong_property(Building& building, const PropertyCard& card, const std::string& title, const Place& where) {
-  building.files.problem(where, title + " has a " + card.kind + " as its property", "it is one of another element",
-                         "mend the number of the property");
+  building.files.problem(where, title + " has a " + card.kind + " as its property",
+                         "this property belongs to another type of element", "correct the number of the property");
 }
 
 const MaterialCard* Materials::find(Id id, const std::string& title, const Place& where) {
@@ -225,7 +225,7 @@ const MaterialCard* Materials::find(Id id, const std::string& title, const Place
   building_.files.problem(where,
                           title + (known ? " is of the " + unread->second + " " : ": material ") + std::to_string(id) +
                               (known ? "" : " is missing"),
-                          known ? "this kind of material is not read" : "the card names it",
+                          known ? "this type of material is not supported" : "the card refers to it",
                           "give it as MAT1, MAT2, MAT8 or MAT9");
   return nullptr;
 }
@@ -237,13 +237,13 @@ IsotropicMaterial Materials::complete(const Material1& law, const Place& where) 
   if (!given(nu)) nu = given(g) && g > 0.0 ? e / (2.0 * g) - 1.0 : 0.0;
   // A shear modulus of its own stays in beams; Poisson's ratio of a material must be one.
   if (!given(law.poissons_ratio) && !(nu > -1.0 && nu < 0.5)) {
-    building_.note(where, "MAT1 whose E and G give no Poisson's ratio between -1 and 0.5",
-                   "shells and solids are read with 0.3; beams and rods keep E and G");
+    building_.note(where, "MAT1 with E and G that imply a Poisson's ratio outside -1 to 0.5",
+                   "shells and solids use 0.3; beams and rods keep E and G");
     nu = 0.3;
   } else if (given(g) && given(law.poissons_ratio) && given(law.youngs_modulus) &&
              std::abs(g * 2.0 * (1.0 + nu) - e) > 0.01 * std::abs(e)) {
-    building_.note(where, "MAT1 with E, G and NU that do not fit together",
-                   "shells and solids are read with E and NU; beams and rods keep E and G");
+    building_.note(where, "MAT1 with inconsistent E, G and NU",
+                   "shells and solids use E and NU; beams and rods keep E and G");
   }
   return {given(e) ? e : 0.0, nu, law.density * building_.bulk.mass_factor};
 }
@@ -256,7 +256,7 @@ std::string Materials::isotropic(Id id, const std::string& title, const Place& w
   const auto* law = std::get_if<Material1>(&card->law);
   if (law == nullptr) {
     building_.files.problem(where, title + ": material " + std::to_string(id) + " is not isotropic",
-                            "this element takes a MAT1", "give the material as MAT1");
+                            "this element needs a MAT1", "give the material as MAT1");
     return {};
   }
   building_.model.materials[name] = complete(*law, card->where);

@@ -51,10 +51,11 @@ public:
     cards_.finish();
     if (goes_on && part_ != Part::control) tell_missing_end(has_control, last);
     for (const auto& place : lines.open_ends())
-      notes_.add(files_.location(place), "an included file whose last line has no end",
-                 "if the file is cut off, its last number and what followed are missing", DeckNoteKind::doubtful);
+      notes_.add(files_.location(place), "an included file whose last line has no line end",
+                 "if the file is truncated, its last number and all that followed are missing", DeckNoteKind::doubtful);
     if (part_ == Part::control)
-      files_.problem({}, "the file has no BEGIN BULK", "the bulk data begin there", "put it before the first card");
+      files_.problem({}, "the file has no BEGIN BULK", "it marks the start of the bulk data",
+                     "put it before the first card");
   }
 
 private:
@@ -84,11 +85,10 @@ private:
     if (has_control) files_.set_open_end(last);
     if (has_control)
       notes_.add(files_.location(last), "ENDDATA",
-                 "the deck ends without it and may be cut off: supports, masses or elements may be lost",
-                 DeckNoteKind::missing);
+                 "the deck may be truncated: supports, masses or elements may be missing", DeckNoteKind::missing);
     else
       notes_.add(files_.location(last), "bulk data without ENDDATA",
-                 "if the file is cut off, supports, masses or elements are missing", DeckNoteKind::doubtful);
+                 "if the file is truncated, supports, masses or elements are missing", DeckNoteKind::doubtful);
   }
 
   void begin(const DeckLine& line) {
@@ -99,7 +99,8 @@ private:
     part_ = Part::other;
     const std::string part(line.place.file > 0 ? "BEGIN" : trimmed(line.text));
     notes_.add(files_.location(line.place), part,
-               "this part of the bulk data is not read: its stiffness and mass are missing", DeckNoteKind::missing);
+               "this part of the bulk data is not supported: its stiffness and mass are missing",
+               DeckNoteKind::missing);
   }
 
   DeckFiles& files_;
@@ -131,8 +132,8 @@ void drop_repeated_grids(BulkData& bulk, DeckFiles& files) {
     const auto& two = bulk.grids[static_cast<std::size_t>(later)];
     drop[static_cast<std::size_t>(later)] = true;
     if (one.place != two.place || one.position_system != two.position_system || one.motion_system != two.motion_system)
-      files.problem(two.where, "grid point " + std::to_string(two.id) + " is given twice",
-                    "first in line " + std::to_string(one.where.line), "take one of them out");
+      files.problem(two.where, "grid point " + std::to_string(two.id) + " is defined twice",
+                    "first in line " + std::to_string(one.where.line), "remove one of them");
   }
   std::size_t index = 0;
   std::erase_if(bulk.grids, [&](const Grid&) { return drop[index++]; });
@@ -143,7 +144,7 @@ void check_element_ids(BulkData& bulk, DeckFiles& files) {
   std::ranges::stable_sort(ids, {}, [](const auto& item) { return item.first; });
   for (std::size_t i = 1; i < ids.size(); ++i)
     if (ids[i].first == ids[i - 1].first)
-      files.problem(ids[i].second, "element " + std::to_string(ids[i].first) + " is given twice",
+      files.problem(ids[i].second, "element " + std::to_string(ids[i].first) + " is defined twice",
                     "first in line " + std::to_string(ids[i - 1].second.line), "renumber one of them");
   ids = {};
 }
@@ -159,7 +160,8 @@ void build_nodes(const BulkData& bulk, FiniteElementModel& model) {
 
 void check_extent(const FiniteElementModel& model, DeckFiles& files) {
   if (!model.mesh.nodes.allFinite())
-    files.problem({}, "a grid point lies at a place that is not finite", "its coordinates are too large", "mend them");
+    files.problem({}, "a grid point has a position that is not finite", "its coordinates are too large",
+                  "correct them");
 }
 
 void build_model(Building& building) {
@@ -181,12 +183,11 @@ void build_model(Building& building) {
 
 void note_case_control(const CaseControl& control, DeckNotes& notes, const DeckFiles& files) {
   if (control.more_subcases)
-    notes.add(files.location(control.second_subcase), "further SUBCASEs", "the first one chooses SPC and MPC",
+    notes.add(files.location(control.second_subcase), "further SUBCASEs", "the first one selects SPC and MPC",
               DeckNoteKind::doubtful);
   for (const auto& [command, place] : control.unused) {
     if (command == "NSM") continue;  // its cards tell what is missing
-    notes.add(files.location(place), command, "what this command of the case control adds is missing",
-              DeckNoteKind::missing);
+    notes.add(files.location(place), command, "what this case control command adds is missing", DeckNoteKind::missing);
   }
 }
 
@@ -220,8 +221,7 @@ Deck parse_nastran(std::string content, const std::string& source, const Nastran
   build_nodes(bulk, deck.model);
   check_extent(deck.model, files);
   if (bulk.grids.empty() && files.sound())
-    files.problem({}, "the deck has no grid points", "there is no structure in it",
-                  "check that it is a bulk data deck");
+    files.problem({}, "the deck has no grid points", "it contains no structure", "check that it is a bulk data deck");
   files.raise();
   Building building{bulk, control, nodes, frames, files, notes, deck.model};
   build_model(building);

@@ -11,7 +11,7 @@ void read_spc(const Card& card, const Reading& in) {
     const Id node = card.id(first, "G");
     in.bulk.spcs.push_back({card.id(1, "SID"), card.components(first + 1, "C"), {{node, node, 1, true}}, card.place});
     if (card.real_or(first + 2, 0.0, "D") != 0.0)
-      in.note(card, "enforced displacement (D of SPC)", "the node is held at zero there");
+      in.note(card, "enforced displacement (D of SPC)", "the node is fixed at zero");
   }
 }
 
@@ -39,7 +39,7 @@ void read_mpc(const Card& card, const Reading& in) {
     }
   if (mpc.terms.empty() || mpc.terms.front().coefficient == 0.0)
     throw CardError(card.name + " " + std::string(card.raw(1)) + ": the first coefficient is zero or missing",
-                    "the first component follows from the others", "give it a coefficient");
+                    "the first component depends on the others and needs a coefficient", "give it a coefficient");
   mpc.where = card.place;
   in.bulk.mpcs.push_back(std::move(mpc));
 }
@@ -57,7 +57,7 @@ void read_rbe2(const Card& card, const Reading& in) {
   for (std::size_t i = 4; i <= last; ++i) {
     if (card.blank(i)) continue;
     if (card.text(i) == "THRU")
-      throw CardError(title(card) + ": THRU in the list of GM", "it is not read here", "list the grid points");
+      throw CardError(title(card) + ": THRU in the list of GM", "THRU is not supported here", "list the grid points");
     body.dependent.emplace_back(card.id(i, "GM"), components);
   }
   body.where = card.place;
@@ -120,7 +120,7 @@ void read_rbe3(const Card& card, const Reading& in) {
       ++i;
     } else if (link.groups.empty()) {
       throw CardError(title(card) + ": the first weight is '" + std::string(card.raw(i)) + "'",
-                      "weights are real numbers", "write it with a decimal point");
+                      "weights must be real numbers", "write it with a decimal point");
     } else {
       link.groups.back().nodes.push_back(card.id(i, "G"));
     }

@@ -17,7 +17,8 @@ void read_grid(const Card& card, const Reading& in) {
   for (int i = 0; i < 3; ++i) grid.place[i] = card.real_or(static_cast<std::size_t>(3 + i), 0.0, "X");
   grid.motion_system = card.id_or(6, -2, "CD");
   if (grid.motion_system == -1)
-    throw CardError(title(card) + ": CD is -1, a fluid point", "fluids are not read", "take the fluid out of the deck");
+    throw CardError(title(card) + ": CD is -1, a fluid point", "fluids are not supported",
+                    "remove the fluid from the deck");
   grid.held = card.blank(7) ? ~0u : card.components(7, "PS");
   grid.where = card.place;
   in.bulk.grids.push_back(grid);
@@ -30,7 +31,7 @@ void read_grdset(const Card& card, const Reading& in) {
 void read_spoint(const Card& card, const Reading& in) {
   for (const auto& range : card.id_list(1, "ID")) {
     if (static_cast<std::size_t>(range.last - range.first) > most_scalar_points)
-      throw CardError(title(card) + ": more than 2 million points", "", "mend the range");
+      throw CardError(title(card) + ": more than 2 million points", "", "correct the range");
     for (std::int64_t id = range.first; id <= range.last; id += range.step)
       in.bulk.grids.push_back({static_cast<Id>(id), 0, scalar_point, 0, Eigen::Vector3d::Zero(), card.place});
   }
@@ -39,7 +40,7 @@ void read_spoint(const Card& card, const Reading& in) {
 void add_system(Id id, SystemCard system, const Card& card, const Reading& in) {
   system.where = card.place;
   if (!in.bulk.systems.try_emplace(id, system).second)
-    throw CardError("coordinate system " + std::to_string(id) + " is given twice", "", "take one of them out");
+    throw CardError("coordinate system " + std::to_string(id) + " is defined twice", "", "remove one of them");
 }
 
 template <SystemKind kind>
@@ -174,8 +175,8 @@ Eigen::Vector3d vector_at(const Card& card, std::size_t first, const char* what)
 std::array<char, 3> offset_axes(const Card& card, std::size_t i, const std::string& otherwise) {
   const auto word = card.blank(i) || card.is_number(i) ? otherwise : card.text(i);
   if (word.size() != 3 || word.find_first_not_of("GBOE") != std::string::npos || word[0] == 'O' || word[0] == 'E')
-    throw CardError(title(card) + ": OFFT is '" + word + "'", "it is three letters such as GGG, BGG or GOO",
-                    "mend the field");
+    throw CardError(title(card) + ": OFFT is '" + word + "'", "it must be three letters such as GGG, BGG or GOO",
+                    "correct the field");
   return {word[0], word[1], word[2]};
 }
 
@@ -212,7 +213,8 @@ void read_beam(const Card& card, const Reading& in) {
   beam.is_bar = card.name == "CBAR";
   beam.where = card.place;
   if (!card.blank(17) || !card.blank(18))
-    in.note(card, "warping (SA, SB of CBEAM)", "torsion is that of St Venant, without the stiffness of held warping");
+    in.note(card, "warping (SA, SB of CBEAM)",
+            "torsion follows St Venant; the stiffness of restrained warping is ignored");
   in.bulk.element_ids.emplace_back(beam.id, card.place);
   in.bulk.beams.push_back(beam);
 }

@@ -9,13 +9,13 @@ namespace {
 template <typename Law>
 void add_material(const Card& card, const Reading& in, const Law& law) {
   if (!in.bulk.materials.try_emplace(card.id(1, "MID"), MaterialCard{law, card.place}).second)
-    throw CardError("material " + std::to_string(card.id(1, "MID")) + " is given twice", "",
-                    "take one of the cards out");
+    throw CardError("material " + std::to_string(card.id(1, "MID")) + " is defined twice", "",
+                    "remove one of the cards");
 }
 
 void note_damping(const Card& card, const Reading& in, std::size_t field) {
   if (card.real_or(field, 0.0, "GE") != 0.0)
-    in.note(card, "structural damping (GE)", "springs and materials are without it; give modal damping instead");
+    in.note(card, "structural damping (GE)", "it is ignored; give modal damping instead");
 }
 
 void read_mat1(const Card& card, const Reading& in) {
@@ -75,7 +75,7 @@ namespace {
 void add_property(const Card& card, const Reading& in, PropertyLaw law) {
   const Id id = card.id(1, "PID");
   if (!in.bulk.properties.try_emplace(id, PropertyCard{card.name, std::move(law), card.place}).second)
-    throw CardError("property " + std::to_string(id) + " is given twice", "", "take one of the cards out");
+    throw CardError("property " + std::to_string(id) + " is defined twice", "", "remove one of the cards");
 }
 
 void read_pshell(const Card& card, const Reading& in) {
@@ -84,7 +84,7 @@ void read_pshell(const Card& card, const Reading& in) {
   shell.thickness = card.real_or(3, not_given, "T");
   const Id bending = card.id_or(4, 0, "MID2");
   shell.bending = bending == -1 ? shell.membrane : bending;
-  if (bending == -1) in.note(card, "plane strain (MID2 = -1 of PSHELL)", "the shell is read as one in plane stress");
+  if (bending == -1) in.note(card, "plane strain (MID2 = -1 of PSHELL)", "the shell is read as plane stress");
   shell.bending_ratio = card.real_or(5, 1.0, "12I/T**3");
   shell.shear = card.id_or(6, 0, "MID3");
   shell.shear_ratio = card.real_or(7, 5.0 / 6.0, "TS/T");
@@ -92,7 +92,7 @@ void read_pshell(const Card& card, const Reading& in) {
   shell.coupling = card.id_or(11, 0, "MID4");
   if (shell.coupling > 0)
     in.note(card, "coupling of stretching and bending (MID4 of PSHELL)",
-            "left out; an eccentric layup is better given as PCOMP");
+            "it is ignored; give an eccentric layup as PCOMP");
   add_property(card, in, shell);
 }
 
@@ -105,7 +105,7 @@ void finish_laminate(const Card& card, const Reading& in, PcompCard laminate) {
   }
   if (!laminate.layout.empty() && laminate.layout != "SYM")
     in.note(card, "LAM " + laminate.layout + " of " + card.name,
-            "the stack is read with all its stiffness, as without this word");
+            "this option is ignored: the laminate keeps its full stiffness");
   add_property(card, in, std::move(laminate));
 }
 
@@ -143,7 +143,7 @@ void read_pcompg(const Card& card, const Reading& in) {
 
 void read_psolid(const Card& card, const Reading& in) {
   if (card.text(7) == "PFLUID")
-    throw CardError(title(card) + " is a fluid", "fluids are not read", "take the fluid out of the deck");
+    throw CardError(title(card) + " is a fluid", "fluids are not supported", "remove the fluid from the deck");
   add_property(card, in, PsolidCard{card.id(2, "MID"), card.id_or(3, 0, "CORDM")});
 }
 
@@ -155,10 +155,10 @@ void read_prod(const Card& card, const Reading& in) {
 
 void read_ptube(const Card& card, const Reading& in) {
   const double first = card.real(3, "OD"), last = card.real_or(6, first, "OD2"), wall = card.real_or(4, 0.0, "T");
-  if (first != last) in.note(card, "taper of PTUBE", "the rod is read with the mean of both diameters");
+  if (first != last) in.note(card, "taper of PTUBE", "the rod takes the mean of both diameters");
   const double outer = (first + last) / 2.0, inner = wall == 0.0 ? 0.0 : outer - 2.0 * wall;
   if (!(outer > 0.0) || inner < 0.0)
-    throw CardError(title(card) + ": its diameter and wall are not those of a tube", "", "mend OD and T");
+    throw CardError(title(card) + ": its diameter and wall do not form a tube", "", "correct OD and T");
   const auto power = [](double base, int exponent) { return std::pow(base, exponent); };
   add_property(card, in,
                RodSection{card.id(2, "MID"), std::numbers::pi / 4.0 * (power(outer, 2) - power(inner, 2)),
@@ -175,8 +175,7 @@ void read_pbush(const Card& card, const Reading& in) {
       if (word == "B") bush.damping[i] = card.real_or(flag + 1 + i, 0.0, "B");
     }
     if (word == "M") bush.mass = card.real_or(flag + 1, 0.0, "M");
-    if (word == "GE")
-      in.note(card, "structural damping (GE)", "springs and materials are without it; give modal damping instead");
+    if (word == "GE") in.note(card, "structural damping (GE)", "it is ignored; give modal damping instead");
   }
   add_property(card, in, bush);
 }
@@ -201,7 +200,7 @@ void read_pvisc(const Card& card, const Reading& in) {
 
 void add_value(std::map<Id, double>& values, const Card& card, std::size_t id, const char* what) {
   if (!values.try_emplace(card.id(id, "PID"), card.real_or(id + 1, 0.0, what)).second)
-    throw CardError(card.name + " " + std::string(card.raw(id)) + " is given twice", "", "take one of the cards out");
+    throw CardError(card.name + " " + std::string(card.raw(id)) + " is defined twice", "", "remove one of the cards");
 }
 
 void read_pelas(const Card& card, const Reading& in) {
@@ -209,7 +208,7 @@ void read_pelas(const Card& card, const Reading& in) {
     if (!card.blank(first)) {
       add_value(in.bulk.spring_stiffness, card, first, "K");
       if (card.real_or(first + 2, 0.0, "GE") != 0.0)
-        in.note(card, "structural damping (GE)", "springs and materials are without it; give modal damping instead");
+        in.note(card, "structural damping (GE)", "it is ignored; give modal damping instead");
     }
 }
 void read_pdamp(const Card& card, const Reading& in) {

@@ -10,7 +10,7 @@ using Kind = ScalarCard::Kind;
 
 void add_scalar(const Card& card, const Reading& in, ScalarCard scalar) {
   if (scalar.nodes[0] == 0 && scalar.nodes[1] == 0)
-    throw CardError(title(card) + " joins no nodes", "one of its ends may be the ground, not both", "name a node");
+    throw CardError(title(card) + " connects no nodes", "only one of its ends may be the ground", "name a node");
   scalar.where = card.place;
   in.bulk.element_ids.emplace_back(scalar.id, card.place);
   in.bulk.scalars.push_back(scalar);
@@ -34,7 +34,7 @@ void read_with_value(const Card& card, const Reading& in) {
   scalar.nodes = {card.id_or(3, 0, "G1"), card.id_or(5, 0, "G2")};
   scalar.components = {card.component(4, "C1"), card.component(6, "C2")};
   if (card.real_or(7, 0.0, "GE") != 0.0)
-    in.note(card, "structural damping (GE)", "springs and materials are without it; give modal damping instead");
+    in.note(card, "structural damping (GE)", "it is ignored; give modal damping instead");
   add_scalar(card, in, scalar);
 }
 
@@ -176,18 +176,18 @@ void read_param(const Card& card, const Reading& in) {
   if (name == "WTMASS") {
     in.bulk.mass_factor = card.real(2, "WTMASS");
     if (!(in.bulk.mass_factor > 0.0))
-      throw CardError("PARAM WTMASS is " + std::string(card.raw(2)), "it multiplies all mass",
+      throw CardError("PARAM WTMASS is " + std::string(card.raw(2)), "this factor multiplies all mass",
                       "give a positive factor");
   } else if (name == "COUPMASS") {
     in.bulk.coupled_mass = card.text(2) == "YES" || (card.is_number(2) && card.real(2, "COUPMASS") > 0.0);
   } else if (name == "AUTOSPC") {
     in.bulk.hold_singular = card.text(2) != "NO";
   } else if (name == "G" || name == "W3" || name == "W4" || name == "GFL") {
-    in.note(card, "PARAM " + name, "structural damping is not read; give modal damping instead");
+    in.note(card, "PARAM " + name, "structural damping is ignored; give modal damping instead");
   } else if (name == "K6ROT") {
     in.bulk.drilling = std::max(0.0, card.real_or(2, 100.0, "K6ROT"));
   } else if (name == "CM2" || name == "CK2" || name == "CB2" || name == "CM1" || name == "CK1") {
-    in.note(card, "PARAM " + name, "direct input matrices are not scaled by it");
+    in.note(card, "PARAM " + name, "it does not scale direct input matrices");
   }
 }
 

@@ -10,7 +10,7 @@ void add_section(const Card& card, const Reading& in, SectionCard section) {
   const Id id = card.id(1, "PID");
   section.material = card.id(2, "MID");
   if (!in.bulk.properties.try_emplace(id, PropertyCard{card.name, section, card.place}).second)
-    throw CardError("property " + std::to_string(id) + " is given twice", "", "take one of the cards out");
+    throw CardError("property " + std::to_string(id) + " is defined twice", "", "remove one of the cards");
 }
 
 void read_pbar(const Card& card, const Reading& in) {
@@ -50,7 +50,7 @@ SectionCard section_between(const Station& a, const Station& b) {
 }
 
 void note_taper(const Card& card, const Reading& in) {
-  in.note(card, "taper of " + card.name, "beams are read with the mean of the sections at both ends");
+  in.note(card, "taper of " + card.name, "beams take the mean of the sections at both ends");
 }
 
 /// Mean of the values at ends A and B; B is as A where it is blank.
@@ -76,7 +76,8 @@ void read_pbeam(const Card& card, const Reading& in) {
       in.note(card, "moment of inertia of nonstructural mass (NSI of PBEAM)", "this rotary inertia is missing");
   for (const std::size_t i : {6, 7})
     if (card.real_or(line + i, 0.0, "CW") != 0.0)
-      in.note(card, "warping (CW of PBEAM)", "torsion is that of St Venant, without the stiffness of held warping");
+      in.note(card, "warping (CW of PBEAM)",
+              "torsion follows St Venant; the stiffness of restrained warping is ignored");
   section.nonstructural_centre = mean_point(card, line + 8, "M1, M2");
   section.neutral_axis = mean_point(card, line + 12, "N1, N2");
   add_section(card, in, section);
@@ -92,7 +93,7 @@ std::size_t known_shape(const Card& card) {
   const std::size_t count = dimension_count(card.text(4));
   if (count == 0)
     throw CardError(title(card) + ": the section TYPE '" + card.text(4) + "' is not known",
-                    "its area and moments of inertia cannot be formed", "give them on a PBAR or PBEAM card");
+                    "its area and moments of inertia cannot be computed", "give them on a PBAR or PBEAM card");
   return count;
 }
 

@@ -317,8 +317,8 @@ std::size_t dimension_count(const std::string& shape) {
 
 SectionCard section_of_shape(const std::string& shape, const std::vector<double>& d, const std::string& title) {
   const auto refuse = [&]() -> SectionCard {
-    throw CardError(title + ": the dimensions do not make up the section " + shape,
-                    "lengths are positive and walls leave room for each other", "mend the dimensions");
+    throw CardError(title + ": the dimensions do not form the section " + shape,
+                    "lengths must be > 0 and walls must not overlap", "correct the dimensions");
   };
   if (dimension_count(shape) != d.size()) return refuse();
   for (std::size_t i = 0; i < d.size(); ++i)

@@ -143,7 +143,7 @@ void hold_singular_motions(Building& building) {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(held_sum);
     if (solver.eigenvalues()[0] > weakest) continue;
     building.note(building.bulk.grids[static_cast<std::size_t>(node)].where, "AUTOSPC",
-                  "motions of nodes without any stiffness are held, as PARAM AUTOSPC does");
+                  "degrees of freedom without stiffness are fixed, as by PARAM AUTOSPC");
     ReducedEquations equations;
     for (int i = 0; i < 3; ++i) {
       if (solver.eigenvalues()[i] > weakest) continue;
@@ -195,9 +195,9 @@ void release_held(Building& building, const std::vector<NodalSurface>& surfaces,
   }
   release(building.model, along);
   building.note(building.bulk.grids[static_cast<std::size_t>(held.front().node)].where,
-                "held rotations of shells about their normal",
-                "shells of Nastran have next to no stiffness there: at " + std::to_string(nodes.size()) +
-                    " nodes the shells turn freely, as they do in Nastran");
+                "fixed rotations of shells about their normal",
+                "Nastran shells have almost no stiffness there: at " + std::to_string(nodes.size()) +
+                    " nodes these rotations are left free, as in Nastran");
 }
 
 }  // namespace
@@ -246,7 +246,7 @@ void release_drilling(Building& building) {
   if (places.empty()) return;
   building.note({}, "rotations of shells about their normal (K6ROT)",
                 "where shells meet beams, springs or links, " + std::to_string(places.size()) +
-                    " nodes of their own leave these rotations nearly free, as Nastran does");
+                    " separate nodes leave these rotations nearly free, as in Nastran");
   mesh.nodes.conservativeResize(3, mesh.nodes.cols() + static_cast<Eigen::Index>(places.size()));
   mesh.nodes.rightCols(static_cast<Eigen::Index>(places.size())) =
       Eigen::Map<const Eigen::Matrix3Xd>(places.front().data(), 3, static_cast<Eigen::Index>(places.size()));

@@ -54,7 +54,7 @@ void check(const CsvOptions& options) {
     issues.add({}, "the sampling rate is " + std::to_string(*options.sample_rate) + " Hz",
                "it must be positive and finite");
   if (options.rows && *options.rows < 1)
-    issues.add({}, std::to_string(*options.rows) + " rows of a table are asked for", "it must be at least one");
+    issues.add({}, std::to_string(*options.rows) + " rows of a table are requested", "it must be at least one");
   if (!(options.jitter >= 0.0 && options.jitter < 0.5))
     issues.add({}, "jitter is " + std::to_string(options.jitter), "it must be at least 0 and below 0.5 of an interval");
   issues.raise();
@@ -89,7 +89,7 @@ std::vector<Channel> titles_of(const TextLine& first, const Dialect& dialect, Fi
     titles.push_back(named ? std::string(cell) : "column_" + std::to_string(titles.size() + 1));
     channels.push_back(named ? channel_of(cell) : Channel{titles.back(), ""});
     if (std::ranges::count(titles, titles.back()) > 1)
-      problems.add(first.number, "two columns are named '" + titles.back() + "'", "names must differ",
+      problems.add(first.number, "two columns are named '" + titles.back() + "'", "names must be unique",
                    "rename one of them");
   }
   tell_apart(channels, titles);
@@ -142,7 +142,7 @@ class CsvFile {
 public:
   CsvFile(const std::filesystem::path& path, const CsvOptions& options)
       : problems(path.string()), options_(options), text_(read_text(path)), lines_(content_lines(text_)) {
-    if (lines_.empty()) throw InvalidInput(Issue{{path.string(), 0}, "the file holds no data", "", "check the path"});
+    if (lines_.empty()) throw InvalidInput(Issue{{path.string(), 0}, "the file has no data", "", "check the path"});
     if (options.rows) lines_.resize(std::min(lines_.size(), static_cast<std::size_t>(*options.rows) + 1));
     dialect_ = find_dialect(lines_, options);
     titles = titles_of(lines_.front(), dialect_, problems);
@@ -199,7 +199,7 @@ private:
     problems.add(
         line.number,
         "the line has " + std::to_string(cells.size()) + " cells, the first line " + std::to_string(titles.size()),
-        "every line needs the same number of cells", "mend the line; check separator and decimal sign");
+        "every line needs the same number of cells", "correct the line; check the separator and the decimal sign");
   }
 
   CsvOptions options_;
@@ -214,7 +214,7 @@ double seconds_per(const Channel& time, FileProblems& problems) {
   try {
     return to_si("1 " + time.unit, "s");
   } catch (const InvalidInput&) {
-    problems.add(0, "the time column '" + time.name + "' is in '" + time.unit + "'", "that is no unit of time",
+    problems.add(0, "the time column '" + time.name + "' is in '" + time.unit + "'", "that is not a unit of time",
                  "write s, ms or us");
     return 1.0;
   }
@@ -247,7 +247,7 @@ CsvRecord read_csv_record(const std::filesystem::path& path, const CsvOptions& o
   const auto names = names_of(file.titles);
   const std::string time = find_time_column(names, options.time_column, file.problems);
   if (time.empty() && !options.sample_rate)
-    file.problems.add(0, "neither a time column nor a sampling rate is known", "a record needs one of them",
+    file.problems.add(0, "the file has no time column and no sampling rate is given", "a record needs one of the two",
                       "name the time column or give the sampling rate in Hz");
   file.problems.raise();
 

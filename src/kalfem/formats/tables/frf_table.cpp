@@ -69,7 +69,7 @@ void check(const FrfTableOptions& options) {
                        "it must be a semicolon, tab, comma or space", "");
   if (options.decimal && *options.decimal != '.' && (*options.decimal != ',' || options.separator == ','))
     throw InvalidInput(std::string("the decimal sign is '") + *options.decimal + "'",
-                       "it must be a point, or a comma that does not separate", "");
+                       "it must be a point, or a comma if the separator is another", "");
 }
 
 /// Cells of all lines; the first line holds names when one of its cells is no number.
@@ -91,10 +91,12 @@ Table table_of(const std::vector<TextLine>& lines, const FrfTableOptions& option
     problems.add(lines[i].number,
                  "the line has " + std::to_string(table.rows.back().size()) + " cells, the first line " +
                      std::to_string(first.size()),
-                 "every line needs the same number of cells", "mend the line; check separator and decimal sign");
+                 "every line needs the same number of cells",
+                 "correct the line; check the separator and the decimal sign");
   }
-  if (table.rows.empty()) problems.add(0, "the file holds no lines of numbers", "", "check the path");
-  if (first.size() < 2) problems.add(lines.front().number, "there is one column only", "an FRF needs a frequency too");
+  if (table.rows.empty()) problems.add(0, "the file has no lines of numbers", "", "check the path");
+  if (first.size() < 2)
+    problems.add(lines.front().number, "there is only one column", "an FRF needs a frequency column too");
   return table;
 }
 
@@ -129,7 +131,7 @@ bool phase_in_radians(const std::string& title, const std::string& unit, int lin
   const std::string lower = lower_case(unit);
   if (lower == "rad" || (unit.empty() && lower_case(title).ends_with("_rad"))) return true;
   if (!(lower.empty() || lower == "deg" || lower == "°" || lower == "degrees"))
-    problems.add(line, "the phase '" + title + "' is in '" + unit + "'", "deg and rad are known");
+    problems.add(line, "the phase '" + title + "' is in '" + unit + "'", "deg and rad are supported");
   return false;
 }
 
@@ -137,7 +139,7 @@ void set_unit(FrfColumns& frf, const std::string& unit, int line, FileProblems& 
   if (!frf.output.unit.empty() && frf.output.unit != unit)
     problems.add(line,
                  "the columns of '" + frf.output.name + "' are in '" + frf.output.unit + "' and in '" + unit + "'",
-                 "they are parts of one number", "write the same unit");
+                 "they are parts of the same complex number", "write the same unit for both");
   frf.output.unit = unit;
 }
 
@@ -151,13 +153,13 @@ std::vector<FrfColumns> frfs_of(const Table& table, std::size_t frequency, FrfCo
     auto [part, name] = part_of(title, content);
     const bool decibels = lower_case(unit) == "db";
     if (decibels && part == Part::deviation)
-      problems.add(table.header_line, "the deviation '" + title + "' is in dB", "it belongs to the value itself",
+      problems.add(table.header_line, "the deviation '" + title + "' is in dB", "it must be in the unit of the value",
                    "give it in the unit of the values");
     if (decibels && (part == Part::magnitude || part == Part::complex)) part = Part::decibel;
     auto frf = std::ranges::find_if(frfs, [&](const FrfColumns& other) { return other.output.name == name; });
     if (frf == frfs.end()) frf = frfs.insert(frfs.end(), FrfColumns{{name, ""}, {}});
     if (!frf->parts.emplace(part, i).second)
-      problems.add(table.header_line, "there are two columns like '" + title + "'", "names must differ",
+      problems.add(table.header_line, "there are two columns like '" + title + "'", "names must be unique",
                    "rename one of them");
     if (part == Part::phase)
       frf->phase_in_radians = phase_in_radians(title, unit, table.header_line, problems);
@@ -178,10 +180,10 @@ std::vector<FrfColumns> unnamed_frfs(const Table& table, FrfColumnContent conten
     return cell.find_first_of("ij") != std::string_view::npos;
   });
   if (!any_complex)
-    problems.add(
-        table.lines.front(), "the columns are real and have no names", "they may be parts, magnitudes or phases",
-        "write a first line such as frequency_hz, H1_re, H1_im or frequency_hz, H1_mag, H1_phase; for columns of "
-        "magnitudes or of dB alone say so by `values`");
+    problems.add(table.lines.front(), "the columns are real and have no names",
+                 "they could be real parts, magnitudes or phases",
+                 "write a first line such as frequency_hz, H1_re, H1_im or frequency_hz, H1_mag, H1_phase; if they are "
+                 "magnitudes or dB, set `values`");
   return frfs;
 }
 
@@ -190,12 +192,12 @@ void check_parts(const FrfColumns& frf, int line, FileProblems& problems) {
   const int ways =
       has(Part::complex) + (has(Part::real) || has(Part::imaginary)) + has(Part::magnitude) + has(Part::decibel);
   if (has(Part::real) != has(Part::imaginary))
-    problems.add(line, "'" + frf.output.name + "' has only one of the columns _re and _im", "both parts are needed");
+    problems.add(line, "'" + frf.output.name + "' has only one of the columns _re and _im", "both parts are required");
   else if (ways != 1)
-    problems.add(line, "'" + frf.output.name + "' is given in " + (ways == 0 ? "no" : "more than one") + " way",
-                 "an FRF is a complex column, _re and _im, or _mag (or _db) and _phase", "add or leave out columns");
+    problems.add(line, "'" + frf.output.name + "' is given in " + (ways == 0 ? "no" : "more than one form") + " way",
+                 "an FRF is one complex column, or _re and _im, or _mag (or _db) and _phase", "add or remove columns");
   else if (has(Part::phase) && !has(Part::magnitude) && !has(Part::decibel))
-    problems.add(line, "'" + frf.output.name + "' has a phase without a magnitude", "", "leave the phase out");
+    problems.add(line, "'" + frf.output.name + "' has a phase without a magnitude", "", "remove the phase");
 }
 
 void select(std::vector<FrfColumns>& frfs, const std::vector<std::string>& wanted, FileProblems& problems) {
@@ -232,7 +234,7 @@ public:
 
   [[nodiscard]] double real(std::size_t row, std::size_t column) const {
     const Complex number = complex(row, column);
-    if (number.imag() != 0.0) add(row, column, "holds a complex number", "this column is real");
+    if (number.imag() != 0.0) add(row, column, "has a complex number", "the column is real elsewhere");
     return number.real();
   }
 
@@ -282,7 +284,7 @@ std::pair<std::size_t, double> frequency_of(const Table& table, const std::strin
   if (unit == "khz") return {column, 1000.0};
   if (unit == "rad/s") return {column, 0.5 / std::numbers::pi};
   if (!unit.empty() && unit != "hz")
-    problems.add(table.header_line, "the frequencies are in '" + unit + "'", "Hz, kHz and rad/s are known");
+    problems.add(table.header_line, "the frequencies are in '" + unit + "'", "Hz, kHz and rad/s are supported");
   return {column, 1.0};
 }
 
@@ -293,8 +295,8 @@ Eigen::VectorXd read_lines(const TableCells& cells, const Table& table, std::siz
     const auto row = std::size_t(k);
     lines[k] = unit * cells.not_negative(row, column, "frequency");
     if (k > 0 && !(lines[k] > lines[k - 1]))
-      problems.add(table.lines[row], "the frequency does not rise above the one before it",
-                   "frequencies must be in ascending order", "sort the lines and keep one of each frequency");
+      problems.add(table.lines[row], "the frequency does not exceed the previous one",
+                   "frequencies must be in ascending order", "sort the lines and keep one line per frequency");
   }
   return lines;
 }
@@ -302,8 +304,8 @@ Eigen::VectorXd read_lines(const TableCells& cells, const Table& table, std::siz
 void check_phases(const std::vector<FrfColumns>& frfs, int line, FileProblems& problems) {
   const auto without = std::ranges::count_if(frfs, is_magnitude_only);
   if (without != 0 && std::size_t(without) != frfs.size())
-    problems.add(line, std::to_string(without) + " of the FRFs are without phase",
-                 "a table holds either magnitudes only or complex FRFs", "read them separately, by `outputs`");
+    problems.add(line, std::to_string(without) + " of the FRFs have no phase",
+                 "a table must hold either magnitudes only or complex FRFs only", "read them separately, by `outputs`");
 }
 
 }  // namespace
@@ -313,7 +315,7 @@ FrequencyResponse read_frf_table(const std::filesystem::path& path, const FrfTab
   FileProblems problems(path.string());
   const std::string text = read_text(path);
   const auto content = content_lines(text);
-  if (content.empty()) throw InvalidInput(Issue{{path.string(), 0}, "the file holds no data", "", "check the path"});
+  if (content.empty()) throw InvalidInput(Issue{{path.string(), 0}, "the file has no data", "", "check the path"});
   const Table table = table_of(content, options, problems);
   problems.raise();
   const auto [frequency, unit] = frequency_of(table, options.frequency_column, problems);

@@ -47,7 +47,7 @@ Header read_header(const std::vector<TextLine>& lines, FileProblems& problems) {
   }
   if (blocks < 2)
     problems.add(0, "the file has " + std::to_string(blocks) + " of the two " + std::string(end_of_header) + " marks",
-                 "this is no complete LabVIEW measurement file");
+                 "this is not a complete LabVIEW measurement file");
   if (header.first("Decimal_Separator") == ",") header.decimal = ',';
   return header;
 }
@@ -61,12 +61,12 @@ double common_number(const Header& header, const std::string& key, std::size_t c
     const auto number = parse_number(entry->second[j], header.decimal);
     if (!number || !std::isfinite(*number) || (common && *common != *number)) {
       problems.add(line, key + " of channel " + std::to_string(j + 1) + " is '" + std::string(entry->second[j]) + "'",
-                   "it must be a number, the same for all channels", "resample or split the file");
+                   "it must be a number and the same for all channels", "resample or split the file");
       return NAN;
     }
     common = number;
   }
-  if (!common) problems.add(line, "the header has no " + key, "the time axis needs it");
+  if (!common) problems.add(line, "the header has no " + key, "the time axis depends on it");
   return common.value_or(NAN);
 }
 
@@ -75,7 +75,7 @@ std::size_t channel_count(const Header& header, FileProblems& problems) {
   if (number && *number >= 1 && *number <= 1e6 && *number == std::floor(*number))
     return static_cast<std::size_t>(*number);
   problems.add(0, "the header names '" + std::string(header.first("Channels")) + "' channels",
-               "a positive whole number is needed");
+               "a positive whole number is required");
   return 0;
 }
 
@@ -86,7 +86,7 @@ std::vector<Channel> channels_of(const Header& header, const TextLine& line, std
   std::vector<Channel> channels;
   if (titles.size() < count + 1) {
     problems.add(line.number, "the line of names has " + std::to_string(titles.size()) + " cells",
-                 std::to_string(count) + " channels and the time need a name each");
+                 std::to_string(count) + " every channel and the time need a name");
     return channels;
   }
   const auto units = header.entries.find("Y_Unit_Label");
@@ -111,7 +111,7 @@ NumberRows read_rows(const std::vector<TextLine>& lines, const Header& header, b
     const TextLine& line = lines[i];
     if (trimmed(line.text).empty()) continue;
     if (line.text.starts_with("Channels") || line.text.starts_with(end_of_header)) {
-      problems.add(line.number, "a second segment begins here", "one segment is one record", "split the file");
+      problems.add(line.number, "a second segment begins here", "only one segment can be read", "split the file");
       break;
     }
     const Cells cells = split_cells(line.text, header.separator);
@@ -119,7 +119,7 @@ NumberRows read_rows(const std::vector<TextLine>& lines, const Header& header, b
       rows.add(line.number, cells, problems);
     else
       problems.add(line.number, "the line has " + std::to_string(cells.size()) + " cells",
-                   std::to_string(channels.size() + 1) + " are needed", "mend the line");
+                   std::to_string(channels.size() + 1) + " are required", "correct the line");
   }
   return rows;
 }
@@ -132,8 +132,8 @@ void check_count(const Header& header, std::size_t found, FileProblems& problems
   for (const auto cell : entry->second) declared = std::max(declared, parse_number(cell, header.decimal).value_or(0.0));
   if (declared <= static_cast<double>(found)) return;
   problems.add(header.lines.at("Samples"),
-               "the header declares " + shortest(declared) + " samples, the file holds " + std::to_string(found),
-               "the file was cut off", "copy or export it again, or write the right count into the header");
+               "the header declares " + shortest(declared) + " samples, the file contains " + std::to_string(found),
+               "the file is truncated", "copy or export it again, or correct the count in the header");
 }
 
 }  // namespace
@@ -145,14 +145,14 @@ TimeSeries read_lvm(const std::filesystem::path& path, bool missing) {
 
   const Header header = read_header(lines, problems);
   if (header.first("X_Columns") == "Multi")
-    problems.add(header.lines.at("X_Columns"), "X_Columns is Multi: every channel has times of its own",
-                 "one record has one time axis", "export with X_Columns One");
+    problems.add(header.lines.at("X_Columns"), "X_Columns is Multi: every channel has its own times",
+                 "a record needs one time axis", "export with X_Columns One");
   problems.raise();
   const std::size_t count = channel_count(header, problems);
   const double interval = common_number(header, "Delta_X", count, problems);
   double start = common_number(header, "X0", count, problems);
   if (problems.empty() && !(interval > 0.0))
-    problems.add(header.lines.at("Delta_X"), "Delta_X is not positive", "it is the sampling interval in seconds");
+    problems.add(header.lines.at("Delta_X"), "Delta_X is not positive", "it must be the sampling interval in seconds");
   if (header.length >= lines.size()) problems.add(0, "the file ends after its header", "there are no samples");
   problems.raise();
 

@@ -44,8 +44,8 @@ std::vector<std::string_view> split_blanks(std::string_view line) {
 std::string read_text(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream || std::filesystem::is_directory(path))
-    throw InvalidInput(Issue{
-        {path.string(), 0}, "the file cannot be read", "it does not exist or is no readable file", "check the path"});
+    throw InvalidInput(
+        Issue{{path.string(), 0}, "the file cannot be read", "it does not exist or is not readable", "check the path"});
   std::string text(std::istreambuf_iterator<char>(stream), {});
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
   return text;
@@ -153,14 +153,14 @@ void NumberRows::add(int line, const std::vector<std::string_view>& cells, FileP
     const bool usable = number && std::isfinite(*number), missing = is_missing_value(cell);
     numbers_.push_back(usable ? *number : NAN);
     if (usable || (missing && missing_from_ && i >= *missing_from_)) continue;
-    problems.add(line,
-                 "column '" + names_[columns_[i]] + "' " +
-                     (cell.empty() ? "is empty" : "holds '" + std::string(cell.substr(0, 40)) + "'"),
-                 "every sample must be a finite number",
-                 missing && !missing_from_
-                     ? "repair or cut the record here, leave the column out, or allow missing samples "
-                       "(record.skip_missing: true)"
-                     : "repair or cut the record here, or leave the column out");
+    problems.add(
+        line,
+        "column '" + names_[columns_[i]] + "' " +
+            (cell.empty() ? "is empty" : "holds '" + std::string(cell.substr(0, 40)) + "'"),
+        "every sample must be a finite number",
+        missing && !missing_from_
+            ? "repair or cut the record here, omit the column, or allow missing samples (record.skip_missing: true)"
+            : "repair or cut the record here, or omit the column");
   }
 }
 

@@ -56,9 +56,9 @@ void find_gaps(const Eigen::VectorXd& stamps, const std::vector<int>& lines, dou
     if (std::abs(found - interval) <= tolerance) continue;
     const double missing = std::round(found / interval) - 1.0;
     problems.add(lines[static_cast<std::size_t>(k)],
-                 "'" + column + "' goes from " + shown(stamps(k - 1)) + " s to " + shown(stamps(k)) + " s",
-                 found <= 0.0 ? "time must rise"
-                              : "the interval elsewhere is " + shown(interval) + " s" +
+                 "'" + column + "' runs from " + shown(stamps(k - 1)) + " s to " + shown(stamps(k)) + " s",
+                 found <= 0.0 ? "time must increase"
+                              : "the usual interval is " + shown(interval) + " s" +
                                     (missing >= 1.0 ? "; " + shown(missing) + " samples are missing" : ""),
                  "cut the record here, or resample it to equal intervals");
   }
@@ -84,8 +84,8 @@ TimeAxis time_axis(const Eigen::VectorXd& stamps, const std::vector<int>& lines,
   const double interval = typical_interval(stamps);
   const double unit = resolution(stamps);
   if (!(interval > 0.0)) {
-    problems.add(lines.front(), "the time column '" + options.column + "' does not rise", "time must rise",
-                 "name the column that holds the time in seconds");
+    problems.add(lines.front(), "the time column '" + options.column + "' does not increase", "time must increase",
+                 "name the column with the time in seconds");
     return {};
   }
   const std::optional<double> rounding = visible_rounding(unit, interval);
@@ -93,7 +93,7 @@ TimeAxis time_axis(const Eigen::VectorXd& stamps, const std::vector<int>& lines,
     problems.add(lines.front(),
                  "the time column '" + options.column + "' is rounded to " + shown(unit) + " s at intervals of " +
                      shown(interval) + " s",
-                 "a missing sample could not be seen", "give the sampling rate");
+                 "a missing sample could not be detected", "give the sampling rate");
     return {};
   }
   if (rounding) find_gaps(stamps, lines, interval, options.jitter * interval + *rounding, options.column, problems);
@@ -105,7 +105,7 @@ TimeAxis time_axis(const Eigen::VectorXd& stamps, const std::vector<int>& lines,
     problems.add(lines.front(),
                  "the time column '" + options.column + "' gives " + shown(rate) + " Hz, but " +
                      shown(*options.sample_rate) + " Hz was given",
-                 "they must agree", "leave the sampling rate out, or mend it");
+                 "both must agree", "remove or correct the sampling rate");
   return {stamps(0), *options.sample_rate};
 }
 

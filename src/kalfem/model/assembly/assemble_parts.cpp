@@ -101,10 +101,10 @@ std::map<std::string, DofCombination> joined_points(const std::vector<const Line
     for (const auto& [name, combination] : part->points) {
       if (numbering.places.contains(name) && std::ranges::find(part->dofs, name) == part->dofs.end())
         issues.add({}, "the point '" + name + "' has the name of a degree of freedom of another part",
-                   "it would be another motion", "rename one of them");
+                   "one name must mean one motion", "rename one of them");
       const auto [found, added] = points.emplace(name, combination);
       if (!added && found->second != combination)
-        issues.add({}, "two parts have different points named '" + name + "'", "names mean one motion",
+        issues.add({}, "two parts have different points named '" + name + "'", "one name must mean one motion",
                    "rename one of them");
     }
   issues.raise();
@@ -129,14 +129,15 @@ void check_modal_damping(const std::vector<const LinearModel*>& parts, Index den
     if (part->modal_damping.rates.size() > 0 && part->size() > dense_damping_up_to)
       throw InvalidInput(
           "a part of " + std::to_string(part->size()) + " degrees of freedom that is joined has modal damping",
-          "it acts through the part's own mass matrix and would be a full matrix of the assembly",
-          "damp the assembly by modes instead, or reduce the part first");
+          "it would become a full matrix of the assembly",
+          "apply modal damping to the assembly, or reduce the part first");
 }
 
 }  // namespace
 
 LinearModel join(const std::vector<const LinearModel*>& parts, Index dense_damping_up_to) {
-  if (parts.empty()) throw InvalidInput("no part is given to join", "an assembly has one at least", "name its parts");
+  if (parts.empty())
+    throw InvalidInput("there are no parts to assemble", "an assembly needs at least one part", "give its parts");
   if (parts.size() == 1) return *parts.front();
   check_modal_damping(parts, dense_damping_up_to);
   const Numbering numbering = numbered(parts);

@@ -254,7 +254,7 @@ void Assembler::report(const std::vector<std::pair<Eigen::Index, std::string>>& 
   for (std::size_t i = 0; i < std::min(bad.size(), most_cells_told); ++i) {
     const auto& [index, why] = bad[i];
     issues.add(file, to_string(cell(index).shape) + " " + std::to_string(cell(index).id) + title, why,
-               "mend the mesh there");
+               "correct the mesh there");
   }
   if (bad.size() > most_cells_told)
     issues.add(file, std::to_string(bad.size() - most_cells_told) + " more cells" + title);
@@ -346,8 +346,8 @@ void require_own_names(const Values& factors, const Values& values, const std::s
   IssueList issues;
   for (const auto& [name, value] : factors)
     if (values.contains(name))
-      issues.add({source, 0}, "'" + name + "' is a factor of a beam region and the stiffness of a spring",
-                 "names of parameters are unique", "rename the spring or the region");
+      issues.add({source, 0}, "'" + name + "' is both a factor of a beam region and the stiffness of a spring",
+                 "names of parameters must be unique", "rename the spring or the region");
   issues.raise();
 }
 

@@ -89,7 +89,7 @@ private:
     for (const auto slave : link.slaves) {
       if (slave == link.master) {
         issues_.add({}, "rigid link '" + link.name + "' ties its master n" + id(slave) + " to itself",
-                    "the master leads and does not follow", "leave it out of the slaves");
+                    "a master cannot follow itself", "remove it from the slaves");
         continue;
       }
       const Eigen::Vector3d arm = model_.mesh.nodes.col(slave) - model_.mesh.nodes.col(link.master);
@@ -112,15 +112,15 @@ private:
       else
         issues_.add(link.where,
                     "weighted link '" + link.name + "' leaves " + name_of(model_, all_index(follower)) + " open",
-                    "the nodes that it follows do not determine that motion",
-                    "add nodes off their line, or their rotations, or leave that direction out");
+                    "the nodes that it follows do not determine this motion",
+                    "add nodes off their line, add their rotations, or remove that direction");
     }
   }
 
   void add_constraint(const MultiPointConstraint& constraint) {
     if (!std::ranges::all_of(constraint.terms, [](const auto& term) { return std::isfinite(term.second); })) {
       issues_.add({}, "constraint '" + constraint.name + "' has a coefficient that is not finite",
-                  "it is a weighted sum of displacements");
+                  "a constraint is a weighted sum of displacements with finite coefficients");
       return;
     }
     if (constraint.terms.empty()) {
@@ -134,7 +134,7 @@ private:
       issues_.add(
           {},
           "constraint '" + constraint.name + "' has the coefficient 0 at its first term " + name_of(model_, dependent),
-          "its first term follows from the others", "begin with a term that is not 0");
+          "its first term is expressed by the others", "put a term first whose coefficient is not 0");
       return;
     }
     const double divisor = -leading->coefficient;
@@ -154,8 +154,8 @@ private:
       issues_.add(*equation.owner.where,
                   name_of(model_, equation.dof) + " follows from " + to_string(first) + " and from " +
                       to_string(equation.owner),
-                  "a degree of freedom can follow from one link or constraint",
-                  "leave it out of one of them, or let one follow the other");
+                  "a degree of freedom can depend on one link or constraint only",
+                  "remove it from one of them, or let one depend on the other");
   }
 
   std::string id(Eigen::Index node) const {
@@ -175,8 +175,8 @@ void check_fixed(const FiniteElementModel& model, const Equations& equations, co
     if (fixed[static_cast<std::size_t>(equation.dof)] && seen.insert({equation.dof / 6, *equation.owner.name}).second)
       issues.add(*equation.owner.where,
                  name_of(model, equation.dof) + " is fixed and follows from " + to_string(equation.owner),
-                 "what is fixed cannot follow another",
-                 "fix the node that leads, or let another term of the constraint come first");
+                 "a fixed degree of freedom cannot depend on another",
+                 "fix the independent node, or put another term of the constraint first");
 }
 
 /// Kahn's order: an equation is taken once all dependent degrees of freedom on its right side have been. What is left
@@ -209,10 +209,10 @@ void report_rings(const FiniteElementModel& model, const Equations& equations,
   std::string names;
   for (const auto& owner : owners) names += (names.empty() ? "" : ", ") + owner;
   issues.add({},
-             names + ": their degrees of freedom follow from one another in a ring, " +
+             names + ": their degrees of freedom depend on one another in a circle, " +
                  name_of(model, equations.list[left_over.front()].dof) + " among them",
-             "a chain of links and constraints must begin at an independent degree of freedom",
-             "turn one of them round, or leave it out");
+             "a chain of links and constraints must start at an independent degree of freedom",
+             "reverse or remove one of them");
 }
 
 /// Replaces dependent terms by what they follow from.

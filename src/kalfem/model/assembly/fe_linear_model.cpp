@@ -24,7 +24,7 @@ void check(const FiniteElementModel& model, const std::vector<NamedNode>& points
   for (const double factor : {damping.mass_factor, damping.stiffness_factor})
     if (!(factor >= 0.0) || !std::isfinite(factor))
       issues.add({}, "a Rayleigh factor of '" + model.name + "' is " + std::to_string(factor),
-                 "a negative one would feed energy in");
+                 "it must not be negative: the structure would gain energy");
   std::set<std::string> names;
   for (const auto& [name, node, distance] : points) {
     const std::string title = "point '" + model.name + "." + name + "'";
@@ -35,7 +35,7 @@ void check(const FiniteElementModel& model, const std::vector<NamedNode>& points
     }
     const auto number = node_number(name);
     if (number && *number != model.mesh.node_ids[static_cast<std::size_t>(node)])
-      issues.add({}, title + " has the name of another node", "'n' and digits name a node by its number",
+      issues.add({}, title + " has the name of another node", "'n' followed by digits refers to a node by its number",
                  "choose another name");
   }
   issues.raise();

@@ -96,9 +96,9 @@ std::vector<std::string> find_mechanisms(const FiniteElementModel& model, const 
     const auto space = null_space(scaled);
     for (const auto row : leading_rows(beside(space, free_rigid_motions(scaled, rigid)))) rows.push_back(row);
   } catch (const NotPositiveDefinite& error) {
-    throw InvalidInput("the stiffness is indefinite, or too near to singular, at or before " +
+    throw InvalidInput("the stiffness matrix is indefinite or almost singular at or before " +
                            dof_name(model.mesh, assembled.dofs[static_cast<std::size_t>(error.column())]),
-                       "straining a structure takes work", "look for matrices and springs of negative stiffness");
+                       "strain energy must be positive", "check for matrices and springs with negative stiffness");
   }
   std::ranges::sort(rows);
   std::vector<std::string> names;

@@ -55,13 +55,14 @@ void tell_zero_modes(ModelCheckReport& report) {
   if (report.grounding && zeros > report.grounding->free)
     report.findings.push_back({Severity::warning, Topic::connections,
                                std::to_string(zeros) +
-                                   " modes are at 0 Hz, and the structure can move as a rigid body in " +
+                                   " modes are at 0 Hz, but the structure can move as a rigid body only in " +
                                    std::to_string(report.grounding->free) + " ways",
-                               "the others are mechanisms, or parts that hang on nothing",
-                               "check the matrices, and the places given for their degrees of freedom"});
+                               "the others are mechanisms or disconnected parts",
+                               "check the matrices and the coordinates given for their degrees of freedom"});
   if (!report.grounding && zeros > 6)
     report.findings.push_back({Severity::warning, Topic::connections, std::to_string(zeros) + " modes are at 0 Hz",
-                               "a single body has at most six", "check for mechanisms and parts that hang on nothing"});
+                               "a single body has at most six rigid-body modes",
+                               "check for mechanisms and disconnected parts"});
 }
 
 /// Mass and supports, where the places of the degrees of freedom are known.

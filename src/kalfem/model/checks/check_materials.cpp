@@ -62,15 +62,15 @@ void tell_regions(const ModelCheckReport& report, std::vector<ModelFinding>& fin
     if (region.kind.empty() && region.cells > 0 && region.measure > 0.0)
       findings.push_back(
           {Severity::note, Topic::mesh,
-           "the region '" + region.name + "' of " + std::to_string(region.cells) + " cells has no property",
-           "it is not part of the model", "give it one if it should be"});
+           "the region '" + region.name + "' of " + std::to_string(region.cells) + " elements has no property",
+           "it is not part of the model", "give it a property to include it"});
     const double width = region.thickness > 0.0 ? region.thickness : std::sqrt(region.area);
     if (width > 0.25 * size && size > 0.0)
       findings.push_back({Severity::warning, Topic::units,
                           "the " + std::string(region.thickness > 0.0 ? "thickness" : "width") + " of region '" +
                               region.name + "', " + told(width) + " m, is " + told(width / size) +
-                              " of the size of the whole structure",
-                          "shells and beams are thin; perhaps its unit is another than that of the coordinates",
+                              " times the size of the whole structure",
+                          "shells and beams are thin; its unit may differ from that of the coordinates",
                           "check the units of sections and coordinates"});
   }
 }
@@ -87,36 +87,36 @@ void tell_material(const MaterialHealth& material, bool in_si, std::vector<Model
                             " Pa, density " + told(values.density) + " kg/m^3, wave speed " +
                             told(material.wave_speed) + " m/s)";
   if (!(values.density > 0.0)) {
-    findings.push_back({Severity::note, Topic::materials, title + " has no density", "its cells carry no mass", ""});
+    findings.push_back({Severity::note, Topic::materials, title + " has no density", "its elements have no mass", ""});
     return;
   }
   const auto fitting = units_that_fit(values);
   if (fitting.empty() || in_si) {
-    findings.push_back(
-        {Severity::note, Topic::materials, title + " is no usual structural material",
-         "waves run at about 5000 m/s in metals, 2000 to 10000 in composites, 4000 in wood, 30 to 400 in rubber",
-         "check its values and units"});
+    findings.push_back({Severity::note, Topic::materials, title + " is not a common structural material",
+                        "typical wave speeds: about 5000 m/s in metals, 2000 to 10000 in composites, 4000 in wood, 30 "
+                        "to 400 in rubber",
+                        "check its values and units"});
     return;
   }
   const auto& guess = fitting.front();
   std::string others;
   for (std::size_t i = 1; i < fitting.size(); ++i)
     others += std::string(i == 1 ? ", or " : ", ") + fitting[i].units.name;
-  findings.push_back(
-      {Severity::warning, Topic::units,
-       title + " is no usual material in SI; in " + guess.units.name + others + " it would be " + guess.material.name,
-       "the model seems to be written in other units than SI, so masses and frequencies would be wrong",
-       std::string("declare the units: length ") + guess.units.length + ", mass " + guess.units.mass + ", time " +
-           guess.units.time});
+  findings.push_back({Severity::warning, Topic::units,
+                      title + " is not a common material in SI; in " + guess.units.name + others + " it would be " +
+                          guess.material.name,
+                      "the model seems not to be in SI units, so masses and frequencies would be wrong",
+                      std::string("declare the units: length ") + guess.units.length + ", mass " + guess.units.mass +
+                          ", time " + guess.units.time});
 }
 
 void tell_size(const ModelCheckReport& report, std::vector<ModelFinding>& findings) {
   const double size = (report.highest - report.lowest).norm();
   if (report.nodes < 2 || size == 0.0 || (size >= least_size && size <= most_size)) return;
-  findings.push_back({Severity::warning, Topic::units, "the model is " + told(size) + " m large",
-                      size > most_size ? "coordinates in millimetres that are read as metres look so"
-                                       : "coordinates in another unit than metres look so",
-                      "declare the unit of length, unless the structure is of this size"});
+  findings.push_back(
+      {Severity::warning, Topic::units, "the model is " + told(size) + " m large",
+       size > most_size ? "its coordinates may be in millimetres" : "its coordinates may not be in metres",
+       "declare the unit of length, unless the structure has this size"});
 }
 
 }  // namespace
@@ -155,8 +155,8 @@ void check_springs(const FiniteElementModel& model, const AssembledModel& assemb
     if (spring.to) add(*spring.to, spring.stiffness);
   }
   ModelFinding finding{Severity::warning, Topic::stiffness, "",
-                       "so large a ratio costs as many digits in every solution",
-                       "join the nodes by a rigid link instead, or take a stiffness nearer to that of the structure"};
+                       "such a ratio costs six digits of accuracy in every solution",
+                       "use a rigid link, or a stiffness closer to that of the structure"};
   std::vector<std::string> names;
   Index count = 0;
   for (const auto& spring : model.springs) {
@@ -169,8 +169,8 @@ void check_springs(const FiniteElementModel& model, const AssembledModel& assemb
     if (finding.nodes.size() < 1000) finding.nodes.push_back(spring.from.node);
     ++count;
   }
-  finding.what =
-      std::to_string(count) + " springs are a million times stiffer than what they hang on: " + listed(names, count);
+  finding.what = std::to_string(count) +
+                 " springs are more than a million times stiffer than their surroundings: " + listed(names, count);
   if (count > 0) report.findings.push_back(std::move(finding));
 }
 

@@ -69,21 +69,21 @@ MatrixHealth check_matrix(const SparseMatrix& matrix, const std::string& name, F
   report.finite = std::isfinite(largest);
   if (!report.finite) {
     findings.push_back({Severity::error, topic, "the " + name + " has entries that are not finite",
-                        "nothing can be computed with it", "look for divisions by zero in its source"});
+                        "nothing can be computed from it", "check for divisions by zero in its source"});
     return report;
   }
   if (largest == 0.0) {
     if (matrix.rows() > 0)
       findings.push_back(
-          {Severity::error, topic, "the " + name + " is zero", "there are no modes", "check what was read"});
+          {Severity::error, topic, "the " + name + " is zero", "there are no modes", "check the input files"});
     return report;
   }
   report.asymmetry = largest_entry(SparseMatrix(matrix - SparseMatrix(matrix.transpose()))) / largest;
   if (report.asymmetry > visible_asymmetry)
     findings.push_back({Severity::error, topic,
                         "the " + name + " is not symmetric: entries differ by " + told(report.asymmetry) +
-                            " of the largest one from those across the diagonal",
-                        "all methods here need symmetric matrices",
+                            " of the largest entry between both triangles",
+                        "all methods need symmetric matrices",
                         "export the symmetric part, or check that both triangles were read"});
   const Eigen::VectorXd diagonal = matrix.diagonal();
   std::vector<std::string> negative;
@@ -98,16 +98,15 @@ MatrixHealth check_matrix(const SparseMatrix& matrix, const std::string& name, F
     findings.push_back(
         {Severity::error, topic,
          "the " + name + " has negative entries on its diagonal: " + listed(negative, report.negative_diagonal),
-         "no structure has such energy", "check the signs in its source"});
+         "energies must not be negative", "check the signs in its source"});
   } else if (definite) {
     const Index failing = indefinite_dof(matrix);
     report.semi_definite = failing < 0;
     if (failing >= 0)
-      findings.push_back(
-          {Severity::error, topic,
-           "the " + name + " is indefinite, which shows first at " + dofs[static_cast<std::size_t>(failing)],
-           "some motion would have negative energy",
-           "check signs, masses and stiffnesses that were subtracted, and that both triangles agree"});
+      findings.push_back({Severity::error, topic,
+                          "the " + name + " is indefinite, first seen at " + dofs[static_cast<std::size_t>(failing)],
+                          "some motion would have negative energy",
+                          "check signs, subtracted masses and stiffnesses, and that both triangles agree"});
   }
   return report;
 }
@@ -123,32 +122,30 @@ std::vector<std::string> tell_grounding(const GroundingCheck& grounding, bool su
   if (grounding.existing > 0) {
     const std::string motions = std::to_string(grounding.existing) + " rigid-body motions";
     if (grounding.free == grounding.existing)
-      findings.push_back({Severity::note, Topic::grounding,
-                          "the structure is free: all its " + motions + " take no force",
-                          supported ? "the supports hold none of them" : "it will have as many modes at 0 Hz", ""});
+      findings.push_back(
+          {Severity::note, Topic::grounding, "the structure is free: all its " + motions + " need no force",
+           supported ? "the supports restrain none of them" : "it has that number of modes at 0 Hz", ""});
     else if (grounding.free == 0)
       findings.push_back(
-          {Severity::note, Topic::grounding, "the structure is held against all its " + motions, "", ""});
+          {Severity::note, Topic::grounding, "the structure is restrained in all its " + motions, "", ""});
     else
       findings.push_back({Severity::note, Topic::grounding,
-                          "the structure is held against " + std::to_string(grounding.existing - grounding.free) +
-                              " of its " + motions +
-                              (held.empty() ? "" : " (force is needed to move it " + held + ")") +
-                              (free.empty() ? "" : ", free to move " + free),
-                          std::to_string(grounding.free) + " combinations of them take no force: modes at 0 Hz", ""});
+                          "the structure is restrained in " + std::to_string(grounding.existing - grounding.free) +
+                              " of its " + motions + (held.empty() ? "" : " (restrained: " + held + ")") +
+                              (free.empty() ? "" : ", free: " + free),
+                          std::to_string(grounding.free) + " combinations need no force and give modes at 0 Hz", ""});
   }
   std::vector<std::string> names;
   for (const auto& stray : grounding.stray) names.push_back(dofs[static_cast<std::size_t>(stray.dof)]);
   if (grounding.stray_count > 0)
     findings.push_back({supported || grounding.free < grounding.existing ? Severity::warning : Severity::note,
                         Topic::grounding,
-                        "moved as a rigid body the structure takes force at " + listed(names, grounding.stray_count) +
-                            ", up to " + told(grounding.stray.front().ratio) +
-                            " of the forces that should cancel there, though nothing holds it there",
-                        "a spring between nodes at different places, a constraint that is no rigid body's, or "
-                        "condensed matrices tie the "
-                        "structure to the ground",
-                        "make such springs act along the line between their nodes, or move the nodes together; check "
+                        "grounding check: a rigid-body motion causes forces at " +
+                            listed(names, grounding.stray_count) + ", up to " + told(grounding.stray.front().ratio) +
+                            " of the forces that should cancel, although nothing restrains it there",
+                        "a spring between nodes at different places, a constraint that does not allow rigid-body "
+                        "motion, or condensed matrices tie the structure to the ground",
+                        "let such springs act along the line between their nodes or make the nodes coincide; check the "
                         "constraints there"});
   return names;
 }
@@ -156,8 +153,8 @@ std::vector<std::string> tell_grounding(const GroundingCheck& grounding, bool su
 void tell_mass(const MassProperties& mass, const Eigen::Vector3d& moving, const Eigen::Vector3d& lowest,
                const Eigen::Vector3d& highest, std::vector<ModelFinding>& findings) {
   if (!(moving.maxCoeff() > 0.0)) {
-    findings.push_back({Severity::error, Topic::mass, "nothing that moves has mass", "there are no modes",
-                        "give the materials a density, or add masses"});
+    findings.push_back({Severity::error, Topic::mass, "no moving degree of freedom has mass", "there are no modes",
+                        "give the materials a density or add masses"});
     return;
   }
   const double margin = 0.05 * (highest - lowest).norm();
@@ -165,7 +162,7 @@ void tell_mass(const MassProperties& mass, const Eigen::Vector3d& moving, const 
     findings.push_back({Severity::warning, Topic::mass,
                         "the centre of mass (" + told(mass.centre[0]) + ", " + told(mass.centre[1]) + ", " +
                             told(mass.centre[2]) + ") lies outside the model",
-                        "no body has its centre outside its own box unless a large mass hangs on an offset",
+                        "this is only possible if a large mass has an offset",
                         "check offsets of masses and the mass matrix"});
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(mass.inertia, Eigen::EigenvaluesOnly);
   const auto& moments = principal.eigenvalues();
@@ -173,8 +170,9 @@ void tell_mass(const MassProperties& mass, const Eigen::Vector3d& moving, const 
   if (moments[0] < -1e-6 * largest || moments[2] > (moments[0] + moments[1]) * (1.0 + 1e-3) + 1e-12 * largest)
     findings.push_back({Severity::warning, Topic::mass,
                         "the principal moments of inertia " + told(moments[0]) + ", " + told(moments[1]) + ", " +
-                            told(moments[2]) + " are those of no body",
-                        "each is at most the sum of the two others", "check inertias of masses and the mass matrix"});
+                            told(moments[2]) + " are physically impossible",
+                        "each must be at most the sum of the other two",
+                        "check inertias of masses and the mass matrix"});
 }
 
 void check_massless(const std::vector<std::string>& dofs, const SparseMatrix& mass, const SparseMatrix& stiffness,
@@ -191,7 +189,7 @@ void check_massless(const std::vector<std::string>& dofs, const SparseMatrix& ma
     findings.push_back(
         {Severity::error, Topic::mass,
          std::to_string(count) + " degrees of freedom have neither mass nor stiffness: " + listed(names, count),
-         "their motion is undetermined", "hold them, or give them mass or stiffness"});
+         "their motion is undetermined", "fix them or give them mass or stiffness"});
 }
 
 Index count_grounded(const std::vector<GroundCoupling>& grounds, Index size) {

@@ -41,10 +41,10 @@ void check_free_nodes(const FiniteElementModel& model, const std::vector<bool>& 
   const Mesh& mesh = model.mesh;
   std::vector<bool> in_cell(touched.size(), false);
   for (const auto node : mesh.connectivity) in_cell[static_cast<std::size_t>(node)] = true;
-  ModelFinding lone{Severity::note, Topic::mesh, "", "they do not move and carry nothing",
-                    "nothing, or take them out of the mesh"},
-      inactive{Severity::warning, Topic::mesh, "", "these cells are not part of the model",
-               "give their regions a property, or take them out of the mesh"};
+  ModelFinding lone{Severity::note, Topic::mesh, "", "they do not move and carry no load",
+                    "nothing, or remove them from the mesh"},
+      inactive{Severity::warning, Topic::mesh, "", "these elements are not part of the model",
+               "give their regions a property or remove them from the mesh"};
   std::vector<std::string> lone_names, inactive_names;
   Index lone_count = 0, inactive_count = 0;
   for (Index node = 0; node < mesh.node_count(); ++node) {
@@ -54,9 +54,10 @@ void check_free_nodes(const FiniteElementModel& model, const std::vector<bool>& 
     in_cell[i] ? add_node(mesh, node, inactive_names, inactive) : add_node(mesh, node, lone_names, lone);
   }
   report.free_nodes = lone_count + inactive_count;
-  lone.what = "nothing touches " + std::to_string(lone_count) + " of the nodes: " + listed(lone_names, lone_count);
+  lone.what =
+      "nothing is connected to " + std::to_string(lone_count) + " of the nodes: " + listed(lone_names, lone_count);
   inactive.what = std::to_string(inactive_count) +
-                  " nodes belong only to cells without a property: " + listed(inactive_names, inactive_count);
+                  " nodes belong only to elements without a property: " + listed(inactive_names, inactive_count);
   if (lone_count > 0) report.findings.push_back(lone);
   if (inactive_count > 0) report.findings.push_back(inactive);
 }
@@ -68,9 +69,9 @@ void check_coincidence(const FiniteElementModel& model, const std::vector<bool>&
   const auto pairs = coincident_nodes(mesh.nodes, touched, tolerance);
   const auto joined = directly_joined(model, pairs);
   report.coincident_pairs = static_cast<Index>(pairs.size());
-  ModelFinding finding{Severity::warning, Topic::connections, "",
-                       "the parts of the structure to which they belong come apart there",
-                       "merge the nodes, or join them by a link or spring, unless there is a joint without stiffness"};
+  ModelFinding finding{
+      Severity::warning, Topic::connections, "", "the parts that they belong to are not connected there",
+      "merge the nodes or connect them by a link or spring, unless a joint without stiffness is intended"};
   std::vector<std::string> names;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (joined[i]) continue;
@@ -80,8 +81,8 @@ void check_coincidence(const FiniteElementModel& model, const std::vector<bool>&
     for (const auto node : {one, other})
       if (finding.nodes.size() < most_shown) finding.nodes.push_back(node);
   }
-  finding.what = std::to_string(report.unjoined_pairs) + " pairs of nodes stand at one place (within " +
-                 told(tolerance) + " m) and nothing joins them: " + listed(names, report.unjoined_pairs);
+  finding.what = std::to_string(report.unjoined_pairs) + " pairs of nodes coincide (within " + told(tolerance) +
+                 " m) and are not connected: " + listed(names, report.unjoined_pairs);
   if (report.unjoined_pairs > 0) report.findings.push_back(std::move(finding));
 }
 
@@ -89,8 +90,8 @@ void check_parts(const FiniteElementModel& model, ModelCheckReport& report) {
   const auto parts = connected_parts(model);
   for (const auto& part : parts) report.parts.push_back(static_cast<Index>(part.size()));
   if (parts.size() < 2) return;
-  ModelFinding finding{Severity::warning, Topic::connections, "", "they do not move together",
-                       "merge nodes that stand at one place, or join the parts by links, constraints or springs"};
+  ModelFinding finding{Severity::warning, Topic::connections, "", "they move independently",
+                       "merge coincident nodes, or connect the parts by links, constraints or springs"};
   std::vector<std::string> names;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const auto& part = parts[i];
@@ -101,8 +102,8 @@ void check_parts(const FiniteElementModel& model, ModelCheckReport& report) {
       for (const auto node : part)
         if (finding.nodes.size() < most_shown) finding.nodes.push_back(node);
   }
-  finding.what = "the structure falls into " + std::to_string(parts.size()) +
-                 " parts: " + listed(names, static_cast<Index>(parts.size()));
+  finding.what = "the structure consists of " + std::to_string(parts.size()) +
+                 " unconnected parts: " + listed(names, static_cast<Index>(parts.size()));
   report.findings.push_back(std::move(finding));
 }
 
@@ -110,16 +111,16 @@ void check_parts(const FiniteElementModel& model, ModelCheckReport& report) {
 std::string consequence(QualityMeasure measure) {
   switch (measure) {
     case QualityMeasure::aspect_ratio:
-      return "such cells are too stiff in bending along them, and spoil the condition of the matrices";
+      return "such elements are too stiff in bending and make the matrices ill-conditioned";
     case QualityMeasure::smallest_angle:
     case QualityMeasure::largest_angle:
-      return "strains of cells with such corners are poor";
+      return "strains of elements with such corners are inaccurate";
     case QualityMeasure::warp:
-      return "flat shells with corners out of plane couple membrane and bending falsely";
+      return "warped shells couple membrane and bending wrongly";
     case QualityMeasure::taper:
       return "such quadrilaterals are too stiff";
     case QualityMeasure::scaled_jacobian:
-      return "cells near zero are almost flat or not convex; below zero they are turned inside out";
+      return "elements near zero are almost flat or not convex; below zero they are inside out";
   }
   return "";
 }
@@ -134,12 +135,12 @@ void tell_quality(const Mesh& mesh, const RegionQuality& quality, const QualityL
     ModelFinding finding{inverted ? Severity::error
                          : many   ? Severity::warning
                                   : Severity::note,
-                         Topic::elements, "", consequence(of.measure), "mend the mesh there"};
+                         Topic::elements, "", consequence(of.measure), "improve the mesh there"};
     for (const auto cell : of.worst_cells) {
       names.push_back(cell_name(mesh, cell));
       for (const auto node : mesh.nodes_of(mesh.cells[static_cast<std::size_t>(cell)])) finding.nodes.push_back(node);
     }
-    finding.what = std::to_string(of.beyond) + " of " + std::to_string(quality.measured) + " cells of region '" +
+    finding.what = std::to_string(of.beyond) + " of " + std::to_string(quality.measured) + " elements of region '" +
                    quality.region + "' have " + (of.measure == QualityMeasure::aspect_ratio ? "an " : "a ") +
                    to_string(of.measure) + (is_worse_when_larger(of.measure) ? " above " : " below ") +
                    told(limits.limits[static_cast<std::size_t>(of.measure)]) + ", the worst " + told(of.worst) + ": " +
@@ -162,7 +163,7 @@ void check_lines(const Mesh& mesh, const std::string& region, double size, std::
     findings.push_back(
         {Severity::error, Topic::elements,
          std::to_string(count) + " beams of region '" + region + "' have no length: " + listed(names, count),
-         "a beam needs an axis", "take them out, or join their nodes by a link"});
+         "a beam needs an axis", "remove them or connect their nodes by a link"});
 }
 
 }  // namespace

@@ -232,11 +232,11 @@ void find_the_mechanisms(const FiniteElementModel& model, const AssembledModel& 
     const Index failing = report::indefinite_dof(stiffness);
     report.stiffness_matrix.semi_definite = failing < 0;
     if (failing < 0)
-      report.findings.push_back({Severity::note, Topic::stiffness, "mechanisms were not looked for",
-                                 "the stiffness matrix is too near to singular to be factored", ""});
+      report.findings.push_back({Severity::note, Topic::stiffness, "mechanisms were not searched for",
+                                 "the stiffness matrix is almost singular and cannot be factored", ""});
     else
       report.findings.push_back({Severity::error, Topic::stiffness,
-                                 "the stiffness matrix is indefinite, which shows first at " +
+                                 "the stiffness matrix is indefinite, first seen at " +
                                      dof_name(model.mesh, assembled.dofs[static_cast<std::size_t>(failing)]),
                                  "some motion would have negative energy",
                                  "check negative stiffnesses, and matrices from other codes"});
@@ -245,10 +245,10 @@ void find_the_mechanisms(const FiniteElementModel& model, const AssembledModel& 
   const auto count = static_cast<Index>(report.mechanisms.size());
   if (count > 0)
     report.findings.push_back({Severity::warning, Topic::connections,
-                               std::to_string(count) + " motions beside those of the rigid body need no force, at " +
+                               std::to_string(count) + " motions other than rigid-body motions need no force, at " +
                                    report::listed(report.mechanisms, count),
-                               "they are mechanisms: hinges, rotations that nothing holds, parts that hang on nothing",
-                               "hold, join or fix these degrees of freedom unless they are meant to move"});
+                               "these are mechanisms: hinges, unrestrained rotations or disconnected parts",
+                               "fix or connect these degrees of freedom unless they are meant to move"});
 }
 
 /// What the assembled matrices say about mass, supports and mechanisms.

@@ -182,8 +182,7 @@ Matrix12 without_released(const Matrix12& stiffness, const std::array<bool, 12>&
   const Eigen::MatrixXd own = scale.asDiagonal() * stiffness(free, free) * scale.asDiagonal();
   const Eigen::MatrixXd pull = scale.asDiagonal() * stiffness(free, kept);
   if (!is_positive_definite(own))
-    throw ElementShapeError(
-        "its released motions let a part of it move without force: hinges too many, or of no stiffness");
+    throw ElementShapeError("its released motions make it a mechanism: too many hinges, or hinges without stiffness");
   transform(free, Eigen::all).setZero();
   transform(free, kept) = -(scale.asDiagonal() * own.ldlt().solve(pull));
   return transform;

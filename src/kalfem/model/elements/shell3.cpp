@@ -32,7 +32,7 @@ Triangle triangle_through(const Eigen::Matrix3d& corners, const Eigen::Vector3d&
   const Eigen::Vector3d twice_area = first.cross(second);
   const double longest = std::max({first.norm(), second.norm(), (second - first).norm()});
   if (!(twice_area.norm() > 1e-10 * longest * longest))
-    throw ElementShapeError("its area is zero: its corners lie on a line");
+    throw ElementShapeError("its area is zero: its corners lie on one line");
   Triangle triangle;
   triangle.area = 0.5 * twice_area.norm();
   const Eigen::Vector3d normal = twice_area.normalized();

@@ -70,8 +70,8 @@ Surface surface_through(const Corners& corners) {
   for (int i = 0; i < 4; ++i) {
     const Eigen::Vector3d area = point_at(surface, corner_r[i], corner_s[i]).area_vector();
     if (!(area.dot(centre) > 1e-8 * centre.squaredNorm()))
-      throw ElementShapeError("it is concave, twisted like a bow tie or a triangle: at corner " +
-                              std::to_string(i + 1) + " the Jacobian is not positive");
+      throw ElementShapeError("it is concave, crossed or degenerate: at corner " + std::to_string(i + 1) +
+                              " the Jacobian is not positive");
     surface.normals.col(i) = area.normalized();
   }
   for (int i = 0; i < 4; ++i)

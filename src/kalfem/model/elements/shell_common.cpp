@@ -39,7 +39,8 @@ Eigen::Vector3d axis_in_surface(const Eigen::Vector3d& direction, const Eigen::V
   const Eigen::Vector3d& axis = direction.isZero(0.0) ? first_side : direction;
   const Eigen::Vector3d across = axis - axis.dot(normal) * normal;
   if (!(across.norm() > 1e-6 * axis.norm()))
-    throw ElementShapeError("the x axis of its section stands along its normal, so that it has no direction in it");
+    throw ElementShapeError(
+        "the x axis of its section is parallel to its normal and defines no direction in its plane");
   return across.normalized();
 }
 

@@ -291,7 +291,7 @@ Matrix6 checked(const Matrix6& elasticity) {
   if (!elasticity.allFinite() || !((elasticity - elasticity.transpose()).cwiseAbs().maxCoeff() <= 1e-6 * size) ||
       elasticity.llt().info() != Eigen::Success)
     throw InvalidInput("the elasticity of a solid is not symmetric and positive definite",
-                       "every strain must need energy", "give other moduli and Poisson's ratios");
+                       "every strain must have positive energy", "correct the moduli and Poisson's ratios");
   return 0.5 * (elasticity + elasticity.transpose());
 }
 
@@ -299,7 +299,7 @@ Matrix6 checked(const Matrix6& elasticity) {
 
 ElementMatrices solid(CellShape shape, const Eigen::Matrix3Xd& nodes, const SolidProperty& property,
                       double poissons_ratio, MassKind mass_kind) {
-  if (dimension(shape) != 3) throw ElementShapeError("a " + to_string(shape) + " is no solid");
+  if (dimension(shape) != 3) throw ElementShapeError("a " + to_string(shape) + " is not a solid element");
   if (nodes.cols() != node_count(shape))
     throw ElementShapeError("a " + to_string(shape) + " has " + std::to_string(node_count(shape)) + " nodes, not " +
                             std::to_string(nodes.cols()));

@@ -34,8 +34,8 @@ void require_right_side_out(CellShape shape, const SolidNodes& nodes) {
   };
   if (std::ranges::all_of(corners, negative))
     throw ElementShapeError(
-        "it is inside out (its Jacobian is negative): the second of its faces must lie on the side "
-        "from which the first is numbered counter-clockwise");
+        "it is inside out (negative Jacobian): seen from its second face, the first face must be numbered "
+        "counter-clockwise");
   if (node_count(shape) != corner_count(shape)) return;
   for (std::size_t i = 0; i < corners.size(); ++i)
     if (negative(corners[i]))

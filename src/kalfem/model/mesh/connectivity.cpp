@@ -121,9 +121,9 @@ void require_connected(const FiniteElementModel& model) {
   }
   if (parts.size() > most_told) text += ", ...";
   throw InvalidInput(Issue{{model.mesh.source, 0},
-                           "the structure falls into " + std::to_string(parts.size()) + " parts: " + text,
-                           "its parts do not move together",
-                           "merge nodes that stand at one place, or join the parts by links, constraints or springs"});
+                           "the structure consists of " + std::to_string(parts.size()) + " unconnected parts: " + text,
+                           "its parts move independently",
+                           "merge coincident nodes, or connect the parts by links, constraints or springs"});
 }
 
 namespace {

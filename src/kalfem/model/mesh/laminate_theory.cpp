@@ -19,18 +19,19 @@ void check(const OrthotropicSheet& sheet, const std::string& title, IssueList& i
   require(
       moduli,
       "the Young's moduli " + std::to_string(sheet.youngs_modulus_1) + " and " + std::to_string(sheet.youngs_modulus_2),
-      "both are positive and finite");
+      "both must be positive and finite");
   require(is_positive(sheet.shear_modulus_12), "the shear modulus " + std::to_string(sheet.shear_modulus_12),
-          "it is positive and finite");
+          "it must be positive and finite");
   require(is_modulus_or_default(sheet.shear_modulus_13) && is_modulus_or_default(sheet.shear_modulus_23),
           "the transverse shear moduli " + std::to_string(sheet.shear_modulus_13) + " and " +
               std::to_string(sheet.shear_modulus_23),
-          "both are positive, or 0 for that in the plane");
-  require(is_modulus_or_default(sheet.density), "the density " + std::to_string(sheet.density), "it is not negative");
+          "both must be positive, or 0 to use the in-plane modulus");
+  require(is_modulus_or_default(sheet.density), "the density " + std::to_string(sheet.density),
+          "it must not be negative");
   const double squared = sheet.poissons_ratio_12 * sheet.poissons_ratio_12;
   require(!moduli || squared < sheet.youngs_modulus_1 / sheet.youngs_modulus_2,
           "Poisson's ratio " + std::to_string(sheet.poissons_ratio_12),
-          "its square is less than E1 / E2, or a strain would set energy free");
+          "its square must be less than E1 / E2 for strain energy to be positive");
 }
 
 /// Plane stress in the sheet's axes.
@@ -146,14 +147,15 @@ OrthotropicSheet sheet_of(const IsotropicMaterial& material) {
 
 LaminateProperty laminated(const std::vector<Ply>& plies, double bottom, TransverseShear transverse_shear) {
   IssueList issues;
-  if (plies.empty()) issues.add({}, "a laminate has no plies", "its stiffness is theirs", "give it at least one");
-  if (!std::isfinite(bottom)) issues.add({}, "the underside of a laminate is not at a finite height");
+  if (plies.empty())
+    issues.add({}, "the laminate has no plies", "its stiffness comes from its plies", "give it at least one");
+  if (!std::isfinite(bottom)) issues.add({}, "the underside of the laminate is not at a finite height");
   for (std::size_t i = 0; i < plies.size(); ++i) {
     const std::string title = "ply " + std::to_string(i + 1) + " of a laminate";
     check(plies[i].material, title, issues);
     if (!is_positive(plies[i].thickness))
-      issues.add({}, title + " has the thickness " + std::to_string(plies[i].thickness), "it is positive and finite",
-                 "leave the ply out, or correct it");
+      issues.add({}, title + " has the thickness " + std::to_string(plies[i].thickness),
+                 "it must be positive and finite", "remove or correct the ply");
     if (!std::isfinite(plies[i].angle)) issues.add({}, title + " has an angle that is not finite");
   }
   issues.raise();
@@ -179,14 +181,15 @@ LaminateProperty plate_section(const SeparatePlate& plate) {
   constexpr double small = 1e-6, large = 1e3;
   IssueList issues;
   if (!plate.membrane && !plate.bending)
-    issues.add({}, "a plate has neither a membrane nor a bending material", "one of them resists",
+    issues.add({}, "the plate has neither a membrane nor a bending material", "it needs one of them",
                "name a material for one of them");
   if (plate.membrane) check(*plate.membrane, "the membrane of a plate", issues);
   if (plate.bending) check(*plate.bending, "the bending of a plate", issues);
   if (plate.shear) check(*plate.shear, "the transverse shear of a plate", issues);
   for (const double positive : {plate.thickness, plate.bending_ratio, plate.shear_ratio})
     if (!is_positive(positive))
-      issues.add({}, "the thickness or a ratio of a plate is " + std::to_string(positive), "it is positive and finite");
+      issues.add({}, "the thickness or a ratio of a plate is " + std::to_string(positive),
+                 "it must be positive and finite");
   if (!is_modulus_or_default(plate.nonstructural_mass) || !std::isfinite(plate.offset) || !std::isfinite(plate.angle))
     issues.add({}, "the nonstructural mass of a plate is negative, or it, the offset or the angle is not finite");
   issues.raise();

@@ -17,14 +17,14 @@ void require_lengths(const std::string& shape, std::initializer_list<double> len
   for (const double length : lengths)
     if (!(length > 0.0) || !std::isfinite(length))
       throw InvalidInput("a length of the " + shape + " section is " + std::to_string(length),
-                         "lengths of a section are positive and finite", "give them in m");
+                         "lengths of a section must be positive and finite", "give them in m");
 }
 
 void require_hole(const std::string& shape, double wall, double smallest) {
   if (2.0 * wall >= smallest)
     throw InvalidInput("the wall " + std::to_string(wall) + " m of the " + shape + " section leaves no hole in " +
                            std::to_string(smallest) + " m",
-                       "a tube is hollow", "use the solid section or a thinner wall");
+                       "a tube must be hollow", "use the solid section or a thinner wall");
 }
 
 /// J = a c^3 (1/3 - 64/pi^5 c/a sum_{n odd} tanh(n pi a / 2c) / n^5), a the long side [TG70].

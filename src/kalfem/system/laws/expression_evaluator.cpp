@@ -126,15 +126,17 @@ void check_names(const std::vector<std::string>& names, IssueList& issues) {
   for (const auto& name : names) {
     const std::string what = "expression: the name '" + name + "'";
     if (!is_identifier(name))
-      issues.add({}, what, "a name has letters, digits and _ and does not begin with a digit", "choose another name");
+      issues.add({}, what, "a name consists of letters, digits and _ and must not begin with a digit",
+                 "choose another name");
     else if (name == "x" || name == "v" || name == "a")
-      issues.add({}, what, "x, v and a are the deformation, its rate and its acceleration", "choose another name");
+      issues.add({}, what, "x, v and a are reserved for the deformation, its rate and its acceleration",
+                 "choose another name");
     else if (parser.GetFunDef().count(name) > 0)
       issues.add({}, what, "it is the name of a function", "choose another name, such as " + name + "_1");
     else if (parser.GetConst().count(name) > 0)
       issues.add({}, what, "it is the name of a constant", "choose another name");
     else if (!seen.insert(name).second)
-      issues.add({}, what, "it is given twice among parameters and states", "give each its own name");
+      issues.add({}, what, "it is used twice among parameters and states", "give each its own name");
   }
 }
 
@@ -152,7 +154,7 @@ std::size_t find_assignment(const std::string& text) {
 
 std::string fix_of(const mu::ParserError& error, const std::vector<std::string>& names) {
   if (error.GetCode() == mu::ecEMPTY_EXPRESSION) return "write an expression such as k*x + c*v";
-  if (error.GetCode() != mu::ecUNASSIGNABLE_TOKEN) return "mend the expression there";
+  if (error.GetCode() != mu::ecUNASSIGNABLE_TOKEN) return "correct the expression there";
   std::vector<std::string> known = names;
   const mu::Parser parser;
   for (const auto& [name, function] : parser.GetFunDef()) known.push_back(name);
@@ -164,8 +166,8 @@ void check_expression(const std::string& role, const std::string& text, const st
                       std::set<std::string>& used, IssueList& issues) {
   const std::string what = "expression for " + role + " \"" + text + "\"";
   if (const auto at = find_assignment(text); at != std::string::npos) {
-    issues.add({}, what, "'=' at position " + std::to_string(at) + " would change a variable",
-               "give only the right-hand side; compare with ==");
+    issues.add({}, what, "'=' at position " + std::to_string(at) + " would assign to a variable",
+               "give only the right-hand side; use == to compare");
     return;
   }
   try {
@@ -177,7 +179,8 @@ void check_expression(const std::string& role, const std::string& text, const st
     (void)parser.Eval();
     for (const auto& [name, pointer] : parser.GetUsedVar()) used.insert(name);
     if (parser.GetNumResults() != 1)
-      issues.add({}, what, "a comma separates several results", "write one expression; the decimal sign is a point");
+      issues.add({}, what, "a comma would separate several results",
+                 "write one expression and use a point for decimals");
   } catch (const mu::ParserError& error) {
     const std::string position = error.GetPos() >= 0 ? " (position " + std::to_string(error.GetPos()) + ")" : "";
     issues.add({}, what, error.GetMsg() + position, fix_of(error, names));
@@ -192,7 +195,7 @@ std::vector<Issue> find_issues(const ExpressionLawOptions& options) {
   check_names(names, issues);
   if (options.states.size() > static_cast<std::size_t>(max_internal_states))
     issues.add({}, "expression: " + std::to_string(options.states.size()) + " internal states",
-               "there may be at most " + std::to_string(max_internal_states), "use fewer states");
+               "at most " + std::to_string(max_internal_states), "use fewer states");
   if (!issues.empty()) return issues.issues();
 
   const std::vector<std::string> declared = names;
@@ -207,7 +210,7 @@ std::vector<Issue> find_issues(const ExpressionLawOptions& options) {
   for (const auto& name : declared)
     if (used.count(name) == 0)
       issues.add({}, "expression: '" + name + "' appears in no expression", "it would have no effect",
-                 "use it or leave it out");
+                 "use it or remove it");
   return issues.issues();
 }
 

@@ -164,7 +164,7 @@ ConnectorLawPtr bouc_wen_law() {
       std::vector<LawQuantity>{{"k", "N/m", "stiffness at small deformation (for A = 1)", Range::nonnegative},
                                {"alpha", "-", "stiffness after yield over k", Range::fraction, 0.0},
                                {"A", "-", "initial slope of z over d", Range::nonnegative, 1.0},
-                               {"beta", "1/m^n", "dissipation of the loop", Range::nonnegative},
+                               {"beta", "1/m^n", "energy dissipation of the loop", Range::nonnegative},
                                {"gamma", "1/m^n", "shape of the loop: softening > 0, hardening < 0", Range::any},
                                {"n", "-", "sharpness of the transition", Range::at_least_one, 1.0},
                                {"c", "N s/m", "damping alongside", Range::nonnegative, 0.0}},

@@ -24,7 +24,7 @@ ConnectorLawPtr polynomial_of(const LawArguments& arguments) {
   for (const auto& name : arguments.parameter_names) {
     const int degree = degree_of(name);
     if (degree == 0)
-      issues.add({}, "polynomial: the parameter '" + name + "'", "coefficients are called k1, k2, ... and c1, c2, ...",
+      issues.add({}, "polynomial: the parameter '" + name + "'", "coefficients are named k1, k2, ... and c1, c2, ...",
                  "write k3 for the coefficient of d^3");
     int& highest = name.starts_with("k") ? stiffness_degree : damping_degree;
     highest = std::max(highest, degree);
@@ -35,7 +35,8 @@ ConnectorLawPtr polynomial_of(const LawArguments& arguments) {
 
 ConnectorLawPtr expression_of(const LawArguments& arguments) {
   ExpressionLawOptions options{.force = arguments.force, .parameters = {}, .states = arguments.states};
-  for (const auto& name : arguments.parameter_names) options.parameters.push_back({name, "", "of the user's own law"});
+  for (const auto& name : arguments.parameter_names)
+    options.parameters.push_back({name, "", "defined by the expression"});
   return expression_law(options);
 }
 
@@ -49,34 +50,36 @@ const std::vector<Entry>& entries() {
   static const std::vector<Entry> all{
       {"linear", "f = k d + c v", "spring and dashpot", [](const auto&) { return linear_law(); }},
       {"saturating", "f = k d + mu_k1 d/(mu_k2 + |d|) + c v + mu_c1 v/(mu_c2 + |v|)",
-       "suspension whose spring and damper saturate", [](const auto&) { return saturating_law(); }},
+       "suspension with saturating spring and damper", [](const auto&) { return saturating_law(); }},
       {"cubic", "f = k d + k3 d^3 + c v + c3 v^3", "hardening or softening spring and damper",
        [](const auto&) { return cubic_law(); }},
       {"polynomial",
        "f = sum_i k_i d^i + sum_i c_i v^i",
-       "spring and damper of any degree, even terms too",
+       "polynomial spring and damper of any degree, including even terms",
        polynomial_of,
        {.parameter_names = {"k1", "k2", "k3", "c1"}}},
       {"gap", "f = k d + c v + stops: k_stop overlap + c_stop v while in contact and pushing",
-       "bump stop on one side or both", [](const auto&) { return gap_law(); }},
-      {"coulomb", "f = k d + c v + f_c tanh(v/v_ref)", "dry friction, regularised",
+       "bump stop on one or both sides", [](const auto&) { return gap_law(); }},
+      {"coulomb", "f = k d + c v + f_c tanh(v/v_ref)", "dry (Coulomb) friction, regularised",
        [](const auto&) { return coulomb_law(); }},
       {"stribeck", "f = k d + c v + (f_c + (f_s - f_c) exp(-(v/v_s)^2)) tanh(v/v_ref)",
-       "dry friction that falls from static to sliding", [](const auto&) { return stribeck_law(); }},
+       "dry friction that decreases from static to sliding (Stribeck)", [](const auto&) { return stribeck_law(); }},
       {"jenkins", "f = k d + c v + k_stick (d - slip), the last term bounded by f_slip",
-       "dry friction that truly sticks: a spring in series with a slider", [](const auto&) { return jenkins_law(); }},
+       "dry friction with true sticking: a spring in series with a slider (Jenkins element)",
+       [](const auto&) { return jenkins_law(); }},
       {"bilinear", "f = alpha k d + (1 - alpha) k (d - slip) + c v, the middle term bounded by (1 - alpha) f_y",
        "elastoplastic spring with kinematic hardening", [](const auto&) { return bilinear_law(); }},
       {"bouc_wen", "f = alpha k d + (1 - alpha) k z + c v, z' = A v - beta |v| |z|^(n-1) z - gamma v |z|^n",
        "smooth hysteresis", [](const auto&) { return bouc_wen_law(); }},
-      {"inerter", "f = b a", "force in proportion to relative acceleration", [](const auto&) { return inerter_law(); }},
+      {"inerter", "f = b a", "inerter: force proportional to relative acceleration",
+       [](const auto&) { return inerter_law(); }},
       {"preload", "f = f0", "constant force", [](const auto&) { return preload_law(); }},
       {"linear_change", "f = (k - k_nominal) d + (c - c_nominal) v + (b - b_nominal) a",
-       "departure of a linear spring, dashpot or mass from its nominal value",
+       "deviation of a linear spring, dashpot or mass from its nominal value",
        [](const LawArguments& arguments) { return linear_change_law(arguments.nominal); }},
       {"expression",
-       "f = the user's expression of x, v, a, its parameters and its states",
-       "a law in the user's own words",
+       "f = an expression of x, v, a, the parameters and the states",
+       "a law written as an expression",
        expression_of,
        {.parameter_names = {"k", "c"}, .force = "k*x + c*v"}},
   };
@@ -102,7 +105,7 @@ Requirement require(Range range, double value) {
     case Range::any:
       break;
   }
-  return {"any number will do", true};
+  return {"any number is allowed", true};
 }
 
 std::string describe(const LawQuantity& parameter, double value) {

@@ -53,7 +53,7 @@ void check(const LinearNominal& nominal) {
   const auto require = [&](const char* name, double value) {
     if (!std::isfinite(value) || value < 0.0)
       issues.add({}, "linear_change: nominal " + std::string(name) + " is " + std::to_string(value),
-                 "it must be a finite number, not negative", "give the value that the linear part holds");
+                 "it must be a finite number, not negative", "give the value used in the linear part");
   };
   require("stiffness", nominal.stiffness);
   require("damping", nominal.damping);
@@ -170,7 +170,7 @@ ConnectorLawPtr polynomial_law(int stiffness_degree, int damping_degree) {
     throw InvalidInput("polynomial: stiffness degree " + std::to_string(stiffness_degree) + ", damping degree " +
                            std::to_string(damping_degree),
                        "each must lie between 0 and " + std::to_string(highest) + ", one of them above 0",
-                       "name the coefficients that the law has, such as k1, k2, k3, c1");
+                       "name the coefficients of the law, such as k1, k2, k3, c1");
   return std::make_shared<PolynomialLaw>(stiffness_degree, damping_degree);
 }
 
@@ -285,14 +285,15 @@ struct GapKernel {
 ConnectorLawPtr gap_law() {
   constexpr double absent = std::numeric_limits<double>::infinity();
   return std::make_shared<PointwiseLaw<GapKernel>>(
-      "gap", std::vector<LawQuantity>{
-                 {"k_stop", "N/m", "stiffness of a stop in contact", Range::nonnegative},
-                 {"c_stop", "N s/m", "damping of a stop in contact", Range::nonnegative, 0.0},
-                 {"gap_upper", "m", "positive deformation at which the upper stop is met", Range::nonnegative, absent},
-                 {"gap_lower", "m", "size of the negative deformation at which the lower stop is met",
-                  Range::nonnegative, absent},
-                 {"k", "N/m", "stiffness alongside", Range::nonnegative, 0.0},
-                 {"c", "N s/m", "damping alongside", Range::nonnegative, 0.0}});
+      "gap",
+      std::vector<LawQuantity>{
+          {"k_stop", "N/m", "stiffness of a stop in contact", Range::nonnegative},
+          {"c_stop", "N s/m", "damping of a stop in contact", Range::nonnegative, 0.0},
+          {"gap_upper", "m", "deformation at which the upper stop is reached (positive)", Range::nonnegative, absent},
+          {"gap_lower", "m", "magnitude of the negative deformation at which the lower stop is reached",
+           Range::nonnegative, absent},
+          {"k", "N/m", "stiffness alongside", Range::nonnegative, 0.0},
+          {"c", "N s/m", "damping alongside", Range::nonnegative, 0.0}});
 }
 
 }  // namespace kalfem

@@ -17,7 +17,7 @@ constexpr double turn = 2.0 * std::numbers::pi;
 
 void check(IssueList& issues, const std::string& name, const FilterSection& section) {
   if (section.order < 1 || section.order > highest_order)
-    issues.add({}, name + ": filter order is " + std::to_string(section.order), "orders from 1 to 12 are known");
+    issues.add({}, name + ": filter order is " + std::to_string(section.order), "orders from 1 to 12 are supported");
   if (section.band == FilterBand::band_pass)
     require_band(issues, name + ": pass band [Hz]", section.cutoff, section.upper_cutoff);
   else
@@ -27,7 +27,7 @@ void check(IssueList& issues, const std::string& name, const FilterSection& sect
 void check(IssueList& issues, const std::string& name, const DelaySection& section) {
   require_nonnegative(issues, name + ": delay [s]", section.delay);
   if (section.order < 2 || section.order > highest_order || section.order % 2 != 0)
-    issues.add({}, name + ": order of the delay is " + std::to_string(section.order), "it must be even, 2 to 12");
+    issues.add({}, name + ": order of the delay is " + std::to_string(section.order), "it must be even, from 2 to 12");
 }
 
 void check(IssueList& issues, const std::string& name, const ResonanceSection& section) {
@@ -37,7 +37,7 @@ void check(IssueList& issues, const std::string& name, const ResonanceSection& s
 
 void check(IssueList& issues, const std::string& name, const GainSection& section) {
   require_finite(issues, name + ": gain", section.gain);
-  if (section.gain == 0.0) issues.add({}, name + ": gain is 0", "the record would hold nothing", "leave the stage out");
+  if (section.gain == 0.0) issues.add({}, name + ": gain is 0", "the record would be zero", "remove this section");
 }
 
 std::vector<AnalogSection> sections_of(const FilterSection& section) {
@@ -102,7 +102,7 @@ void check_record(const Eigen::Ref<const Eigen::VectorXd>& signal, double sample
 IssueList validate(const MeasurementChainOptions& options) {
   IssueList issues;
   for (std::size_t k = 0; k < options.sections.size(); ++k) {
-    const std::string name = "measurement chain, stage " + std::to_string(k + 1);
+    const std::string name = "measurement chain, section " + std::to_string(k + 1);
     std::visit([&](const auto& section) { check(issues, name, section); }, options.sections[k]);
   }
   return issues;

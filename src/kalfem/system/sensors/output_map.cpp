@@ -108,7 +108,7 @@ OutputMap make_outputs(const CoupledModel& model, const std::vector<OutputDescri
     map.names.push_back(output.name);
     map.units.push_back(unit_of(output.quantity));
     try {
-      if (output.points.empty()) throw InvalidInput("it observes nothing", "", "name a point or a connector");
+      if (output.points.empty()) throw InvalidInput("it does not measure anything", "", "name a point or a connector");
       if (is_of_connector(output.quantity))
         set_connector_row(map, entries, row, system, output);
       else

@@ -50,11 +50,11 @@ private:
 
 void check(const SignalPtr& acceleration, const IntegrationOptions& options) {
   IssueList issues;
-  if (!acceleration) issues.add({}, "a signal is missing (null pointer)", "an acceleration is integrated");
+  if (!acceleration) issues.add({}, "a signal is missing (null pointer)", "integration needs an acceleration");
   require_finite(issues, "start of the integration [s]", options.start);
   require_positive(issues, "step of the integration [s]", options.step);
   if (options.knots < 2)
-    issues.add({}, std::to_string(options.knots) + " samples of an acceleration", "at least two are integrated");
+    issues.add({}, std::to_string(options.knots) + " samples of an acceleration", "integration needs at least two");
   issues.raise();
 }
 
@@ -97,8 +97,8 @@ void GroundMotion::integrate_backwards(Knots& knots, Index from) const {
 GroundMotion::Knots GroundMotion::extended(Index first, Index last) const {
   const Index before = knots_.first - first, own = knots_.displacement.size(), behind = last - knots_.last();
   if (static_cast<double>(before) + static_cast<double>(behind) > most_knots)
-    throw InvalidInput("the motion of a ground is asked for long before or after the time that the case is about",
-                       "it would be integrated up to there", "check the times of the record and of delays");
+    throw InvalidInput("the motion of a ground is requested long before or after the time span of the case",
+                       "it would have to be integrated up to there", "check the times of the record and of delays");
   Knots all{first, Eigen::ArrayXd::Zero(before + own + behind), Eigen::ArrayXd::Zero(before + own + behind),
             SignalSamples(before + own + behind, 3)};
   all.displacement.segment(before, own) = knots_.displacement;

@@ -21,10 +21,10 @@ void require_lines(IssueList& issues, const std::string& signal, const LineGrid&
   const std::string band = "[" + shown(grid.lower) + ", " + shown(grid.upper) + "] Hz";
   if (!(count >= 1.0))
     issues.add({}, signal + ": no multiple of 1/duration = " + shown(1.0 / grid.duration) + " Hz lies in " + band,
-               "the signal is a sum of lines with that spacing", "widen the band or lengthen the duration");
+               "the signal is a sum of lines with this spacing", "widen the band or lengthen the duration");
   if (count > most_lines)
     issues.add({}, signal + ": " + band + " over " + shown(grid.duration) + " s needs " + shown(count) + " lines",
-               "at most " + shown(most_lines) + " are computed", "narrow the band or shorten the duration");
+               "at most " + shown(most_lines) + " can be computed", "narrow the band or shorten the duration");
 }
 
 std::int64_t first_line(const LineGrid& grid) { return static_cast<std::int64_t>(lowest_line(grid)); }

@@ -244,7 +244,7 @@ void check(const LineSeries& series) {
     issues.add({},
                std::to_string(series.amplitude.size()) + " amplitudes and " + std::to_string(series.phase.size()) +
                    " phases of spectral lines",
-               "each line needs one of each");
+               "every line needs one of each");
   const auto finite = [](double value) { return std::isfinite(value); };
   if (!std::ranges::all_of(series.amplitude, finite) || !std::ranges::all_of(series.phase, finite))
     issues.add({}, "an amplitude or phase of a spectral line is not finite", "the signal is their sum");

@@ -59,7 +59,7 @@ double road_spectrum(char road_class, double spatial_frequency) {
 IssueList validate(const RoadProfileOptions& options) {
   IssueList issues;
   if (options.road_class < 'A' || options.road_class > 'H')
-    issues.add({}, std::string("road profile: class is '") + options.road_class + "'", "ISO 8608 knows A to H",
+    issues.add({}, std::string("road profile: class is '") + options.road_class + "'", "ISO 8608 defines A to H",
                "write one capital letter from A (very good) to H");
   require_positive(issues, "road profile: speed [m/s]", options.speed);
   require_band(issues, "road profile: band [cycles/m]", options.lower, options.upper);

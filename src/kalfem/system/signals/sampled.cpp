@@ -79,10 +79,10 @@ private:
   void require_covered(double begin, double end) const {
     if (covers(begin, end)) return;
     throw InvalidInput("a record from " + shown(options_.start) + " s to " +
-                           shown(options_.start + last() / options_.sample_rate) + " s is asked for the time from " +
+                           shown(options_.start + last() / options_.sample_rate) + " s is requested from " +
                            shown(begin) + " s to " + shown(end) + " s",
-                       "it is not known outside its samples",
-                       "shorten the analysis, supply a longer record, or let the record hold its end values");
+                       "it is unknown outside its samples",
+                       "shorten the analysis, supply a longer record, or extend the record with its end values");
   }
 
   /// Value and derivatives at a position counted in samples.
@@ -113,7 +113,8 @@ IssueList validate(const SampledOptions& options) {
 SignalPtr make_sampled(Eigen::VectorXd values, const SampledOptions& options) {
   IssueList issues = validate(options);
   if (values.size() < 2)
-    issues.add({}, "sampled signal: " + std::to_string(values.size()) + " samples", "at least two are interpolated");
+    issues.add({}, "sampled signal: " + std::to_string(values.size()) + " samples",
+               "interpolation needs at least two samples");
   for (Eigen::Index k = 0; k < values.size(); ++k)
     if (!std::isfinite(values(k))) {
       issues.add({}, "sampled signal: sample " + std::to_string(k + 1) + " is " + shown(values(k)),
