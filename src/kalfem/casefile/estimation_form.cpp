@@ -30,12 +30,13 @@ Form<Unknown> unknown() {
 }
 
 Form<LocalModelOptions> local_model() {
-  const auto acceleration =
-      Fields<InterfaceAcceleration>()
-          .required("sensor", &InterfaceAcceleration::sensor, name(),
-                    "acceleration sensor whose record drives the interface")
-          .optional("displacement_std", &InterfaceAcceleration::displacement_std, deviation("m"), "of its start")
-          .optional("velocity_std", &InterfaceAcceleration::velocity_std, deviation("m/s"), "of its start");
+  const auto acceleration = Fields<InterfaceAcceleration>()
+                                .required("sensor", &InterfaceAcceleration::sensor, name(),
+                                          "acceleration sensor whose record drives the interface")
+                                .optional("displacement_std", &InterfaceAcceleration::displacement_std, deviation("m"),
+                                          "prior standard deviation of its initial displacement")
+                                .optional("velocity_std", &InterfaceAcceleration::velocity_std, deviation("m/s"),
+                                          "prior standard deviation of its initial velocity");
   const auto force =
       Fields<InterfaceForce>()
           .required("std", &InterfaceForce::std, deviation("N"), "stationary standard deviation")
@@ -57,10 +58,11 @@ Form<LocalModelOptions> local_model() {
 Form<Estimation> estimation() {
   const auto prior =
       Fields<PointPrior>()
-          .optional("displacement", &PointPrior::displacement, number("m", plausible::position()), "mean")
-          .optional("velocity", &PointPrior::velocity, number("m/s"), "mean")
-          .optional("displacement_std", &PointPrior::displacement_std, deviation("m"), "deviation")
-          .optional("velocity_std", &PointPrior::velocity_std, deviation("m/s"), "deviation");
+          .optional("displacement", &PointPrior::displacement, number("m", plausible::position()), "mean displacement")
+          .optional("velocity", &PointPrior::velocity, number("m/s"), "mean velocity")
+          .optional("displacement_std", &PointPrior::displacement_std, deviation("m"),
+                    "standard deviation of the displacement")
+          .optional("velocity_std", &PointPrior::velocity_std, deviation("m/s"), "standard deviation of the velocity");
   const auto connector_state =
       Fields<ConnectorStatePrior>()
           .optional("value", &ConnectorStatePrior::value, number("-"), "mean, in the SI unit of the state")

@@ -170,11 +170,12 @@ Form<Updating> updating() {
       Fields<Comparison>()
           .one_of(&Comparison::data, modal_data(), frf_data(), static_data(), driven_history(), simulated_history())
           .optional("weight", &Comparison::weight, number("-", Bounds::nonnegative()), "factor on its sum of squares");
-  const auto evolution = Fields<Evolution>()
-                             .optional("generations", &Evolution::generations, integer(1, 100000), "at the most")
-                             .optional("population", &Evolution::population, integer(0, 10000),
-                                       "points per generation; 0: chosen from the number of parameters")
-                             .optional("seed", &Evolution::seed, seed(), "seed of its random numbers");
+  const auto evolution =
+      Fields<Evolution>()
+          .optional("generations", &Evolution::generations, integer(1, 100000), "largest number of generations")
+          .optional("population", &Evolution::population, integer(0, 10000),
+                    "points per generation; 0: chosen from the number of parameters")
+          .optional("seed", &Evolution::seed, seed(), "seed of its random numbers");
   return mapping(
       Fields<Updating>()
           .required("parameters", &Updating::parameters, named(located(updated_parameter()), NameRule::dotted),
@@ -190,7 +191,7 @@ Form<Updating> updating() {
                     "method that minimises the residual")
           .optional("starts", &Updating::starts, integer(1, 10000), "number of starting points, spread over the bounds")
           .optional("seed", &Updating::seed, seed(), "seed of the starting points")
-          .optional("stages", &Updating::stages, integer(1, 10000), "at the most")
+          .optional("stages", &Updating::stages, integer(1, 10000), "largest number of iterations")
           .optional("tolerance", &Updating::tolerance, number("-", Bounds{.low = 0.0, .high = 0.1, .low_open = true}),
                     "the updating ends when the parameters change by less than this (relative) between iterations")
           .optional("evolution", &Updating::evolution, mapping(evolution), "options of method: cma_es")

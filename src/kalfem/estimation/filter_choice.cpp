@@ -9,11 +9,14 @@ std::string counted(Eigen::Index count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
-/// What the sigma points of a partially linear filter stand for.
-std::string arguments_in_words(const AugmentedModel& augmented_model) {
-  const auto& system = augmented_model.system();
-  return counted(system.connector_count(), "connector") + " and " +
-         counted(augmented_model.layout().unknowns, "unknown");
+/// What of the model is nonlinear, and how the filter treats it.
+std::string nonlinear_part_in_words(const AugmentedModel& augmented_model) {
+  const auto connectors = augmented_model.system().connector_count();
+  const auto parameters = augmented_model.layout().unknowns;
+  if (connectors + parameters == 0) return "the model is linear: it is propagated exactly";
+  return "only " + counted(connectors, "connector") + " and " + counted(parameters, "parameter") +
+         (connectors + parameters == 1 ? " is" : " are") +
+         " nonlinear: sigma points span these; the rest is propagated exactly";
 }
 
 }  // namespace
@@ -30,15 +33,10 @@ FilterChoice choose_filter(std::optional<FilterKind> requested, const LocallyNon
   const std::string asked = requested ? "requested by the case; " : "";
   const auto modal = make(StateCoordinates::modal);
   const Eigen::Index block = modal->augmented_model_form().largest_block;
-  if (block <= tile_size)
-    return {FilterKind::partially_linear, modal,
-            asked + "linear but for " + arguments_in_words(*modal) +
-                ": sigma points of these alone, and the covariance moves in blocks of at most " +
-                std::to_string(block)};
+  if (block <= tile_size) return {FilterKind::partially_linear, modal, asked + nonlinear_part_in_words(*modal)};
   return {FilterKind::partially_linear, make(StateCoordinates::physical),
-          asked + "linear but for " + arguments_in_words(*modal) +
-              ": sigma points of these alone; the covariance is dense because " + std::to_string(block) +
-              " states of the linear part share their poles and cannot be separated"};
+          asked + nonlinear_part_in_words(*modal) + "; the covariance is dense because " + std::to_string(block) +
+              " states of the linear part have equal poles and cannot be separated"};
 }
 
 }  // namespace kalfem

@@ -167,7 +167,7 @@ Chart trace_chart(const Study& study, const UpdatingOutcome& outcome) {
   Chart chart{.id = "updating-trace",
               .title = "Parameters by iteration",
               .caption = "Accepted values, relative to the initial values.",
-              .x_label = "stage",
+              .x_label = "iteration",
               .y_label = "value / initial [-]"};
   for (std::size_t k = 0; k < outcome.trace.size(); ++k) chart.x.push_back(static_cast<double>(k + 1));
   for (std::size_t i = 0; i < study.updating->parameters.size(); ++i) {
@@ -181,7 +181,7 @@ Chart trace_chart(const Study& study, const UpdatingOutcome& outcome) {
 }
 
 Chart residual_chart(const UpdatingOutcome& outcome) {
-  Chart chart{.id = "updating-residual", .title = "Residual by iteration", .x_label = "stage", .y_label = "rms [std]"};
+  Chart chart{.id = "updating-residual", .title = "Residual by iteration", .x_label = "iteration", .y_label = "rms [std]"};
   Series series{.label = "accepted", .role = Role::estimate};
   for (std::size_t k = 0; k < outcome.trace.size(); ++k) {
     chart.x.push_back(static_cast<double>(k + 1));

@@ -164,6 +164,12 @@ std::string linearisation_words(const EstimationOutcome& outcome) {
                          : "");
 }
 
+/// Of a filter, by the time of the record over that of its computation.
+std::string speed_in_words(double ratio) {
+  return ratio >= 1.0 ? fmt::format("{:.3g} times faster than real time", ratio)
+                      : fmt::format("{:.3g} times slower than real time", 1.0 / ratio);
+}
+
 std::string mass_text(const FiniteElementPart& part) {
   const auto& moving = part.moving_mass;
   std::string text = four_digits(part.mass.mass) + " kg";
@@ -208,13 +214,11 @@ std::string console_report(const Study& study, const StudyResults& results) {
     text += "Estimated parameters\n" + to_text(parameter_table(study, outcome)) + "\n";
     text += fmt::format("NIS {:.2f} (expected {:.2f}); {} of samples in the 95 % band\n", outcome.consistency.mean_nis,
                         outcome.consistency.expected_nis, per_cent(outcome.consistency.fraction_in_95));
-    text += fmt::format(
-        "{} states, {} steps, {:.2f} us a step: {:.3g} x real time (predict {}, update {}; output {} beside it)\n"
-        "Filter {}: {}\n{}\n",
-        outcome.augmented_model->layout().size(), outcome.measurements.samples(), 1e6 * time.filter() / samples,
-        samples / outcome.measurements.sample_rate / time.filter(), per_cent(time.predict / time.filter()),
-        per_cent(time.update / time.filter()), per_cent(time.output / time.filter()), name_of(outcome.filter),
-        outcome.filter_reason, linearisation_words(outcome));
+    text += fmt::format("{} states, {} steps, {:.2g} us per step: {}\nFilter {}: {}\n{}\n",
+                        outcome.augmented_model->layout().size(), outcome.measurements.samples(),
+                        1e6 * time.filter() / samples,
+                        speed_in_words(samples / outcome.measurements.sample_rate / time.filter()),
+                        name_of(outcome.filter), outcome.filter_reason, linearisation_words(outcome));
     if (const auto table = error_table("", study, outcome.points, outcome.settled); !table.rows.empty())
       text += fmt::format("Estimated motion, NRMSE after {} s{}\n", four_digits(study.problem->settings.settle),
                           band_words(outcome)) +

@@ -76,7 +76,7 @@ Table paired_mode_table(const ComparisonResult& comparison) {
 }
 
 Table updating_trace_table(const Study& study, const UpdatingOutcome& outcome) {
-  Table table{"Stages", {"stage", "residual", "accepted", "time"}, {}, {}};
+  Table table{"Iterations", {"iteration", "residual", "accepted", "time"}, {}, {}};
   for (const auto& parameter : study.updating->parameters)
     table.columns.push_back(parameter.name + " [" + parameter.unit + "]");
   for (std::size_t i = 0; i < outcome.trace.size(); ++i) {
