@@ -32,6 +32,15 @@ foreach(component core formats study)
   endforeach()
 endforeach()
 
+get_property(every GLOBAL PROPERTY KALFEM_LIBRARIES)
+foreach(library ${every})
+  string(REPLACE kalfem_ "" folder ${library})
+  if(NOT folder IN_LIST KALFEM_CORE_LIBRARIES AND NOT folder IN_LIST KALFEM_FORMATS_LIBRARIES
+     AND NOT folder IN_LIST KALFEM_STUDY_LIBRARIES)
+    message(FATAL_ERROR "${library} belongs to no component: name it in cmake/PublicHeaders.cmake")
+  endif()
+endforeach()
+
 install(TARGETS kalfem_command RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 configure_package_config_file(cmake/kalfemConfig.cmake.in kalfemConfig.cmake INSTALL_DESTINATION ${package_folder})
 write_basic_package_version_file(kalfemConfigVersion.cmake COMPATIBILITY SameMinorVersion)

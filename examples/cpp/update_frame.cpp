@@ -1,0 +1,31 @@
+// Updates Young's modulus of a frame by natural frequencies that were measured on it.
+// Usage: update_frame frame.bdf
+#include <cmath>
+#include <iostream>
+
+#include "kalfem/formats/read_deck.hpp"
+#include "kalfem/kalfem.hpp"
+
+using namespace kalfem;
+
+int main(int, char** argv) try {
+  Structure s;
+  s.add(FiniteElements("frame", read_deck(argv[1]).model));
+  for (const auto& name : s.parameters()) std::cout << "may be refined: " << name << '\n';
+
+  UpdateOptions options{.substructure = "frame", .parameters = {{"frame.1.youngs_modulus"}}};
+  for (const double frequency : {0.0}) options.frequencies.push_back({frequency, 0.002 * frequency});  // [Hz]
+  const auto result = update(s, options);
+
+  std::cout << result.reason << '\n';
+  for (const auto& f : result.frequencies)
+    std::cout << "measured " << f.measured << " Hz, model " << f.before << " Hz, updated " << f.after << " Hz\n";
+  const auto& modulus = result.parameters[0];
+  std::cout << modulus.name << ' ' << modulus.value << " +- " << modulus.std << ' ' << modulus.unit << '\n';
+
+  // The frame that was measured has 210 GPa.
+  return result.converged && std::abs(modulus.value - 210e9) < 3 * modulus.std ? 0 : 1;
+} catch (const InvalidInput& error) {
+  std::cerr << error.what() << '\n';
+  return 1;
+}

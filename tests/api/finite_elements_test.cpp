@@ -1,0 +1,61 @@
+#include "cantilever.hpp"
+
+namespace kalfem {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+TEST(FiniteElementParts, HaveTheFrequenciesOfTheClosedForm) {
+  const auto frequencies = natural_frequencies(cantilever(), 2);
+  EXPECT_NEAR(frequencies[0], first_frequency(), 1e-3 * first_frequency());
+  EXPECT_NEAR(frequencies[1], 2.0 * first_frequency(), 2e-3 * first_frequency());  // the other side is twice as thick
+}
+
+TEST(FiniteElementParts, AreReducedToTheNodesThatAreKept) {
+  const Superelement reduced = reduce(cantilever().reduce({.modes = {.count = 6}}, {"tip"}));
+  EXPECT_EQ(reduced.boundary.size(), 3u);
+  EXPECT_EQ(reduced.model.dofs[0], "n11.x");
+  EXPECT_LT(reduced.model.size(), 20);
+  const auto modes = normal_modes(reduced.model.mass, reduced.model.stiffness);
+  EXPECT_NEAR(modes.frequencies[0], first_frequency(), 2e-3 * first_frequency());
+}
+
+TEST(FiniteElementParts, CarryConnectorsAndUnknowns) {
+  Structure s;
+  s.add(cantilever().modal_damping({0.01}, 500.0).reduce({.modes = {.count = 4}}));
+  s.connect("stop", "beam.tip.z", "ground", law("polynomial", {{"k1", 1e3}, {"k3", 1e9}}));
+  Eigen::VectorXd push(501);
+  for (Eigen::Index k = 0; k < push.size(); ++k) push[k] = 5.0 * std::sin(0.1 * static_cast<double>(k));
+  s.force("push", "beam.tip.z", {push, 500.0});
+  EXPECT_THAT(s.parameters(), Contains("beam.steel.youngs_modulus"));
+  EXPECT_THAT(s.points(), Contains("beam.tip.z"));
+  const std::vector<SensorDescription> sensors = {{"tip", acceleration("beam.tip.z"), 0.05}};
+  const auto record = simulate(s, {.sensors = sensors, .duration = 1.0, .sample_rate = 500.0, .seed = 1});
+  const auto result =
+      estimate(s, record,
+               {.sensors = sensors,
+                .unknowns = {{"stop.k3", {.initial = 6e8, .std = 4e8}},
+                             {"beam.steel.youngs_modulus", {.initial = 200e9, .std = 15e9}}}});
+  ASSERT_TRUE(result.usable());
+  EXPECT_NEAR(result.parameters[0].mean, 1e9, 3.0 * result.parameters[0].std);
+  EXPECT_NEAR(result.parameters[1].mean, 210e9, 3.0 * result.parameters[1].std);
+  EXPECT_LT(result.parameters[1].std, 5e9);
+}
+
+TEST(FiniteElementParts, WrongNamesAreReportedTogether) {
+  auto elements = cantilever().node("middle", 99).fix("rot").reduce({}, {"tup", "tip.q"});
+  const auto message = refusal_of([&] { reduce(elements); });
+  EXPECT_THAT(message, HasSubstr("finite elements 'beam': node 'middle': the mesh has no node 99"));
+  EXPECT_THAT(message, HasSubstr("fix: there is no node 'rot' (did you mean 'root'?)"));
+  EXPECT_THAT(message, HasSubstr("boundary: there is no node 'tup' (did you mean 'tip'?)"));
+  EXPECT_THAT(message, HasSubstr("'tip.q' has no direction"));
+}
+
+TEST(FiniteElementParts, AReductionNeedsABoundaryAndToBeAskedFor) {
+  EXPECT_THAT(refusal_of([] { reduce(cantilever().reduce()); }), HasSubstr("the reduction has no boundary"));
+  EXPECT_THAT(refusal_of([] { reduce(cantilever()); }), HasSubstr("are not to be reduced"));
+}
+
+}  // namespace
+}  // namespace kalfem
