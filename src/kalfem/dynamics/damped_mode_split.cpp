@@ -7,6 +7,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+// See the header for the equations. Steps: check that the damped modes Phi are modes of K and C as well, that is
+// A Phi = M Phi diag(Phi^T A Phi) for A = K and C; extend M, C, K by the modes' own diagonal entries; split every load,
+// those of inputs and of connectors, into the parts that act on the remainder and on the modes.
 /// Relative departure of A Phi from M Phi diag(Phi^T A Phi) that rounding and the eigensolver's tolerance leave.
 constexpr double commuting_tolerance = 1e-5;
 

@@ -22,6 +22,10 @@ OutputMap accelerations_of(const LocallyNonlinearSystem& system) {
   return map;
 }
 
+// A step, with connector forces and inputs linear in time over it (first-order hold, [VL78]):
+//   1. x- = A_h x + G_0 f + P_0 u + P_1 u+: the motion without the forces at the end;
+//   2. the connectors' motion follows, k = k_free + H f+ with the compliance H of their ends; solve for f+;
+//   3. x+ = x- + G_1 f+, and z'' from the equation of motion.
 /// The exact step of the linear part, connector forces linear over the step.
 class ExactStepper final : public Stepper {
 public:

@@ -50,6 +50,14 @@ void check(const std::vector<InputTreatment>& treatments, Index inputs, std::siz
 
 }  // namespace
 
+// The state is x = [z; z'; states of inputs; states of measurement chains], and x' = A x + G u + B f with the inputs
+// u = [r; r'; r''] and the connector forces f. The rows are filled in the order in which they depend on each other:
+//   1. set_mechanics(): z'' from M z'' + C z' + K z + B f = P u, solved with M once.
+//   2. add_input_models(): an integrated input has the states r and r', driven by r''; a Markov input has r with
+//      r' = -r / tau.
+//      Wherever r stood as an input its columns move over to these states (route_inputs()).
+//   3. set_motion(): motion of the connectors and its derivatives, d'' through the row of z''.
+//   4. add_chains(): each sensor's raw output drives its analog chain, whose output takes its place.
 FirstOrderForm::FirstOrderForm(const LocallyNonlinearSystem& system, const OutputMap& outputs,
                                const std::vector<MeasurementChain>& chains,
                                const std::vector<InputTreatment>& treatments)
@@ -72,6 +80,7 @@ FirstOrderForm::FirstOrderForm(const LocallyNonlinearSystem& system, const Outpu
   add_chains(outputs_of_state(outputs), chains);
 }
 
+/// x = T xi. Outputs and motion keep their physical rows of inputs and forces; only their columns of x change.
 FirstOrderForm FirstOrderForm::in_coordinates(const BlockDiagonalForm& coordinates,
                                               const FirstOrderForm& physical) const {
   FirstOrderForm form = *this;
@@ -155,6 +164,7 @@ LinearOutput FirstOrderForm::outputs_of_state(const OutputMap& outputs) const {
   return raw;
 }
 
+/// d = b^T z - base^T r, d' and d''; d'' holds z'' and therefore inputs and forces of the same instant.
 void FirstOrderForm::set_motion(const LocallyNonlinearSystem& system) {
   const MatrixXd directions = system.connector_directions().transpose(), bases = system.connector_bases();
   motion_ = zero_output(3 * m_, dynamics_.cols(), 3 * n_u_, m_);

@@ -214,6 +214,9 @@ struct SteppedSystem {
   }
 };
 
+// The loop, step by step: solve for the accelerations and connector forces at the start; then advance by one step from
+// the inputs at its start and end. After each: stop where a force or the motion is not finite or a solve has not
+// converged; store what is asked for at every step and at every so many steps, in the system's own coordinates; report.
 /// A transient in steps of equal length. The first failure ends it: what is stored ends before the step that failed.
 class TransientRun {
 public:

@@ -77,6 +77,15 @@ std::vector<Index> linear_unknowns(const AugmentedModelOptions& options) {
   return places;
 }
 
+// How the model inside the filter is made:
+//   1. the first-order form of the system with sensors' chains and modelled inputs, in physical coordinates or in the
+//      modal ones in which its dynamics is block diagonal (AugmentedModelForm);
+//   2. the exact step over one part of the sample interval (ExactStep), connector forces linear over it;
+//   3. the prior of [x; s; theta; x(0); s(0)] in physical coordinates, then carried over. Standard deviations of an
+//      unknown go through the slope of its transform. A kept initial state is fully correlated with the state;
+//   4. Q of a whole interval: the linear part from its white-noise densities by Van Loan's integral [VL78], the random
+//      walks of internal states and unknowns as density times the step;
+//   5. two neighbours an unknown of the linear part, theta_0 +- s, whose maps give the columns of ParameterTangent.
 AugmentedModel::AugmentedModel(Bare /*tag*/, const LocallyNonlinearSystem& system, const OutputMap& sensors,
                                const std::vector<MeasurementChain>& chains, AugmentedModelOptions options)
     : system_(system),
@@ -103,6 +112,7 @@ AugmentedModel::AugmentedModel(const LocallyNonlinearSystem& system, const Outpu
   set_neighbours(values, deviations);
 }
 
+/// Prior and noise go over through physical coordinates, because the modal ones depend on the values.
 AugmentedModel AugmentedModel::about(const VectorXd& values, const VectorXd& deviations) const {
   AugmentedModel other(Bare{}, options_.system_at(values), sensors_, chains_, options_);
   other.prior_ = {other.own(physical(prior_.mean)), other.own_covariance(physical_covariance(prior_.covariance))};
@@ -111,6 +121,8 @@ AugmentedModel AugmentedModel::about(const VectorXd& values, const VectorXd& dev
   return other;
 }
 
+/// s = sqrt(3) deviations, where sigma points along the unknown would stand, but never so far that the structure
+/// changes its nature.
 void AugmentedModel::set_neighbours(const VectorXd& values, const VectorXd& deviations) {
   AugmentedModelOptions options = options_;
   options.coordinates = StateCoordinates::physical;
@@ -127,6 +139,7 @@ void AugmentedModel::set_neighbours(const VectorXd& values, const VectorXd& devi
   }
 }
 
+/// Everything that the caller may have got wrong, at once.
 void AugmentedModel::check() const {
   IssueList issues;
   for (const auto& unknown : options_.unknowns) {
@@ -215,6 +228,7 @@ Gaussian AugmentedModel::prior_about(const VectorXd& unknowns, const VectorXd& l
   return prior;
 }
 
+/// The state and, where it is kept, the initial state; internal states and unknowns are the same in any coordinates.
 MatrixXd AugmentedModel::moved(MatrixXd rows, Move move) const {
   if (form_.coordinates == StateCoordinates::physical) return rows;
   rows.topRows(layout_.linear) = (form_.*move)(rows.topRows(layout_.linear));
@@ -233,6 +247,7 @@ MatrixXd AugmentedModel::own_covariance(const MatrixXd& physical) const {
   return symmetric(own(own(physical).transpose()));
 }
 
+/// White acceleration drives the velocities; an integrated input its rate, a Markov input its value.
 void AugmentedModel::set_process_noise() {
   const auto& noise = options_.process_noise;
   const Index n = layout_.dofs, s = layout_.connector_states;

@@ -15,6 +15,8 @@ namespace {
 constexpr double negative_variance_tolerance = 1e-9;
 constexpr double least_pivot = 1e-13;  ///< one below it has lost all digits: the matrix is singular
 
+// First the plain Cholesky factorisation. A pivot that has lost all its digits means states known exactly: then the
+// pivoted one, on the correlation matrix so that units do not matter.
 /// Cholesky with diagonal pivoting on the correlation matrix, Higham, Accuracy and Stability of Numerical Algorithms,
 /// section 10.3: columns until what is left of every variance is rounding; then made triangular.
 bool semidefinite_factor(const MatrixXd& covariance, MatrixXd& factor) {

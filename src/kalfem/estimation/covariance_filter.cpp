@@ -18,6 +18,7 @@ FilterOutcome CovarianceFilter::transform(PartiallyLinearMap& map, UnscentedTran
              : FilterOutcome::model_not_evaluable;
 }
 
+/// m <- mean(f), P <- P_ff + Q.
 FilterOutcome CovarianceFilter::predict() {
   if (const auto outcome = transform(process(), process_transform_); outcome != FilterOutcome::usable) return outcome;
   estimate_.mean = process_transform_.mean();

@@ -49,6 +49,7 @@ Filter::Filter(FilterModel model) : model_(std::move(model)) {
   assert(model_.measurement_noise.rows() == model_.measurement.linear().rows());
 }
 
+/// Channels come and go in stretches, so R of the present ones is formed only where they change.
 FilterOutcome Filter::update(const Eigen::VectorXd& y, Innovation& innovation) {
   assert(y.size() == channels());
   auto& present = innovation.channels;

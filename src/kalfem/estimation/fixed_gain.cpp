@@ -12,6 +12,8 @@ using Eigen::VectorXd;
 
 namespace {
 
+// A filter's loop with the mean alone: predict by the process model at the mean, correct by the kept gain, look at the
+// monitored quantities. Missing channels add nothing. Maps are evaluated at one point in the place of sigma points.
 /// A map of an augmented model at one point, y = A x + G phi(N x + e) + b.
 template <class Map>
 class PointMap {

@@ -67,6 +67,12 @@ MatrixXd between_ends(const MatrixXd& weights, Index instants) {
 
 }  // namespace
 
+// The interval's N parts, each x_i = A_h x_(i-1) + G_0 f_(i-1) + G_1 f_i + drive_i, are composed once, so that the
+// state moves by one matrix and the sigma points see only the connectors' motion. After part i
+//     x_i = A_h^i x_0 + sum_j F_ij f_j + inputs,     forces <- A_h forces, with G_0 and G_1 added to two columns.
+// The connectors' motion at the end of part i is C x_i; its share of x_0 and the inputs is the nonlinear argument w,
+// its share of earlier forces is `force_motion_`, and its share of f_i itself the compliance with which f_i is solved
+// for. evaluate() then goes from part to part with all points at once.
 ProcessModel::ProcessModel(const AugmentedModel& augmented_model)
     : augmented_model_(&augmented_model),
       parts_(augmented_model.options().substeps),
@@ -137,6 +143,8 @@ void ProcessModel::set_mean(const VectorXd& mean) {
   if (derivatives_usable_) gain_.rightCols(moving_gain_) = augmented_model_->own(derivatives_);
 }
 
+/// Forces at the first instant from the motion there, then of each part's end from those before, with the connectors'
+/// internal states going along.
 bool ProcessModel::evaluate(const ArrayXXd& in, ArrayXXd& out) {
   if (!derivatives_usable_) return false;
   const auto& layout = augmented_model_->layout();

@@ -20,6 +20,9 @@ MatrixXd root_of(const MatrixXd& noise) {
 
 }  // namespace
 
+// A step (arrays in the header, [KSH00] chapter 12): stack the columns that make up the new covariance, transposed, and
+// triangularise them by QR; S is read off the triangle. A scatter Sigma with negative directions is split by its
+// eigenvalues: positive ones join the stack, negative ones are taken off the triangle by downdates.
 SquareRootFilter::SquareRootFilter(const FilterModel& model, UnscentedTransform transform)
     : Filter(model), transform_(std::move(transform)), process_root_(root_of(model.process_noise)) {}
 

@@ -69,6 +69,7 @@ private:
     return {node, 0};
   }
 
+  /// A group is complete: it is all that was entered since its first node.
   void close(std::size_t first) {
     auto& group = groups_.emplace_back();
     std::size_t node = unseen;

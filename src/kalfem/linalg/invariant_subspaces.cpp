@@ -24,6 +24,9 @@ using Eigen::VectorXd;
 
 namespace {
 
+// After balancing: real Schur form, then from the top a block [BS79] at a time. Decouple the block from the rest by a
+// Sylvester equation. Where its solution is too large the basis would be ill conditioned: exchange the nearest
+// eigenvalue of the rest to directly behind the block, take it in and try again.
 /// A = U S U^T, S quasi upper triangular, made block diagonal from the top.
 class SchurSplit {
 public:

@@ -94,6 +94,12 @@ void visit_diagonal(const cholmod_factor& factor, Visitor visit) {
 
 }  // namespace
 
+// L L^T = P A P^T by CHOLMOD [CDHR08], in two phases that are kept apart:
+//   1. analysis: the fill-reducing order P, the pattern of L and the choice of supernodes, from the pattern of A alone;
+//   2. factorisation: the values of L. refactor() repeats this phase for another matrix of the same pattern.
+// CHOLMOD is given views of our arrays and allocates only L. After the factorisation the squared pivots l_jj^2 are
+// compared with the diagonal of A: a quotient near rounding means that the matrix is singular for our purposes, even
+// where CHOLMOD went through. Failures are read from its status, never from its messages.
 NotPositiveDefinite::NotPositiveDefinite(Index column)
     : std::runtime_error("the matrix is not positive definite: zero or negative pivot in column " +
                          std::to_string(column)),
@@ -140,6 +146,8 @@ struct SparseFactor::Workspace {
     check_pivots();
   }
 
+  /// l_jj^2 / a_jj is what elimination left of the diagonal entry: the sine of the angle to the columns before,
+  /// squared.
   void check_pivots() {
     smallest_pivot = 1.0;
     visit_diagonal(*factor, [&](std::size_t j, double entry) {
@@ -154,6 +162,8 @@ struct SparseFactor::Workspace {
     return static_cast<Index>(static_cast<const SuiteSparse_long*>(factor->Perm)[j]);
   }
 
+  /// Solves with temporaries that are kept for one and for many right-hand sides, so that repeated solves allocate
+  /// nothing.
   void solve(cholmod_dense right_side, cholmod_dense solution) {
     cholmod_dense* written = &solution;
     Temporaries& temporaries = solution.ncol == 1 ? single : block;

@@ -73,6 +73,16 @@ VectorXd interior_part(const VectorXd& vector, const std::vector<Index>& interio
 
 }  // namespace
 
+// The interior i of a substructure whose boundary b moves in a known way. With the constraint modes
+// Psi = -K_ii^-1 K_ib [CB68] the motion is split into what rides on the boundary and a remainder,
+//     z_i = Psi z_b + q,
+// and the remainder obeys, since K_ii Psi + K_ib = 0,
+//     M_ii q'' + C_ii q' + K_ii q = f_i - (M [Psi; 1])_i z_b'' - (C [Psi; 1])_i z_b' - C_o,i z_o',
+// with z_o points outside that act through the damping of the whole structure's modes. Steps:
+//   1. factor K_ii (a free interior is refused) and solve for Psi;
+//   2. make the linear system in q, with one input a boundary degree of freedom and a point outside;
+//   3. predict(): q starts from what is known of z_i less Psi z_b and is simulated; small systems step exactly, large
+//      ones by generalised-alpha in substeps of the sample interval.
 BaseDrivenSubstructure::BaseDrivenSubstructure(const LinearModel& model, std::vector<Index> boundary,
                                                const MatrixXd& cross_damping)
     : boundary_(std::move(boundary)) {

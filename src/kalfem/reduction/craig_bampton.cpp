@@ -76,6 +76,12 @@ double comparison_band(const ReductionErrorIndicators& error_indicators, const R
   return 0.5 * (error_indicators.highest_kept > 0.0 ? error_indicators.highest_kept : error_indicators.next_left_out);
 }
 
+// Craig and Bampton [CB68], with the interior i and the boundary b:
+//   1. factor K_ii + shift M_ii; a free interior has rigid-body modes, which the constraint modes leave out;
+//   2. constraint modes Psi = -K_ii^-1 K_ib;
+//   3. fixed-interface modes K_ii Phi = M_ii Phi Lambda, as many as the options ask for;
+//   4. modal truncation augmentation vectors [DNW97] behind them, where they are wanted;
+//   5. project on T = [Psi Phi; 1 0].
 /// The superelement without its comparison with the full model; what belongs to the interior alone, its matrices and
 /// their factor, ends here.
 Superelement reduced(const LinearModel& model, const std::vector<std::string>& names, const ReductionOptions& options) {

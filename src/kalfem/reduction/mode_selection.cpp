@@ -55,6 +55,14 @@ Index modes_for_mass(const MatrixXd& mass_weighted_modes, const VectorXd& masses
   return kept;
 }
 
+// The number of fixed-interface modes that a request needs is not known before they are computed:
+//   1. up to a frequency: the eigensolver itself stops there.
+//   2. by number: as many as asked, at most one a degree of freedom with mass.
+//   3. by effective mass: of the interior following a unit translation r, mode i takes (phi_i^T M r)^2 of the mass
+//      r^T M r. Modes are computed in numbers that double until the part that is asked for is reached in each
+//      direction.
+//   4. rigid-body modes of a free interior are always among the kept ones.
+// The largest number counts. One mode more than kept is known where there is one: the first frequency left out.
 /// Computes modes in growing numbers, until what is wanted is among them or there are no more.
 class Search {
 public:

@@ -12,6 +12,10 @@ using Eigen::VectorXd;
 
 namespace {
 
+// A model in the coordinates p, z = T p with T = [Psi Phi; 1 0] in the order interior, boundary: constraint modes or
+// other static shapes first, then modes of the interior with the boundary held. What is known exactly is not computed
+// by products, which would leave rounding in its place: Phi^T M Phi = 1, Phi^T K Phi = diag(lambda) and
+// Psi^T K Phi = 0 [CB68].
 SparseMatrix projected(const SparseMatrix& matrix, const MatrixXd& T) {
   return symmetric(T.transpose() * (matrix * T)).sparseView();
 }

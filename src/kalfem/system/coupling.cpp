@@ -105,6 +105,16 @@ std::string unit_of(InputKind kind) {
   return "";
 }
 
+// How the coupled system is put together:
+//   1. M, C, K of the substructures stand block by block on the diagonal, their damped modes side by side. Their names
+//      become "substructure.dof".
+//   2. An input adds a load. A force acts on a point's combination of degrees of freedom. A base displacement r acts
+//      through the springs and dashpots to the ground, k_g r + c_g r'. A base acceleration a makes the coordinates
+//      relative to the base, with the load -M d a and d the degrees of freedom that move with the base.
+//   3. A connector is a rank-one force: with b the difference of its ends, deformation d = b^T z - base^T r, load -b f.
+//      It couples substructures; the linear part stays block diagonal.
+//   4. Damping of the whole structure's modes comes last, because those modes include the connectors at rest.
+// Every input and connector is tried, so that the user sees all mistakes at once.
 CoupledModel::CoupledModel(std::vector<Substructure> substructures, const std::vector<ConnectorDescription>& connectors,
                            const std::vector<InputDescription>& inputs,
                            const std::optional<GlobalModalDamping>& damping)
@@ -231,6 +241,8 @@ PointMotion CoupledModel::end_motion(const std::string& end) const {
   return end == fixed_ground ? zero_motion() : motion(end);
 }
 
+/// A name is looked up as a degree of freedom, then as a point of the substructure (a combination of degrees of
+/// freedom), then as a ground, which moves by the inputs that drive it.
 PointMotion CoupledModel::motion(const std::string& point) const {
   PointMotion motion = zero_motion();
   if (const auto dof = dof_index(point); dof >= 0) {

@@ -7,6 +7,9 @@ namespace kalfem {
 using Eigen::ArrayXXd;
 using Eigen::Index;
 
+// Arrays hold one column a connector and quantity, one row a point; each law is called with views of its columns, made
+// once. A law that works point by point is not asked for points that only repeat others (PointBlocks fills the last
+// block of lanes with repeated points): it is called for the whole blocks and the rest, and its answers are copied.
 ConnectorResponse::ConnectorResponse(const std::vector<Connector>& connectors, const PointBlocks& blocks)
     : blocks_(blocks) {
   std::vector<Columns> columns;
@@ -98,6 +101,15 @@ struct LaneArray<Dynamic, width> {
 
 constexpr int times(int a, int b) { return a == Dynamic || b == Dynamic ? Dynamic : a * b; }
 
+// One Newton correction of the connector forces at many points at once. At a point the motion k = k_free + H f follows
+// from the forces f, and the laws give g(k), with the tangents T = dg/dk. The residual g(k) - f is brought down by
+//     (1 - T H) df = g(k) - f,     f <- f + df,     k <- k_free + H f.
+// One SIMD lane is one point: the m x m systems (m connectors, few) of all lanes are eliminated side by side, without
+// row exchanges. Steps for a block of lanes:
+//   1. assemble 1 - T H and the residual, with the largest entry of each row;
+//   2. keep the residual, and note where it grew against the one before;
+//   3. eliminate; where a pivot is too small for some lane, solve each lane of the block by LU with row exchanges;
+//   4. apply the correction, note where it exceeds the tolerance, and move k.
 /// 1 - T H and the right-hand side at a block of points.
 template <int connectors, int width>
 class LaneSystem {

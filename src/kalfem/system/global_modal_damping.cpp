@@ -16,6 +16,10 @@ using Eigen::VectorXd;
 
 namespace {
 
+// Modes of the whole structure are those of M and K + sum_j k_j b_j b_j^T, with k_j the stiffness of connector j at
+// rest. Their damping C_m acts on the motion relative to the grounds: a slow motion r_i of a ground carries the
+// structure along by s_i = K^-1 (load of the ground), which strains nothing and must not be damped. So r_i' has the
+// load C_m s_i.
 double checked_stiffness(const Connector& connector) {
   const double stiffness = stiffness_at_rest(*connector.law, connector.parameters);
   if (!std::isfinite(stiffness))

@@ -10,6 +10,8 @@ namespace kalfem {
 
 namespace {
 
+// Signals are immutable and shared; a factor, a sum or a delay is a signal that asks others for their samples. A signal
+// covers an interval where all that it is made of do.
 class Scaled final : public Signal {
 public:
   Scaled(SignalPtr signal, double factor) : signal_(std::move(signal)), factor_(factor) {}

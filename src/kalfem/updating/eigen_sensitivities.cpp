@@ -17,6 +17,9 @@ constexpr double least_curvature = 1e-9;
 constexpr double rotation_end = 1e-14;
 constexpr int most_sweeps = 60;
 
+// d(lambda) of a group: eigenvalues of Phi_G^T (dK - lambda dM) Phi_G [FK68]. d(Phi_G) has a part in the computed
+// modes, by modal superposition, and a part M-orthogonal to them, from (K - lambda M) X = F, singular only in the
+// group: solved in the complement by conjugate gradients with the factor of K + s M as preconditioner [Alv97].
 /// A matrix that does not depend on the parameter is 0 x 0.
 MatrixXd times(const SparseMatrix& matrix, const MatrixXd& vectors) {
   return matrix.rows() == 0 ? MatrixXd::Zero(vectors.rows(), vectors.cols()) : MatrixXd(matrix * vectors);

@@ -39,6 +39,10 @@ void require_searchable(const std::vector<UpdatingParameter>& parameters, const 
   issues.raise();
 }
 
+// CMA-ES [Han06] searches the unit cube of the free parameters without derivatives; its points may leave the cube. A
+// point outside costs what the nearest point inside does, times a factor that grows with the distance, so the search is
+// led back and the model is never asked for values beyond its bounds. Least squares then ends the search where
+// derivatives exist.
 /// The cost over the unit cube of the free parameters, and the best point seen.
 class Landscape {
 public:

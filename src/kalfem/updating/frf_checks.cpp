@@ -71,11 +71,16 @@ void check_options(const FrfResidualOptions& options, IssueList& issues) {
                  "its upper limit must exceed its lower one");
 }
 
+// A wrong unit or quantity shows as a level: the ratios |H| / |H_model| of all lines are about one constant, or one
+// power of omega, apart from 1. Medians are used, because near resonances single ratios mean nothing. A power is
+// believed where it halves the scatter of the ratios over at least an octave; a factor where it is g, or beyond any
+// start.
 /// ln |H| - ln |H_model| with ln omega, of all lines and outputs of a set.
 struct LogRatios {
   std::vector<double> values, log_omega;
 };
 
+/// Values of 0, whose logarithm is infinite, are left out.
 LogRatios log_ratios(const FrequencyResponse& measured, const MatrixXcd& model) {
   LogRatios ratios;
   for (Index k = 0; k < model.rows(); ++k)

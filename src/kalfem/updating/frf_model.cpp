@@ -131,6 +131,13 @@ FrfEvaluation::Derivative reduced(const ResponseBasis& basis, const ModelDerivat
 
 }  // namespace
 
+// How FRFs are evaluated (equations in the header):
+//   1. evaluate(): a basis V that spans the response up to the highest line (modes and static answers to the loads and
+//      outputs), and everything reduced once: V^T C V with modal damping, V^T f, S V, and V^T dK V ... a parameter.
+//   2. at(): per line only Z = V^T (K + s C + s^2 M) V is formed; in the basis K and M are diagonal, and so is Z where
+//      damping is. One solve gives H, and with the outputs as further right-hand sides the adjoint answers.
+//   3. dH needs no further solve: adjoint answers times (df - dZ V Z^-1 V^T f).
+//   4. Loads of a moving ground depend on the parameters too; those derivatives are central differences.
 FrfLine FrfEvaluation::at(std::size_t index, Complex s) const {
   const Set& set = sets[index];
   const Index adjoint = derivatives.empty() ? 0 : set.outputs.rows();
@@ -169,6 +176,7 @@ FrfModel::FrfModel(std::shared_ptr<const ParameterisedModel> model, std::vector<
   issues.raise();
 }
 
+/// Loads and outputs whose static answers the basis is to hold, n x columns.
 MatrixXd FrfModel::places(const LinearModel& model) const {
   Index columns = 0;
   for (std::size_t i = 0; i < sets_.size(); ++i) columns += outputs_[i].cols() + (forces_[i].size() > 0 ? 1 : 2);
@@ -191,6 +199,8 @@ MatrixXd FrfModel::places(const LinearModel& model) const {
   return places;
 }
 
+/// Of a moving ground the load is k_g + s c_g, and the modal damping sees the motion relative to the ground: the rates
+/// times the amplitudes of the motion that the ground carries along without strain.
 FrfEvaluation::Set FrfModel::reduced_set(std::size_t index, const LinearModel& model, const ResponseBasis& basis,
                                          const VectorXd& rates) const {
   FrfEvaluation::Set set{.load = {},

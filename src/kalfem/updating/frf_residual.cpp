@@ -23,6 +23,13 @@ constexpr double least_coverage = 0.75;  ///< of the smoothing kernel by measure
 constexpr double closest_lines = 0.5;    ///< of the smoothing width
 constexpr double reduction = 3.0;        ///< from one smoothing width to the next
 
+// From measured lines to residuals:
+//   1. smoothed(): an FRF at i omega is compared at sigma + i omega, where Poisson's integral over the measured lines
+//      gives it [Hof62]: resonances are wider there, so that a model far off still feels them. Lines nearer to each
+//      other than half the width tell nothing new and are thinned.
+//   2. deviations_of(): measured deviations, a relative part, and a floor where none were measured.
+//   3. evaluate(): (H - H_m) / deviation, or |H_m| / deviation times ln(H / H_m), with derivatives from FrfModel.
+//   4. take_out_scale(): a free factor of a set is its weighted mean log ratio, taken out of residuals and Jacobian.
 bool in_bands(double line, const std::vector<FrequencyBand>& bands) {
   if (!(line > 0.0)) return false;
   return bands.empty() ||

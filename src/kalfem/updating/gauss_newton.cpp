@@ -132,6 +132,14 @@ bool GaussNewton::tell(const std::optional<ResidualValue>& value) {
   return true;
 }
 
+// The search is a machine that asks and is told: proposal() names a point, tell() takes the residual there. In between
+// its whole state is GaussNewtonState, so a search can be stopped, written to a file and resumed. A turn:
+//   1. linearise(): J diag(scale) = Q R. R and Q^T r replace J and r, whatever their number of rows.
+//   2. plan(): minimise |R d + Q^T r|^2 with the prior's rows, within the bounds and within |d_i| <= radius [SP95]; the
+//      minimum without the trust region serves the tests of convergence.
+//   3. try_step(): rho = true reduction of the cost / reduction that the linear model promises ([NW06], section 4.1).
+//      A poor rho shrinks the region to a part of the step, a good one of a step that the region limited doubles it.
+//   4. A trial with rho above a small threshold is accepted; a refused one is planned again with the smaller radius.
 /// Judges the trial at proposal().
 bool GaussNewton::try_step(const std::optional<ResidualValue>& value) {
   const VectorXd trial = proposal();
@@ -215,6 +223,8 @@ bool GaussNewton::is_stationary() const {
   return true;
 }
 
+/// The tests of convergence use the step without the trust region: a small region must not pass for convergence, and a
+/// region that has shrunk to nothing after refusals is a failure.
 std::optional<Termination> GaussNewton::judge_point() const {
   if (is_stationary()) return Termination::converged_gradient;
   if (whole_.size <= options_.step_tolerance) return Termination::converged_step;

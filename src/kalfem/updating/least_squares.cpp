@@ -5,6 +5,8 @@ namespace {
 
 using Eigen::VectorXd;
 
+// Ask the Gauss-Newton search for a point, evaluate the residual there, tell it the answer, note the turn; until it has
+// finished or the caller stops it.
 /// The loop with what it records.
 class Search {
 public:

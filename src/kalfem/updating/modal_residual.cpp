@@ -151,6 +151,16 @@ VectorXd fit_derivative(const MatrixXd& A, const MatrixXd& dA, const VectorXd& c
 
 }  // namespace
 
+// How measured modes are compared with those of the model:
+//   1. solve(): the lowest modes at theta, and groups of (nearly) repeated ones, within which eigenvectors mean
+//   nothing.
+//   2. pairs(): a measured mode is recognised in a group by its shape, or by M phi of the mode with which it was paired
+//      at the start; MAC of group and mode, then the assignment of the largest sum (pair_modes()).
+//   3. places(): within a group the direction of a mode is the combination nearest to its shape; those of several
+//      measured modes in one group are made orthogonal together. frequency^2 ~ sum lambda_i c_i^2.
+//   4. values(): (f - f_m) / deviation, and the misfit of the fitted shape at the measured points.
+//   5. jacobian(): of frequencies by [FK68], of shapes through the derivative of the group's subspace
+//      ([Nel76], [Dai89] for repeated modes) and of the projector onto it [GP73].
 /// The model and its modes at one point of the parameter space. The last group has only the use to end the others.
 struct ModalResidual::Solution {
   LinearModel model;
@@ -193,6 +203,7 @@ ModalResidual::ModalResidual(std::shared_ptr<const ParameterisedModel> model, st
   choose_references(solution, first_pairs(solution), start);
 }
 
+/// The last group may be cut by the number of computed modes, so it is not offered for pairing where more modes follow.
 ModalResidual::Solution ModalResidual::solve(const VectorXd& parameters) const {
   LinearModel model = model_->at(parameters).model;
   ShiftedStiffness shifted = factor_stiffness(model.stiffness, model.mass, model.dofs);

@@ -36,6 +36,13 @@ InvalidInput no_such_point(const LinearModel& model, const std::string& name) {
           "a measured point must be a point of the model", "name a degree of freedom or a point of the model"};
 }
 
+// Pairs are the assignment of measured to model modes with the largest sum of gains, MAC plus a smaller reward for a
+// near frequency. The assignment problem is solved by shortest augmenting paths [JV87], with prices u_i, v_j of rows
+// and columns such that every reduced cost c_ij - u_i - v_j is nonnegative and those of assigned pairs are zero:
+//   1. from the new row, grow a tree of columns by least reduced cost (Dijkstra), through the rows assigned so far;
+//   2. raise the prices of all that was reached, so that the tree's pairs stay at reduced cost zero;
+//   3. at the first free column, exchange the pairs along the path back to the new row.
+// One more column a row, at cost zero, stands for "pairs with nothing".
 /// Rows are assigned one after the other; each is a search for the path of least reduced cost to a free column, along
 /// which earlier rows change theirs. More columns than rows; index 0 stands for "none" in both.
 class Assignment {

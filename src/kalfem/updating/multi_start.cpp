@@ -15,6 +15,9 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
+// Starts are a Latin hypercube [MBC79]: the range of each parameter is cut into as many strips as there are starts, and
+// every strip is used once, in an order drawn for each parameter by its name; the first start is the initial values.
+// Searches run side by side and are then sorted, so the outcome does not depend on which ends first.
 struct Range {
   double lower, upper;
 };

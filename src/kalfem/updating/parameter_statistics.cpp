@@ -20,6 +20,13 @@ constexpr double zero_column = 1e-14;        // of the longest: rounding
 constexpr double part_in_null = 1e-3;        // a parameter with a smaller part in a null direction is determined
 constexpr double part_unidentifiable = 0.1;  // of the greatest change: a smaller one is not worth a word
 
+// Statistics of the estimate from the linearised problem at the minimum [SW89], in parts of the parameters' scales:
+//   1. J diag(scale) = Q R; H = R^T R + P^2 with the prior's P; covariance H^-1 by a singular value decomposition of
+//      [R; P] with columns of unit length. Directions below the rank tolerance are not determined.
+//   2. Residuals larger than stated inflate the part of the variance that comes from the data, by the reduced
+//      chi-squared: H^-1 + (inflation - 1) H^-1 R^T R H^-1. The prior's part is not inflated.
+//   3. Directions that the data do not determine are given as combinations of as few parameters as can be.
+//   4. Each parameter is judged: seen well, poorly (its deviation against the prior's), not at all, or held.
 /// The linearised problem of the free parameters in parts of their scales: |r + R d|^2 + |P d|^2.
 struct Linearised {
   std::vector<Index> free;   ///< parameters without equal bounds
@@ -228,6 +235,9 @@ using Parameters = std::vector<UpdatingParameter>;
 
 constexpr double notable_inflation = 1.5;  // of variances: below it, mere chance or not worth a word
 
+// A finding is one sentence for the user: a parameter that the residual does not see, sees poorly, or that ended at a
+// bound; combinations that cannot be told apart; pairs that are highly correlated; residuals larger than stated. A
+// parameter that is part of an unidentifiable combination is named there only.
 const UpdatingParameter& at(const Parameters& parameters, Index i) { return parameters[static_cast<std::size_t>(i)]; }
 
 /// "a", "a and b", "a, b and c"

@@ -12,6 +12,9 @@ using Eigen::Index;
 using Eigen::VectorXd;
 using Verdict = SensitivityComparison::Verdict;
 
+// Derivatives by Ridders' method [Rid82]: difference quotients for steps h, h/2, h/4 ... extrapolated to zero step
+// (Richardson), and the entry of the tableau that agrees best with its neighbours is taken, with that difference as its
+// error.
 struct Derivative {
   VectorXd value;
   double error = std::numeric_limits<double>::infinity();  ///< estimated, of the greatest entry

@@ -40,6 +40,8 @@ InvalidInput free_to_move(const std::string& how) {
           "restrain the structure or compare modes instead"};
 }
 
+// A test's displacement is u_i = s_i^T K^-1 F. Its derivative needs one adjoint solve a measured point, whatever the
+// number of parameters: du_i = -w_i^T dK u with w_i = K^-1 s_i^T.
 /// u = K^-1 F with the factor. Throws InvalidInput where K leaves a motion free.
 struct Equilibrium {
   Equilibrium(const LinearModel& model, const MatrixXd& forces)
@@ -124,6 +126,7 @@ std::optional<ResidualValue> StaticResidual::evaluate(const VectorXd& parameters
   }
 }
 
+/// -w_i^T (dK u) / deviation_i.
 MatrixXd StaticResidual::jacobian(const SparseFactor& factor, const MatrixXd& displacements,
                                   const std::vector<ModelDerivative>& derivatives) const {
   const MatrixXd influence = factor.solve(MatrixXd(rows_.transpose()));  // w_i

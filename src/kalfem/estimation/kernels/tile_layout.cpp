@@ -11,6 +11,10 @@ using Eigen::MatrixXd;
 
 namespace {
 
+// States that A joins form groups; a group must stay within one tile. Groups are placed largest first, each at the
+// first free slots of the right size ("first fit, decreasing"), pairs at even slots so that partners are neighbours.
+// Most tiles then hold pairs only and move by two vectors, A's diagonal and its entries towards the partner; a tile
+// with a larger group keeps its full 8 x 8 block.
 /// States joined by entries of A, in either direction; ascending within each group, groups by their first state.
 std::vector<std::vector<Index>> joined_states(const MatrixXd& A) {
   std::vector<Index> root(static_cast<std::size_t>(A.rows()));

@@ -16,6 +16,9 @@ constexpr double linearisation_spread = 1e-4;  ///< in standard deviations: diff
 
 }  // namespace
 
+// Points stand in pairs about the centre, one direction a pair. Sums and differences of each pair's values are formed
+// once: differences give the slopes delta, sums the mean and the scatter Sigma, in which only curvature is left. The
+// linearised transform uses the same code with a small spread and no scatter.
 UnscentedWeights::UnscentedWeights(const UnscentedOptions& options, Index dimension) {
   const auto n = static_cast<double>(dimension);
   const double kappa = options.kappa.value_or(options.points == SigmaPoints::of_arguments ? 3.0 - n : 0.0);

@@ -112,6 +112,12 @@ SymmetricTiles::SymmetricTiles(const MatrixXd& matrix, const TileLayout& layout)
   values_ = Eigen::Map<const Eigen::VectorXd>(kept.data(), static_cast<Index>(kept.size()));
 }
 
+// One pass (docs/theory/partially-linear-ukf.md, "One pass over the covariance"):
+//   1. pack(): the thin columns that meet in a tile, one behind the other in memory: -A J, W, U left; A J, U, W right;
+//      then the rows H.
+//   2. pass_over(): for each tile of the lower triangle, load; widen the diagonal before a downdate; A_I T A_J^T; add
+//      the products of the packed columns and the tile of Q; store; add T H_J and, off the diagonal, T^T H_I.
+//   3. Sums of the parts are added in a fixed order, so results do not depend on who computed which part.
 CovarianceTiles::CovarianceTiles(int threads) : pool_(std::make_unique<WorkerPool>(std::clamp(threads, 1, parts))) {}
 
 void CovarianceTiles::reset(const MatrixXd& covariance, const TileLayout& layout) {

@@ -10,6 +10,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+// The stored P is P + J J^T after an update: J is thin, and taking it off reads and writes all of P. So J waits for the
+// next pass, which is due anyway. The products are small and are brought along at once.
 ProjectedCovariance::ProjectedCovariance(ProjectedRows rows, TileLayout layout, int threads)
     : rows_(std::move(rows)),
       layout_(std::move(layout)),

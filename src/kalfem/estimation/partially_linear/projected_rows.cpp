@@ -36,6 +36,7 @@ std::size_t ProjectedRows::add(const MatrixXd& rows, const TileLayout& layout) {
   return matrices_.size() - 1;
 }
 
+/// A row with a single 1 picks a state; any other is compared with those that are there.
 ProjectedRows::Place ProjectedRows::find_or_add(const VectorXd& row) {
   Index slot = 0;
   if (row.size() > 0 && row.cwiseAbs().sum() == 1.0 && row.maxCoeff(&slot) == 1.0) {

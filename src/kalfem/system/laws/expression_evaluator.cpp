@@ -8,6 +8,7 @@
 namespace kalfem {
 namespace {
 
+<<<<<<< HEAD
 constexpr double weight = 0.29289321881345248;  ///< 1 - 1/sqrt(2), the L-stable choice
 
 ConnectorMotion between(const ConnectorMotion& begin, const ConnectorMotion& end, double fraction) {
@@ -105,6 +106,13 @@ AdvancedStates advance_states(const StateRates& rates, double duration, const Co
 
 namespace {
 
+||||||| parent of 7356b64 (The long sources say how their algorithms go, with the steps and the sources of the equations)
+=======
+// find_issues() tries every expression before a law is made of it: names first (identifiers, no function or constant,
+// none twice), then each expression compiled alone with all names set to 1, where only the syntax matters; last, names
+// that no expression uses. ExpressionEvaluator then compiles for good: muParser's variables are addresses, so an
+// evaluator owns the values that its parsers read and is used by one thread at a time (EvaluatorPool).
+>>>>>>> 7356b64 (The long sources say how their algorithms go, with the steps and the sources of the equations)
 /// Names that an expression may use beside functions and constants.
 std::vector<std::string> own_names(const ExpressionLawOptions& options) {
   std::vector<std::string> names;

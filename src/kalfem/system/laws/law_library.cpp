@@ -40,6 +40,8 @@ ConnectorLawPtr expression_of(const LawArguments& arguments) {
   return expression_law(options);
 }
 
+// A law is found by its name in a table of name, equation, meaning and maker. The same table gives `kalfem laws` and
+// the schema their text: a law that is added here needs no other place.
 struct Entry {
   std::string name, equation, meaning;
   std::function<ConnectorLawPtr(const LawArguments&)> make;

@@ -40,6 +40,7 @@ void check(IssueList& issues, const std::string& name, const GainSection& sectio
   if (section.gain == 0.0) issues.add({}, name + ": gain is 0", "the record would be zero", "remove this section");
 }
 
+/// Poles of the normalised low-pass filter, moved to the band by the usual frequency transformations.
 std::vector<AnalogSection> sections_of(const FilterSection& section) {
   const auto poles =
       section.family == FilterFamily::butterworth ? butterworth_poles(section.order) : bessel_poles(section.order);
@@ -65,6 +66,11 @@ std::vector<AnalogSection> sections_of(const ResonanceSection& section) {
 
 std::vector<AnalogSection> sections_of(const GainSection&) { return {}; }
 
+// A chain is a cascade of analog sections of first and second order, H(s) = gain prod_k H_k(s). Each description gives
+// its sections (poles of Butterworth or Bessel filters, Pade's approximation of a delay, one resonance), each section a
+// state space of one or two states, and the cascade feeds one by the output of the one before:
+//     [x1'; x2'] = [A1 0; B2 C1  A2] [x1; x2] + [B1; B2 D1] u,     y = [D2 C1  C2] [x1; x2] + D2 D1 u.
+// filter() runs the cascade over a record with the input linear between samples, which makes the step exact.
 /// Controllable form in the states x1 and x2 = x1' / rate, of the size of the input.
 ChainStateSpace realise(const AnalogSection& s) {
   if (s.order == 1)
@@ -108,6 +114,7 @@ IssueList validate(const MeasurementChainOptions& options) {
   return issues;
 }
 
+/// The lowest frequency at which some section starts to take the signal away.
 double bandwidth(const MeasurementChainOptions& options) {
   double lowest = std::numeric_limits<double>::infinity();
   for (const auto& section : options.sections) {

@@ -3,6 +3,10 @@
 namespace kalfem {
 namespace {
 
+// A sensor is one row of y = S_d z + S_v z' + S_a z'' + S_f f + D_0 r + D_1 r' + D_2 r''. The motion of a point is a
+// combination of degrees of freedom and of moved grounds; a connector's deformation is b^T z - base^T r. Under a base
+// acceleration coordinates are relative to the base, so that an accelerometer adds the base's share unless it is said
+// to measure relative to the base.
 Eigen::Index connector_index(const LocallyNonlinearSystem& system, const std::string& name) {
   std::vector<std::string> names;
   for (const auto& connector : system.connectors) {
@@ -43,6 +47,7 @@ void set_connector_row(OutputMap& map, RowEntries& entries, Eigen::Index row, co
     add_connector(map, entries, row, system, output.quantity, connector_index(system, connector), weight);
 }
 
+/// The motion of a sum of points, each with its weight.
 PointMotion combined_motion(const CoupledModel& model, const DofCombination& points) {
   PointMotion sum{Eigen::VectorXd::Zero(model.system().size()), Eigen::VectorXd::Zero(model.system().input_count())};
   for (const auto& [point, coefficient] : points) {

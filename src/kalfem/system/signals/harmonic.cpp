@@ -12,6 +12,9 @@ namespace kalfem {
 
 namespace {
 
+// The phase is integrated in closed form: f(t) = f_0 + (f_1 - f_0) t / T linearly, f_0 (f_1 / f_0)^(t / T)
+// logarithmically. Outside its duration the frequency stands still. sin and cos are taken of the fraction of a cycle,
+// so that long sweeps lose no digits.
 class SweptSine final : public FormulaSignal {
 public:
   explicit SweptSine(const SweptSineOptions& options) : options_(options) {}

@@ -53,6 +53,8 @@ std::array<double, 3> spline_segment(double y0, double y1, double M0, double M1,
 
 constexpr double edge = 1e-6;  // of a sampling interval: instants that rounding moved over an end or a sample
 
+// Between samples the record is a cubic spline with the not-a-knot condition (or straight): its second derivative is
+// continuous, as an input's must be. Curvatures at the samples are solved for once; a value costs one segment.
 class Sampled final : public Signal {
 public:
   Sampled(Eigen::VectorXd values, const SampledOptions& options)

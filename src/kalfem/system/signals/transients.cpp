@@ -11,6 +11,10 @@ namespace kalfem {
 
 namespace {
 
+// From one level to another by 10 x^3 - 15 x^4 + 6 x^5, whose first and second derivatives vanish at both ends: inputs
+// need two derivatives.
+// From one level to another by 10 x^3 - 15 x^4 + 6 x^5, whose first and second derivatives vanish at both ends: inputs
+// need two derivatives.
 class Step final : public FormulaSignal {
 public:
   explicit Step(const StepOptions& options) : options_(options) {}
@@ -42,6 +46,8 @@ private:
   double value_;
 };
 
+/// Derivatives by the product rule.
+/// Derivatives by the product rule.
 class Product final : public Signal {
 public:
   Product(SignalPtr x, SignalPtr y) : x_(std::move(x)), y_(std::move(y)) {}
