@@ -10,7 +10,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-using Place = CoupledModel::Placed;
+using Place = DrivenSubstructure::Place;
 
 /// The boundary of a finite-element substructure, or the degrees of freedom that connectors touch.
 std::vector<Index> boundary_of(const StructureModel& structure, const CoupledModel& model, const Place& place) {
@@ -84,6 +84,11 @@ MatrixXd cross_damping_of(const CoupledModel& model, const Place& place, const s
          MatrixXd(mass_weighted_modes(dofs, Eigen::all)).transpose();
 }
 
+Place place_of(const CoupledModel& model, const std::string& substructure) {
+  const auto found = model.find_substructure(substructure);
+  return {found.part, found.offset};
+}
+
 BaseDrivenSubstructure driven_part(const CoupledModel& model, const Place& place, std::vector<Index> boundary) {
   if (!model.global_modal_damping()) return {*place.part.model, std::move(boundary)};
   return {damped_part(model, place), std::move(boundary), cross_damping_of(model, place, outside(model, place))};
@@ -93,7 +98,7 @@ BaseDrivenSubstructure driven_part(const CoupledModel& model, const Place& place
 
 DrivenSubstructure::DrivenSubstructure(const StructureModel& structure, const CoupledModel& model,
                                        const std::string& substructure)
-    : place_(model.find_substructure(substructure)),
+    : place_(place_of(model, substructure)),
       driven_(driven_part(model, place_, boundary_of(structure, model, place_))),
       applied_(applied_inputs(structure, model, place_)) {
   for (const Index dof : driven_.boundary()) points_.push_back(reported_name(place_, dof));

@@ -12,7 +12,13 @@ public:
   /// `model`: the whole structure, with the inputs of `structure`. Throws InvalidInput as BaseDrivenSubstructure.
   DrivenSubstructure(const StructureModel& structure, const CoupledModel& model, const std::string& substructure);
 
-  [[nodiscard]] const CoupledModel::Placed& place() const { return place_; }
+  /// The substructure, and where its degrees of freedom begin in the whole model. It shares the matrices and does not
+  /// need the model any more.
+  struct Place {
+    Substructure part;
+    Eigen::Index offset;
+  };
+  [[nodiscard]] const Place& place() const { return place_; }
   /// Qualified points whose motion drives it: one a boundary degree of freedom, then those outside that pull at it by
   /// cross damping.
   [[nodiscard]] const std::vector<std::string>& points() const { return points_; }
@@ -23,7 +29,7 @@ public:
   }
 
 private:
-  CoupledModel::Placed place_;
+  Place place_;
   BaseDrivenSubstructure driven_;
   std::vector<std::string> points_;
   std::vector<AppliedInput> applied_;

@@ -34,7 +34,7 @@ BoundaryMotion motion_from(const MatrixXd& monitored, Index first) {
 }
 
 /// Rows of the sensors' quantities over the substructure's degrees of freedom.
-SparseRows rows_of(const OutputMap& outputs, const CoupledModel::Placed& place) {
+SparseRows rows_of(const OutputMap& outputs, const DrivenSubstructure::Place& place) {
   const SparseRows sum = outputs.displacement + outputs.velocity + outputs.acceleration;  // one of them each
   return sum.middleCols(place.offset, place.part.model->size());
 }

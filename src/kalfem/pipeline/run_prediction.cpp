@@ -15,7 +15,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-using Place = CoupledModel::Placed;
+using Place = DrivenSubstructure::Place;
 
 /// What an accelerated base adds to the acceleration of points, one column a point; their displacements are relative to
 /// it in any case.

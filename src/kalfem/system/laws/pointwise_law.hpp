@@ -30,7 +30,9 @@ struct KernelOutput {
 };
 
 /// Makes a ConnectorLaw of a kernel, a callable
+/// @code
 ///     KernelOutput<S> operator()(const KernelInput<P, S>&) const
+/// @endcode
 /// with constants `parameter_count` = P and `state_count` = S, and where they are true
 ///     uses_acceleration   the force depends on d'' (left out: it does not, and the kernel does not read `a`),
 ///     has_branches        the kernel branches or calls library functions.
