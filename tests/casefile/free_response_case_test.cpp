@@ -4,7 +4,7 @@
 
 #include "casefile/record_cases.hpp"
 #include "kalfem/identification/filter_run.hpp"
-#include "kalfem/report/summary.hpp"
+#include "kalfem/report/result_set.hpp"
 
 // A mass that is held 40 mm up, released at 0.5 s, and swings about a rest position of 5 mm.
 namespace kalfem::record_cases {

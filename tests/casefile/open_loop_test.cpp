@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "casefile/record_cases.hpp"
-#include "kalfem/report/summary.hpp"
+#include "kalfem/report/result_set.hpp"
 #include "kalfem/report/tables.hpp"
 
 // The record again from the estimates alone.

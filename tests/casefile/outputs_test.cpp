@@ -5,8 +5,7 @@
 #include "casefile/probes.hpp"
 #include "kalfem/estimation/consistency.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
-#include "kalfem/report/result_files.hpp"
-#include "kalfem/report/summary.hpp"
+#include "kalfem/report/result_set.hpp"
 #include "kalfem/report/tables.hpp"
 
 /// summary.json and results.h5 say what was computed: each number stands under its own name and in its own unit.

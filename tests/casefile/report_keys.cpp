@@ -1,7 +1,5 @@
 #include "casefile/probes.hpp"
-#include "kalfem/report/result_files.hpp"
-#include "kalfem/report/study_page.hpp"
-#include "kalfem/report/summary.hpp"
+#include "kalfem/report/result_set.hpp"
 
 /// Keys of the report: what is computed for it, and what stands on its page.
 namespace kalfem::wiring {

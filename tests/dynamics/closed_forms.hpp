@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "kalfem/dynamics/simulate.hpp"
-#include "kalfem/system/laws/memoryless_laws.hpp"
+#include "kalfem/system/laws/laws.hpp"
 #include "kalfem/system/signals/sampled.hpp"
 #include "kalfem/system/signals/transients.hpp"
 #include "system/small_systems.hpp"

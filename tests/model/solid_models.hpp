@@ -9,7 +9,7 @@
 
 #include "kalfem/linalg/sparse_factor.hpp"
 #include "kalfem/model/assembly/assembly.hpp"
-#include "kalfem/model/elements/solid_rules.hpp"
+#include "kalfem/model/elements/solid_geometry.hpp"
 
 namespace kalfem::test {
 

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "kalfem/report/visible_faces.hpp"
-
 namespace kalfem {
 namespace {
 

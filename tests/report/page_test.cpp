@@ -13,7 +13,6 @@
 
 #include "base/scratch_folder.hpp"
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/report/page_data.hpp"
 #include "report/sample_page.hpp"
 
 namespace kalfem {

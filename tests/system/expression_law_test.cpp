@@ -5,8 +5,7 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/system/laws/expression_law.hpp"
-#include "kalfem/system/laws/hysteretic_laws.hpp"
-#include "kalfem/system/laws/memoryless_laws.hpp"
+#include "kalfem/system/laws/laws.hpp"
 #include "system/law_bench.hpp"
 
 namespace kalfem {

@@ -7,7 +7,6 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/random.hpp"
-#include "kalfem/updating/bounded_least_squares.hpp"
 #include "updating/nist_problems.hpp"
 
 namespace kalfem {

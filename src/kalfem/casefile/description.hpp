@@ -18,8 +18,8 @@
 #include "kalfem/system/signals/ground_motion.hpp"
 #include "kalfem/system/signals/harmonic.hpp"
 #include "kalfem/system/signals/transients.hpp"
-#include "kalfem/yaml/case_source.hpp"
 #include "kalfem/yaml/form.hpp"
+#include "kalfem/yaml/yaml_node.hpp"
 
 /// A case as its file says it: what the user wrote, with the place of every name that is looked up later. study.hpp
 /// makes the model, the signals and the augmented model from it. Meanings and units of the keys stand in

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/linalg/invariant_subspaces.hpp"
 
 namespace kalfem {
 namespace {

@@ -1,4 +1,4 @@
-#include "kalfem/linalg/invariant_subspaces.hpp"
+#include "kalfem/linalg/block_diagonal_form.hpp"
 
 #include <algorithm>
 #include <complex>

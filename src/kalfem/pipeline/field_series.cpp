@@ -1,4 +1,4 @@
-#include "kalfem/pipeline/field_series.hpp"
+#include "kalfem/pipeline/stages.hpp"
 
 #include <algorithm>
 #include <cmath>

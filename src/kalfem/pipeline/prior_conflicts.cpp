@@ -1,4 +1,4 @@
-#include "kalfem/pipeline/prior_conflicts.hpp"
+#include "kalfem/pipeline/stages.hpp"
 
 #include <fmt/format.h>
 

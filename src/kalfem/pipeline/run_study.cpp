@@ -7,8 +7,6 @@
 #include "kalfem/identification/augmented_model_setup.hpp"
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/identification/initial_state.hpp"
-#include "kalfem/pipeline/field_series.hpp"
-#include "kalfem/pipeline/prior_conflicts.hpp"
 #include "kalfem/pipeline/reported_quantities.hpp"
 #include "kalfem/pipeline/run_updating.hpp"
 #include "kalfem/pipeline/stages.hpp"

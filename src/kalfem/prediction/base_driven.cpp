@@ -7,8 +7,8 @@
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/linalg/sparse_factor.hpp"
 #include "kalfem/linalg/sparse_select.hpp"
-#include "kalfem/reduction/constraint_modes.hpp"
 #include "kalfem/reduction/mode_selection.hpp"
+#include "kalfem/reduction/partition.hpp"
 
 namespace kalfem {
 

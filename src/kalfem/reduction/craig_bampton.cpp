@@ -4,12 +4,10 @@
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/linalg/sparse_select.hpp"
-#include "kalfem/reduction/constraint_modes.hpp"
 #include "kalfem/reduction/error_indicators.hpp"
 #include "kalfem/reduction/mode_selection.hpp"
 #include "kalfem/reduction/partition.hpp"
 #include "kalfem/reduction/projection.hpp"
-#include "kalfem/reduction/ritz.hpp"
 #include "kalfem/reduction/superelement.hpp"
 
 namespace kalfem {

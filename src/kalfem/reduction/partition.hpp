@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/model/linear_model.hpp"
 
 namespace kalfem {
@@ -17,5 +18,20 @@ struct Partition {
 
 /// Throws InvalidInput with every name that the model does not have, or that is given twice.
 Partition partition(const LinearModel& model, const std::vector<std::string>& boundary);
+
+/// U with K_ii U = F: how the interior follows static loads F, n_i x k, while the boundary is held. Where K_ii was
+/// shifted because it may be singular, F must be in equilibrium (R^T F = 0 with the M_ii-normalised rigid-body modes R,
+/// n_i x r, r may be 0), and R^T M_ii U = 0 holds.
+Eigen::MatrixXd interior_response(const Partition& parts, const ShiftedStiffness& factored,
+                                  const Eigen::MatrixXd& loads, const Eigen::MatrixXd& rigid_modes);
+
+/// Psi with K_ii Psi = -K_ib, n_i x n_b: how the interior follows unit displacements of the boundary statically. Where
+/// K_ii was shifted because it may be singular, with its M_ii-normalised rigid-body modes (n_i x r, r may be 0), the
+/// solution orthogonal to them.
+Eigen::MatrixXd constraint_modes(const Partition& parts, const ShiftedStiffness& factored,
+                                 const Eigen::MatrixXd& rigid_modes);
+
+/// Largest |K_ii psi + K_ib| / |K_ib| over the columns.
+double static_error(const Partition& parts, const Eigen::MatrixXd& modes);
 
 }  // namespace kalfem

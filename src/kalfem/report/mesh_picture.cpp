@@ -9,7 +9,6 @@
 #include <set>
 
 #include "kalfem/base/text.hpp"
-#include "kalfem/report/visible_faces.hpp"
 
 namespace kalfem {
 namespace {

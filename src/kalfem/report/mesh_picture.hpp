@@ -1,11 +1,62 @@
 #pragma once
 
+#include <Eigen/Dense>
+#include <array>
 #include <string>
 #include <vector>
 
 #include "kalfem/model/finite_element_model.hpp"
+#include "kalfem/model/mesh/mesh.hpp"
 
 namespace kalfem {
+
+/// A flat piece that can be drawn: a surface, an outer face of a solid, or a line.
+struct DrawnFace {
+  std::array<Eigen::Index, 4> nodes = {};  ///< corners, by index
+  int count = 0;                           ///< 2: a line
+  int region = 0;                          ///< place in the list of regions
+};
+
+/// Surfaces, lines and those faces of solids that only one solid of the regions has. Cells that name a corner twice
+/// lose it; faces with fewer than three corners are dropped. A cell of several regions is drawn as of the first.
+std::vector<DrawnFace> outer_faces(const Mesh& mesh, const std::vector<std::string>& regions);
+
+/// Faces and the places of their corners.
+struct DrawnSurface {
+  Eigen::Matrix3Xd places;
+  std::vector<DrawnFace> faces;  ///< their nodes are columns of `places`
+  bool coarsened = false;
+};
+
+/// How much each node tells of the shape: 1 amid a flat part of one region, hundreds to thousands at the edges of faces
+/// and where regions meet, more at corners.
+Eigen::VectorXd shape_weights(const Eigen::Matrix3Xd& places, const std::vector<DrawnFace>& faces);
+
+/// The same surface in at most about `most` faces: nodes in one box of a grid become one node at their weighted mean,
+/// in ever larger boxes, and faces that this flattens or doubles are dropped [RB93].
+DrawnSurface coarsened(const Eigen::Matrix3Xd& places, std::vector<DrawnFace> faces, const Eigen::VectorXd& weights,
+                       std::size_t most);
+
+/// A polygon on the screen: x and y [pixel] and the depth of its corners, larger farther away.
+struct ScreenPolygon {
+  Eigen::Matrix3Xd corners;
+};
+
+/// What is seen of polygons on a raster of width x height pixels.
+struct ScreenDepth {
+  std::vector<bool> visible;    ///< per polygon: it is the nearest one at any pixel
+  std::vector<double> nearest;  ///< per pixel, row by row: depth of the nearest polygon, infinite where there is none
+  int width = 0, height = 0;
+
+  /// Depth of what is nearest at a place, infinite outside.
+  [[nodiscard]] double at(double x, double y) const;
+};
+ScreenDepth screen_depth(const std::vector<ScreenPolygon>& polygons, int width, int height);
+
+/// The visible polygons in the order in which they are to be painted so that nearer ones cover farther ones: per pixel
+/// they are sorted by depth, and of each two that follow one another the farther is painted first. Where polygons cover
+/// one another in a ring the farthest goes first.
+std::vector<std::size_t> painters_order(const std::vector<ScreenPolygon>& polygons, const ScreenDepth& depth);
 
 /// What a symbol at a node stands for.
 enum class MarkKind {

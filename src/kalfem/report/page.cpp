@@ -9,7 +9,6 @@
 #include "kalfem/base/text.hpp"
 #include "kalfem/base/version.hpp"
 #include "kalfem/report/embedded_assets.hpp"
-#include "kalfem/report/page_data.hpp"
 
 namespace kalfem {
 namespace {

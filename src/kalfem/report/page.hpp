@@ -1,7 +1,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -88,5 +90,19 @@ inline constexpr std::size_t report_points = 4000;
 /// All texts are taken as plain text. Throws InvalidInput with every mistake of the page: unequal lengths, abscissae
 /// that do not increase, empty ranges, ids that appear twice, rows of the wrong length.
 std::string render_html(const Page& page);
+
+/// Rows of [begin, end) to draw so that no curve loses a peak, ascending, at most `limit` of them
+/// (more only when even the whole range's extremes are more).
+///
+/// The range is cut into buckets of equal length; of each bucket the rows stay at which some curve has its minimum or
+/// its maximum, so what is drawn are true samples at their true places. A bucket in which a curve has no finite value
+/// keeps its first row, so that the gap is seen. The first and the last row stay; nothing is dropped when
+/// end - begin <= limit. All curves have at least `end` values.
+std::vector<std::size_t> rows_to_draw(std::span<const std::span<const double>> curves, std::size_t begin,
+                                      std::size_t end, std::size_t limit);
+
+/// The charts of a page, in the order of their appearance, as a JSON array that may stand inside a script element:
+/// thinned to about `report_points` rows, gaps as null, "<", ">" and "&" escaped.
+std::string charts_as_json(const Page& page);
 
 }  // namespace kalfem

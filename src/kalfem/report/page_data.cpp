@@ -1,4 +1,4 @@
-#include "kalfem/report/page_data.hpp"
+#include "kalfem/report/page.hpp"
 
 #include <algorithm>
 #include <charconv>

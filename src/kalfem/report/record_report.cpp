@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "kalfem/report/json_number.hpp"
+#include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/tables.hpp"
 
 namespace kalfem {

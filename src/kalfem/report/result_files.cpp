@@ -1,4 +1,4 @@
-#include "kalfem/report/result_files.hpp"
+#include "kalfem/report/result_set.hpp"
 
 #include "kalfem/base/version.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"

@@ -18,9 +18,6 @@
 #include "kalfem/formats/vtu.hpp"
 #include "kalfem/pipeline/run_study.hpp"
 #include "kalfem/pipeline/updating_checkpoint.hpp"
-#include "kalfem/report/result_files.hpp"
-#include "kalfem/report/study_page.hpp"
-#include "kalfem/report/summary.hpp"
 
 namespace kalfem {
 namespace {

@@ -1,13 +1,39 @@
 #pragma once
 
+#include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "kalfem/base/output_folder.hpp"
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/report/page.hpp"
+#include "kalfem/study/study.hpp"
 
 namespace kalfem {
+
+/// summary.json: all SI; keys only where the stage ran; null where unknown; never NaN. `run` is run_identity().
+/// Of `timing`, total_s covers every other part and never falls below their sum: the stages run one after another, and
+/// each part is the time that passed on the clock, however many threads it used. estimate_split_s divides the time of
+/// the filter; `output` may pass in a thread beside `predict` and `update`.
+nlohmann::ordered_json summarise(const Study& study, const StudyResults& results);
+
+/// Writes every time series with names, units and sampling rate into an HDF5 file:
+/// /time, /measurements/<sensor>, /truth/<point>/<quantity>, /estimate/<point>/<quantity>{,_std},
+/// /estimate/parameters/<name>{,_std}, /innovation/{value,deviation,nis}, /prediction/<point>/<quantity>.
+/// No file where there are none. Throws InvalidInput where the file cannot be written, WriteFailure where the disk is
+/// full.
+/// `run`: the identity that the file carries as the attribute `run` of its root, see run_identity().
+void write_results(const std::string& path, const Study& study, const StudyResults& results, const std::string& run);
+
+/// Writes the augmented model's superelements for other codes, in the formats that the case asks for:
+/// <substructure>_reduced with the ending of the format (.mtx, .dmig, .op4, .h5), see write_superelement().
+void write_superelements(const std::filesystem::path& folder, const Study& study);
+
+/// report.html's content: the answer first, then convergence of the parameters, motion against the reference, the
+/// identified connectors, the prediction, and whether the innovations are what they should be.
+Page make_page(const Study& study, const StudyResults& results);
 
 /// Relative names of the files in a folder, sorted.
 struct ResultSet {

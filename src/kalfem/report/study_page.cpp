@@ -1,4 +1,4 @@
-#include "kalfem/report/study_page.hpp"
+#include "kalfem/report/result_set.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "kalfem/report/summary.hpp"
+#include "kalfem/report/result_set.hpp"
 
 #include <cmath>
 #include <cstdint>
@@ -9,10 +9,9 @@
 #include <fmt/format.h>
 
 #include "kalfem/base/version.hpp"
-#include "kalfem/report/json_number.hpp"
 #include "kalfem/report/record_report.hpp"
 #include "kalfem/report/resting_points.hpp"
-#include "kalfem/report/updating_summary.hpp"
+#include "kalfem/report/summary_parts.hpp"
 #include "kalfem/study/structural_modifications.hpp"
 #include "kalfem/study/study.hpp"
 

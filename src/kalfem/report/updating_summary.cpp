@@ -1,8 +1,7 @@
-#include "kalfem/report/updating_summary.hpp"
+#include "kalfem/report/summary_parts.hpp"
 
 #include <cmath>
 
-#include "kalfem/report/json_number.hpp"
 #include "kalfem/report/updating_tables.hpp"
 
 namespace kalfem {

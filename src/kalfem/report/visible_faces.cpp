@@ -1,4 +1,4 @@
-#include "kalfem/report/visible_faces.hpp"
+#include "kalfem/report/mesh_picture.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -11,7 +11,7 @@
 #include "kalfem/identification/released_elements.hpp"
 #include "kalfem/study/estimation_problem_of.hpp"
 #include "kalfem/study/filter_checks.hpp"
-#include "kalfem/study/record_file.hpp"
+#include "kalfem/study/record_source.hpp"
 #include "kalfem/updating/frf_residual.hpp"
 #include "kalfem/updating/modal_residual.hpp"
 #include "kalfem/updating/static_residual.hpp"

@@ -1,4 +1,4 @@
-#include "kalfem/study/record_file.hpp"
+#include "kalfem/study/record_source.hpp"
 
 #include <algorithm>
 #include <charconv>

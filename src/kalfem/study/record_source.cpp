@@ -5,7 +5,6 @@
 
 #include "kalfem/records/free_response.hpp"
 #include "kalfem/records/record_splice.hpp"
-#include "kalfem/study/record_file.hpp"
 
 namespace kalfem {
 namespace {

@@ -3,7 +3,7 @@
 #include <map>
 
 #include "kalfem/study/assembly.hpp"
-#include "kalfem/study/record_file.hpp"
+#include "kalfem/study/record_source.hpp"
 #include "kalfem/system/signals/ground_motion.hpp"
 #include "kalfem/system/signals/harmonic.hpp"
 #include "kalfem/system/signals/random_signal.hpp"

@@ -1,4 +1,4 @@
-#include "kalfem/system/global_modal_damping.hpp"
+#include "kalfem/system/coupling.hpp"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "kalfem/updating/bounded_least_squares.hpp"
+#include "kalfem/updating/gauss_newton.hpp"
 
 #include <cassert>
 #include <vector>

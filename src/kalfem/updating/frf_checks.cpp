@@ -1,4 +1,4 @@
-#include "kalfem/updating/frf_checks.hpp"
+#include "kalfem/updating/frf_residual.hpp"
 
 #include <fmt/format.h>
 

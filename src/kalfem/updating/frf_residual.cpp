@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/updating/frf_checks.hpp"
 
 namespace kalfem {
 

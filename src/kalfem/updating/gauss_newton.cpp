@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/updating/bounded_least_squares.hpp"
 
 namespace kalfem {
 namespace {

@@ -1,4 +1,4 @@
-#include "kalfem/updating/response_basis.hpp"
+#include "kalfem/updating/frf_model.hpp"
 
 #include <algorithm>
 #include <cmath>

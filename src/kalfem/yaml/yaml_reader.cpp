@@ -1,4 +1,4 @@
-#include "kalfem/yaml/yaml_reader.hpp"
+#include "kalfem/yaml/case_reader.hpp"
 
 #include <algorithm>
 #include <cctype>

@@ -4,7 +4,6 @@
 #include <set>
 
 #include "kalfem/formats/abaqus/fields.hpp"
-#include "kalfem/formats/abaqus/keyword_classes.hpp"
 
 namespace kalfem::abaqus {
 

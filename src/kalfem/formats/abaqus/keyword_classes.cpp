@@ -1,4 +1,4 @@
-#include "kalfem/formats/abaqus/keyword_classes.hpp"
+#include "kalfem/formats/abaqus/deck_reader.hpp"
 
 #include <algorithm>
 #include <initializer_list>

@@ -1,4 +1,4 @@
-#include "kalfem/formats/abaqus/materials.hpp"
+#include "kalfem/formats/abaqus/regions.hpp"
 
 #include <cmath>
 

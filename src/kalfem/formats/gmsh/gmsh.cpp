@@ -2,7 +2,7 @@
 
 #include <set>
 
-#include "kalfem/formats/gmsh/gmsh_versions.hpp"
+#include "kalfem/formats/gmsh/gmsh_builder.hpp"
 
 namespace kalfem {
 

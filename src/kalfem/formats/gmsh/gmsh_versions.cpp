@@ -1,4 +1,4 @@
-#include "kalfem/formats/gmsh/gmsh_versions.hpp"
+#include "kalfem/formats/gmsh/gmsh_builder.hpp"
 
 #include <algorithm>
 #include <string>

@@ -1,4 +1,4 @@
-#include "kalfem/system/laws/hysteretic_laws.hpp"
+#include "kalfem/system/laws/laws.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,8 +5,7 @@
 #include <functional>
 #include <sstream>
 
-#include "kalfem/system/laws/hysteretic_laws.hpp"
-#include "kalfem/system/laws/memoryless_laws.hpp"
+#include "kalfem/system/laws/laws.hpp"
 
 namespace kalfem {
 namespace {

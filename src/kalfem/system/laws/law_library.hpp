@@ -7,7 +7,7 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/system/connector_law.hpp"
 #include "kalfem/system/laws/expression_law.hpp"
-#include "kalfem/system/laws/memoryless_laws.hpp"
+#include "kalfem/system/laws/laws.hpp"
 
 namespace kalfem {
 

@@ -1,4 +1,4 @@
-#include "kalfem/system/laws/memoryless_laws.hpp"
+#include "kalfem/system/laws/laws.hpp"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "kalfem/system/sensors/analog_section.hpp"
+#include "kalfem/system/sensors/measurement_chain.hpp"
 
 #include <algorithm>
 #include <cmath>

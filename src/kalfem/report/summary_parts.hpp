@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "kalfem/pipeline/run_study.hpp"
+
 namespace kalfem {
 
 /// A number of summary.json: null where it is unknown or not finite.
@@ -14,5 +16,8 @@ inline nlohmann::ordered_json number(double value) {
 inline nlohmann::ordered_json number(const std::optional<double>& value) {
   return value ? number(*value) : nlohmann::ordered_json(nullptr);
 }
+
+/// The object "updating" of summary.json.
+nlohmann::ordered_json updating_summary(const Study& study, const UpdatingOutcome& outcome);
 
 }  // namespace kalfem
