@@ -1,4 +1,4 @@
-#include "kalfem/yaml/case_source.hpp"
+#include "kalfem/yaml/yaml_node.hpp"
 
 #include <algorithm>
 
