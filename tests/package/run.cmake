@@ -26,7 +26,7 @@ if(count GREATER 40)
   message(FATAL_ERROR "${count} public headers; at most 40 are a small interface")
 endif()
 
-run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/headers -B ${WORK}/headers ${configure} "-DHEADERS=${headers}"
+run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/headers -B ${WORK}/headers ${configure} -DSOURCE=${SOURCE}
     -DCMAKE_CXX_FLAGS_RELEASE=-O0)
 run(${CMAKE_COMMAND} --build ${WORK}/headers)
 
