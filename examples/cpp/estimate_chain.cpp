@@ -18,13 +18,13 @@ int main(int, char** argv) try {
             law("saturating", {{"k", 5e3}, {"mu_k1", 20}, {"mu_k2", 2e-3}, {"c", 10}, {"mu_c1", 10}, {"mu_c2", 0.05}}));
   s.base_displacement("road", "wheel.ground", channel(record, "road"));
 
-  const auto result = estimate(s, record,
-                               {.sensors = {{"a3", acceleration("body.2"), 0.3},
-                                            {"a5", acceleration("body.4"), 0.3},
-                                            {"a7", acceleration("body.6"), 0.3},
-                                            {"a11", acceleration("body.10"), 0.3}},
-                                .unknowns = {{"suspension.mu_k1", {.initial = 10, .std = 5}},
-                                             {"suspension.mu_c1", {.initial = 16, .std = 8}}}});
+  const auto result = estimate(
+      s, record,
+      {.sensors = {{"a3", acceleration("body.2"), 0.3},
+                   {"a5", acceleration("body.4"), 0.3},
+                   {"a7", acceleration("body.6"), 0.3},
+                   {"a11", acceleration("body.10"), 0.3}},
+       .unknowns = {{"suspension.mu_k1", {.initial = 10, .std = 5}}, {"suspension.mu_c1", {.initial = 16, .std = 8}}}});
   if (!result.usable()) {
     std::cerr << "the filter stopped at " << result.failure->time << " s: " << result.failure->reason << '\n';
     return 1;

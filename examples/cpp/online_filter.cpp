@@ -7,23 +7,27 @@
 
 using namespace kalfem;
 
-double force_at(double t) { return 30 * std::sin(2 * 3.14159 * (2 + t) * t); }
-
-Structure two_masses(double gap_stiffness) {
+/// Two masses on springs, and a stop that stiffens.
+Structure two_masses(double k3) {
   Structure s;
-  s.add(lumped("table").mass("a", 5).mass("b", 3).spring("foot", "ground", "a", 4e4, 20).spring("rod", "a", "b", 2e4, 10));
-  s.connect("stop", "table.b", "ground", law("polynomial", {{"k1", 1e3}, {"k3", gap_stiffness}}));
+  s.add(lumped("table")
+            .mass("a", 5)
+            .mass("b", 3)
+            .spring("foot", "ground", "a", 4e4, 20)
+            .spring("rod", "a", "b", 2e4, 10));
+  s.connect("stop", "table.b", "ground", law("polynomial", {{"k1", 1e3}, {"k3", k3}}));
   return s;
 }
 
 int main() try {
   const double rate = 500.0;
   const Eigen::Index samples = 1500;
-  const std::vector<SensorDescription> sensors = {{"a", acceleration("table.a"), 0.1}, {"b", acceleration("table.b"), 0.1}};
+  const std::vector<SensorDescription> sensors = {{"a", acceleration("table.a"), 0.1},
+                                                  {"b", acceleration("table.b"), 0.1}};
 
   // What would come from the converter: a record of the same structure with a stop of 4e8 N/m^3.
   Eigen::VectorXd force(samples);
-  for (Eigen::Index k = 0; k < samples; ++k) force[k] = force_at(static_cast<double>(k) / rate);
+  for (Eigen::Index k = 0; k < samples; ++k) force[k] = 30 * std::sin(2 * 3.14159 * (2 + k / rate) * k / rate);
   Structure truth = two_masses(4e8).force("shaker", "table.b", {force, rate});
   const auto live = simulate(truth, {.sensors = sensors, .duration = 2.99, .sample_rate = rate, .seed = 5});
 

@@ -15,7 +15,7 @@ Structure engine_on_mount(double k3) {
   s.connect("mount", "engine.m", "ground", law("rubber", {{"k", 2e3}, {"k3", k3}, {"c", 8.0}}, rubber));
   Eigen::VectorXd force(4001);  // [N], 1 kHz
   for (Eigen::Index i = 0; i < force.size(); ++i) {
-    const double t = 1e-3 * static_cast<double>(i);
+    const double t = 1e-3 * i;
     force[i] = 20 * std::sin(2 * 3.14159 * (3 + 2 * t) * t);
   }
   s.force("push", "engine.m", {force, 1000.0});

@@ -9,7 +9,8 @@
 namespace kalfem {
 
 inline Law suspension_law(double mu_k1) {
-  return law("saturating", {{"k", 5e3}, {"mu_k1", mu_k1}, {"mu_k2", 2e-3}, {"c", 10.0}, {"mu_c1", 10.0}, {"mu_c2", 0.05}});
+  return law("saturating",
+             {{"k", 5e3}, {"mu_k1", mu_k1}, {"mu_k2", 2e-3}, {"c", 10.0}, {"mu_c1", 10.0}, {"mu_c2", 0.05}});
 }
 
 /// A wheel on a moving ground, a nonlinear suspension, and a body of a few masses; its road is told online.
@@ -34,8 +35,8 @@ inline std::vector<SensorDescription> chain_sensors() {
 
 /// What the sensors show, with noise.
 inline const TimeSeries& chain_record() {
-  static const TimeSeries record = simulate(
-      driven_chain(), {.sensors = chain_sensors(), .duration = 2.0, .sample_rate = 500.0, .seed = 1});
+  static const TimeSeries record =
+      simulate(driven_chain(), {.sensors = chain_sensors(), .duration = 2.0, .sample_rate = 500.0, .seed = 1});
   return record;
 }
 

@@ -74,9 +74,8 @@ TEST(EstimateStructure, GivesStatesAndVirtualSensorsByName) {
       simulate(driven_chain(), {.sensors = {{"x", displacement("body.1")}, {"f", connector_force("suspension")}},
                                 .duration = 2.0,
                                 .sample_rate = 500.0});
-  const auto result =
-      estimate(driven_chain(), chain_record(),
-               {.sensors = chain_sensors(), .outputs = {{"force", connector_force("suspension")}}});
+  const auto result = estimate(driven_chain(), chain_record(),
+                               {.sensors = chain_sensors(), .outputs = {{"force", connector_force("suspension")}}});
   EXPECT_LT(nrmse(result.state("body.1.displacement").mean, truth.values.col(0)), 0.05);
   EXPECT_LT(nrmse(result.output("force").mean, truth.values.col(1)), 0.1);
   EXPECT_EQ(result.state("body.1.displacement").unit, "m");
@@ -133,8 +132,9 @@ TEST(EstimateArguments, ThatAreMissingAreRefused) {
   EXPECT_THAT(refused({.sensors = chain_sensors(), .unknowns = {{"suspension.k", {.initial = 0.0}}}}),
               HasSubstr("unknowns[0] 'suspension.k': its standard deviation is 0"));
   const ParameterTransform bounds{TransformKind::logit, 0.0, 1.0};
-  EXPECT_THAT(refused({.sensors = chain_sensors(), .unknowns = {{"suspension.k", {.initial = 2.0, .transform = bounds}}}}),
-              HasSubstr("unknowns[0] 'suspension.k': it starts at 2, outside its bounds 0 to 1"));
+  EXPECT_THAT(
+      refused({.sensors = chain_sensors(), .unknowns = {{"suspension.k", {.initial = 2.0, .transform = bounds}}}}),
+      HasSubstr("unknowns[0] 'suspension.k': it starts at 2, outside its bounds 0 to 1"));
 }
 
 TEST(EstimateArguments, AnInputWithoutASignalIsNamed) {
@@ -144,8 +144,9 @@ TEST(EstimateArguments, AnInputWithoutASignalIsNamed) {
 }
 
 TEST(EstimatePrior, IsOfTheStructuresOwnValueWhereItIsNotGiven) {
-  const auto given = estimate(driven_chain(), chain_record(),
-                              {.sensors = chain_sensors(), .unknowns = {{"suspension.k", {.initial = 5e3, .std = 2.5e3}}}});
+  const auto given =
+      estimate(driven_chain(), chain_record(),
+               {.sensors = chain_sensors(), .unknowns = {{"suspension.k", {.initial = 5e3, .std = 2.5e3}}}});
   const auto left_out =
       estimate(driven_chain(), chain_record(), {.sensors = chain_sensors(), .unknowns = {{"suspension.k"}}});
   EXPECT_EQ(given.parameters[0].mean, left_out.parameters[0].mean);

@@ -32,11 +32,10 @@ TEST(FiniteElementParts, CarryConnectorsAndUnknowns) {
   EXPECT_THAT(s.points(), Contains("beam.tip.z"));
   const std::vector<SensorDescription> sensors = {{"tip", acceleration("beam.tip.z"), 0.05}};
   const auto record = simulate(s, {.sensors = sensors, .duration = 1.0, .sample_rate = 500.0, .seed = 1});
-  const auto result =
-      estimate(s, record,
-               {.sensors = sensors,
-                .unknowns = {{"stop.k3", {.initial = 6e8, .std = 4e8}},
-                             {"beam.steel.youngs_modulus", {.initial = 200e9, .std = 15e9}}}});
+  const auto result = estimate(s, record,
+                               {.sensors = sensors,
+                                .unknowns = {{"stop.k3", {.initial = 6e8, .std = 4e8}},
+                                             {"beam.steel.youngs_modulus", {.initial = 200e9, .std = 15e9}}}});
   ASSERT_TRUE(result.usable());
   EXPECT_NEAR(result.parameters[0].mean, 1e9, 3.0 * result.parameters[0].std);
   EXPECT_NEAR(result.parameters[1].mean, 210e9, 3.0 * result.parameters[1].std);

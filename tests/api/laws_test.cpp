@@ -32,8 +32,8 @@ TEST(OwnLaws, AFunctionActsAsTheSameLawOfTheLibrary) {
       response_of(law("saturating", {{"k", 5e3}, {"mu_k1", 20.0}, {"mu_k2", 2e-3}, {"c", 10.0}, {"mu_c2", 1.0}}));
   const auto actual = response_of(own);
   EXPECT_LT(((actual - expected) / (1.0 + expected.abs())).abs().maxCoeff(), 1e-8);
-  const auto formula = response_of(expression(
-      "k*x + mu*x/(width + abs(x)) + c*v", {{"k", 5e3}, {"mu", 20.0}, {"width", 2e-3}, {"c", 10.0}}));
+  const auto formula = response_of(
+      expression("k*x + mu*x/(width + abs(x)) + c*v", {{"k", 5e3}, {"mu", 20.0}, {"width", 2e-3}, {"c", 10.0}}));
   EXPECT_LT(((formula - expected) / (1.0 + expected.abs())).abs().maxCoeff(), 1e-8);
 }
 
@@ -54,7 +54,9 @@ TEST(OwnLaws, AWrongParameterIsNamed) {
 
 TEST(OwnLaws, AnUnknownNameAnEmptyFunctionAndAnEmptyPointerAreRefused) {
   EXPECT_THAT(refusal_of([] { law("saturated"); }), HasSubstr("saturated"));
-  EXPECT_THAT(refusal_of([] { law("own", {{"k", 1.0}}, ForceFunction()); }),
+  EXPECT_THAT(refusal_of([] {
+                law("own", {{"k", 1.0}}, ForceFunction());
+              }),
               HasSubstr("law 'own': the force function is empty"));
   EXPECT_THAT(refusal_of([] { law(ConnectorLawPtr(), {}); }), HasSubstr("law: the pointer is empty"));
 }

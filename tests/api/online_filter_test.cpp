@@ -5,10 +5,9 @@ namespace {
 
 using testing::HasSubstr;
 
-const EstimateOptions options{
-    .sensors = chain_sensors(),
-    .unknowns = {{"suspension.mu_k1", {.initial = 10.0, .std = 5.0}}},
-    .outputs = {{"force", connector_force("suspension")}}};
+const EstimateOptions options{.sensors = chain_sensors(),
+                              .unknowns = {{"suspension.mu_k1", {.initial = 10.0, .std = 5.0}}},
+                              .outputs = {{"force", connector_force("suspension")}}};
 
 TEST(OnlineFilter, GivesWhatAWholeRunOverTheRecordGives) {
   TimeSeries record = chain_record();
@@ -64,7 +63,8 @@ TEST(OnlineFilter, RefusesWhatItCannotUse) {
   EXPECT_THAT(refusal_of([&] { filter.predict({}); }), HasSubstr("0 inputs are given"));
   EXPECT_THAT(refusal_of([&] { filter.predict({{std::nan("")}}); }), HasSubstr("inputs[0] is not finite"));
   EXPECT_THAT(refusal_of([&] { filter.update(Eigen::VectorXd::Zero(3)); }), HasSubstr("update() is given 3 values"));
-  EXPECT_THAT(refusal_of([&] { filter.parameter("suspension.mu_k2"); }), HasSubstr("(did you mean 'suspension.mu_k1'?)"));
+  EXPECT_THAT(refusal_of([&] { filter.parameter("suspension.mu_k2"); }),
+              HasSubstr("(did you mean 'suspension.mu_k1'?)"));
   EXPECT_THAT(refusal_of([&] { filter.state("forse"); }), HasSubstr("(did you mean 'force'?)"));
   EstimateOptions of_record = options;
   of_record.initial_state_from_record = true;

@@ -27,7 +27,8 @@ TEST(Structure, AtOtherValuesIsAnotherStructure) {
 TEST(Structure, TakesSamplesWithTheirRateAndMakesTheirDerivatives) {
   const double rate = 1000.0;
   const auto samples = road()->sample(0.0, 1.0 / rate, 2001);
-  const Structure sampled = chain_structure().base_displacement("road", "wheel.ground", {samples.col(0).matrix(), rate});
+  const Structure sampled =
+      chain_structure().base_displacement("road", "wheel.ground", {samples.col(0).matrix(), rate});
   const auto record = simulate(sampled, {.sensors = chain_sensors(), .duration = 1.9, .sample_rate = 500.0});
   const auto exact = simulate(driven_chain(), {.sensors = chain_sensors(), .duration = 1.9, .sample_rate = 500.0});
   EXPECT_LT(nrmse(record.values.col(0), exact.values.col(0)), 2e-3);
@@ -59,9 +60,13 @@ TEST(Structure, WrongArgumentsAreNamed) {
   EXPECT_THAT(refusal_of([] { chain("body", 0, 1.0, 3e4); }), HasSubstr("chain 'body' has 0 masses"));
   EXPECT_THAT(refusal_of([] { chain_structure().connect("mount", "wheel.w", "body.1", Law{}); }),
               HasSubstr("connector 'mount' has no law"));
-  EXPECT_THAT(refusal_of([] { chain_structure().force("push", "body.1", {Eigen::VectorXd::Zero(1), 10.0}); }),
+  EXPECT_THAT(refusal_of([] {
+                chain_structure().force("push", "body.1", {Eigen::VectorXd::Zero(1), 10.0});
+              }),
               HasSubstr("input 'push': "));
-  EXPECT_THAT(refusal_of([] { chain_structure().at({{"suspension.mu_k9", 1.0}}); }),
+  EXPECT_THAT(refusal_of([] {
+                chain_structure().at({{"suspension.mu_k9", 1.0}});
+              }),
               HasSubstr("at 'suspension.mu_k9': there is no parameter of that name"));
   EXPECT_THAT(refusal_of([] { channel(chain_record(), "a4"); }), HasSubstr("the record has no channel 'a4'"));
 }

@@ -7,9 +7,8 @@ using testing::HasSubstr;
 
 UpdateOptions measured_beam() {
   const double truth = first_frequency(210e9);
-  return {.substructure = "beam",
-          .frequencies = {{truth, 0.001 * truth}},
-          .parameters = {{"beam.steel.youngs_modulus"}}};
+  return {
+      .substructure = "beam", .frequencies = {{truth, 0.001 * truth}}, .parameters = {{"beam.steel.youngs_modulus"}}};
 }
 
 TEST(UpdateStructure, FindsTheModulusThatHasTheMeasuredFrequency) {

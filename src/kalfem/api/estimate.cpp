@@ -23,12 +23,14 @@ void require_channels(const TimeSeries& record, const std::vector<SensorDescript
   IssueList issues;
   for (std::size_t i = 0; i < sensors.size(); ++i)
     if (record.find(sensors[i].name) < 0)
-      issues.add({}, "sensors[" + std::to_string(i) + "] '" + sensors[i].name + "': the record has no channel of that name" +
-                         did_you_mean(sensors[i].name, known),
+      issues.add({},
+                 "sensors[" + std::to_string(i) + "] '" + sensors[i].name +
+                     "': the record has no channel of that name" + did_you_mean(sensors[i].name, known),
                  "", "name the sensor as the channel");
   if (static_cast<Index>(known.size()) != record.values.cols())
-    issues.add({}, "record: it has " + std::to_string(record.values.cols()) + " columns and " +
-                       std::to_string(known.size()) + " channels",
+    issues.add({},
+               "record: it has " + std::to_string(record.values.cols()) + " columns and " +
+                   std::to_string(known.size()) + " channels",
                "every column needs a name", "");
   if (record.samples() < 1) issues.add({}, "record: it has no samples", "there is nothing to estimate from", "");
   issues.raise();

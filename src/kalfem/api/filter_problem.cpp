@@ -59,7 +59,8 @@ void check_numbers(const Unknown& unknown) {
   if (!(unknown.random_walk >= 0.0) || !std::isfinite(unknown.random_walk))
     throw InvalidInput("its random walk is " + shortest(unknown.random_walk), "it must be >= 0", "");
   if (kind == TransformKind::log && !(unknown.initial > 0.0))
-    throw InvalidInput("it starts at " + value, "under the transform log it must be > 0", "start from a positive value");
+    throw InvalidInput("it starts at " + value, "under the transform log it must be > 0",
+                       "start from a positive value");
   if (kind == TransformKind::logit && !(lower < unknown.initial && unknown.initial < upper))
     throw InvalidInput("it starts at " + value + ", outside its bounds " + shortest(lower) + " to " + shortest(upper),
                        "the start must lie strictly between them", "move the start or the bounds");

@@ -165,7 +165,8 @@ FiniteElementSubstructure make_substructure(const FiniteElements& given, const E
   if (substructure.part->boundary.empty())
     throw InvalidInput("finite elements '" + given.name() + "': the reduction has no boundary",
                        "no connector or force touches the substructure", "name the nodes to keep in reduce()");
-  substructure.reduced = std::make_shared<const Superelement>(reduce(*substructure.part, *request, use.sensor_bandwidth));
+  substructure.reduced =
+      std::make_shared<const Superelement>(reduce(*substructure.part, *request, use.sensor_bandwidth));
   return substructure;
 }
 

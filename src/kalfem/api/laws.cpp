@@ -42,8 +42,8 @@ Eigen::VectorXd ordered(const ConnectorLaw& law, const NamedValues& given, Issue
   }
   for (auto it = given.begin(); it != given.end(); ++it) {
     if (std::ranges::find(known, it->first) == known.end())
-      issues.add({}, "law '" + law.name() + "': there is no parameter '" + it->first + "'" +
-                         did_you_mean(it->first, known));
+      issues.add(
+          {}, "law '" + law.name() + "': there is no parameter '" + it->first + "'" + did_you_mean(it->first, known));
     if (std::find_if(given.begin(), it, [&](const auto& other) { return other.first == it->first; }) != it)
       issues.add({}, "law '" + law.name() + "': the parameter '" + it->first + "' is given twice");
   }
@@ -78,8 +78,7 @@ public:
       const double d = points.deformation[i], v = points.rate[i];
       const double step_d = step_of(d), step_v = step_of(v);
       response.force[i] = force_(d, v, parameters);
-      response.stiffness[i] =
-          (force_(d + step_d, v, parameters) - force_(d - step_d, v, parameters)) / (2.0 * step_d);
+      response.stiffness[i] = (force_(d + step_d, v, parameters) - force_(d - step_d, v, parameters)) / (2.0 * step_d);
       response.damping[i] = (force_(d, v + step_v, parameters) - force_(d, v - step_v, parameters)) / (2.0 * step_v);
       response.inertance[i] = 0.0;
     }
@@ -107,7 +106,8 @@ Law expression(const std::string& force, const NamedValues& values) {
 }
 
 Law law(const std::string& name, const NamedValues& values, ForceFunction force) {
-  if (!force) throw InvalidInput("law '" + name + "': the force function is empty", "a law needs its force", "give one");
+  if (!force)
+    throw InvalidInput("law '" + name + "': the force function is empty", "a law needs its force", "give one");
   if (values.size() > FunctionLaw::most_parameters)
     throw InvalidInput("law '" + name + "' has " + std::to_string(values.size()) + " parameters",
                        "a force function takes at most " + std::to_string(FunctionLaw::most_parameters),

@@ -30,7 +30,8 @@ Law law(const std::string& name, const NamedValues& values = {});
 /// {"k3", 1e9}}). Throws InvalidInput where the formula cannot be read.
 Law expression(const std::string& force, const NamedValues& values);
 
-/// Force [N] that resists the deformation [m] at its rate [m/s]. Called from several threads at once; it must not throw.
+/// Force [N] that resists the deformation [m] at its rate [m/s]. Called from several threads at once; it must not
+/// throw.
 using ForceFunction = std::function<double(double deformation, double rate, std::span<const double> parameters)>;
 
 /// A law of your own without internal states, from a function of deformation, rate and the parameters in the given

@@ -35,7 +35,9 @@ Structure with_signals(const Structure& structure) {
 void require_online(const EstimateOptions& options) {
   IssueList issues;
   const auto refuse = [&](bool given, const char* name) {
-    if (given) issues.add({}, std::string(name) + " needs a whole record", "an OnlineFilter does not know what follows", "use estimate()");
+    if (given)
+      issues.add({}, std::string(name) + " needs a whole record", "an OnlineFilter does not know what follows",
+                 "use estimate()");
   };
   refuse(options.initial_state_from_record, "initial_state_from_record");
   refuse(options.passes > 1, "passes");
@@ -109,8 +111,7 @@ public:
     setup_->measurement.set_inputs(inputs_);
     if (!linear_unknowns_.empty()) setup_->measurement.set_mean(setup_->filter->mean());
     Innovation innovation;
-    const auto outcome =
-        setup_->filter->update(setup_->measurement, noise_(rows, rows), measured(rows), innovation);
+    const auto outcome = setup_->filter->update(setup_->measurement, noise_(rows, rows), measured(rows), innovation);
     if (!went_on(outcome)) return false;
     innovation_(rows) = innovation.value;
     nis_ = innovation.nis;
@@ -155,7 +156,8 @@ public:
     monitored.set_inputs(inputs_);
     if (!linear_unknowns_.empty()) monitored.set_mean(setup_->filter->mean());
     VectorXd mean, deviation;
-    if (setup_->filter->observe(monitored, mean, &deviation) != FilterOutcome::usable) return {not_a_number, not_a_number};
+    if (setup_->filter->observe(monitored, mean, &deviation) != FilterOutcome::usable)
+      return {not_a_number, not_a_number};
     const auto row = found - made_.monitored.begin();
     return {mean[row], deviation[row]};
   }
@@ -183,9 +185,9 @@ private:
     for (Index i = 0; i < count; ++i) {
       const auto& signal = signals_[static_cast<std::size_t>(i)];
       if (!signal)
-        throw InvalidInput("input '" + made_.problem->structure->parts.inputs[static_cast<std::size_t>(i)].name +
-                               "' has no signal",
-                           "predict() without arguments reads it", "give the inputs to predict()");
+        throw InvalidInput(
+            "input '" + made_.problem->structure->parts.inputs[static_cast<std::size_t>(i)].name + "' has no signal",
+            "predict() without arguments reads it", "give the inputs to predict()");
       const auto samples = signal->sample(time(), step_ / static_cast<double>(parts), parts + 1);
       for (Index derivative = 0; derivative < 3; ++derivative)
         inputs.row(derivative * count + i) = samples.col(derivative).matrix().transpose();
@@ -236,7 +238,7 @@ private:
   LinearEstimate linearised_about_;
   Eigen::MatrixXd noise_;
   std::vector<Index> rows_;  ///< sensors that the measurement's map holds
-  VectorXd inputs_;  ///< at the present sample
+  VectorXd inputs_;          ///< at the present sample
   VectorXd innovation_;
   double nis_ = not_a_number;
   long sample_ = 0;

@@ -58,7 +58,8 @@ public:
   [[nodiscard]] std::vector<ParameterEstimate> parameters() const;
   /// By the name of an unknown; throws InvalidInput where there is none.
   [[nodiscard]] PresentEstimate parameter(const std::string& name) const;
-  /// "body.2.displacement", "body.2.velocity", or an output that was asked for. Throws InvalidInput where there is none.
+  /// "body.2.displacement", "body.2.velocity", or an output that was asked for. Throws InvalidInput where there is
+  /// none.
   [[nodiscard]] PresentEstimate state(const std::string& name);
   /// Of the last update: measured minus predicted, and its normalised square. Not a number before the first one.
   [[nodiscard]] const Eigen::VectorXd& innovation() const;

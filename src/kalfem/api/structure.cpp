@@ -112,8 +112,7 @@ Structure& Structure::add(const FiniteElements& part) {
   return *this;
 }
 
-Structure& Structure::connect(const std::string& name, const std::string& from, const std::string& to,
-                              const Law& law) {
+Structure& Structure::connect(const std::string& name, const std::string& from, const std::string& to, const Law& law) {
   if (!law.law) throw InvalidInput("connector '" + name + "' has no law", "", "make one by law()");
   description_->parts.connectors.push_back({name, from, to, law.law, law.values});
   return *this;

@@ -68,8 +68,9 @@ std::vector<MeasuredMode> measured_modes(const std::vector<MeasuredFrequency>& g
   for (std::size_t i = 0; i < given.size(); ++i) {
     const auto& [frequency, std, mode] = given[i];
     if (!(frequency > 0.0) || !(std > 0.0))
-      issues.add({}, "frequencies[" + std::to_string(i) + "]: " + shortest(frequency) + " Hz with a standard deviation of " +
-                         shortest(std) + " Hz",
+      issues.add({},
+                 "frequencies[" + std::to_string(i) + "]: " + shortest(frequency) +
+                     " Hz with a standard deviation of " + shortest(std) + " Hz",
                  "both must be > 0", "");
     modes.push_back({.frequency = frequency, .deviation = std, .model_mode = mode});
   }
@@ -91,7 +92,8 @@ UpdateResult update(const Structure& structure, const UpdateOptions& options) {
   const auto [parameters, bindings] = refined(*model, options);
   const auto substructure =
       ParameterisedStructure(model, bindings, std::ssize(parameters)).model_of(options.substructure);
-  if (!substructure) throw InvalidInput("substructure '" + options.substructure + "': there is none of that name", "", "");
+  if (!substructure)
+    throw InvalidInput("substructure '" + options.substructure + "': there is none of that name", "", "");
   const VectorXd start = initial_values(parameters);
   const ModalResidual residual(substructure, measured_modes(options.frequencies), {}, start, {.above = options.above});
   const auto outcome =
@@ -100,8 +102,7 @@ UpdateResult update(const Structure& structure, const UpdateOptions& options) {
   UpdateResult result{.converged = outcome.usable(), .reason = outcome.reason()};
   const auto before = residual.compare(start), after = residual.compare(outcome.parameters);
   for (std::size_t i = 0; i < before.size(); ++i)
-    result.frequencies.push_back(
-        {before[i].measured_frequency, before[i].model_frequency, after[i].model_frequency});
+    result.frequencies.push_back({before[i].measured_frequency, before[i].model_frequency, after[i].model_frequency});
   const bool has_derivatives = outcome.residual.jacobian.size() > 0;
   const VectorXd unknown = VectorXd::Constant(start.size(), std::numeric_limits<double>::infinity());
   const VectorXd deviations =

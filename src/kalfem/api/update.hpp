@@ -31,7 +31,7 @@ struct UpdateOptions {
   std::string substructure;  ///< whose modes were measured
   std::vector<MeasuredFrequency> frequencies;
   std::vector<RefinedParameter> parameters;
-  double above = 0.0;         ///< modes up to this frequency are not elastic ones [Hz]
+  double above = 0.0;  ///< modes up to this frequency are not elastic ones [Hz]
   int max_evaluations = 100;
 };
 

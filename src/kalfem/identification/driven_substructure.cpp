@@ -39,7 +39,8 @@ std::string reported_name(const Place& place, Index dof) {
 }
 
 /// Inputs that act on the substructure itself: moving grounds, forces at points.
-std::vector<AppliedInput> applied_inputs(const StructureModel& structure, const CoupledModel& model, const Place& place) {
+std::vector<AppliedInput> applied_inputs(const StructureModel& structure, const CoupledModel& model,
+                                         const Place& place) {
   std::vector<AppliedInput> applied;
   const auto& inputs = model.system().inputs;
   for (std::size_t i = 0; i < inputs.size(); ++i) {

@@ -41,9 +41,9 @@ struct FilteredRecord {
 };
 
 /// Runs the filter that suits the problem over the record; the options' kind of filter is chosen here, and `monitored`
-/// are outputs of the setup's model. Modal coordinates of close poles are an ill-conditioned basis: where the covariance
-/// loses its sign there, the run is made again in physical coordinates, where a step costs more. A failure is in the
-/// result. Throws InvalidInput as make_filter_run() and estimate() do.
+/// are outputs of the setup's model. Modal coordinates of close poles are an ill-conditioned basis: where the
+/// covariance loses its sign there, the run is made again in physical coordinates, where a step costs more. A failure
+/// is in the result. Throws InvalidInput as make_filter_run() and estimate() do.
 FilteredRecord run_filter(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
                           const FullRecord& record, EstimationOptions options);
 
