@@ -44,7 +44,7 @@ inline const TimeSeries& chain_record() {
 template <class Call>
 std::string refusal_of(const Call& call) {
   try {
-    call();
+    static_cast<void>(call());
   } catch (const InvalidInput& error) {
     return error.what();
   }

@@ -107,7 +107,7 @@ TEST(EstimateArguments, AreNamedByTheirPlaceWhereTheyAreWrong) {
   record.channels.push_back({"a9", "m/s^2"});
   record.values.conservativeResize(Eigen::NoChange, 3);
   record.values.col(2).setZero();
-  const auto message = refusal_of([&] { estimate(driven_chain(), record, options); });
+  const auto message = refusal_of([&] { return estimate(driven_chain(), record, options); });
   EXPECT_THAT(message, HasSubstr("sensors[0] 'a3': its noise is 0"));
   EXPECT_THAT(message, HasSubstr("sensors[2] 'a9': "));
   EXPECT_THAT(message, HasSubstr("body.9"));
@@ -119,7 +119,7 @@ TEST(EstimateArguments, AreNamedByTheirPlaceWhereTheyAreWrong) {
 
 TEST(EstimateArguments, ThatAreMissingAreRefused) {
   const auto refused = [](const EstimateOptions& options) {
-    return refusal_of([&] { estimate(driven_chain(), chain_record(), options); });
+    return refusal_of([&] { return estimate(driven_chain(), chain_record(), options); });
   };
   EXPECT_THAT(refused({.sensors = {}}), HasSubstr("sensors: the list is empty"));
   EXPECT_THAT(refused({.sensors = {{"a4", acceleration("body.2"), 0.3}}}),
@@ -139,7 +139,7 @@ TEST(EstimateArguments, ThatAreMissingAreRefused) {
 
 TEST(EstimateArguments, AnInputWithoutASignalIsNamed) {
   const Structure s = chain_structure().base_displacement("road", "wheel.ground");
-  EXPECT_THAT(refusal_of([&] { estimate(s, chain_record(), {.sensors = chain_sensors()}); }),
+  EXPECT_THAT(refusal_of([&] { return estimate(s, chain_record(), {.sensors = chain_sensors()}); }),
               HasSubstr("input 'road' has no signal"));
 }
 

@@ -44,7 +44,7 @@ TEST(FiniteElementParts, CarryConnectorsAndUnknowns) {
 
 TEST(FiniteElementParts, WrongNamesAreReportedTogether) {
   auto elements = cantilever().node("middle", 99).fix("rot").reduce({}, {"tup", "tip.q"});
-  const auto message = refusal_of([&] { reduce(elements); });
+  const auto message = refusal_of([&] { return reduce(elements); });
   EXPECT_THAT(message, HasSubstr("finite elements 'beam': node 'middle': the mesh has no node 99"));
   EXPECT_THAT(message, HasSubstr("fix: there is no node 'rot' (did you mean 'root'?)"));
   EXPECT_THAT(message, HasSubstr("boundary: there is no node 'tup' (did you mean 'tip'?)"));
@@ -52,8 +52,8 @@ TEST(FiniteElementParts, WrongNamesAreReportedTogether) {
 }
 
 TEST(FiniteElementParts, AReductionNeedsABoundaryAndToBeAskedFor) {
-  EXPECT_THAT(refusal_of([] { reduce(cantilever().reduce()); }), HasSubstr("the reduction has no boundary"));
-  EXPECT_THAT(refusal_of([] { reduce(cantilever()); }), HasSubstr("are not to be reduced"));
+  EXPECT_THAT(refusal_of([] { return reduce(cantilever().reduce()); }), HasSubstr("the reduction has no boundary"));
+  EXPECT_THAT(refusal_of([] { return reduce(cantilever()); }), HasSubstr("are not to be reduced"));
 }
 
 }  // namespace

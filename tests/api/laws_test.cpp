@@ -43,7 +43,7 @@ TEST(OwnLaws, ParametersThatMayBeZeroAreZeroByDefault) {
 }
 
 TEST(OwnLaws, AWrongParameterIsNamed) {
-  const auto refused = [](const NamedValues& values) { return refusal_of([&] { law("saturating", values); }); };
+  const auto refused = [](const NamedValues& values) { return refusal_of([&] { return law("saturating", values); }); };
   EXPECT_THAT(refused({{"k", 5e3}}), HasSubstr("law 'saturating': the parameter 'mu_k2' is missing"));
   EXPECT_THAT(refused({{"mu_k3", 5e3}, {"mu_k2", 1.0}, {"mu_c2", 1.0}}),
               HasSubstr("law 'saturating': there is no parameter 'mu_k3' (did you mean 'mu_k"));
@@ -53,12 +53,12 @@ TEST(OwnLaws, AWrongParameterIsNamed) {
 }
 
 TEST(OwnLaws, AnUnknownNameAnEmptyFunctionAndAnEmptyPointerAreRefused) {
-  EXPECT_THAT(refusal_of([] { law("saturated"); }), HasSubstr("saturated"));
+  EXPECT_THAT(refusal_of([] { return law("saturated"); }), HasSubstr("saturated"));
   EXPECT_THAT(refusal_of([] {
-                law("own", {{"k", 1.0}}, ForceFunction());
+                return law("own", {{"k", 1.0}}, ForceFunction());
               }),
               HasSubstr("law 'own': the force function is empty"));
-  EXPECT_THAT(refusal_of([] { law(ConnectorLawPtr(), {}); }), HasSubstr("law: the pointer is empty"));
+  EXPECT_THAT(refusal_of([] { return law(ConnectorLawPtr(), {}); }), HasSubstr("law: the pointer is empty"));
 }
 
 }  // namespace

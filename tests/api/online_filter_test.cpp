@@ -63,9 +63,9 @@ TEST(OnlineFilter, RefusesWhatItCannotUse) {
   EXPECT_THAT(refusal_of([&] { filter.predict({}); }), HasSubstr("0 inputs are given"));
   EXPECT_THAT(refusal_of([&] { filter.predict({{std::nan("")}}); }), HasSubstr("inputs[0] is not finite"));
   EXPECT_THAT(refusal_of([&] { filter.update(Eigen::VectorXd::Zero(3)); }), HasSubstr("update() is given 3 values"));
-  EXPECT_THAT(refusal_of([&] { filter.parameter("suspension.mu_k2"); }),
+  EXPECT_THAT(refusal_of([&] { return filter.parameter("suspension.mu_k2"); }),
               HasSubstr("(did you mean 'suspension.mu_k1'?)"));
-  EXPECT_THAT(refusal_of([&] { filter.state("forse"); }), HasSubstr("(did you mean 'force'?)"));
+  EXPECT_THAT(refusal_of([&] { return filter.state("forse"); }), HasSubstr("(did you mean 'force'?)"));
   EstimateOptions of_record = options;
   of_record.initial_state_from_record = true;
   EXPECT_THAT(refusal_of([&] { OnlineFilter(live, 500.0, of_record); }),

@@ -48,27 +48,27 @@ TEST(Structure, OneMassOnASpringMovesAsTheClosedFormSays) {
 TEST(Structure, WhatDoesNotFitIsReportedTogether) {
   Structure s;
   s.add(lumped("wheel").mass("w", 1.5).spring("k_w", "ground", "v", 2e4));
-  EXPECT_THAT(refusal_of([&] { s.parameters(); }), HasSubstr("'v'"));
+  EXPECT_THAT(refusal_of([&] { return s.parameters(); }), HasSubstr("'v'"));
   Structure other = chain_structure();
   other.connect("mount", "wheel.x", "body.7", suspension_law(1.0));
-  const auto message = refusal_of([&] { other.points(); });
+  const auto message = refusal_of([&] { return other.points(); });
   EXPECT_THAT(message, HasSubstr("wheel.x"));
   EXPECT_THAT(message, HasSubstr("body.7"));
 }
 
 TEST(Structure, WrongArgumentsAreNamed) {
-  EXPECT_THAT(refusal_of([] { chain("body", 0, 1.0, 3e4); }), HasSubstr("chain 'body' has 0 masses"));
-  EXPECT_THAT(refusal_of([] { chain_structure().connect("mount", "wheel.w", "body.1", Law{}); }),
+  EXPECT_THAT(refusal_of([] { return chain("body", 0, 1.0, 3e4); }), HasSubstr("chain 'body' has 0 masses"));
+  EXPECT_THAT(refusal_of([] { return chain_structure().connect("mount", "wheel.w", "body.1", Law{}); }),
               HasSubstr("connector 'mount' has no law"));
   EXPECT_THAT(refusal_of([] {
-                chain_structure().force("push", "body.1", {Eigen::VectorXd::Zero(1), 10.0});
+                return chain_structure().force("push", "body.1", {Eigen::VectorXd::Zero(1), 10.0});
               }),
               HasSubstr("input 'push': "));
   EXPECT_THAT(refusal_of([] {
-                chain_structure().at({{"suspension.mu_k9", 1.0}});
+                return chain_structure().at({{"suspension.mu_k9", 1.0}});
               }),
               HasSubstr("at 'suspension.mu_k9': there is no parameter of that name"));
-  EXPECT_THAT(refusal_of([] { channel(chain_record(), "a4"); }), HasSubstr("the record has no channel 'a4'"));
+  EXPECT_THAT(refusal_of([] { return channel(chain_record(), "a4"); }), HasSubstr("the record has no channel 'a4'"));
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ TEST(UpdateStructure, WeighsThePriorAgainstTheMeasurement) {
 TEST(UpdateStructure, WrongArgumentsAreNamedByTheirPlace) {
   Structure s = chain_structure();
   s.add(cantilever());
-  const auto refused = [&](UpdateOptions options) { return refusal_of([&] { update(s, options); }); };
+  const auto refused = [&](UpdateOptions options) { return refusal_of([&] { return update(s, options); }); };
   UpdateOptions options = measured_beam();
   options.parameters = {{"beam.steel.young"}, {"suspension.k"}, {"beam.steel.density", {.initial = -1.0}}};
   const auto message = refused(options);
