@@ -1,6 +1,6 @@
 # Install target and CMake package: find_package(kalfem COMPONENTS core formats study) gives kalfem::core,
 # kalfem::formats and kalfem::study, each with the third-party packages that it needs and no others. kalfem::kalfem is
-# all of them.
+# all of them. `cmake --install <build> --component core` installs the core alone.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 include(PublicHeaders)
@@ -24,11 +24,13 @@ foreach(component core formats study)
     list(APPEND exported kalfem_flags)
   endif()
   install(TARGETS ${exported} kalfem_component_${component} EXPORT kalfem_${component}
-          ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-  install(EXPORT kalfem_${component} NAMESPACE kalfem:: FILE kalfem_${component}.cmake DESTINATION ${package_folder})
+          ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${component})
+  install(EXPORT kalfem_${component} NAMESPACE kalfem:: FILE kalfem_${component}.cmake DESTINATION ${package_folder}
+          COMPONENT ${component})
   foreach(header ${KALFEM_${COMPONENT}_HEADERS})
     get_filename_component(folder ${header} DIRECTORY)
-    install(FILES src/kalfem/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kalfem/${folder})
+    install(FILES src/kalfem/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kalfem/${folder}
+            COMPONENT ${component})
   endforeach()
 endforeach()
 
@@ -41,9 +43,9 @@ foreach(library ${every})
   endif()
 endforeach()
 
-install(TARGETS kalfem_command RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS kalfem_command RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT command)
 configure_package_config_file(cmake/kalfemConfig.cmake.in kalfemConfig.cmake INSTALL_DESTINATION ${package_folder})
 write_basic_package_version_file(kalfemConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/kalfemConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/kalfemConfigVersion.cmake
               cmake/FindCHOLMOD.cmake cmake/FindHDF5Library.cmake
-        DESTINATION ${package_folder})
+        DESTINATION ${package_folder} COMPONENT core)
