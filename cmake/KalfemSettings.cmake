@@ -40,6 +40,21 @@ target_link_libraries(kalfem_flags INTERFACE Eigen3::Eigen)
 # A fixed alignment keeps Eigen's types the same in the library and in programs compiled with other processor flags.
 target_compile_definitions(kalfem_flags INTERFACE EIGEN_MAX_ALIGN_BYTES=64)
 
+# Nor may Eigen's arrays of fixed size be aligned otherwise in a program that uses the installed library: members of
+# public structs would stand elsewhere. Eigen derives this from the processor for which a file is compiled.
+set(processor_flags "")
+if(KALFEM_NATIVE AND NOT KALFEM_SANITIZE)
+  set(processor_flags -march=native)
+endif()
+execute_process(COMMAND ${CMAKE_CXX_COMPILER} ${processor_flags} -dM -E -x c++ /dev/null OUTPUT_VARIABLE macros)
+set(static_alignment 16)
+if(macros MATCHES "__AVX512F__")
+  set(static_alignment 64)
+elseif(macros MATCHES "__AVX__")
+  set(static_alignment 32)
+endif()
+target_compile_definitions(kalfem_flags INTERFACE $<INSTALL_INTERFACE:EIGEN_MAX_STATIC_ALIGN_BYTES=${static_alignment}>)
+
 add_library(kalfem_private_flags INTERFACE)
 target_compile_options(kalfem_private_flags INTERFACE -Wall -Wextra -Wpedantic -Wno-deprecated-enum-enum-conversion -Wno-uninitialized
                        -fno-math-errno -fPIC)

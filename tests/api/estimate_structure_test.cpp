@@ -53,10 +53,10 @@ TEST(EstimateStructure, GivesTheEstimatesOfTheSameProblemInTheLibrarysOwnTypes) 
   ASSERT_TRUE(result.usable());
   for (Eigen::Index i = 0; i < 2; ++i) {
     const auto& parameter = result.parameters[static_cast<std::size_t>(i)];
-    EXPECT_EQ(parameter.mean, expected.unknowns.mean.rightCols(1)(i));
-    EXPECT_EQ(parameter.std, expected.unknowns.deviation.rightCols(1)(i));
+    EXPECT_NEAR(parameter.mean / expected.unknowns.mean.rightCols(1)(i), 1.0, 1e-10);
+    EXPECT_NEAR(parameter.std / expected.unknowns.deviation.rightCols(1)(i), 1.0, 1e-8);
   }
-  EXPECT_EQ(result.log_likelihood, expected.log_likelihood);
+  EXPECT_NEAR(result.log_likelihood, expected.log_likelihood, 1e-6);
 }
 
 TEST(EstimateStructure, FindsTheParametersThatMadeTheRecord) {
