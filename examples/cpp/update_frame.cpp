@@ -13,8 +13,9 @@ int main(int, char** argv) try {
   s.add(FiniteElements("frame", read_deck(argv[1]).model));
   for (const auto& name : s.parameters()) std::cout << "may be refined: " << name << '\n';
 
-  UpdateOptions options{.substructure = "frame", .parameters = {{"frame.1.youngs_modulus"}}};
-  for (const double frequency : {0.0}) options.frequencies.push_back({frequency, 0.002 * frequency});  // [Hz]
+  UpdateOptions options{.substructure = "frame", .parameters = {{"frame.mat1.youngs_modulus"}}};
+  for (const double frequency : {6.759, 10.850, 12.868, 19.527, 24.692})
+    options.frequencies.push_back({frequency, 0.002 * frequency});  // [Hz]
   const auto result = update(s, options);
 
   std::cout << result.reason << '\n';

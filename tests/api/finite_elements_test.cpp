@@ -38,8 +38,8 @@ TEST(FiniteElementParts, CarryConnectorsAndUnknowns) {
                                              {"beam.steel.youngs_modulus", {.initial = 200e9, .std = 15e9}}}});
   ASSERT_TRUE(result.usable());
   EXPECT_NEAR(result.parameters[0].mean, 1e9, 3.0 * result.parameters[0].std);
-  EXPECT_NEAR(result.parameters[1].mean, 210e9, 3.0 * result.parameters[1].std);
-  EXPECT_LT(result.parameters[1].std, 5e9);
+  EXPECT_NEAR(result.parameters[1].mean, 210e9, 1e-3 * 210e9);  // the record is of the full model, not of four modes
+  EXPECT_LT(result.parameters[1].std, 1e-3 * 210e9);
 }
 
 TEST(FiniteElementParts, WrongNamesAreReportedTogether) {

@@ -50,7 +50,8 @@ TEST(Structure, WhatDoesNotFitIsReportedTogether) {
   s.add(lumped("wheel").mass("w", 1.5).spring("k_w", "ground", "v", 2e4));
   EXPECT_THAT(refusal_of([&] { return s.parameters(); }), HasSubstr("'v'"));
   Structure other = chain_structure();
-  other.connect("mount", "wheel.x", "body.7", suspension_law(1.0));
+  other.connect("mount", "wheel.x", "body.1", suspension_law(1.0));
+  other.connect("stop", "wheel.w", "body.7", suspension_law(1.0));
   const auto message = refusal_of([&] { return other.points(); });
   EXPECT_THAT(message, HasSubstr("wheel.x"));
   EXPECT_THAT(message, HasSubstr("body.7"));

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "kalfem/system/laws/implicit_states.hpp"
 #include "kalfem/system/laws/law_library.hpp"
 
 namespace kalfem {
@@ -76,7 +77,7 @@ public:
     for (Index i = 0; i < points.deformation.size(); ++i) {
       for (Index j = 0; j < points.parameters.cols(); ++j) p[static_cast<std::size_t>(j)] = points.parameters(i, j);
       const double d = points.deformation[i], v = points.rate[i];
-      const double step_d = step_of(d), step_v = step_of(v);
+      const double step_d = difference_step(d), step_v = difference_step(v);
       response.force[i] = force_(d, v, parameters);
       response.stiffness[i] = (force_(d + step_d, v, parameters) - force_(d - step_d, v, parameters)) / (2.0 * step_d);
       response.damping[i] = (force_(d, v + step_v, parameters) - force_(d, v - step_v, parameters)) / (2.0 * step_v);
@@ -87,9 +88,6 @@ public:
   static constexpr std::size_t most_parameters = 32;
 
 private:
-  /// The cube root of the rounding unit, relative; absolute below a micrometre.
-  static double step_of(double x) { return 6e-6 * std::max(std::abs(x), 1e-6); }
-
   std::string name_;
   std::vector<LawQuantity> parameters_, states_;
   ForceFunction force_;
