@@ -63,6 +63,22 @@ TEST(Simulate, GrowthWithoutBoundIsAFailureWithItsTime) {
   }
 }
 
+TEST(Simulate, AStepThatFailsGivesNoSnapshot) {
+  const double k = 4e6;  // as above
+  const auto model = with_law(function_law([k](double d, double) { return FunctionLaw::Value{-k * d, -k, 0.0}; }));
+  Eigen::Index snapshots = 0;
+  bool finite = true;
+  SimulationOptions options{.step = 1e-4, .duration = 1.0};
+  options.snapshot = [&](double, const Eigen::VectorXd& displacement) {
+    ++snapshots;
+    finite = finite && displacement.allFinite();
+  };
+  const auto result = simulate(model.system(), {rest_signal}, start_at(1e-3, 0.0), options);
+  ASSERT_TRUE(result.failure);
+  EXPECT_TRUE(finite);
+  EXPECT_EQ(snapshots, result.trajectory.samples());
+}
+
 TEST(Simulate, LawThatGivesNoNumberIsAFailure) {
   const auto model = with_law(function_law([](double d, double) {
     return FunctionLaw::Value{d < 0.0 ? nan_value : 0.0, 0.0, 0.0};

@@ -57,10 +57,10 @@ std::optional<FixedGainMeans> run_with_gains(const AugmentedModel& augmented_mod
               stride = record.inputs.cols() > samples ? augmented_model.options().substeps : 1;
   ProcessModel transition(augmented_model);
   MeasurementModel measurement(augmented_model, sensor_outputs);
-  MeasurementModel watched(augmented_model,
-                           [&](const AugmentedModel& each) { return each.augmented_model_form().outputs(monitored); });
+  MeasurementModel monitored_map(
+      augmented_model, [&](const AugmentedModel& each) { return each.augmented_model_form().outputs(monitored); });
   PointMap predict(transition);
-  PointMap<MeasurementModel> measure(measurement), watch(watched);
+  PointMap<MeasurementModel> measure(measurement), look(monitored_map);
   FixedGainMeans means{Eigen::MatrixXd(monitored.size(), samples), {}};
   VectorXd state = augmented_model.prior().mean, predicted = state, output, innovation, values;
   for (Index k = 0; k < samples; ++k) {
@@ -74,8 +74,8 @@ std::optional<FixedGainMeans> run_with_gains(const AugmentedModel& augmented_mod
     innovation = record.measurements.col(k) - output;
     innovation = innovation.array().isNaN().select(0.0, innovation);
     state.noalias() += gains.at(k) * innovation;
-    watched.set_inputs(record.inputs.col(k * stride));
-    if (!watch.apply(state, values)) return std::nullopt;
+    monitored_map.set_inputs(record.inputs.col(k * stride));
+    if (!look.apply(state, values)) return std::nullopt;
     means.monitored.col(k) = values;
     if (k == state_at) means.state = state;
   }

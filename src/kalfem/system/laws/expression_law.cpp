@@ -24,6 +24,9 @@ private:
   std::unique_ptr<ExpressionEvaluator> evaluator_;
 };
 
+// Point by point: advance the internal states over the interval by the implicit scheme (advance_states()), which also
+// gives their derivatives by the end's motion; then the force there. Tangents are central differences of the force by
+// d, v, a, and by each state times that state's derivatives. A state that did not converge makes the force no number.
 class ExpressionLaw final : public ConnectorLaw {
 public:
   explicit ExpressionLaw(const ExpressionLawOptions& options) : parameters_(options.parameters), pool_(options) {

@@ -119,6 +119,8 @@ void horner(const Eigen::Ref<const Eigen::ArrayXXd>& coefficients, const Eigen::
   }
 }
 
+// Parameters are the coefficients of d, d^2, ... and then of v, v^2, ...; all points are evaluated together, degree by
+// degree.
 class PolynomialLaw final : public ConnectorLaw {
 public:
   PolynomialLaw(int stiffness_degree, int damping_degree)
