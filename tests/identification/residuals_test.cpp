@@ -133,13 +133,31 @@ TEST(RecordResidual, IsOfTheSizeOfTheInnovationsAtTheTruth) {
   EXPECT_GT(mean_square(residual, 1.03 * body_stiffness), at_truth);
 }
 
-TEST(RecordResidual, LeadsToTheTruthWithTheFiltersGainsFreeAndHeld) {
+TEST(RecordResidual, LeadsToTheTruthBesideUnknownsOfTheFilter) {
   const auto problem = settled_problem();
+  const auto residual = record_residual(problem, chain_record(*problem, 2.0), false);
+  EXPECT_NEAR(after_a_step(residual, 0.97 * body_stiffness), body_stiffness, 0.01 * body_stiffness);
+}
+
+/// Held gains leave out that the gains move with theta: a per cent of the derivative where the filter knows the
+/// suspension. Beside unknowns that it has just begun to learn they are of no use: the gains of these change with every
+/// sample.
+TEST(RecordResidual, HasNearlyTheSameDerivativeWithHeldGains) {
+  auto given = chain_problem();
+  given.settings.settle = 0.5;
+  given.settings.unknowns.clear();
+  given.settings.process_noise.acceleration = 0.1;
+  const auto problem = shared(given);
   const FullRecord record = chain_record(*problem, 2.0);
-  for (const bool hold_gains : {false, true}) {
-    const auto residual = record_residual(problem, record, hold_gains);
-    EXPECT_NEAR(after_a_step(residual, 0.97 * body_stiffness), body_stiffness, 0.01 * body_stiffness) << hold_gains;
-  }
+  const auto derivative = [&](bool hold_gains) {
+    const auto value = record_residual(problem, record, hold_gains).evaluate(theta(0.97 * body_stiffness), true);
+    return value ? VectorXd(value->jacobian.col(0)) : VectorXd();
+  };
+  const VectorXd exact = derivative(false), held = derivative(true);
+  ASSERT_EQ(exact.size(), 1501 * 2);
+  ASSERT_EQ(held.size(), exact.size());
+  EXPECT_NEAR(held.norm(), exact.norm(), 0.02 * exact.norm());
+  EXPECT_GT(held.dot(exact), 0.99 * held.norm() * exact.norm());
 }
 
 TEST(RecordResidual, SharesTheProblem) {
