@@ -25,8 +25,8 @@ struct ModalDampingOptions {
 /// a number nor a frequency is given, or the model has modal damping already.
 void add_modal_damping(LinearModel& model, const std::vector<double>& ratios, const ModalDampingOptions& options);
 
-/// The model's lowest `count` normal modes, or fewer where they end at a frequency [Hz]. They are not computed where the
-/// modal damping knows them already.
+/// The model's lowest `count` normal modes, or fewer where they end at a frequency [Hz]. They are not computed where
+/// the modal damping knows them already.
 NormalModes lowest_normal_modes(const LinearModel& model, Eigen::Index count, std::optional<double> up_to = {});
 
 }  // namespace kalfem
