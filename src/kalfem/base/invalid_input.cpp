@@ -23,7 +23,7 @@ std::string join(const std::vector<Issue>& issues) {
 
 /// The text in one line, its control characters shown, cut where it is too long, never inside a UTF-8 sequence.
 std::string in_one_line(const std::string& text) {
-  const std::string line = terminal_safe(text, LineBreaks::escaped);
+  std::string line = terminal_safe(text, LineBreaks::escaped);
   if (line.size() <= longest_part) return line;
   std::size_t end = longest_part;
   while (end > 0 && (static_cast<unsigned char>(line[end]) & 0xC0U) == 0x80U) --end;

@@ -180,7 +180,7 @@ OutputFolder::~OutputFolder() {
 }
 
 std::vector<std::string> OutputFolder::replace(const Names& former) {
-  const Names fresh = files_below(staging());
+  Names fresh = files_below(staging());
   require_places(fresh);
   for (const auto& name : united(fresh, folders_below(staging()))) bring_to_disk(staging() / name);
   Names gone;
