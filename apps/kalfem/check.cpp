@@ -4,11 +4,11 @@
 
 #include "console.hpp"
 #include "kalfem/base/atomic_file.hpp"
+#include "kalfem/pipeline/reported_quantities.hpp"
 #include "kalfem/pipeline/run_study.hpp"
 #include "kalfem/pipeline/run_updating.hpp"
-#include "kalfem/pipeline/substructure_modes.hpp"
-#include "kalfem/report/model_check_section.hpp"
 #include "kalfem/report/record_report.hpp"
+#include "kalfem/report/sections.hpp"
 #include "kalfem/report/tables.hpp"
 #include "verbs.hpp"
 

@@ -10,7 +10,7 @@
 #include "kalfem/formats/deck.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/model/unit_system.hpp"
-#include "kalfem/report/model_check_section.hpp"
+#include "kalfem/report/sections.hpp"
 #include "kalfem/report/tables.hpp"
 #include "verbs.hpp"
 

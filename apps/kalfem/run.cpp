@@ -1,6 +1,7 @@
 #include <filesystem>
 
 #include "console.hpp"
+#include "kalfem/base/output_folder.hpp"
 #include "kalfem/report/result_set.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/report/updating_tables.hpp"

@@ -5,9 +5,8 @@
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
 #include "kalfem/identification/parameterised_structure.hpp"
 #include "kalfem/pipeline/run_updating.hpp"
-#include "kalfem/updating/evolution.hpp"
 #include "kalfem/updating/frf_residual.hpp"
-#include "kalfem/updating/multi_start.hpp"
+#include "kalfem/updating/global_search.hpp"
 
 /// Keys of the updating: residuals against their definition, the search against the library's with the same options.
 namespace kalfem::wiring {

@@ -1,4 +1,4 @@
-#include "kalfem/updating/evolution.hpp"
+#include "kalfem/updating/global_search.hpp"
 
 #include <gtest/gtest.h>
 #include <cmath>

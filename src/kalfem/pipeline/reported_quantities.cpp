@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "kalfem/model/modal_damping.hpp"
 #include "kalfem/records/time_series.hpp"
 
 namespace kalfem {
@@ -41,6 +42,22 @@ void compare(PointQuantity& quantity, const Eigen::VectorXd& truth, const Compar
   if (!comparison.band || count < 2 || quantity.quantity != ObservedQuantity::acceleration) return;
   const double error = nrmse_in_band(mean, expected, comparison.sample_rate, *comparison.band);
   if (std::isfinite(error)) quantity.nrmse_in_band = error;
+}
+
+std::vector<SubstructureModes> substructure_modes(const Study& study, Eigen::Index count) {
+  std::vector<SubstructureModes> all;
+  for (const auto& lumped : study.structure->parts.substructures) {
+    if (lumped.masses.empty()) continue;
+    const LinearModel model = assemble(lumped);
+    const auto modes = normal_modes(model.mass, model.stiffness);
+    all.push_back({lumped.name, model.size(), model.mass.sum(), modes.frequencies, modes.shapes});
+  }
+  for (const auto& elements : study.structure->finite_elements) {
+    const auto& part = *elements.part;
+    const auto modes = lowest_normal_modes(part.full, count);
+    all.push_back({part.name, part.full.size(), part.mass.mass, modes.frequencies, modes.shapes});
+  }
+  return all;
 }
 
 }  // namespace kalfem

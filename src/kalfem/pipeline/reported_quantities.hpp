@@ -24,4 +24,7 @@ struct Comparison {
 /// Sets the truth and the error against it; of an acceleration also the error in the band.
 void compare(PointQuantity& quantity, const Eigen::VectorXd& truth, const Comparison& comparison);
 
+/// Modes of every substructure that has degrees of freedom: all of a lumped one, the lowest `count` of finite elements.
+std::vector<SubstructureModes> substructure_modes(const Study& study, Eigen::Index count);
+
 }  // namespace kalfem

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "kalfem/base/stopwatch.hpp"
+#include "kalfem/dynamics/converged_solution.hpp"
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/pipeline/reported_quantities.hpp"
 #include "kalfem/study/study_elements.hpp"

@@ -10,7 +10,6 @@
 #include "kalfem/pipeline/reported_quantities.hpp"
 #include "kalfem/pipeline/run_updating.hpp"
 #include "kalfem/pipeline/stages.hpp"
-#include "kalfem/pipeline/substructure_modes.hpp"
 #include "kalfem/study/full_record.hpp"
 #include "kalfem/study/study_elements.hpp"
 

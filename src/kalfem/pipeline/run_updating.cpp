@@ -6,10 +6,11 @@
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/pipeline/updating_checkpoint.hpp"
-#include "kalfem/updating/evolution.hpp"
 #include "kalfem/updating/frf_residual.hpp"
-#include "kalfem/updating/multi_start.hpp"
+#include "kalfem/updating/global_search.hpp"
+#include "kalfem/updating/least_squares.hpp"
 #include "kalfem/updating/parameter_statistics.hpp"
+#include "kalfem/updating/sensitivity_check.hpp"
 
 namespace kalfem {
 

@@ -72,7 +72,7 @@ struct ReductionOptions {
   ModeSelection modes = {};                 ///< Craig-Bampton only, at least one criterion
   std::vector<std::string> also_kept = {};  ///< degrees of freedom treated as boundary beside it, such as sensors'
   bool augmentation_vectors = false;        ///< add the shapes that make up for the modes left out, see
-                                            ///< augmentation_vectors.hpp: at most one a boundary degree of freedom
+                                            ///< craig_bampton.cpp: at most one a boundary degree of freedom
   EliminationOrder order = {};   ///< of an earlier reduction with the same pattern and boundary, see the evidence
   double compare_up_to = 0.0;    ///< band in which the evidence compares with the full model's modes [Hz]; 0: half the
                                  ///< highest kept, or half the first left out where none is kept

@@ -1,4 +1,4 @@
-#include "kalfem/report/model_check_section.hpp"
+#include "kalfem/report/sections.hpp"
 
 #include <fmt/format.h>
 

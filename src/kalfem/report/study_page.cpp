@@ -4,10 +4,9 @@
 
 #include <algorithm>
 
-#include "kalfem/report/model_check_section.hpp"
 #include "kalfem/report/record_report.hpp"
 #include "kalfem/report/resting_points.hpp"
-#include "kalfem/report/study_sections.hpp"
+#include "kalfem/report/sections.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/report/updating_tables.hpp"
 #include "kalfem/study/structural_modifications.hpp"

@@ -1,4 +1,4 @@
-#include "kalfem/report/study_sections.hpp"
+#include "kalfem/report/sections.hpp"
 
 #include <algorithm>
 #include <cctype>

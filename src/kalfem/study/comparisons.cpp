@@ -6,6 +6,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "kalfem/casefile/update_description.hpp"
 #include "kalfem/formats/tables/csv.hpp"
 #include "kalfem/formats/tables/frf_table.hpp"
 #include "kalfem/identification/released_elements.hpp"

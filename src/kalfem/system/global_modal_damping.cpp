@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/linalg/semidefinite_solve.hpp"
+#include "kalfem/linalg/sparse_factor.hpp"
 #include "kalfem/model/modal_damping.hpp"
 
 namespace kalfem {

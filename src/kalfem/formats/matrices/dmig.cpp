@@ -7,7 +7,7 @@
 #include <map>
 
 #include "kalfem/formats/matrices/entries.hpp"
-#include "kalfem/formats/matrices/readers.hpp"
+#include "kalfem/formats/matrices/single_formats.hpp"
 #include "kalfem/formats/nastran/card_stream.hpp"
 
 namespace kalfem {

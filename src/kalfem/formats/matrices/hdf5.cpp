@@ -10,7 +10,7 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
 #include "kalfem/formats/matrices/entries.hpp"
-#include "kalfem/formats/matrices/readers.hpp"
+#include "kalfem/formats/matrices/single_formats.hpp"
 
 namespace kalfem {
 namespace {

@@ -4,7 +4,7 @@
 // passed over.
 
 #include "kalfem/formats/matrices/bytes.hpp"
-#include "kalfem/formats/matrices/readers.hpp"
+#include "kalfem/formats/matrices/single_formats.hpp"
 #include "kalfem/formats/text_file.hpp"
 
 namespace kalfem {

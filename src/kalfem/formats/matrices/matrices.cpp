@@ -5,7 +5,7 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/formats/matrices/entries.hpp"
-#include "kalfem/formats/matrices/readers.hpp"
+#include "kalfem/formats/matrices/single_formats.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
 #include "kalfem/formats/text_file.hpp"
 

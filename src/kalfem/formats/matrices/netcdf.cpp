@@ -6,7 +6,7 @@
 #include <map>
 
 #include "kalfem/formats/matrices/bytes.hpp"
-#include "kalfem/formats/matrices/readers.hpp"
+#include "kalfem/formats/matrices/single_formats.hpp"
 
 namespace kalfem {
 namespace {

@@ -9,8 +9,7 @@
 #include <algorithm>
 
 #include "kalfem/formats/matrices/bytes.hpp"
-#include "kalfem/formats/matrices/op4.hpp"
-#include "kalfem/formats/matrices/readers.hpp"
+#include "kalfem/formats/matrices/single_formats.hpp"
 
 namespace kalfem {
 namespace {

@@ -7,14 +7,13 @@
 // non-zeros, each behind its header. A column beyond the last ends the matrix. Integers have 4 bytes, or 8 where the
 // header has 48; the numbers of single precision then have 8 as well.
 
-#include "kalfem/formats/matrices/op4.hpp"
+#include "kalfem/formats/matrices/single_formats.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cstdlib>
 
 #include "kalfem/formats/matrices/bytes.hpp"
-#include "kalfem/formats/matrices/readers.hpp"
 
 namespace kalfem {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "kalfem/formats/matrices/entries.hpp"
-#include "kalfem/formats/matrices/readers.hpp"
+#include "kalfem/formats/matrices/single_formats.hpp"
 
 namespace kalfem {
 namespace {

@@ -9,7 +9,7 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/formats/matrices/entries.hpp"
 #include "kalfem/formats/matrices/matrix_model.hpp"
-#include "kalfem/formats/matrices/writers.hpp"
+#include "kalfem/formats/matrices/single_formats.hpp"
 
 namespace kalfem {
 namespace {

@@ -1,4 +1,4 @@
-#include "kalfem/formats/matrices/writers.hpp"
+#include "kalfem/formats/matrices/single_formats.hpp"
 
 #include <algorithm>
 #include <bit>

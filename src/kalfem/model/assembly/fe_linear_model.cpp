@@ -4,7 +4,7 @@
 #include <cmath>
 #include <set>
 
-#include "kalfem/linalg/semidefinite_solve.hpp"
+#include "kalfem/linalg/sparse_factor.hpp"
 
 namespace kalfem {
 namespace {

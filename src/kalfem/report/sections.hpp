@@ -1,9 +1,12 @@
 #pragma once
 
+#include <Eigen/Dense>
 #include <string>
+#include <vector>
 
 #include "kalfem/formats/deck.hpp"
 #include "kalfem/model/checks/model_check.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 #include "kalfem/report/page.hpp"
 #include "kalfem/study/finite_element_part.hpp"
 
@@ -32,5 +35,15 @@ std::string model_check_text(const ModelCheckReport& report, const std::vector<D
 /// All tables that have rows as a section of a page, below a picture of the mesh (where there is one).
 Section model_check_section(const std::string& name, const FiniteElementModel& model, const ModelCheckReport& report,
                             const std::vector<DeckNote>& notes);
+
+/// Force of every connector with an unknown parameter: over deformation at rest and over rate at zero deformation
+/// (identified with its 95 % band, and true) where the law has no memory, and the path that it went.
+Section connectors_section(const Study& study, const EstimationOutcome& outcome);
+
+/// The updating on the page: parameters, what they rest on, the course of the search, measured and model responses.
+Section updating_section(const Study& study, const StudyResults& results);
+
+/// The entries of a vector, as a series of a chart holds them.
+inline std::vector<double> series_values(const Eigen::VectorXd& vector) { return {vector.begin(), vector.end()}; }
 
 }  // namespace kalfem
