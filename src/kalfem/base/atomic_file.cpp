@@ -85,8 +85,6 @@ void fail_to_write(const fs::path& path, int code, std::optional<NeededSpace> ne
 
 namespace {
 
-namespace fs = std::filesystem;
-
 /// A name that neither another thread nor another process uses.
 fs::path temporary_beside(const fs::path& path) {
   static std::atomic<unsigned> count{0};

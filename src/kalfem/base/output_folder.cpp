@@ -106,7 +106,6 @@ FolderLock::~FolderLock() {
 
 namespace {
 
-namespace fs = std::filesystem;
 using Names = std::vector<std::string>;
 
 /// Regular files and links below a folder by their relative names, sorted; none where there is no such folder.

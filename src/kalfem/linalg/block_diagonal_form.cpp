@@ -98,8 +98,6 @@ std::vector<std::vector<Index>> strong_components(const Eigen::Ref<const MatrixX
 
 }  // namespace
 
-using Eigen::Index;
-using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 
 namespace {

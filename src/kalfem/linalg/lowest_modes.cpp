@@ -68,9 +68,6 @@ DensePairs dense_modes(const Eigen::SparseMatrix<double>& stiffness, const Eigen
 
 }  // namespace
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
 using Matrix = Eigen::SparseMatrix<double>;
 
 namespace {

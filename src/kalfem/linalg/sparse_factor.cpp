@@ -256,8 +256,6 @@ double SparseFactor::bytes() const {
 
 double SparseFactor::smallest_pivot() const { return workspace_->smallest_pivot; }
 
-using Eigen::Index;
-using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Matrix = Eigen::SparseMatrix<double>;
 

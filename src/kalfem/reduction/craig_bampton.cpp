@@ -42,10 +42,6 @@ LowestModes augmentation_vectors(const Partition& parts, const SparseMatrix& mas
 
 }  // namespace
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
 namespace {
 
 std::vector<std::string> reduced_names(const std::vector<std::string>& boundary, Index modes, Index truncation) {

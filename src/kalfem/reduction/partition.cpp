@@ -52,7 +52,6 @@ Partition partition(const LinearModel& model, const std::vector<std::string>& bo
   return parts;
 }
 
-using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 

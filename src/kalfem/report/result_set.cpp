@@ -62,7 +62,6 @@ void write_fields(const std::string& folder, const Study& study, const StudyResu
   }
 }
 
-namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using Names = std::vector<std::string>;
 

@@ -156,8 +156,6 @@ Section connectors_section(const Study& study, const EstimationOutcome& outcome)
   return section;
 }
 
-using Eigen::Index;
-
 namespace {
 
 std::vector<double> list(const Eigen::VectorXd& values) { return {values.begin(), values.end()}; }

@@ -101,8 +101,6 @@ void check_filter(const CaseStudy& study) {
       .raise();
 }
 
-using Eigen::Index;
-
 InvalidInput not_estimated(const Name& substructure, const std::string& point) {
   return InvalidInput(substructure.issue("the filter's model does not estimate the motion of '" + point + "'",
                                          "the substructure is driven by it",

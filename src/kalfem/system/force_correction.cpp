@@ -78,7 +78,6 @@ void ConnectorResponse::repeat_points(const Columns& at) {
 namespace {
 
 using Eigen::Dynamic;
-using Eigen::Index;
 
 /// Smallest pivot without row exchanges, as a share of its row's largest entry: at worst two digits of the correction
 /// are lost, which the next one makes good.

@@ -155,9 +155,6 @@ EvolutionOutcome evolve(const Residual& residual, const std::vector<UpdatingPara
 
 namespace {
 
-using Eigen::Index;
-using Eigen::VectorXd;
-
 struct Range {
   double lower, upper;
 };

@@ -230,7 +230,6 @@ ParameterStatistics parameter_statistics(const std::vector<UpdatingParameter>& p
 
 namespace {
 
-using Eigen::Index;
 using Parameters = std::vector<UpdatingParameter>;
 
 constexpr double notable_inflation = 1.5;  // of variances: below it, mere chance or not worth a word

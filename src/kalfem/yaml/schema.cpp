@@ -56,8 +56,6 @@ FormSchema named_schema(const FormSchema& item) {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr std::size_t meaning_column = 56;
 
 Json scalar_json(const YamlNode& node) {

@@ -207,7 +207,7 @@ void MeshReader::read_set(Scope& scope, const Keyword& keyword, bool of_nodes) {
   RawSet::Piece piece;
   piece.where = keyword.where;
   piece.instance = keyword.get("INSTANCE");
-  if (of_nodes && keyword.has("ELSET")) piece.of_elements = ConvergedSolution{keyword.get("ELSET"), keyword.where};
+  if (of_nodes && keyword.has("ELSET")) piece.of_elements = SetReference{keyword.get("ELSET"), keyword.where};
   const bool generated = keyword.has("GENERATE");
   for (std::string_view line; lines_.next_data(line);)
     generated ? read_generated_piece(piece, line) : read_listed_piece(piece, line);

@@ -107,9 +107,9 @@ public:
   [[nodiscard]] PlacedBlock find_block(std::string_view keyword, const std::string& name, int place) const;
 
   /// Nodes of a set or one node; a name that is not known is a problem.
-  std::vector<Index> node_list(const ConvergedSolution& reference, int place);
+  std::vector<Index> node_list(const SetReference& reference, int place);
   /// The same of elements, as positions in `elements`.
-  std::vector<Index> element_list(const ConvergedSolution& reference, int place);
+  std::vector<Index> element_list(const SetReference& reference, int place);
   /// Whether a name stands for a set of nodes (of elements) there.
   [[nodiscard]] bool is_node_set(const std::string& name, int place) const;
   [[nodiscard]] bool is_element_set(const std::string& name, int place) const;
@@ -136,11 +136,11 @@ private:
   void add_elements(int place);
   int place_named(std::string_view name) const;
   Found find_set(Sets sets, const std::string& name, int place) const;
-  std::vector<Index> list(Sets sets, const ConvergedSolution& reference, int place);
-  const std::vector<Index>& flattened(Sets sets, const Found& found, const ConvergedSolution& reference);
+  std::vector<Index> list(Sets sets, const SetReference& reference, int place);
+  const std::vector<Index>& flattened(Sets sets, const Found& found, const SetReference& reference);
   void append(Sets sets, const RawSet::Piece& piece, int place, std::vector<Index>& members);
   void append_range(Sets sets, const RawSet::Range& range, int place, std::vector<Index>& members);
-  void append_nodes_of(const ConvergedSolution& element_set, int place, std::vector<Index>& members);
+  void append_nodes_of(const SetReference& element_set, int place, std::vector<Index>& members);
   std::vector<std::string> known_names(Sets sets) const;
   [[nodiscard]] const LabelIndex& index_of(Sets sets, int place) const {
     return sets == &Scope::node_sets ? places_[static_cast<std::size_t>(place)].nodes

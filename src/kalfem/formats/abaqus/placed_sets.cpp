@@ -47,15 +47,15 @@ std::string PlacedDeck::spelled_set(const std::string& name, int start, bool of_
   return found.set ? place(found.place).full_name(found.set->name) : name;
 }
 
-std::vector<Index> PlacedDeck::node_list(const ConvergedSolution& reference, int start) {
+std::vector<Index> PlacedDeck::node_list(const SetReference& reference, int start) {
   return list(&Scope::node_sets, reference, start);
 }
 
-std::vector<Index> PlacedDeck::element_list(const ConvergedSolution& reference, int start) {
+std::vector<Index> PlacedDeck::element_list(const SetReference& reference, int start) {
   return list(&Scope::element_sets, reference, start);
 }
 
-std::vector<Index> PlacedDeck::list(Sets sets, const ConvergedSolution& reference, int start) {
+std::vector<Index> PlacedDeck::list(Sets sets, const SetReference& reference, int start) {
   const bool of_nodes = sets == &Scope::node_sets;
   if (const auto found = find_set(sets, reference.text, start); found.set) return flattened(sets, found, reference);
   int index = start;
@@ -81,7 +81,7 @@ std::vector<Index> PlacedDeck::list(Sets sets, const ConvergedSolution& referenc
 }
 
 /// Members in their order, each once.
-const std::vector<Index>& PlacedDeck::flattened(Sets sets, const Found& found, const ConvergedSolution& reference) {
+const std::vector<Index>& PlacedDeck::flattened(Sets sets, const Found& found, const SetReference& reference) {
   static const std::vector<Index> none;
   const std::pair key{found.set, found.place};
   if (const auto known = flat_.find(key); known != flat_.end()) return known->second;
@@ -155,7 +155,7 @@ void PlacedDeck::append_range(Sets sets, const RawSet::Range& range, int index, 
   }
 }
 
-void PlacedDeck::append_nodes_of(const ConvergedSolution& element_set, int index, std::vector<Index>& members) {
+void PlacedDeck::append_nodes_of(const SetReference& element_set, int index, std::vector<Index>& members) {
   std::vector<Index> nodes;
   for (const Index element : element_list(element_set, index)) {
     const auto& placed = elements[static_cast<std::size_t>(element)];

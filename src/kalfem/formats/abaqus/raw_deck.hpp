@@ -50,7 +50,7 @@ std::optional<ElementType> element_type(std::string_view name);
 inline bool is_cell(Family family) { return family <= Family::beam; }
 
 /// The name of a set or the number of a node or element, as it stands in the deck.
-struct ConvergedSolution {
+struct SetReference {
   std::string text;
   Where where;
 };
@@ -89,8 +89,8 @@ struct RawSet {
     std::string instance;  ///< whose numbers they are; empty: those of the set's own scope
     std::vector<std::int64_t> labels;
     std::vector<Range> ranges;
-    std::vector<ConvergedSolution> names;          ///< sets, or numbers with an instance
-    std::optional<ConvergedSolution> of_elements;  ///< all nodes of this element set
+    std::vector<SetReference> names;          ///< sets, or numbers with an instance
+    std::optional<SetReference> of_elements;  ///< all nodes of this element set
     Where where = {};
   };
   std::string name;  ///< as first spelled
@@ -118,9 +118,9 @@ struct Scope {
   std::string name;
   RawNodes nodes;
   std::vector<RawElement> elements;
-  std::vector<std::int64_t> connectivity;      ///< numbers of nodes; -1 - i: named_nodes[i]
-  std::vector<ConvergedSolution> named_nodes;  ///< "instance.number"
-  std::map<std::string, RawSet> node_sets;     ///< by name in capitals
+  std::vector<std::int64_t> connectivity;   ///< numbers of nodes; -1 - i: named_nodes[i]
+  std::vector<SetReference> named_nodes;    ///< "instance.number"
+  std::map<std::string, RawSet> node_sets;  ///< by name in capitals
   std::map<std::string, RawSet> element_sets;
   std::vector<Block> blocks;  ///< everything else, in its order
 };

@@ -147,8 +147,6 @@ std::string op4_text(const std::vector<ForeignMatrix>& matrices) {
 
 namespace {
 
-using Eigen::Index;
-
 /// Fortran's unformatted records in a given order of bytes.
 class RecordWriter {
 public:

@@ -13,7 +13,6 @@
 #include "kalfem/base/units.hpp"
 #include "kalfem/formats/tables/channel_title.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
-#include "kalfem/formats/tables/time_axis.hpp"
 
 namespace kalfem {
 

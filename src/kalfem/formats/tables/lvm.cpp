@@ -8,7 +8,6 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
-#include "kalfem/formats/tables/time_axis.hpp"
 
 namespace kalfem {
 

@@ -147,8 +147,6 @@ GroundingCheck check_grounding(const SparseMatrix& stiffness, const MatrixXd& ri
 
 namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
 using Severity = FindingSeverity;
 using Topic = FindingTopic;
 
