@@ -1,4 +1,4 @@
-#include "kalfem/formats/gmsh/table_mesh.hpp"
+#include "kalfem/formats/gmsh/gmsh.hpp"
 
 #include <gtest/gtest.h>
 

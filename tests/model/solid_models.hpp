@@ -9,7 +9,7 @@
 
 #include "kalfem/linalg/sparse_factor.hpp"
 #include "kalfem/model/assembly/assembly.hpp"
-#include "kalfem/model/elements/solid_geometry.hpp"
+#include "kalfem/model/elements/solid.hpp"
 
 namespace kalfem::test {
 

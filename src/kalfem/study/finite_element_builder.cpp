@@ -5,7 +5,6 @@
 #include <cstdio>
 
 #include "kalfem/formats/gmsh/gmsh.hpp"
-#include "kalfem/formats/gmsh/table_mesh.hpp"
 #include "kalfem/model/mesh/split_quadratic_shells.hpp"
 #include "kalfem/model/unit_system.hpp"
 #include "kalfem/study/assembly.hpp"

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "kalfem/model/mesh/mesh.hpp"
@@ -21,5 +22,26 @@ Mesh read_gmsh(const std::filesystem::path& file);
 
 /// The same from a file's content; `source` names it in messages.
 Mesh parse_gmsh(std::string content, const std::string& source);
+
+struct TableMeshOptions {
+  std::optional<double> scale = {};  ///< of the coordinates to metres; only where their titles name no unit
+};
+
+/// Reads a mesh of lines from two tables, as stick models are kept in spreadsheets:
+///   nodes     id, x, y, z          titles node, id, node_id, number or point, and x, y, z
+///   elements  id, node, node, region   titles element, elem, id, element_id or number; node1, node2 (or node_1, n1,
+///             from, first ...); region, section, group, property or part
+/// A title may name the unit of a coordinate, "x [mm]", "x (mm)" or "x_mm"; without one it is metres, or as the scale
+/// says. Columns may stand in any order, others are not read. Tables without titles have their columns in the order
+/// above. Cells are separated by semicolon, tab, comma or blanks; comments, quotes and decimal commas are as in CSV.
+///
+/// Regions are named by their cells: a whole number becomes its digits ("2", also for 2.0). Elements of one region need
+/// not be neighbours.
+///
+/// Throws InvalidInput with file and line, all problems of a table at once: cells that are empty or no (whole, finite)
+/// numbers, nodes and elements of one number, unknown nodes, elements of length 0, names of regions that a case file
+/// cannot hold (letters, digits, _ and - can), titles or units that are not understood.
+Mesh read_table_mesh(const std::filesystem::path& nodes, const std::filesystem::path& elements,
+                     const TableMeshOptions& options = {});
 
 }  // namespace kalfem

@@ -49,7 +49,7 @@ struct CsvRecord {
 };
 
 /// An equally sampled record, in the file's units. The time column (in s, or in its title's unit) becomes start and
-/// sampling rate; see time_axis.hpp for what is accepted as equidistant. Without times every row counts as a sample, a
+/// sampling rate; see text_table.hpp for what is accepted as equidistant. Without times every row counts as a sample, a
 /// blank line between the rows of a single column as well. Throws InvalidInput as above and for gaps, with their lines.
 CsvRecord read_csv_record(const std::filesystem::path& path, const CsvOptions& options = {});
 TimeSeries read_csv(const std::filesystem::path& path, const CsvOptions& options = {});

@@ -1,4 +1,4 @@
-#include "kalfem/model/checks/element_quality.hpp"
+#include "kalfem/model/checks/model_check.hpp"
 
 #include <algorithm>
 #include <cmath>

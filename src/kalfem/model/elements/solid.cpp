@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/model/elements/solid_geometry.hpp"
 #include "kalfem/model/mesh/properties.hpp"
 
 namespace kalfem {

@@ -1,4 +1,4 @@
-#include "kalfem/model/elements/solid_geometry.hpp"
+#include "kalfem/model/elements/solid.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "kalfem/model/elements/solid_geometry.hpp"
+#include "kalfem/model/elements/solid.hpp"
 
 #include <algorithm>
 #include <array>
