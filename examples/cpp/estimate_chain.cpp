@@ -20,10 +20,10 @@ int main(int, char** argv) try {
 
   const auto result = estimate(
       s, record,
-      {.sensors = {{"a3", acceleration("body.2"), 0.3},
-                   {"a5", acceleration("body.4"), 0.3},
-                   {"a7", acceleration("body.6"), 0.3},
-                   {"a11", acceleration("body.10"), 0.3}},
+      {.sensors = {{"a3", acceleration("body.2"), 2.0},
+                   {"a5", acceleration("body.4"), 2.0},
+                   {"a7", acceleration("body.6"), 2.0},
+                   {"a11", acceleration("body.10"), 2.0}},
        .unknowns = {{"suspension.mu_k1", {.initial = 10, .std = 5}}, {"suspension.mu_c1", {.initial = 16, .std = 8}}}});
   if (!result.usable()) {
     std::cerr << "the filter stopped at " << result.failure->time << " s: " << result.failure->reason << '\n';

@@ -16,7 +16,7 @@ int main(int, char** argv) try {
 
   FiniteElements frame("frame", deck.model);
   frame.node("corner", 5).node("middle", Eigen::Vector3d(1.0, 0.0, 1.0));
-  frame.reduce({.modes = {.cutoff = 400.0}}, {"corner", "middle"});
+  frame.reduce({.modes = {.cutoff = 200.0}}, {"corner", "middle"});
   const Superelement reduced = reduce(frame);
 
   for (const auto& file : write_superelement(argv[2], reduced.model, MatrixFormat::hdf5, reduced.basis))
