@@ -27,7 +27,7 @@ void print_laws() {
 }  // namespace
 
 ExitCode schema(bool as_json, bool laws) {
-  const auto document = json_schema(description::case_form().schema(), "kalfem case file");
+  const auto document = whole_json_schema(description::case_schema().json_schema(), "kalfem case file");
   if (laws)
     print_laws();
   else if (as_json)

@@ -127,7 +127,7 @@ TEST(EstimateArguments, ThatAreMissingAreRefused) {
   EXPECT_THAT(refused({.sensors = {chain_sensors()[0], chain_sensors()[0]}}),
               HasSubstr("sensors[1] 'a3': sensors[0] has that name too"));
   EXPECT_THAT(refused({.sensors = chain_sensors(), .initial_state = {{"body.7", {}}}}),
-              HasSubstr("initial_state[0]: 'body.7' is no degree of freedom"));
+              HasSubstr("initial_state[0]: 'body.7' is not a degree of freedom"));
   EXPECT_THAT(refused({.sensors = chain_sensors(), .substeps = 0}), HasSubstr("substeps: 0"));
   EXPECT_THAT(refused({.sensors = chain_sensors(), .unknowns = {{"suspension.k", {.initial = 0.0}}}}),
               HasSubstr("unknowns[0] 'suspension.k': its standard deviation is 0"));

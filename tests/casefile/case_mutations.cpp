@@ -228,13 +228,13 @@ void collect(const Json& schema, const std::string& path, std::set<std::string>&
 
 }  // namespace
 
-std::vector<Mutation> mutations_of(const YamlNodePtr& root, const FormSchema& schema, std::set<std::string>& reached) {
+std::vector<Mutation> mutations_of(const YamlNodePtr& root, const JsonSchema& schema, std::set<std::string>& reached) {
   Generator generator(root, reached);
   generator.walk(schema.json(), *root, {}, "", "");
   return generator.take();
 }
 
-std::set<std::string> keys_of(const FormSchema& schema) {
+std::set<std::string> keys_of(const JsonSchema& schema) {
   std::set<std::string> keys;
   collect(schema.json(), "", keys);
   return keys;

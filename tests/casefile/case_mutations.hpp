@@ -23,9 +23,9 @@ struct Mutation {
 
 /// Every mistake of every key: what the schema says of a key decides which there are. `reached` collects the keys as
 /// the schema has them, without the user's names.
-std::vector<Mutation> mutations_of(const YamlNodePtr& root, const FormSchema& schema, std::set<std::string>& reached);
+std::vector<Mutation> mutations_of(const YamlNodePtr& root, const JsonSchema& schema, std::set<std::string>& reached);
 
 /// All keys of the schema, as mutations_of() collects them.
-std::set<std::string> keys_of(const FormSchema& schema);
+std::set<std::string> keys_of(const JsonSchema& schema);
 
 }  // namespace kalfem::test

@@ -185,14 +185,14 @@ TEST(CaseReader, AProblemFoundLaterKnowsItsPlace) {
 }
 
 TEST(CaseReader, FilesThatCannotBeRead) {
-  EXPECT_THROW(read_case("/no/such/file.yaml", study_form()), InvalidInput);
-  EXPECT_THROW(read_case(std::filesystem::temp_directory_path().string(), study_form()), InvalidInput);
+  EXPECT_THROW(read_case("/no/such/file.yaml", study_schema()), InvalidInput);
+  EXPECT_THROW(read_case(std::filesystem::temp_directory_path().string(), study_schema()), InvalidInput);
 }
 
 TEST(CaseReader, PathsAreRelativeToTheCaseFile) {
   const ScratchFolder folder("case-paths");
   std::ofstream(folder / "road.csv") << "x";
-  const auto form = form::list(form::path());
+  const auto form = schema::list(schema::path());
   EXPECT_EQ(read_case_text("[./road.csv]", (folder / "case.yaml").string(), form).front(), folder / "road.csv");
   EXPECT_THROW(read_case_text("[rod.csv]", (folder / "case.yaml").string(), form), InvalidInput);
   EXPECT_THROW(read_case_text("['']", (folder / "case.yaml").string(), form), InvalidInput);

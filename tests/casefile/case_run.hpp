@@ -17,7 +17,7 @@ namespace kalfem::test {
 
 inline Study study_of(const std::string& text, const std::string& file = "case.yaml") {
   const Environment none = [](const std::string&) { return std::nullopt; };
-  return make_study(read_case_text(text, file, description::case_form(), none), file);
+  return make_study(read_case_text(text, file, description::case_schema(), none), file);
 }
 
 inline StudyResults results_of(const std::string& text, Step last = Step::predict) {

@@ -67,7 +67,7 @@ Study study_of(const Sections& sections) {
     if (!value.empty()) text += key + ": " + value + "\n";
   const std::string file = (folder() / "case.yaml").string();
   const Environment none = [](const std::string&) { return std::nullopt; };
-  return make_study(read_case_text(text, file, description::case_form(), none), file);
+  return make_study(read_case_text(text, file, description::case_schema(), none), file);
 }
 
 std::string csv_of(double rate, const std::map<std::string, std::vector<double>>& columns, double start) {

@@ -33,7 +33,7 @@ inline std::string chain_case(const std::string& duration, const std::string& un
 }
 
 inline Study study_of(const std::string& text) {
-  return make_study(read_case_text(text, "chain.yaml", description::case_form()), "chain.yaml");
+  return make_study(read_case_text(text, "chain.yaml", description::case_schema()), "chain.yaml");
 }
 
 /// The record of the study with noise of another seed on it.

@@ -10,13 +10,13 @@ namespace {
 
 TEST(Echo, ReadsBackAsTheSameStudy) {
   const Study study = read(valid_text);
-  const std::string echoed = to_yaml(*study_form().write(study));
+  const std::string echoed = to_yaml(*study_schema().write(study));
   EXPECT_TRUE(read(echoed) == study) << echoed;
-  EXPECT_EQ(to_yaml(*study_form().write(read(echoed))), echoed);
+  EXPECT_EQ(to_yaml(*study_schema().write(read(echoed))), echoed);
 }
 
 TEST(Echo, ShowsDefaultsAndUnits) {
-  const std::string echoed = to_yaml(*study_form().write(read(valid_text)));
+  const std::string echoed = to_yaml(*study_schema().write(read(valid_text)));
   for (const char* line :
        {"  sample_rate: 1000  # Hz\n", "  iterations: 10\n", "    stiffness: 20000  # N/m\n",
         "      band: [0.5, 30]  # Hz\n", "    modal: [0.01]\n", "      - from: ground\n", "      mu: 20 N\n"})
@@ -30,7 +30,7 @@ TEST(Echo, TextThatLooksLikeSomethingElseSurvives) {
         "@",    "`",     "a #b",           "\x01\x7F"}) {
     Study study = read(valid_text);
     study.title = text;
-    EXPECT_EQ(read(to_yaml(*study_form().write(study))).title, text);
+    EXPECT_EQ(read(to_yaml(*study_schema().write(study))).title, text);
   }
 }
 
@@ -38,12 +38,13 @@ TEST(Echo, NumbersKeepEveryBit) {
   for (const double value : {0.1, 1.0 / 3.0, 1.0000000000000002e-100, 9.999999999999999e99, 123456789.0, 1e22}) {
     Study study = read(valid_text);
     study.simulation->duration = value;
-    EXPECT_EQ(read(to_yaml(*study_form().write(study))).simulation->duration, value);
+    EXPECT_EQ(read(to_yaml(*study_schema().write(study))).simulation->duration, value);
   }
 }
 
 TEST(Schema, IsAJsonSchemaOfTheTable) {
-  const auto schema = nlohmann::ordered_json::parse(json_schema(study_form().schema(), "kalfem case").dump());
+  const auto schema =
+      nlohmann::ordered_json::parse(whole_json_schema(study_schema().json_schema(), "kalfem case").dump());
   EXPECT_EQ(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
   EXPECT_EQ(schema["required"], nlohmann::ordered_json({"substructures"}));
   EXPECT_EQ(schema["additionalProperties"], false);
@@ -65,7 +66,7 @@ TEST(Schema, IsAJsonSchemaOfTheTable) {
 }
 
 TEST(Schema, ReferenceTextNamesEveryKeyWithItsMeaning) {
-  const std::string text = reference_text(study_form().schema().json());
+  const std::string text = reference_text(study_schema().json_schema().json());
   for (const char* part : {"simulate:", "  duration: number [s] > 0 (required)", "length of the record",
                            "(default 1000)", "<name>:", "random: (one of random | file)", "channel: text (with file)",
                            "iterations: whole number in [1, 100] (default 10)", "list of 2: number [Hz]", "= newmark",

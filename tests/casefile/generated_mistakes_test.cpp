@@ -55,7 +55,7 @@ protected:
 std::vector<Mutation> all_mutations(const std::string& text, std::set<std::string>& reached) {
   IssueList issues;
   const auto root = parse_yaml(text, "case.yaml", process_environment(), issues);
-  return mutations_of(root, description::case_form().schema(), reached);
+  return mutations_of(root, description::case_schema().json_schema(), reached);
 }
 
 TEST_P(GeneratedMistakes, TheCaseItselfIsSoundAndRuns) {
@@ -92,7 +92,7 @@ TEST(GeneratedMistakes, ReachEveryKeyOfTheSchemaAndAreMany) {
   std::set<std::string> reached;
   std::size_t count = 0;
   for (const auto& each : base_cases()) count += all_mutations(each.text, reached).size();
-  for (const auto& key : keys_of(description::case_form().schema()))
+  for (const auto& key : keys_of(description::case_schema().json_schema()))
     EXPECT_TRUE(reached.contains(key)) << key << ": no case of base_cases() holds the section that it stands in";
   EXPECT_GE(count, 600U);
   std::printf("%zu cases with a mistake\n", count);

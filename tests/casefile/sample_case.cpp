@@ -12,8 +12,8 @@ std::vector<Issue> validate(const RandomRoad& road) {
 
 }  // namespace
 
-Form<Study> study_form() {
-  using namespace form;
+Schema<Study> study_schema() {
+  using namespace schema;
   const auto spring = Fields<Spring>()
                           .required("from", &Spring::from, text(), "one end")
                           .required("to", &Spring::to, text(), "other end")
@@ -87,7 +87,7 @@ simulate:
 
 Study read(const std::string& text) {
   const Environment none = [](const std::string&) { return std::nullopt; };
-  return read_case_text(text, "case.yaml", study_form(), none);
+  return read_case_text(text, "case.yaml", study_schema(), none);
 }
 
 std::string problems(const std::string& text) {

@@ -60,7 +60,7 @@ struct Study {
   bool operator==(const Study&) const = default;
 };
 
-Form<Study> study_form();
+Schema<Study> study_schema();
 
 extern const std::string valid_text;
 

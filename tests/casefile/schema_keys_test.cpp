@@ -38,7 +38,7 @@ void collect(const Json& schema, const std::string& path, std::vector<std::strin
 
 std::vector<std::string> schema_keys() {
   std::vector<std::string> keys;
-  collect(description::case_form().schema().json(), "", keys);
+  collect(description::case_schema().json_schema().json(), "", keys);
   std::ranges::sort(keys);
   const auto same = std::ranges::unique(keys);
   keys.erase(same.begin(), same.end());

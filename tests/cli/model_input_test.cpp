@@ -135,7 +135,7 @@ TEST(NamedNodes, MustLieInTheModel) {
   const auto shared =
       run("check", folder, plate_deck(rigid_link), case_of("{left: [0.45, 0.2, 0], right: [0.55, 0.2, 0]}", ""));
   EXPECT_EQ(shared.code, 2);
-  for (const char* piece : {"case.yaml:6", "'left'", "both fall on node 22"})
+  for (const char* piece : {"case.yaml:6", "'left'", "are both nearest to node 22"})
     EXPECT_TRUE(holds(shared.errors, piece)) << piece << "\n" << shared.errors;
   const auto named = run("check", folder, plate_deck(rigid_link),
                          case_of("{left: [0.5, 0.2, 0], same: [0.5, 0.2, 0], number: 22}", ""));

@@ -53,8 +53,8 @@ Gaussian after_a_run(Filter& filter, const Gaussian& prior, bool with_gaps) {
 }
 
 void expect_same(const Gaussian& found, const Gaussian& expected, double tolerance, FilterKind kind) {
-  EXPECT_LE((found.mean - expected.mean).norm(), tolerance * expected.mean.norm()) << name_of(kind);
-  EXPECT_LE((found.covariance - expected.covariance).norm(), tolerance * expected.covariance.norm()) << name_of(kind);
+  EXPECT_LE((found.mean - expected.mean).norm(), tolerance * expected.mean.norm()) << to_string(kind);
+  EXPECT_LE((found.covariance - expected.covariance).norm(), tolerance * expected.covariance.norm()) << to_string(kind);
 }
 
 TEST(FilterModel, NoiseChangedInPlaceAfterwardsIsNotSeenAtAll) {
@@ -78,7 +78,7 @@ TEST(FilterModel, NoiseOffTheDiagonalCountsInAnewFilter) {
     problem.Q.row(0).tail(10).setZero(), problem.Q.row(1).tail(10).setZero();
     problem.Q.col(0).tail(10).setZero(), problem.Q.col(1).tail(10).setZero();
     const auto second = after_a_run(*make_filter(kind, problem.model()), problem.prior, false);
-    EXPECT_GT((second.covariance - first.covariance).norm(), 1e-4 * first.covariance.norm()) << name_of(kind);
+    EXPECT_GT((second.covariance - first.covariance).norm(), 1e-4 * first.covariance.norm()) << to_string(kind);
     // The same moments as the filter that keeps a dense covariance, where the sigma points are the same.
     if (kind == FilterKind::partially_linear) {
       const auto root =
@@ -128,8 +128,8 @@ TEST(FilterModel, WithoutAnyMeasurementTheEstimateStays) {
     Innovation innovation;
     EXPECT_EQ(filter->update(VectorXd::Constant(3, NAN), innovation), FilterOutcome::usable);
     EXPECT_TRUE(innovation.channels.empty());
-    EXPECT_EQ(filter->mean(), mean) << name_of(kind);
-    EXPECT_EQ(filter->covariance(), covariance) << name_of(kind);
+    EXPECT_EQ(filter->mean(), mean) << to_string(kind);
+    EXPECT_EQ(filter->covariance(), covariance) << to_string(kind);
   }
 }
 
@@ -142,7 +142,7 @@ TEST(FilterModel, MovingColumnsOfTheGainAreReadAtEveryStep) {
     const auto before = after_a_run(*filter, problem.prior, false);
     problem.process.gain.col(1) *= 2.0;
     const auto moved = after_a_run(*filter, problem.prior, false);
-    EXPECT_GT((moved.mean - before.mean).norm(), 1e-3 * before.mean.norm()) << name_of(kind);
+    EXPECT_GT((moved.mean - before.mean).norm(), 1e-3 * before.mean.norm()) << to_string(kind);
     expect_same(moved, after_a_run(*make_filter(kind, problem.model()), problem.prior, false), 1e-12, kind);
   }
 }

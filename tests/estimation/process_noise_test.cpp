@@ -185,17 +185,17 @@ struct Case {
       const auto choice = choose_filter(kind, model.system(), sensors, {}, options);
       const auto errors =
           against_kalman(*choice.augmented_model, problem, record, {.filter = kind, .monitored = sensors});
-      std::printf("%s: %.1e\n", name_of(kind).c_str(), errors.largest());
+      std::printf("%s: %.1e\n", to_string(kind).c_str(), errors.largest());
       // Rounding, in standard deviations: found 4e-8 where no process noise bounds the covariance, 5e-9 with square
       // roots. It grows over 150 steps, and other processors round differently.
       const bool root = kind == FilterKind::unscented_square_root || kind == FilterKind::partially_linear_square_root;
       const double tolerance = root ? 5e-8 : 4e-7;
-      EXPECT_LT(errors.mean, tolerance) << name_of(kind);
-      EXPECT_LT(errors.deviation, tolerance) << name_of(kind);
-      EXPECT_LT(errors.likelihood, 1e-2 * tolerance) << name_of(kind);
-      EXPECT_LT(errors.unknown, 0.2 * tolerance) << name_of(kind);
-      EXPECT_LT(errors.monitored, tolerance) << name_of(kind);
-      EXPECT_LT(errors.innovation, 0.2 * tolerance) << name_of(kind);
+      EXPECT_LT(errors.mean, tolerance) << to_string(kind);
+      EXPECT_LT(errors.deviation, tolerance) << to_string(kind);
+      EXPECT_LT(errors.likelihood, 1e-2 * tolerance) << to_string(kind);
+      EXPECT_LT(errors.unknown, 0.2 * tolerance) << to_string(kind);
+      EXPECT_LT(errors.monitored, tolerance) << to_string(kind);
+      EXPECT_LT(errors.innovation, 0.2 * tolerance) << to_string(kind);
     }
   }
 
@@ -377,12 +377,12 @@ TEST(UnknownOfTheLinearPart, IsSeenByASensorDirectly) {
     const auto result = estimate(*choice.augmented_model, record, {.filter = kind, .monitored = sensors});
     ASSERT_FALSE(result.failure.has_value());
     // rounding; the linearised form takes differences of 1e-4 of a deviation: found 6e-14 and 4e-12
-    EXPECT_NEAR(result.unknowns.mean(0, 0), mean, 1e-11 * mean) << name_of(kind);
-    EXPECT_NEAR(result.unknowns.deviation(0, 0), std::sqrt(variance), 1e-10 * std::sqrt(variance)) << name_of(kind);
-    EXPECT_NEAR(result.monitored.mean(0, 0), slope * mean, 1e-11) << name_of(kind);
-    EXPECT_NEAR(result.monitored.deviation(0, 0), -slope * std::sqrt(variance), 1e-10) << name_of(kind);
+    EXPECT_NEAR(result.unknowns.mean(0, 0), mean, 1e-11 * mean) << to_string(kind);
+    EXPECT_NEAR(result.unknowns.deviation(0, 0), std::sqrt(variance), 1e-10 * std::sqrt(variance)) << to_string(kind);
+    EXPECT_NEAR(result.monitored.mean(0, 0), slope * mean, 1e-11) << to_string(kind);
+    EXPECT_NEAR(result.monitored.deviation(0, 0), -slope * std::sqrt(variance), 1e-10) << to_string(kind);
     EXPECT_NEAR(result.innovation_deviation(0, 0), std::sqrt(slope * slope * sigma * sigma + R), 1e-10)
-        << name_of(kind);
+        << to_string(kind);
   }
 }
 

@@ -57,8 +57,8 @@ TEST(FindSplice, ReportsTheNoiseOfBothParts) {
   ASSERT_TRUE(splice);
   // 1100 samples tell it to some per cent: found 4 %
   for (const auto& channel : splice->evidence) EXPECT_NEAR(channel.noise_after, 1e-5, 1e-6) << channel.channel;
-  EXPECT_NE(describe(*splice).find("4 missing samples inserted"), std::string::npos) << describe(*splice);
-  EXPECT_NE(describe(*splice).find("wheel"), std::string::npos);
+  EXPECT_NE(to_string(*splice).find("4 missing samples inserted"), std::string::npos) << to_string(*splice);
+  EXPECT_NE(to_string(*splice).find("wheel"), std::string::npos);
 }
 
 TEST(FindSplice, FindsAnEndOfNoiseToo) {
@@ -196,7 +196,7 @@ TEST(FindSplice, FindsFourMissingSamplesInEveryMeasuredRun) {
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const auto splice = find_splice(runs[i].record);
     ASSERT_TRUE(splice) << runs[i].key;
-    EXPECT_EQ(splice->inserted, 4) << runs[i].key << ": " << describe(*splice);
+    EXPECT_EQ(splice->inserted, 4) << runs[i].key << ": " << to_string(*splice);
     EXPECT_LE(std::abs(splice->sample - jump[i]), 1) << runs[i].key;
     EXPECT_FALSE(find_splice(mend(runs[i].record, *splice))) << runs[i].key;
   }

@@ -41,7 +41,7 @@ TEST(InitialState, OfAPointThatIsNoneIsRefusedWithItsPlace) {
     initial_state({{"body.12", {{0.1, 0.0}, {"chain.yaml", 7}, "simulate.initial"}}}, model);
   });
   EXPECT_NE(text.find("chain.yaml:7"), std::string::npos) << text;
-  EXPECT_NE(text.find("simulate.initial: 'body.12' is no degree of freedom"), std::string::npos) << text;
+  EXPECT_NE(text.find("simulate.initial: 'body.12' is not a degree of freedom"), std::string::npos) << text;
   EXPECT_NE(text.find("did you mean 'body.1"), std::string::npos) << text;
 }
 

@@ -87,7 +87,7 @@ TEST(LocalModel, RefusesAnInterfaceInsideItself) {
   problem.settings.local->interface = {{"body.1", measured_by("a2")}};
   std::string text;
   setup_of(problem, text);
-  EXPECT_NE(text.find("lies outside the local substructures"), std::string::npos) << text;
+  EXPECT_NE(text.find("must lie outside the local substructures"), std::string::npos) << text;
 }
 
 TEST(LocalModel, FindsTheSuspensionWithoutKnowingTheRoad) {

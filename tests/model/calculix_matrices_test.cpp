@@ -85,7 +85,8 @@ TEST(CalculixMatrices, SuperelementOfASolidJoinsWithTheRest) {
   std::ofstream(folder / "rest.inp") << deck;
   (void)run_calculix(folder, "rest");
   const MatrixModel rest = read_superelement({folder / "rest.sti", folder / "rest.mas"});
-  expect_equal(frequencies(join({&rest.model, &element.model}), 10), frequencies_in(decks() / "beamfsuper.dat.ref"));
+  expect_equal(frequencies(assemble_parts({&rest.model, &element.model}), 10),
+               frequencies_in(decks() / "beamfsuper.dat.ref"));
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ TEST(Join, AddsPartsAtTheirCommonDegreesOfFreedom) {
   a.points["middle"] = {{"1", 0.5}, {"2", 0.5}};
   b.points["middle"] = a.points["middle"];
   b.coordinate_scale = Eigen::Vector3d(1, 3, 1);
-  const LinearModel joined = join({&a, &b});
+  const LinearModel joined = assemble_parts({&a, &b});
   EXPECT_EQ(joined.dofs, (std::vector<std::string>{"1", "2", "3", "4"}));
   const MatrixXd k =
       (Eigen::Matrix4d() << 10, -5, 0, 0, -5, 10 + 7, -5 - 7, 0, 0, -5 - 7, 5 + 14, -7, 0, 0, -7, 14).finished();
@@ -54,25 +54,25 @@ TEST(Join, CarriesTheModalDampingOfAPartExactly) {
   LinearModel a = chain({"1", "2", "3"}, 5.0, true), b = chain({"3", "4"}, 7.0, false);
   const NormalModes modes = normal_modes(a.mass, a.stiffness);
   a.modal_damping = {modes, damping_rates(modes.frequencies, {0.02, 0.05})};
-  const LinearModel joined = join({&a, &b});
+  const LinearModel joined = assemble_parts({&a, &b});
   MatrixXd expected = MatrixXd::Zero(4, 4);
   expected.topLeftCorner(3, 3) = total_damping(a);
   expected.bottomRightCorner(2, 2) += total_damping(b);
   EXPECT_LT((total_damping(joined) - expected).norm(), 1e-15);  // rounding
-  EXPECT_THROW(join({&a, &b}, 2), InvalidInput);
-  EXPECT_EQ(join({&a}, 2).modal_damping.rates, a.modal_damping.rates);
+  EXPECT_THROW(assemble_parts({&a, &b}, 2), InvalidInput);
+  EXPECT_EQ(assemble_parts({&a}, 2).modal_damping.rates, a.modal_damping.rates);
 }
 
 TEST(Join, RefusesNamesThatMeanTwoThings) {
   LinearModel a = chain({"1", "2"}, 5.0, true), b = chain({"2", "3"}, 7.0, false);
-  EXPECT_THROW(join({}), InvalidInput);
+  EXPECT_THROW(assemble_parts({}), InvalidInput);
   a.points["p"] = {{"1", 1.0}};
   b.points["p"] = {{"3", 1.0}};
-  EXPECT_THROW(join({&a, &b}), InvalidInput);
+  EXPECT_THROW(assemble_parts({&a, &b}), InvalidInput);
   b.points = {{"1", {{"3", 1.0}}}};
-  EXPECT_THROW(join({&a, &b}), InvalidInput);
+  EXPECT_THROW(assemble_parts({&a, &b}), InvalidInput);
   b = chain({"2", "2"}, 7.0, false);
-  EXPECT_THROW(join({&a, &b}), InvalidInput);
+  EXPECT_THROW(assemble_parts({&a, &b}), InvalidInput);
 }
 
 }  // namespace

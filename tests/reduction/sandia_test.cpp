@@ -95,7 +95,7 @@ protected:
 
 TEST_F(Sandia, TwoPartsJoinedByNodeNumberAreTheAssembly) {
   const LinearModel a = part("a"), c = part("c"), ac = part("ac");
-  const LinearModel joined = join({&a, &c});
+  const LinearModel joined = assemble_parts({&a, &c});
   ASSERT_EQ(joined.size(), ac.size());
   const auto order = places(joined, ac.dofs);
   // The production code prints 17 digits and adds in another order.
@@ -157,7 +157,7 @@ TEST_F(Sandia, OurCraigBamptonModelIsThatOfTheProductionCode) {
 TEST_F(Sandia, ItsSuperelementJoinsWithTheFullOtherPart) {
   const LinearModel element = superelement_of_a(), c = part("c");
   const VectorXd assembly = published("ac");
-  const VectorXd with_full = frequencies(join({&element, &c}), 20);
+  const VectorXd with_full = frequencies(assemble_parts({&element, &c}), 20);
   // found 1.2e-4: 30 modes
   for (Index i = 6; i < 20; ++i) EXPECT_NEAR(with_full[i], assembly[i], 3e-4 * assembly[i]) << i + 1;
   // Reduction can only stiffen.
@@ -170,14 +170,14 @@ TEST_F(Sandia, TwoReducedPartsJoinWithinATenthOfAPercent) {
   const VectorXd assembly = published("ac");
   const LinearModel one = reduced(a, boundary, "a_"), other = reduced(c, boundary, "c_");
   EXPECT_EQ(one.size(), 75 + 40);
-  const VectorXd joined = frequencies(join({&one, &other}), 20);
+  const VectorXd joined = frequencies(assemble_parts({&one, &other}), 20);
   // found 1.9e-4: 40 modes of each part
   for (Index i = 6; i < 20; ++i) {
     EXPECT_NEAR(joined[i], assembly[i], 5e-4 * assembly[i]) << i + 1;
     EXPECT_GT(joined[i], assembly[i] - printed) << i + 1;  // reduction can only stiffen
   }
   const LinearModel element = superelement_of_a();
-  const VectorXd with_theirs = frequencies(join({&element, &other}), 20);
+  const VectorXd with_theirs = frequencies(assemble_parts({&element, &other}), 20);
   for (Index i = 6; i < 20; ++i) EXPECT_NEAR(with_theirs[i], assembly[i], 6e-4 * assembly[i]) << i + 1;  // found 2.4e-4
 }
 
@@ -220,7 +220,7 @@ TEST_F(Sandia, InterfaceMotionOfTheReducedAssemblyDrivesTheOtherPart) {
        {ObservedQuantity::displacement, ObservedQuantity::velocity, ObservedQuantity::acceleration})
     for (const auto& name : boundary) wanted.emplace_back(name, quantity);
   const LinearModel one = reduced(a, boundary, "a_", {loaded}), other = reduced(c, boundary, "c_");
-  const MatrixXd interface = motion_under_pulse(join({&one, &other}), loaded, wanted).transpose();
+  const MatrixXd interface = motion_under_pulse(assemble_parts({&one, &other}), loaded, wanted).transpose();
 
   SparseRows points(static_cast<Index>(inside.size()), c.size());
   const auto rows = places(c, inside);

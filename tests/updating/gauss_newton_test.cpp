@@ -152,7 +152,7 @@ TEST(GaussNewton, ParametersThatNothingInformsStay) {
   });
   GaussNewton search(free_parameters(vector({1e9, 1.0, 2.0, 7.0})), {.step_tolerance = 1e-10, .cost_tolerance = 0.0});
   const auto state = run(search, residual);
-  EXPECT_TRUE(converged(*search.finished())) << words(*search.finished());
+  EXPECT_TRUE(converged(*search.finished())) << explain(*search.finished());
   EXPECT_EQ(state.parameters[3], 7.0);
   // the last step to a residual of zero squares the error: only roundings are left
   EXPECT_NEAR(state.parameters[0] / 1e9, 0.85, 1e-12) << "both share the change, as their scales are alike";
@@ -169,7 +169,7 @@ TEST(GaussNewton, ShortensStepsIntoARegionWithoutResponse) {
   });
   GaussNewton search(free_parameters(vector({1.0})), {.initial_radius = 10.0});
   const auto state = run(search, residual);
-  EXPECT_TRUE(converged(*search.finished())) << words(*search.finished());
+  EXPECT_TRUE(converged(*search.finished())) << explain(*search.finished());
   EXPECT_NEAR(state.parameters[0], 0.01, 4e-9);  // found 1e-9: the last step squares an error of 6e-4 of it
   EXPECT_GT(refused, 0);
   EXPECT_EQ(state.without_response, refused);
@@ -298,7 +298,7 @@ TEST(GaussNewton, ReportsAllParametersThatItCannotBeginWith) {
 
 TEST(Termination, HasWordsOfItsOwn) {
   std::set<std::string> all;
-  for (int i = 0; i <= static_cast<int>(Termination::stopped); ++i) all.insert(words(static_cast<Termination>(i)));
+  for (int i = 0; i <= static_cast<int>(Termination::stopped); ++i) all.insert(explain(static_cast<Termination>(i)));
   EXPECT_EQ(all.size(), static_cast<std::size_t>(Termination::stopped) + 1);
   EXPECT_FALSE(all.contains(""));
 }

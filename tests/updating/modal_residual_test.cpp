@@ -350,7 +350,7 @@ TEST(ModalResidual, SaysWhatPairsWithNothing) {
   measured[1].shape = Eigen::Vector4d(1.0, -1.0, 1.0, 0.2);
   measured[1].frequency = 2.0;
   const auto message = message_of([&] { ModalResidual(model, measured, places, model->start(), {.modes = 3}); });
-  EXPECT_NE(message.find("measured mode 2 (2 Hz) pairs with no mode"), std::string::npos) << message;
+  EXPECT_NE(message.find("measured mode 2 (2 Hz) does not pair with any mode"), std::string::npos) << message;
   EXPECT_NE(message.find("MAC"), std::string::npos);
   EXPECT_EQ(message.find("measured mode 1"), std::string::npos);
 

@@ -179,7 +179,8 @@ TEST(ParameterStatistics, NamesWhatCannotBeToldApartAndWhatIsNotSeen) {
 
   const auto findings = parameter_findings(plate.parameters, plate.values, statistics);
   EXPECT_EQ(findings.size(), 2U);
-  EXPECT_TRUE(mentions(findings, {"plate.E and plate.t cannot be told apart", "plate.E by +10 %", "plate.t by -5 %"}));
+  EXPECT_TRUE(mentions(findings,
+                       {"plate.E and plate.t cannot be identified separately", "plate.E by +10 %", "plate.t by -5 %"}));
   EXPECT_TRUE(mentions(findings, {"damping", "at all"}));
 }
 

@@ -31,7 +31,7 @@ Parameter parameter_of(const RefinedParameter& given, const ParameterSet& all, c
                        "it must be a number of the substructure", "Structure::parameters() lists them");
   if (parameter->of_connector() || parameter->owner != substructure)
     throw InvalidInput("the modes of '" + substructure + "' do not depend on it",
-                       "only numbers of the substructure that was measured are refined", "take it out");
+                       "only numbers of the substructure that was measured are refined", "remove it");
   return *parameter;
 }
 

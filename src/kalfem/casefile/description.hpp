@@ -243,6 +243,6 @@ struct Case {
 };
 
 /// How a case is written: one table from which it is read, echoed and documented.
-Form<Case> case_form();
+Schema<Case> case_schema();
 
 }  // namespace kalfem::description

@@ -5,12 +5,12 @@
 
 namespace kalfem::description {
 
-using namespace form;
+using namespace schema;
 
-Form<Name> name() { return located(text()); }
-Form<Value> value() { return located(quantity()); }
+Schema<Name> name() { return located(text()); }
+Schema<Value> value() { return located(quantity()); }
 
-Form<Points> points(const std::string& short_name) {
+Schema<Points> points(const std::string& short_name) {
   const auto single = convert<Named<double>>(
       written_as(short_name, text()),
       [](const std::string& point) {
@@ -23,7 +23,7 @@ Form<Points> points(const std::string& short_name) {
 
 namespace {
 
-Form<Connector> connector() {
+Schema<Connector> connector() {
   const auto state = Fields<ExpressionState>()
                          .required("rate", &ExpressionState::rate, text(), "time derivative as an expression")
                          .optional("unit", &ExpressionState::unit, text(), "unit of the state");
@@ -41,7 +41,7 @@ Form<Connector> connector() {
           .optional("states", &Connector::states, named(mapping(state)), "for law: expression: internal states"));
 }
 
-Form<std::vector<ChainSection>> measurement_chain() {
+Schema<std::vector<ChainSection>> measurement_chain() {
   struct Filter {
     int order = 4;
     std::optional<double> low_pass, high_pass;
@@ -118,13 +118,13 @@ Form<std::vector<ChainSection>> measurement_chain() {
 
 template <ObservedQuantity Q>
 kalfem::Case<Observed<Q>> observing(std::string_view key, std::string_view target, std::string_view meaning) {
-  const auto form = convert<Observed<Q>>(
+  const auto schema = convert<Observed<Q>>(
       points(std::string(target)), [](const Points& given) { return Observed<Q>{given}; },
       [](const Observed<Q>& observed) { return observed.points; });
-  return when(key, form, meaning);
+  return when(key, schema, meaning);
 }
 
-Form<Sensor> sensor() {
+Schema<Sensor> sensor() {
   using enum ObservedQuantity;
   return mapping(
       Fields<Sensor>()
@@ -148,7 +148,7 @@ Form<Sensor> sensor() {
                     "accept a channel with the same value throughout; otherwise it is refused as a dead sensor"));
 }
 
-Form<Record> record() {
+Schema<Record> record() {
   const auto free_response =
       Fields<FreeResponse>()
           .optional("delay", &FreeResponse::delay, number("s", plausible::time()),
@@ -181,7 +181,7 @@ Form<Record> record() {
                     "measure from that position"));
 }
 
-Form<Simulation> simulation() {
+Schema<Simulation> simulation() {
   const auto start =
       Fields<PointStart>()
           .optional("displacement", &PointStart::displacement, number("m", plausible::position()), "value at time 0")
@@ -227,7 +227,7 @@ Form<Simulation> simulation() {
 
 }  // namespace
 
-Form<Case> case_form() {
+Schema<Case> case_schema() {
   const auto fields =
       Fields<Pictures>()
           .required("substructure", &Pictures::substructure, name(), "finite-element substructure")
@@ -282,12 +282,12 @@ Form<Case> case_form() {
               "modifications", &Case::modifications, named(located(modification())),
               "structural modifications: changes of the updated structure whose natural frequencies are predicted")
           .optional("report", &Case::report, mapping(report), "contents of the report"));
-  const auto read = [=](const Cursor& cursor, Case& given) {
-    given.source = {cursor.location().file, cursor.shared_node()};
-    return all.read(cursor, given);
+  const auto read = [=](const CaseNode& node, Case& given) {
+    given.source = {node.location().file, node.shared_yaml()};
+    return all.read(node, given);
   };
-  return make_form<Case>(
-      read, [=](const Case& given) { return all.write(given); }, all.schema());
+  return make_schema<Case>(
+      read, [=](const Case& given) { return all.write(given); }, all.json_schema());
 }
 
 }  // namespace kalfem::description

@@ -4,18 +4,18 @@
 
 namespace kalfem::description {
 
-/// Forms of the parts, each in a file of its own beside description_form.cpp.
-Form<Name> name();
-Form<Value> value();
+/// Schemas of the parts, each in a file of its own beside description_form.cpp.
+Schema<Name> name();
+Schema<Value> value();
 /// A point by its name, or a map of points and weights.
-Form<Points> points(const std::string& short_name);
+Schema<Points> points(const std::string& short_name);
 
-Form<FiniteElements> finite_elements();
-Form<Reduction> reduction();
-Form<Substructure> substructure();
-Form<Excitation> excitation();
-Form<Estimation> estimation();
-Form<Updating> updating();
-Form<Modification> modification();
+Schema<FiniteElements> finite_elements();
+Schema<Reduction> reduction();
+Schema<Substructure> substructure();
+Schema<Excitation> excitation();
+Schema<Estimation> estimation();
+Schema<Updating> updating();
+Schema<Modification> modification();
 
 }  // namespace kalfem::description

@@ -4,13 +4,13 @@
 
 namespace kalfem::description {
 
-using namespace form;
+using namespace schema;
 
 namespace {
 
-Form<double> deviation(const std::string& unit) { return number(unit, Bounds::nonnegative()); }
+Schema<double> deviation(const std::string& unit) { return number(unit, Bounds::nonnegative()); }
 
-Form<Unknown> unknown() {
+Schema<Unknown> unknown() {
   return mapping(
       Fields<Unknown>()
           .required("initial", &Unknown::initial, value(), "initial value: mean of the prior")
@@ -29,7 +29,7 @@ Form<Unknown> unknown() {
           .optional("applies_to", &Unknown::applies_to, list(name()), "several parameters that share this value"));
 }
 
-Form<LocalModelOptions> local_model() {
+Schema<LocalModelOptions> local_model() {
   const auto acceleration = Fields<InterfaceAcceleration>()
                                 .required("sensor", &InterfaceAcceleration::sensor, name(),
                                           "acceleration sensor whose record drives the interface")
@@ -55,7 +55,7 @@ Form<LocalModelOptions> local_model() {
 
 }  // namespace
 
-Form<Estimation> estimation() {
+Schema<Estimation> estimation() {
   const auto prior =
       Fields<PointPrior>()
           .optional("displacement", &PointPrior::displacement, number("m", plausible::position()), "mean displacement")

@@ -4,12 +4,12 @@
 
 namespace kalfem::description {
 
-using namespace form;
+using namespace schema;
 
 namespace {
 
-Form<double> seconds() { return number("s", plausible::time()); }
-Form<double> hertz() { return number("Hz", Bounds::between(0, plausible::frequency().high)); }
+Schema<double> seconds() { return number("s", plausible::time()); }
+Schema<double> hertz() { return number("Hz", Bounds::between(0, plausible::frequency().high)); }
 
 template <class T>
 kalfem::Case<T> target(std::string_view key, Name T::*member, std::string_view meaning) {
@@ -36,7 +36,7 @@ kalfem::Case<BaseAcceleration> base_acceleration() {
 
 }  // namespace
 
-Form<Excitation> excitation() {
+Schema<Excitation> excitation() {
   const auto random =
       Fields<RandomSignal>()
           .required("rms", &RandomSignal::rms, value(), "root mean square")

@@ -4,15 +4,15 @@
 
 namespace kalfem::description {
 
-using namespace form;
+using namespace schema;
 
 namespace {
 
-Form<double> length() { return number("m", plausible::length()); }
-Form<double> factor() { return number("-", Bounds::nonnegative()); }
-Form<std::vector<std::string>> directions() { return list(word({"x", "y", "z", "rx", "ry", "rz"})); }
+Schema<double> length() { return number("m", plausible::length()); }
+Schema<double> factor() { return number("-", Bounds::nonnegative()); }
+Schema<std::vector<std::string>> directions() { return list(word({"x", "y", "z", "rx", "ry", "rz"})); }
 
-Form<Material> material() {
+Schema<Material> material() {
   return mapping(
       Fields<Material>()
           .required("youngs_modulus", &Material::youngs_modulus, number("Pa", plausible::modulus()), "E")
@@ -21,7 +21,7 @@ Form<Material> material() {
                     "rho; 0 for a material without mass"));
 }
 
-Form<SectionHolder> section() {
+Schema<SectionHolder> section() {
   const auto rectangle = Fields<RectangleSection>()
                              .required("width", &RectangleSection::width, length(), "width along local y")
                              .required("height", &RectangleSection::height, length(), "height along local z");
@@ -52,7 +52,7 @@ Form<SectionHolder> section() {
       when("general", mapping(general), "any section, given by its constants")));
 }
 
-Form<Region> region() {
+Schema<Region> region() {
   const auto shell = Fields<ShellRegion>()
                          .required("thickness", &ShellRegion::thickness, length(), "thickness of the shell")
                          .optional("offset", &ShellRegion::offset, number("m", plausible::position()),
@@ -78,21 +78,20 @@ Form<Region> region() {
 }
 
 /// A group or node number, or the coordinates of a place.
-Form<NodePlace> node_place() {
+Schema<NodePlace> node_place() {
   const auto group = written_as("group | number", text());
   const auto place = tuple<3>(number("m", plausible::position()));
-  const auto read = [=](const Cursor& cursor, NodePlace& given) {
+  const auto read = [=](const CaseNode& node, NodePlace& given) {
     given = {};
-    return cursor.node().kind == YamlNode::Kind::scalar ? group.read(cursor, given.group)
-                                                        : place.read(cursor, given.at);
+    return node.yaml().kind == YamlNode::Kind::scalar ? group.read(node, given.group) : place.read(node, given.at);
   };
   const auto write = [=](const NodePlace& given) {
     return given.group.empty() ? place.write(given.at) : group.write(given.group);
   };
-  return make_form<NodePlace>(read, write, either_schema(group.schema(), place.schema()));
+  return make_schema<NodePlace>(read, write, either_schema(group.json_schema(), place.json_schema()));
 }
 
-Form<NodeMass> node_mass() {
+Schema<NodeMass> node_mass() {
   return mapping(Fields<NodeMass>()
                      .required("at", &NodeMass::at, name(), "name of one of `nodes`")
                      .required("mass", &NodeMass::mass, number("kg", Bounds::between(0, plausible::mass().high)),
@@ -103,7 +102,7 @@ Form<NodeMass> node_mass() {
                                "offset of its centre from the node"));
 }
 
-Form<Link> link() {
+Schema<Link> link() {
   return mapping(
       Fields<Link>()
           .required("master", &Link::master, name(), "name of one of `nodes`")
@@ -111,14 +110,14 @@ Form<Link> link() {
           .optional("directions", &Link::directions, directions(), "directions that follow; default: all"));
 }
 
-Form<Fixed> fixed() {
+Schema<Fixed> fixed() {
   return mapping(
       Fields<Fixed>()
           .required("nodes", &Fixed::nodes, located(text()), "group of the mesh, or name of one of `nodes`")
           .optional("directions", &Fixed::directions, directions(), "directions that are fixed; default: all"));
 }
 
-Form<UnitSystem> units() {
+Schema<UnitSystem> units() {
   return mapping(
       Fields<UnitSystem>()
           .optional("length", &UnitSystem::length, number("m", Bounds::positive()), "unit of length, such as 1 mm")
@@ -126,7 +125,7 @@ Form<UnitSystem> units() {
           .optional("time", &UnitSystem::time, number("s", Bounds::positive()), "unit of time, such as 1 s"));
 }
 
-Form<MatrixSet> matrix_set() {
+Schema<MatrixSet> matrix_set() {
   return mapping(
       Fields<MatrixSet>()
           .required(
@@ -151,7 +150,7 @@ Form<MatrixSet> matrix_set() {
 
 }  // namespace
 
-Form<FiniteElements> finite_elements() {
+Schema<FiniteElements> finite_elements() {
   const auto mesh = Fields<MeshFile>()
                         .required("mesh", &MeshFile::file, located(path()), "Gmsh mesh (.msh, version 2.2 or 4.1)")
                         .optional("scale", &MeshFile::scale, number("-", Bounds::positive()),
@@ -217,7 +216,7 @@ const SourceLocation& FiniteElements::location() const {
   return std::get<MatrixFiles>(source).sets.front().files.front().location;
 }
 
-Form<Reduction> reduction() {
+Schema<Reduction> reduction() {
   return mapping(
       Fields<Reduction>()
           .optional(

@@ -4,27 +4,27 @@
 
 namespace kalfem::description {
 
-using namespace form;
+using namespace schema;
 
 namespace {
 
 /// Mass of a node: one number, or one a direction.
-Form<Named<double>> mass() {
+Schema<Named<double>> mass() {
   const auto single = number("kg", plausible::mass());
   const auto full = named(single);
-  const auto read = [=](const Cursor& cursor, Named<double>& masses) {
-    if (cursor.node().kind != YamlNode::Kind::scalar) return full.read(cursor, masses);
+  const auto read = [=](const CaseNode& node, Named<double>& masses) {
+    if (node.yaml().kind != YamlNode::Kind::scalar) return full.read(node, masses);
     masses = {{"", 0.0}};
-    return single.read(cursor, masses.front().second);
+    return single.read(node, masses.front().second);
   };
   const auto write = [=](const Named<double>& masses) {
     const bool one = masses.size() == 1 && masses.front().first.empty();
     return one ? single.write(masses.front().second) : full.write(masses);
   };
-  return make_form<Named<double>>(read, write, either_schema(single.schema(), full.schema()));
+  return make_schema<Named<double>>(read, write, either_schema(single.json_schema(), full.json_schema()));
 }
 
-Form<Spring> spring() {
+Schema<Spring> spring() {
   const auto coefficient = [](const std::string& unit) { return number(unit, plausible::coefficient()); };
   return mapping(
       Fields<Spring>()
@@ -35,7 +35,7 @@ Form<Spring> spring() {
           .optional("damping", &Spring::damping, coefficient("N s/m"), "damping of the dashpot in parallel"));
 }
 
-Form<Chain> chain() {
+Schema<Chain> chain() {
   const auto coefficient = [](const std::string& unit) { return number(unit, plausible::coefficient()); };
   return mapping(Fields<Chain>()
                      .required("masses", &Chain::masses, integer(1, 100000), "number of masses, named 1, 2, ...")
@@ -46,7 +46,7 @@ Form<Chain> chain() {
 
 }  // namespace
 
-Form<Substructure> substructure() {
+Schema<Substructure> substructure() {
   const auto damping =
       Fields<Damping>()
           .optional("modal", &Damping::modal, one_or_list(number("-", Bounds::between(0, 0.999))),

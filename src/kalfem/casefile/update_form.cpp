@@ -4,11 +4,11 @@
 
 namespace kalfem::description {
 
-using namespace form;
+using namespace schema;
 
 namespace {
 
-Form<UpdatedParameter> updated_parameter() {
+Schema<UpdatedParameter> updated_parameter() {
   return mapping(
       Fields<UpdatedParameter>()
           .optional("initial", &UpdatedParameter::initial, value(),
@@ -22,22 +22,22 @@ Form<UpdatedParameter> updated_parameter() {
                     "several parameters that share this value"));
 }
 
-Form<Frequencies> frequencies() {
+Schema<Frequencies> frequencies() {
   const auto column =
       mapping(Fields<TableColumn>()
                   .required("file", &TableColumn::file, path(), "text table")
                   .required("column", &TableColumn::column, text(), "column of frequencies [Hz]")
                   .optional("first", &TableColumn::first, integer(1, 100000), "number of rows to read"));
   const auto values = list(number("Hz", plausible::frequency()), 1);
-  const auto read = [=](const Cursor& cursor, Frequencies& given) {
-    return cursor.node().kind == YamlNode::Kind::list ? values.read(cursor, given.emplace<std::vector<double>>())
-                                                      : column.read(cursor, given.emplace<TableColumn>());
+  const auto read = [=](const CaseNode& node, Frequencies& given) {
+    return node.yaml().kind == YamlNode::Kind::list ? values.read(node, given.emplace<std::vector<double>>())
+                                                    : column.read(node, given.emplace<TableColumn>());
   };
   const auto write = [=](const Frequencies& given) {
     const auto* listed = std::get_if<std::vector<double>>(&given);
     return listed ? values.write(*listed) : column.write(std::get<TableColumn>(given));
   };
-  return make_form<Frequencies>(read, write, either_schema(values.schema(), column.schema()));
+  return make_schema<Frequencies>(read, write, either_schema(values.json_schema(), column.json_schema()));
 }
 
 kalfem::Case<ModalData> modal_data() {
@@ -165,7 +165,7 @@ kalfem::Case<SimulatedHistory> simulated_history() {
 
 }  // namespace
 
-Form<Updating> updating() {
+Schema<Updating> updating() {
   const auto comparison =
       Fields<Comparison>()
           .one_of(&Comparison::data, modal_data(), frf_data(), static_data(), driven_history(), simulated_history())
@@ -199,7 +199,7 @@ Form<Updating> updating() {
                     "check the residual's derivatives against finite differences at the start"));
 }
 
-Form<Modification> modification() {
+Schema<Modification> modification() {
   return mapping(
       Fields<Modification>()
           .required("substructure", &Modification::substructure, name(), "substructure that is changed")

@@ -9,7 +9,7 @@
 
 namespace kalfem {
 
-std::string name_of(FilterKind kind) {
+std::string to_string(FilterKind kind) {
   switch (kind) {
     case FilterKind::unscented:
       return "ukf";

@@ -13,6 +13,6 @@ enum class FilterKind {
 };
 
 /// As case files and summaries say it.
-std::string name_of(FilterKind kind);
+std::string to_string(FilterKind kind);
 
 }  // namespace kalfem

@@ -21,10 +21,10 @@ namespace {
 
 using Parameters = std::vector<UpdatingParameter>;
 
-/// The weighted sum of all comparisons, as sharp as the round has them.
-ResidualSum sum_of(const std::vector<ComparisonResidual>& comparisons, std::size_t round) {
+/// The weighted sum of all comparisons, as sharp as the step has them.
+ResidualSum sum_of(const std::vector<ComparisonResidual>& comparisons, std::size_t step) {
   std::vector<ResidualSum::Term> terms;
-  for (const auto& comparison : comparisons) terms.push_back({comparison.step(round), comparison.weight});
+  for (const auto& comparison : comparisons) terms.push_back({comparison.step(step), comparison.weight});
   return ResidualSum(std::move(terms));
 }
 
@@ -88,15 +88,15 @@ private:
 /// Where a search ended, with the residual there.
 using LastResidual = std::optional<ResidualValue>;
 
-/// From wide to sharp, each round from where the last one ended; only the last one is kept in a file.
+/// From wide to sharp, each step from where the last one ended; only the last one is kept in a file.
 LastResidual search_from_one_start(const Study& study, const std::vector<ComparisonResidual>& comparisons,
                                    const ResidualValue& first, const RunOptions& options, UpdatingOutcome& updating) {
   updating.method = "Gauss-Newton in a trust region";
   const std::size_t continuation_steps = continuation_steps_of(comparisons);
   VectorXd start = initial_values(study.updating->parameters);
-  for (std::size_t round = 0; round + 1 < continuation_steps; ++round) {
+  for (std::size_t step = 0; step + 1 < continuation_steps; ++step) {
     LeastSquaresOptions least_squares{.search = study.updating_plan->search, .start = start, .watch = {}};
-    const auto outcome = minimise(sum_of(comparisons, round), study.updating->parameters, least_squares);
+    const auto outcome = minimise(sum_of(comparisons, step), study.updating->parameters, least_squares);
     updating.evaluations += outcome.evaluations;
     updating.iterations += outcome.iterations;
     start = outcome.parameters;
@@ -108,7 +108,7 @@ LastResidual search_from_one_start(const Study& study, const std::vector<Compari
       Search(study, options, updating)
           .run(sum_of(comparisons, continuation_steps - 1), start, continuation_steps == 1 ? &first : nullptr, last);
   updating.values = done.state().parameters;
-  updating.termination = words(*done.finished());
+  updating.termination = explain(*done.finished());
   updating.converged = converged(*done.finished());
   updating.evaluations += done.state().evaluations;
   updating.iterations += done.state().iterations;

@@ -9,7 +9,7 @@
 
 namespace kalfem {
 
-/// Motion of boundary degrees of freedom, and behind them of the points outside that drag at the substructure, one
+/// Motion of boundary degrees of freedom, and behind them of the points outside that act on the substructure, one
 /// column a sample.
 struct BoundaryMotion {
   Eigen::MatrixXd displacement;  ///< (n_b + k) x samples [m]
@@ -49,8 +49,8 @@ struct PredictedMotion {
 /// straight between samples. Nothing dense of the substructure's size squared is formed where it is large.
 class BaseDrivenSubstructure {
 public:
-  /// `boundary`: indices into the model's degrees of freedom. `drag`: C_o, by which the velocities of k points outside
-  /// drag at the model through the damping of the whole structure's modes, n x k; empty where nothing does.
+  /// `boundary`: indices into the model's degrees of freedom. `cross_damping`: C_o, by which the velocities of k points
+  /// outside act on the model through the damping of the whole structure's modes, n x k; empty where nothing does.
   /// Throws InvalidInput where there is no interior, or where the interior still moves freely with the boundary held
   /// (naming a degree of freedom that does).
   BaseDrivenSubstructure(const LinearModel& model, std::vector<Eigen::Index> boundary,

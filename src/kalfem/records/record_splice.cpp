@@ -193,7 +193,7 @@ TimeSeries mend(const TimeSeries& record, const Splice& splice) {
   return mended;
 }
 
-std::string describe(const Splice& splice) {
+std::string to_string(const Splice& splice) {
   std::ostringstream text;
   text.precision(3);
   text << "splice at " << splice.time << " s (sample " << splice.sample << "): " << splice.inserted

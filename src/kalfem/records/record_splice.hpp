@@ -56,6 +56,6 @@ std::optional<Splice> find_splice(const TimeSeries& record, const SpliceOptions&
 TimeSeries mend(const TimeSeries& record, const Splice& splice);
 
 /// What was found and done, in words with its evidence; one line a channel.
-std::string describe(const Splice& splice);
+std::string to_string(const Splice& splice);
 
 }  // namespace kalfem

@@ -26,7 +26,7 @@ std::string motions_text(const GroundingCheck& grounding, bool strained) {
   return text.empty() ? "none" : text;
 }
 
-std::string matrix_text(const MatrixHealth& matrix) {
+std::string matrix_text(const MatrixCheck& matrix) {
   std::string text = matrix.asymmetry < 1e-12 ? "symmetric" : fmt::format("not symmetric by {:.2g}", matrix.asymmetry);
   if (matrix.semi_definite) text += *matrix.semi_definite ? ", positive semi-definite" : ", indefinite";
   if (matrix.negative_diagonal > 0) text += fmt::format(", {} negative diagonal entries", matrix.negative_diagonal);

@@ -164,7 +164,7 @@ Json estimation_summary(const EstimationOutcome& outcome) {
   for (std::size_t i = 0; i < outcome.measurements.channels.size(); ++i)
     ratios[outcome.measurements.channels[i].name] =
         number(outcome.consistency.innovation_to_noise[static_cast<Eigen::Index>(i)]);
-  Json summary = {{"filter", name_of(outcome.filter)},
+  Json summary = {{"filter", to_string(outcome.filter)},
                   {"filter_reason", outcome.filter_reason},
                   {"steps", outcome.measurements.samples()},
                   {"state_dimension", outcome.augmented_model->layout().size()},

@@ -218,7 +218,7 @@ std::string console_report(const Study& study, const StudyResults& results) {
                         outcome.augmented_model->layout().size(), outcome.measurements.samples(),
                         1e6 * time.filter() / samples,
                         speed_in_words(samples / outcome.measurements.sample_rate / time.filter()),
-                        name_of(outcome.filter), outcome.filter_reason, linearisation_words(outcome));
+                        to_string(outcome.filter), outcome.filter_reason, linearisation_words(outcome));
     if (const auto table = error_table("", study, outcome.points, outcome.settled); !table.rows.empty())
       text += fmt::format("Estimated motion, NRMSE after {} s{}\n", four_digits(study.problem->settings.settle),
                           band_words(outcome)) +

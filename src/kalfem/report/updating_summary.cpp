@@ -17,7 +17,7 @@ Json numbers(const Eigen::Ref<const Eigen::VectorXd>& values) {
   return list;
 }
 
-const char* name_of(Seen seen) {
+const char* to_string(Seen seen) {
   switch (seen) {
     case Seen::well:
       return "well";
@@ -47,7 +47,7 @@ Json parameters_of(const Study& study, const UpdatingOutcome& outcome) {
            {"lower", number(parameter.lower)},
            {"upper", number(parameter.upper)},
            {"prior_std", number(parameter.deviation)}};
-    if (i < seen.size()) own["informed"] = name_of(seen[i]);
+    if (i < seen.size()) own["informed"] = to_string(seen[i]);
     if (i < at_bound.size() && at_bound[i]) own["at_bound"] = true;
   }
   return all;
@@ -97,7 +97,7 @@ Json sensitivities_of(const UpdatingOutcome& outcome) {
   for (const auto& each : outcome.sensitivities)
     all[each.parameter] = {{"deviation", number(each.deviation)},
                            {"uncertainty", number(each.uncertainty)},
-                           {"verdict", words(each.verdict)}};
+                           {"verdict", explain(each.verdict)}};
   return all;
 }
 

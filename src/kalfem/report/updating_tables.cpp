@@ -105,7 +105,7 @@ Table sensitivity_table(const UpdatingOutcome& outcome) {
   Table table{"Derivatives against finite differences", {"parameter", "deviation", "uncertainty", "verdict"}, {}, {}};
   for (const auto& each : outcome.sensitivities)
     table.rows.push_back({each.parameter, fmt::format("{:.1e}", each.deviation),
-                          fmt::format("{:.1e}", each.uncertainty), words(each.verdict)});
+                          fmt::format("{:.1e}", each.uncertainty), explain(each.verdict)});
   return table;
 }
 

@@ -225,7 +225,7 @@ public:
 
   template <class History>
   ComparisonResidual operator()(const History&) const {
-    throw std::logic_error("a comparison with the record is no residual before there is one");
+    throw std::logic_error("a comparison with the record is not a residual before there is one");
   }
 
 private:

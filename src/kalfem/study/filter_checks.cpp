@@ -102,9 +102,9 @@ void check_filter(const CaseStudy& study) {
 }
 
 InvalidInput not_estimated(const Name& substructure, const std::string& point) {
-  return InvalidInput(substructure.issue("the filter's model does not estimate the motion of '" + point + "'",
-                                         "the substructure is driven by it",
-                                         "hold the point in the filter's model or make it an interface"));
+  return InvalidInput(substructure.issue("the filter's model does not contain the motion of '" + point + "'",
+                                         "this motion drives the substructure",
+                                         "include the point in the filter's model or make it an interface"));
 }
 
 void check_driven(const Study& study, const CoupledModel& model, const Name& substructure) {

@@ -48,7 +48,7 @@ std::string metres(double length) {
 }
 
 /// "[0.5, 0, 1] m".
-std::string written(const Vector3d& place) {
+std::string to_string(const Vector3d& place) {
   char text[96];
   std::snprintf(text, sizeof text, "[%.6g, %.6g, %.6g] m", place[0], place[1], place[2]);
   return text;
@@ -219,13 +219,13 @@ private:
 
   [[nodiscard]] std::string title_of(Index node) const {
     return "node " + std::to_string(model_.mesh.node_ids[static_cast<std::size_t>(node)]) + " at " +
-           written(model_.mesh.nodes.col(node));
+           to_string(model_.mesh.nodes.col(node));
   }
 
   void refuse_far_place(const NamedNode& named, double size) {
     const auto& place = place_of(named.name);
     issues_.add(place.location,
-                place.path + ": the nearest node to " + written(vector(place.value.at)) + " is " +
+                place.path + ": the nearest node to " + to_string(vector(place.value.at)) + " is " +
                     title_of(named.node) + ", " + metres(*named.distance) + " away",
                 "the elements there are " + metres(size) + " large: the place lies outside the model",
                 "give coordinates in metres (check the units of the model) or a node number");
@@ -238,8 +238,8 @@ private:
     const Vector3d apart = vector(first.value.at) - vector(second.value.at);
     if (apart.norm() <= 1e-2 * size) return;
     issues_.add(second.location,
-                second.path + " " + written(vector(second.value.at)) + " and '" + one.name + "' " +
-                    written(vector(first.value.at)) + " both have the nearest node " + title_of(other.node),
+                second.path + " " + to_string(vector(second.value.at)) + " and '" + one.name + "' " +
+                    to_string(vector(first.value.at)) + " are both nearest to " + title_of(other.node),
                 "the mesh is too coarse to separate the two places",
                 "refine the mesh there, or give both the number of that node");
   }

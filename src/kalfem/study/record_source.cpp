@@ -48,7 +48,7 @@ void repair_splice(MeasuredRecord& record) {
   const auto splice = find_splice(record.series);
   if (!splice) return;
   record.series = mend(record.series, *splice);
-  record.preparation.push_back(describe(*splice));
+  record.preparation.push_back(to_string(*splice));
 }
 
 SourceLocation location_of(const description::Sensor& sensor) {

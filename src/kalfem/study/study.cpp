@@ -133,8 +133,8 @@ double Study::sample_rate() const {
 namespace {
 
 /// Made once: a table of hundreds of keys.
-const Form<d::Case>& form_of_cases() {
-  static const Form<d::Case> form = d::case_form();
+const Schema<d::Case>& form_of_cases() {
+  static const Schema<d::Case> form = d::case_schema();
   return form;
 }
 
@@ -311,7 +311,7 @@ private:
   }
 
   static bool is_section(const std::string& name) {
-    return form_of_cases().schema().json().at("properties").contains(name);
+    return form_of_cases().json_schema().json().at("properties").contains(name);
   }
 
   static Names joined(Names one, const Names& other) {

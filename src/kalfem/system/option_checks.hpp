@@ -7,7 +7,7 @@
 namespace kalfem {
 
 /// A finite number as the user would write it: "0.25", "nan", "-inf".
-std::string shown(double value);
+std::string to_string(double value);
 
 /// Each adds one issue naming the option and its value when the requirement is broken; NaN breaks every one of them.
 void require_finite(IssueList& issues, const std::string& option, double value);

@@ -40,7 +40,7 @@ bool converged(Termination termination) {
          termination == Termination::converged_gradient;
 }
 
-std::string words(Termination termination) {
+std::string explain(Termination termination) {
   switch (termination) {
     case Termination::converged_step:
       return "converged: the next step would change every parameter by less than the tolerance";

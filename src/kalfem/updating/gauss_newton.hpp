@@ -44,7 +44,7 @@ enum class Termination {
 };
 [[nodiscard]] bool converged(Termination termination);
 /// "the next step would change every parameter by less than the tolerance"
-[[nodiscard]] std::string words(Termination termination);
+[[nodiscard]] std::string explain(Termination termination);
 
 /// Everything that the course of the search depends on: small, so that it can be written to a file and read back.
 struct GaussNewtonState {

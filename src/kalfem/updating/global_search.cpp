@@ -113,7 +113,7 @@ void polish(EvolutionOutcome& outcome, const Residual& residual, const std::vect
   outcome.cost_final = outcome.polished->cost_final;
 }
 
-std::string words(CmaEsEnd end) {
+std::string explain(CmaEsEnd end) {
   switch (end) {
     case CmaEsEnd::settled:
       return "the generations converged to one point";
@@ -128,7 +128,7 @@ std::string words(CmaEsEnd end) {
 }  // namespace
 
 std::string EvolutionOutcome::reason() const {
-  const std::string search = found() ? words(end) : "the model has no response at any point tried";
+  const std::string search = found() ? explain(end) : "the model has no response at any point tried";
   return polished ? search + "; then least squares " + polished->reason() : search;
 }
 

@@ -38,7 +38,7 @@ struct LeastSquaresOutcome {
   /// The search converged.
   [[nodiscard]] bool usable() const { return converged(termination); }
   /// Why it ended.
-  [[nodiscard]] std::string reason() const { return words(termination); }
+  [[nodiscard]] std::string reason() const { return explain(termination); }
 };
 
 /// Minimises |r|^2 / 2 and the priors' share within the bounds: the plain loop over GaussNewton. Throws InvalidInput as

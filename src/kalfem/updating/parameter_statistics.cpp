@@ -127,7 +127,7 @@ MatrixXd unidentifiable_directions(const Linearised& problem, double variance_in
   return found;
 }
 
-/// Names the parameters of a blind direction. One alone is poorly seen, but no combination.
+/// Names the parameters of a unidentifiable direction. One alone is poorly seen, but no combination.
 void add_unidentifiable(ParameterStatistics& statistics, const Linearised& problem, const VectorXd& direction) {
   std::vector<Index> order;
   for (Index k = 0; k < direction.size(); ++k)

@@ -41,7 +41,7 @@ struct ParameterStatistics {
   double variance_inflation = 1.0;            ///< kappa, of the residual's variances
   std::vector<Seen> seen;
   std::vector<UnidentifiableCombination> unidentifiable;  ///< each of two parameters or more
-  std::vector<CorrelatedPair> correlated;                 ///< not those of one blind combination
+  std::vector<CorrelatedPair> correlated;                 ///< not those of one unidentifiable combination
   std::vector<bool> at_bound;                             ///< ended at a bound, and the residual pulls beyond it
 };
 

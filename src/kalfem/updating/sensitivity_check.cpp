@@ -113,7 +113,7 @@ SensitivityComparison compare(const VectorXd& column, const std::optional<Deriva
 
 }  // namespace
 
-std::string words(Verdict verdict) {
+std::string explain(Verdict verdict) {
   switch (verdict) {
     case Verdict::agrees:
       return "agrees with differences";

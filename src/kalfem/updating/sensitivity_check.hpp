@@ -28,7 +28,7 @@ struct SensitivityComparison {
   Eigen::Index row = 0;      ///< of the residual, where they deviate most
   Verdict verdict = Verdict::agrees;
 };
-[[nodiscard]] std::string words(SensitivityComparison::Verdict verdict);
+[[nodiscard]] std::string explain(SensitivityComparison::Verdict verdict);
 
 /// Compares the analytic Jacobian at `values` with central differences, extrapolated to step zero from steps halved in
 /// turn; the extrapolation of least estimated error counts [Rid82]. Steps keep within the bounds; at a bound the inward

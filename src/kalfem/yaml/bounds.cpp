@@ -9,7 +9,7 @@ namespace {
 constexpr double smallest = 1e-100, largest = 1e100;
 
 double require_within(double value, const std::string& shown, const Bounds& bounds) {
-  if (!bounds.contain(value)) throw InvalidInput(shown + " given", "it must be " + bounds.describe(), "");
+  if (!bounds.contain(value)) throw InvalidInput(shown + " given", "it must be " + bounds.to_string(), "");
   if (value != 0.0 && !(std::abs(value) >= smallest && std::abs(value) <= largest))
     throw InvalidInput(shown + " given",
                        "it must be 0, or between " + shortest(smallest) + " and " + shortest(largest) + " in magnitude",
@@ -21,7 +21,7 @@ double require_within(double value, const std::string& shown, const Bounds& boun
 
 bool Bounds::contain(double x) const { return (low_open ? x > low : x >= low) && (high_open ? x < high : x <= high); }
 
-std::string Bounds::describe() const {
+std::string Bounds::to_string() const {
   const bool below = std::isfinite(low), above = std::isfinite(high);
   if (below && above)
     return std::string("in ") + (low_open ? "(" : "[") + shortest(low) + ", " + shortest(high) +

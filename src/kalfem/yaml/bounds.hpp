@@ -21,7 +21,7 @@ struct Bounds {
 
   [[nodiscard]] bool contain(double x) const;
   /// "> 0", "in [0, 1]" ..., "" when every number is accepted.
-  [[nodiscard]] std::string describe() const;
+  [[nodiscard]] std::string to_string() const;
 };
 
 /// The value in SI when the unit and the bounds fit; throws InvalidInput.

@@ -34,7 +34,7 @@ public:
 private:
   /// Copies up to the closing brace of the enclosing ${ (depth > 0) or the end of the text.
   std::string until_brace(int depth) {
-    if (depth > deepest_default) fail("the defaults are nested too deeply", "use fewer ${...} inside one another");
+    if (depth > deepest_default) fail("the defaults are nested too deeply", "use fewer nested ${...}");
     std::string out;
     while (position_ < text_.size() && !(depth > 0 && text_[position_] == '}')) {
       if (take("$${")) {
@@ -60,7 +60,8 @@ private:
       unused_ -= is_used ? 0 : 1;
     }
     if (!take("}")) {
-      fail("a '}' is missing or the name is not one of letters, digits and _", "write ${NAME} or ${NAME:-default}");
+      fail("a '}' is missing, or the name has characters other than letters, digits and _",
+           "write ${NAME} or ${NAME:-default}");
     }
     if (value && !(value->empty() && fallback)) return *value;
     if (!fallback && unused_ == 0) {

@@ -35,16 +35,16 @@ std::string read_text_file(const std::string& file);
 /// are none.
 void raise_in_line_order(const IssueList& issues);
 
-/// Reads the text of a case file in the given form. `file` names it in messages, and paths are relative to its folder.
-/// Problems go to `issues`; what has one keeps its default.
+/// Reads the text of a case file in the given schema. `file` names it in messages, and paths are relative to its
+/// folder. Problems go to `issues`; what has one keeps its default.
 template <class T>
-T read_case_text(const std::string& text, const std::string& file, const Form<T>& form, IssueList& issues,
+T read_case_text(const std::string& text, const std::string& file, const Schema<T>& schema, IssueList& issues,
                  const Environment& environment = process_environment()) {
-  Reading reading{file, std::filesystem::path(file).parent_path(), {}};
+  ReadContext reading{file, std::filesystem::path(file).parent_path(), {}};
   T value{};
   try {
     const YamlNodePtr root = parse_yaml(text, file, environment, reading.issues);
-    form.read(Cursor(reading, root, "", root->line), value);
+    schema.read(CaseNode(reading, root, "", root->line), value);
   } catch (const InvalidInput& error) {
     reading.issues.add(error, {file, 1});
   }
@@ -54,18 +54,18 @@ T read_case_text(const std::string& text, const std::string& file, const Form<T>
 
 /// As above, but throws InvalidInput with every problem that was found.
 template <class T>
-T read_case_text(const std::string& text, const std::string& file, const Form<T>& form,
+T read_case_text(const std::string& text, const std::string& file, const Schema<T>& schema,
                  const Environment& environment = process_environment()) {
   IssueList issues;
-  T value = read_case_text(text, file, form, issues, environment);
+  T value = read_case_text(text, file, schema, issues, environment);
   raise_in_line_order(issues);
   return value;
 }
 
 /// Reads a case file; see read_case_text().
 template <class T>
-T read_case(const std::string& file, const Form<T>& form, const Environment& environment = process_environment()) {
-  return read_case_text(read_text_file(file), file, form, environment);
+T read_case(const std::string& file, const Schema<T>& schema, const Environment& environment = process_environment()) {
+  return read_case_text(read_text_file(file), file, schema, environment);
 }
 
 }  // namespace kalfem

@@ -21,17 +21,17 @@ bool holds(const std::vector<std::string>& words, const std::string& word) {
 
 Json requirement(const Json& keys) { return {{"required", keys}}; }
 
-void report_unknown_keys(const Cursor& map, const std::vector<std::string>& known) {
-  for (const auto& entry : map.node().entries)
+void report_unknown_keys(const CaseNode& map, const std::vector<std::string>& known) {
+  for (const auto& entry : map.yaml().entries)
     if (!holds(known, entry.key))
       map.at(entry).issue("unknown key" + did_you_mean(entry.key, known), "", "allowed here: " + join(known, ", "));
 }
 
 /// Index of the only key that the map has, or nothing; adds an issue for two keys, or for none when one is `needed`.
-std::optional<std::size_t> only_key(const Cursor& map, const std::vector<std::string>& keys, bool needed) {
+std::optional<std::size_t> only_key(const CaseNode& map, const std::vector<std::string>& keys, bool needed) {
   std::optional<std::size_t> chosen;
   for (std::size_t i = 0; i < keys.size(); ++i) {
-    const auto* entry = map.node().find(keys[i]);
+    const auto* entry = map.yaml().find(keys[i]);
     if (!entry) continue;
     if (chosen) {
       map.at(*entry).issue("given together with '" + keys[*chosen] + "'", "only one of them can apply",
@@ -45,21 +45,21 @@ std::optional<std::size_t> only_key(const Cursor& map, const std::vector<std::st
 }
 
 /// Issues for the keys of the alternatives that were not chosen.
-void report_keys_without_effect(const Cursor& map, const std::vector<BoundKeysPtr>& cases,
+void report_keys_without_effect(const CaseNode& map, const std::vector<FieldPtr>& cases,
                                 const std::vector<std::string>& names, std::size_t chosen) {
   for (std::size_t i = 0; i < cases.size(); ++i)
     for (const auto& key : cases[i]->keys)
-      if (const auto* entry = map.node().find(key); entry && !holds(cases[chosen]->keys, key))
+      if (const auto* entry = map.yaml().find(key); entry && !holds(cases[chosen]->keys, key))
         map.at(*entry).issue("applies only with '" + names[i] + "' but '" + names[chosen] + "' is given",
                              "it would have no effect", "remove it");
 }
 
-void describe_cases(Json& object, const std::vector<BoundKeysPtr>& cases, const std::vector<std::string>& names,
+void describe_cases(Json& object, const std::vector<FieldPtr>& cases, const std::vector<std::string>& names,
                     bool needed) {
   Json alternatives = Json::array(), any = Json::array();
   for (std::size_t i = 0; i < cases.size(); ++i) {
     Json alternative;
-    cases[i]->describe(alternative);
+    cases[i]->document(alternative);
     for (const auto& [key, property] : alternative.at("properties").items()) {
       object["properties"].emplace(key, Json(property));
       object["properties"][key]["x-needed"] = key == names[i] ? "one of " + join(names, " | ") : "with " + names[i];
@@ -71,94 +71,94 @@ void describe_cases(Json& object, const std::vector<BoundKeysPtr>& cases, const 
   object["allOf"].push_back({{"oneOf", alternatives}});
 }
 
-std::vector<std::string> all_keys(const std::vector<BoundKeysPtr>& parts) {
+std::vector<std::string> all_keys(const std::vector<FieldPtr>& parts) {
   std::vector<std::string> keys;
   for (const auto& each : parts) keys.insert(keys.end(), each->keys.begin(), each->keys.end());
   return keys;
 }
 
-const void* at(Place place, const void* object) { return static_cast<const std::byte*>(object) + place; }
-void* at(Place place, void* object) { return static_cast<std::byte*>(object) + place; }
+const void* at(MemberOffset offset, const void* object) { return static_cast<const std::byte*>(object) + offset; }
+void* at(MemberOffset offset, void* object) { return static_cast<std::byte*>(object) + offset; }
 
 /// One key whose value is a member.
-class FieldKey final : public BoundKeys {
+class FieldKey final : public Field {
 public:
-  FieldKey(const FieldWords& words, AnyFormPtr form, Place place, YamlNodePtr default_value)
-      : BoundKeys({std::string(words.key)}),
+  FieldKey(const FieldInfo& words, AnySchemaPtr schema, MemberOffset offset, YamlNodePtr default_value)
+      : Field({std::string(words.key)}),
         key_(words.key),
         meaning_(words.meaning),
         required_(words.required),
-        form_(std::move(form)),
-        place_(place),
+        schema_(std::move(schema)),
+        offset_(offset),
         default_value_(std::move(default_value)) {}
 
-  void read(const Cursor& map, void* object) const override {
-    if (const auto* entry = map.node().find(key_))
-      form_->read(map.at(*entry), at(place_, object));
+  void read(const CaseNode& map, void* object) const override {
+    if (const auto* entry = map.yaml().find(key_))
+      schema_->read(map.at(*entry), at(offset_, object));
     else if (required_)
       map.issue("'" + key_ + "' is missing (" + meaning_ + ")", "",
-                "add '" + key_ + ": " + form_->schema.written() + "'");
+                "add '" + key_ + ": " + schema_->json_schema.written() + "'");
   }
   void write(const void* object, std::vector<YamlEntry>& entries) const override {
-    if (auto value = form_->write(at(place_, object))) entries.push_back({key_, 0, std::move(value)});
+    if (auto value = schema_->write(at(offset_, object))) entries.push_back({key_, 0, std::move(value)});
   }
-  void describe(Json& schema) const override {
-    Json property = form_->schema.json();
+  void document(Json& json_schema) const override {
+    Json property = schema_->json_schema.json();
     property["description"] = meaning_;
     if (default_value_) property["default"] = to_json(*default_value_);
-    schema["properties"][key_] = std::move(property);
-    if (required_) schema["required"].push_back(key_);
+    json_schema["properties"][key_] = std::move(property);
+    if (required_) json_schema["required"].push_back(key_);
   }
 
 private:
   std::string key_, meaning_;
   bool required_;
-  AnyFormPtr form_;
-  Place place_;
+  AnySchemaPtr schema_;
+  MemberOffset offset_;
   YamlNodePtr default_value_;
 };
 
 /// The keys of a member, in the map of its owner.
-class InlinedKeys final : public BoundKeys {
+class InlinedKeys final : public Field {
 public:
-  InlinedKeys(const BoundKeysPtr& inner, Place place) : BoundKeys(inner->keys), inner_(inner), place_(place) {}
+  InlinedKeys(const FieldPtr& inner, MemberOffset offset) : Field(inner->keys), inner_(inner), offset_(offset) {}
 
-  void read(const Cursor& map, void* object) const override { inner_->read(map, at(place_, object)); }
+  void read(const CaseNode& map, void* object) const override { inner_->read(map, at(offset_, object)); }
   void write(const void* object, std::vector<YamlEntry>& entries) const override {
-    inner_->write(at(place_, object), entries);
+    inner_->write(at(offset_, object), entries);
   }
-  void describe(Json& schema) const override { inner_->describe(schema); }
+  void document(Json& json_schema) const override { inner_->document(json_schema); }
 
 private:
-  BoundKeysPtr inner_;
-  Place place_;
+  FieldPtr inner_;
+  MemberOffset offset_;
 };
 
 /// The keys of what a member may hold.
-class HeldKeys final : public BoundKeys {
+class HeldKeys final : public Field {
 public:
-  HeldKeys(const BoundKeysPtr& fields, const HeldType& type, Place place)
-      : BoundKeys(fields->keys), fields_(fields), type_(type), place_(place) {}
+  HeldKeys(const FieldPtr& fields, const VariantAccess& type, MemberOffset offset)
+      : Field(fields->keys), fields_(fields), type_(type), offset_(offset) {}
 
-  void read(const Cursor& map, void* object) const override { type_.read(*fields_, map, at(place_, object)); }
+  void read(const CaseNode& map, void* object) const override { type_.read(*fields_, map, at(offset_, object)); }
   void write(const void* object, std::vector<YamlEntry>& entries) const override {
-    if (const void* held = type_.held(at(place_, object))) fields_->write(held, entries);
+    if (const void* held = type_.held(at(offset_, object))) fields_->write(held, entries);
   }
-  void describe(Json& schema) const override { fields_->describe(schema); }
+  void document(Json& json_schema) const override { fields_->document(json_schema); }
 
 private:
-  BoundKeysPtr fields_;
-  HeldType type_;
-  Place place_;
+  FieldPtr fields_;
+  VariantAccess type_;
+  MemberOffset offset_;
 };
 
 /// One of several cases.
-class AlternativeKeys final : public BoundKeys {
+class AlternativeKeys final : public Field {
 public:
-  AlternativeKeys(std::vector<std::string> names, std::vector<BoundKeysPtr> cases, bool needed)
-      : BoundKeys(all_keys(cases)), names_(std::move(names)), cases_(std::move(cases)), needed_(needed) {}
+  AlternativeKeys(std::vector<std::string> names, std::vector<FieldPtr> cases, bool needed)
+      : Field(all_keys(cases)), names_(std::move(names)), cases_(std::move(cases)), needed_(needed) {}
 
-  void read(const Cursor& map, void* object) const override {
+  void read(const CaseNode& map, void* object) const override {
     const auto chosen = only_key(map, names_, needed_);
     if (!chosen) return;
     report_keys_without_effect(map, cases_, names_, *chosen);
@@ -167,21 +167,21 @@ public:
   void write(const void* object, std::vector<YamlEntry>& entries) const override {
     for (const auto& each : cases_) each->write(object, entries);
   }
-  void describe(Json& schema) const override { describe_cases(schema, cases_, names_, needed_); }
+  void document(Json& json_schema) const override { describe_cases(json_schema, cases_, names_, needed_); }
 
 private:
   std::vector<std::string> names_;
-  std::vector<BoundKeysPtr> cases_;
+  std::vector<FieldPtr> cases_;
   bool needed_;
 };
 
 /// All keys of an object, and its checks.
-class AllKeys final : public BoundKeys {
+class AllKeys final : public Field {
 public:
-  AllKeys(std::vector<BoundKeysPtr> fields, std::vector<FieldTable::Check> checks)
-      : BoundKeys(all_keys(fields)), fields_(std::move(fields)), checks_(std::move(checks)) {}
+  AllKeys(std::vector<FieldPtr> fields, std::vector<FieldTable::Check> checks)
+      : Field(all_keys(fields)), fields_(std::move(fields)), checks_(std::move(checks)) {}
 
-  void read(const Cursor& map, void* object) const override {
+  void read(const CaseNode& map, void* object) const override {
     const std::size_t before = map.issue_count();
     for (const auto& field : fields_) field->read(map, object);
     if (map.issue_count() != before) return;
@@ -191,32 +191,32 @@ public:
   void write(const void* object, std::vector<YamlEntry>& entries) const override {
     for (const auto& field : fields_) field->write(object, entries);
   }
-  void describe(Json& schema) const override {
-    for (const auto& field : fields_) field->describe(schema);
+  void document(Json& json_schema) const override {
+    for (const auto& field : fields_) field->document(json_schema);
   }
 
 private:
-  std::vector<BoundKeysPtr> fields_;
+  std::vector<FieldPtr> fields_;
   std::vector<FieldTable::Check> checks_;
 };
 
-FormSchema map_schema(const BoundKeys& keys) {
+JsonSchema map_schema(const Field& keys) {
   Json json{{"type", "object"}, {"additionalProperties", false}, {"x-written", "{" + join(keys.keys, ", ") + "}"}};
-  keys.describe(json);
-  return FormSchema(std::move(json));
+  keys.document(json);
+  return JsonSchema(std::move(json));
 }
 
-class MapForm final : public AnyForm {
+class MapSchema final : public AnySchema {
 public:
-  explicit MapForm(BoundKeysPtr keys) : AnyForm(map_schema(*keys)), keys_(std::move(keys)) {}
+  explicit MapSchema(FieldPtr keys) : AnySchema(map_schema(*keys)), keys_(std::move(keys)) {}
 
-  bool read(const Cursor& cursor, void* object) const override {
-    if (cursor.node().kind != YamlNode::Kind::null && !cursor.require(YamlNode::Kind::map, schema.written()))
+  bool read(const CaseNode& node, void* object) const override {
+    if (node.yaml().kind != YamlNode::Kind::null && !node.require(YamlNode::Kind::map, json_schema.written()))
       return false;
-    const std::size_t before = cursor.issue_count();
-    report_unknown_keys(cursor, keys_->keys);
-    keys_->read(cursor, object);
-    return cursor.issue_count() == before;
+    const std::size_t before = node.issue_count();
+    report_unknown_keys(node, keys_->keys);
+    keys_->read(node, object);
+    return node.issue_count() == before;
   }
   YamlNodePtr write(const void* object) const override {
     std::vector<YamlEntry> entries;
@@ -225,25 +225,25 @@ public:
   }
 
 private:
-  BoundKeysPtr keys_;
+  FieldPtr keys_;
 };
 
 }  // namespace
 
-BoundKeysPtr bind_field(const FieldWords& words, const AnyFormPtr& form, Place place,
-                        const YamlNodePtr& default_value) {
-  return std::make_shared<const FieldKey>(words, form, place, default_value);
+FieldPtr bind_field(const FieldInfo& words, const AnySchemaPtr& schema, MemberOffset offset,
+                    const YamlNodePtr& default_value) {
+  return std::make_shared<const FieldKey>(words, schema, offset, default_value);
 }
 
-BoundKeysPtr bind_inlined(const BoundKeysPtr& inner, Place place) {
-  return std::make_shared<const InlinedKeys>(inner, place);
+FieldPtr bind_inlined(const FieldPtr& inner, MemberOffset offset) {
+  return std::make_shared<const InlinedKeys>(inner, offset);
 }
 
-BoundKeysPtr bind_held(const BoundKeysPtr& fields, const HeldType& type, Place place) {
-  return std::make_shared<const HeldKeys>(fields, type, place);
+FieldPtr bind_held(const FieldPtr& fields, const VariantAccess& type, MemberOffset offset) {
+  return std::make_shared<const HeldKeys>(fields, type, offset);
 }
 
-BoundKeysPtr bind_one_of(std::vector<std::string> names, std::vector<BoundKeysPtr> cases, bool needed) {
+FieldPtr bind_one_of(std::vector<std::string> names, std::vector<FieldPtr> cases, bool needed) {
   return std::make_shared<const AlternativeKeys>(std::move(names), std::move(cases), needed);
 }
 
@@ -251,11 +251,11 @@ FieldTable::FieldTable() = default;
 FieldTable::FieldTable(const FieldTable&) = default;
 FieldTable::~FieldTable() = default;
 
-BoundKeysPtr FieldTable::bound_keys() const { return std::make_shared<const AllKeys>(fields_, checks_); }
+FieldPtr FieldTable::as_one_field() const { return std::make_shared<const AllKeys>(fields_, checks_); }
 
-void FieldTable::add(BoundKeysPtr keys) { fields_.push_back(std::move(keys)); }
+void FieldTable::add(FieldPtr keys) { fields_.push_back(std::move(keys)); }
 void FieldTable::add(Check check) { checks_.push_back(std::move(check)); }
 
-AnyFormPtr map_form(const BoundKeysPtr& keys) { return std::make_shared<const MapForm>(keys); }
+AnySchemaPtr map_schema(const FieldPtr& keys) { return std::make_shared<const MapSchema>(keys); }
 
 }  // namespace kalfem

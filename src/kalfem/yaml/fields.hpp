@@ -11,47 +11,48 @@
 namespace kalfem {
 
 /// Where a member stands in its object: bytes from the start.
-using Place = std::ptrdiff_t;
+using MemberOffset = std::ptrdiff_t;
 
 /// Some keys of a map, bound to an object whose type only the Fields know that made it: everything that maps have in
 /// common is so compiled once (fields.cpp). Immutable.
-class BoundKeys {
+class Field {
 public:
-  explicit BoundKeys(std::vector<std::string> names) : keys(std::move(names)) {}
-  BoundKeys(const BoundKeys&) = delete;
-  BoundKeys& operator=(const BoundKeys&) = delete;
-  virtual ~BoundKeys() = default;
+  explicit Field(std::vector<std::string> names) : keys(std::move(names)) {}
+  Field(const Field&) = delete;
+  Field& operator=(const Field&) = delete;
+  virtual ~Field() = default;
 
-  virtual void read(const Cursor& map, void* object) const = 0;
+  virtual void read(const CaseNode& map, void* object) const = 0;
   virtual void write(const void* object, std::vector<YamlEntry>& entries) const = 0;
-  /// Adds to properties, required and allOf of the map's schema.
-  virtual void describe(nlohmann::ordered_json& schema) const = 0;
+  /// Adds to properties, required and allOf of the map's json_schema.
+  virtual void document(nlohmann::ordered_json& json_schema) const = 0;
 
   const std::vector<std::string> keys;
 };
 
-using BoundKeysPtr = std::shared_ptr<const BoundKeys>;
+using FieldPtr = std::shared_ptr<const Field>;
 
 /// A key in words.
-struct FieldWords {
+struct FieldInfo {
   std::string_view key, meaning;
   bool required = false;
 };
 
 /// What a member that may hold one of several types does with one of them, a U.
-struct HeldType {
-  void (*read)(const BoundKeys& fields, const Cursor& map, void* member);  ///< makes it hold the U that is read
-  const void* (*held)(const void* member);                                 ///< its U; null when it holds another type
+struct VariantAccess {
+  void (*read)(const Field& fields, const CaseNode& map, void* member);  ///< makes it hold the U that is read
+  const void* (*held)(const void* member);                               ///< its U; null when it holds another type
 };
 
-/// One key, whose value is the member at `place`; `default_value` is shown in the reference.
-BoundKeysPtr bind_field(const FieldWords& words, const AnyFormPtr& form, Place place, const YamlNodePtr& default_value);
-/// Keys of the object at `place` in another.
-BoundKeysPtr bind_inlined(const BoundKeysPtr& inner, Place place);
-/// Keys of an object that the member at `place` may hold.
-BoundKeysPtr bind_held(const BoundKeysPtr& fields, const HeldType& type, Place place);
+/// One key, whose value is the member at `offset`; `default_value` is shown in the reference.
+FieldPtr bind_field(const FieldInfo& words, const AnySchemaPtr& schema, MemberOffset offset,
+                    const YamlNodePtr& default_value);
+/// Keys of the object at `offset` in another.
+FieldPtr bind_inlined(const FieldPtr& inner, MemberOffset offset);
+/// Keys of an object that the member at `offset` may hold.
+FieldPtr bind_held(const FieldPtr& fields, const VariantAccess& type, MemberOffset offset);
 /// Exactly one of several cases, each selected by its name; none or one where it is not `needed`.
-BoundKeysPtr bind_one_of(std::vector<std::string> names, std::vector<BoundKeysPtr> cases, bool needed);
+FieldPtr bind_one_of(std::vector<std::string> names, std::vector<FieldPtr> cases, bool needed);
 
 /// What the tables of all types have in common.
 class FieldTable {
@@ -66,48 +67,48 @@ public:
 
   /// All fields as one, and then the checks, where each field is right; keys that are not known are left to the owner
   /// of the map.
-  [[nodiscard]] BoundKeysPtr bound_keys() const;
+  [[nodiscard]] FieldPtr as_one_field() const;
 
 protected:
-  void add(BoundKeysPtr keys);
+  void add(FieldPtr keys);
   void add(Check check);
 
 private:
-  std::vector<BoundKeysPtr> fields_;
+  std::vector<FieldPtr> fields_;
   std::vector<Check> checks_;
 };
 
-/// The form of an object with these keys and no other ones; nothing after the colon is an empty map.
-AnyFormPtr map_form(const BoundKeysPtr& keys);
+/// The schema of an object with these keys and no other ones; nothing after the colon is an empty map.
+AnySchemaPtr map_schema(const FieldPtr& keys);
 
-/// A form of a value that may be empty.
+/// A schema of a value that may be empty.
 template <class M>
-class OptionalForm final : public AnyForm {
+class OptionalSchema final : public AnySchema {
 public:
-  explicit OptionalForm(Form<M> form) : AnyForm(form.schema()), form_(std::move(form)) {}
-  bool read(const Cursor& cursor, void* value) const override {
-    return form_.read(cursor, static_cast<std::optional<M>*>(value)->emplace());
+  explicit OptionalSchema(Schema<M> schema) : AnySchema(schema.json_schema()), schema_(std::move(schema)) {}
+  bool read(const CaseNode& node, void* value) const override {
+    return schema_.read(node, static_cast<std::optional<M>*>(value)->emplace());
   }
   YamlNodePtr write(const void* value) const override {
     const auto& held = *static_cast<const std::optional<M>*>(value);
-    return held ? form_.write(*held) : nullptr;
+    return held ? schema_.write(*held) : nullptr;
   }
 
 private:
-  Form<M> form_;
+  Schema<M> schema_;
 };
 
 /// One alternative of Fields::one_of: the kind U that is meant when the map has `key`.
 template <class U>
 struct Case {
   std::string key;
-  BoundKeysPtr fields;  ///< of a U
+  FieldPtr fields;  ///< of a U
 };
 
 /// A member M that is a std::variant, or an optional one, with a U among its types.
 template <class M, class U>
-constexpr HeldType held_type() {
-  return {[](const BoundKeys& fields, const Cursor& map, void* member) {
+constexpr VariantAccess variant_access() {
+  return {[](const Field& fields, const CaseNode& map, void* member) {
             U value{};
             fields.read(map, &value);
             *static_cast<M*>(member) = std::move(value);
@@ -128,22 +129,23 @@ class Fields : public FieldTable {
 public:
   /// A key that must be there.
   template <class M>
-  Fields& required(std::string_view key, M T::*member, const Form<M>& form, std::string_view meaning) {
-    add(bind_field({key, meaning, true}, form.any(), place_of(member), nullptr));
+  Fields& required(std::string_view key, M T::*member, const Schema<M>& schema, std::string_view meaning) {
+    add(bind_field({key, meaning, true}, schema.any(), offset_of(member), nullptr));
     return *this;
   }
 
   /// A key that may be left out; then the member keeps the default of T{}.
   template <class M>
-  Fields& optional(std::string_view key, M T::*member, const Form<M>& form, std::string_view meaning) {
-    add(bind_field({key, meaning}, form.any(), place_of(member), form.write(defaults_.*member)));
+  Fields& optional(std::string_view key, M T::*member, const Schema<M>& schema, std::string_view meaning) {
+    add(bind_field({key, meaning}, schema.any(), offset_of(member), schema.write(defaults_.*member)));
     return *this;
   }
 
   /// A key that may be left out; then the member stays empty.
   template <class M>
-  Fields& optional(std::string_view key, std::optional<M> T::*member, const Form<M>& form, std::string_view meaning) {
-    add(bind_field({key, meaning}, std::make_shared<const OptionalForm<M>>(form), place_of(member), nullptr));
+  Fields& optional(std::string_view key, std::optional<M> T::*member, const Schema<M>& schema,
+                   std::string_view meaning) {
+    add(bind_field({key, meaning}, std::make_shared<const OptionalSchema<M>>(schema), offset_of(member), nullptr));
     return *this;
   }
 
@@ -152,15 +154,15 @@ public:
   template <class M, class... U>
   Fields& one_of(M T::*member, const Case<U>&... cases) {
     constexpr bool needed = !requires(M value) { value.reset(); };
-    const Place place = place_of(member);
-    add(bind_one_of({cases.key...}, {bind_held(cases.fields, held_type<M, U>(), place)...}, needed));
+    const MemberOffset offset = offset_of(member);
+    add(bind_one_of({cases.key...}, {bind_held(cases.fields, variant_access<M, U>(), offset)...}, needed));
     return *this;
   }
 
   /// The fields of a member, in the same map.
   template <class M>
   Fields& inlined(M T::*member, const Fields<M>& fields) {
-    add(bind_inlined(fields.bound_keys(), place_of(member)));
+    add(bind_inlined(fields.as_one_field(), offset_of(member)));
     return *this;
   }
 
@@ -172,34 +174,34 @@ public:
 
 private:
   template <class M>
-  Place place_of(M T::*member) const {
+  MemberOffset offset_of(M T::*member) const {
     return reinterpret_cast<const std::byte*>(&(defaults_.*member)) - reinterpret_cast<const std::byte*>(&defaults_);
   }
 
   T defaults_{};
 };
 
-/// The alternative `key: ...` whose value is written in the given form:  random: {rms: 3 mm, band: [0.5, 30]}.
+/// The alternative `key: ...` whose value is written in the given schema:  random: {rms: 3 mm, band: [0.5, 30]}.
 template <class U>
-Case<U> when(std::string_view key, const Form<U>& form, std::string_view meaning) {
-  return {std::string(key), bind_field({key, meaning, true}, form.any(), Place{0}, nullptr)};
+Case<U> when(std::string_view key, const Schema<U>& schema, std::string_view meaning) {
+  return {std::string(key), bind_field({key, meaning, true}, schema.any(), MemberOffset{0}, nullptr)};
 }
 
 /// The alternative whose fields stand beside one another in the map; the first key selects it:  file: road.csv,
 /// channel: r1.
 template <class U>
 Case<U> when(const Fields<U>& fields) {
-  const BoundKeysPtr bound = fields.bound_keys();
+  const FieldPtr bound = fields.as_one_field();
   return {bound->keys.front(), bound};
 }
 
-namespace form {
+namespace schema {
 
 /// A map with the given fields and no other keys; nothing after the colon is an empty map.
 template <class T>
-Form<T> mapping(const Fields<T>& fields) {
-  return Form<T>(map_form(fields.bound_keys()));
+Schema<T> mapping(const Fields<T>& fields) {
+  return Schema<T>(map_schema(fields.as_one_field()));
 }
 
-}  // namespace form
+}  // namespace schema
 }  // namespace kalfem

@@ -2,24 +2,24 @@
 
 namespace kalfem {
 
-Cursor Cursor::at(const YamlEntry& entry) const {
+CaseNode CaseNode::at(const YamlEntry& entry) const {
   return {*reading_, entry.value, path_.empty() ? entry.key : path_ + "." + entry.key, entry.line};
 }
 
-Cursor Cursor::item(std::size_t index) const {
+CaseNode CaseNode::item(std::size_t index) const {
   const auto& node = node_->items[index];
   return {*reading_, node, path_ + "[" + std::to_string(index) + "]", node->line};
 }
 
-void Cursor::issue(const std::string& what, const std::string& why, const std::string& fix) const {
+void CaseNode::issue(const std::string& what, const std::string& why, const std::string& fix) const {
   reading_->issues.add(location(), path_.empty() ? what : path_ + ": " + what, why, fix);
 }
 
-void Cursor::issue(const InvalidInput& error) const {
+void CaseNode::issue(const InvalidInput& error) const {
   for (const auto& each : error.issues()) issue(each.what, each.why, each.fix);
 }
 
-bool Cursor::require(YamlNode::Kind kind, const std::string& written) const {
+bool CaseNode::require(YamlNode::Kind kind, const std::string& written) const {
   if (node_->kind == kind) return true;
   issue(describe(*node_) + " given", "", "write " + written);
   return false;

@@ -24,7 +24,7 @@ std::string unit_comment(const std::string& unit) { return unit == "-" ? "" : un
 std::string number_words(const std::string& unit, const Bounds& bounds) {
   std::string words = "number";
   if (!unit_comment(unit).empty()) words += " [" + unit + "]";
-  const std::string range = bounds.describe();
+  const std::string range = bounds.to_string();
   return range.empty() ? words : words + " " + range;
 }
 
@@ -34,32 +34,32 @@ nlohmann::ordered_json whole_number(const std::string& words) {
   return json;
 }
 
-/// A form that says the same in other words.
-class RestatedForm final : public AnyForm {
+/// A schema that says the same in other words.
+class RestatedSchema final : public AnySchema {
 public:
-  RestatedForm(AnyFormPtr form, const std::string& words)
-      : AnyForm(form->schema.written_as(words)), form_(std::move(form)) {}
-  bool read(const Cursor& cursor, void* value) const override { return form_->read(cursor, value); }
-  YamlNodePtr write(const void* value) const override { return form_->write(value); }
+  RestatedSchema(AnySchemaPtr schema, const std::string& words)
+      : AnySchema(schema->json_schema.written_as(words)), schema_(std::move(schema)) {}
+  bool read(const CaseNode& node, void* value) const override { return schema_->read(node, value); }
+  YamlNodePtr write(const void* value) const override { return schema_->write(value); }
 
 private:
-  AnyFormPtr form_;
+  AnySchemaPtr schema_;
 };
 
-/// A form for scalars and one for all else.
-class ShortOrFullForm final : public AnyForm {
+/// A schema for scalars and one for all else.
+class ShortOrFullSchema final : public AnySchema {
 public:
-  ShortOrFullForm(AnyFormPtr short_form, AnyFormPtr full_form)
-      : AnyForm(either_schema(short_form->schema, full_form->schema)),
-        short_(std::move(short_form)),
-        full_(std::move(full_form)) {}
-  bool read(const Cursor& cursor, void* value) const override {
-    return (cursor.node().kind == YamlNode::Kind::scalar ? short_ : full_)->read(cursor, value);
+  ShortOrFullSchema(AnySchemaPtr short_schema, AnySchemaPtr full_schema)
+      : AnySchema(either_schema(short_schema->json_schema, full_schema->json_schema)),
+        short_(std::move(short_schema)),
+        full_(std::move(full_schema)) {}
+  bool read(const CaseNode& node, void* value) const override {
+    return (node.yaml().kind == YamlNode::Kind::scalar ? short_ : full_)->read(node, value);
   }
   YamlNodePtr write(const void* value) const override { return full_->write(value); }
 
 private:
-  AnyFormPtr short_, full_;
+  AnySchemaPtr short_, full_;
 };
 
 }  // namespace
@@ -77,9 +77,9 @@ void require_name(const std::string& name, NameRule rule) {
         rule == NameRule::name ? "use letters, digits, _ and -" : "use names joined by dots, like suspension.k");
 }
 
-namespace form {
+namespace schema {
 
-Form<double> number(std::string_view given_unit, const Bounds& bounds) {
+Schema<double> number(std::string_view given_unit, const Bounds& bounds) {
   const std::string unit(given_unit);
   nlohmann::ordered_json json = scalar_schema(number_words(unit, bounds)).json();
   json["type"] = {"number", "string"};
@@ -87,51 +87,51 @@ Form<double> number(std::string_view given_unit, const Bounds& bounds) {
   if (std::isfinite(bounds.low)) json[bounds.low_open ? "exclusiveMinimum" : "minimum"] = bounds.low;
   if (std::isfinite(bounds.high)) json[bounds.high_open ? "exclusiveMaximum" : "maximum"] = bounds.high;
   return scalar<double>(
-      FormSchema(std::move(json)), [=](const std::string& text) { return checked_number(text, unit, bounds); },
+      JsonSchema(std::move(json)), [=](const std::string& text) { return checked_number(text, unit, bounds); },
       [=](double value) { return yaml_literal(shortest(value), unit_comment(unit)); });
 }
 
-Form<int> integer(int low, int high) {
+Schema<int> integer(int low, int high) {
   const Bounds bounds{low == std::numeric_limits<int>::min() ? -std::numeric_limits<double>::infinity() : low,
                       high == std::numeric_limits<int>::max() ? std::numeric_limits<double>::infinity() : high};
-  const std::string range = bounds.describe();
+  const std::string range = bounds.to_string();
   nlohmann::ordered_json json = whole_number("whole number" + (range.empty() ? "" : " " + range));
   if (low != std::numeric_limits<int>::min()) json["minimum"] = low;
   if (high != std::numeric_limits<int>::max()) json["maximum"] = high;
   return scalar<int>(
-      FormSchema(std::move(json)), [=](const std::string& text) { return parse_whole(text, low, high); },
+      JsonSchema(std::move(json)), [=](const std::string& text) { return parse_whole(text, low, high); },
       [](int value) { return yaml_literal(std::to_string(value)); });
 }
 
-Form<std::uint64_t> seed() {
+Schema<std::uint64_t> seed() {
   nlohmann::ordered_json json = whole_number("whole number");
   json["minimum"] = 0;
   return scalar<std::uint64_t>(
-      FormSchema(std::move(json)),
+      JsonSchema(std::move(json)),
       [](const std::string& text) {
         return parse_whole<std::uint64_t>(text, 0, std::numeric_limits<std::uint64_t>::max());
       },
       [](std::uint64_t value) { return yaml_literal(std::to_string(value)); });
 }
 
-Form<bool> boolean() {
+Schema<bool> boolean() {
   const auto parse = [](const std::string& text) {
     if (text != "true" && text != "false") throw InvalidInput("'" + text + "' given", "", "write true or false");
     return text == "true";
   };
   nlohmann::ordered_json json = scalar_schema("true | false").json();
   json["type"] = "boolean";
-  return scalar<bool>(FormSchema(std::move(json)), parse,
+  return scalar<bool>(JsonSchema(std::move(json)), parse,
                       [](bool value) { return yaml_literal(value ? "true" : "false"); });
 }
 
-Form<std::string> text() {
+Schema<std::string> text() {
   return scalar<std::string>(
       scalar_schema("text"), [](const std::string& text) { return text; },
       [](const std::string& text) { return yaml_text(text); });
 }
 
-Form<Quantity> quantity() {
+Schema<Quantity> quantity() {
   const auto write = [](const Quantity& given) {
     return yaml_literal(shortest(given.value) + (given.bare ? "" : " " + si_unit(given.dimension)));
   };
@@ -139,31 +139,31 @@ Form<Quantity> quantity() {
       scalar_schema("number with its unit"), [](const std::string& text) { return parse_quantity(text); }, write);
 }
 
-Form<std::filesystem::path> path(bool existing) {
+Schema<std::filesystem::path> path(bool existing) {
   namespace fs = std::filesystem;
-  const auto read = [=](const Cursor& cursor, fs::path& file) {
-    if (!cursor.require(YamlNode::Kind::scalar, "a file name")) return false;
+  const auto read = [=](const CaseNode& node, fs::path& file) {
+    if (!node.require(YamlNode::Kind::scalar, "a file name")) return false;
     std::error_code error;
-    file = fs::absolute(cursor.folder() / cursor.node().text, error).lexically_normal();
-    if (!cursor.node().text.empty() && (!existing || fs::is_regular_file(file, error))) return true;
-    cursor.issue("no file '" + file.string() + "'", "", "paths are relative to the case file");
+    file = fs::absolute(node.folder() / node.yaml().text, error).lexically_normal();
+    if (!node.yaml().text.empty() && (!existing || fs::is_regular_file(file, error))) return true;
+    node.issue("no file '" + file.string() + "'", "", "paths are relative to the case file");
     return false;
   };
-  return make_form<fs::path>(
+  return make_schema<fs::path>(
       read, [](const fs::path& file) { return yaml_text(file.string()); },
-      FormSchema({{"type", "string"}, {"x-written", "file name"}}));
+      JsonSchema({{"type", "string"}, {"x-written", "file name"}}));
 }
 
-AnyFormPtr restated(const AnyFormPtr& form, const std::string& words) {
-  return std::make_shared<const RestatedForm>(form, words);
+AnySchemaPtr restated(const AnySchemaPtr& schema, const std::string& words) {
+  return std::make_shared<const RestatedSchema>(schema, words);
 }
 
-AnyFormPtr short_or_full(const AnyFormPtr& short_form, const AnyFormPtr& full_form) {
-  return std::make_shared<const ShortOrFullForm>(short_form, full_form);
+AnySchemaPtr short_or_full(const AnySchemaPtr& short_schema, const AnySchemaPtr& full_schema) {
+  return std::make_shared<const ShortOrFullSchema>(short_schema, full_schema);
 }
 
-bool require_size(const Cursor& list, std::size_t least, std::size_t most) {
-  const std::size_t size = list.node().items.size();
+bool require_size(const CaseNode& list, std::size_t least, std::size_t most) {
+  const std::size_t size = list.yaml().items.size();
   if (size >= least && size <= most) return true;
   const std::string wanted = least == most ? "" : size < least ? "at least " : "at most ";
   list.issue(std::to_string(size) + " values given", "",
@@ -171,30 +171,30 @@ bool require_size(const Cursor& list, std::size_t least, std::size_t most) {
   return false;
 }
 
-Form<std::size_t> one_of_words(const std::vector<std::string>& words, const std::vector<std::string>& meanings) {
-  const FormSchema schema = choice_schema(words, meanings);
+Schema<std::size_t> one_of_words(const std::vector<std::string>& words, const std::vector<std::string>& meanings) {
+  const JsonSchema json_schema = choice_schema(words, meanings);
   const auto parse = [=](const std::string& word) {
     const auto found = std::find(words.begin(), words.end(), word);
     if (found == words.end())
       throw InvalidInput("'" + word + "' is not known" + did_you_mean(word, words), "",
-                         "write one of " + schema.written());
+                         "write one of " + json_schema.written());
     return static_cast<std::size_t>(found - words.begin());
   };
-  return scalar<std::size_t>(schema, parse,
+  return scalar<std::size_t>(json_schema, parse,
                              [=](std::size_t i) { return yaml_text(i < words.size() ? words[i] : std::string()); });
 }
 
-Form<std::string> word(const std::vector<std::string>& known) {
+Schema<std::string> word(const std::vector<std::string>& known) {
   const auto number = one_of_words(known, std::vector<std::string>(known.size()));
-  const auto read = [=](const Cursor& cursor, std::string& word) {
+  const auto read = [=](const CaseNode& node, std::string& word) {
     std::size_t chosen = 0;
-    if (!number.read(cursor, chosen)) return false;
+    if (!number.read(node, chosen)) return false;
     word = known[chosen];
     return true;
   };
-  return make_form<std::string>(
-      read, [](const std::string& word) { return yaml_text(word); }, number.schema());
+  return make_schema<std::string>(
+      read, [](const std::string& word) { return yaml_text(word); }, number.json_schema());
 }
 
-}  // namespace form
+}  // namespace schema
 }  // namespace kalfem

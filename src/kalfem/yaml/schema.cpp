@@ -11,46 +11,46 @@ namespace {
 using Json = nlohmann::ordered_json;
 }
 
-FormSchema::FormSchema() : FormSchema(Json::object()) {}
-FormSchema::FormSchema(Json json) : json_(std::make_shared<const Json>(std::move(json))) {}
+JsonSchema::JsonSchema() : JsonSchema(Json::object()) {}
+JsonSchema::JsonSchema(Json json) : json_(std::make_shared<const Json>(std::move(json))) {}
 
-std::string FormSchema::written() const { return json_->value("x-written", ""); }
-std::string FormSchema::unit() const { return json_->value("x-unit", ""); }
+std::string JsonSchema::written() const { return json_->value("x-written", ""); }
+std::string JsonSchema::unit() const { return json_->value("x-unit", ""); }
 
-FormSchema FormSchema::written_as(const std::string& written) const {
+JsonSchema JsonSchema::written_as(const std::string& written) const {
   Json json = *json_;
   json["x-written"] = written;
-  return FormSchema(std::move(json));
+  return JsonSchema(std::move(json));
 }
 
-FormSchema scalar_schema(const std::string& written) {
-  return FormSchema(Json{{"type", {"string", "number"}}, {"x-written", written}});
+JsonSchema scalar_schema(const std::string& written) {
+  return JsonSchema(Json{{"type", {"string", "number"}}, {"x-written", written}});
 }
 
-FormSchema choice_schema(const std::vector<std::string>& words, const std::vector<std::string>& meanings) {
+JsonSchema choice_schema(const std::vector<std::string>& words, const std::vector<std::string>& meanings) {
   std::string joined;
   Json alternatives = Json::array();
   for (std::size_t i = 0; i < words.size(); ++i) {
     joined += (joined.empty() ? "" : " | ") + words[i];
     alternatives.push_back({{"const", words[i]}, {"description", meanings[i]}});
   }
-  return FormSchema(Json{{"oneOf", alternatives}, {"x-written", joined}});
+  return JsonSchema(Json{{"oneOf", alternatives}, {"x-written", joined}});
 }
 
-FormSchema list_schema(const FormSchema& item, std::size_t least, std::size_t most) {
+JsonSchema list_schema(const JsonSchema& item, std::size_t least, std::size_t most) {
   Json json{{"type", "array"}, {"items", item.json()}, {"x-written", "[" + item.written() + ", ...]"}};
   if (least > 0) json["minItems"] = least;
   if (most != std::numeric_limits<std::size_t>::max()) json["maxItems"] = most;
-  return FormSchema(std::move(json));
+  return JsonSchema(std::move(json));
 }
 
-FormSchema either_schema(const FormSchema& one, const FormSchema& other) {
-  return FormSchema(
+JsonSchema either_schema(const JsonSchema& one, const JsonSchema& other) {
+  return JsonSchema(
       Json{{"anyOf", {one.json(), other.json()}}, {"x-written", one.written() + " or " + other.written()}});
 }
 
-FormSchema named_schema(const FormSchema& item) {
-  return FormSchema(Json{
+JsonSchema named_schema(const JsonSchema& item) {
+  return JsonSchema(Json{
       {"type", "object"}, {"additionalProperties", item.json()}, {"x-written", "{name: " + item.written() + ", ...}"}});
 }
 
@@ -90,26 +90,27 @@ std::string qualifier(const Json& object, const std::string& key, const Json& pr
 }
 
 /// What stands below the line of a key: its own keys, those of its items, the words of a choice.
-std::string below(const Json& schema, const std::string& indent) {
+std::string below(const Json& json_schema, const std::string& indent) {
   std::string text;
-  if (schema.contains("properties"))
-    for (const auto& [key, property] : schema["properties"].items()) {
+  if (json_schema.contains("properties"))
+    for (const auto& [key, property] : json_schema["properties"].items()) {
       const std::string written = below(property, "").empty() ? " " + property.value("x-written", "") : "";
-      text += line(indent + key + ":" + written + qualifier(schema, key, property), property.value("description", ""));
+      text +=
+          line(indent + key + ":" + written + qualifier(json_schema, key, property), property.value("description", ""));
       text += below(property, indent + "  ");
     }
-  if (schema.contains("additionalProperties") && schema["additionalProperties"].is_object()) {
-    const Json& item = schema["additionalProperties"];
+  if (json_schema.contains("additionalProperties") && json_schema["additionalProperties"].is_object()) {
+    const Json& item = json_schema["additionalProperties"];
     const std::string inner = below(item, indent + "  ");
     text += indent + "<name>:" + (inner.empty() ? " " + item.value("x-written", "") : "") + "\n" + inner;
   }
-  if (schema.contains("items"))
-    if (const std::string inner = below(schema["items"], indent + "  "); !inner.empty())
+  if (json_schema.contains("items"))
+    if (const std::string inner = below(json_schema["items"], indent + "  "); !inner.empty())
       text += indent + "- each:\n" + inner;
-  for (const auto& alternative : schema.value("anyOf", Json::array()))
+  for (const auto& alternative : json_schema.value("anyOf", Json::array()))
     if (const std::string inner = below(alternative, indent + "  "); !inner.empty())
       text += indent + "or " + alternative.value("x-written", "") + "\n" + inner;
-  for (const auto& word : schema.value("oneOf", Json::array()))
+  for (const auto& word : json_schema.value("oneOf", Json::array()))
     if (const std::string meaning = word.value("description", ""); !meaning.empty())
       text += line(indent + "  = " + word.value("const", ""), meaning);
   return text;
@@ -136,12 +137,12 @@ Json to_json(const YamlNode& node) {
   return map;
 }
 
-Json json_schema(const FormSchema& form, const std::string& title) {
-  Json schema{{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", title}};
-  schema.update(form.json());
-  return schema;
+Json whole_json_schema(const JsonSchema& schema, const std::string& title) {
+  Json json_schema{{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", title}};
+  json_schema.update(schema.json());
+  return json_schema;
 }
 
-std::string reference_text(const Json& schema) { return below(schema, ""); }
+std::string reference_text(const Json& json_schema) { return below(json_schema, ""); }
 
 }  // namespace kalfem

@@ -129,7 +129,7 @@ YamlNodePtr yaml_map(std::vector<YamlEntry> entries) {
   return std::make_shared<YamlNode>(YamlNode{.kind = YamlNode::Kind::map, .entries = std::move(entries)});
 }
 
-std::string describe(const YamlNode& node) {
+std::string to_string(const YamlNode& node) {
   switch (node.kind) {
     case YamlNode::Kind::null:
       return "nothing";
@@ -185,7 +185,5 @@ std::set<std::string> CaseSource::sections_of(const std::vector<Issue>& issues) 
   }
   return sections;
 }
-
-
 
 }  // namespace kalfem

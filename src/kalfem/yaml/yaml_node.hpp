@@ -43,7 +43,7 @@ YamlNodePtr yaml_list(std::vector<YamlNodePtr> items, std::string comment = {});
 YamlNodePtr yaml_map(std::vector<YamlEntry> entries);
 
 /// "a map", "a list", "nothing" or the scalar in quotes, for messages.
-std::string describe(const YamlNode& node);
+std::string to_string(const YamlNode& node);
 
 /// The document as YAML text: maps as blocks, lists of scalars on one line, comments after the values.
 std::string to_yaml(const YamlNode& root);

@@ -122,7 +122,7 @@ std::optional<BeamProfile> beam_profile(const std::string& shape, const std::vec
                                                              {"I", 7},    {"L", 4},    {"GENERAL", 5}};
   const auto needed = numbers.find(shape);
   if (needed == numbers.end()) {
-    problems.add(where, "SECTION=" + shown(shape) + " is not read",
+    problems.add(where, "SECTION=" + to_string(shape) + " is not read",
                  "supported: RECT, CIRC, PIPE, BOX, I, L and GENERAL",
                  "give its A, I11, I12, I22 and J by *BEAM GENERAL SECTION, SECTION=GENERAL");
     return {};

@@ -23,7 +23,7 @@ std::optional<Index> single_node(PlacedDeck& deck, const std::string& text, int 
   const auto nodes = deck.node_list({text, where}, place);
   if (nodes.size() == 1) return nodes.front();
   if (!nodes.empty())
-    deck.problems.add(where, what + " '" + shown(text) + "' has " + std::to_string(nodes.size()) + " nodes",
+    deck.problems.add(where, what + " '" + to_string(text) + "' has " + std::to_string(nodes.size()) + " nodes",
                       "it must be a single node", "name one");
   return {};
 }
@@ -110,7 +110,7 @@ void read_coupling(PlacedDeck& deck, const PlacedBlock& at, Kinematics& motions)
   else if (at.block->option("DISTRIBUTING"))
     distribute(name, *reference, used, keyword.where, motions);
   else
-    deck.problems.add(keyword.where, "*COUPLING '" + shown(name) + "' has neither *KINEMATIC nor *DISTRIBUTING",
+    deck.problems.add(keyword.where, "*COUPLING '" + to_string(name) + "' has neither *KINEMATIC nor *DISTRIBUTING",
                       "one of these keywords must follow it", "add it");
 }
 

@@ -51,7 +51,7 @@ std::string title_of(std::string_view text) {
       result += c;
     else if (!result.empty() && result.back() != ' ')
       result += ' ';
-  return shown(result);
+  return to_string(result);
 }
 
 /// The next part up to a comma outside of quotation marks; steps over it.
@@ -227,7 +227,7 @@ std::string DeckLines::load(const std::string& name, const Where& where) {
   try {
     return loader_(path);
   } catch (const InvalidInput& error) {
-    problems_.fail(where, "the file '" + shown(name) + "' cannot be read", error.issues().front().why,
+    problems_.fail(where, "the file '" + to_string(name) + "' cannot be read", error.issues().front().why,
                    "place it relative to the deck, as '" + path + "', or correct the name");
   }
 }
@@ -235,7 +235,7 @@ std::string DeckLines::load(const std::string& name, const Where& where) {
 void DeckLines::insert(const std::string& name, const Where& where) {
   const std::string path = normal_path(problems_.file(where.file), name);
   if (std::ranges::any_of(files_, [&](const auto& file) { return file->path == path; }))
-    problems_.fail(where, "'" + shown(name) + "' includes itself", "files must not include one another in a circle",
+    problems_.fail(where, "'" + to_string(name) + "' includes itself", "files must not include one another in a circle",
                    "remove one of the *INCLUDE lines");
   if (files_.size() >= deepest_inclusion)
     problems_.fail(where, "files are included more than " + std::to_string(deepest_inclusion) + " deep", "",

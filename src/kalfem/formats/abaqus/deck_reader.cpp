@@ -70,7 +70,7 @@ private:
 void DeckReader::warn_of_leading_data() {
   std::string_view line;
   if (lines_.next_data(line))
-    problems_.fail(lines_.where(), "the deck begins with '" + shown(line) + "'",
+    problems_.fail(lines_.where(), "the deck begins with '" + to_string(line) + "'",
                    "a deck begins with a keyword (*NODE, ...)", "check that this is an Abaqus or CalculiX deck");
 }
 
@@ -111,7 +111,7 @@ void DeckReader::begin_part(const Keyword& keyword) {
                    "end it by *END PART");
   if (name.empty()) problems_.fail(keyword.where, "*PART has no NAME", "instances refer to it", "give it a name");
   const auto [place, is_new] = deck_.parts.try_emplace(upper_case(name));
-  if (!is_new) problems_.fail(keyword.where, "there are two parts named '" + shown(name) + "'", "", "rename one");
+  if (!is_new) problems_.fail(keyword.where, "there are two parts named '" + to_string(name) + "'", "", "rename one");
   place->second.name = name;
   scope_ = &place->second;
   scope_start_ = keyword.where;
@@ -128,9 +128,9 @@ void DeckReader::begin_instance(const Keyword& keyword) {
   if (name.empty()) problems_.fail(keyword.where, "*INSTANCE has no NAME", "sets refer to it", "give it a name");
   for (const auto& other : deck_.instances)
     if (upper_case(other.name) == upper_case(name))
-      problems_.fail(keyword.where, "there are two instances named '" + shown(name) + "'", "", "rename one");
+      problems_.fail(keyword.where, "there are two instances named '" + to_string(name) + "'", "", "rename one");
   if (keyword.has("LIBRARY"))
-    problems_.fail(keyword.where, "the instance '" + shown(name) + "' is imported from another analysis",
+    problems_.fail(keyword.where, "the instance '" + to_string(name) + "' is imported from another analysis",
                    "its nodes and elements are not in the deck", "write the model into one deck");
   deck_.instances.push_back({name, keyword.get("PART"), keyword.where, {}, {}});
   auto& instance = deck_.instances.back();
@@ -152,7 +152,7 @@ void DeckReader::begin_material(const Keyword& keyword) {
   }
   auto& material = deck_.materials[upper_case(name)];
   if (!material.name.empty())
-    problems_.add(keyword.where, "there are two materials named '" + shown(name) + "'", "", "rename one");
+    problems_.add(keyword.where, "there are two materials named '" + to_string(name) + "'", "", "rename one");
   material.name = name;
   material.where = keyword.where;
   material_ = &material;

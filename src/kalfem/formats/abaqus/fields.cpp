@@ -17,7 +17,7 @@ std::optional<double> number_at(const DataLine& line, std::size_t field, const s
   const auto& text = line.field(field);
   const auto value = to_number(text);
   if (!value)
-    problems.add(line.where, text.empty() ? "there is no " + what : "'" + shown(text) + "' is not a number",
+    problems.add(line.where, text.empty() ? "there is no " + what : "'" + to_string(text) + "' is not a number",
                  text.empty() ? "it has no default value" : "it should be " + what, "correct the line");
   return value;
 }
@@ -35,7 +35,7 @@ std::optional<double> number_parameter(const Keyword& keyword, std::string_view 
   if (!keyword.has(parameter)) return {};
   const auto value = to_number(keyword.get(parameter));
   if (!value)
-    problems.add(keyword.where, std::string(parameter) + "=" + shown(keyword.get(parameter)) + " is not a number",
+    problems.add(keyword.where, std::string(parameter) + "=" + to_string(keyword.get(parameter)) + " is not a number",
                  keyword.title + " expects a number here", "correct it");
   return value;
 }
@@ -85,7 +85,7 @@ std::string_view trimmed_field(std::string_view text) {
   return text;
 }
 
-std::string shown(std::string_view field) {
+std::string to_string(std::string_view field) {
   std::string text(field.substr(0, 40));
   for (char& c : text)
     if (!std::isprint(static_cast<unsigned char>(c))) c = '?';

@@ -27,7 +27,7 @@ const DataLine& line_of(const Block& block, std::size_t index);
 /// Without blanks around it.
 std::string_view trimmed_field(std::string_view text);
 /// What a message can show of a field: at most 40 printable characters.
-std::string shown(std::string_view field);
+std::string to_string(std::string_view field);
 
 /// The number that fills the whole field, exponents by E or D; nothing where it is none or not finite.
 std::optional<double> to_number(std::string_view field);

@@ -57,7 +57,7 @@ const Elastic* Materials::find(const std::string& name, const Where& where) {
     for (const auto& [other, material] : raw_.materials) names.push_back(material.name);
     deck_.problems.add(where,
                        name.empty() ? "the section has no MATERIAL"
-                                    : "there is no material '" + shown(name) + "'" + did_you_mean(name, names),
+                                    : "there is no material '" + to_string(name) + "'" + did_you_mean(name, names),
                        "", "define it by *MATERIAL, NAME=...");
     broken_.insert(key);
     return nullptr;
@@ -66,7 +66,7 @@ const Elastic* Materials::find(const std::string& name, const Where& where) {
   for (const auto& block : raw->second.blocks)
     if (block.keyword.name == "ELASTIC") elastic = &block;
   if (!elastic) {
-    deck_.problems.add(raw->second.where, "the material '" + shown(raw->second.name) + "' has no *ELASTIC",
+    deck_.problems.add(raw->second.where, "the material '" + to_string(raw->second.name) + "' has no *ELASTIC",
                        "a section uses it", "give Young's modulus and Poisson's ratio");
     broken_.insert(key);
     return nullptr;
@@ -127,7 +127,7 @@ void Materials::read_elastic(const Block& block, Elastic& material) {
   } else if (type.starts_with("ANISO")) {
     material.solid = from_stiffnesses(values_of(21), false);
   } else {
-    deck_.problems.add(block.keyword.where, "*ELASTIC has TYPE=" + shown(type),
+    deck_.problems.add(block.keyword.where, "*ELASTIC has TYPE=" + to_string(type),
                        "supported: isotropic, engineering constants, lamina, orthotropic and anisotropic",
                        "correct it");
     return;
@@ -139,7 +139,8 @@ void Materials::read_elastic(const Block& block, Elastic& material) {
       material.sheet = sheet_from(*material.solid, material.scalar.density);
   }
   if (!material.solid && !material.sheet)
-    deck_.problems.add(block.keyword.where, "the elastic constants of '" + shown(material.name) + "' are not positive",
+    deck_.problems.add(block.keyword.where,
+                       "the elastic constants of '" + to_string(material.name) + "' are not positive",
                        "strain energy must be positive", "check their order and values");
   material.scalar.youngs_modulus = material.sheet   ? material.sheet->youngs_modulus_1
                                    : material.solid ? material.solid->trace() / 6.0

@@ -46,7 +46,7 @@ void MeshReader::read_system() {
     for (std::string_view field; count < 9 && fields.next(field);) {
       const auto number = field.empty() ? 0.0 : to_number(field);
       if (!number)
-        problems_.fail(lines_.where(), "'" + shown(field) + "' is not a number", "*SYSTEM expects coordinates");
+        problems_.fail(lines_.where(), "'" + to_string(field) + "' is not a number", "*SYSTEM expects coordinates");
       values[count++] = *number;
     }
   }
@@ -69,7 +69,7 @@ void MeshReader::read_nodes(Scope& scope, const Keyword& keyword) {
   if (!keyword.get("INPUT").empty()) lines_.insert(keyword.get("INPUT"), keyword.where);
   const std::string axes = keyword.word("SYSTEM");
   if (!axes.empty() && axes != "R" && axes != "C" && axes != "S")
-    problems_.fail(keyword.where, "*NODE has SYSTEM=" + shown(axes), "it must be R, C or S", "correct it");
+    problems_.fail(keyword.where, "*NODE has SYSTEM=" + to_string(axes), "it must be R, C or S", "correct it");
   const std::string set_name = keyword.get("NSET");
   RawSet::Piece* piece = set_name.empty() ? nullptr : &own_piece(set_named(scope.node_sets, set_name));
   for (std::string_view line; lines_.next_data(line);)
@@ -82,7 +82,7 @@ bool MeshReader::read_node(RawNodes& nodes, std::string_view line, const std::st
   fields.next(field);
   const auto label = to_label(field);
   if (!label) {
-    problems_.add(lines_.where(), "'" + shown(field) + "' is not a node number",
+    problems_.add(lines_.where(), "'" + to_string(field) + "' is not a node number",
                   "a line of *NODE must begin with a node number > 0", "correct the line");
     return false;
   }
@@ -93,7 +93,7 @@ bool MeshReader::read_node(RawNodes& nodes, std::string_view line, const std::st
     if (field.empty()) continue;
     const auto number = to_number(field);
     if (!number) {
-      problems_.add(lines_.where(), "'" + shown(field) + "' of node " + std::to_string(*label) + " is not a number",
+      problems_.add(lines_.where(), "'" + to_string(field) + "' of node " + std::to_string(*label) + " is not a number",
                     "a node takes up to three finite coordinates", "correct the line");
       return false;
     }
@@ -114,7 +114,8 @@ int MeshReader::type_of(const Keyword& keyword) {
   const auto type = element_type(name);
   if (!type) {
     problems_.add(
-        keyword.where, name.empty() ? "*ELEMENT has no TYPE" : "elements of type " + shown(name) + " cannot be read",
+        keyword.where,
+        name.empty() ? "*ELEMENT has no TYPE" : "elements of type " + to_string(name) + " cannot be read",
         "the model would be incomplete without it without them",
         "use shells (S3 S4 S6 S8), solids (C3D4 to C3D20), beams (B31 B32 B33), trusses, springs, dashpots or "
         "masses");
@@ -159,7 +160,7 @@ void MeshReader::read_element(Scope& scope, std::string_view line, int type) {
   const auto label = to_label(field);
   const auto drop = [&] { scope.connectivity.resize(static_cast<std::size_t>(element.first)); };
   if (!label) {
-    problems_.add(element.where, "'" + shown(field) + "' is not an element number",
+    problems_.add(element.where, "'" + to_string(field) + "' is not an element number",
                   "a line of *ELEMENT must begin with an element number > 0", "correct the line");
     return;
   }
@@ -172,8 +173,9 @@ void MeshReader::read_element(Scope& scope, std::string_view line, int type) {
       if (field.empty()) continue;
       const std::int64_t node = node_reference(scope, field);
       if (node == 0) {
-        problems_.add(lines_.where(), "'" + shown(field) + "' of element " + std::to_string(*label) + " is not a node",
-                      "", "write the numbers of its nodes");
+        problems_.add(lines_.where(),
+                      "'" + to_string(field) + "' of element " + std::to_string(*label) + " is not a node", "",
+                      "write the numbers of its nodes");
         return drop();
       }
       scope.connectivity.push_back(node);
@@ -221,7 +223,7 @@ void MeshReader::read_generated_piece(RawSet::Piece& piece, std::string_view lin
   const auto last = fields.size() < 2 || fields[1].empty() ? first : number(1);
   const auto step = fields.size() < 3 || fields[2].empty() ? std::optional<std::int64_t>(1) : number(2);
   if (!first || !last || !step || *last < *first)
-    problems_.add(lines_.where(), "'" + shown(line) + "' is not a range",
+    problems_.add(lines_.where(), "'" + to_string(line) + "' is not a range",
                   "GENERATE expects the first number, the last number and the step, ascending", "correct the line");
   else
     piece.ranges.push_back({*first, *last, *step});

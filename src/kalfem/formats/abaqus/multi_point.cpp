@@ -83,13 +83,13 @@ void MultiPointReader::apply(const Entry& entry) {
     deck_.notes.add(deck_.problems.location(entry.where), "*MPC of type DIST", "limits of a distance are ignored");
     return;
   } else {
-    deck_.problems.add(entry.where, "*MPC of type " + shown(type) + " is not read",
+    deck_.problems.add(entry.where, "*MPC of type " + to_string(type) + " is not read",
                        "supported: BEAM, TIE, PIN, LINK, SLIDER, LINEAR, QUADRATIC, STRAIGHT and PLANE",
                        "write it as *EQUATION");
     return;
   }
-  deck_.problems.add(entry.where, "*MPC of type " + shown(type) + " has " + std::to_string(all.size()) + " nodes", "",
-                     "correct the line");
+  deck_.problems.add(entry.where, "*MPC of type " + to_string(type) + " has " + std::to_string(all.size()) + " nodes",
+                     "", "correct the line");
 }
 
 /// Every node of the first field follows the node of the second one, or that at the same place of its set.

@@ -61,7 +61,7 @@ std::optional<std::array<Eigen::Vector3d, 3>> defining_points(PlacedDeck& deck, 
   const auto& motion = deck.place(at.place).motion;
   const std::string definition = at.block->keyword.word("DEFINITION");
   if (!definition.empty() && definition != "COORDINATES" && definition != "NODES") {
-    deck.problems.add(at.block->keyword.where, "DEFINITION=" + shown(definition) + " is not read",
+    deck.problems.add(at.block->keyword.where, "DEFINITION=" + to_string(definition) + " is not read",
                       "local axes must be given by coordinates or nodes", "define the axes by coordinates");
     return {};
   }
@@ -75,7 +75,7 @@ std::optional<std::array<Eigen::Vector3d, 3>> defining_points(PlacedDeck& deck, 
     return points;
   }
   if (!line.fields.empty() && !to_number(line.field(0))) {
-    deck.problems.add(line.where, "the axes refer to '" + shown(line.field(0)) + "'",
+    deck.problems.add(line.where, "the axes refer to '" + to_string(line.field(0)) + "'",
                       "distributions over elements are not supported", "define the axes by coordinates");
     return {};
   }
@@ -105,7 +105,7 @@ void report_line(PlacedDeck& deck, const PlacedBlock& at) {
 LocalAxes orientation_axes(PlacedDeck& deck, const std::string& name, int place, const Where& where) {
   const PlacedBlock at = deck.find_block("ORIENTATION", name, place);
   if (!at.block) {
-    deck.problems.add(where, "there is no orientation '" + shown(name) + "'", "",
+    deck.problems.add(where, "there is no orientation '" + to_string(name) + "'", "",
                       "define it by *ORIENTATION, NAME=...");
     return {};
   }
@@ -128,7 +128,7 @@ LocalAxes orientation_axes(PlacedDeck& deck, const std::string& name, int place,
     result.origin = a;
     axes = polar_axes(a, b);
   } else {
-    deck.problems.add(at.block->keyword.where, "SYSTEM=" + shown(system) + " is not read",
+    deck.problems.add(at.block->keyword.where, "SYSTEM=" + to_string(system) + " is not read",
                       "axes can be rectangular, cylindrical or spherical", "correct it");
     return {};
   }
@@ -140,12 +140,12 @@ LocalAxes orientation_axes(PlacedDeck& deck, const std::string& name, int place,
   if (const auto& turn = line_of(*at.block, 1); !turn.fields.empty()) {
     const double axis = number_or(turn, 0, 1.0, "1, 2 or 3", deck.problems);
     if (axis != 1.0 && axis != 2.0 && axis != 3.0)
-      deck.problems.add(turn.where, "the axes are rotated about axis " + shown(turn.field(0)),
+      deck.problems.add(turn.where, "the axes are rotated about axis " + to_string(turn.field(0)),
                         "the axes are 1, 2 and 3", "correct the line");
     else
       result.rotated_axis = static_cast<int>(axis) - 1;
     if (!turn.field(1).empty() && !to_number(turn.field(1)))
-      deck.problems.add(turn.where, "the angle of the axes is '" + shown(turn.field(1)) + "'",
+      deck.problems.add(turn.where, "the angle of the axes is '" + to_string(turn.field(1)) + "'",
                         "distributions over elements are not supported", "give a number in degrees");
     else
       result.angle = degree * number_or(turn, 1, 0.0, "an angle", deck.problems);
@@ -169,7 +169,7 @@ LocalAxes transform_axes(PlacedDeck& deck, const PlacedBlock& at) {
     result.origin = motion * points[0];
     axes = polar_axes(result.origin, motion * points[1]);
   } else {
-    deck.problems.add(at.block->keyword.where, "*TRANSFORM has TYPE=" + shown(type), "it must be R, C or S",
+    deck.problems.add(at.block->keyword.where, "*TRANSFORM has TYPE=" + to_string(type), "it must be R, C or S",
                       "correct it");
     return {};
   }

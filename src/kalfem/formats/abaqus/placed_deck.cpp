@@ -40,10 +40,10 @@ void PlacedDeck::make_places() {
     if (part != raw_.parts.end())
       place.scopes.push_back(&part->second);
     else if (!instance.part.empty())
-      problems.add(
-          instance.where,
-          "the instance '" + shown(instance.name) + "' refers to the unknown part '" + shown(instance.part) + "'", "",
-          "define it by *PART, NAME=" + shown(instance.part));
+      problems.add(instance.where,
+                   "the instance '" + to_string(instance.name) + "' refers to the unknown part '" +
+                       to_string(instance.part) + "'",
+                   "", "define it by *PART, NAME=" + to_string(instance.part));
     place.scopes.push_back(&instance.own);
     places_.push_back(std::move(place));
   }

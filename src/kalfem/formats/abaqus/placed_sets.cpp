@@ -69,12 +69,12 @@ std::vector<Index> PlacedDeck::list(Sets sets, const SetReference& reference, in
   if (const auto label = to_integer(own)) {
     if (const auto position = index_of(sets, index).find(*label); position >= 0) return {position};
     problems.add(reference.where,
-                 std::string(of_nodes ? "node " : "element ") + shown(reference.text) + " does not exist", "",
+                 std::string(of_nodes ? "node " : "element ") + to_string(reference.text) + " does not exist", "",
                  "correct the number");
     return {};
   }
   problems.add(reference.where,
-               std::string("there is no set of ") + (of_nodes ? "nodes '" : "elements '") + shown(reference.text) +
+               std::string("there is no set of ") + (of_nodes ? "nodes '" : "elements '") + to_string(reference.text) +
                    "'" + did_you_mean(reference.text, known_names(sets)),
                "", "define it or correct the name");
   return {};
@@ -86,7 +86,7 @@ const std::vector<Index>& PlacedDeck::flattened(Sets sets, const Found& found, c
   const std::pair key{found.set, found.place};
   if (const auto known = flat_.find(key); known != flat_.end()) return known->second;
   if (std::ranges::find(open_, key) != open_.end() || open_.size() >= deepest_nesting) {
-    problems.add(reference.where, "the set '" + shown(found.set->name) + "' contains itself",
+    problems.add(reference.where, "the set '" + to_string(found.set->name) + "' contains itself",
                  "sets must not contain one another in a circle", "remove one");
     return none;
   }
@@ -97,8 +97,8 @@ const std::vector<Index>& PlacedDeck::flattened(Sets sets, const Found& found, c
     if (!piece.instance.empty()) {
       index = place_named(piece.instance);
       if (index < 0) {
-        problems.add(reference.where, "the set '" + shown(found.set->name) + "' refers to the unknown instance '" +
-                                          shown(piece.instance) + "'");
+        problems.add(reference.where, "the set '" + to_string(found.set->name) + "' refers to the unknown instance '" +
+                                          to_string(piece.instance) + "'");
         continue;
       }
     }

@@ -69,7 +69,7 @@ double ShellRegion::offset_ratio() {
   if (text == "SNEG") return -0.5;
   const auto value = to_number(text);
   if (!value)
-    deck_.problems.add(where(), "OFFSET=" + shown(text) + " is not read", "it must be a number, SPOS or SNEG",
+    deck_.problems.add(where(), "OFFSET=" + to_string(text) + " is not read", "it must be a number, SPOS or SNEG",
                        "write the offset as a fraction of the thickness");
   return value.value_or(0.0);
 }
@@ -161,7 +161,8 @@ std::optional<double> ShellRegion::ply_angle(const DataLine& line) {
     const Eigen::Vector3d laid = shell_direction(axes, place, normal);
     const double here = std::atan2(normal.dot(x.cross(laid)), x.dot(laid));
     if (angle && std::abs(std::remainder(here - *angle, std::numbers::pi)) > 1e-3) {
-      deck_.problems.add(line.where, "the orientation '" + shown(text) + "' of a layer varies from element to element",
+      deck_.problems.add(line.where,
+                         "the orientation '" + to_string(text) + "' of a layer varies from element to element",
                          "a layer needs one angle to the section's direction", "give the section the ORIENTATION too");
       return {};
     }

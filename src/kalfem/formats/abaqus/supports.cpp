@@ -33,11 +33,12 @@ std::optional<Directions> read_directions(PlacedDeck& deck, const DataLine& line
   const auto first = to_integer(line.field(1));
   const auto last = line.field(2).empty() ? first : to_integer(line.field(2));
   if (!first || !last || *first < 1 || *last < *first) {
-    deck.problems.add(line.where,
-                      "the directions '" + shown(line.field(1)) + "', '" + shown(line.field(2)) + "' cannot be read",
-                      "*BOUNDARY expects a node or set, then the first and the last direction (1 to 6), or ENCASTRE, "
-                      "PINNED, XSYMM ...",
-                      "correct the line");
+    deck.problems.add(
+        line.where,
+        "the directions '" + to_string(line.field(1)) + "', '" + to_string(line.field(2)) + "' cannot be read",
+        "*BOUNDARY expects a node or set, then the first and the last direction (1 to 6), or ENCASTRE, "
+        "PINNED, XSYMM ...",
+        "correct the line");
     return {};
   }
   if (*last > 6)
@@ -128,7 +129,7 @@ void read_equations(PlacedDeck& deck, const NodeAxes& axes, Kinematics& motions)
       const DataLine& start = lines[i];
       const auto count = to_integer(start.field(0));
       if (!count || *count < 1 || *count > 1000000 || start.fields.size() > 1) {
-        deck.problems.add(start.where, "'" + shown(start.field(0)) + "' is not a number of terms",
+        deck.problems.add(start.where, "'" + to_string(start.field(0)) + "' is not a number of terms",
                           "an equation begins with a line that holds only the number of its terms", "correct the line");
         break;
       }
@@ -140,7 +141,7 @@ void read_equations(PlacedDeck& deck, const NodeAxes& axes, Kinematics& motions)
           const auto direction = to_integer(lines[i].field(field + 1));
           const auto coefficient = number_at(lines[i], field + 2, "a coefficient", deck.problems);
           if (!direction || *direction < 1 || *direction > 6) {
-            deck.problems.add(lines[i].where, "'" + shown(lines[i].field(field + 1)) + "' is not a direction",
+            deck.problems.add(lines[i].where, "'" + to_string(lines[i].field(field + 1)) + "' is not a direction",
                               "*EQUATION expects a node or set, a direction (1 to 6) and a coefficient",
                               "correct the line");
             good = false;

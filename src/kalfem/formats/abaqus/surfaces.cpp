@@ -78,16 +78,16 @@ void SurfaceBuilder::add(const PlacedBlock& at, int depth) {
         if (const auto inner = deck_.find_block("SURFACE", name, at.place); inner.block)
           add(inner, depth + 1);
         else
-          deck_.problems.add(line.where, "there is no surface '" + shown(name) + "'");
+          deck_.problems.add(line.where, "there is no surface '" + to_string(name) + "'");
   } else if (!combine.empty()) {
-    deck_.problems.add(keyword.where, "*SURFACE, COMBINE=" + shown(combine) + " is not read", "unions are",
+    deck_.problems.add(keyword.where, "*SURFACE, COMBINE=" + to_string(combine) + " is not read", "unions are",
                        "list faces or nodes");
   } else if (type == "NODE") {
     add_nodes(at);
   } else if (type.empty() || type == "ELEMENT") {
     add_elements(at);
   } else {
-    deck_.problems.add(keyword.where, "*SURFACE, TYPE=" + shown(type) + " is not read",
+    deck_.problems.add(keyword.where, "*SURFACE, TYPE=" + to_string(type) + " is not read",
                        "a surface must consist of nodes or elements", "list faces or nodes");
   }
 }
@@ -112,8 +112,9 @@ void SurfaceBuilder::add_elements(const PlacedBlock& at) {
       if (!deck_.nodes_of(placed, nodes)) continue;
       if (!add_named_face(element, nodes, label)) {
         deck_.problems.add(
-            line.where, "elements of type " + deck_.type_name(placed) + " do not have the face '" + shown(label) + "'",
-            "", "correct the label");
+            line.where,
+            "elements of type " + deck_.type_name(placed) + " do not have the face '" + to_string(label) + "'", "",
+            "correct the label");
         break;
       }
     }
@@ -217,7 +218,7 @@ Surface find_surface(PlacedDeck& deck, const std::string& name, int place, const
       surface.weights.assign(surface.nodes.size(), 1.0);
       return surface;
     }
-    deck.problems.add(where, "there is no surface '" + shown(name) + "'", "", "define it by *SURFACE, NAME=...");
+    deck.problems.add(where, "there is no surface '" + to_string(name) + "'", "", "define it by *SURFACE, NAME=...");
     return {};
   }
   SurfaceBuilder builder(deck);

@@ -224,7 +224,7 @@ void TieMaker::tie(const PlacedBlock& at, const DataLine& line) {
       largest = std::max(largest, (deck_.mesh.nodes.col(node) - deck_.mesh.nodes.col(face.nodes[0])).norm());
   }
   if (faces.empty()) {
-    deck_.problems.add(line.where, "the second surface of *TIE, '" + shown(line.field(1)) + "', has no faces",
+    deck_.problems.add(line.where, "the second surface of *TIE, '" + to_string(line.field(1)) + "', has no faces",
                        "the nodes of the first surface must follow faces of the second",
                        "define it by elements and their faces");
     return;
@@ -254,7 +254,7 @@ void TieMaker::tie(const PlacedBlock& at, const DataLine& line) {
   if (tied == 0)
     deck_.problems.add(
         line.where,
-        "*TIE '" + shown(name) + "' ties no node: all are farther from the second surface than the tolerance",
+        "*TIE '" + to_string(name) + "' ties no node: all are farther from the second surface than the tolerance",
         "the parts would not be connected", "correct the surfaces or give POSITION TOLERANCE");
   else if (far > 0)
     deck_.notes.add(deck_.problems.location(line.where), "*TIE '" + name + "'",

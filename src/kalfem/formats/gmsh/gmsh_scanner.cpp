@@ -13,7 +13,7 @@ const char* const mend_truncated = "export the mesh again; the file may be trunc
 
 bool is_space(char c) { return c == ' ' || c == '\n' || c == '\t' || c == '\r'; }
 
-std::string shown(std::string_view word) { return "'" + printable(word) + "'"; }
+std::string to_string(std::string_view word) { return "'" + printable(word) + "'"; }
 
 }  // namespace
 
@@ -67,9 +67,9 @@ std::int64_t GmshScanner::text_integer(const char* what) {
   std::int64_t value = 0;
   const auto [end, error] = std::from_chars(found.data(), found.data() + found.size(), value);
   if (error == std::errc::result_out_of_range)
-    fail(at_, std::string(what) + " is " + shown(found), "it must fit into 64 bits", "renumber the mesh");
+    fail(at_, std::string(what) + " is " + to_string(found), "it must fit into 64 bits", "renumber the mesh");
   if (error != std::errc{} || end != found.data() + found.size())
-    fail(at_, std::string(what) + " is " + shown(found), "it must be a whole number", "correct the line");
+    fail(at_, std::string(what) + " is " + to_string(found), "it must be a whole number", "correct the line");
   at_ += found.size();
   return value;
 }
@@ -96,7 +96,7 @@ double GmshScanner::real(const char* what) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(begin, last, value);
   if (error == std::errc::invalid_argument || end != last)
-    fail(at_, std::string(what) + " is " + shown(found), "it must be a number", "correct the line");
+    fail(at_, std::string(what) + " is " + to_string(found), "it must be a number", "correct the line");
   at_ += found.size();
   // Too large and too small are the same error; the C function tells them apart as infinity and nearly zero.
   return error == std::errc::result_out_of_range ? std::strtod(begin, nullptr) : value;
@@ -128,7 +128,7 @@ void GmshScanner::end_section(std::string_view name) {
   const std::size_t begin = at_;
   const std::string_view found = line();
   if (found == end) return;
-  fail(begin, "there is " + shown(found) + " where " + end + " is expected",
+  fail(begin, "there is " + to_string(found) + " where " + end + " is expected",
        "the section has more entries than it announces, or its end is missing", mend_truncated);
 }
 

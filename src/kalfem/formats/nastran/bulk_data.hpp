@@ -286,7 +286,7 @@ struct BulkData {
   double mass_factor = 1.0;   ///< PARAM WTMASS
   bool coupled_mass = false;  ///< PARAM COUPMASS
   double drilling = 100.0;    ///< PARAM K6ROT
-  bool hold_singular = true;  ///< PARAM AUTOSPC
+  bool autospc = true;        ///< PARAM AUTOSPC
 };
 
 }  // namespace kalfem::nastran

@@ -118,9 +118,9 @@ void build_masses(Building& building);
 void build_direct_matrices(Building& building);
 void build_constraints(Building& building);
 /// PARAM AUTOSPC: holds the motions of nodes that nothing stiffens, see singular_motions.cpp.
-void hold_singular_motions(Building& building);
+void apply_autospc(Building& building);
 /// PARAM K6ROT, see singular_motions.cpp.
-void release_drilling(Building& building);
+void apply_k6rot(Building& building);
 
 /// Cells of a property that share what a region holds. `key` tells variants apart; names are "pshell3", "pshell3.2",
 /// ...

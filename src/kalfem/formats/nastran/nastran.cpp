@@ -176,9 +176,9 @@ void build_model(Building& building) {
   build_direct_matrices(building);
   build_constraints(building);
   building.files.raise();
-  hold_singular_motions(building);
+  apply_autospc(building);
   replace_quadratic(building.model);
-  release_drilling(building);
+  apply_k6rot(building);
 }
 
 void note_case_control(const CaseControl& control, DeckNotes& notes, const DeckFiles& files) {

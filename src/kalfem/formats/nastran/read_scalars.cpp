@@ -181,7 +181,7 @@ void read_param(const Card& card, const Reading& in) {
   } else if (name == "COUPMASS") {
     in.bulk.coupled_mass = card.text(2) == "YES" || (card.is_number(2) && card.real(2, "COUPMASS") > 0.0);
   } else if (name == "AUTOSPC") {
-    in.bulk.hold_singular = card.text(2) != "NO";
+    in.bulk.autospc = card.text(2) != "NO";
   } else if (name == "G" || name == "W3" || name == "W4" || name == "GFL") {
     in.note(card, "PARAM " + name, "structural damping is ignored; give modal damping instead");
   } else if (name == "K6ROT") {

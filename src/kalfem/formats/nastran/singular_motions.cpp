@@ -124,8 +124,8 @@ std::vector<bool> linked_nodes(const FiniteElementModel& model) {
 /// The sum of a a^T over what stiffens the translations (rotations) of a node has an eigenvalue below 1e-8 for a
 /// direction without stiffness; that motion is held, where the node hangs on no link or constraint and it is not held
 /// already.
-void hold_singular_motions(Building& building) {
-  if (!building.bulk.hold_singular) return;
+void apply_autospc(Building& building) {
+  if (!building.bulk.autospc) return;
   auto& model = building.model;
   const auto stiffening = stiffening_of(model);
   const auto linked = linked_nodes(model);
@@ -215,7 +215,7 @@ void release_held(Building& building, const std::vector<NodalSurface>& surfaces,
 /// the turn of a node follows the turn of the surface, so that holding it would hold the surface itself against turning
 /// in its plane: such turns are released. Nodes that are held in that plane, as at clamped edges and planes of
 /// symmetry, keep theirs.
-void release_drilling(Building& building) {
+void apply_k6rot(Building& building) {
   auto& model = building.model;
   auto turned = turned_by_others(model);
   const auto surfaces = nodal_surfaces(model);

@@ -135,7 +135,7 @@ void check_modal_damping(const std::vector<const LinearModel*>& parts, Index den
 
 }  // namespace
 
-LinearModel join(const std::vector<const LinearModel*>& parts, Index dense_damping_up_to) {
+LinearModel assemble_parts(const std::vector<const LinearModel*>& parts, Index dense_damping_up_to) {
   if (parts.empty())
     throw InvalidInput("there are no parts to assemble", "an assembly needs at least one part", "give its parts");
   if (parts.size() == 1) return *parts.front();

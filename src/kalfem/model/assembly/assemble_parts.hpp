@@ -15,6 +15,6 @@ namespace kalfem {
 /// form for the assembly. Of a part of at most `dense_damping_up_to` degrees of freedom it is carried over exactly, as
 /// entries of C. Throws InvalidInput where a larger part has some (unless it is the only part), and with every point
 /// that two parts define differently or that has the name of another part's degree of freedom.
-LinearModel join(const std::vector<const LinearModel*>& parts, Eigen::Index dense_damping_up_to = 1000);
+LinearModel assemble_parts(const std::vector<const LinearModel*>& parts, Eigen::Index dense_damping_up_to = 1000);
 
 }  // namespace kalfem

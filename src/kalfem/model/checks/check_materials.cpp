@@ -35,8 +35,8 @@ struct MassOfRegion {
   double operator()(const SolidProperty&) const { return density * measure; }
 };
 
-RegionHealth region_check(const FiniteElementModel& model, const std::string& name, const std::vector<Index>& cells) {
-  RegionHealth region{.name = name, .kind = {}, .material = {}, .cells = static_cast<Index>(cells.size())};
+RegionCheck region_check(const FiniteElementModel& model, const std::string& name, const std::vector<Index>& cells) {
+  RegionCheck region{.name = name, .kind = {}, .material = {}, .cells = static_cast<Index>(cells.size())};
   int highest = 0;
   for (const auto index : cells)
     highest = std::max(highest, dimension(model.mesh.cells[static_cast<std::size_t>(index)].shape));
@@ -68,7 +68,7 @@ void tell_regions(const ModelCheckReport& report, std::vector<ModelFinding>& fin
     if (width > 0.25 * size && size > 0.0)
       findings.push_back({Severity::warning, Topic::units,
                           "the " + std::string(region.thickness > 0.0 ? "thickness" : "width") + " of region '" +
-                              region.name + "', " + told(width) + " m, is " + told(width / size) +
+                              region.name + "', " + to_string(width) + " m, is " + to_string(width / size) +
                               " times the size of the whole structure",
                           "shells and beams are thin; its unit may differ from that of the coordinates",
                           "check the units of sections and coordinates"});
@@ -76,16 +76,16 @@ void tell_regions(const ModelCheckReport& report, std::vector<ModelFinding>& fin
 }
 
 /// `in_si`: another material is a usual one in SI, beside which an odd one is a stand-in: a dummy, a smeared core.
-void tell_material(const MaterialHealth& material, bool in_si, std::vector<ModelFinding>& findings) {
+void tell_material(const MaterialCheck& material, bool in_si, std::vector<ModelFinding>& findings) {
   if (material.used_by.empty()) {
     findings.push_back({Severity::note, Topic::materials, "the material '" + material.name + "' is not used", "", ""});
     return;
   }
   const auto& values = material.values;
   if (!material.resembles.empty() || !(values.youngs_modulus > 0.0)) return;
-  const std::string title = "the material '" + material.name + "' (E = " + told(values.youngs_modulus) +
-                            " Pa, density " + told(values.density) + " kg/m^3, wave speed " +
-                            told(material.wave_speed) + " m/s)";
+  const std::string title = "the material '" + material.name + "' (E = " + to_string(values.youngs_modulus) +
+                            " Pa, density " + to_string(values.density) + " kg/m^3, wave speed " +
+                            to_string(material.wave_speed) + " m/s)";
   if (!(values.density > 0.0)) {
     findings.push_back({Severity::note, Topic::materials, title + " has no density", "its elements have no mass", ""});
     return;
@@ -114,7 +114,7 @@ void tell_size(const ModelCheckReport& report, std::vector<ModelFinding>& findin
   const double size = (report.highest - report.lowest).norm();
   if (report.nodes < 2 || size == 0.0 || (size >= least_size && size <= most_size)) return;
   findings.push_back(
-      {Severity::warning, Topic::units, "the model is " + told(size) + " m large",
+      {Severity::warning, Topic::units, "the model is " + to_string(size) + " m large",
        size > most_size ? "its coordinates may be in millimetres" : "its coordinates may not be in metres",
        "declare the unit of length, unless the structure has this size"});
 }
@@ -135,7 +135,7 @@ void check_materials(const FiniteElementModel& model, ModelCheckReport& report) 
                                 .resembles = usual ? usual->name : "",
                                 .used_by = users[name]});
   }
-  const bool in_si = std::ranges::any_of(report.materials, [](const MaterialHealth& material) {
+  const bool in_si = std::ranges::any_of(report.materials, [](const MaterialCheck& material) {
     return !material.resembles.empty() && !material.used_by.empty();
   });
   for (const auto& material : report.materials) tell_material(material, in_si, report.findings);
@@ -165,7 +165,7 @@ void check_springs(const FiniteElementModel& model, const AssembledModel& assemb
     const double others = diagonal[place] - of_springs[place];
     if (!(others > 1e-12 * diagonal[place]) || spring.stiffness <= much_stiffer * others) continue;
     if (names.size() < most_named)
-      names.push_back("'" + spring.name + "' (" + told(spring.stiffness / others) + " times)");
+      names.push_back("'" + spring.name + "' (" + to_string(spring.stiffness / others) + " times)");
     if (finding.nodes.size() < 1000) finding.nodes.push_back(spring.from.node);
     ++count;
   }

@@ -32,7 +32,7 @@ double largest_entry(const SparseMatrix& matrix) {
 
 }  // namespace
 
-std::string told(double value) {
+std::string to_string(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.4g", value);
   return text;
@@ -64,9 +64,9 @@ Index indefinite_dof(const SparseMatrix& matrix) {
   }
 }
 
-MatrixHealth check_matrix(const SparseMatrix& matrix, const std::string& name, FindingTopic topic, bool definite,
-                          const std::vector<std::string>& dofs, std::vector<ModelFinding>& findings) {
-  MatrixHealth report;
+MatrixCheck check_matrix(const SparseMatrix& matrix, const std::string& name, FindingTopic topic, bool definite,
+                         const std::vector<std::string>& dofs, std::vector<ModelFinding>& findings) {
+  MatrixCheck report;
   const double largest = largest_entry(matrix);
   report.finite = std::isfinite(largest);
   if (!report.finite) {
@@ -83,7 +83,7 @@ MatrixHealth check_matrix(const SparseMatrix& matrix, const std::string& name, F
   report.asymmetry = largest_entry(SparseMatrix(matrix - SparseMatrix(matrix.transpose()))) / largest;
   if (report.asymmetry > visible_asymmetry)
     findings.push_back({Severity::error, topic,
-                        "the " + name + " is not symmetric: entries differ by " + told(report.asymmetry) +
+                        "the " + name + " is not symmetric: entries differ by " + to_string(report.asymmetry) +
                             " of the largest entry between both triangles",
                         "all methods need symmetric matrices",
                         "export the symmetric part, or check that both triangles were read"});
@@ -140,15 +140,15 @@ std::vector<std::string> tell_grounding(const GroundingCheck& grounding, bool su
   std::vector<std::string> names;
   for (const auto& stray : grounding.stray) names.push_back(dofs[static_cast<std::size_t>(stray.dof)]);
   if (grounding.stray_count > 0)
-    findings.push_back({supported || grounding.free < grounding.existing ? Severity::warning : Severity::note,
-                        Topic::grounding,
-                        "grounding check: a rigid-body motion causes forces at " +
-                            listed(names, grounding.stray_count) + ", up to " + told(grounding.stray.front().ratio) +
-                            " of the forces that should cancel, although nothing restrains it there",
-                        "a spring between nodes at different places, a constraint that does not allow rigid-body "
-                        "motion, or condensed matrices tie the structure to the ground",
-                        "let such springs act along the line between their nodes or make the nodes coincide; check the "
-                        "constraints there"});
+    findings.push_back(
+        {supported || grounding.free < grounding.existing ? Severity::warning : Severity::note, Topic::grounding,
+         "grounding check: a rigid-body motion causes forces at " + listed(names, grounding.stray_count) + ", up to " +
+             to_string(grounding.stray.front().ratio) +
+             " of the forces that should cancel, although nothing restrains it there",
+         "a spring between nodes at different places, a constraint that does not allow rigid-body "
+         "motion, or condensed matrices tie the structure to the ground",
+         "let such springs act along the line between their nodes or make the nodes coincide; check the "
+         "constraints there"});
   return names;
 }
 
@@ -162,8 +162,8 @@ void tell_mass(const MassProperties& mass, const Eigen::Vector3d& moving, const 
   const double margin = 0.05 * (highest - lowest).norm();
   if (((mass.centre - lowest).array() < -margin).any() || ((mass.centre - highest).array() > margin).any())
     findings.push_back({Severity::warning, Topic::mass,
-                        "the centre of mass (" + told(mass.centre[0]) + ", " + told(mass.centre[1]) + ", " +
-                            told(mass.centre[2]) + ") lies outside the model",
+                        "the centre of mass (" + to_string(mass.centre[0]) + ", " + to_string(mass.centre[1]) + ", " +
+                            to_string(mass.centre[2]) + ") lies outside the model",
                         "this is only possible if a large mass has an offset",
                         "check offsets of masses and the mass matrix"});
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(mass.inertia, Eigen::EigenvaluesOnly);
@@ -171,8 +171,8 @@ void tell_mass(const MassProperties& mass, const Eigen::Vector3d& moving, const 
   const double largest = moments[2];
   if (moments[0] < -1e-6 * largest || moments[2] > (moments[0] + moments[1]) * (1.0 + 1e-3) + 1e-12 * largest)
     findings.push_back({Severity::warning, Topic::mass,
-                        "the principal moments of inertia " + told(moments[0]) + ", " + told(moments[1]) + ", " +
-                            told(moments[2]) + " are physically impossible",
+                        "the principal moments of inertia " + to_string(moments[0]) + ", " + to_string(moments[1]) +
+                            ", " + to_string(moments[2]) + " are physically impossible",
                         "each must be at most the sum of the other two",
                         "check inertias of masses and the mass matrix"});
 }

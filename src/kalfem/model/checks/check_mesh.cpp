@@ -81,7 +81,7 @@ void check_coincidence(const FiniteElementModel& model, const std::vector<bool>&
     for (const auto node : {one, other})
       if (finding.nodes.size() < most_shown) finding.nodes.push_back(node);
   }
-  finding.what = std::to_string(report.unjoined_pairs) + " pairs of nodes coincide (within " + told(tolerance) +
+  finding.what = std::to_string(report.unjoined_pairs) + " pairs of nodes coincide (within " + to_string(tolerance) +
                  " m) and are not connected: " + listed(names, report.unjoined_pairs);
   if (report.unjoined_pairs > 0) report.findings.push_back(std::move(finding));
 }
@@ -143,8 +143,8 @@ void tell_quality(const Mesh& mesh, const RegionQuality& quality, const QualityL
     finding.what = std::to_string(of.beyond) + " of " + std::to_string(quality.measured) + " elements of region '" +
                    quality.region + "' have " + (of.measure == QualityMeasure::aspect_ratio ? "an " : "a ") +
                    to_string(of.measure) + (is_worse_when_larger(of.measure) ? " above " : " below ") +
-                   told(limits.limits[static_cast<std::size_t>(of.measure)]) + ", the worst " + told(of.worst) + ": " +
-                   listed(names, of.beyond);
+                   to_string(limits.limits[static_cast<std::size_t>(of.measure)]) + ", the worst " +
+                   to_string(of.worst) + ": " + listed(names, of.beyond);
     findings.push_back(std::move(finding));
   }
 }

@@ -149,7 +149,7 @@ struct ModelFinding {
 };
 
 /// A region of the mesh.
-struct RegionHealth {
+struct RegionCheck {
   std::string name;
   std::string kind;      ///< "shell", "laminate", "beam", "solid"; "" where it has no property
   std::string material;  ///< "" of laminates and where there is no property
@@ -161,7 +161,7 @@ struct RegionHealth {
 };
 
 /// A material of the model.
-struct MaterialHealth {
+struct MaterialCheck {
   std::string name;
   IsotropicMaterial values;
   double wave_speed = 0.0;           ///< sqrt(E / rho) [m/s]
@@ -170,7 +170,7 @@ struct MaterialHealth {
 };
 
 /// A symmetric matrix of the model.
-struct MatrixHealth {
+struct MatrixCheck {
   bool finite = true;                  ///< all entries; nothing else is known where one is not
   double asymmetry = 0.0;              ///< largest |A_ij - A_ji| / largest |A_ij|
   Eigen::Index negative_diagonal = 0;  ///< entries below zero
@@ -189,15 +189,15 @@ struct ModelCheckReport {
   std::optional<GroundingCheck> grounding;     ///< likewise
   std::vector<std::string> stray_dofs;         ///< names of Grounding::stray
   std::vector<std::string> mechanisms;         ///< as of find_mechanisms(); where it was looked for
-  MatrixHealth stiffness_matrix, mass_matrix;
+  MatrixCheck stiffness_matrix, mass_matrix;
   Eigen::Index fixed_dofs = 0;        ///< directions of supports
   Eigen::Index grounded_dofs = 0;     ///< degrees of freedom with springs or dashpots to a ground
   Eigen::Index free_nodes = 0;        ///< that nothing touches
   Eigen::Index coincident_pairs = 0;  ///< of nodes that belong to something
   Eigen::Index unjoined_pairs = 0;    ///< of these, joined by nothing
   std::vector<Eigen::Index> parts;    ///< numbers of nodes of what holds together, the largest first
-  std::vector<RegionHealth> regions;
-  std::vector<MaterialHealth> materials;
+  std::vector<RegionCheck> regions;
+  std::vector<MaterialCheck> materials;
   std::vector<RegionQuality> quality;      ///< of regions with surfaces or solids and a property
   std::vector<double> lowest_frequencies;  ///< [Hz], of bare matrices only, where they were computed
 

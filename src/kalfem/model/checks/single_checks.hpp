@@ -8,7 +8,7 @@ namespace kalfem::report {
 inline constexpr std::size_t most_named = 8;
 
 /// Number in the form in which findings tell it: "2.1e+11".
-std::string told(double value);
+std::string to_string(double value);
 /// "a, b, c and 17 more" of the first few of `count` names.
 std::string listed(const std::vector<std::string>& names, Eigen::Index count);
 
@@ -26,8 +26,8 @@ Eigen::Index count_grounded(const std::vector<GroundCoupling>& grounds, Eigen::I
 RigidFrame frame_of(const ModelCheckReport& report);
 
 /// Symmetry and signs of a matrix; with `definite`, an attempt to factor it. Findings name it ("stiffness matrix").
-MatrixHealth check_matrix(const SparseMatrix& matrix, const std::string& name, FindingTopic topic, bool definite,
-                          const std::vector<std::string>& dofs, std::vector<ModelFinding>& findings);
+MatrixCheck check_matrix(const SparseMatrix& matrix, const std::string& name, FindingTopic topic, bool definite,
+                         const std::vector<std::string>& dofs, std::vector<ModelFinding>& findings);
 
 /// Findings on how the structure is held, and the names of the stray degrees of freedom.
 /// `supported`: supports or grounds are known to hold it.

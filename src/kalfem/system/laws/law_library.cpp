@@ -109,7 +109,7 @@ Requirement require(Range range, double value) {
   return {"any number is allowed", true};
 }
 
-std::string describe(const LawQuantity& parameter, double value) {
+std::string to_string(const LawQuantity& parameter, double value) {
   std::ostringstream text;
   text << "parameter '" << parameter.name << "' is " << value;
   if (!parameter.unit.empty() && parameter.unit != "-") text << " " << parameter.unit;
@@ -151,9 +151,9 @@ std::vector<Issue> validate_parameters(const ConnectorLaw& law, const Eigen::Ref
     const bool may_be_infinite = std::isinf(parameter.default_value) && values[i] == parameter.default_value;
     const auto requirement = require(parameter.range, values[i]);
     if (!std::isfinite(values[i]) && !may_be_infinite)
-      issues.add({}, describe(parameter, values[i]), "it must be a finite number", "give the " + parameter.meaning);
+      issues.add({}, to_string(parameter, values[i]), "it must be a finite number", "give the " + parameter.meaning);
     else if (!requirement.met)
-      issues.add({}, describe(parameter, values[i]), requirement.words, "give the " + parameter.meaning);
+      issues.add({}, to_string(parameter, values[i]), requirement.words, "give the " + parameter.meaning);
   }
   return issues.issues();
 }

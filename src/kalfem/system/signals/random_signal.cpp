@@ -22,13 +22,14 @@ double last_line(const LineGrid& grid) { return std::floor(grid.upper * grid.dur
 
 void require_lines(IssueList& issues, const std::string& signal, const LineGrid& grid) {
   const double count = last_line(grid) - lowest_line(grid) + 1.0;
-  const std::string band = "[" + shown(grid.lower) + ", " + shown(grid.upper) + "] Hz";
+  const std::string band = "[" + to_string(grid.lower) + ", " + to_string(grid.upper) + "] Hz";
   if (!(count >= 1.0))
-    issues.add({}, signal + ": no multiple of 1/duration = " + shown(1.0 / grid.duration) + " Hz lies in " + band,
+    issues.add({}, signal + ": no multiple of 1/duration = " + to_string(1.0 / grid.duration) + " Hz lies in " + band,
                "the signal is a sum of lines with this spacing", "widen the band or lengthen the duration");
   if (count > most_lines)
-    issues.add({}, signal + ": " + band + " over " + shown(grid.duration) + " s needs " + shown(count) + " lines",
-               "at most " + shown(most_lines) + " can be computed", "narrow the band or shorten the duration");
+    issues.add({},
+               signal + ": " + band + " over " + to_string(grid.duration) + " s needs " + to_string(count) + " lines",
+               "at most " + to_string(most_lines) + " can be computed", "narrow the band or shorten the duration");
 }
 
 std::int64_t first_line(const LineGrid& grid) { return static_cast<std::int64_t>(lowest_line(grid)); }
@@ -47,8 +48,8 @@ IssueList validate(const RandomSignalOptions& options) {
   require_nonnegative(issues, "random signal: fade_in [s]", options.fade_in);
   if (options.fade_in > options.duration)
     issues.add({},
-               "random signal: fade_in is " + shown(options.fade_in) + " s, longer than the duration of " +
-                   shown(options.duration) + " s",
+               "random signal: fade_in is " + to_string(options.fade_in) + " s, longer than the duration of " +
+                   to_string(options.duration) + " s",
                "the signal would never reach its rms");
   if (issues.empty()) require_lines(issues, "random signal", {options.lower, options.upper, options.duration});
   return issues;

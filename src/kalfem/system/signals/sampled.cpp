@@ -80,9 +80,9 @@ private:
 
   void require_covered(double begin, double end) const {
     if (covers(begin, end)) return;
-    throw InvalidInput("a record from " + shown(options_.start) + " s to " +
-                           shown(options_.start + last() / options_.sample_rate) + " s is requested from " +
-                           shown(begin) + " s to " + shown(end) + " s",
+    throw InvalidInput("a record from " + to_string(options_.start) + " s to " +
+                           to_string(options_.start + last() / options_.sample_rate) + " s is requested from " +
+                           to_string(begin) + " s to " + to_string(end) + " s",
                        "it is unknown outside its samples",
                        "shorten the analysis, supply a longer record, or extend the record with its end values");
   }
@@ -119,7 +119,7 @@ SignalPtr make_sampled(Eigen::VectorXd values, const SampledOptions& options) {
                "interpolation needs at least two samples");
   for (Eigen::Index k = 0; k < values.size(); ++k)
     if (!std::isfinite(values(k))) {
-      issues.add({}, "sampled signal: sample " + std::to_string(k + 1) + " is " + shown(values(k)),
+      issues.add({}, "sampled signal: sample " + std::to_string(k + 1) + " is " + to_string(values(k)),
                  "every sample must be finite", "repair or cut the record");
       break;
     }
