@@ -136,7 +136,7 @@ EstimateResult estimate(const Structure& structure, const TimeSeries& record, co
   estimate.innovation = filtered.result.innovation.transpose();
   estimate.nis = filtered.result.nis;
   estimate.log_likelihood = filtered.result.log_likelihood;
-  estimate.filter = name_of(filtered.run.choice.filter) + ": " + filtered.run.choice.reason;
+  estimate.filter = to_string(filtered.run.choice.filter) + ": " + filtered.run.choice.reason;
   estimate.sample_rate = record.sample_rate;
   if (const auto& failure = filtered.result.failure)
     estimate.failure = FilterStop{record.start + failure->time, failure->reason};

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "kalfem/system/laws/implicit_states.hpp"
+#include "kalfem/system/laws/expression_evaluator.hpp"
 #include "kalfem/system/laws/law_library.hpp"
 
 namespace kalfem {

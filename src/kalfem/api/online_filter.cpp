@@ -72,12 +72,11 @@ public:
     options_.threads = filter_threads(made_.problem->settings);
     options_.monitored = make_outputs(*made_.setup.model, made_.monitored);
     linear_unknowns_ = linear_unknowns(model_->options());
-    setup_ = std::make_unique<FilterSetup>(model_, options_);
+    setup_ = std::make_unique<FilterSetup>(model_, noise_, options_);
     setup_->filter->reset(model_->prior());
     linearised_about_ = linear_estimate(true);
     inputs_ = first.empty() ? run.record.inputs.col(0) : stacked(first);
     innovation_ = VectorXd::Constant(noise_.rows(), not_a_number);
-    for (Index i = 0; i < noise_.rows(); ++i) rows_.push_back(i);
   }
 
   /// Inputs that are straight up to the next sample.
@@ -101,19 +100,14 @@ public:
                          "there are " + std::to_string(noise_.rows()) + " sensors",
                          "give one a sensor, not a number where nothing was measured");
     if (failure_) return false;
-    std::vector<Index> rows;
-    for (Index i = 0; i < measured.size(); ++i)
-      if (std::isfinite(measured[i])) rows.push_back(i);
-    if (rows != rows_ && !rows.empty()) setup_->measurement.select_rows(rows_ = rows);
     innovation_.setConstant(not_a_number);
     nis_ = not_a_number;
-    if (rows.empty()) return true;
     setup_->measurement.set_inputs(inputs_);
     if (!linear_unknowns_.empty()) setup_->measurement.set_mean(setup_->filter->mean());
     Innovation innovation;
-    const auto outcome = setup_->filter->update(setup_->measurement, noise_(rows, rows), measured(rows), innovation);
-    if (!went_on(outcome)) return false;
-    innovation_(rows) = innovation.value;
+    if (!went_on(setup_->filter->update(measured, innovation))) return false;
+    if (innovation.channels.empty()) return true;
+    innovation_(innovation.channels) = innovation.value;
     nis_ = innovation.nis;
     return linearise_where_it_moved();
   }
@@ -156,7 +150,7 @@ public:
     monitored.set_inputs(inputs_);
     if (!linear_unknowns_.empty()) monitored.set_mean(setup_->filter->mean());
     VectorXd mean, deviation;
-    if (setup_->filter->observe(monitored, mean, &deviation) != FilterOutcome::usable)
+    if (setup_->filter->observe(mean, &deviation) != FilterOutcome::usable)
       return {not_a_number, not_a_number};
     const auto row = found - made_.monitored.begin();
     return {mean[row], deviation[row]};
@@ -174,7 +168,7 @@ private:
     ++sample_;
     inputs_ = inputs;
     if (!linear_unknowns_.empty()) setup_->transition.set_mean(setup_->filter->mean());
-    return went_on(setup_->filter->predict(setup_->transition, setup_->augmented_model->process_noise()));
+    return went_on(setup_->filter->predict());
   }
 
   /// [r; r'; r''] from the present sample to the next.
@@ -219,11 +213,10 @@ private:
     auto now = linear_estimate(false);
     if (!now.outdates(linearised_about_)) return true;
     try {
-      setup_ = relinearised(*model_, now, *setup_, options_);
+      setup_ = relinearised(*model_, now, *setup_, noise_, options_);
     } catch (const InvalidInput&) {
       return went_on(FilterOutcome::linear_part_impossible);
     }
-    setup_->measurement.select_rows(rows_);
     linearised_about_ = std::move(now);
     return true;
   }
@@ -237,7 +230,6 @@ private:
   std::vector<Index> linear_unknowns_;
   LinearEstimate linearised_about_;
   Eigen::MatrixXd noise_;
-  std::vector<Index> rows_;  ///< sensors that the measurement's map holds
   VectorXd inputs_;          ///< at the present sample
   VectorXd innovation_;
   double nis_ = not_a_number;

@@ -229,7 +229,7 @@ private:
     if (source.kind == YamlNode::Kind::list)
       for (const auto& item : source.items) merge(*item, target);
     else if (source.kind != YamlNode::Kind::map)
-      issues_.add({name_, target.node.line}, "<< is used on " + describe(source), "only maps can be merged",
+      issues_.add({name_, target.node.line}, "<< is used on " + to_string(source), "only maps can be merged",
                   "write <<: *anchor_of_a_map");
     for (const auto& entry : source.entries)
       if (target.keys.emplace(entry.key, entry.line).second) target.node.entries.push_back(entry);

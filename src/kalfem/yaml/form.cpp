@@ -21,7 +21,7 @@ void CaseNode::issue(const InvalidInput& error) const {
 
 bool CaseNode::require(YamlNode::Kind kind, const std::string& written) const {
   if (node_->kind == kind) return true;
-  issue(describe(*node_) + " given", "", "write " + written);
+  issue(to_string(*node_) + " given", "", "write " + written);
   return false;
 }
 

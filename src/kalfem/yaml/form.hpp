@@ -24,8 +24,8 @@ public:
   CaseNode(ReadContext& reading, YamlNodePtr node, std::string path, int line)
       : reading_(&reading), node_(std::move(node)), path_(std::move(path)), line_(line) {}
 
-  [[nodiscard]] const YamlNode& node() const { return *node_; }
-  [[nodiscard]] const YamlNodePtr& shared_node() const { return node_; }
+  [[nodiscard]] const YamlNode& yaml() const { return *node_; }
+  [[nodiscard]] const YamlNodePtr& shared_yaml() const { return node_; }
   [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] SourceLocation location() const { return {reading_->file, line_}; }
   [[nodiscard]] const std::filesystem::path& folder() const { return reading_->folder; }
