@@ -58,11 +58,11 @@ TEST(SolidCook, HexahedraConverge) {
 TEST(SolidCook, WedgesAndTetrahedraConverge) {
   // one value for both shapes, which differ by up to .036
   for (const auto shape : {CellShape::wedge15, CellShape::tetrahedron10}) {
-    EXPECT_NEAR(cook(4, shape, SolidKind::standard), 23.44, 0.03) << test::to_string(shape);
-    EXPECT_NEAR(cook(8, shape, SolidKind::standard), 23.85, 0.01) << test::to_string(shape);
+    EXPECT_NEAR(cook(4, shape, SolidKind::standard), 23.44, 0.03) << test::name_of(shape);
+    EXPECT_NEAR(cook(8, shape, SolidKind::standard), 23.85, 0.01) << test::name_of(shape);
   }
   for (const auto shape : {CellShape::wedge6, CellShape::tetrahedron4})  // constant strain in the plane: slow
-    EXPECT_NEAR(cook(16, shape, SolidKind::standard), 21.1, 0.05) << test::to_string(shape);
+    EXPECT_NEAR(cook(16, shape, SolidKind::standard), 21.1, 0.05) << test::name_of(shape);
 }
 
 // Slender cantilevers -------------------------------------------------------------------------------------------------
@@ -121,7 +121,7 @@ TEST(SolidStraightBeam, OneRowBendsByItsShapeAndKind) {
         found.push_back(straight_beam(lean, direction, line.shape, line.kind));
       return found;
     };
-    const std::string name = test::to_string(line.shape) + " " + test::to_string(line.kind);
+    const std::string name = test::name_of(line.shape) + " " + test::name_of(line.kind);
     expect_row(row(Lean::none), line.straight, three_decimals, name + ", straight");
     expect_row(row(Lean::trapezoids), line.trapezoids, three_decimals, name + ", trapezoids");
     expect_row(row(Lean::parallelograms), line.parallelograms, three_decimals, name + ", parallelograms");

@@ -291,8 +291,7 @@ TEST_P(SolidLaws, MassIsPositive) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, SolidLaws, testing::ValuesIn(cases()), [](const auto& one) {
-  return to_string(one.param.shape) + "_" + to_string(one.param.kind) + "_" +
-         form_names[static_cast<int>(one.param.form)];
+  return name_of(one.param.shape) + "_" + name_of(one.param.kind) + "_" + form_names[static_cast<int>(one.param.form)];
 });
 
 // Shape functions and rules -------------------------------------------------------------------------------------------
@@ -303,7 +302,7 @@ TEST(SolidShapes, FunctionsAreOneAtTheirNodeAndSumToOne) {
     for (Index i = 0; i < nodes.cols(); ++i) {
       const auto at = solid_shape_functions(shape, nodes.col(i));
       // rounding
-      EXPECT_LT((at.values - Eigen::VectorXd::Unit(nodes.cols(), i)).cwiseAbs().maxCoeff(), 1e-15) << to_string(shape);
+      EXPECT_LT((at.values - Eigen::VectorXd::Unit(nodes.cols(), i)).cwiseAbs().maxCoeff(), 1e-15) << name_of(shape);
     }
     const Eigen::Vector3d place(0.21, 0.34, 0.17);
     const auto at = solid_shape_functions(shape, place);
@@ -337,7 +336,7 @@ TEST(SolidRules, MassRulesHaveTheirDegree) {
           const double exact = tetrahedron ? factorial(a) * factorial(b) * factorial(c) / factorial(a + b + c + 3)
                                : wedge     ? factorial(a) * factorial(b) / factorial(a + b + 2) * line(c)
                                            : line(a) * line(b) * line(c);
-          EXPECT_NEAR(sum, exact, 1e-14) << to_string(shape) << " " << a << b << c;  // rounding of up to 64 points
+          EXPECT_NEAR(sum, exact, 1e-14) << name_of(shape) << " " << a << b << c;  // rounding of up to 64 points
         }
   }
 }
@@ -385,7 +384,7 @@ TEST_P(SolidPatch, InnerNodesOfADistortedBlockFollowALinearFieldOnItsSurface) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, SolidPatch, testing::ValuesIn(patch_cases()),
-                         [](const auto& one) { return to_string(one.param.shape) + "_" + to_string(one.param.kind); });
+                         [](const auto& one) { return name_of(one.param.shape) + "_" + name_of(one.param.kind); });
 
 // Faults --------------------------------------------------------------------------------------------------------------
 
@@ -409,7 +408,7 @@ TEST(SolidFaults, EveryShapeInsideOutIsRejected) {
   for (const auto shape : test::solid_shapes)
     for (const auto kind : test::solid_kinds) {
       const Eigen::Matrix3Xd mirrored = Eigen::Vector3d(1, 1, -1).asDiagonal() * natural_nodes(shape);
-      EXPECT_NE(complaint(shape, mirrored, kind).find("inside out"), std::string::npos) << to_string(shape);
+      EXPECT_NE(complaint(shape, mirrored, kind).find("inside out"), std::string::npos) << name_of(shape);
     }
 }
 
@@ -418,7 +417,7 @@ TEST(SolidFaults, FlatShapesAreRejected) {
     for (const double height : {0.0, 1e-13}) {
       Eigen::Matrix3Xd flat = element_nodes(shape, Form::distorted);
       flat.row(2) *= height;
-      EXPECT_NE(complaint(shape, flat), "") << to_string(shape);
+      EXPECT_NE(complaint(shape, flat), "") << name_of(shape);
     }
 }
 

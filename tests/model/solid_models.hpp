@@ -18,7 +18,7 @@ inline constexpr std::array solid_shapes = {CellShape::tetrahedron4, CellShape::
 inline constexpr std::array solid_kinds = {SolidKind::standard, SolidKind::full, SolidKind::mean_dilatation,
                                            SolidKind::reduced};
 
-inline std::string to_string(CellShape shape) {
+inline std::string name_of(CellShape shape) {
   static const std::map<CellShape, std::string> names = {{CellShape::tetrahedron4, "tetrahedron4"},
                                                          {CellShape::tetrahedron10, "tetrahedron10"},
                                                          {CellShape::wedge6, "wedge6"},
@@ -28,7 +28,7 @@ inline std::string to_string(CellShape shape) {
   return names.at(shape);
 }
 
-inline std::string to_string(SolidKind kind) {
+inline std::string name_of(SolidKind kind) {
   static const std::map<SolidKind, std::string> names = {{SolidKind::standard, "standard"},
                                                          {SolidKind::full, "full"},
                                                          {SolidKind::mean_dilatation, "mean_dilatation"},

@@ -74,8 +74,8 @@ TEST(SolidModes, FreeElementHasNoOtherModesBelowItsFirst) {
       return frequencies(cube.model, 7)[6];
     };
     const double ratio = first(SolidKind::standard) / first(SolidKind::full);
-    EXPECT_GT(ratio, 0.7) << test::to_string(shape);
-    EXPECT_LT(ratio, 1.0 + 1e-12) << test::to_string(shape);  // fewer points only soften; rounding
+    EXPECT_GT(ratio, 0.7) << test::name_of(shape);
+    EXPECT_LT(ratio, 1.0 + 1e-12) << test::name_of(shape);  // fewer points only soften; rounding
   }
 }
 
@@ -103,7 +103,7 @@ TEST(SolidModes, LumpedMassComesToTheSameFrequencies) {
     const double consistent = frequencies(bar.model, 1)[0];
     bar.model.mass_kind = MassKind::lumped;
     // found .0011 to .0052: second order in 1/12
-    EXPECT_NEAR(frequencies(bar.model, 1)[0], consistent, 0.012 * consistent) << test::to_string(shape);
+    EXPECT_NEAR(frequencies(bar.model, 1)[0], consistent, 0.012 * consistent) << test::name_of(shape);
   }
 }
 
