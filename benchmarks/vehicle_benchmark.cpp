@@ -69,7 +69,7 @@ void time_steps(const Study& study) {
 
 /// The case's frame, and nothing else of it.
 FiniteElementPart frame_of(const std::string& file) {
-  const auto given = read_case(file, description::case_form());
+  const auto given = read_case(file, description::case_schema());
   const auto& [name, part] = *std::ranges::find_if(
       given.substructures, [](const auto& each) { return each.second.finite_elements.has_value(); });
   return make_finite_element_part(name, part, attached_points(given, name), {});
@@ -153,7 +153,7 @@ void time_augmented_model(const Study& study, const std::string& held) {
 
 /// The case with all six directions of p1 to p4 in the frame's boundary and 60 modes.
 Study with_whole_boundary(const std::string& file) {
-  auto given = read_case(file, description::case_form());
+  auto given = read_case(file, description::case_schema());
   auto& frame = std::ranges::find_if(given.substructures, [](const auto& each) {
                   return each.second.finite_elements.has_value();
                 })->second;

@@ -2,7 +2,7 @@
 #include "kalfem/yaml/case_reader.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const auto form = kalfem::description::case_form();
+  static const auto form = kalfem::description::case_schema();
   try {
     kalfem::read_case_text({reinterpret_cast<const char*>(data), size}, "fuzz.yaml", form,
                            [](const std::string&) { return std::optional<std::string>(); });
