@@ -13,10 +13,10 @@ set(KALFEM_CORE_HEADERS
     model/elements/element.hpp model/mesh/mesh.hpp model/mesh/properties.hpp
     records/time_series.hpp reduction/superelement.hpp
     system/connector_law.hpp system/signal.hpp
-    system/sensors/analog_section.hpp system/sensors/measurement_chain.hpp system/sensors/output_description.hpp
+    system/sensors/measurement_chain.hpp system/sensors/output_description.hpp
     system/signals/sampled.hpp)
 set(KALFEM_FORMATS_HEADERS
-    formats/deck.hpp formats/matrices.hpp formats/matrices/write.hpp formats/read_deck.hpp formats/tables/csv.hpp)
+    formats/deck.hpp formats/matrices.hpp formats/matrices/write.hpp formats/tables/csv.hpp)
 set(KALFEM_STUDY_HEADERS report/run_case.hpp)
 
 # The folders' libraries of each component; a component uses those before it.

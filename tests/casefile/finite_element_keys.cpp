@@ -422,7 +422,7 @@ void reduction_methods() {
   const auto part = with_part("finite_elements: {" + beam_elements() + "}");
   const std::vector<std::string> boundary{"n3.x", "n3.y", "n3.z"};
   const auto same = [&](const std::string& text, const Superelement& expected) {
-    const auto found = reduced("modes: 4, augmentation_vectors: false" + text);
+    const auto found = reduced("modes: 4, truncation_vectors: false" + text);
     // the same reduction
     EXPECT_LT(relative_difference(found->model.stiffness, expected.model.stiffness), 1e-14) << text;
     EXPECT_LT(relative_difference(found->model.mass, expected.model.mass), 1e-14) << text;
@@ -442,17 +442,17 @@ void reduction_sizes() {
   const auto size = [](const std::string& text, const std::string& more = "") {
     return reduced(text, more)->model.size();
   };
-  EXPECT_EQ(size("modes: 2, augmentation_vectors: false"), 5);
-  EXPECT_EQ(size("modes: 4, augmentation_vectors: false"), 7);
+  EXPECT_EQ(size("modes: 2, truncation_vectors: false"), 5);
+  EXPECT_EQ(size("modes: 4, truncation_vectors: false"), 7);
   EXPECT_GT(size("modes: 2"), 5);
-  EXPECT_EQ(size("modes: 2"), size("modes: 2, augmentation_vectors: true"));
+  EXPECT_EQ(size("modes: 2"), size("modes: 2, truncation_vectors: true"));
   const auto highest = [](const std::string& text) { return reduced(text)->error_indicators.highest_kept; };
   // what was asked for
   EXPECT_LE(highest("up_to: 100 Hz"), 100.0);
   EXPECT_GT(reduced("up_to: 100 Hz")->error_indicators.next_left_out, 100.0);
   EXPECT_GT(highest("up_to: 2 kHz"), 100.0);
   // Of vertical motion alone: the lowest mode of bending carries most of it.
-  const std::string vertical = ", boundary: [tip.z], augmentation_vectors: false";
+  const std::string vertical = ", boundary: [tip.z], truncation_vectors: false";
   EXPECT_LT(size("effective_mass: 30 %" + vertical), size("effective_mass: 99.99 %" + vertical));
   // Where the case does not say: three times the default bandwidth of 100 Hz, or that of its sensors.
   near(highest(""), highest("up_to: 300 Hz"));

@@ -69,7 +69,7 @@ protected:
       expect_figure("garteur." + GetParam().name + ".mode_" + std::to_string(i + 1), frequency);
       expect_figure("garteur." + GetParam().name + ".std_" + std::to_string(i + 1), deviations[i].get<double>());
     }
-    EXPECT_NE(prediction["note"].get<std::string>().find("leave out"), std::string::npos);
+    EXPECT_NE(prediction["note"].get<std::string>().find("do not include"), std::string::npos);
   }
 
   nlohmann::json summary_;

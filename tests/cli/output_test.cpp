@@ -166,7 +166,7 @@ predict: {substructure: plate}
   const auto page = read(folder / "out" / "report.html");
   EXPECT_TRUE(std::regex_search(
       page.substr(page.find("<main")),
-      std::regex("NRMSE [0-9.]+ % in the band of the excitation, 0.5 to 30 Hz; [0-9.]+ % of the whole signal")));
+      std::regex("NRMSE [0-9.]+ % in the band of the excitation, 0.5 to 30 Hz; [0-9.]+ % over the whole signal")));
   EXPECT_EQ(page.find("Acceleration of plate.f.x"), std::string::npos);
 }
 

@@ -34,7 +34,7 @@ TEST(UpdatingByRecords, TheChainIsRefinedByItsOwnRecord) {
   const auto stages = summary["updating"]["stages"].size();
   EXPECT_GE(stages, 3U);
   for (std::size_t i = 1; i <= stages; ++i)
-    EXPECT_NE(outcome.output.find("stage " + std::string(i < 10 ? " " : "") + std::to_string(i) + ":"),
+    EXPECT_NE(outcome.output.find("iteration " + std::string(i < 10 ? " " : "") + std::to_string(i) + ":"),
               std::string::npos);
   EXPECT_NE(read(folder / "report.html").find("Parameters by iteration"), std::string::npos);
 }

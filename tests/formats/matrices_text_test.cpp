@@ -116,7 +116,7 @@ TEST(MatrixText, SaysWhatIsWrong) {
       {with(nodal, "7,6,12", "7,7,12"), "a.mtx", "a.mtx:4: '7, 7' is not a degree of freedom"},
       {with(nodal, "7,6,12", "7,6,-2"), "a.mtx", "a.mtx:4: the matrix has the internal node -2"},
       {with(nodal, "7,6,12,3,-.25", "7,6,12,-.25"), "a.mtx", "a.mtx:4: the line holds 4 numbers"},
-      {with(user_element, "NODES=   2", "NODES= 3"), "a.mtx", "*USER ELEMENT has 3 nodes, of which 2 are named"},
+      {with(user_element, "NODES=   2", "NODES= 3"), "a.mtx", "*USER ELEMENT has 3 nodes, of which 2 have a number"},
       {with(user_element, " 2.\n", "\n"), "a.mtx", "matrix 'stiffness' has 5 entries: 3 degrees of freedom need 6"},
       {with(dmig, "       6       2", "       6       4"), "a.pch", "a.pch:2: matrix 'KAAX' is complex"},
       {with(dmig, "DMIG,MAAX,0,6,1,0\n", ""), "a.pch", "a.pch:10: a column of matrix 'MAAX' has no header before it"},

@@ -278,7 +278,7 @@ TEST(Assembly, ElementsThatCannotBeIntegratedAreAllNamed) {
     const std::string text = error.what();
     for (const char* part :
          {"line.msh: line 3 of region 'line' cannot be integrated: its ends coincide", "line 14 of",
-          "13 more elements of region 'line'", "line 28 of region 'other' cannot be integrated: the direction 'up'"})
+          "13 more cells of region 'line'", "line 28 of region 'other' cannot be integrated: the direction 'up'"})
       EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
     EXPECT_EQ(text.find("line 15 of"), std::string::npos);
   }

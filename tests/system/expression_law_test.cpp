@@ -95,10 +95,10 @@ TEST(ExpressionLaw, RefusesNamesThatClash) {
   expect_in(refusal({.force = "x", .parameters = named({"x"})}), "'x'");
   expect_in(refusal({.force = "sin*x", .parameters = named({"sin"})}), "name of a function");
   expect_in(refusal({.force = "_pi*x", .parameters = named({"_pi"})}), "name of a constant");
-  expect_in(refusal({.force = "k*x", .parameters = named({"k", "k"})}), "given twice");
+  expect_in(refusal({.force = "k*x", .parameters = named({"k", "k"})}), "used twice");
   expect_in(refusal({.force = "k*x", .parameters = named({"2k"})}), "letters, digits");
   expect_in(refusal({.force = "x", .parameters = named({""})}), "letters, digits");
-  expect_in(refusal({.force = "z", .parameters = named({"z"}), .states = {{{"z"}, "v"}}}), "given twice");
+  expect_in(refusal({.force = "z", .parameters = named({"z"}), .states = {{{"z"}, "v"}}}), "used twice");
 }
 
 TEST(ExpressionLaw, ReportsSeveralMistakesTogether) {

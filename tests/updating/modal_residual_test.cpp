@@ -371,7 +371,7 @@ TEST(ModalResidual, EverythingWrongIsSaidAtOnce) {
   measured[2].shape_deviation = -1.0;
   measured[2].model_mode = 0;
   const auto message = message_of([&] { ModalResidual(model, measured, places, model->start()); });
-  for (const char* part : {"measured mode 1", "0 Hz", "3 entries", "-1", "count from 1"})
+  for (const char* part : {"measured mode 1", "0 Hz", "3 entries", "-1", "numbered from 1"})
     EXPECT_NE(message.find(part), std::string::npos) << part << " in " << message;
   EXPECT_NE(message_of([&] {
               ModalResidual(model, measurement(*model, model->start(), places, 3), points({"m1", "m4", "m6", "tip"}),
