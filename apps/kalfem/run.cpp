@@ -33,7 +33,8 @@ void require_section(const Study& study, Step asked) {
     if (!present)
       throw InvalidInput(Issue{{study.file, 1},
                                "the case has no `" + std::string(section) + "`",
-                               "`kalfem " + std::string(section) + "`", "add the section or use another verb"});
+                               "`kalfem " + std::string(section) + "`",
+                               "add the section or use another verb"});
   };
   if (asked == Step::simulate) require(study.simulation.has_value(), "simulate");
   if (asked == Step::estimate) require(study.problem != nullptr, "estimate");

@@ -67,8 +67,8 @@ predict: {substructure: plate})";
 
 TEST(FiniteElements, FreeInterfaceReductionRunsAsTheOthersDo) {
   const ScratchFolder folder("rubin");
-  const auto outcome = run_with({"Rubin", "{modes: 4, truncation_vectors: false}", "{method: rubin, modes: 6}", {}},
-                                "simulate", folder);
+  const auto outcome =
+      run_with({"Rubin", "{modes: 4, truncation_vectors: false}", "{method: rubin, modes: 6}", {}}, "simulate", folder);
   EXPECT_EQ(outcome.code, 0) << outcome.errors;
 }
 

@@ -46,7 +46,8 @@ TEST(AbaqusCompleteness, DeckThatEndsInsideADataLineIsRefused) {
 
 TEST(AbaqusCompleteness, SignsOfNumbersStandAlone) {
   for (const char* number : {"+-1.", "-+1.", "1.e+-2", "1.+-2", "++1."})
-    EXPECT_NE(problem_of(truss + "*NODE\n3, " + number + ", 0., 0.\n").find("is not a number"), std::string::npos) << number;
+    EXPECT_NE(problem_of(truss + "*NODE\n3, " + number + ", 0., 0.\n").find("is not a number"), std::string::npos)
+        << number;
   for (const char* number : {"+1.", "-1.", "1.e+2", "1.-2", "+1.D-2"})
     EXPECT_EQ(problem_of(truss + "*NODE\n3, " + number + ", 0., 0.\n"), "") << number;
   EXPECT_NE(problem_of(truss + "*NODE\n+-3, 1., 0., 0.\n"), "");

@@ -174,7 +174,8 @@ TEST(RecordResidual, NeedsSamplesAfterSettlingAndASubstructureThatCanBeDriven) {
   given.settings.settle = 0.2;
   const auto problem = shared(given);
   const auto record = chain_record(*problem, 0.2);
-  EXPECT_NE(refusal([&] { record_residual(problem, record, false); }).find("covers the whole record"), std::string::npos);
+  EXPECT_NE(refusal([&] { record_residual(problem, record, false); }).find("covers the whole record"),
+            std::string::npos);
   const auto settled = settled_problem();
   const auto setup = body_stiffness_of(*settled->structure, body_stiffness);
   EXPECT_NE(refusal([&] {

@@ -150,8 +150,7 @@ public:
     monitored.set_inputs(inputs_);
     if (!linear_unknowns_.empty()) monitored.set_mean(setup_->filter->mean());
     VectorXd mean, deviation;
-    if (setup_->filter->observe(mean, &deviation) != FilterOutcome::usable)
-      return {not_a_number, not_a_number};
+    if (setup_->filter->observe(mean, &deviation) != FilterOutcome::usable) return {not_a_number, not_a_number};
     const auto row = found - made_.monitored.begin();
     return {mean[row], deviation[row]};
   }
@@ -230,7 +229,7 @@ private:
   std::vector<Index> linear_unknowns_;
   LinearEstimate linearised_about_;
   Eigen::MatrixXd noise_;
-  VectorXd inputs_;          ///< at the present sample
+  VectorXd inputs_;  ///< at the present sample
   VectorXd innovation_;
   double nis_ = not_a_number;
   long sample_ = 0;

@@ -179,7 +179,8 @@ Chart trace_chart(const Study& study, const UpdatingOutcome& outcome) {
 }
 
 Chart residual_chart(const UpdatingOutcome& outcome) {
-  Chart chart{.id = "updating-residual", .title = "Residual by iteration", .x_label = "iteration", .y_label = "rms [std]"};
+  Chart chart{
+      .id = "updating-residual", .title = "Residual by iteration", .x_label = "iteration", .y_label = "rms [std]"};
   Series series{.label = "accepted", .role = Role::estimate};
   for (std::size_t k = 0; k < outcome.trace.size(); ++k) {
     chart.x.push_back(static_cast<double>(k + 1));
