@@ -5,7 +5,7 @@
 #include <iostream>
 
 #include "kalfem/formats/matrices/write.hpp"
-#include "kalfem/formats/read_deck.hpp"
+#include "kalfem/formats/deck.hpp"
 #include "kalfem/kalfem.hpp"
 
 using namespace kalfem;

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <iostream>
 
-#include "kalfem/formats/read_deck.hpp"
+#include "kalfem/formats/deck.hpp"
 #include "kalfem/kalfem.hpp"
 
 using namespace kalfem;

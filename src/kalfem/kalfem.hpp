@@ -3,7 +3,7 @@
 /// Everything of kalfem::core: describe a structure, simulate it, estimate its states and parameters from a record, or
 /// update it by natural frequencies. Files of other programs (kalfem::formats) and case files (kalfem::study) have
 /// headers of their own:
-///     kalfem/formats/tables/csv.hpp, kalfem/formats/read_deck.hpp, kalfem/formats/matrices/write.hpp
+///     kalfem/formats/tables/csv.hpp, kalfem/formats/deck.hpp, kalfem/formats/matrices/write.hpp
 ///     kalfem/report/run_case.hpp
 #include "kalfem/api/estimate.hpp"
 #include "kalfem/api/finite_elements.hpp"
