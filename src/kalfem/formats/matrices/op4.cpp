@@ -41,7 +41,7 @@ ForeignMatrix op4_matrix(const Op4Header& header, const MatrixEntries& entries) 
     spread.reserve(Eigen::VectorXi::Ones(spread.cols()));
     for (SparseMatrix::InnerIterator it(matrix.matrix, 0); it; ++it) spread.insert(it.row(), it.row()) = it.value();
     spread.makeCompressed();
-    matrix.matrix = std::move(spread);
+    matrix.matrix = spread;
   }
   if (header.form == identity && matrix.matrix.rows() == matrix.matrix.cols()) matrix.matrix.setIdentity();
   matrix.symmetric = header.form == symmetric || header.form == diagonal || header.form == identity;
