@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <iostream>
 
-#include "kalfem/formats/matrices/write.hpp"
 #include "kalfem/formats/deck.hpp"
+#include "kalfem/formats/matrices/write.hpp"
 #include "kalfem/kalfem.hpp"
 
 using namespace kalfem;
