@@ -11,7 +11,7 @@
 #include "kalfem/identification/initial_state.hpp"
 #include "kalfem/identification/record_residual.hpp"
 #include "kalfem/identification/simulation_residual.hpp"
-#include "kalfem/pipeline/stages.hpp"
+#include "kalfem/pipeline/run_steps.hpp"
 #include "timing.hpp"
 
 namespace {

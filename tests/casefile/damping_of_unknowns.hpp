@@ -8,7 +8,7 @@
 
 #include "kalfem/base/random.hpp"
 #include "kalfem/casefile/description_form.hpp"
-#include "kalfem/pipeline/stages.hpp"
+#include "kalfem/pipeline/run_steps.hpp"
 #include "kalfem/study/case_study.hpp"
 #include "kalfem/yaml/case_reader.hpp"
 

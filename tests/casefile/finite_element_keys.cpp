@@ -372,9 +372,9 @@ void damping_at_parameters() {
   const auto study = with_part(
       "finite_elements: {" + beam_elements() + "}, damping: {modal: [1 %, 2 %], modal_up_to: 50 Hz}",
       {{"update", "{parameters: {b.steel.youngs_modulus: {}}, compare: {f: {modes: b, frequencies: [14]}}}"}});
-  const auto at = study.updating_plan->structure->at(initial_values(study.updating->parameters));
+  const auto refined = study.updating_plan->structure->at(initial_values(study.updating->parameters));
   const Eigen::MatrixXd given = whole_damping(part_of(study).full);
-  EXPECT_LT((whole_damping(*at.parts.finite_elements[0].model) - given).norm(),
+  EXPECT_LT((whole_damping(*refined.parts.finite_elements[0].model) - given).norm(),
             1e-13 * given.norm());  // rounding of the modes
 }
 

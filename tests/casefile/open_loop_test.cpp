@@ -36,7 +36,7 @@ TEST_F(OpenLoop, ThatDivergesIsAnOutcome) {
   // Growth without bound, a softening spring that gives way, and steps too coarse to see the growth in full.
   // The last is so far from the record that its estimates contradict their prior as well.
   const std::string untrusted = "-2000*d*v";
-  for (const std::string force :
+  for (const std::string& force :
        {std::string("-300*d*v"), std::string("-60*d*v"), std::string("-60*d*v - 1e6*d*x*x*x"), untrusted}) {
     SCOPED_TRACE(force);
     const Study study = with(force);

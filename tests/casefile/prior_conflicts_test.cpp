@@ -1,4 +1,4 @@
-#include "kalfem/pipeline/stages.hpp"
+#include "kalfem/pipeline/run_steps.hpp"
 
 #include "casefile/damping_of_unknowns.hpp"
 

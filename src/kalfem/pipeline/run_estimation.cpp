@@ -7,7 +7,7 @@
 #include "kalfem/dynamics/converged_solution.hpp"
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/pipeline/reported_quantities.hpp"
-#include "kalfem/pipeline/stages.hpp"
+#include "kalfem/pipeline/run_steps.hpp"
 #include "kalfem/study/study_elements.hpp"
 
 namespace kalfem {

@@ -1,4 +1,4 @@
-#include "kalfem/pipeline/stages.hpp"
+#include "kalfem/pipeline/run_steps.hpp"
 
 #include <algorithm>
 

@@ -8,8 +8,8 @@
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/identification/initial_state.hpp"
 #include "kalfem/pipeline/reported_quantities.hpp"
+#include "kalfem/pipeline/run_steps.hpp"
 #include "kalfem/pipeline/run_updating.hpp"
-#include "kalfem/pipeline/stages.hpp"
 #include "kalfem/study/full_record.hpp"
 #include "kalfem/study/study_elements.hpp"
 
