@@ -9,10 +9,11 @@ import sys
 
 NUMERICS = {"base", "linalg"}
 MODEL = NUMERICS | {"records", "model"}
-MOTION = MODEL | {"system", "dynamics"}
+MOTION = MODEL | {"system", "dynamics", "statistics"}
 ALLOWED = {
     "base": set(),
     "linalg": {"base"},
+    "statistics": {"base"},
     "records": NUMERICS,
     "model": NUMERICS,
     "formats": MODEL,

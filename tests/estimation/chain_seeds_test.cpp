@@ -1,12 +1,17 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <iostream>
+#include <vector>
 
 #include "base/figures.hpp"
 #include "estimation/chain_model.hpp"
 
 namespace kalfem {
 namespace {
+
+using Eigen::MatrixXd;
 
 class PaperChainOverSeeds : public testing::TestWithParam<FilterKind> {};
 
@@ -24,20 +29,27 @@ TEST_P(PaperChainOverSeeds, TruthLiesInTheStatedIntervals) {
   const double truth[] = {Chain::mu_k1, Chain::mu_c1};
   const int seeds = 100;
   int covered[2] = {0, 0};
+  std::vector<double> widening[2];
+  int covered_robustly[2] = {0, 0};
   double nis = 0.0, mean[2] = {0.0, 0.0}, deviation[2] = {0.0, 0.0};
   for (int seed = 1; seed <= seeds; ++seed) {
     auto record = Chain::record(reference, std::uint64_t(seed));
     record.inputs = fine_inputs;
-    const auto result = estimate(augmented_model, record, {.filter = GetParam(), .state_deviations = false});
+    const auto result =
+        estimate(augmented_model, record, {.filter = GetParam(), .state_deviations = false, .keep_unknowns = true});
     ASSERT_FALSE(result.failure) << seed << " " << result.failure->reason;
     nis += summarise_consistency(result.nis, result.measured, result.innovation, record.noise.diagonal().cwiseSqrt(), 0)
                .mean_nis /
            seeds;
+    const MatrixXd robust = robust_covariance(result.unknowns_history).covariance;
     for (int i = 0; i < 2; ++i) {
       const auto row = augmented_model.layout().unknown() + i, last = result.state.mean.cols() - 1;
       const auto interval = confidence_interval(options.unknowns[std::size_t(i)].transform,
                                                 result.state.mean(row, last), result.state.deviation(row, last));
       covered[i] += interval.lower <= truth[i] && truth[i] <= interval.upper;
+      const double robust_deviation = std::sqrt(robust(i, i));
+      widening[i].push_back(robust_deviation / result.state.deviation(row, last));
+      covered_robustly[i] += std::abs(result.state.mean(row, last) - truth[i]) <= 1.96 * robust_deviation;
       mean[i] += result.unknowns.mean(i, last) / seeds;
       deviation[i] += result.unknowns.deviation(i, last) / seeds;
     }
@@ -54,6 +66,15 @@ TEST_P(PaperChainOverSeeds, TruthLiesInTheStatedIntervals) {
   }
   test::expect_figure(filter + "nis", nis);
   // Binomial with 0.95: 90 to 99 of 100 hold 97 % of the probability.
+  // With a true model both deviations are the same.
+  for (int i = 0; i < 2; ++i) {
+    std::ranges::sort(widening[i]);
+    std::cout << parameter[i] << ": std_robust / std " << widening[i][50] << " (" << widening[i][5] << " to "
+              << widening[i][94] << "), robust interval holds the truth " << covered_robustly[i] << " of 100\n";
+    EXPECT_GE(widening[i][50], 0.9);
+    EXPECT_LE(widening[i][50], 1.3);
+    EXPECT_GE(covered_robustly[i], 90);
+  }
   for (const int count : covered) {
     EXPECT_GE(count, 90);
     EXPECT_LE(count, 99);
@@ -63,6 +84,48 @@ TEST_P(PaperChainOverSeeds, TruthLiesInTheStatedIntervals) {
 
 INSTANTIATE_TEST_SUITE_P(Filters, PaperChainOverSeeds,
                          testing::Values(FilterKind::unscented, FilterKind::partially_linear));
+
+// Noise that is correlated in time, which the filter takes for white: the stated deviations are too small, and the
+// robust ones are those that the estimates scatter by over records.
+TEST(RobustDeviationsOverSeeds, AreTheScatterWhereTheNoiseIsCorrelated) {
+  const Chain chain;
+  const auto reference = chain.reference(20.0, Chain::rate);
+  auto options = chain.options(TransformKind::none, Chain::rate);
+  options.substeps = 4;
+  options.coordinates = StateCoordinates::modal;
+  const AugmentedModel augmented_model(chain.model.system(), chain.sensors, {}, options);
+  const int seeds = 60;
+  const double rho = 0.8;
+  MatrixXd estimates(2, seeds), stated(2, seeds), robust(2, seeds);
+  for (int seed = 1; seed <= seeds; ++seed) {
+    auto record = Chain::record(reference, std::uint64_t(seed));
+    record.inputs = chain.inputs(4 * Chain::rate, 4 * (reference.sensors.rows() - 1) + 1);
+    for (Eigen::Index i = 0; i < record.measurements.rows(); ++i) {
+      RandomStream random(std::uint64_t(seed), "correlated " + std::to_string(i));
+      double last = random.normal();
+      for (Eigen::Index k = 0; k < record.measurements.cols(); ++k) {
+        last = rho * last + std::sqrt(1.0 - rho * rho) * random.normal();
+        record.measurements(i, k) = reference.sensors(k, i) + std::sqrt(record.noise(i, i)) * last;
+      }
+    }
+    const auto result =
+        estimate(augmented_model, record,
+                 {.filter = FilterKind::partially_linear, .state_deviations = false, .keep_unknowns = true});
+    const auto row = augmented_model.layout().unknown(), end = result.state.mean.cols() - 1;
+    estimates.col(seed - 1) = result.state.mean.col(end).segment(row, 2);
+    stated.col(seed - 1) = result.state.deviation.col(end).segment(row, 2);
+    robust.col(seed - 1) = robust_covariance(result.unknowns_history).covariance.diagonal().cwiseSqrt();
+  }
+  for (int i = 0; i < 2; ++i) {
+    const double mean = estimates.row(i).mean();
+    const double scatter = std::sqrt((estimates.row(i).array() - mean).square().sum() / (seeds - 1));
+    std::cout << "mean " << mean << ": scatter " << scatter << ", std_robust " << robust.row(i).mean() << ", std "
+              << stated.row(i).mean() << "\n";
+    EXPECT_GT(scatter, 1.5 * stated.row(i).mean());
+    // The scatter of sixty estimates is known to 9 %.
+    EXPECT_NEAR(robust.row(i).mean() / scatter, 1.0, 0.25);
+  }
+}
 
 }  // namespace
 }  // namespace kalfem

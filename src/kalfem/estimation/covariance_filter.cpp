@@ -1,5 +1,7 @@
 #include "kalfem/estimation/covariance_filter.hpp"
 
+#include <algorithm>
+
 #include "kalfem/estimation/covariance_factor.hpp"
 #include "kalfem/estimation/kernels/small_kernels.hpp"
 
@@ -74,6 +76,14 @@ FilterOutcome CovarianceFilter::observe(VectorXd& mean, VectorXd* deviation) {
 
 VectorXd CovarianceFilter::standard_deviation() const {
   return estimate_.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+}
+
+MatrixXd CovarianceFilter::covariance_of(const std::vector<Index>& states) const {
+  const auto count = static_cast<Index>(states.size());
+  return MatrixXd::NullaryExpr(count, count, [&](Index i, Index j) {
+    const auto [column, row] = std::minmax(states[static_cast<std::size_t>(i)], states[static_cast<std::size_t>(j)]);
+    return estimate_.covariance(row, column);
+  });
 }
 
 }  // namespace kalfem

@@ -20,6 +20,7 @@ public:
   const Eigen::VectorXd& mean() const override { return estimate_.mean; }
   Eigen::VectorXd standard_deviation() const override;
   Eigen::MatrixXd covariance() const override { return estimate_.covariance.selfadjointView<Eigen::Lower>(); }
+  Eigen::MatrixXd covariance_of(const std::vector<Eigen::Index>& states) const override;
 
 private:
   FilterOutcome condition(const Eigen::VectorXd& y, const Eigen::MatrixXd& noise, Innovation& innovation) override;

@@ -16,7 +16,8 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr Index progress_block = 512;  ///< samples between two reports of progress
+constexpr Index progress_block = 512;          ///< samples between two reports of progress
+constexpr Index largest_history = 10'000'000;  ///< numbers of the unknowns' covariances over a record
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 /// The fewest variables that sigma points stand for: all states, or the arguments of a measurement.
@@ -76,6 +77,7 @@ public:
 
   EstimationResult run(const Gaussian& prior) {
     setup_->filter->reset(prior);
+    if (options_.keep_unknowns) begin_history(prior);
     const Index samples = record_.measurements.cols();
     for (Index k = 0; k < samples; ++k) {
       if (!step(k)) break;
@@ -156,6 +158,7 @@ private:
   FilterOutcome store(Index k) {
     store_innovation(k);
     store_state(k);
+    if (options_.keep_unknowns) store_unknowns(k);
     const auto outcome = store_monitored(k);
     if (outcome == FilterOutcome::usable && options_.keep_gains && options_.gains.keeps(k)) store_gain();
     return outcome;
@@ -181,6 +184,27 @@ private:
       result_.unknowns.mean(i, k) = transform.to_parameter(state);
       result_.unknowns.deviation(i, k) = transform.slope(state) * result_.state.deviation(layout.unknown() + i, k);
     }
+  }
+
+  /// The unknowns without random walk. Long histories of many unknowns are kept at some samples only.
+  void begin_history(const Gaussian& prior) {
+    auto& history = result_.unknowns_history;
+    const auto& unknowns = augmented_model_.options().unknowns;
+    for (std::size_t i = 0; i < unknowns.size(); ++i)
+      if (unknowns[i].random_walk == 0.0) history.unknowns.push_back(static_cast<Index>(i));
+    const auto count = static_cast<Index>(history.unknowns.size());
+    history.stride = 1 + record_.measurements.cols() * count * count / largest_history;
+    constant_states_.clear();
+    for (const Index i : history.unknowns) constant_states_.push_back(augmented_model_.layout().unknown() + i);
+    history.mean.emplace_back(prior.mean(constant_states_));
+    history.covariance.emplace_back(prior.covariance(constant_states_, constant_states_));
+  }
+
+  void store_unknowns(Index k) {
+    auto& history = result_.unknowns_history;
+    if ((k + 1) % history.stride != 0 && k + 1 < record_.measurements.cols()) return;
+    history.mean.emplace_back(setup_->filter->mean()(constant_states_));
+    history.covariance.push_back(setup_->filter->covariance_of(constant_states_));
   }
 
   /// Of all states, or only of those that have the same meaning in any coordinates.
@@ -278,6 +302,7 @@ private:
   Index input_stride_;  ///< columns of the inputs per sample
   std::unique_ptr<FilterSetup> setup_;
   std::vector<Index> linear_unknowns_;
+  std::vector<Index> constant_states_;  ///< places of the unknowns without random walk in the state
   LinearEstimate linearised_about_;
   Innovation innovation_;
   VectorXd measured_, output_mean_, output_deviation_;

@@ -8,6 +8,7 @@
 #include "kalfem/estimation/augmented_model.hpp"
 #include "kalfem/estimation/filter.hpp"
 #include "kalfem/estimation/fixed_gain.hpp"
+#include "kalfem/estimation/unknowns_history.hpp"
 
 namespace kalfem {
 
@@ -22,9 +23,10 @@ struct EstimationOptions {
   bool state_deviations = true;
   /// Samples from one computation of the monitored quantities' standard deviations to the next; they stand in between.
   int deviation_stride = 1;
-  GainSchedule gains = {};   ///< which gains to keep: its own are not used
-  bool keep_gains = false;   ///< in the result, see run_with_gains()
-  OutputMap monitored = {};  ///< further quantities to estimate at every sample, without measurement chains
+  GainSchedule gains = {};     ///< which gains to keep: its own are not used
+  bool keep_gains = false;     ///< in the result, see run_with_gains()
+  bool keep_unknowns = false;  ///< their history in the result, for deviations that hold where the model is not exact
+  OutputMap monitored = {};    ///< further quantities to estimate at every sample, without measurement chains
   Progress progress = {};
 };
 
@@ -68,6 +70,7 @@ struct EstimationResult {
   Eigen::VectorXi measured;              ///< channels measured per sample
   double log_likelihood = 0.0;
   GainSchedule gains;                ///< where they are asked for
+  UnknownsHistory unknowns_history;  ///< where it is asked for
   Eigen::MatrixXd final_covariance;  ///< of the augmented state
   std::optional<EstimationFailure> failure;
   EstimationTime time;

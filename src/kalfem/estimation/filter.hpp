@@ -57,6 +57,8 @@ public:
   [[nodiscard]] virtual const Eigen::VectorXd& mean() const = 0;
   [[nodiscard]] virtual Eigen::VectorXd standard_deviation() const = 0;
   [[nodiscard]] virtual Eigen::MatrixXd covariance() const = 0;
+  /// Covariance of these states alone, in their order, at the cost of its size.
+  [[nodiscard]] virtual Eigen::MatrixXd covariance_of(const std::vector<Eigen::Index>& states) const = 0;
 
 protected:
   /// Conditions on the measured channels, `innovation.channels`: `y` holds their values, `noise` is R of these alone.

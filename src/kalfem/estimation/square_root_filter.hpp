@@ -21,6 +21,10 @@ public:
   const Eigen::VectorXd& mean() const override { return mean_; }
   Eigen::VectorXd standard_deviation() const override { return factor_.rowwise().norm(); }
   Eigen::MatrixXd covariance() const override { return factor_ * factor_.transpose(); }
+  Eigen::MatrixXd covariance_of(const std::vector<Eigen::Index>& states) const override {
+    const Eigen::MatrixXd rows = factor_(states, Eigen::all);
+    return rows * rows.transpose();
+  }
 
 private:
   FilterOutcome condition(const Eigen::VectorXd& y, const Eigen::MatrixXd& noise, Innovation& innovation) override;

@@ -238,19 +238,17 @@ void CovarianceTiles::column(Index slot, double* out) const {
   for (Index row = at; row < tiles_; ++row) store(out + row * tile_size, load(tile(row, at) + offset * tile_size));
 }
 
-double CovarianceTiles::variance(Index slot) const {
-  return tile(slot / tile_size, slot / tile_size)[(slot % tile_size) * (tile_size + 1)];
+double CovarianceTiles::entry(Index one, Index other) const {
+  const auto [column, row] = std::minmax(one, other);
+  return tile(row / tile_size, column / tile_size)[row % tile_size + (column % tile_size) * tile_size];
 }
 
 MatrixXd CovarianceTiles::matrix(const TileLayout& layout) const {
   const auto n = static_cast<Index>(layout.slot.size());
   MatrixXd result(n, n);
   for (Index j = 0; j < n; ++j)
-    for (Index i = 0; i < n; ++i) {
-      Index a = layout.slot[static_cast<std::size_t>(i)], b = layout.slot[static_cast<std::size_t>(j)];
-      if (a < b) std::swap(a, b);
-      result(i, j) = tile(a / tile_size, b / tile_size)[a % tile_size + (b % tile_size) * tile_size];
-    }
+    for (Index i = 0; i < n; ++i)
+      result(i, j) = entry(layout.slot[static_cast<std::size_t>(i)], layout.slot[static_cast<std::size_t>(j)]);
   return result;
 }
 

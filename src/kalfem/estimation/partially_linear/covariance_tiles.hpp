@@ -54,7 +54,8 @@ public:
 
   /// Column of P.
   void column(Eigen::Index slot, double* out) const;
-  [[nodiscard]] double variance(Eigen::Index slot) const;
+  /// P of two slots.
+  [[nodiscard]] double entry(Eigen::Index one, Eigen::Index other) const;
   /// P in the order of the states.
   [[nodiscard]] Eigen::MatrixXd matrix(const TileLayout& layout) const;
 

@@ -27,6 +27,9 @@ public:
   const Eigen::VectorXd& mean() const override;
   Eigen::VectorXd standard_deviation() const override;
   Eigen::MatrixXd covariance() const override { return estimate_.covariance(); }
+  Eigen::MatrixXd covariance_of(const std::vector<Eigen::Index>& states) const override {
+    return estimate_.covariance_of(states);
+  }
 
 private:
   FilterOutcome condition(const Eigen::VectorXd& y, const Eigen::MatrixXd& noise, Innovation& innovation) override;

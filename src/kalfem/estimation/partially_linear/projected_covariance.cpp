@@ -77,13 +77,25 @@ void ProjectedCovariance::multiply(const MatrixXd& columns, MatrixXd& product) {
 }
 
 double ProjectedCovariance::variance(Index slot) const {
-  return stored_.variance(slot) - (downdate_waits_ ? downdate_.row(slot).squaredNorm() : 0.0);
+  return stored_.entry(slot, slot) - (downdate_waits_ ? downdate_.row(slot).squaredNorm() : 0.0);
 }
 
 MatrixXd ProjectedCovariance::covariance() const {
   MatrixXd covariance = stored_.matrix(layout_);
   if (!downdate_waits_) return covariance;
   const MatrixXd downdate = downdate_(layout_.slot, Eigen::all);
+  return covariance - downdate * downdate.transpose();
+}
+
+MatrixXd ProjectedCovariance::covariance_of(const std::vector<Index>& states) const {
+  std::vector<Index> slots;
+  for (const Index state : states) slots.push_back(layout_.slot[static_cast<std::size_t>(state)]);
+  const auto count = static_cast<Index>(states.size());
+  const auto slot = [&](Index i) { return slots[static_cast<std::size_t>(i)]; };
+  const MatrixXd covariance =
+      MatrixXd::NullaryExpr(count, count, [&](Index i, Index j) { return stored_.entry(slot(i), slot(j)); });
+  if (!downdate_waits_) return covariance;
+  const MatrixXd downdate = downdate_(slots, Eigen::all);
   return covariance - downdate * downdate.transpose();
 }
 

@@ -35,6 +35,7 @@ public:
   [[nodiscard]] auto mean() const { return products_.col(rows_.size()); }  ///< x, slots
   [[nodiscard]] double variance(Eigen::Index slot) const;
   [[nodiscard]] Eigen::MatrixXd covariance() const;  ///< P in the order of the states
+  [[nodiscard]] Eigen::MatrixXd covariance_of(const std::vector<Eigen::Index>& states) const;  ///< P of these alone
 
 private:
   void pass(CovarianceStep step, Eigen::MatrixXd& product);

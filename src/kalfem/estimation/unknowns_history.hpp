@@ -1,0 +1,35 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <vector>
+
+#include "kalfem/statistics/robust_covariance.hpp"
+
+namespace kalfem {
+
+/// How the estimates of the constant unknowns, and what the filter knows of them, went along a run over a record.
+struct UnknownsHistory {
+  std::vector<Eigen::Index> unknowns;  ///< places among all unknowns of those that stay constant (no random walk), c
+  Eigen::Index stride = 1;             ///< samples from one point to the next
+  std::vector<Eigen::VectorXd> mean;   ///< of the prior and then of every point, in the filter's state, c
+  std::vector<Eigen::MatrixXd> covariance;  ///< beside each, c x c
+
+  [[nodiscard]] bool empty() const { return unknowns.empty() || mean.size() < 2; }
+};
+
+/// Scores of the constant unknowns at their last estimate, c x points.
+///
+/// With the estimate and the covariance P_k after sample k, a filter of joint state and parameters weighs what it saw
+/// so far as u_k = P_k^-1 (theta_k - theta_N): the gradient, at the last estimate theta_N, of the log-density of the
+/// parameters given the samples until k. So the score of sample k is
+///     s_k = u_k - u_{k-1}.
+/// This is exact where the parameters enter linearly: then the estimate of a constant beside states is recursive least
+/// squares on the innovations of the filter that knows it (Friedland 1969, IEEE Trans. Automatic Control 14, 359-367).
+/// No further run over the record is needed.
+Eigen::MatrixXd scores_of(const UnknownsHistory& history);
+
+/// Covariance of the constant unknowns that allows for innovations that are correlated in time, in the filter's state:
+/// the sandwich of the information P_N^-1, the prior's P_0^-1 and these scores.
+RobustCovariance robust_covariance(const UnknownsHistory& history);
+
+}  // namespace kalfem
