@@ -7,6 +7,7 @@
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
 #include "kalfem/report/result_set.hpp"
 #include "kalfem/report/tables.hpp"
+#include "kalfem/statistics/quantiles.hpp"
 
 /// summary.json and results.h5 say what was computed: each number stands under its own name and in its own unit.
 namespace kalfem::wiring {

@@ -4,6 +4,7 @@
 
 #include "kalfem/estimation/consistency.hpp"
 #include "kalfem/estimation/estimate.hpp"
+#include "kalfem/statistics/quantiles.hpp"
 
 namespace kalfem {
 namespace {

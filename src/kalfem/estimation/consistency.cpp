@@ -1,17 +1,11 @@
 #include "kalfem/estimation/consistency.hpp"
 
-#include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <map>
 
+#include "kalfem/statistics/quantiles.hpp"
+
 namespace kalfem {
-
-double normal_quantile(double probability) { return boost::math::quantile(boost::math::normal(), probability); }
-
-double chi_squared_quantile(double probability, double degrees_of_freedom) {
-  return boost::math::quantile(boost::math::chi_squared(degrees_of_freedom), probability);
-}
 
 ConsistencySummary summarise_consistency(const Eigen::VectorXd& nis, const Eigen::VectorXi& measured,
                                          const Eigen::MatrixXd& innovation, const Eigen::VectorXd& noise_deviation,

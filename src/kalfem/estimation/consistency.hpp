@@ -4,11 +4,6 @@
 
 namespace kalfem {
 
-/// Quantile of the standard normal distribution.
-double normal_quantile(double probability);
-/// Quantile of the chi-squared distribution.
-double chi_squared_quantile(double probability, double degrees_of_freedom);
-
 /// Whether the innovations are what the filter says they are: for a consistent filter NIS is chi-squared with as many
 /// degrees of freedom as channels (Bar-Shalom, Li and Kirubarajan 2001, section 5.4).
 struct ConsistencySummary {

@@ -7,6 +7,7 @@
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/estimation/consistency.hpp"
 #include "kalfem/estimation/filter_setup.hpp"
+#include "kalfem/statistics/quantiles.hpp"
 
 namespace kalfem {
 

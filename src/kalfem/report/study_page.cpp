@@ -9,6 +9,7 @@
 #include "kalfem/report/sections.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/report/updating_tables.hpp"
+#include "kalfem/statistics/quantiles.hpp"
 #include "kalfem/study/structural_modifications.hpp"
 
 namespace kalfem {

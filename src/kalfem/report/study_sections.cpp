@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "kalfem/report/updating_tables.hpp"
+#include "kalfem/statistics/quantiles.hpp"
 
 namespace kalfem {
 namespace {

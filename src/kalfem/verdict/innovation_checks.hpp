@@ -1,0 +1,47 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <string>
+#include <vector>
+
+#include "kalfem/statistics/whiteness.hpp"
+#include "kalfem/verdict/verdict.hpp"
+
+namespace kalfem {
+
+/// The innovations of a run, as the filter gives them. A value that is not a number is missing.
+struct InnovationRecord {
+  std::vector<std::string> sensors, units;
+  Eigen::VectorXd noise;                  ///< stated standard deviation per sensor
+  Eigen::MatrixXd innovation;             ///< sensors x samples
+  Eigen::MatrixXd deviation;              ///< that the filter expects, sensors x samples
+  double sample_rate = 1.0, start = 0.0;  ///< [Hz], [s]
+  Eigen::Index first = 0;                 ///< first sample that counts: what comes before is settling
+};
+
+/// One sensor's normalised innovations e = innovation / deviation, white with variance one for a consistent filter.
+struct SensorConsistency {
+  double ratio = 1.0;                       ///< rms of e
+  double largest_part = 1.0;                ///< rms of e in the loudest twentieth of the record
+  double part_begin = 0.0, part_end = 0.0;  ///< of that part [s]
+  Autocorrelation lag_one;
+  Eigen::Index samples = 0;  ///< that count
+
+  /// Samples that are worth as much and independent: N (1 - rho^2) / (1 + rho^2) for second moments.
+  [[nodiscard]] double independent_samples() const;
+  /// Factor by which deviations are too small because of size and correlation together.
+  [[nodiscard]] double widening() const;
+};
+
+std::vector<SensorConsistency> sensor_consistency(const InnovationRecord& record);
+
+/// Reasons that the innovations give, sensor by sensor: larger than expected over the record or in a part of it
+/// ("innovation_large", "innovation_large_in_part"), correlated in time ("innovation_correlated"), smaller than
+/// expected
+/// ("noise_too_large"), single outliers ("outliers"). Each needs both: it is significant, four standard deviations
+/// beyond chance, and it matters, a factor of `suspicious_widening` or more.
+/// Bar-Shalom, Li and Kirubarajan (2001), section 5.4; the limits of size in time are those of PX4's checks after a
+/// flight.
+std::vector<Reason> innovation_reasons(const InnovationRecord& record);
+
+}  // namespace kalfem
