@@ -72,18 +72,19 @@ AugmentedModelOptions augmented_model_options(Index dofs, StateCoordinates coord
 }
 
 /// Sensor signals of a simulated motion with their noise, and its covariance R.
-Record record(const OutputMap& outputs, const SimulationResult& result) {
+FilterInput record(const OutputMap& outputs, const SimulationResult& result) {
   const auto& motion = result.trajectory;
-  Record record;
+  FilterInput record;
   record.inputs = motion.inputs;
-  record.measurements = outputs.displacement * motion.displacement + outputs.velocity * motion.velocity +
-                        outputs.acceleration * motion.acceleration + outputs.force * motion.force;
+  record.measured.values = outputs.displacement * motion.displacement + outputs.velocity * motion.velocity +
+                           outputs.acceleration * motion.acceleration + outputs.force * motion.force;
   const VectorXd deviation =
-      noise_share * record.measurements.rowwise().norm() / std::sqrt(static_cast<double>(record.measurements.cols()));
+      noise_share * record.measured.values.rowwise().norm() / std::sqrt(static_cast<double>(record.measured.samples()));
   record.noise = deviation.cwiseAbs2().asDiagonal();
   RandomStream random(7, "noise");
-  for (Index k = 0; k < record.measurements.cols(); ++k)
-    for (Index i = 0; i < record.measurements.rows(); ++i) record.measurements(i, k) += deviation[i] * random.normal();
+  for (Index k = 0; k < record.measured.samples(); ++k)
+    for (Index i = 0; i < record.measured.values.rows(); ++i)
+      record.measured.values(i, k) += deviation[i] * random.normal();
   return record;
 }
 

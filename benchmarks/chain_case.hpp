@@ -13,7 +13,7 @@ struct ChainCase {
   std::unique_ptr<AugmentedModel> augmented_model;  ///< in physical coordinates
   std::unique_ptr<AugmentedModel>
       modal_augmented_model;  ///< the same in modal coordinates, for partially linear filters
-  Record record;
+  FilterInput record;
 };
 
 /// `states` is the size of the augmented state, 2 (masses) + 2; even, at least 12. Record of the given samples at 1

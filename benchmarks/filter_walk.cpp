@@ -2,7 +2,7 @@
 
 namespace kalfem::benchmarks {
 
-FilterWalk::FilterWalk(const AugmentedModel& augmented_model, const Record& record, FilterKind kind)
+FilterWalk::FilterWalk(const AugmentedModel& augmented_model, const FilterInput& record, FilterKind kind)
     : augmented_model_(&augmented_model),
       record_(&record),
       transition_(augmented_model),
@@ -22,7 +22,7 @@ bool FilterWalk::step() {
   transition_.set_inputs(record_->inputs.col(sample_ - 1), record_->inputs.col(sample_));
   if (filter_->predict() != FilterOutcome::usable) return false;
   measurement_.set_inputs(record_->inputs.col(sample_));
-  measured_ = record_->measurements.col(sample_);
+  measured_ = record_->measured.values.col(sample_);
   return filter_->update(measured_, innovation_) == FilterOutcome::usable;
 }
 

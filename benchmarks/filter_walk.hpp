@@ -11,7 +11,7 @@ namespace kalfem::benchmarks {
 /// A filter that walks through a record. Augmented model and record must outlive it.
 class FilterWalk {
 public:
-  FilterWalk(const AugmentedModel& augmented_model, const Record& record, FilterKind kind);
+  FilterWalk(const AugmentedModel& augmented_model, const FilterInput& record, FilterKind kind);
 
   /// Predict and update by one sample, from the prior again after the last one; false where the filter failed.
   bool step();
@@ -21,7 +21,7 @@ public:
 
 private:
   const AugmentedModel* augmented_model_;
-  const Record* record_;
+  const FilterInput* record_;
   ProcessModel transition_;
   MeasurementModel measurement_;
   std::unique_ptr<Filter> filter_;  ///< works on these maps

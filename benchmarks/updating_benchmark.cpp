@@ -40,7 +40,7 @@ void simulate_once(const Study& study, const CoupledModel& model, Index substeps
   simulate(model.system(), study.structure->signals, initial_state(study.simulation->initial, model), options);
 }
 
-void time_simulation_residual(const Study& study, const FullRecord& record) {
+void time_simulation_residual(const Study& study, const Record& record) {
   const auto structure = parameterised_structure(study);
   const SimulationResidual::Options options{.name = "record", .sensors = names_of(study.sensors)};
   const SimulationResidual residual(study, record, structure, options);
@@ -73,7 +73,7 @@ SectionParts time_parts(const RecordResidual& residual, const ParameterisedStruc
   return parts;
 }
 
-void time_stages(const Study& study, const FullRecord& record, int repetitions) {
+void time_stages(const Study& study, const Record& record, int repetitions) {
   const auto& structure = study.updating_plan->structure;
   auto options = std::get<RecordResidual::Options>(study.updating_plan->record_comparisons.front().what);
   options.sensors = names_of(study.sensors);
@@ -98,7 +98,7 @@ void time_stages(const Study& study, const FullRecord& record, int repetitions) 
   line("  ratio to the three", median(later) / median(sums), "");
 }
 
-FullRecord simulated_record(const Study& study) { return record_of(study, run_study(study, Step::simulate)); }
+Record simulated_record(const Study& study) { return record_of(study, run_study(study, Step::simulate)); }
 
 }  // namespace
 
@@ -110,7 +110,7 @@ int main(int argc, char** argv) {
   try {
     const Study chain = load_study(argv[1]);
     std::printf("Chain: %zu parameters, %g s\n", chain.updating->parameters.size(), chain.simulation->duration);
-    const FullRecord chain_record = simulated_record(chain);
+    const Record chain_record = simulated_record(chain);
     time_simulation_residual(chain, chain_record);
     time_stages(chain, chain_record, 5);
     const Study vehicle = load_study(argv[2]);

@@ -130,9 +130,9 @@ void time_augmented_model(const Study& study, const std::string& held) {
     chains.push_back(sensor.chain);
   }
   const auto l = static_cast<Index>(outputs.size());
-  const Record record{0.1 * Eigen::MatrixXd::Random(l, samples),
-                      Eigen::MatrixXd::Zero(3 * setup.model->system().input_count(), samples),
-                      0.01 * Eigen::MatrixXd::Identity(l, l)};
+  const FilterInput record{{.values = 0.1 * Eigen::MatrixXd::Random(l, samples)},
+                           Eigen::MatrixXd::Zero(3 * setup.model->system().input_count(), samples),
+                           0.01 * Eigen::MatrixXd::Identity(l, l)};
   const double rate = 1.0 / setup.options.step;
   for (const double share : {1.0, 0.5}) {
     auto options = setup.options;

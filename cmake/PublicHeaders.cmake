@@ -11,7 +11,7 @@ set(KALFEM_CORE_HEADERS
     linalg/sparse_factor.hpp
     model/finite_element_model.hpp model/linear_model.hpp model/lumped.hpp model/unit_system.hpp
     model/elements/element.hpp model/mesh/mesh.hpp model/mesh/properties.hpp
-    records/time_series.hpp reduction/superelement.hpp
+    records/record.hpp reduction/superelement.hpp
     system/connector_law.hpp system/signal.hpp
     system/sensors/measurement_chain.hpp system/sensors/output_description.hpp
     system/signals/sampled.hpp)

@@ -9,7 +9,7 @@
 using namespace kalfem;
 
 int main(int, char** argv) try {
-  const TimeSeries record = read_csv(argv[1]);
+  const Record record = read_csv(argv[1]);
 
   Structure s;  // a wheel on the road, a suspension, and a body of ten masses
   s.add(lumped("wheel").mass("w", 1.5).spring("k_w", "ground", "w", 2e4));

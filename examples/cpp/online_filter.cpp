@@ -33,10 +33,10 @@ int main() try {
 
   Structure model = two_masses(2e8).force("shaker", "table.b");  // its force is told sample by sample
   OnlineFilter filter(model, rate, {.sensors = sensors, .unknowns = {{"stop.k3", {.std = 2e8}}}});
-  filter.update(live.values.row(0).transpose());
+  filter.update(live.values.col(0));
   for (Eigen::Index k = 1; k < live.samples() && filter.usable(); ++k) {
     filter.predict({{.value = force[k]}});
-    filter.update(live.values.row(k).transpose());
+    filter.update(live.values.col(k));
     if (k % 300 == 0)
       std::cout << filter.time() << " s: displacement of b " << filter.state("table.b.displacement").mean
                 << " m, stop.k3 " << filter.parameter("stop.k3").mean << " N/m^3\n";

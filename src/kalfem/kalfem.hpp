@@ -14,4 +14,4 @@
 #include "kalfem/api/structure.hpp"
 #include "kalfem/api/update.hpp"
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/records/time_series.hpp"
+#include "kalfem/records/record.hpp"

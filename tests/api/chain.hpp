@@ -34,8 +34,8 @@ inline std::vector<SensorDescription> chain_sensors() {
 }
 
 /// What the sensors show, with noise.
-inline const TimeSeries& chain_record() {
-  static const TimeSeries record =
+inline const Record& chain_record() {
+  static const Record record =
       simulate(driven_chain(), {.sensors = chain_sensors(), .duration = 2.0, .sample_rate = 500.0, .seed = 1});
   return record;
 }

@@ -76,8 +76,8 @@ TEST(EstimateStructure, GivesStatesAndVirtualSensorsByName) {
                                 .sample_rate = 500.0});
   const auto result = estimate(driven_chain(), chain_record(),
                                {.sensors = chain_sensors(), .outputs = {{"force", connector_force("suspension")}}});
-  EXPECT_LT(nrmse(result.state("body.1.displacement").mean, truth.values.col(0)), 0.05);
-  EXPECT_LT(nrmse(result.output("force").mean, truth.values.col(1)), 0.1);
+  EXPECT_LT(nrmse(result.state("body.1.displacement").mean, truth.values.row(0).transpose()), 0.05);
+  EXPECT_LT(nrmse(result.output("force").mean, truth.values.row(1).transpose()), 0.1);
   EXPECT_EQ(result.state("body.1.displacement").unit, "m");
   EXPECT_EQ(result.output("force").unit, "N");
 }
@@ -103,10 +103,10 @@ TEST(EstimateArguments, AreNamedByTheirPlaceWhereTheyAreWrong) {
   options.unknowns[1].prior.initial = -1.0;
   options.unknowns[1].prior.transform = ParameterTransform{TransformKind::log};
   options.outputs = {{"f", connector_force("suspention")}};
-  TimeSeries record = chain_record();
+  Record record = chain_record();
   record.channels.push_back({"a9", "m/s^2"});
-  record.values.conservativeResize(Eigen::NoChange, 3);
-  record.values.col(2).setZero();
+  record.values.conservativeResize(3, Eigen::NoChange);
+  record.values.row(2).setZero();
   const auto message = refusal_of([&] { return estimate(driven_chain(), record, options); });
   EXPECT_THAT(message, HasSubstr("sensors[0] 'a3': its noise is 0"));
   EXPECT_THAT(message, HasSubstr("sensors[2] 'a9': "));

@@ -10,13 +10,13 @@ const EstimateOptions options{.sensors = chain_sensors(),
                               .outputs = {{"force", connector_force("suspension")}}};
 
 TEST(OnlineFilter, GivesWhatAWholeRunOverTheRecordGives) {
-  TimeSeries record = chain_record();
-  record.values(100, 0) = record.values(101, 0) = record.values(101, 1) = std::nan("");
+  Record record = chain_record();
+  record.values(0, 100) = record.values(0, 101) = record.values(1, 101) = std::nan("");
   const auto expected = estimate(driven_chain(), record, options);
   OnlineFilter filter(driven_chain(), record.sample_rate, options);
   for (Eigen::Index k = 0; k < record.samples(); ++k) {
     if (k > 0) ASSERT_TRUE(filter.predict());
-    ASSERT_TRUE(filter.update(record.values.row(k).transpose()));
+    ASSERT_TRUE(filter.update(record.values.col(k)));
     if (std::isfinite(expected.nis[k])) ASSERT_NEAR(filter.nis(), expected.nis[k], 1e-9 * expected.nis[k] + 1e-12);
   }
   const auto& parameter = expected.parameters[0];
@@ -35,10 +35,10 @@ TEST(OnlineFilter, FollowsTheLinearPartAsAWholeRunDoes) {
   const auto& record = chain_record();
   const auto expected = estimate(driven_chain(), record, of_spring);
   OnlineFilter filter(driven_chain(), record.sample_rate, of_spring);
-  filter.update(record.values.row(0).transpose());
+  filter.update(record.values.col(0));
   for (Eigen::Index k = 1; k < record.samples(); ++k) {
     ASSERT_TRUE(filter.predict());
-    ASSERT_TRUE(filter.update(record.values.row(k).transpose()));
+    ASSERT_TRUE(filter.update(record.values.col(k)));
   }
   EXPECT_NEAR(filter.parameters()[0].mean, expected.parameters[0].mean, 1e-7 * expected.parameters[0].mean);
 }
@@ -47,10 +47,10 @@ TEST(OnlineFilter, IsToldItsInputsAsTheyCome) {
   const auto& record = chain_record();
   const auto samples = road()->sample(0.0, 1.0 / record.sample_rate, record.samples());
   OnlineFilter filter(chain_structure().base_displacement("road", "wheel.ground"), record.sample_rate, options);
-  filter.update(record.values.row(0).transpose());
+  filter.update(record.values.col(0));
   for (Eigen::Index k = 1; k < record.samples(); ++k) {
     ASSERT_TRUE(filter.predict({{samples(k, 0), samples(k, 1), samples(k, 2)}}));
-    ASSERT_TRUE(filter.update(record.values.row(k).transpose()));
+    ASSERT_TRUE(filter.update(record.values.col(k)));
   }
   const auto estimate = filter.parameter("suspension.mu_k1");
   EXPECT_NEAR(estimate.mean, 20.0, 3.0 * estimate.std);

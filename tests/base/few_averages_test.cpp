@@ -11,13 +11,13 @@ namespace {
 using Eigen::Index;
 
 /// y = 2 x + noise, all white: every line is alike, and segments without overlap are independent.
-TimeSeries white_record(Index segments, std::uint64_t seed) {
+Record white_record(Index segments, std::uint64_t seed) {
   constexpr Index length = 128;
-  TimeSeries record{100.0, 0.0, {{"force", "N"}, {"motion", "m"}}, Eigen::MatrixXd(segments * length, 2)};
+  Record record{100.0, 0.0, {{"force", "N"}, {"motion", "m"}}, Eigen::MatrixXd(2, segments * length)};
   RandomStream input(seed, "input"), noise(seed, "noise");
   for (Index k = 0; k < record.samples(); ++k) {
-    record.values(k, 0) = input.normal();
-    record.values(k, 1) = 2.0 * record.values(k, 0) + 3.0 * noise.normal();
+    record.values(0, k) = input.normal();
+    record.values(1, k) = 2.0 * record.values(0, k) + 3.0 * noise.normal();
   }
   return record;
 }
@@ -67,8 +67,8 @@ TEST(H1OfFewAverages, CountsOverlappingSegmentsForWhatTheyAreWorth) {
 /// The sign of the phase: an output that comes one sample later turns by -2 pi f / rate.
 TEST(H1OfFewAverages, LagsWhereTheOutputComesLater) {
   auto record = white_record(40, 5);
-  for (Index k = record.samples() - 1; k > 0; --k) record.values(k, 1) = record.values(k - 1, 0);
-  record.values(0, 1) = 0.0;
+  for (Index k = record.samples() - 1; k > 0; --k) record.values(1, k) = record.values(0, k - 1);
+  record.values(1, 0) = 0.0;
   const auto response = estimate_h1({&record, 1}, "force", {"motion"}, {.segment = 128}).response;
   for (Index k = 0; k < response.lines.size(); ++k) {
     const auto expected = std::polar(1.0, -2.0 * 3.14159265358979323846 * response.lines[k] / 100.0);

@@ -45,18 +45,18 @@ struct DigitalResonator {
   }
 };
 
-TimeSeries record_of(const DigitalResonator& system, Index samples, double noise, std::uint64_t seed) {
+Record record_of(const DigitalResonator& system, Index samples, double noise, std::uint64_t seed) {
   RandomStream input_stream(seed, "input"), noise_stream(seed, "noise");
   VectorXd input(samples);
   for (double& x : input) x = input_stream.normal();
   VectorXd output = system.response(input);
   for (double& y : output) y += noise * noise_stream.normal();
-  TimeSeries record{rate, 0.0, {{"force", "N"}, {"motion", "m"}}, Eigen::MatrixXd(samples, 2)};
-  record.values << input, output;
+  Record record{rate, 0.0, {{"force", "N"}, {"motion", "m"}}, Eigen::MatrixXd(2, samples)};
+  record.values << input.transpose(), output.transpose();
   return record;
 }
 
-H1Estimate h1(const TimeSeries& record, const H1Options& options) {
+H1Estimate h1(const Record& record, const H1Options& options) {
   return estimate_h1({&record, 1}, "force", {"motion"}, options);
 }
 
@@ -125,7 +125,7 @@ TEST(H1Estimate, OutputNoiseNeitherBiasesItNorEscapesItsDeviation) {
 }
 
 TEST(H1Estimate, AveragesOverRecords) {
-  const std::vector<TimeSeries> blows = {record_of(damped, 512, 0.5, 7), record_of(damped, 600, 0.5, 8)};
+  const std::vector<Record> blows = {record_of(damped, 512, 0.5, 7), record_of(damped, 600, 0.5, 8)};
   const auto estimate = estimate_h1(blows, "force", {"motion"}, {.segment = 512});
   EXPECT_EQ(estimate.segments, 2);
   EXPECT_DOUBLE_EQ(estimate.averages, 2.0);
@@ -142,7 +142,7 @@ TEST(H1Estimate, SaysWhatDoesNotFit) {
   EXPECT_THROW(h1(record, {.segment = 64, .overlap = 1.0}), InvalidInput);
   EXPECT_THROW(estimate_h1({&record, 1}, "force", {"motoin"}, {.segment = 64}), InvalidInput);
   EXPECT_THROW(estimate_h1({}, "force", {"motion"}, {.segment = 64}), InvalidInput);
-  std::vector<TimeSeries> rates = {record, record};
+  std::vector<Record> rates = {record, record};
   rates[1].sample_rate = 2.0 * rate;
   EXPECT_THROW(estimate_h1(rates, "force", {"motion"}, {.segment = 64}), InvalidInput);
 }

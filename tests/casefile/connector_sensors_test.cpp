@@ -36,11 +36,12 @@ TEST(ConnectorSensors, AddUpTheirConnectorsByWeight) {
   const Eigen::VectorXd force =
       of("p", connector_force) - 2.5 * of("q", connector_force) + 0.5 * of("r", connector_force);
   // sums of three terms: rounding
-  EXPECT_LT(difference(sensors.col(0), force), 5e-15);
-  EXPECT_LT(difference(sensors.col(1), 3.0 * of("q", connector_deformation) + 2.0 * of("p", connector_deformation)),
+  EXPECT_LT(difference(sensors.row(0).transpose(), force), 5e-15);
+  EXPECT_LT(difference(sensors.row(1).transpose(),
+                       3.0 * of("q", connector_deformation) + 2.0 * of("p", connector_deformation)),
             5e-15);
-  EXPECT_LT(difference(sensors.col(2), of("p", connector_rate) - of("r", connector_rate)), 5e-15);
-  EXPECT_LT(difference(sensors.col(3), of("q", connector_force)), 1e-15);
+  EXPECT_LT(difference(sensors.row(2).transpose(), of("p", connector_rate) - of("r", connector_rate)), 5e-15);
+  EXPECT_LT(difference(sensors.row(3).transpose(), of("q", connector_force)), 1e-15);
 }
 
 TEST(ConnectorSensors, AreWhatTheFilterCompares) {

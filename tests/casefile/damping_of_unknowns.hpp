@@ -39,11 +39,12 @@ inline Study study_of(const std::string& text) {
 /// The record of the study with noise of another seed on it.
 inline StudyResults record_with_noise(StudyResults simulated, std::uint64_t seed) {
   auto& outcome = *simulated.simulation;
-  for (std::size_t i = 0; i < outcome.noise.size(); ++i) {
-    RandomStream random(seed, outcome.measurements.channels[i].name);
-    auto column = outcome.measurements.values.col(static_cast<Eigen::Index>(i));
-    column = outcome.reference.sensors.col(static_cast<Eigen::Index>(i));
-    for (double& value : column) value += outcome.noise[i] * random.normal();
+  for (std::size_t i = 0; i < outcome.measurements.channels.size(); ++i) {
+    const auto& channel = outcome.measurements.channels[i];
+    RandomStream random(seed, channel.name);
+    auto row = outcome.measurements.values.row(static_cast<Eigen::Index>(i));
+    row = outcome.reference.sensors.row(static_cast<Eigen::Index>(i));
+    for (double& value : row) value += channel.noise * random.normal();
   }
   return simulated;
 }

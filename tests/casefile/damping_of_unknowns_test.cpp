@@ -129,7 +129,7 @@ TEST(DampingOfUnknowns, ThePredictionUsesTheEstimatedSpring) {
   for (const auto& channel : record.channels) file << "," << channel.name;
   for (Index k = 0; k < record.samples(); ++k) {
     file << "\n" << record.time(k);
-    for (const double value : record.values.row(k)) file << "," << value;
+    for (const double value : record.values.col(k)) file << "," << value;
   }
   file.close();
   std::string text = with_extra_spring("15 kN/m");

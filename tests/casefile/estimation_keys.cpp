@@ -191,10 +191,10 @@ void local_models_move_as_measured() {
   const auto results = run(study, Step::simulate);
   const auto filter = make_filter_run(study.problem, setup, record_of(study, results));
   near(filter.choice.augmented_model->options().process_noise.input, vector({0.02 / std::sqrt(100.0)}));
-  const auto& foot = results.simulation->measurements.values.col(1);
-  near(filter.record.inputs(2, 4), foot[1]);  // four parts a sample
-  near(filter.record.inputs(2, 6), 0.5 * (foot[1] + foot[2]));
-  EXPECT_EQ(filter.record.inputs.topRows(2).norm(), 0.0);
+  const auto foot = results.simulation->measurements.values.row(1);
+  near(filter.input.inputs(2, 4), foot[1]);  // four parts a sample
+  near(filter.input.inputs(2, 6), 0.5 * (foot[1] + foot[2]));
+  EXPECT_EQ(filter.input.inputs.topRows(2).norm(), 0.0);
 }
 
 void local_models_are_pushed_by_unknown_forces() {
@@ -231,7 +231,7 @@ std::pair<EstimationResult, EstimationResult> both_filters(const std::string& te
   const auto& outcome = *results.estimation;
   EXPECT_EQ(outcome.filter, options.filter) << text;
   const auto filter = make_filter_run(study.problem, *study.augmented_model, record_of(study, results));
-  return {outcome.result, estimate(*filter.choice.augmented_model, filter.record, options)};
+  return {outcome.result, estimate(*filter.choice.augmented_model, filter.input, options)};
 }
 
 void filter_kinds() {
@@ -269,7 +269,7 @@ void passes_over_the_record() {
   const auto& outcome = *results.estimation;
   const auto filter = make_filter_run(study.problem, *study.augmented_model, record_of(study, results));
   const auto expected = [&](int passes) {
-    return estimate(*filter.choice.augmented_model, filter.record, {.filter = outcome.filter, .passes = passes})
+    return estimate(*filter.choice.augmented_model, filter.input, {.filter = outcome.filter, .passes = passes})
         .log_likelihood;
   };
   near(outcome.result.log_likelihood, expected(2), many_roundings);

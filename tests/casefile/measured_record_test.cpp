@@ -24,15 +24,16 @@ TEST_F(MeasuredRecords, MayMissSamplesAtAnyPlace) {
   const std::pair<std::string, std::string> skip{"{file: record.csv}\nest",
                                                  "{file: record.csv, skip_missing: true}\nest"};
   const Study study = load({skip});
-  EXPECT_EQ(study.record->series.values.col(0).array().isNaN().count(), 5);
-  EXPECT_EQ(study.record->series.values.col(1).array().isNaN().count(), 5 + 19);
+  EXPECT_EQ(study.record->record.values.row(0).array().isNaN().count(), 5);
+  EXPECT_EQ(study.record->record.values.row(1).array().isNaN().count(), 5 + 19);
   const StudyResults results = run_study(study, Step::predict);
   ASSERT_TRUE(results.usable()) << results.failure;
   // without noise: found .035, the step of the augmented model
   EXPECT_NEAR(results.estimation->result.unknowns.mean(0, 400), stiffness, 0.1);
   // Per cent of the rms of the samples that are there: 24 missing ones of 401 would take 3 % off it.
   // found 1.7e-4
-  EXPECT_NEAR(results.estimation->noise[1], 0.01 * omega * omega * amplitude / std::numbers::sqrt2, 2e-4);
+  EXPECT_NEAR(results.estimation->measurements.channels[1].noise,
+              0.01 * omega * omega * amplitude / std::numbers::sqrt2, 2e-4);
   expect_in(errors(), {"record.csv:2: column 'x' is empty", "skip_missing: true"});
 }
 

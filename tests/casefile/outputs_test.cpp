@@ -87,8 +87,9 @@ TEST(Summary, HoldsTheConsistencyOfTheFilter) {
   near(high, 7.377759, 1e-7);
   for (Index i : {0, 1}) {
     const VectorXd innovation = outcome.result.innovation.row(i).tail(151).transpose();
-    same(summary["innovation_to_noise"][i == 0 ? "yw" : "yb"], rms(innovation) / outcome.noise[std::size_t(i)]);
-    near(outcome.noise[std::size_t(i)], (i == 0 ? 0.02 : 0.05) * rms(results.simulation->reference.sensors.col(i)));
+    const double noise = outcome.measurements.channels[std::size_t(i)].noise;
+    same(summary["innovation_to_noise"][i == 0 ? "yw" : "yb"], rms(innovation) / noise);
+    near(noise, (i == 0 ? 0.02 : 0.05) * rms(results.simulation->reference.sensors.row(i).transpose()));
   }
   same(summary["log_likelihood"], outcome.result.log_likelihood);
   EXPECT_EQ(summary["steps"], 201);
@@ -204,7 +205,7 @@ TEST(ResultsFile, HoldsEverySeriesUnderItsName) {
   check("/innovation/value/yb", estimate.innovation.row(1).transpose(), "m");
   check("/innovation/deviation/yb", estimate.innovation_deviation.row(1).transpose(), "m");
   check("/innovation/nis", estimate.nis, "-");
-  check("/measurements/yw", results.simulation->measurements.values.col(0), "m/s^2");
+  check("/measurements/yw", results.simulation->measurements.values.row(0).transpose(), "m/s^2");
   const VectorXd force = study.structure->signals[0]->sample(0.0, 0.01, 201).col(0).matrix();
   // the file holds doubles; the signal is evaluated at other blocks of times
   EXPECT_LT((file.read("/inputs/f") - force).norm(), 1e-13 * force.norm());

@@ -61,7 +61,7 @@ inline StudyResults run(const Study& study, Step last) {
   return results;
 }
 
-/// Simulated, free of noise: the record of the sensors, samples x sensors.
+/// Simulated, free of noise: the record of the sensors, sensors x samples.
 inline Eigen::MatrixXd clean_record(const Study& study) {
   return run(study, Step::simulate).simulation->reference.sensors;
 }

@@ -30,8 +30,8 @@ protected:
       for (int k = 0; k <= 100; ++k) {
         const double t = k / rate;
         // the table is written with twelve digits: found 5e-14 m, 5e-12 m/s^2 and 4e-12 N
-        EXPECT_NEAR(study.record->series.values(k, 0), displacement(t), 5e-13);
-        EXPECT_NEAR(study.record->series.values(k, 1), acceleration(t), 5e-11);
+        EXPECT_NEAR(study.record->record.values(0, k), displacement(t), 5e-13);
+        EXPECT_NEAR(study.record->record.values(1, k), acceleration(t), 5e-11);
         EXPECT_NEAR(force_samples(k, 0), force(t), 4e-11);
       }
     } catch (const InvalidInput& error) {
@@ -129,11 +129,11 @@ TEST_F(RecordUnits, OfAnHdf5DatasetAreItsAttribute) {
                            {record_, "record: {file: record.h5, dataset: /run}"}};
   write("unit", "mm");
   // one multiplication
-  EXPECT_NEAR(load(changes).record->series.values(7, 0), displacement(0.07), 4e-17);
+  EXPECT_NEAR(load(changes).record->record.values(0, 7), displacement(0.07), 4e-17);
   write("units", "mm");
-  EXPECT_NEAR(load(changes).record->series.values(7, 0), displacement(0.07), 4e-17);
+  EXPECT_NEAR(load(changes).record->record.values(0, 7), displacement(0.07), 4e-17);
   write("", "");
-  EXPECT_NEAR(load(changes).record->series.values(7, 0), 1e3 * displacement(0.07), 4e-14);
+  EXPECT_NEAR(load(changes).record->record.values(0, 7), 1e3 * displacement(0.07), 4e-14);
   write("unit", "s");
   expect_in(errors(changes), {"record.h5: column '0' (sensors.x): s given where m is required"});
 }

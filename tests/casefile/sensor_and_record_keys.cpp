@@ -60,13 +60,13 @@ void noise_is_absolute_or_a_part_of_the_rms() {
   const auto study = study_of(estimated_case(
       {{"sensors", "{y: {displacement: s.b, noise: 5 %}}"}, {"simulate", "{duration: 20 s, sample_rate: 100 Hz}"}}));
   const auto results = run(study, Step::simulate);
-  const Eigen::VectorXd clean = results.simulation->reference.sensors.col(0);
-  near(results.simulation->noise[0], 0.05 * rms(clean));
-  const Eigen::VectorXd noise = results.simulation->measurements.values.col(0) - clean;
+  const Eigen::VectorXd clean = results.simulation->reference.sensors.row(0).transpose();
+  near(results.simulation->measurements.channels[0].noise, 0.05 * rms(clean));
+  const Eigen::VectorXd noise = results.simulation->measurements.values.row(0).transpose() - clean;
   // 2001 samples: the rms of the noise is known to 1.6 %, three deviations.
-  near(rms(noise), results.simulation->noise[0], 3.0 / std::sqrt(2.0 * 2001));
+  near(rms(noise), results.simulation->measurements.channels[0].noise, 3.0 / std::sqrt(2.0 * 2001));
   const auto filter = make_filter_run(study.problem, *study.augmented_model, record_of(study, results));
-  near(filter.record.noise(0, 0), std::pow(results.simulation->noise[0], 2));
+  near(filter.input.noise(0, 0), std::pow(results.simulation->measurements.channels[0].noise, 2));
 }
 
 std::complex<double> response(const std::string& chain, double frequency) {
@@ -121,20 +121,20 @@ const std::vector<double> ramp{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}, fall{9, 8, 7, 6, 5
 void record_columns() {
   write_file("record.csv", csv_of(10.0, {{"y", ramp}, {"z", fall}}, 2.0));
   const auto own = with_record("file: record.csv");
-  near(own.record->series.sample_rate, 10.0);
-  near(own.record->series.start, 2.0);
-  near(own.record->series.values.col(0), Eigen::VectorXd::LinSpaced(10, 0, 9));
-  EXPECT_EQ(own.record->used, 10);
+  near(own.record->record.sample_rate, 10.0);
+  near(own.record->record.start, 2.0);
+  near(own.record->record.values.row(0).transpose(), Eigen::VectorXd::LinSpaced(10, 0, 9));
+  EXPECT_EQ(own.record->record.samples_used(), 10);
   const auto other = with_record("file: record.csv", {{"sensors", "{y: {displacement: s.b, noise: 1, channel: z}}"}});
-  near(other.record->series.values.col(0), Eigen::VectorXd::LinSpaced(10, 9, 0));
-  EXPECT_EQ(other.record->series.channels[0].name, "y");
+  near(other.record->record.values.row(0).transpose(), Eigen::VectorXd::LinSpaced(10, 9, 0));
+  EXPECT_EQ(other.record->record.channels[0].name, "y");
 }
 
 void record_units_and_rates() {
   write_file("record.csv", csv_of(10.0, {{"y", ramp}}));
-  near(with_record("file: record.csv, unit: mm").record->series.values(9, 0), 9e-3);
+  near(with_record("file: record.csv, unit: mm").record->record.values(0, 9), 9e-3);
   write_file("bare.csv", "y\n0\n1\n2\n3\n");
-  near(with_record("file: bare.csv, sample_rate: 50 Hz").record->series.sample_rate, 50.0);
+  near(with_record("file: bare.csv, sample_rate: 50 Hz").record->record.sample_rate, 50.0);
 }
 
 /// The unit of a sensor's own column comes before that of the whole record.
@@ -143,12 +143,12 @@ void units_of_channels() {
   const auto record = [](const std::string& unit, const std::string& whole) {
     return with_record("file: record.csv" + whole, {{"sensors", "{y: {displacement: s.b, noise: 1" + unit +
                                                                     "}, z: {acceleration: s.a, noise: 1, unit: g}}"}})
-        .record->series.values;
+        .record->record.values;
   };
-  near(record("", "")(9, 0), 9.0);
-  near(record(", unit: mm", "")(9, 0), 9e-3);
-  near(record(", unit: mm", ", unit: g")(9, 0), 9e-3);
-  near(record("", "")(0, 1), 9 * 9.80665);
+  near(record("", "")(0, 9), 9.0);
+  near(record(", unit: mm", "")(0, 9), 9e-3);
+  near(record(", unit: mm", ", unit: g")(0, 9), 9e-3);
+  near(record("", "")(1, 0), 9 * 9.80665);
 }
 
 /// A channel of one value is a dead sensor, unless the case says that it was measured.
@@ -163,7 +163,7 @@ void constant_channels() {
   };
   EXPECT_THROW(record(""), InvalidInput);
   EXPECT_THROW(record(", accept_constant: false"), InvalidInput);
-  near(record(", accept_constant: true").series.values.col(1), Eigen::VectorXd::Constant(10, 3.0));
+  near(record(", accept_constant: true").record.values.row(1).transpose(), Eigen::VectorXd::Constant(10, 3.0));
 }
 
 void record_datasets() {
@@ -177,7 +177,7 @@ void record_datasets() {
   const auto value = [](const std::string& dataset) {
     return with_record("file: record.h5, dataset: /" + dataset + ", sample_rate: 20 Hz",
                        {{"sensors", "{y: {displacement: s.b, noise: 1, channel: '1'}}"}})
-        .record->series.values(0, 0);
+        .record->record.values(0, 0);
   };
   near(value("run2"), 5.0);
   near(value("run1"), 6.0);
@@ -186,9 +186,9 @@ void record_datasets() {
 void record_window() {
   write_file("record.csv", csv_of(10.0, {{"y", ramp}}, 2.0));
   const auto part = with_record("file: record.csv, start: 2.3 s, end: 2.7 s");
-  near(part.record->series.start, 2.3);
-  near(part.record->series.values.col(0), Eigen::VectorXd::LinSpaced(5, 3, 7));
-  EXPECT_EQ(part.record->used, 5);
+  near(part.record->record.start, 2.3);
+  near(part.record->record.values.row(0).transpose(), Eigen::VectorXd::LinSpaced(5, 3, 7));
+  EXPECT_EQ(part.record->record.samples_used(), 5);
 }
 
 void missing_samples() {
@@ -203,8 +203,8 @@ void missing_samples() {
   const Sections first{{"sensors", "{y: {displacement: s.b, noise: 1, channel: '0'}}"}};
   EXPECT_THROW(with_record("file: record.h5, dataset: /d, sample_rate: 10", first), InvalidInput);
   const auto study = with_record("file: record.h5, dataset: /d, sample_rate: 10, skip_missing: true", first);
-  EXPECT_TRUE(std::isnan(study.record->series.values(4, 0)));
-  near(study.record->series.values(5, 0), 5.0);
+  EXPECT_TRUE(std::isnan(study.record->record.values(0, 4)));
+  near(study.record->record.values(0, 5), 5.0);
 }
 
 /// Two sines that are quiet up to sample 300 and noisy behind it, where 6 samples are missing.
@@ -218,17 +218,17 @@ void splices_are_repaired() {
   }
   write_file("record.csv", csv_of(500.0, {{"y", y}, {"z", z}}));
   const Sections sensors{{"sensors", "{y: {displacement: s.b, noise: 1}, z: {displacement: s.a, noise: 1}}"}};
-  EXPECT_EQ(with_record("file: record.csv", sensors).record->series.samples(), 900);
+  EXPECT_EQ(with_record("file: record.csv", sensors).record->record.samples(), 900);
   const auto study = with_record("file: record.csv, repair_splice: true", sensors);
-  const auto& series = study.record->series;
-  ASSERT_EQ(series.samples(), 906);
+  const auto& mended = study.record->record;
+  ASSERT_EQ(mended.samples(), 906);
   ASSERT_EQ(study.record->preparation.size(), 1u);
   // The six samples, the one behind them and two on either side are missing; behind them the time is right: to 5
   // deviations of noise.
-  EXPECT_EQ(series.values.col(0).array().isNaN().count(), 11);
+  EXPECT_EQ(mended.values.row(0).array().isNaN().count(), 11);
   for (const Eigen::Index k : {297, 309, 500, 905})
     // found 1.2e-5
-    EXPECT_NEAR(series.values(k, 0), 0.03 * std::cos(9.4 * double(k) / 500.0), 5e-5) << k;
+    EXPECT_NEAR(mended.values(0, k), 0.03 * std::cos(9.4 * double(k) / 500.0), 5e-5) << k;
 }
 
 /// Held at 40 mm, released at 0.5 s, at rest at 5 mm from 2.5 s on.
@@ -244,18 +244,18 @@ void free_responses() {
   };
   const auto plain = record("");
   // found .016: 1 % of the excursion and five samples
-  EXPECT_NEAR(plain.series.start, 0.5, 0.03);
-  near(plain.series.values(10, 0), y[std::size_t(std::llround(plain.series.start * 500)) + 10] - 0.005, many_roundings);
-  EXPECT_NEAR(record("delay: 0.2 s").series.start, plain.series.start + 0.2, 1e-12);
+  EXPECT_NEAR(plain.record.start, 0.5, 0.03);
+  near(plain.record.values(0, 10), y[std::size_t(std::llround(plain.record.start * 500)) + 10] - 0.005, many_roundings);
+  EXPECT_NEAR(record("delay: 0.2 s").record.start, plain.record.start + 0.2, 1e-12);
   // The amplitude 35 mm (1 - t / 2 s) is below 10 mm from 1.93 s after the release on; the record begins up to 30 ms
   // late.
-  const auto used = [&](const std::string& text) { return double(record(text).used) / 500.0; };
+  const auto used = [&](const std::string& text) { return double(record(text).record.samples_used()) / 500.0; };
   // a swing of .33 s may pass until the threshold is seen: found .05
-  EXPECT_NEAR(used("threshold: 10 mm, margin: 0") + plain.series.start, 0.5 + 1.428, 0.1);
+  EXPECT_NEAR(used("threshold: 10 mm, margin: 0") + plain.record.start, 0.5 + 1.428, 0.1);
   EXPECT_NEAR(used("threshold: 10 mm, margin: 0.3 s"), used("threshold: 10 mm, margin: 0") + 0.3, 1e-12);
   EXPECT_NEAR(used("threshold: 10 mm"), used("threshold: 10 mm, margin: 0.5 s"), 1e-12);
   EXPECT_GT(used("threshold: 1 mm, margin: 0"), used("threshold: 10 mm, margin: 0") + 0.3);
-  EXPECT_EQ(record("").used, record("threshold: 0.5 mm").used);
+  EXPECT_EQ(record("").record.used, record("threshold: 0.5 mm").record.used);
 }
 
 /// Held at 40 mm, released at 0.5 s; it swings about 5 mm and is still moving where the record ends.

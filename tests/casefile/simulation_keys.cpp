@@ -71,7 +71,8 @@ void fixed_steps() {
     const auto once =
         simulate(system_of(study), study.structure->signals, at_rest(2, 0),
                  {.integrator = Integrator::newmark, .step = 0.01 / substeps, .duration = 0.5, .keep_every = substeps});
-    near(Eigen::VectorXd(reference.sensors.col(0)), Eigen::VectorXd(once.trajectory.displacement.row(1).transpose()));
+    near(Eigen::VectorXd(reference.sensors.row(0).transpose()),
+         Eigen::VectorXd(once.trajectory.displacement.row(1).transpose()));
   }
 }
 
@@ -87,8 +88,8 @@ void seeds() {
   const auto noise = [](const std::string& text) {
     const auto results = run(
         study_of(lumped_case({{"simulate", "{duration: 0.5 s, sample_rate: 100 Hz" + text + "}"}})), Step::simulate);
-    return Eigen::VectorXd((results.simulation->measurements.values - results.simulation->reference.sensors).col(0) /
-                           1e-4);
+    return Eigen::VectorXd(
+        (results.simulation->measurements.values - results.simulation->reference.sensors).row(0).transpose() / 1e-4);
   };
   for (const std::uint64_t seed : {1, 7}) {
     RandomStream random(seed, "y");

@@ -85,7 +85,7 @@ protected:
 
   Study late(const Sections& more = {}) {
     const auto& clean = whole.simulation->reference.sensors;
-    const auto column = [&](Index j) { return std::vector<double>(clean.col(j).begin(), clean.col(j).end()); };
+    const auto column = [&](Index j) { return std::vector<double>(clean.row(j).begin(), clean.row(j).end()); };
     write_file("late.csv", csv_of(200.0, {{"yw", column(0)}, {"yb", column(1)}}));
     Sections sections{
         {"excitation", late_pulses}, {"simulate", ""}, {"record", "{file: late.csv, start: 0.3 s, end: 1.3 s}"}};
@@ -101,11 +101,11 @@ protected:
 
 TEST_F(LateRecord, IsDrivenByWhatActedThen) {
   const auto study = late();
-  EXPECT_EQ(study.record->series.samples(), 201);
-  EXPECT_NEAR(study.record->series.start, 0.3, 1e-14);  // rounding, and the same samples below
+  EXPECT_EQ(study.record->record.samples(), 201);
+  EXPECT_NEAR(study.record->record.start, 0.3, 1e-14);  // rounding, and the same samples below
   const auto filter = make_filter_run(study.problem, *study.augmented_model, record_of(study, {}));
   const auto signals = study.structure->signals[1]->sample(0.3, 0.005 / 4, 801);
-  EXPECT_LT((filter.record.inputs.row(1).transpose() - signals.col(0).matrix()).norm(),
+  EXPECT_LT((filter.input.inputs.row(1).transpose() - signals.col(0).matrix()).norm(),
             1e-14 * signals.col(0).matrix().norm());
   const auto results = run(study, Step::estimate);
   for (const std::string point : {"w.v", "s.a", "s.c"}) {
@@ -137,11 +137,17 @@ TEST_F(LateRecord, IsComparedWithWhatHappenedThen) {
 /// What the filter learns from ends where the record's useful part does; the rest is for comparison alone.
 TEST_F(LateRecord, IsNotLearntFromBeyondItsUse) {
   auto study = late();
-  study.record->used = 120;
+  study.record->record.used = 120;
   const auto filter = make_filter_run(study.problem, *study.augmented_model, record_of(study, {}));
-  EXPECT_TRUE(filter.record.measurements.leftCols(120).allFinite());
-  EXPECT_TRUE(filter.record.measurements.rightCols(81).array().isNaN().all());
-  EXPECT_TRUE(filter.measurements.values.allFinite());
+  const auto sees = [&](Index k) {
+    VectorXd sample;
+    filter.input.sample(k, sample);
+    return sample.allFinite();
+  };
+  EXPECT_TRUE(sees(119));
+  EXPECT_FALSE(sees(120));
+  EXPECT_FALSE(sees(200));
+  EXPECT_TRUE(filter.input.measured.values.allFinite());
 }
 
 /// Driven by the estimated motion of its boundary from a sample amid the motion on, behind the sensor's chain: at the
@@ -172,12 +178,12 @@ TEST(Stages, NoiseOfARecordIsAPartOfItsRms) {
                       {"record", "{file: rms.csv}"},
                       {"sensors", "{z: {displacement: s.a, noise: 0.2}, y: {displacement: s.b, noise: 5 %}}"}}));
   const auto record = record_of(study, {});
-  near(record.noise[0], 0.2);
-  near(record.noise[1], 0.15);
-  EXPECT_EQ(record.series.channels[1].unit, "m");
+  near(record.channels[0].noise, 0.2);
+  near(record.channels[1].noise, 0.15);
+  EXPECT_EQ(record.channels[1].unit, "m");
   const auto filter = make_filter_run(study.problem, *study.augmented_model, record);
-  near(filter.record.noise(0, 0), 0.04);
-  near(filter.record.noise(1, 1), 0.0225);
+  near(filter.input.noise(0, 0), 0.04);
+  near(filter.input.noise(1, 1), 0.0225);
 }
 
 /// The augmented model's sensors stand behind their own measurement chains, which the case's simulation has too.
@@ -193,8 +199,8 @@ TEST(Stages, SensorsOfTheAugmentedModelHaveTheirChains) {
                                     "{x: {displacement: s.a, noise: 0.1 mm}, y: {displacement: s.b, noise: "
                                     "0.1 mm}}"}})),
           Step::simulate);
-  const VectorXd before = plain.simulation->reference.sensors.col(1),
-                 behind = results.simulation->reference.sensors.col(1);
+  const VectorXd before = plain.simulation->reference.sensors.row(1),
+                 behind = results.simulation->reference.sensors.row(1);
   // found 1e-3: straight lines between samples of a hundredth of a second
   EXPECT_LT(nrmse(behind, study.sensors[1].chain.filter(before, 100.0)), 3e-3);
   EXPECT_GT(nrmse(behind, before), 0.5);

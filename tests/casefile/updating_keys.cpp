@@ -333,7 +333,7 @@ void frequency_responses_of_records() {
                            {"simulate", "{duration: 80 s, sample_rate: 100 Hz, tolerance: 1e-2}"}}),
           Step::simulate);
   const MatrixXd outputs = simulated.simulation->reference.sensors;
-  const auto column = [&](Index j) { return std::vector<double>(outputs.col(j).begin(), outputs.col(j).end()); };
+  const auto column = [&](Index j) { return std::vector<double>(outputs.row(j).begin(), outputs.row(j).end()); };
   const auto study = with_update("", {{"update", ""},
                                       {"excitation",
                                        "{f: {force: s.a, random: {rms: 10, band: [0.1, 40], duration: 80, fade_in: "
@@ -343,7 +343,7 @@ void frequency_responses_of_records() {
   const std::vector<double> input(force.begin(), force.end());
   write_file("shaker.csv", csv_of(100.0, {{"a", column(0)}, {"b", column(1)}, {"p", input}}));
   MatrixXd table(8001, 3);
-  table << force, outputs;
+  table << force, outputs.transpose();
   const auto path = write_file("shaker.h5", "");
   {
     auto file = Hdf5File::create(path.string());
@@ -451,8 +451,8 @@ void simulated_histories() {
   EXPECT_NEAR(rms(residual_at(study("[ya, yw]"), 800.0, results)), 1.0, 0.1);
   EXPECT_GT(rms(residual_at(study("yb"), 700.0, results)), 2.0);
   const auto& simulation = *results.simulation;
-  const VectorXd noise =
-      (simulation.reference.sensors - simulation.measurements.values).col(1).tail(251) / simulation.noise[1];
+  const VectorXd noise = (simulation.reference.sensors - simulation.measurements.values).row(1).tail(251).transpose() /
+                         simulation.measurements.channels[1].noise;
   near(residual_at(study("yb"), 800.0, results), noise, 0.1);  // a coarser step than the reference's
 }
 

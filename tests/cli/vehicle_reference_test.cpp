@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
-#include "kalfem/records/time_series.hpp"
+#include "kalfem/records/record.hpp"
 #include "vehicle_case.hpp"
 
 namespace kalfem::test {

@@ -29,10 +29,10 @@ TEST(Simulate, StoresTheSamplesAskedFor) {
       simulate(model.system(), {rest_signal}, start_at(1.0, 0.0),
                {.step = 1e-3, .duration = 10.0, .keep_every = 10, .every_step = displacement_of(model)});
   EXPECT_EQ(result.trajectory.samples(), 1001);
-  EXPECT_EQ(result.every_step.rows(), 10001);  // beyond the block in which inputs are sampled
+  EXPECT_EQ(result.every_step.cols(), 10001);  // beyond the block in which inputs are sampled
   EXPECT_DOUBLE_EQ(result.trajectory.step, 1e-2);
   for (const Eigen::Index k : {0, 7, 500, 1000})
-    EXPECT_EQ(result.every_step(10 * k, 0), result.trajectory.displacement(0, k));
+    EXPECT_EQ(result.every_step(0, 10 * k), result.trajectory.displacement(0, k));
   EXPECT_NEAR(result.trajectory.displacement(0, 1000), std::cos(100.0), 2e-12);  // found 1e-13: a thousand roundings
 }
 
@@ -59,7 +59,7 @@ TEST(Simulate, GrowthWithoutBoundIsAFailureWithItsTime) {
     EXPECT_TRUE(result.trajectory.displacement.allFinite());
     EXPECT_TRUE(result.every_step.allFinite());
     EXPECT_EQ(result.trajectory.samples(), std::llround(result.failure->time / 1e-4));
-    EXPECT_EQ(result.every_step.rows(), result.trajectory.samples());
+    EXPECT_EQ(result.every_step.cols(), result.trajectory.samples());
   }
 }
 
@@ -166,7 +166,7 @@ TEST_F(ReferenceOfAChain, ConvergesAndSaysHowFine) {
   // what was asked for
   EXPECT_LE(fine.last_change, 1e-4);
   EXPECT_GT(fine.substeps, rough.substeps);
-  EXPECT_EQ(fine.sensors.rows(), 501);
+  EXPECT_EQ(fine.sensors.cols(), 501);
   EXPECT_EQ(fine.simulation.trajectory.samples(), 501);
   // the last change bounds the error: found a third of it
   EXPECT_LT((rough.sensors - fine.sensors).norm() / fine.sensors.norm(), rough.last_change);
@@ -184,7 +184,7 @@ TEST(ConvergedSolution, StepsAreExtrapolatedToZero) {
   const ArrayXd time = ArrayXd::LinSpaced(5001, 0.0, 5.0);
   const ArrayXd exact = 1e-3 * (-zeta * omega * time).exp() *
                         ((damped * time).cos() + zeta / std::sqrt(1.0 - zeta * zeta) * (damped * time).sin());
-  EXPECT_LT((reference.sensors.col(0).array() - exact).matrix().norm(), 1.5e-5 * exact.matrix().norm());
+  EXPECT_LT((reference.sensors.row(0).transpose().array() - exact).matrix().norm(), 1.5e-5 * exact.matrix().norm());
   // Plain halving errs in phase by omega^3 t h^2 / 12, which is below the tolerance at 1/128 ms only.
   EXPECT_LE(reference.substeps, 16);
 }
@@ -223,7 +223,7 @@ TEST(ConvergedSolution, ImpactsDoNotMisleadTheExtrapolation) {
   const auto fine = simulate(model.system(), {rest_signal}, start_at(-1e-3, 0.0),
                              {.integrator = Integrator::exact, .step = 1e-6, .duration = 1.0, .keep_every = 1000});
   const Eigen::VectorXd exact = fine.trajectory.displacement.row(0);
-  EXPECT_LT((reference.sensors.col(0) - exact).norm(), 6e-4 * exact.norm());
+  EXPECT_LT((reference.sensors.row(0).transpose() - exact).norm(), 6e-4 * exact.norm());
 }
 
 TEST(ConvergedSolution, FailureIsHandedOnEvenBehindAMeasurementChain) {

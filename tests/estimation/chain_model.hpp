@@ -6,7 +6,7 @@
 #include "kalfem/dynamics/converged_solution.hpp"
 #include "kalfem/estimation/consistency.hpp"
 #include "kalfem/estimation/estimate.hpp"
-#include "kalfem/records/time_series.hpp"
+#include "kalfem/records/record.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
 #include "system/small_systems.hpp"
 
@@ -58,20 +58,20 @@ struct Chain {
   }
 
   /// Leaves one measurement in `every`: the augmented model's step is then finer than the sampling interval.
-  static void thin_out(Record& record, Eigen::Index every) {
-    for (Eigen::Index k = 0; k < record.measurements.cols(); ++k)
-      if (k % every != 0) record.measurements.col(k).setConstant(std::numeric_limits<double>::quiet_NaN());
+  static void thin_out(FilterInput& record, Eigen::Index every) {
+    for (Eigen::Index k = 0; k < record.measured.samples(); ++k)
+      if (k % every != 0) record.measured.values.col(k).setConstant(std::numeric_limits<double>::quiet_NaN());
   }
 
   /// The reference with white noise of 15 % of each channel's rms.
-  static Record record(const ConvergedSolution& reference, std::uint64_t seed) {
-    Record record{reference.sensors.transpose(), reference.simulation.trajectory.inputs, {}};
-    Eigen::VectorXd deviation(record.measurements.rows());
+  static FilterInput record(const ConvergedSolution& reference, std::uint64_t seed) {
+    FilterInput record{{.values = reference.sensors}, reference.simulation.trajectory.inputs, {}};
+    Eigen::VectorXd deviation(record.measured.values.rows());
     for (Eigen::Index i = 0; i < deviation.size(); ++i) {
       RandomStream random(seed, "noise " + std::to_string(i));
-      deviation[i] = 0.15 * rms(reference.sensors.col(i));
-      for (Eigen::Index k = 0; k < record.measurements.cols(); ++k)
-        record.measurements(i, k) += deviation[i] * random.normal();
+      deviation[i] = 0.15 * rms(reference.sensors.row(i).transpose());
+      for (Eigen::Index k = 0; k < record.measured.samples(); ++k)
+        record.measured.values(i, k) += deviation[i] * random.normal();
     }
     record.noise = deviation.cwiseAbs2().asDiagonal();
     return record;

@@ -25,7 +25,7 @@ TEST_P(PaperChainOverSeeds, TruthLiesInTheStatedIntervals) {
   if (GetParam() == FilterKind::partially_linear) options.coordinates = StateCoordinates::modal;
   const AugmentedModel augmented_model(chain.model.system(), chain.sensors, {}, options);
   const auto fine_inputs =
-      chain.inputs(options.substeps * Chain::rate, options.substeps * (reference.sensors.rows() - 1) + 1);
+      chain.inputs(options.substeps * Chain::rate, options.substeps * (reference.sensors.cols() - 1) + 1);
   const double truth[] = {Chain::mu_k1, Chain::mu_c1};
   const int seeds = 100;
   int covered[2] = {0, 0};

@@ -21,9 +21,9 @@ protected:
     static const Chain the_chain;
     return the_chain;
   }
-  static Record record(Index samples, std::uint64_t seed = 1) {
+  static FilterInput record(Index samples, std::uint64_t seed = 1) {
     auto record = Chain::record(*reference_, seed);
-    record.measurements.conservativeResize(Eigen::NoChange, samples);
+    record.measured.values.conservativeResize(Eigen::NoChange, samples);
     record.inputs.conservativeResize(Eigen::NoChange, samples);
     return record;
   }
@@ -105,11 +105,11 @@ TEST_F(PaperChain, BiasOfTheParametersIsOfSecondOrderInTheAugmentedModelsStep) {
   const auto bias = [&](double rate) {
     const auto reference = chain().reference(10.0, rate);
     auto exact = Chain::record(reference, 1);
-    exact.measurements = reference.sensors.transpose();  // without noise what is left is bias
+    exact.measured.values = reference.sensors;  // without noise what is left is bias
     Chain::thin_out(exact, static_cast<Index>(rate / Chain::rate));
     const auto result = estimate(augmented_model(chain().options(TransformKind::log, rate)), exact, {});
     EXPECT_FALSE(result.failure);
-    return std::abs(result.unknowns.mean(0, exact.measurements.cols() - 1) - Chain::mu_k1);
+    return std::abs(result.unknowns.mean(0, exact.measured.values.cols() - 1) - Chain::mu_k1);
   };
   const double coarse = bias(1000.0), fine = bias(4000.0);
   std::cout << "bias of mu_k1: " << coarse << " N at 1 ms, " << fine << " N at 0.25 ms\n";
@@ -182,28 +182,28 @@ TEST_F(PaperChain, SecondPassStartsFromTheFirst) {
 TEST_F(PaperChain, RecordsThatDoNotFitAreRefused) {
   const auto observed = augmented_model(chain().options());
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const auto refuses = [&](const std::function<void(Record&)>& spoil, const EstimationOptions& options = {}) {
+  const auto refuses = [&](const std::function<void(FilterInput&)>& spoil, const EstimationOptions& options = {}) {
     auto spoilt = record(10);
     spoil(spoilt);
     EXPECT_THROW(estimate(observed, spoilt, options), InvalidInput);
   };
-  refuses([](Record& r) { r.measurements.conservativeResize(3, Eigen::NoChange); });
-  refuses([](Record& r) { r.inputs.conservativeResize(Eigen::NoChange, 9); });
-  refuses([&](Record& r) { r.inputs(0, 4) = nan; });
-  refuses([&](Record& r) { r.noise(0, 0) = nan; });
-  refuses([](Record& r) { r.noise(0, 0) = -1.0; });
-  refuses([](Record& r) { r.measurements.resize(4, 0), r.inputs.resize(3, 0); });
-  refuses([](Record&) {}, {.passes = 0});
+  refuses([](FilterInput& r) { r.measured.values.conservativeResize(3, Eigen::NoChange); });
+  refuses([](FilterInput& r) { r.inputs.conservativeResize(Eigen::NoChange, 9); });
+  refuses([&](FilterInput& r) { r.inputs(0, 4) = nan; });
+  refuses([&](FilterInput& r) { r.noise(0, 0) = nan; });
+  refuses([](FilterInput& r) { r.noise(0, 0) = -1.0; });
+  refuses([](FilterInput& r) { r.measured.values.resize(4, 0), r.inputs.resize(3, 0); });
+  refuses([](FilterInput&) {}, {.passes = 0});
   for (const UnscentedOptions& bad : {UnscentedOptions{0.0, 2.0, 0.0}, UnscentedOptions{nan, 2.0, 0.0},
                                       UnscentedOptions{1.0, nan, 0.0}, UnscentedOptions{1.0, 2.0, -24.0}})
-    refuses([](Record&) {}, {.unscented = bad});
+    refuses([](FilterInput&) {}, {.unscented = bad});
 }
 
 TEST_F(PaperChain, MeasurementsThatAreNotANumberAreLeftOut) {
   const auto observed = augmented_model(chain().options());
   auto gaps = record(1500);
-  gaps.measurements.row(2).setConstant(std::numeric_limits<double>::quiet_NaN());
-  gaps.measurements.middleCols(700, 100).setConstant(std::numeric_limits<double>::infinity());
+  gaps.measured.values.row(2).setConstant(std::numeric_limits<double>::quiet_NaN());
+  gaps.measured.values.middleCols(700, 100).setConstant(std::numeric_limits<double>::infinity());
   const auto result = estimate(observed, gaps, {});
   ASSERT_FALSE(result.failure) << result.failure->reason;
   EXPECT_TRUE(result.state.mean.allFinite());

@@ -77,14 +77,14 @@ inline Eigen::VectorXd draw(RandomStream& random, const Eigen::MatrixXd& P) {
 }
 
 /// A record of the linear problem itself: start from the prior, process and measurement noise as stated.
-inline Record draw_record(const LinearProblem& problem, const Gaussian& prior, const Eigen::MatrixXd& inputs,
-                          std::uint64_t seed) {
+inline FilterInput draw_record(const LinearProblem& problem, const Gaussian& prior, const Eigen::MatrixXd& inputs,
+                               std::uint64_t seed) {
   RandomStream random(seed, "linear record");
-  Record record{Eigen::MatrixXd(problem.H.rows(), inputs.cols()), inputs, problem.R};
+  FilterInput record{{.values = Eigen::MatrixXd(problem.H.rows(), inputs.cols())}, inputs, problem.R};
   Eigen::VectorXd x = prior.mean + draw(random, prior.covariance);
   for (Eigen::Index k = 0; k < inputs.cols(); ++k) {
     if (k > 0) x = problem.Phi * x + problem.drive(inputs.col(k - 1), inputs.col(k)) + draw(random, problem.Q);
-    record.measurements.col(k) = problem.H * x + problem.D * inputs.col(k) + draw(random, problem.R);
+    record.measured.values.col(k) = problem.H * x + problem.D * inputs.col(k) + draw(random, problem.R);
   }
   return record;
 }

@@ -40,8 +40,8 @@ TEST_P(EqualsTheKalmanFilter, OnALinearChainWithMissingSamples) {
   const Index samples = 400;
   auto record = draw_record(problem, augmented_model.prior(), chain.inputs(samples), 3);
   const double missing = std::numeric_limits<double>::quiet_NaN();
-  record.measurements.middleCols(100, 7).setConstant(missing);
-  for (Index k = 200; k < 260; ++k) record.measurements(k % 3, k) = missing;
+  record.measured.values.middleCols(100, 7).setConstant(missing);
+  for (Index k = 200; k < 260; ++k) record.measured.values(k % 3, k) = missing;
 
   const auto result = estimate(augmented_model, record, {.filter = GetParam()});
   ASSERT_FALSE(result.failure) << result.failure->reason;
@@ -49,7 +49,7 @@ TEST_P(EqualsTheKalmanFilter, OnALinearChainWithMissingSamples) {
   double mean_error = 0.0, deviation_error = 0.0, nis_error = 0.0;
   for (Index k = 0; k < samples; ++k) {
     if (k > 0) kalman.predict(problem, problem.drive(record.inputs.col(k - 1), record.inputs.col(k)));
-    kalman.update(problem, record.inputs.col(k), record.measurements.col(k));
+    kalman.update(problem, record.inputs.col(k), record.measured.values.col(k));
     const VectorXd deviation = kalman.P.diagonal().cwiseSqrt();
     mean_error =
         std::max(mean_error, ((result.state.mean.col(k) - kalman.x).array() / deviation.array()).abs().maxCoeff());
@@ -81,7 +81,7 @@ TEST(FixedGains, RepeatTheMeansOfTheFilterThatTheyAreOf) {
   const AugmentedModel augmented_model(chain.model.system(), chain.sensors, {}, chain.options());
   const Index samples = 400;
   auto record = draw_record(closed_loop(augmented_model, chain.R), augmented_model.prior(), chain.inputs(samples), 3);
-  record.measurements(1, 120) = std::numeric_limits<double>::quiet_NaN();
+  record.measured.values(1, 120) = std::numeric_limits<double>::quiet_NaN();
   const auto difference = [&](Index dense, Index stride) {
     const auto result = estimate(
         augmented_model, record,
@@ -138,7 +138,7 @@ TEST(LinearRecord, LikelihoodAndSmoothedStartAreThoseOfTheJointNormal) {
 
   const auto joint = joint_of_start_and_record(problem, plain.prior(), record.inputs);
   const Index count = joint.mean.size() - n;
-  const VectorXd residual = record.measurements.reshaped() - joint.mean.tail(count);
+  const VectorXd residual = record.measured.values.reshaped() - joint.mean.tail(count);
   const Eigen::LLT<MatrixXd> factor(joint.covariance.bottomRightCorner(count, count));
   const double log_determinant = 2.0 * MatrixXd(factor.matrixL()).diagonal().array().log().sum();
   const double log_density =
@@ -179,7 +179,8 @@ TEST(LinearRecord, SmoothedStartIsTheGaussMarkovEstimateOfALongRecord) {
     }
     const MatrixXd weighted = (problem.H * power).transpose() * problem.R.inverse();
     information += weighted * problem.H * power;
-    error_indicators += weighted * (record.measurements.col(k) - problem.D * record.inputs.col(k) - problem.H * forced);
+    error_indicators +=
+        weighted * (record.measured.values.col(k) - problem.D * record.inputs.col(k) - problem.H * forced);
   }
   const MatrixXd covariance = information.inverse();
   const VectorXd start = covariance * error_indicators;
@@ -238,12 +239,13 @@ TEST(ProcessNoise, EstimatesDoNotDependOnSamplesThatAreMissing) {
   const AugmentedModel fine(model.system(), sensors, {}, options);
   const Index samples = 300;
   RandomStream random(9, "forces");
-  Record record{MatrixXd(1, samples), MatrixXd::Zero(3, samples), MatrixXd::Constant(1, 1, 0.04)};
+  FilterInput record{{.values = MatrixXd(1, samples)}, MatrixXd::Zero(3, samples), MatrixXd::Constant(1, 1, 0.04)};
   for (Index k = 0; k < samples; ++k)
-    record.inputs(0, k) = 5.0 * random.normal(), record.measurements(0, k) = random.normal();
-  Record dense{MatrixXd::Constant(1, 2 * samples - 1, NAN), MatrixXd::Zero(3, 2 * samples - 1), record.noise};
+    record.inputs(0, k) = 5.0 * random.normal(), record.measured.values(0, k) = random.normal();
+  FilterInput dense{
+      {.values = MatrixXd::Constant(1, 2 * samples - 1, NAN)}, MatrixXd::Zero(3, 2 * samples - 1), record.noise};
   for (Index k = 0; k < samples; ++k) {
-    dense.measurements(0, 2 * k) = record.measurements(0, k);
+    dense.measured.values(0, 2 * k) = record.measured.values(0, k);
     dense.inputs(0, 2 * k) = record.inputs(0, k);
     if (k > 0) dense.inputs(0, 2 * k - 1) = 0.5 * (record.inputs(0, k - 1) + record.inputs(0, k));
   }

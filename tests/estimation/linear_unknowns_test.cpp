@@ -46,11 +46,11 @@ protected:
     return Chain::make_model(guess, springs);
   }
 
-  static Record record(double duration, std::uint64_t seed) {
+  static FilterInput record(double duration, std::uint64_t seed) {
     return Chain::record(Chain{truth}.reference(duration), seed);
   }
 
-  EstimationResult estimated(const Record& record, FilterKind filter, const AugmentedModelOptions& options) const {
+  EstimationResult estimated(const FilterInput& record, FilterKind filter, const AugmentedModelOptions& options) const {
     const auto choice = choose_filter(filter, chain.model.system(), sensors, {}, options);
     return estimate(*choice.augmented_model, record, {.filter = filter, .state_deviations = false});
   }
@@ -60,7 +60,7 @@ protected:
 /// does not either: four parts a sample where stiff springs are connectors.
 TEST_F(UnknownStiffness, IsFoundAsByConnectorsThatCarryIt) {
   guess = 2.99e4, deviation = 150.0;
-  const Record record = this->record(4.0, 3);
+  const FilterInput record = this->record(4.0, 3);
   chain = Chain{guess};
   auto in_parts = options();
   in_parts.substeps = 4;
@@ -72,7 +72,7 @@ TEST_F(UnknownStiffness, IsFoundAsByConnectorsThatCarryIt) {
                                              {}, as_connectors());
   const auto exact = estimate(exact_augmented_model, record, {.filter = FilterKind::partially_linear});
   ASSERT_FALSE(tangent.failure || exact.failure);
-  const Index last = record.measurements.cols() - 1;
+  const Index last = record.measured.samples() - 1;
   for (Index i = 0; i < 3; ++i) {
     const double std = exact.unknowns.deviation(i, last);
     // found .12 of a deviation and .01 of its size: the tangent is of first order about the latest guess
@@ -99,10 +99,10 @@ TEST_F(UnknownStiffness, CoversTheTruthOverManySeeds) {
   double squares = 0.0, nis = 0.0;
   constexpr int seeds = 40;
   for (int seed = 1; seed <= seeds; ++seed) {
-    const Record record = Chain::record(reference, static_cast<std::uint64_t>(seed));
+    const FilterInput record = Chain::record(reference, static_cast<std::uint64_t>(seed));
     const auto result = estimated(record, FilterKind::partially_linear, options());
     ASSERT_FALSE(result.failure.has_value()) << seed;
-    const Index last = record.measurements.cols() - 1;
+    const Index last = record.measured.samples() - 1;
     const double z = (result.unknowns.mean(2, last) - truth) / result.unknowns.deviation(2, last);
     squares += z * z;
     nis += result.nis.mean() / seeds;
@@ -122,14 +122,14 @@ TEST_F(UnknownStiffness, CoversTheTruthOverManySeeds) {
 
 /// Tile by tile or dense with square roots, the estimates are the same; filters with other points end near them.
 TEST_F(UnknownStiffness, IsTheSameForEveryFilter) {
-  const Record record = this->record(1.0, 5);
+  const FilterInput record = this->record(1.0, 5);
   auto given = options(TransformKind::none);
   const auto run = [&](FilterKind filter) { return estimated(record, filter, given); };
   const auto dense = run(FilterKind::partially_linear_square_root), tiled = run(FilterKind::partially_linear);
   ASSERT_FALSE(dense.failure || tiled.failure);
   EXPECT_GT(tiled.linearisations, 0);
   EXPECT_EQ(tiled.linearisations, dense.linearisations);
-  const Index last = record.measurements.cols() - 1;
+  const Index last = record.measured.samples() - 1;
   for (Index i = 0; i < 3; ++i)
     // rounding, in deviations: found 8e-11
     EXPECT_NEAR(tiled.unknowns.mean(i, last), dense.unknowns.mean(i, last), 2e-9 * dense.unknowns.deviation(i, last));

@@ -85,12 +85,13 @@ std::vector<Setting> settings() {
   return all;
 }
 
-Record record_of(const Setting& setting, Index samples) {
+FilterInput record_of(const Setting& setting, Index samples) {
   const auto road = make_random({.rms = 3e-3, .lower = 0.5, .upper = 30.0, .duration = 5.0, .seed = 7});
-  Record record;
+  FilterInput record;
   record.inputs = road->sample(0.0, setting.options.step, samples).matrix().transpose();
   RandomStream random(3, "measurements");
-  record.measurements = MatrixXd::NullaryExpr(setting.sensors.size(), samples, [&] { return 2.0 * random.normal(); });
+  record.measured.values =
+      MatrixXd::NullaryExpr(setting.sensors.size(), samples, [&] { return 2.0 * random.normal(); });
   record.noise = 0.25 * MatrixXd::Identity(setting.sensors.size(), setting.sensors.size());
   return record;
 }
@@ -118,7 +119,7 @@ class TiledFilter : public testing::TestWithParam<std::size_t> {};
 TEST_P(TiledFilter, EqualsTheDenseFilterStepByStep) {
   const Setting setting = settings()[GetParam()];
   const AugmentedModel augmented_model = setting.augmented_model(StateCoordinates::modal);
-  const Record record = record_of(setting, 300);
+  const FilterInput record = record_of(setting, 300);
   ProcessModel transition(augmented_model), dense_transition(augmented_model);
   MeasurementModel measurement(augmented_model, sensor_outputs), dense_measurement(augmented_model, sensor_outputs);
   MeasurementModel seen(augmented_model, connector_motion), dense_seen(augmented_model, connector_motion);
@@ -130,11 +131,11 @@ TEST_P(TiledFilter, EqualsTheDenseFilterStepByStep) {
   dense->reset(augmented_model.prior());
   Innovation a, b;
   double worst = 0.0;
-  for (Index k = 1; k < record.measurements.cols(); ++k) {
+  for (Index k = 1; k < record.measured.samples(); ++k) {
     for (auto* map : {&transition, &dense_transition}) map->set_inputs(record.inputs.col(k - 1), record.inputs.col(k));
     ASSERT_EQ(tiled->predict(), FilterOutcome::usable) << setting.name << k;
     ASSERT_EQ(dense->predict(), FilterOutcome::usable);
-    VectorXd y = record.measurements.col(k);
+    VectorXd y = record.measured.values.col(k);
     if (k % 50 > 40) y[0] = y[2] = NAN;  // samples that are missing
     if (k % 7 == 0) {                    // predictions in a row
       worst = std::max(worst, difference(*tiled, *dense));
@@ -168,7 +169,7 @@ TEST_P(TiledFilter, EqualsTheDenseFilterStepByStep) {
 /// The estimate in modal coordinates is that in physical ones: the sigma points of w do not depend on coordinates.
 TEST_P(TiledFilter, EstimatesDoNotDependOnTheCoordinates) {
   const Setting setting = settings()[GetParam()];
-  const Record record = record_of(setting, 200);
+  const FilterInput record = record_of(setting, 200);
   const auto modal =
       estimate(setting.augmented_model(StateCoordinates::modal), record, {.filter = FilterKind::partially_linear});
   const auto physical =

@@ -78,7 +78,7 @@ double apart(const VectorXd& found, const VectorXd& expected) {
 }
 
 /// `options.monitored` are the sensors again, as quantities without noise.
-Errors against_kalman(const AugmentedModel& augmented_model, const LinearProblem& problem, const Record& record,
+Errors against_kalman(const AugmentedModel& augmented_model, const LinearProblem& problem, const FilterInput& record,
                       const EstimationOptions& options) {
   const auto result = estimate(augmented_model, record, options);
   EXPECT_FALSE(result.failure.has_value());
@@ -89,14 +89,14 @@ Errors against_kalman(const AugmentedModel& augmented_model, const LinearProblem
     return VectorXd(covariance.diagonal().cwiseMax(0.0).cwiseSqrt());
   };
   Errors errors;
-  for (Index k = 0; k < record.measurements.cols(); ++k) {
+  for (Index k = 0; k < record.measured.samples(); ++k) {
     if (k > 0) kalman.predict(problem, problem.drive(record.inputs.col(k - 1), record.inputs.col(k)));
     const VectorXd innovations = deviation_of(problem.H * kalman.P * problem.H.transpose() + problem.R);
     for (Index i = 0; i < innovations.size(); ++i)
-      if (std::isfinite(record.measurements(i, k)))
+      if (std::isfinite(record.measured.values(i, k)))
         errors.innovation =
             std::max(errors.innovation, std::abs(result.innovation_deviation(i, k) / innovations[i] - 1.0));
-    kalman.update(problem, record.inputs.col(k), record.measurements.col(k));
+    kalman.update(problem, record.inputs.col(k), record.measured.values.col(k));
     const VectorXd deviation = deviation_of(kalman.P);
     errors.mean = std::max(
         errors.mean, ((result.state.mean.col(k) - kalman.x).array() / (deviation.array() + 1e-300)).abs().maxCoeff());
@@ -179,7 +179,7 @@ struct Case {
     const auto [F, F_u] = forces(augmented_model);
     const auto problem = problem_of(augmented_model, F, F_u, Q, R);
     auto record = draw_record(problem, augmented_model.prior(), inputs(150), 3);
-    record.measurements.block(1, 60, 1, 20).setConstant(std::numeric_limits<double>::quiet_NaN());
+    record.measured.values.block(1, 60, 1, 20).setConstant(std::numeric_limits<double>::quiet_NaN());
     for (const auto kind : {FilterKind::unscented, FilterKind::unscented_square_root, FilterKind::extended,
                             FilterKind::partially_linear, FilterKind::partially_linear_square_root}) {
       const auto choice = choose_filter(kind, model.system(), sensors, {}, options);
@@ -368,7 +368,8 @@ TEST(UnknownOfTheLinearPart, IsSeenByASensorDirectly) {
   options.prior.mean.displacement << z;
   options.unknowns = {{"k", "N/m", {}, {TransformKind::none}, 800.0, sigma}};
   options.system_at = [&](const VectorXd& value) { return oscillator(m, 0.0, value[0]).system(); };
-  const Record record{MatrixXd::Constant(1, 1, -4.1), MatrixXd::Zero(3, 1), MatrixXd::Constant(1, 1, R)};
+  const FilterInput record{
+      {.values = MatrixXd::Constant(1, 1, -4.1)}, MatrixXd::Zero(3, 1), MatrixXd::Constant(1, 1, R)};
   const double variance = 1.0 / (1.0 / (sigma * sigma) + slope * slope / R);
   const double mean = 800.0 + variance * slope / R * (-4.1 - slope * 800.0);
   for (const auto kind : {FilterKind::unscented, FilterKind::unscented_square_root, FilterKind::extended,
@@ -413,8 +414,8 @@ TEST(HeldGains, OfAChannelThatWasMissingAtAKeptSampleAreThoseBeforeIt) {
     return (means->monitored - result.monitored.mean).norm() / result.monitored.mean.norm();
   };
   const double whole = error(), missing = std::numeric_limits<double>::quiet_NaN();
-  record.measurements(2, 200) = missing;  // a kept sample: its displacement is what holds the drift
-  record.measurements.col(300).setConstant(missing);
+  record.measured.values(2, 200) = missing;  // a kept sample: its displacement is what holds the drift
+  record.measured.values.col(300).setConstant(missing);
   EXPECT_LT(whole, 1e-8);  // found 4e-10: they have settled
   // Found 1.6e-4: at the samples after a gap the filter's own gain is greater. With a gain of 0 held for 20 samples it
   // would be 6e-3.

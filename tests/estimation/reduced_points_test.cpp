@@ -266,8 +266,8 @@ TEST_P(ReducedFilters, EqualAKalmanFilterOnALinearChain) {
   const MatrixXd inputs =
       make_sine({.amplitude = 3e-3, .frequency = 6.0})->sample(0.0, LinearRecord::h, samples).matrix().transpose();
   auto record = draw_record(problem, physical.prior(), inputs, 21);
-  record.measurements.middleCols(100, 7).setConstant(NAN);
-  for (Index k = 200; k < 260; ++k) record.measurements(k % 3, k) = NAN;
+  record.measured.values.middleCols(100, 7).setConstant(NAN);
+  for (Index k = 200; k < 260; ++k) record.measured.values(k % 3, k) = NAN;
 
   const auto result = estimate(augmented_model, record, {.filter = GetParam().kind});
   ASSERT_FALSE(result.failure) << result.failure->reason;
@@ -275,7 +275,7 @@ TEST_P(ReducedFilters, EqualAKalmanFilterOnALinearChain) {
   double mean_error = 0.0, deviation_error = 0.0;
   for (Index k = 0; k < samples; ++k) {
     if (k > 0) kalman.predict(problem, problem.drive(record.inputs.col(k - 1), record.inputs.col(k)));
-    kalman.update(problem, record.inputs.col(k), record.measurements.col(k));
+    kalman.update(problem, record.inputs.col(k), record.measured.values.col(k));
     const VectorXd deviation = kalman.P.diagonal().cwiseSqrt();
     mean_error =
         std::max(mean_error, ((result.state.mean.col(k) - kalman.x).array() / deviation.array()).abs().maxCoeff());

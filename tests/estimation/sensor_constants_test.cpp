@@ -66,7 +66,7 @@ TEST_P(SensorConstants, AreEstimatedAsTheKalmanFilterDoes) {
   double mean_error = 0.0, deviation_error = 0.0;
   for (Index k = 0; k < samples; ++k) {
     if (k > 0) kalman.predict(problem, problem.drive(record.inputs.col(k - 1), record.inputs.col(k)));
-    kalman.update(problem, record.inputs.col(k), record.measurements.col(k));
+    kalman.update(problem, record.inputs.col(k), record.measured.values.col(k));
     const VectorXd deviation = kalman.P.diagonal().cwiseSqrt();
     mean_error =
         std::max(mean_error, ((result.state.mean.col(k) - kalman.x).array() / deviation.array()).abs().maxCoeff());

@@ -74,7 +74,7 @@ TEST_F(TitledFiles, ColumnsOfOneNameAreToldApartByTheirUnits) {
   EXPECT_EQ(all.channels[1].unit, "m/s");
   EXPECT_EQ(all.channels[2].name, "a");
   const auto chosen = read_csv(path, {.columns = {"a (g)", "x (m/s)"}});
-  EXPECT_EQ(chosen.values(1, 0), 6.0);
+  EXPECT_EQ(chosen.values(0, 1), 6.0);
   EXPECT_EQ(chosen.values(1, 1), 5.0);
   EXPECT_THROW(read_csv(path, {.columns = {"x"}}), std::exception);
 }

@@ -44,7 +44,7 @@ TEST_F(CsvFiles, ReadsAPlainFile) {
   ASSERT_EQ(series.channels.size(), 2u);
   EXPECT_EQ(series.channels[0].name, "a");
   EXPECT_EQ(series.channels[0].unit, "m/s2");
-  EXPECT_EQ(series.values, (Eigen::MatrixXd(3, 2) << 1, -2e-3, 1.5, 4, 2, 0.5).finished());
+  EXPECT_EQ(series.values, (Eigen::MatrixXd(2, 3) << 1, 1.5, 2, -2e-3, 4, 0.5).finished());
 }
 
 TEST_F(CsvFiles, ReadsWhatOtherProgramsWrite) {
@@ -64,7 +64,7 @@ TEST_F(CsvFiles, ReadsWhatOtherProgramsWrite) {
 TEST_F(CsvFiles, ReadsWithoutHeaderOrTime) {
   const auto path = file("1,2\n3,4\n5,6\n");
   const auto series = read_csv(path, {.sample_rate = 50});
-  EXPECT_EQ(series.values.cols(), 2);
+  EXPECT_EQ(series.values.rows(), 2);
   EXPECT_EQ(series.channels[1].name, "column_2");
   EXPECT_EQ(series.sample_rate, 50.0);
   EXPECT_EQ(read_csv(path, {.time_column = "2"}).sample_rate, 0.5);
@@ -77,7 +77,7 @@ TEST_F(CsvFiles, ReadsWithoutHeaderOrTime) {
 TEST_F(CsvFiles, ChosenColumnsAreReadAndOthersMayHoldAnything) {
   const auto path = file("t,a,remark,b\n0,1,start,2\n1,3,,4\n2,5,NaN,6\n");
   const auto series = read_csv(path, {.columns = {"b", "a"}});
-  EXPECT_EQ(series.values, (Eigen::MatrixXd(3, 2) << 2, 1, 4, 3, 6, 5).finished());
+  EXPECT_EQ(series.values, (Eigen::MatrixXd(2, 3) << 2, 4, 6, 1, 3, 5).finished());
   const auto issues = issues_of([&] { read_csv(path, {.columns = {"remarks"}}); });
   ASSERT_EQ(issues.size(), 1u);
   EXPECT_NE(issues[0].what.find("did you mean 'remark'"), std::string::npos);
@@ -156,7 +156,7 @@ TEST_F(CsvFiles, BadOptionsAndFilesAreRefused) {
 }
 
 TEST_F(CsvFiles, WhatIsWrittenReadsBackTheSame) {
-  TimeSeries series{256.0, -0.25, {{"frame p5, z", "m/s2"}, {"b", ""}}, Eigen::MatrixXd::Random(1000, 2) * 1e-7};
+  Record series{256.0, -0.25, {{"frame p5, z", "m/s2"}, {"b", ""}}, Eigen::MatrixXd::Random(2, 1000) * 1e-7};
   for (const char separator : {',', ';', '\t'}) {
     write_csv(folder_ / "out.csv", series, separator);
     const auto back = read_csv(folder_ / "out.csv");
@@ -180,7 +180,7 @@ TEST_F(CsvFiles, LabViewFileWithComments) {
   EXPECT_DOUBLE_EQ(series.sample_rate, 500.0);
   EXPECT_EQ(series.channels[0].name, "a (Filtered)");
   EXPECT_EQ(series.channels[1].unit, "g");
-  EXPECT_EQ(series.values, (Eigen::MatrixXd(3, 2) << 1.5, 2, 3, 4, 5, 6).finished());
+  EXPECT_EQ(series.values, (Eigen::MatrixXd(2, 3) << 1.5, 3, 5, 2, 4, 6).finished());
 }
 
 TEST_F(CsvFiles, LabViewFilesThatAreNoRecordAreRefused) {
@@ -212,8 +212,8 @@ TEST(HalfCarRig, DecimatedLabViewFileEqualsTheCsv) {
   ASSERT_EQ(csv.samples(), 4000);
   EXPECT_EQ(lvm.channels[0].unit, "mm");
   // The CSV holds means of ten samples, in metres with seven decimals.
-  Eigen::MatrixXd means = Eigen::MatrixXd::Zero(4000, 4);
-  for (int k = 0; k < 10; ++k) means += lvm.values(Eigen::seqN(k, 4000, 10), Eigen::all) * 1e-4;
+  Eigen::MatrixXd means = Eigen::MatrixXd::Zero(4, 4000);
+  for (int k = 0; k < 10; ++k) means += lvm.values(Eigen::all, Eigen::seqN(k, 4000, 10)) * 1e-4;
   EXPECT_LT((means - csv.values).cwiseAbs().maxCoeff(), 0.51e-7);
 }
 

@@ -26,15 +26,15 @@ double position(double time) {
   return 0.005 + 0.035 * std::max(0.0, 1.0 - since / (stop - release_time)) * std::cos(9.42 * since);
 }
 
-TimeSeries free_response(double noise = 1e-5) {
-  TimeSeries record;
+Record free_response(double noise = 1e-5) {
+  Record record;
   record.sample_rate = rate;
-  record.values.resize(2000, 2);
+  record.values.resize(2, 2000);
   std::mt19937 generator(5);
   std::normal_distribution<double> normal;
   for (Index k = 0; k < 2000; ++k) {
-    record.values(k, 0) = position(static_cast<double>(k) / rate) + noise * normal(generator);
-    record.values(k, 1) = noise * normal(generator);  // a dead channel
+    record.values(0, k) = position(static_cast<double>(k) / rate) + noise * normal(generator);
+    record.values(1, k) = noise * normal(generator);  // a dead channel
   }
   return record;
 }
@@ -50,19 +50,19 @@ TEST(FindRelease, FindsTheFirstDeparture) {
 
 TEST(FindRelease, SaysNothingWithoutAHoldOrWithoutMotion) {
   auto record = free_response();
-  record.values = record.values.bottomRows(1700).eval();  // begins in motion
+  record.values = record.values.rightCols(1700).eval();  // begins in motion
   EXPECT_FALSE(find_release(record));
-  record.values = free_response().values.topRows(200).eval();  // still held
+  record.values = free_response().values.leftCols(200).eval();  // still held
   EXPECT_FALSE(find_release(record));
-  record.values.resize(3, 2);
+  record.values.resize(2, 3);
   record.values.setZero();
   EXPECT_FALSE(find_release(record));
 }
 
 TEST(FindRelease, IsNotMisledBySpikesAndMissingSamples) {
   auto record = free_response();
-  record.values(100, 0) += 0.01;
-  record.values.middleRows(180, 20).setConstant(nan);
+  record.values(0, 100) += 0.01;
+  record.values.middleCols(180, 20).setConstant(nan);
   const auto release = find_release(record);
   ASSERT_TRUE(release);
   EXPECT_NEAR(release->time, release_time + 0.0151, 2.0 / rate);
@@ -81,7 +81,7 @@ TEST(FindRest, FindsWhereAndWhenTheMotionEnds) {
 
 TEST(FindRest, KeepsADisturbanceAtTheEndOut) {
   auto record = free_response();
-  record.values.col(0).tail(60).array() -= 0.003;
+  record.values.row(0).tail(60).array() -= 0.003;
   const auto rest = find_rest(record, 260);
   ASSERT_TRUE(rest);
   EXPECT_NEAR(rest->position[0], 0.005, 1.5e-6);  // as above
@@ -90,7 +90,7 @@ TEST(FindRest, KeepsADisturbanceAtTheEndOut) {
 
 TEST(FindRest, SaysNothingWhileTheMotionGoesOn) {
   auto record = free_response();
-  record.values = record.values.topRows(900).eval();
+  record.values = record.values.leftCols(900).eval();
   EXPECT_FALSE(find_rest(record, 260));
 }
 
@@ -105,15 +105,15 @@ TEST(FreeResponse, RefusesOptionsOutOfRange) {
 }
 
 TEST(LocalMotion, ReadsOffAPolynomialExactly) {
-  TimeSeries record;
+  Record record;
   record.sample_rate = 200.0;
   record.start = -1.0;
-  record.values.resize(100, 1);
+  record.values.resize(1, 100);
   for (Index k = 0; k < 100; ++k) {
     const double t = record.time(k);
-    record.values(k, 0) = 3.0 - 2.0 * t + 5.0 * t * t;
+    record.values(0, k) = 3.0 - 2.0 * t + 5.0 * t * t;
   }
-  record.values(52, 0) = nan;
+  record.values(0, 52) = nan;
   for (const Index sample : {0, 50, 52, 99}) {
     const double t = record.time(sample);
     const auto motion = local_motion(record, sample, {.half_window = 0.05});
@@ -125,14 +125,14 @@ TEST(LocalMotion, ReadsOffAPolynomialExactly) {
 }
 
 TEST(LocalMotion, DeviationsAreThoseOfTheErrors) {
-  TimeSeries record;
+  Record record;
   record.sample_rate = 1000.0;
   std::mt19937 generator(1);
   std::normal_distribution<double> normal;
-  record.values.resize(41, 1);
+  record.values.resize(1, 41);
   double position = 0.0, velocity = 0.0;  // sums of (error / stated deviation)^2
   for (int trial = 0; trial < 2000; ++trial) {
-    for (Index k = 0; k < 41; ++k) record.values(k, 0) = 1e-3 * normal(generator);
+    for (Index k = 0; k < 41; ++k) record.values(0, k) = 1e-3 * normal(generator);
     const auto motion = local_motion(record, 20, {.half_window = 0.02});
     position += std::pow(motion.position[0] / motion.position_deviation[0], 2);
     velocity += std::pow(motion.velocity[0] / motion.velocity_deviation[0], 2);

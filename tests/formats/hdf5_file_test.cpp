@@ -43,9 +43,11 @@ TEST_F(Hdf5FileTest, VectorsAndMatricesComeBackBitByBit) {
 
   const Hdf5File in = Hdf5File::open(path_);
   EXPECT_EQ(in.read_matrix("/measurements/record"), record);
+  EXPECT_EQ(in.read_columns_as_rows("/measurements/record"), record.transpose());
   EXPECT_EQ(in.read("/estimate/frame.p5/displacement"), record.col(2));
   EXPECT_EQ(in.read_column("/measurements/record", 6), record.col(6));
   EXPECT_EQ(in.read_matrix("/estimate/frame.p5/displacement"), record.col(2));
+  EXPECT_EQ(in.read_columns_as_rows("/estimate/frame.p5/displacement"), record.col(2).transpose());
   EXPECT_EQ(in.read("odd").head(4), odd.head(4));
   EXPECT_TRUE(std::isnan(in.read("odd")(4)));
   EXPECT_EQ(in.read("empty").size(), 0);

@@ -14,14 +14,14 @@ constexpr double quiet = 2e-7, noisy = 1e-5;
 constexpr Index change = 400, missing = 2;
 
 /// Three straight motions that get noisy at a sample and jump there by `jump` standard deviations of that noise.
-TimeSeries record_with_jump(double jump, unsigned seed) {
-  TimeSeries record{500.0, 0.0, {{"a", "m"}, {"b", "m"}, {"c", "m"}}, Eigen::MatrixXd(1500, 3)};
+Record record_with_jump(double jump, unsigned seed) {
+  Record record{500.0, 0.0, {{"a", "m"}, {"b", "m"}, {"c", "m"}}, Eigen::MatrixXd(3, 1500)};
   std::mt19937 generator(seed);
   std::normal_distribution<double> normal;
   const double step = jump * noisy / double(missing);
   for (Index k = 0; k < record.samples(); ++k)
     for (Index c = 0; c < 3; ++c)
-      record.values(k, c) =
+      record.values(c, k) =
           step * double(k < change ? k : k + missing) + (k < change ? quiet : noisy) * normal(generator);
   return record;
 }

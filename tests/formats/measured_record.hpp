@@ -15,7 +15,7 @@ namespace kalfem {
 struct MeasuredRun {
   std::string key;
   double release_time = 0.0;  ///< by the owners' rule [s]
-  TimeSeries record;
+  Record record;
 };
 
 inline std::filesystem::path measured_runs_folder() { return data_folder("halfcar-rig"); }
@@ -33,7 +33,7 @@ inline std::vector<MeasuredRun> measured_runs() {
     MeasuredRun run{key, release, {}};
     run.record.sample_rate = 500.0;
     run.record.channels = {{"sprung_LH", "m"}, {"sprung_RH", "m"}, {"unsprung_LH", "m"}, {"unsprung_RH", "m"}};
-    run.record.values = file.read_matrix("/" + key);
+    run.record.values = file.read_columns_as_rows("/" + key);
     runs.push_back(std::move(run));
   }
   return runs;

@@ -32,15 +32,15 @@ protected:
   ScratchFolder folder_{"gaps"};
 };
 
-/// Samples (row, column) that are NaN, counted by columns; everything else must be row + 10 column.
+/// (sample, channel) that are NaN, channel by channel; everything else must be sample + 10 channel.
 std::vector<std::pair<Index, Index>> missing_in(const Eigen::MatrixXd& values) {
   std::vector<std::pair<Index, Index>> missing;
-  for (Index j = 0; j < values.cols(); ++j)
-    for (Index k = 0; k < values.rows(); ++k) {
-      if (std::isnan(values(k, j)))
+  for (Index j = 0; j < values.rows(); ++j)
+    for (Index k = 0; k < values.cols(); ++k) {
+      if (std::isnan(values(j, k)))
         missing.emplace_back(k, j);
       else
-        EXPECT_EQ(values(k, j), double(k + 10 * j));
+        EXPECT_EQ(values(j, k), double(k + 10 * j));
     }
   return missing;
 }
@@ -66,7 +66,7 @@ TEST_F(Gaps, StandInEveryDialect) {
   std::string german = "t;a\n";
   for (int k = 0; k < 60; ++k) german += std::to_string(k) + ";\n";
   const auto series = read_csv(file(german + "60;60,0\n61;61,0\n"), options);
-  EXPECT_EQ(series.values(61, 0), 61.0);
+  EXPECT_EQ(series.values(0, 61), 61.0);
   EXPECT_EQ(missing_in(series.values).size(), 60u);
 }
 

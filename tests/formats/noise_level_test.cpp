@@ -15,13 +15,13 @@ using Eigen::MatrixXd;
 
 constexpr Index samples = 20000;
 
-/// A slow motion with white noise, one column a standard deviation; from `change` on it is `ratio` times as large.
+/// A slow motion with white noise, one row a standard deviation; from `change` on it is `ratio` times as large.
 MatrixXd noisy(const std::vector<double>& deviations, Index change = samples, double ratio = 1.0) {
-  MatrixXd values(samples, static_cast<Index>(deviations.size()));
+  MatrixXd values(static_cast<Index>(deviations.size()), samples);
   for (std::size_t c = 0; c < deviations.size(); ++c) {
     RandomStream random(3 + c, "noise");
     for (Index k = 0; k < samples; ++k)
-      values(k, static_cast<Index>(c)) =
+      values(static_cast<Index>(c), k) =
           std::sin(2e-3 * double(k)) + deviations[c] * (k < change ? 1.0 : ratio) * random.normal();
   }
   return values;
@@ -40,18 +40,18 @@ TEST(NoiseLevel, IsTheStandardDeviationOfWhiteNoise) {
 
 TEST(NoiseLevel, IsNotMovedByJumpsAndMissingSamples) {
   MatrixXd values = noisy({0.2});
-  values.bottomRows(samples / 2).array() += 100.0;
-  values(77, 0) = 1e6;
-  values.block(500, 0, 2000, 1).setConstant(std::numeric_limits<double>::quiet_NaN());
+  values.rightCols(samples / 2).array() += 100.0;
+  values(0, 77) = 1e6;
+  values.block(0, 500, 1, 2000).setConstant(std::numeric_limits<double>::quiet_NaN());
   EXPECT_NEAR(noise_level(values)[0] / 0.2, 1.0, scatter);
 }
 
 TEST(NoiseLevel, IsZeroWithoutFourSamplesInARow) {
-  EXPECT_EQ(noise_level(MatrixXd::Ones(3, 1))[0], 0.0);
+  EXPECT_EQ(noise_level(MatrixXd::Ones(1, 3))[0], 0.0);
   MatrixXd values = noisy({0.2});
-  for (Index k = 0; k < samples; k += 3) values(k, 0) = std::numeric_limits<double>::quiet_NaN();
+  for (Index k = 0; k < samples; k += 3) values(0, k) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(noise_level(values)[0], 0.0);
-  EXPECT_EQ(noise_level(MatrixXd::Constant(100, 1, 3.0))[0], 0.0);
+  EXPECT_EQ(noise_level(MatrixXd::Constant(1, 100, 3.0))[0], 0.0);
 }
 
 /// The place to a few samples.

@@ -24,18 +24,18 @@ double motion(Index channel, double time) {
 }
 
 /// A record at 500 Hz that is quiet up to sample `change` and noisy from there on, where its time jumps by `missing`.
-TimeSeries record_with(Index change, double missing, double quiet = 2e-7, double noisy = 1e-5, unsigned seed = 3) {
-  TimeSeries record;
+Record record_with(Index change, double missing, double quiet = 2e-7, double noisy = 1e-5, unsigned seed = 3) {
+  Record record;
   record.sample_rate = 500.0;
   record.start = 2.0;
   record.channels = {{"left", "m"}, {"right", "m"}, {"wheel", "m"}};
-  record.values.resize(1500, 3);
+  record.values.resize(3, 1500);
   std::mt19937 generator(seed);
   std::normal_distribution<double> normal;
   for (Index k = 0; k < 1500; ++k)
     for (Index c = 0; c < 3; ++c) {
       const double shifted = static_cast<double>(k) + (k < change ? 0.0 : missing);
-      record.values(k, c) = motion(c, shifted / 500.0) + (k < change ? quiet : noisy) * normal(generator);
+      record.values(c, k) = motion(c, shifted / 500.0) + (k < change ? quiet : noisy) * normal(generator);
     }
   return record;
 }
@@ -77,10 +77,10 @@ TEST(FindSplice, LeavesARecordWithoutSpliceAlone) {
 /// Channels that jump by different times, none with half of what is known, were not spliced: something moved.
 TEST(FindSplice, SaysNothingWhereTheChannelsDoNotAgree) {
   auto record = record_with(400, 3.0);
-  record.values.col(1) = record_with(400, 14.0, 2e-7, 1e-5, 4).values.col(0);
-  record.values.col(2) = record_with(400, 8.0, 2e-7, 1e-5, 5).values.col(0);
+  record.values.row(1) = record_with(400, 14.0, 2e-7, 1e-5, 4).values.row(0);
+  record.values.row(2) = record_with(400, 8.0, 2e-7, 1e-5, 5).values.row(0);
   EXPECT_FALSE(find_splice(record));
-  record.values.col(1) = record_with(400, 3.0, 2e-7, 1e-5, 4).values.col(0);
+  record.values.row(1) = record_with(400, 3.0, 2e-7, 1e-5, 4).values.row(0);
   EXPECT_TRUE(find_splice(record));
 }
 
@@ -93,7 +93,7 @@ TEST(FindSplice, AsksForAJumpBeyondTheNoise) {
     std::normal_distribution<double> normal;
     for (Index k = 0; k < 1500; ++k)
       for (Index c = 0; c < 3; ++c)
-        record.values(k, c) =
+        record.values(c, k) =
             speed * (1.0 + 0.1 * static_cast<double>(c)) * static_cast<double>(k < 400 ? k : k + 4) / 500.0 +
             (k < 400 ? 2e-7 : 1e-5) * normal(generator);
     return record;
@@ -111,7 +111,7 @@ TEST(FindSplice, TakesNoReleaseForASplice) {
       for (Index k = 0; k < 1500; ++k)
         for (Index c = 0; c < 3; ++c) {
           const double time = std::max(0.0, static_cast<double>(k - 300) / 500.0);
-          record.values(k, c) =
+          record.values(c, k) =
               0.03 * std::exp(-2.0 * time) * std::cos(6.28 * frequency * (1.0 + 0.2 * static_cast<double>(c)) * time) +
               noise * normal(generator);
         }
@@ -124,7 +124,7 @@ TEST(FindSplice, TakesNoBlowForASplice) {
   for (Index k = 500; k < 1500; ++k)
     for (Index c = 0; c < 3; ++c) {
       const double time = static_cast<double>(k - 500) / 500.0;
-      record.values(k, c) +=
+      record.values(c, k) +=
           1e-3 * std::exp(-5.0 * time) * std::sin(500.0 * (1.0 + 0.1 * static_cast<double>(c)) * time);
     }
   EXPECT_FALSE(find_splice(record));
@@ -132,19 +132,19 @@ TEST(FindSplice, TakesNoBlowForASplice) {
 
 TEST(FindSplice, IgnoresChannelsThatSayNothingAndMissingSamples) {
   auto record = record_with(400, 4.0);
-  record.values.conservativeResize(Eigen::NoChange, 4);
-  record.values.col(3).setConstant(0.7);
-  record.values.row(120).setConstant(no_value);
-  record.values(405, 1) = no_value;
+  record.values.conservativeResize(4, Eigen::NoChange);
+  record.values.row(3).setConstant(0.7);
+  record.values.col(120).setConstant(no_value);
+  record.values(1, 405) = no_value;
   const auto splice = find_splice(record);
   ASSERT_TRUE(splice);
   EXPECT_EQ(splice->inserted, 4);
 }
 
 TEST(FindSplice, SurvivesDegenerateRecords) {
-  TimeSeries record;
+  Record record;
   EXPECT_FALSE(find_splice(record));
-  record.values = MatrixXd::Zero(500, 2);
+  record.values = MatrixXd::Zero(2, 500);
   EXPECT_FALSE(find_splice(record));
   record.values.setConstant(no_value);
   EXPECT_FALSE(find_splice(record));
@@ -154,12 +154,12 @@ TEST(FindSplice, SurvivesDegenerateRecords) {
 
 TEST(FindSplice, RefusesOptionsOutOfRange) {
   const auto record = record_with(400, 4.0);
-  EXPECT_THROW((void)find_splice(record, {.noise_ratio = no_value}), InvalidInput);
-  EXPECT_THROW((void)find_splice(record, {.shortest = 0}), InvalidInput);
-  EXPECT_THROW((void)find_splice(record, {.before = 2}), InvalidInput);
-  EXPECT_THROW((void)find_splice(record, {.degree = 0}), InvalidInput);
-  EXPECT_THROW((void)find_splice(record, {.largest = 0}), InvalidInput);
-  EXPECT_THROW((void)find_splice(record, {.blanked = -1}), InvalidInput);
+  EXPECT_THrow((void)find_splice(record, {.noise_ratio = no_value}), InvalidInput);
+  EXPECT_THrow((void)find_splice(record, {.shortest = 0}), InvalidInput);
+  EXPECT_THrow((void)find_splice(record, {.before = 2}), InvalidInput);
+  EXPECT_THrow((void)find_splice(record, {.degree = 0}), InvalidInput);
+  EXPECT_THrow((void)find_splice(record, {.largest = 0}), InvalidInput);
+  EXPECT_THrow((void)find_splice(record, {.blanked = -1}), InvalidInput);
 }
 
 TEST(Mend, RestoresTheTimesOfTheSecondPart) {
@@ -170,13 +170,13 @@ TEST(Mend, RestoresTheTimesOfTheSecondPart) {
   ASSERT_EQ(mended.samples(), record.samples() + 4);
   Index missing = 0;
   for (Index k = 0; k < mended.samples(); ++k) {
-    if (std::isnan(mended.values(k, 0))) {
+    if (std::isnan(mended.values(0, k))) {
       ++missing;
-      EXPECT_TRUE(mended.values.row(k).array().isNaN().all());
+      EXPECT_TRUE(mended.values.col(k).array().isNaN().all());
       continue;
     }
     for (Index c = 0; c < 3; ++c)  // six standard deviations of the noise
-      EXPECT_NEAR(mended.values(k, c), motion(c, static_cast<double>(k) / 500.0), 6e-5);
+      EXPECT_NEAR(mended.values(c, k), motion(c, static_cast<double>(k) / 500.0), 6e-5);
   }
   EXPECT_EQ(missing, 4 + 5);
   EXPECT_FALSE(find_splice(mended)) << "a mended record needs no more mending";
@@ -185,7 +185,7 @@ TEST(Mend, RestoresTheTimesOfTheSecondPart) {
 TEST(Mend, RefusesASpliceOfAnotherRecord) {
   Splice splice;
   splice.sample = 5000;
-  EXPECT_THROW((void)mend(record_with(400, 4.0), splice), InvalidInput);
+  EXPECT_THrow((void)mend(record_with(400, 4.0), splice), InvalidInput);
 }
 
 TEST(FindSplice, FindsFourMissingSamplesInEveryMeasuredRun) {

@@ -16,35 +16,35 @@ using Eigen::Index;
 constexpr double sampling = 200.0, let_go = 0.5;
 
 /// Held at 40 mm, let go at 0.5 s, oscillating about 5 mm with the given frequency and damping ratio.
-TimeSeries released(double duration, double frequency, double damping, double noise = 1e-5) {
-  TimeSeries record{sampling, 0.0, {}, Eigen::MatrixXd(Index(duration * sampling), 1)};
+Record released(double duration, double frequency, double damping, double noise = 1e-5) {
+  Record record{sampling, 0.0, {}, Eigen::MatrixXd(1, Index(duration * sampling))};
   std::mt19937 generator(5);
   std::normal_distribution<double> normal;
   const double omega = 2.0 * std::numbers::pi * frequency;
   for (Index k = 0; k < record.samples(); ++k) {
     const double since = std::max(0.0, record.time(k) - let_go);
     const double damped = omega * std::sqrt(1.0 - damping * damping);
-    record.values(k, 0) = 0.005 + 0.035 * std::exp(-damping * omega * since) * std::cos(damped * since);
-    record.values(k, 0) += noise * normal(generator);
+    record.values(0, k) = 0.005 + 0.035 * std::exp(-damping * omega * since) * std::cos(damped * since);
+    record.values(0, k) += noise * normal(generator);
   }
   return record;
 }
 
 /// The record with a push of `amplitude` behind it and a long rest elsewhere.
-TimeSeries nudged(const TimeSeries& record, double amplitude) {
-  TimeSeries longer = record;
+Record nudged(const Record& record, double amplitude) {
+  Record longer = record;
   const Index n = record.samples(), more = 4 * n;
-  longer.values.conservativeResize(n + more, record.values.cols());
+  longer.values.conservativeResize(Eigen::NoChange, n + more);
   for (Index k = 0; k < more; ++k) {
     const double since = double(k + 1) / record.sample_rate;
     const double push = amplitude * (0.2 + std::exp(-3.0 * since) * std::sin(10.0 * since));
-    longer.values.row(n + k) = record.values.row(n - 1).array() + push;
+    longer.values.col(n + k) = record.values.col(n - 1).array() + push;
   }
   return longer;
 }
 
 TEST(RestPosition, IsThatOfTheFirstStandstillHoweverLongALaterOneIs) {
-  const TimeSeries record = released(4.0, 1.5, 0.25);
+  const Record record = released(4.0, 1.5, 0.25);
   const auto alone = find_free_response(record);
   ASSERT_TRUE(alone && alone->rest);
   EXPECT_NEAR(alone->rest->position[0], 0.005, 2e-5);  // what is left of the oscillation
@@ -70,7 +70,7 @@ TEST(RestPosition, IsNotATurningPointOfASlowOscillation) {
 }
 
 TEST(RestPosition, IsFoundWhereTheMotionCreepsBackWithoutSwinging) {
-  const TimeSeries record = released(4.0, 1.0, 0.9);
+  const Record record = released(4.0, 1.0, 0.9);
   const auto creeping = find_free_response(record);
   ASSERT_TRUE(creeping && creeping->rest);
   EXPECT_NEAR(creeping->rest->position[0], 0.005, 1.5e-6);  // noise of 1e-5 over some hundred samples
@@ -81,7 +81,7 @@ TEST(RestPosition, IsFoundWhereTheMotionCreepsBackWithoutSwinging) {
 
 TEST(RestPosition, IsGuessedFromTheLastSwing) {
   for (const double damping : {0.01, 0.05, 0.1}) {
-    const TimeSeries record = released(3.0, 1.5, damping);
+    const Record record = released(3.0, 1.5, damping);
     const auto times = find_free_response(record);
     ASSERT_TRUE(times);
     EXPECT_FALSE(times->rest) << damping;
@@ -112,7 +112,7 @@ TEST(RestPosition, OfRunsThatEndTooEarlyIsGuessed) {
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no measured records at " << measured_runs_folder();
   const auto file = Hdf5File::open(path.string());
   for (const char* key : {"/Centre_p0500_m000_t2_r2", "/Centre_p1500_m200_t9_r2"}) {
-    const TimeSeries record{500.0, 0.0, {}, file.read_matrix(key)};
+    const Record record{500.0, 0.0, {}, file.read_columns_as_rows(key)};
     const auto times = find_free_response(record);
     ASSERT_TRUE(times) << key;
     EXPECT_FALSE(times->rest) << key;

@@ -113,25 +113,25 @@ inline SimulationResult simulate_chain(const StructureData& structure, const std
 
 /// What the problem's sensors record of its own structure. Without noise in the samples their standard deviations are
 /// the same.
-inline FullRecord chain_record(const EstimationProblem& problem, double duration, bool noisy = true) {
+inline Record chain_record(const EstimationProblem& problem, double duration, bool noisy = true) {
   std::vector<OutputDescription> outputs;
   for (const auto& sensor : problem.sensors) outputs.push_back(sensor.output);
-  FullRecord record;
-  record.series.sample_rate = problem.sample_rate;
-  record.series.values = simulate_chain(*problem.structure, outputs, duration).every_sample;
+  Record record;
+  record.sample_rate = problem.sample_rate;
+  record.values = simulate_chain(*problem.structure, outputs, duration).every_sample;
   for (std::size_t i = 0; i < problem.sensors.size(); ++i) {
-    auto channel = record.series.values.col(static_cast<Eigen::Index>(i));
-    record.series.channels.push_back({problem.sensors[i].name, problem.sensors[i].unit});
-    record.noise.push_back(problem.sensors[i].deviation(rms(channel)));
+    auto channel = record.values.row(static_cast<Eigen::Index>(i));
+    const double noise = problem.sensors[i].deviation(rms(channel.transpose()));
+    record.channels.push_back({problem.sensors[i].name, problem.sensors[i].unit, noise});
     RandomStream random(1, problem.sensors[i].name);
     for (double& sample : channel)
-      if (noisy) sample += record.noise[i] * random.normal();
+      if (noisy) sample += noise * random.normal();
   }
   return record;
 }
 
 inline EstimationResult run(const FilterRun& filter) {
-  return estimate(*filter.choice.augmented_model, filter.record, {.filter = filter.choice.filter});
+  return estimate(*filter.choice.augmented_model, filter.input, {.filter = filter.choice.filter});
 }
 
 /// What an InvalidInput says; empty where nothing is thrown.

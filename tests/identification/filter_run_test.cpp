@@ -12,7 +12,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-FilterRun run_of(const EstimationProblemPtr& problem, const FullRecord& record) {
+FilterRun run_of(const EstimationProblemPtr& problem, const Record& record) {
   IssueList issues;
   const auto setup = make_augmented_model_setup(*problem, problem->structure->parts, {}, issues);
   issues.raise();
@@ -21,36 +21,58 @@ FilterRun run_of(const EstimationProblemPtr& problem, const FullRecord& record) 
 
 TEST(FilterRun, HandsTheSensorsChannelsAndTheRoadToTheFilter) {
   const auto problem = shared(chain_problem());
-  FullRecord record = chain_record(*problem, 0.1);
+  Record record = chain_record(*problem, 0.1);
   // in another order, with a channel that no sensor has
-  record.series.channels = {{"a10", ""}, {"extra", ""}, {"a4", ""}, {"a2", ""}, {"a6", ""}};
-  record.series.values = Eigen::MatrixXd::Random(101, 5);
-  record.noise = {10.0, 0.0, 4.0, 2.0, 6.0};
+  record.channels = {{"a10", "", 10.0}, {"extra", "", 0.0}, {"a4", "", 4.0}, {"a2", "", 2.0}, {"a6", "", 6.0}};
+  record.values = Eigen::MatrixXd::Random(5, 101);
   const auto run = run_of(problem, record);
-  EXPECT_EQ(run.noise, VectorXd(Eigen::Vector4d(2.0, 4.0, 6.0, 10.0)));
-  ASSERT_EQ(run.record.measurements.cols(), 101);
-  EXPECT_TRUE(run.record.measurements.row(0).transpose() == record.series.values.col(3));
-  EXPECT_TRUE(run.record.measurements.row(3).transpose() == record.series.values.col(0));
-  EXPECT_EQ(run.record.noise(2, 2), 36.0);
+  EXPECT_EQ(run.input.measured.noise(), VectorXd(Eigen::Vector4d(2.0, 4.0, 6.0, 10.0)));
+  ASSERT_EQ(run.input.measured.samples(), 101);
+  EXPECT_TRUE(run.input.measured.values.row(0) == record.values.row(3));
+  EXPECT_TRUE(run.input.measured.values.row(3) == record.values.row(0));
+  EXPECT_EQ(run.input.noise(2, 2), 36.0);
   // [r; r'; r''] at every substep
   const auto road = problem->structure->signals[0]->sample(0.0, 0.25 / chain_rate, 401);
-  EXPECT_TRUE(run.record.inputs.transpose() == road.matrix());
+  EXPECT_TRUE(run.input.inputs.transpose() == road.matrix());
 }
 
 TEST(FilterRun, HidesTheSamplesThatTheFilterMustNotLearnFrom) {
   const auto problem = shared(chain_problem());
-  FullRecord record = chain_record(*problem, 0.1);
+  Record record = chain_record(*problem, 0.1);
   record.used = 60;
   const auto run = run_of(problem, record);
-  EXPECT_TRUE(run.record.measurements.leftCols(60).allFinite());
-  EXPECT_TRUE(run.record.measurements.rightCols(41).array().isNaN().all());
-  EXPECT_TRUE(run.measurements.values.allFinite());  // for comparison
+  VectorXd seen;
+  for (Index k = 0; k < 101; ++k) {
+    run.input.sample(k, seen);
+    EXPECT_EQ(seen.allFinite(), k < 60) << k;
+    EXPECT_EQ(seen.array().isNaN().all(), k >= 60) << k;
+  }
+  EXPECT_TRUE(run.input.measured.values.allFinite());  // for comparison
+  const auto result = kalfem::test::run(run);
+  EXPECT_EQ(result.measured.head(60).minCoeff(), 4);
+  EXPECT_EQ(result.measured.tail(41).maxCoeff(), 0);
+}
+
+/// A channel that misses a sample goes to the filter as it is: it updates by the others.
+TEST(FilterRun, KeepsMissingSamplesMissing) {
+  const auto problem = shared(chain_problem());
+  Record record = chain_record(*problem, 0.1);
+  record.values(1, 30) = std::numeric_limits<double>::quiet_NaN();
+  record.values.col(40).setConstant(std::numeric_limits<double>::quiet_NaN());
+  const auto filter = run_of(problem, record);
+  EXPECT_EQ(filter.input.measured.values.array().isNaN().count(), 5);
+  const auto result = run(filter);
+  ASSERT_FALSE(result.failure);
+  EXPECT_EQ(result.measured[29], 4);
+  EXPECT_EQ(result.measured[30], 3);
+  EXPECT_EQ(result.measured[40], 0);
+  EXPECT_TRUE(std::isnan(result.innovation(1, 30)));
 }
 
 /// Nothing that the run holds ends with the problem.
 TEST(FilterRun, FindsTheSuspensionAfterTheProblemIsGone) {
   auto problem = shared(chain_problem());
-  const FullRecord record = chain_record(*problem, 4.0);
+  const Record record = chain_record(*problem, 4.0);
   const auto filter = run_of(problem, record);
   problem.reset();
   EXPECT_EQ(filter.choice.filter, FilterKind::partially_linear);
@@ -61,7 +83,8 @@ TEST(FilterRun, FindsTheSuspensionAfterTheProblemIsGone) {
   EXPECT_LT(std::abs(mean[1] - true_mu_c1), 3.0 * deviation[1]);
   EXPECT_LT(deviation[0], 0.02 * true_mu_k1);
   EXPECT_LT(deviation[1], 0.02 * true_mu_c1);
-  const auto consistency = summarise_consistency(result.nis, result.measured, result.innovation, filter.noise, 500);
+  const auto consistency =
+      summarise_consistency(result.nis, result.measured, result.innovation, filter.input.measured.noise(), 500);
   EXPECT_NEAR(consistency.mean_nis, 4.0, 0.15);  // 14,000 squares: 1.2 % is one deviation
 }
 
@@ -69,7 +92,7 @@ TEST(FilterRun, FindsALinearUnknownAfterTheProblemIsGone) {
   EstimationProblem given = chain_problem();
   given.settings.unknowns = {unknown(*given.structure, "body.4-5.stiffness", 0.9 * body_stiffness, 4e3)};
   auto problem = shared(given);
-  const FullRecord record = chain_record(*problem, 2.0);
+  const Record record = chain_record(*problem, 2.0);
   const auto filter = run_of(problem, record);
   given = {};
   problem.reset();
@@ -83,11 +106,11 @@ TEST(FilterRun, StartsWhereTheDisplacementSensorsAre) {
   given.settings.initial_state_from_record = true;
   given.sensors.push_back({.name = "d3", .output = {"d3", ObservedQuantity::displacement, {{"body.3", 1.0}}}});
   const auto problem = shared(given);
-  FullRecord record = chain_record(*problem, 0.1, false);
-  record.noise.back() = 1e-6;
+  Record record = chain_record(*problem, 0.1, false);
+  record.channels.back().noise = 1e-6;
   const double velocity = 0.2;
-  for (Index k = 0; k < record.series.samples(); ++k)
-    record.series.values(k, 4) = 0.003 + velocity * static_cast<double>(k) / chain_rate;
+  for (Index k = 0; k < record.samples(); ++k)
+    record.values(4, k) = 0.003 + velocity * static_cast<double>(k) / chain_rate;
   const auto run = run_of(problem, record);
   const auto& prior = run.choice.augmented_model->options().prior.mean;
   EXPECT_NEAR(prior.displacement[3], 0.003, 1e-12);
@@ -95,10 +118,7 @@ TEST(FilterRun, StartsWhereTheDisplacementSensorsAre) {
   EXPECT_NEAR(prior.displacement.norm(), 0.003, 1e-12);
 }
 
-TEST(FilterRun, ConstantsOfSensorsAndThreadsAreAsTheyAreAskedFor) {
-  const double none = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_DOUBLE_EQ(rms_of_present(Eigen::Vector4d(3.0, none, -4.0, none)), std::sqrt(12.5));
-  EXPECT_EQ(rms_of_present(Eigen::Vector2d(none, none)), 0.0);
+TEST(FilterRun, UsesAsManyThreadsAsItIsAskedTo) {
   EXPECT_EQ(filter_threads({.threads = 3}), 3);
   EXPECT_EQ(filter_threads({}), processors());
   EXPECT_GE(processors(), 1);

@@ -43,7 +43,7 @@ double after_a_step(const Residual& residual, double stiffness) {
   return stiffness - column.dot(value->values) / column.squaredNorm();
 }
 
-SimulationResidual simulation_residual(const EstimationProblem& problem, const FullRecord& record,
+SimulationResidual simulation_residual(const EstimationProblem& problem, const Record& record,
                                        const SimulationResidual::Options& options = {.name = "record", .settle = 0.1}) {
   const auto setup = body_stiffness_of(*problem.structure, 0.99 * body_stiffness);
   return {problem.structure, problem.sensors, record, parameterised(problem.structure, setup),
@@ -76,7 +76,7 @@ TEST(SimulationResidual, StartsAsItIsToldTo) {
   const InitialMotion start = {{"body.10", {{0.002, 0.1}}}};
   std::vector<OutputDescription> outputs;
   for (const auto& sensor : problem.sensors) outputs.push_back(sensor.output);
-  record.series.values = simulate_chain(*problem.structure, outputs, 0.2, start).every_sample;
+  record.values = simulate_chain(*problem.structure, outputs, 0.2, start).every_sample;
   const auto at_rest = simulation_residual(problem, record);
   const auto started = simulation_residual(problem, record, {.name = "record", .initial = start});
   EXPECT_GT(mean_square(at_rest, body_stiffness), 1.0);
@@ -86,7 +86,7 @@ TEST(SimulationResidual, StartsAsItIsToldTo) {
 TEST(SimulationResidual, LeavesOutSamplesThatAreMissing) {
   const auto problem = chain_problem();
   auto record = chain_record(problem, 0.5, false);
-  record.series.values.block(200, 1, 50, 1).setConstant(std::numeric_limits<double>::quiet_NaN());
+  record.values.block(1, 200, 1, 50).setConstant(std::numeric_limits<double>::quiet_NaN());
   const auto residual = simulation_residual(problem, record);
   const auto value = residual.evaluate(theta(0.99 * body_stiffness), true);
   ASSERT_TRUE(value);
@@ -101,12 +101,12 @@ TEST(SimulationResidual, NeedsNoiseAndAResponse) {
   auto record = chain_record(problem, 0.2);
   const auto residual = simulation_residual(problem, record);
   EXPECT_FALSE(residual.evaluate(theta(-body_stiffness), false));
-  record.noise[2] = 0.0;
+  record.channels[2].noise = 0.0;
   const std::string text = refusal([&] { simulation_residual(problem, record); });
   EXPECT_NE(text.find("'a6' has no noise"), std::string::npos) << text;
 }
 
-RecordResidual record_residual(const EstimationProblemPtr& problem, const FullRecord& record, bool hold_gains,
+RecordResidual record_residual(const EstimationProblemPtr& problem, const Record& record, bool hold_gains,
                                double initial = 0.97 * body_stiffness) {
   const auto setup = body_stiffness_of(*problem->structure, initial);
   return {problem,
@@ -148,7 +148,7 @@ TEST(RecordResidual, HasNearlyTheSameDerivativeWithHeldGains) {
   given.settings.unknowns.clear();
   given.settings.process_noise.acceleration = 0.1;
   const auto problem = shared(given);
-  const FullRecord record = chain_record(*problem, 2.0);
+  const Record record = chain_record(*problem, 2.0);
   const auto derivative = [&](bool hold_gains) {
     const auto value = record_residual(problem, record, hold_gains).evaluate(theta(0.97 * body_stiffness), true);
     return value ? VectorXd(value->jacobian.col(0)) : VectorXd();

@@ -10,7 +10,7 @@
 #include <unsupported/Eigen/FFT>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/records/time_series.hpp"
+#include "kalfem/records/record.hpp"
 #include "kalfem/system/signals/harmonic.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
 #include "kalfem/system/signals/sampled.hpp"

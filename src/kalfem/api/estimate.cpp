@@ -16,8 +16,8 @@ namespace {
 
 OutputDescription at(ObservedQuantity quantity, const std::string& place) { return {"", quantity, {{place, 1.0}}}; }
 
-/// A column for each sensor; throws InvalidInput with every sensor that was not recorded.
-void require_channels(const TimeSeries& record, const std::vector<SensorDescription>& sensors) {
+/// A channel for each sensor; throws InvalidInput with every sensor that was not recorded.
+void require_channels(const Record& record, const std::vector<SensorDescription>& sensors) {
   std::vector<std::string> known;
   for (const auto& channel : record.channels) known.push_back(channel.name);
   IssueList issues;
@@ -27,26 +27,23 @@ void require_channels(const TimeSeries& record, const std::vector<SensorDescript
                  "sensors[" + std::to_string(i) + "] '" + sensors[i].name +
                      "': the record has no channel of that name" + did_you_mean(sensors[i].name, known),
                  "", "name the sensor as the channel");
-  if (static_cast<Index>(known.size()) != record.values.cols())
+  if (static_cast<Index>(known.size()) != record.values.rows())
     issues.add({},
-               "record: it has " + std::to_string(record.values.cols()) + " columns and " +
-                   std::to_string(known.size()) + " channels",
-               "every column needs a name", "");
+               "record: it has " + std::to_string(record.values.rows()) + " rows and " + std::to_string(known.size()) +
+                   " channels",
+               "every row of the values needs a name", "");
   if (record.samples() < 1) issues.add({}, "record: it has no samples", "there is nothing to estimate from", "");
   issues.raise();
 }
 
 /// The record's channels of the sensors, with their noise.
-FullRecord full_record(const TimeSeries& record, const std::vector<SensorDescription>& sensors) {
-  const auto count = static_cast<Index>(sensors.size());
-  FullRecord full{{record.sample_rate, record.start, {}, Eigen::MatrixXd(record.samples(), count)}, {}};
-  for (Index i = 0; i < count; ++i) {
-    const auto& sensor = sensors[static_cast<std::size_t>(i)];
-    full.series.channels.push_back({sensor.name, unit_of(sensor.output)});
-    full.series.values.col(i) = record.values.col(record.find(sensor.name));
-    full.noise.push_back(sensor.noise);
-  }
-  return full;
+Record of_sensors(const Record& record, const std::vector<SensorDescription>& sensors) {
+  std::vector<std::string> names;
+  for (const auto& sensor : sensors) names.push_back(sensor.name);
+  Record selected = select_channels(record, names);
+  for (std::size_t i = 0; i < sensors.size(); ++i)
+    selected.channels[i] = {sensors[i].name, unit_of(sensors[i].output), sensors[i].noise};
+  return selected;
 }
 
 std::vector<ParameterEstimate> parameters_of(const AugmentedModelSetup& setup, const EstimationResult& result) {
@@ -120,7 +117,7 @@ const EstimatedQuantity& EstimateResult::output(const std::string& name) const {
   return named(outputs, name, "output");
 }
 
-EstimateResult estimate(const Structure& structure, const TimeSeries& record, const EstimateOptions& options) {
+EstimateResult estimate(const Structure& structure, const Record& record, const EstimateOptions& options) {
   require_signals(structure.description());
   require_channels(record, options.sensors);
   const FilterProblem made = make_filter_problem(structure, record.sample_rate, options);
@@ -129,11 +126,11 @@ EstimateResult estimate(const Structure& structure, const TimeSeries& record, co
                                     .state_deviations = false,
                                     .monitored = make_outputs(*made.setup.model, made.monitored),
                                     .progress = options.progress};
-  const auto filtered = run_filter(made.problem, made.setup, full_record(record, options.sensors), of_filter);
+  const auto filtered = run_filter(made.problem, made.setup, of_sensors(record, options.sensors), of_filter);
   EstimateResult estimate;
   estimate.parameters = parameters_of(made.setup, filtered.result);
   set_quantities(made, options, filtered, estimate);
-  estimate.innovation = filtered.result.innovation.transpose();
+  estimate.innovation = filtered.result.innovation;
   estimate.nis = filtered.result.nis;
   estimate.log_likelihood = filtered.result.log_likelihood;
   estimate.filter = to_string(filtered.run.choice.filter) + ": " + filtered.run.choice.reason;

@@ -74,7 +74,7 @@ struct EstimateResult {
   std::vector<ParameterEstimate> parameters;  ///< in the order of the unknowns
   std::vector<EstimatedQuantity> states;      ///< "body.2.displacement", "body.2.velocity", "mount.z"
   std::vector<EstimatedQuantity> outputs;     ///< in the order in which they were asked for
-  Eigen::MatrixXd innovation;                 ///< samples x sensors; not a number where nothing was measured
+  Eigen::MatrixXd innovation;                 ///< sensors x samples; not a number where nothing was measured
   Eigen::VectorXd nis;                        ///< normalised innovation squared, one a sample
   double log_likelihood = 0.0;
   std::string filter;                 ///< which one, and why
@@ -95,6 +95,6 @@ struct EstimateResult {
 /// Estimates states and unknown parameters of a structure from a record, whose channels have the sensors' names, in SI
 /// units. Missing samples are not a number. Throws InvalidInput with every argument that is wrong, by its place:
 /// "unknowns[0] 'suspension.mu_k9': there is no parameter of that name". What the numbers do is in the result.
-EstimateResult estimate(const Structure& structure, const TimeSeries& record, const EstimateOptions& options);
+EstimateResult estimate(const Structure& structure, const Record& record, const EstimateOptions& options);
 
 }  // namespace kalfem

@@ -45,13 +45,10 @@ void require_online(const EstimateOptions& options) {
 }
 
 /// A record of one missing sample, from which the filter's model is made.
-FullRecord no_record(double sample_rate, const std::vector<SensorDescription>& sensors) {
+Record no_record(double sample_rate, const std::vector<SensorDescription>& sensors) {
   const auto count = static_cast<Index>(sensors.size());
-  FullRecord record{{sample_rate, 0.0, {}, Eigen::MatrixXd::Constant(1, count, not_a_number)}, {}};
-  for (const auto& sensor : sensors) {
-    record.series.channels.push_back({sensor.name, unit_of(sensor.output)});
-    record.noise.push_back(sensor.noise);
-  }
+  Record record{.sample_rate = sample_rate, .values = VectorXd::Constant(count, not_a_number)};
+  for (const auto& sensor : sensors) record.channels.push_back({sensor.name, unit_of(sensor.output), sensor.noise});
   return record;
 }
 
@@ -67,7 +64,7 @@ public:
         step_(1.0 / sample_rate) {
     const FilterRun run = make_filter_run(made_.problem, made_.setup, no_record(sample_rate, options.sensors));
     model_ = run.choice.augmented_model;
-    noise_ = run.record.noise;
+    noise_ = run.input.noise;
     options_.filter = run.choice.filter;
     options_.threads = filter_threads(made_.problem->settings);
     options_.monitored = make_outputs(*made_.setup.model, made_.monitored);
@@ -75,7 +72,7 @@ public:
     setup_ = std::make_unique<FilterSetup>(model_, noise_, options_);
     setup_->filter->reset(model_->prior());
     linearised_about_ = linear_estimate(true);
-    inputs_ = first.empty() ? run.record.inputs.col(0) : stacked(first);
+    inputs_ = first.empty() ? run.input.inputs.col(0) : stacked(first);
     innovation_ = VectorXd::Constant(noise_.rows(), not_a_number);
   }
 

@@ -11,27 +11,27 @@ using Eigen::Index;
 
 namespace {
 
-void add_noise(const std::vector<SensorDescription>& sensors, std::uint64_t seed, TimeSeries& record) {
+void add_noise(const std::vector<SensorDescription>& sensors, std::uint64_t seed, Record& record) {
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     RandomStream random(seed, sensors[i].name);
-    for (auto& value : record.values.col(static_cast<Index>(i))) value += sensors[i].noise * random.normal();
+    for (auto& value : record.values.row(static_cast<Index>(i))) value += sensors[i].noise * random.normal();
   }
 }
 
 }  // namespace
 
-TimeSeries simulate(const Structure& structure, const SimulateOptions& options) {
+Record simulate(const Structure& structure, const SimulateOptions& options) {
   require_signals(structure.description());
   const auto model = make_structure_model(structure.description());
   const CoupledModel coupled = couple(model->reference_parts());
   std::vector<OutputDescription> outputs;
   std::vector<MeasurementChain> chains;
-  TimeSeries record{.sample_rate = options.sample_rate, .start = 0.0, .channels = {}, .values = {}};
+  Record record{.sample_rate = options.sample_rate, .start = 0.0, .channels = {}, .values = {}};
   for (const auto& sensor : options.sensors) {
     outputs.push_back(sensor.output);
     outputs.back().name = sensor.name;
     chains.emplace_back(sensor.chain);
-    record.channels.push_back({sensor.name, unit_of(sensor.output.quantity)});
+    record.channels.push_back({sensor.name, unit_of(sensor.output.quantity), options.seed ? sensor.noise : 0.0});
   }
   SimulationOptions simulation;
   simulation.duration = options.duration;

@@ -20,6 +20,6 @@ struct SimulateOptions {
 
 /// The record of a structure that starts at rest under its inputs: what the sensors show, by their names. Throws
 /// InvalidInput with every argument that is wrong, and where the simulation stops: its time and reason.
-TimeSeries simulate(const Structure& structure, const SimulateOptions& options);
+Record simulate(const Structure& structure, const SimulateOptions& options);
 
 }  // namespace kalfem

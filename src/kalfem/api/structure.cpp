@@ -42,9 +42,9 @@ std::vector<std::string> touched_points(const StructureParts& parts) {
 
 }  // namespace
 
-Samples channel(const TimeSeries& record, const std::string& name) {
-  if (const Eigen::Index column = record.find(name); column >= 0)
-    return {record.values.col(column), record.sample_rate, record.start};
+Samples channel(const Record& record, const std::string& name) {
+  if (const Eigen::Index row = record.find(name); row >= 0)
+    return {record.values.row(row).transpose(), record.sample_rate, record.start};
   std::vector<std::string> known;
   for (const auto& each : record.channels) known.push_back(each.name);
   throw InvalidInput("the record has no channel '" + name + "'" + did_you_mean(name, known), "", "name one of its own");

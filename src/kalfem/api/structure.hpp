@@ -8,7 +8,7 @@
 #include "kalfem/api/finite_elements.hpp"
 #include "kalfem/api/laws.hpp"
 #include "kalfem/model/lumped.hpp"
-#include "kalfem/records/time_series.hpp"
+#include "kalfem/records/record.hpp"
 #include "kalfem/system/signal.hpp"
 
 namespace kalfem {
@@ -21,7 +21,7 @@ struct Samples {
 };
 
 /// One channel of a record. Throws InvalidInput where there is none of that name.
-Samples channel(const TimeSeries& record, const std::string& name);
+Samples channel(const Record& record, const std::string& name);
 
 /// A substructure of masses, springs and dashpots, as you describe it:
 ///     lumped("wheel").mass("w", 1.5).spring("k_w", "ground", "w", 2e4)

@@ -8,7 +8,7 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/worker_pool.hpp"
-#include "kalfem/records/time_series.hpp"
+#include "kalfem/records/record.hpp"
 
 namespace kalfem {
 namespace {
@@ -24,19 +24,21 @@ constexpr double stagnant_ratio = 0.7;
 /// Smaller changes come from rounding and from the solution for the connector forces.
 constexpr double stagnant_change = 1e-4;
 
-MatrixXd every(const MatrixXd& fine, Index substeps) { return fine(Eigen::seq(0, Eigen::last, substeps), Eigen::all); }
+MatrixXd every(const MatrixXd& fine, Index substeps) { return fine(Eigen::all, Eigen::seq(0, Eigen::last, substeps)); }
 
 /// Passes the fine-step outputs through the measurement chains, then samples them.
 MatrixXd record(const MatrixXd& fine, const std::vector<MeasurementChain>& chains, double fine_rate, Index substeps) {
   MatrixXd filtered = fine;
   for (std::size_t i = 0; i < chains.size(); ++i)
-    filtered.col(static_cast<Index>(i)) = chains[i].filter(fine.col(static_cast<Index>(i)), fine_rate);
+    filtered.row(static_cast<Index>(i)) =
+        chains[i].filter(fine.row(static_cast<Index>(i)).transpose(), fine_rate).transpose();
   return every(filtered, substeps);
 }
 
 double largest_change(const MatrixXd& finer, const MatrixXd& coarser) {
   double change = 0.0;
-  for (Index j = 0; j < finer.cols(); ++j) change = std::max(change, nrmse(coarser.col(j), finer.col(j)));
+  for (Index j = 0; j < finer.rows(); ++j)
+    change = std::max(change, nrmse(coarser.row(j).transpose(), finer.row(j).transpose()));
   return change;
 }
 

@@ -27,7 +27,7 @@ struct ConvergenceOptions {
 /// A solution whose step was halved until the sensors' records stopped moving.
 struct ConvergedSolution {
   SimulationResult simulation = {};  ///< sampled at the record's rate
-  Eigen::MatrixXd sensors = {};  ///< behind their measurement chains, free of noise, samples x l; empty after a failure
+  Eigen::MatrixXd sensors = {};  ///< behind their measurement chains, free of noise, l x samples; empty after a failure
   Eigen::Index substeps = 0;     ///< time steps per sample of the finest solution
   Eigen::Index extrapolations = 0;  ///< powers of the step that were extrapolated out of the error: h^2, h^4
   double last_change = 0.0;  ///< largest relative change of a sensor's record in the last halving, by its gain where

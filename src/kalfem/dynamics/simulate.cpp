@@ -128,12 +128,11 @@ void truncate(Trajectory& trajectory, Index samples) {
     series->conservativeResize(Eigen::NoChange, samples);
 }
 
-void observe(const OutputMap& map, const Motion& motion, const VectorXd& inputs, MatrixXd::RowXpr row) {
+void observe(const OutputMap& map, const Motion& motion, const VectorXd& inputs, MatrixXd::ColXpr column) {
   const Index n_u = inputs.size() / 3;
-  row = (map.displacement * motion.displacement + map.velocity * motion.velocity +
-         map.acceleration * motion.acceleration + map.force * motion.force + map.input_value * inputs.head(n_u) +
-         map.input_rate * inputs.segment(n_u, n_u) + map.input_acceleration * inputs.tail(n_u))
-            .transpose();
+  column = map.displacement * motion.displacement + map.velocity * motion.velocity +
+           map.acceleration * motion.acceleration + map.force * motion.force + map.input_value * inputs.head(n_u) +
+           map.input_rate * inputs.segment(n_u, n_u) + map.input_acceleration * inputs.tail(n_u);
 }
 
 /// Stores what the options ask for while a simulation runs, in the system's own coordinates whatever it is stepped in.
@@ -148,12 +147,12 @@ public:
         result_(result) {
     const Index samples = steps / options.keep_every + 1;
     result.trajectory = allocate(system, options, samples);
-    result.every_step.setZero(every_step_.size() > 0 ? steps + 1 : 0, every_step_.size());
-    result.every_sample.setZero(samples, every_sample_.size());
+    result.every_step.setZero(every_step_.size(), every_step_.size() > 0 ? steps + 1 : 0);
+    result.every_sample.setZero(every_sample_.size(), samples);
   }
 
   void store(Index step, const Motion& motion, const VectorXd& inputs) {
-    if (every_step_.size() > 0) observe(every_step_, motion, inputs, result_.every_step.row(step));
+    if (every_step_.size() > 0) observe(every_step_, motion, inputs, result_.every_step.col(step));
     if (step % options_.keep_every == 0) store_sample(step / options_.keep_every, motion, inputs);
   }
 
@@ -168,7 +167,7 @@ private:
     trajectory.force.col(sample) = motion.force;
     trajectory.inputs.col(sample) = inputs;
     trajectory.connector_states.col(sample) = motion.connector_states;
-    if (every_sample_.size() > 0) observe(every_sample_, motion, inputs, result_.every_sample.row(sample));
+    if (every_sample_.size() > 0) observe(every_sample_, motion, inputs, result_.every_sample.col(sample));
     if (options_.snapshot && sample % options_.snapshot_every == 0)
       options_.snapshot(static_cast<double>(sample) * trajectory.step, merged(motion.displacement));
   }
@@ -261,8 +260,8 @@ private:
   SimulationResult ended_before(Index k) {
     const Index samples = k == 0 ? 0 : (k - 1) / options_.keep_every + 1;
     truncate(result_.trajectory, samples);
-    result_.every_sample.conservativeResize(samples, Eigen::NoChange);
-    if (result_.every_step.size() > 0) result_.every_step.conservativeResize(k, Eigen::NoChange);
+    result_.every_sample.conservativeResize(Eigen::NoChange, samples);
+    if (result_.every_step.size() > 0) result_.every_step.conservativeResize(Eigen::NoChange, k);
     return std::move(result_);
   }
 

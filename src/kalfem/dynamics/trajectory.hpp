@@ -38,8 +38,8 @@ struct SimulationFailure {
 
 struct SimulationResult {
   Trajectory trajectory;         ///< samples before the failure, where there was one
-  Eigen::MatrixXd every_step;    ///< the outputs asked for at every step before a failure, (steps + 1) x outputs
-  Eigen::MatrixXd every_sample;  ///< the outputs asked for at every stored sample, samples x outputs
+  Eigen::MatrixXd every_step;    ///< the outputs asked for at every step before a failure, outputs x (steps + 1)
+  Eigen::MatrixXd every_sample;  ///< the outputs asked for at every stored sample, outputs x samples
   std::optional<SimulationFailure> failure;  ///< empty: it ran to the end
 };
 

@@ -42,20 +42,20 @@ void check_sigma_points(const AugmentedModel& augmented_model, const EstimationO
              "use alpha 1 and beta 2, and omit kappa");
 }
 
-void check(const AugmentedModel& augmented_model, const Record& record, const EstimationOptions& options) {
+void check(const AugmentedModel& augmented_model, const FilterInput& input, const EstimationOptions& options) {
   IssueList issues;
   const Index l = augmented_model.form().outputs().state.rows(), n_u = augmented_model.system().input_count();
-  if (record.measurements.rows() != l || record.noise.rows() != l || record.noise.cols() != l)
+  if (input.measured.values.rows() != l || input.noise.rows() != l || input.noise.cols() != l)
     issues.add({}, "the record or the noise does not have one channel per sensor", "");
-  const Index samples = record.measurements.cols(), fine = (samples - 1) * augmented_model.options().substeps + 1;
-  if (record.inputs.rows() != 3 * n_u || (record.inputs.cols() != samples && record.inputs.cols() != fine))
+  const Index samples = input.measured.samples(), fine = (samples - 1) * augmented_model.options().substeps + 1;
+  if (input.inputs.rows() != 3 * n_u || (input.inputs.cols() != samples && input.inputs.cols() != fine))
     issues.add({}, "inputs and measurements have different numbers of samples", "");
-  if (!record.inputs.allFinite()) issues.add({}, "an input is not finite", "the filter's model is driven by it");
-  if (!record.noise.allFinite() || (record.noise.diagonal().array() < 0.0).any())
+  if (!input.inputs.allFinite()) issues.add({}, "an input is not finite", "the filter's model is driven by it");
+  if (!input.noise.allFinite() || (input.noise.diagonal().array() < 0.0).any())
     issues.add({}, "a sensor's noise is negative or not finite", "it is a variance", "give every sensor its noise");
   const IssueList of_options = validate(augmented_model, options);
   for (const auto& [place, what, why, fix] : of_options.issues()) issues.add(place, what, why, fix);
-  if (record.measurements.cols() < 1) issues.add({}, "the record is empty", "");
+  if (input.measured.samples() < 1) issues.add({}, "the record is empty", "");
   issues.raise();
 }
 
@@ -64,13 +64,13 @@ void check(const AugmentedModel& augmented_model, const Record& record, const Es
 /// the outcome and the sample's time in the result.
 class RecordRun {
 public:
-  RecordRun(const AugmentedModel& augmented_model, const Record& record, const EstimationOptions& options)
+  RecordRun(const AugmentedModel& augmented_model, const FilterInput& input, const EstimationOptions& options)
       : augmented_model_(augmented_model),
-        record_(record),
+        input_(input),
         options_(options),
-        input_stride_(record.inputs.cols() > record.measurements.cols() ? augmented_model.options().substeps : 1),
+        input_stride_(input.input_stride(augmented_model.options().substeps)),
         setup_(std::make_unique<FilterSetup>(
-            std::shared_ptr<const AugmentedModel>(std::shared_ptr<void>(), &augmented_model), record.noise, options)),
+            std::shared_ptr<const AugmentedModel>(std::shared_ptr<void>(), &augmented_model), input.noise, options)),
         linear_unknowns_(linear_unknowns(augmented_model.options())) {
     allocate();
     linearised_about_ = linear_estimate();
@@ -79,7 +79,7 @@ public:
   EstimationResult run(const Gaussian& prior) {
     setup_->filter->reset(prior);
     if (options_.keep_unknowns) begin_history(prior);
-    const Index samples = record_.measurements.cols();
+    const Index samples = input_.measured.samples();
     for (Index k = 0; k < samples; ++k) {
       if (!step(k)) break;
       report_progress(k, samples);
@@ -124,7 +124,7 @@ private:
   [[nodiscard]] const AugmentedModel& model() const { return *setup_->augmented_model; }
 
   void allocate() {
-    const Index samples = record_.measurements.cols(), l = record_.measurements.rows();
+    const Index samples = input_.measured.samples(), l = input_.measured.values.rows();
     const auto series = [&](Index rows) {
       const MatrixXd empty = MatrixXd::Constant(rows, samples, not_a_number);
       return EstimatedSeries{empty, empty};
@@ -141,18 +141,18 @@ private:
   FilterOutcome predict(Index k) {
     auto& [of, transition, measurement, monitored, filter] = *setup_;
     if (input_stride_ > 1)
-      transition.set_inputs(record_.inputs.middleCols((k - 1) * input_stride_, input_stride_ + 1));
+      transition.set_inputs(input_.inputs.middleCols((k - 1) * input_stride_, input_stride_ + 1));
     else
-      transition.set_inputs(record_.inputs.col(k - 1), record_.inputs.col(k));
+      transition.set_inputs(input_.inputs.col(k - 1), input_.inputs.col(k));
     if (!linear_unknowns_.empty()) transition.set_mean(filter->mean());
     return filter->predict();
   }
 
   FilterOutcome update(Index k) {
     auto& [of, transition, measurement, monitored, filter] = *setup_;
-    measurement.set_inputs(record_.inputs.col(k * input_stride_));
+    measurement.set_inputs(input_.inputs.col(k * input_stride_));
     if (!linear_unknowns_.empty()) measurement.set_mean(filter->mean());
-    measured_ = record_.measurements.col(k);
+    input_.sample(k, measured_);
     return filter->update(measured_, innovation_);
   }
 
@@ -194,7 +194,7 @@ private:
     for (std::size_t i = 0; i < unknowns.size(); ++i)
       if (unknowns[i].random_walk == 0.0) history.unknowns.push_back(static_cast<Index>(i));
     const auto count = static_cast<Index>(history.unknowns.size());
-    history.stride = 1 + record_.measurements.cols() * count * count / largest_history;
+    history.stride = 1 + input_.measured.samples() * count * count / largest_history;
     constant_states_.clear();
     for (const Index i : history.unknowns) constant_states_.push_back(augmented_model_.layout().unknown() + i);
     history.mean.emplace_back(prior.mean(constant_states_));
@@ -203,7 +203,7 @@ private:
 
   void store_unknowns(Index k) {
     auto& history = result_.unknowns_history;
-    if ((k + 1) % history.stride != 0 && k + 1 < record_.measurements.cols()) return;
+    if ((k + 1) % history.stride != 0 && k + 1 < input_.measured.samples()) return;
     history.mean.emplace_back(setup_->filter->mean()(constant_states_));
     history.covariance.push_back(setup_->filter->covariance_of(constant_states_));
   }
@@ -225,7 +225,7 @@ private:
   FilterOutcome store_monitored(Index k) {
     auto& [of, transition, measurement, monitored, filter] = *setup_;
     if (!monitored) return FilterOutcome::usable;
-    monitored->set_inputs(record_.inputs.col(k * input_stride_));
+    monitored->set_inputs(input_.inputs.col(k * input_stride_));
     if (!linear_unknowns_.empty()) monitored->set_mean(filter->mean());
     const bool anew = k % options_.deviation_stride == 0;
     const auto outcome = filter->observe(output_mean_, anew ? &output_deviation_ : nullptr);
@@ -239,13 +239,13 @@ private:
   /// last gain, because the gain is held over samples at which it may be there again.
   void store_gain() {
     const auto& measurement = setup_->measurement;
-    const Index l = record_.measurements.rows(), n = augmented_model_.layout().size();
+    const Index l = input_.measured.values.rows(), n = augmented_model_.layout().size();
     auto& kept = result_.gains.gains;
     MatrixXd gain = kept.empty() ? MatrixXd(MatrixXd::Zero(n, l)) : kept.back();
     if (const auto& channels = innovation_.channels; !channels.empty()) {
       const MatrixXd slope = measurement.linear()(channels, Eigen::all) +
                              measurement.gain()(channels, Eigen::all) * output_slopes() * measurement.selection();
-      const MatrixXd noise = record_.noise(channels, channels), weighted = noise.llt().solve(slope);
+      const MatrixXd noise = input_.noise(channels, channels), weighted = noise.llt().solve(slope);
       gain(Eigen::all, channels) = model().physical(setup_->filter->covariance() * weighted.transpose());
     }
     kept.push_back(std::move(gain));
@@ -288,7 +288,7 @@ private:
     auto now = linear_estimate(k);
     if (!now.outdates(linearised_about_)) return FilterOutcome::usable;
     try {
-      setup_ = relinearised(augmented_model_, now, *setup_, record_.noise, options_);
+      setup_ = relinearised(augmented_model_, now, *setup_, input_.noise, options_);
     } catch (const InvalidInput&) {
       return FilterOutcome::linear_part_impossible;
     }
@@ -298,7 +298,7 @@ private:
   }
 
   const AugmentedModel& augmented_model_;
-  const Record& record_;
+  const FilterInput& input_;
   const EstimationOptions& options_;
   Index input_stride_;  ///< columns of the inputs per sample
   std::unique_ptr<FilterSetup> setup_;
@@ -322,6 +322,11 @@ Gaussian next_prior(const AugmentedModel& augmented_model, const EstimationResul
 
 }  // namespace
 
+void FilterInput::sample(Index k, VectorXd& y) const {
+  y = measured.values.col(k);
+  if (k >= measured.samples_used()) y.setConstant(not_a_number);
+}
+
 IssueList validate(const AugmentedModel& augmented_model, const EstimationOptions& options) {
   IssueList issues;
   check_sigma_points(augmented_model, options, issues);
@@ -334,12 +339,12 @@ IssueList validate(const AugmentedModel& augmented_model, const EstimationOption
   return issues;
 }
 
-EstimationResult estimate(const AugmentedModel& augmented_model, const Record& record,
+EstimationResult estimate(const AugmentedModel& augmented_model, const FilterInput& input,
                           const EstimationOptions& options) {
-  check(augmented_model, record, options);
-  EstimationResult result = RecordRun(augmented_model, record, options).run(augmented_model.prior());
+  check(augmented_model, input, options);
+  EstimationResult result = RecordRun(augmented_model, input, options).run(augmented_model.prior());
   for (int pass = 1; pass < options.passes && !result.failure; ++pass)
-    result = RecordRun(augmented_model, record, options).run(next_prior(augmented_model, result));
+    result = RecordRun(augmented_model, input, options).run(next_prior(augmented_model, result));
   return result;
 }
 

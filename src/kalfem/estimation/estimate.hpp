@@ -9,6 +9,7 @@
 #include "kalfem/estimation/filter.hpp"
 #include "kalfem/estimation/fixed_gain.hpp"
 #include "kalfem/estimation/unknowns_history.hpp"
+#include "kalfem/records/record.hpp"
 
 namespace kalfem {
 
@@ -30,11 +31,18 @@ struct EstimationOptions {
   Progress progress = {};
 };
 
-/// What the sensors recorded and what drove the structure. A value that is not a number is a sample that is missing.
-struct Record {
-  Eigen::MatrixXd measurements;  ///< l x samples
+/// What a filter runs over: what its sensors recorded and what drove the structure.
+struct FilterInput {
+  Record measured;         ///< one channel a sensor, in the model's order
   Eigen::MatrixXd inputs;  ///< [r; r'; r''], 3 n_u x samples, or at every substep, 3 n_u x ((samples - 1) substeps + 1)
   Eigen::MatrixXd noise;   ///< R, l x l
+
+  /// y_k: the sample as the filter sees it; not a number where it is missing, and behind what the filter learns from.
+  void sample(Eigen::Index k, Eigen::VectorXd& y) const;
+  /// Columns of the inputs from one sample to the next.
+  [[nodiscard]] Eigen::Index input_stride(Eigen::Index substeps) const {
+    return inputs.cols() > measured.samples() ? substeps : 1;
+  }
 };
 
 /// Mean and standard deviation of some quantities at every sample.
@@ -84,7 +92,7 @@ struct EstimationResult {
 IssueList validate(const AugmentedModel& augmented_model, const EstimationOptions& options);
 
 /// Runs the filter over the record. Throws InvalidInput where sizes do not fit or an input is not finite.
-EstimationResult estimate(const AugmentedModel& augmented_model, const Record& record,
+EstimationResult estimate(const AugmentedModel& augmented_model, const FilterInput& input,
                           const EstimationOptions& options);
 
 /// Interval that holds `probability` of a parameter's distribution (normal in the filter's state) about its estimate.

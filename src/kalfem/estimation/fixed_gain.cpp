@@ -41,20 +41,19 @@ private:
   Eigen::ArrayXXd in_, out_;
 };
 
-void set_inputs(ProcessModel& transition, const Record& record, Index stride, Index k) {
+void set_inputs(ProcessModel& transition, const FilterInput& input, Index stride, Index k) {
   if (stride > 1)
-    transition.set_inputs(record.inputs.middleCols((k - 1) * stride, stride + 1));
+    transition.set_inputs(input.inputs.middleCols((k - 1) * stride, stride + 1));
   else
-    transition.set_inputs(record.inputs.col(k - 1), record.inputs.col(k));
+    transition.set_inputs(input.inputs.col(k - 1), input.inputs.col(k));
 }
 
 }  // namespace
 
-std::optional<FixedGainMeans> run_with_gains(const AugmentedModel& augmented_model, const Record& record,
+std::optional<FixedGainMeans> run_with_gains(const AugmentedModel& augmented_model, const FilterInput& input,
                                              const GainSchedule& gains, const OutputMap& monitored, Index state_at) {
   assert(augmented_model.options().coordinates == StateCoordinates::physical);
-  const Index samples = record.measurements.cols(),
-              stride = record.inputs.cols() > samples ? augmented_model.options().substeps : 1;
+  const Index samples = input.measured.samples(), stride = input.input_stride(augmented_model.options().substeps);
   ProcessModel transition(augmented_model);
   MeasurementModel measurement(augmented_model, sensor_outputs);
   MeasurementModel monitored_map(
@@ -65,16 +64,17 @@ std::optional<FixedGainMeans> run_with_gains(const AugmentedModel& augmented_mod
   VectorXd state = augmented_model.prior().mean, predicted = state, output, innovation, values;
   for (Index k = 0; k < samples; ++k) {
     if (k > 0) {
-      set_inputs(transition, record, stride, k);
+      set_inputs(transition, input, stride, k);
       if (!predict.apply(state, predicted)) return std::nullopt;
       state.swap(predicted);
     }
-    measurement.set_inputs(record.inputs.col(k * stride));
+    measurement.set_inputs(input.inputs.col(k * stride));
     if (!measure.apply(state, output)) return std::nullopt;
-    innovation = record.measurements.col(k) - output;
+    input.sample(k, innovation);
+    innovation -= output;
     innovation = innovation.array().isNaN().select(0.0, innovation);
     state.noalias() += gains.at(k) * innovation;
-    monitored_map.set_inputs(record.inputs.col(k * stride));
+    monitored_map.set_inputs(input.inputs.col(k * stride));
     if (!look.apply(state, values)) return std::nullopt;
     means.monitored.col(k) = values;
     if (k == state_at) means.state = state;

@@ -8,7 +8,7 @@
 
 namespace kalfem {
 
-struct Record;
+struct FilterInput;
 
 /// Gains of a filter over a record in physical coordinates, K [state / output], n x l: at each of the first samples,
 /// where they change fast, and then now and again. A channel that is missing where a gain is kept has the gain before,
@@ -38,7 +38,7 @@ struct FixedGainMeans {
 /// with the maps at the mean in the place of their means over sigma points: no covariance, so a step costs a tenth of a
 /// filter's. It tells how estimates move with the model when the gains are held: the difference of two such runs with
 /// the same gains. `augmented model` is in physical coordinates. Nothing where a connector force cannot be evaluated.
-std::optional<FixedGainMeans> run_with_gains(const AugmentedModel& augmented_model, const Record& record,
+std::optional<FixedGainMeans> run_with_gains(const AugmentedModel& augmented_model, const FilterInput& input,
                                              const GainSchedule& gains, const OutputMap& monitored,
                                              Eigen::Index state_at);
 

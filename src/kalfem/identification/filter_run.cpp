@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <thread>
 
 #include "kalfem/records/local_polynomial.hpp"
@@ -15,15 +14,10 @@ using Eigen::VectorXd;
 
 namespace {
 
-TimeSeries channels_of(const TimeSeries& series, const std::vector<Sensor>& sensors) {
-  TimeSeries selected{
-      series.sample_rate, series.start, {}, MatrixXd(series.samples(), static_cast<Index>(sensors.size()))};
-  for (std::size_t i = 0; i < sensors.size(); ++i) {
-    const Index column = series.find(sensors[i].name);
-    selected.channels.push_back(series.channels[static_cast<std::size_t>(column)]);
-    selected.values.col(static_cast<Index>(i)) = series.values.col(column);
-  }
-  return selected;
+std::vector<std::string> names_of(const std::vector<Sensor>& sensors) {
+  std::vector<std::string> names;
+  for (const auto& sensor : sensors) names.push_back(sensor.name);
+  return names;
 }
 
 /// Samples with so many equal parts between each two, straight lines between them.
@@ -39,23 +33,23 @@ VectorXd interpolated(const VectorXd& samples, Index parts) {
 
 /// [r; r'; r''] of the augmented model's inputs at every substep: excitation signals, recorded accelerations in the
 /// place of r'', zero for unknown forces.
-MatrixXd inputs_of(const EstimationProblem& problem, const AugmentedModelSetup& setup, const FullRecord& record) {
+MatrixXd inputs_of(const EstimationProblem& problem, const AugmentedModelSetup& setup, const Record& record) {
   const auto& sources = setup.input_sources;
   const auto n_u = static_cast<Index>(sources.size());
-  const Index parts = setup.options.substeps, fine = (record.series.samples() - 1) * parts + 1;
+  const Index parts = setup.options.substeps, fine = (record.samples() - 1) * parts + 1;
   MatrixXd inputs = MatrixXd::Zero(3 * n_u, fine);
   for (Index i = 0; i < n_u; ++i) {
     const std::string& source = sources[static_cast<std::size_t>(i)];
     if (source.empty()) continue;
     if (source.front() == '@') {
       inputs.row(2 * n_u + i) =
-          interpolated(record.series.values.col(record.series.find(source.substr(1))), parts).transpose();
+          interpolated(record.values.row(record.find(source.substr(1))).transpose(), parts).transpose();
       continue;
     }
     for (std::size_t j = 0; j < problem.structure->parts.inputs.size(); ++j) {
       if (problem.structure->parts.inputs[j].name != source) continue;
       const double step = 1.0 / (problem.sample_rate * static_cast<double>(parts));
-      const auto sampled = problem.structure->signals[j]->sample(record.series.start, step, fine);
+      const auto sampled = problem.structure->signals[j]->sample(record.start, step, fine);
       for (Index derivative = 0; derivative < 3; ++derivative)
         inputs.row(derivative * n_u + i) = sampled.col(derivative).matrix().transpose();
     }
@@ -74,21 +68,24 @@ double rest_deviation(const AugmentedModelOptions& options, std::size_t sensor) 
 /// Displacements and velocities at the first sample, least squares from the displacement sensors, what these see of
 /// moving grounds taken off. Displacements are no better known than the rest positions that they are measured from.
 /// `inputs`: [r; r'; r''] there.
-void set_start_from_record(const AugmentedModelSetup& setup, const TimeSeries& series, const VectorXd& inputs,
+void set_start_from_record(const AugmentedModelSetup& setup, const Record& record, const VectorXd& inputs,
                            StatePrior& prior) {
   std::vector<OutputDescription> outputs;
-  std::vector<Index> columns;
+  std::vector<Index> rows;
   std::vector<double> of_rest;
   for (std::size_t i = 0; i < setup.sensors.size(); ++i) {
     const auto& sensor = setup.sensors[i];
     if (sensor.output.quantity != ObservedQuantity::displacement) continue;
     outputs.push_back(sensor.output);
-    columns.push_back(series.find(sensor.name));
+    rows.push_back(record.find(sensor.name));
     of_rest.push_back(rest_deviation(setup.options, i));
   }
   const OutputMap map = make_outputs(*setup.model, outputs);
-  const TimeSeries seen{series.sample_rate, series.start, {}, series.values(Eigen::all, columns)};
-  const double reach = static_cast<double>(samples_at_start - 1) / series.sample_rate;
+  const Record seen{record.sample_rate,
+                    record.start,
+                    {},
+                    record.values(rows, Eigen::seqN(0, std::min(samples_at_start, record.samples())))};
+  const double reach = static_cast<double>(samples_at_start - 1) / record.sample_rate;
   const auto motion = local_motion(seen, 0, {.half_window = reach, .degree = 2});
   const MatrixXd inverse = MatrixXd(map.displacement).completeOrthogonalDecomposition().pseudoInverse();
   const Index n_u = inputs.size() / 3;
@@ -103,26 +100,25 @@ void set_start_from_record(const AugmentedModelSetup& setup, const TimeSeries& s
 /// The augmented model's options with what only the record tells: the noise of accelerations that drive it, sensor
 /// states. `inputs`: of the augmented model at the first sample.
 AugmentedModelOptions completed_options(const EstimationProblem& problem, const AugmentedModelSetup& setup,
-                                        const FullRecord& record, const VectorXd& inputs) {
+                                        const Record& record, const VectorXd& inputs) {
   AugmentedModelOptions options = setup.options;
   for (std::size_t i = 0; i < setup.input_sources.size(); ++i) {
     const std::string& source = setup.input_sources[i];
     if (source.empty() || source.front() != '@') continue;
-    const Index channel = record.series.find(source.substr(1));
+    const auto channel = static_cast<std::size_t>(record.find(source.substr(1)));
     // White noise of standard deviation s per sample, held over 1 / f, has the density s / sqrt(f).
-    options.process_noise.input[static_cast<Index>(i)] =
-        record.noise[static_cast<std::size_t>(channel)] / std::sqrt(record.series.sample_rate);
+    options.process_noise.input[static_cast<Index>(i)] = record.channels[channel].noise / std::sqrt(record.sample_rate);
   }
   double largest = 0.0;
-  for (Index j = 0; j < record.series.values.cols(); ++j)
-    largest = std::max(largest, rms_of_present(record.series.values.col(j)));
+  for (Index j = 0; j < record.values.rows(); ++j)
+    largest = std::max(largest, rms_of_present(record.values.row(j).transpose()));
   options.prior.sensor_state_deviation = 0.1 * largest;
-  if (problem.settings.initial_state_from_record) set_start_from_record(setup, record.series, inputs, options.prior);
+  if (problem.settings.initial_state_from_record) set_start_from_record(setup, record, inputs, options.prior);
   return options;
 }
 
 /// `first_inputs`: of the augmented model at the first sample.
-FilterChoice choose(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const FullRecord& record,
+FilterChoice choose(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
                     const VectorXd& first_inputs, std::optional<StateCoordinates> coordinates) {
   std::vector<OutputDescription> outputs;
   std::vector<MeasurementChain> chains;
@@ -149,40 +145,28 @@ bool loses_sign_in_modal_coordinates(const FilteredRecord& filtered) {
 
 }  // namespace
 
-double rms_of_present(const Eigen::Ref<const VectorXd>& channel) {
-  const auto present = channel.array().isFinite();
-  const double count = std::max(1.0, static_cast<double>(present.count()));
-  return std::sqrt(present.select(channel, 0.0).squaredNorm() / count);
-}
-
-FilterRun make_filter_run(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
-                          const FullRecord& record, std::optional<StateCoordinates> coordinates) {
+FilterRun make_filter_run(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
+                          std::optional<StateCoordinates> coordinates) {
   FilterRun run;
-  run.noise.resize(static_cast<Index>(setup.sensors.size()));
-  for (std::size_t i = 0; i < setup.sensors.size(); ++i)
-    run.noise[static_cast<Index>(i)] =
-        record.noise[static_cast<std::size_t>(record.series.find(setup.sensors[i].name))];
-  run.measurements = channels_of(record.series, setup.sensors);
-  const MatrixXd inputs = inputs_of(*problem, setup, record);
-  run.choice = choose(problem, setup, record, inputs.col(0), coordinates);
-  MatrixXd used = run.measurements.values.transpose();
-  if (record.used) used.rightCols(used.cols() - *record.used).setConstant(std::numeric_limits<double>::quiet_NaN());
-  run.record = {used, inputs, run.noise.cwiseAbs2().asDiagonal()};
+  run.input.measured = select_channels(record, names_of(setup.sensors));
+  run.input.inputs = inputs_of(*problem, setup, record);
+  run.input.noise = run.input.measured.noise().cwiseAbs2().asDiagonal();
+  run.choice = choose(problem, setup, record, run.input.inputs.col(0), coordinates);
   return run;
 }
 
-FilteredRecord run_filter(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
-                          const FullRecord& record, EstimationOptions options) {
+FilteredRecord run_filter(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
+                          EstimationOptions options) {
   FilteredRecord filtered{make_filter_run(problem, setup, record), {}};
   options.filter = filtered.run.choice.filter;
-  filtered.result = estimate(*filtered.run.choice.augmented_model, filtered.run.record, options);
+  filtered.result = estimate(*filtered.run.choice.augmented_model, filtered.run.input, options);
   if (!loses_sign_in_modal_coordinates(filtered)) return filtered;
   const std::string reason = filtered.run.choice.reason;
   filtered.run = make_filter_run(problem, setup, record, StateCoordinates::physical);
   filtered.run.choice.filter = options.filter;
   filtered.run.choice.reason =
       reason + "; in physical coordinates, because rounding errors in modal ones made the covariance indefinite";
-  filtered.result = estimate(*filtered.run.choice.augmented_model, filtered.run.record, options);
+  filtered.result = estimate(*filtered.run.choice.augmented_model, filtered.run.input, options);
   return filtered;
 }
 

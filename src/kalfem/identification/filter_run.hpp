@@ -3,32 +3,24 @@
 #include "kalfem/estimation/estimate.hpp"
 #include "kalfem/estimation/filter_choice.hpp"
 #include "kalfem/identification/augmented_model_setup.hpp"
-#include "kalfem/records/time_series.hpp"
+#include "kalfem/records/record.hpp"
 
 namespace kalfem {
-
-/// Everything that was recorded, with the noise of each channel.
-struct FullRecord {
-  TimeSeries series;
-  std::vector<double> noise;              ///< standard deviation per channel
-  std::optional<Eigen::Index> used = {};  ///< samples that the filter learns from, all by default; the rest is for
-                                          ///< comparison only
-};
 
 /// First samples of the record from which the motion at its start is read.
 constexpr Eigen::Index samples_at_start = 4;
 
-/// A filter with its model, and the part of the record that it sees.
+/// A filter with its model, and what it runs over.
 struct FilterRun {
   FilterChoice choice;
-  TimeSeries measurements;  ///< of the sensors that the filter uses
-  Eigen::VectorXd noise;    ///< standard deviation per sensor
-  Record record;
+  FilterInput input;
 };
 
-/// `coordinates`: of the filter's model; chosen by what suits the filter where they are not given.
-FilterRun make_filter_run(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
-                          const FullRecord& record, std::optional<StateCoordinates> coordinates = std::nullopt);
+/// The rows of the record that are the sensors of the filter's model, in its order, with their noise; a channel of the
+/// record is found by the sensor's name. `coordinates`: of the filter's model; chosen by what suits the filter where
+/// they are not given.
+FilterRun make_filter_run(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
+                          std::optional<StateCoordinates> coordinates = std::nullopt);
 
 /// What a filter made of a record, and the filter and model that did.
 struct FilteredRecord {
@@ -44,11 +36,8 @@ struct FilteredRecord {
 /// are outputs of the setup's model. Modal coordinates of close poles are an ill-conditioned basis: where the
 /// covariance loses its sign there, the run is made again in physical coordinates, where a step costs more. A failure
 /// is in the result. Throws InvalidInput as make_filter_run() and estimate() do.
-FilteredRecord run_filter(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
-                          const FullRecord& record, EstimationOptions options);
-
-/// Root mean square of the samples that are not missing.
-double rms_of_present(const Eigen::Ref<const Eigen::VectorXd>& channel);
+FilteredRecord run_filter(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
+                          EstimationOptions options);
 
 int processors();
 /// Threads that the settings ask for, or one a processor.

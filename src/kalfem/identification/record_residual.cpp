@@ -62,7 +62,7 @@ const MatrixXd& quantity_of(const PredictedMotion& motion, ObservedQuantity quan
 
 }  // namespace
 
-RecordResidual::RecordResidual(EstimationProblemPtr problem, FullRecord record,
+RecordResidual::RecordResidual(EstimationProblemPtr problem, Record record,
                                std::shared_ptr<const ParameterisedStructure> structure, UpdatingSetup updating,
                                Options options)
     : problem_(std::move(problem)),
@@ -72,14 +72,14 @@ RecordResidual::RecordResidual(EstimationProblemPtr problem, FullRecord record,
       updating_(std::move(updating)) {
   for (const auto& sensor : problem_->sensors)
     if (std::ranges::find(options_.sensors, sensor.name) != options_.sensors.end()) sensors_.push_back(sensor);
-  const auto samples = record_.series.samples();
+  const auto samples = record_.samples();
   const auto settled = static_cast<Index>(std::llround(problem_->settings.settle * problem_->sample_rate));
   if (settled >= samples - 1)
     throw InvalidInput("estimate.settle covers the whole record", "no sample is left to compare", "shorten it");
   settled_ = settled;
   measured_.resize(samples, static_cast<Index>(sensors_.size()));
   for (std::size_t j = 0; j < sensors_.size(); ++j)
-    measured_.col(static_cast<Index>(j)) = record_.series.values.col(record_.series.find(sensors_[j].name));
+    measured_.col(static_cast<Index>(j)) = record_.values.row(record_.find(sensors_[j].name)).transpose();
   const VectorXd start = initial_values(updating_.parameters);
   const double none = std::numeric_limits<double>::infinity();
   const auto counted = samples - settled_;
@@ -101,7 +101,7 @@ RecordResidual::Estimate RecordResidual::structure_of(const StructureParts& part
   estimate.model = std::make_shared<const CoupledModel>(couple(parts));
   estimate.drive =
       std::make_shared<const DrivenSubstructure>(*problem_->structure, *estimate.model, options_.substructure);
-  estimate.start.time = record_.series.start + static_cast<double>(first_predicted()) / problem_->sample_rate;
+  estimate.start.time = record_.start + static_cast<double>(first_predicted()) / problem_->sample_rate;
   return estimate;
 }
 
@@ -118,9 +118,9 @@ std::optional<RecordResidual::Estimate> RecordResidual::estimate_at(const Struct
   const AugmentedModelSetup setup = augmented_model_at(parts, parameters);
   Estimate estimate = structure_of(parts);
   const FilterRun run = make_filter_run(problem_, setup, record_);
-  const auto samples = record_.series.samples();
+  const auto samples = record_.samples();
   EstimationResult result =
-      kalfem::estimate(*run.choice.augmented_model, run.record,
+      kalfem::estimate(*run.choice.augmented_model, run.input,
                        {.filter = run.choice.filter,
                         .unscented = problem_->settings.unscented,
                         .threads = 1,
@@ -139,7 +139,7 @@ std::optional<RecordResidual::Estimate> RecordResidual::estimate_at(const Struct
     auto column = estimate.deviation.col(static_cast<Index>(j));
     const auto channel = std::ranges::find(setup.sensors, sensors_[j].name, &Sensor::name);
     if (channel == setup.sensors.end())  // it drives the augmented model
-      column.setConstant(record_.noise[static_cast<std::size_t>(record_.series.find(sensors_[j].name))]);
+      column.setConstant(record_.channels[static_cast<std::size_t>(record_.find(sensors_[j].name))].noise);
     else
       column = result.innovation_deviation.row(channel - setup.sensors.begin()).transpose();
   }
@@ -153,7 +153,7 @@ std::optional<RecordResidual::Estimate> RecordResidual::fixed_gain_run_at(const 
   Estimate estimate = structure_of(parts);
   const FilterRun run = make_filter_run(problem_, setup, record_, StateCoordinates::physical);
   const auto means =
-      run_with_gains(*run.choice.augmented_model, run.record, gains,
+      run_with_gains(*run.choice.augmented_model, run.input, gains,
                      make_outputs(*setup.model, motion_outputs(estimate.drive->points())), first_predicted());
   if (!means) return std::nullopt;
   estimate.motion = motion_from(means->monitored, first_predicted());

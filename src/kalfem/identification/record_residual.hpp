@@ -35,8 +35,8 @@ public:
   /// Runs the filter once, at the first parameters, for the deviations of its innovations. Throws InvalidInput where
   /// the substructure cannot be driven. Where the filter fails there, evaluate() gives nothing at these parameters
   /// either.
-  RecordResidual(EstimationProblemPtr problem, FullRecord record,
-                 std::shared_ptr<const ParameterisedStructure> structure, UpdatingSetup updating, Options options);
+  RecordResidual(EstimationProblemPtr problem, Record record, std::shared_ptr<const ParameterisedStructure> structure,
+                 UpdatingSetup updating, Options options);
 
   [[nodiscard]] std::string name() const override { return options_.name; }
   [[nodiscard]] Eigen::Index size() const override { return deviation_.size(); }
@@ -77,7 +77,7 @@ private:
   [[nodiscard]] Eigen::VectorXd weighted(const Eigen::MatrixXd& sensors) const;
 
   EstimationProblemPtr problem_;
-  FullRecord record_;
+  Record record_;
   std::shared_ptr<const ParameterisedStructure> structure_;
   Options options_;
   UpdatingSetup updating_;

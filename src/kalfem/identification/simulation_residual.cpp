@@ -13,7 +13,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-SimulationResidual::SimulationResidual(StructurePtr given, std::vector<Sensor> measured, const FullRecord& record,
+SimulationResidual::SimulationResidual(StructurePtr given, std::vector<Sensor> measured, const Record& record,
                                        std::shared_ptr<const ParameterisedStructure> structure,
                                        std::vector<UpdatingParameter> parameters, Options options)
     : given_(std::move(given)),
@@ -21,15 +21,15 @@ SimulationResidual::SimulationResidual(StructurePtr given, std::vector<Sensor> m
       options_(std::move(options)),
       sensors_(std::move(measured)),
       parameters_(std::move(parameters)),
-      start_(record.series.start),
-      sample_rate_(record.series.sample_rate) {
-  settled_ = std::min(static_cast<Index>(std::llround(options_.settle * sample_rate_)), record.series.samples() - 1);
-  measured_.resize(record.series.samples() - settled_, static_cast<Index>(sensors_.size()));
-  noise_.resize(measured_.cols());
-  for (Index j = 0; j < measured_.cols(); ++j) {
-    const Index channel = record.series.find(sensors_[static_cast<std::size_t>(j)].name);
-    measured_.col(j) = record.series.values.col(channel).tail(measured_.rows());
-    noise_[j] = record.noise[static_cast<std::size_t>(channel)];
+      start_(record.start),
+      sample_rate_(record.sample_rate) {
+  settled_ = std::min(static_cast<Index>(std::llround(options_.settle * sample_rate_)), record.samples() - 1);
+  measured_.resize(static_cast<Index>(sensors_.size()), record.samples() - settled_);
+  noise_.resize(measured_.rows());
+  for (Index j = 0; j < measured_.rows(); ++j) {
+    const Index channel = record.find(sensors_[static_cast<std::size_t>(j)].name);
+    measured_.row(j) = record.values.row(channel).tail(measured_.cols());
+    noise_[j] = record.channels[static_cast<std::size_t>(channel)].noise;
     if (!(noise_[j] > 0.0))
       throw InvalidInput("sensor '" + sensors_[static_cast<std::size_t>(j)].name + "' has no noise",
                          "the residual is measured in standard deviations of the noise", "give the sensor a noise");
@@ -44,21 +44,23 @@ std::optional<VectorXd> SimulationResidual::values(const StructureParts& parts) 
   SimulationOptions simulation;
   simulation.integrator = Integrator::exact;
   simulation.step = 1.0 / fine_rate;
-  simulation.duration = static_cast<double>(settled_ + measured_.rows() - 1) / sample_rate_;
+  simulation.duration = static_cast<double>(settled_ + measured_.cols() - 1) / sample_rate_;
   simulation.keep_motion = false;
   simulation.every_step = make_outputs(model, outputs);
   std::vector<SignalPtr> signals;
   for (const auto& signal : given_->signals) signals.push_back(delayed(signal, -start_));
   const auto result = simulate(model.system(), signals, initial_state(options_.initial, model), simulation);
   if (result.failure) return std::nullopt;
-  MatrixXd residual(measured_.rows(), measured_.cols());
-  for (Index j = 0; j < measured_.cols(); ++j) {
-    const VectorXd fine = sensors_[static_cast<std::size_t>(j)].chain.filter(result.every_step.col(j), fine_rate);
-    const VectorXd sampled = fine(Eigen::seqN(settled_ * options_.substeps, measured_.rows(), options_.substeps));
-    const VectorXd difference = (sampled - measured_.col(j)) / noise_[j];
-    residual.col(j) = difference.array().isNaN().select(0.0, difference);
+  const Index counted = measured_.cols();
+  VectorXd residual(measured_.size());  // sensor by sensor
+  for (Index j = 0; j < measured_.rows(); ++j) {
+    const VectorXd fine =
+        sensors_[static_cast<std::size_t>(j)].chain.filter(result.every_step.row(j).transpose(), fine_rate);
+    const VectorXd sampled = fine(Eigen::seqN(settled_ * options_.substeps, counted, options_.substeps));
+    const VectorXd difference = (sampled - measured_.row(j).transpose()) / noise_[j];
+    residual.segment(j * counted, counted) = difference.array().isNaN().select(0.0, difference);
   }
-  return VectorXd(residual.reshaped());
+  return residual;
 }
 
 std::optional<ResidualValue> SimulationResidual::evaluate(const VectorXd& parameters, bool with_jacobian) const try {

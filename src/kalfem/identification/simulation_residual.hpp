@@ -25,7 +25,7 @@ public:
     double relative_step = 1e-4;  ///< of a parameter, to its scale
   };
   /// `measured`: the sensors that are compared; `parameters`: what is refined.
-  SimulationResidual(StructurePtr given, std::vector<Sensor> measured, const FullRecord& record,
+  SimulationResidual(StructurePtr given, std::vector<Sensor> measured, const Record& record,
                      std::shared_ptr<const ParameterisedStructure> structure, std::vector<UpdatingParameter> parameters,
                      Options options);
 
@@ -44,7 +44,7 @@ private:
   std::vector<UpdatingParameter> parameters_;
   double start_ = 0.0, sample_rate_ = 0.0;  ///< of the record [s], [Hz]
   Eigen::Index settled_ = 0;                ///< first sample that counts
-  Eigen::MatrixXd measured_;                ///< counted samples x sensors
+  Eigen::MatrixXd measured_;                ///< sensors x counted samples
   Eigen::VectorXd noise_;                   ///< one a sensor
 };
 

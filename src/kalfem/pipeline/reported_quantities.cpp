@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "kalfem/model/modal_damping.hpp"
-#include "kalfem/records/time_series.hpp"
+#include "kalfem/records/record.hpp"
 
 namespace kalfem {
 

@@ -65,7 +65,7 @@ ConvergedSolution simulate_record_again(const Study& study, const AugmentedModel
   const auto& unknowns = outcome.augmented_model->options().unknowns;
   for (std::size_t i = 0; i < unknowns.size(); ++i)
     for (const Index sensor : unknowns[i].sensors)
-      reference.sensors.col(sensor).array() += outcome.result.unknowns.mean(static_cast<Index>(i), last);
+      reference.sensors.row(sensor).array() += outcome.result.unknowns.mean(static_cast<Index>(i), last);
   return reference;
 }
 
@@ -73,15 +73,15 @@ ConvergedSolution simulate_record_again(const Study& study, const AugmentedModel
 constexpr double diverged = 1e6;
 
 /// Why the simulation is no comparison, in words; empty: it is one.
-std::string failure_of(const ConvergedSolution& reference, const TimeSeries& measured) {
+std::string failure_of(const ConvergedSolution& reference, const Record& measured) {
   if (const auto& failure = reference.simulation.failure)
     return "the simulation with the estimates stopped at " + shortest(measured.start + failure->time) +
            " s: " + failure->reason;
-  for (Index j = 0; j < reference.sensors.cols(); ++j) {
-    const double simulated = reference.sensors.col(j).cwiseAbs().maxCoeff();
-    const auto record = measured.values.col(j).array();
+  for (Index j = 0; j < reference.sensors.rows(); ++j) {
+    const double simulated = reference.sensors.row(j).cwiseAbs().maxCoeff();
+    const auto record = measured.values.row(j).array();
     const double recorded = record.isFinite().select(record.abs(), 0.0).maxCoeff();
-    if (!reference.sensors.col(j).allFinite() || simulated > diverged * std::max(recorded, 1e-300))
+    if (!reference.sensors.row(j).allFinite() || simulated > diverged * std::max(recorded, 1e-300))
       return "the simulation with the estimates exceeds a million times the record of '" +
              measured.channels[static_cast<std::size_t>(j)].name + "': the estimated structure is unstable";
   }
@@ -91,16 +91,16 @@ std::string failure_of(const ConvergedSolution& reference, const TimeSeries& mea
 void compare_open_loop(const MatrixXd& simulated, EstimationOutcome& outcome) {
   const Index samples = outcome.measurements.samples();
   const Index tail = std::max<Index>(1, samples / 20);  // where the structure rests at the end
-  for (Index j = 0; j < simulated.cols(); ++j) {
-    const VectorXd measured = outcome.measurements.values.col(j);
+  for (Index j = 0; j < simulated.rows(); ++j) {
+    const VectorXd measured = outcome.measurements.values.row(j);
     const auto missing = measured.array().isNaN();
     const VectorXd end = measured.tail(tail), known = end.array().isNaN().select(0.0, end);
     const double rest = known.sum() / std::max(1.0, static_cast<double>((!end.array().isNaN()).count()));
-    const VectorXd error = missing.select(0.0, simulated.col(j) - measured);
+    const VectorXd error = missing.select(0.0, simulated.row(j).transpose() - measured);
     const VectorXd about_rest = missing.select(0.0, measured.array() - rest);
     const double scale = rms(about_rest);
     outcome.open_loop_nrmse.push_back(scale > 0.0 ? rms(error) / scale : std::numeric_limits<double>::infinity());
-    outcome.open_loop_rest_error.push_back(simulated.col(j).tail(tail).mean() - rest);
+    outcome.open_loop_rest_error.push_back(simulated.row(j).tail(tail).mean() - rest);
   }
 }
 
@@ -125,7 +125,7 @@ EstimationOutcome run_estimation(const Study& study, const AugmentedModelSetup& 
                                  const Progress& progress, std::string& failure) {
   const Stopwatch watch;
   const auto& given = study.problem->settings;
-  const FullRecord record = record_of(study, results);
+  const Record& record = record_of(study, results);
   EstimationOutcome outcome;
   const auto monitored = reported_quantities(*setup.model);
   const EstimationOptions options{.unscented = given.unscented,
@@ -138,8 +138,7 @@ EstimationOutcome run_estimation(const Study& study, const AugmentedModelSetup& 
   FilteredRecord filtered = run_filter(study.problem, setup, record, options);
   outcome.augmented_model = filtered.augmented_model();
   outcome.result = std::move(filtered.result);
-  outcome.measurements = filtered.run.measurements;
-  outcome.noise.assign(filtered.run.noise.begin(), filtered.run.noise.end());
+  outcome.measurements = std::move(filtered.run.input.measured);
   outcome.filter = filtered.run.choice.filter;
   outcome.filter_reason = filtered.run.choice.reason;
   if (outcome.result.failure)
@@ -150,7 +149,7 @@ EstimationOutcome run_estimation(const Study& study, const AugmentedModelSetup& 
                                     outcome.measurements.samples() - 1);
   outcome.band = study.excitation_band;
   outcome.consistency = summarise_consistency(outcome.result.nis, outcome.result.measured, outcome.result.innovation,
-                                              filtered.run.noise, outcome.settled);
+                                              outcome.measurements.noise(), outcome.settled);
   for (std::size_t i = 0; i < monitored.size(); ++i) {
     const auto row = static_cast<Index>(i);
     PointQuantity quantity{monitored[i].name,

@@ -10,7 +10,7 @@
 #include "kalfem/pipeline/reported_quantities.hpp"
 #include "kalfem/pipeline/run_steps.hpp"
 #include "kalfem/pipeline/run_updating.hpp"
-#include "kalfem/study/full_record.hpp"
+#include "kalfem/study/record_noise.hpp"
 #include "kalfem/study/study_elements.hpp"
 
 namespace kalfem {
@@ -33,15 +33,14 @@ std::vector<MeasurementChain> chains_of(const std::vector<Sensor>& sensors) {
 /// Adds white noise of each sensor's own stream, so that one sensor more does not change the others.
 void add_noise(const Study& study, SimulationOutcome& outcome) {
   const auto& clean = outcome.reference.sensors;
-  outcome.measurements = {study.simulation->sample_rate, 0.0, {}, clean};
+  outcome.measurements = {.sample_rate = study.simulation->sample_rate, .values = clean};
   for (std::size_t i = 0; i < study.sensors.size(); ++i) {
-    const auto column = static_cast<Index>(i);
+    const auto row = static_cast<Index>(i);
     const auto& sensor = study.sensors[i];
-    outcome.noise.push_back(sensor.deviation(rms(clean.col(column))));
-    outcome.measurements.channels.push_back({sensor.name, sensor.unit});
+    const double noise = sensor.deviation(rms(clean.row(row).transpose()));
+    outcome.measurements.channels.push_back({sensor.name, sensor.unit, noise});
     RandomStream random(study.simulation->seed, sensor.name);
-    for (Index k = 0; k < clean.rows(); ++k)
-      outcome.measurements.values(k, column) += outcome.noise.back() * random.normal();
+    for (double& value : outcome.measurements.values.row(row)) value += noise * random.normal();
   }
 }
 
@@ -94,7 +93,7 @@ SimulationOutcome run_simulation(const Study& study, const Progress& progress, s
   const auto& values = outcome.reference.simulation.every_sample;
   for (std::size_t i = 0; i < reported.size(); ++i)
     outcome.points.push_back(
-        {reported[i].name, reported[i].quantity, values.col(static_cast<Index>(i)), {}, {}, {}, {}});
+        {reported[i].name, reported[i].quantity, values.row(static_cast<Index>(i)).transpose(), {}, {}, {}, {}});
   outcome.reference.simulation.every_sample.resize(0, 0);
   if (auto series = collector.take()) fields.push_back(std::move(*series));
   outcome.seconds = watch.seconds();
@@ -196,10 +195,10 @@ std::optional<UpdatedParameters> updated_parameters(const StudyResults& results)
 
 }  // namespace
 
-FullRecord record_of(const Study& study, const StudyResults& results) {
-  if (!results.simulation) return measured_record(study);
-  check_noise(study, results.simulation->noise, "the simulated channel");
-  return {results.simulation->measurements, results.simulation->noise, {}};
+const Record& record_of(const Study& study, const StudyResults& results) {
+  if (!results.simulation) return study.record->record;
+  check_noise(study, results.simulation->measurements, "the simulated channel");
+  return results.simulation->measurements;
 }
 
 StudyResults run_study(const Study& study, Step last, const RunOptions& options) {

@@ -33,8 +33,7 @@ struct PointQuantity {
 /// The reference solution and the record made from it.
 struct SimulationOutcome {
   ConvergedSolution reference;
-  TimeSeries measurements;            ///< with noise, one channel a sensor
-  std::vector<double> noise;          ///< standard deviation per sensor
+  Record measurements;                ///< with noise, one channel a sensor
   std::vector<PointQuantity> points;  ///< the reported points and connectors, free of noise
   double seconds = 0.0;
 };
@@ -61,8 +60,7 @@ struct EstimationOutcome {
   std::string filter_reason;  ///< why this one, in words
   std::shared_ptr<const AugmentedModel> augmented_model;
   EstimationResult result;
-  TimeSeries measurements;  ///< of the sensors that the augmented model uses
-  std::vector<double> noise;
+  Record measurements;  ///< of the sensors that the augmented model uses
   ConsistencySummary consistency;
   std::vector<PointQuantity>
       points;                ///< displacement, velocity, acceleration of points; deformation, rate, force of connectors
@@ -73,7 +71,7 @@ struct EstimationOutcome {
   std::optional<SimulationResult>
       open_loop;                      ///< the record again from the estimated parameters and initial state alone
   std::string open_loop_failure;      ///< in words, where that simulation failed; the members beside it are empty then
-  Eigen::MatrixXd open_loop_sensors;  ///< samples x sensors
+  Eigen::MatrixXd open_loop_sensors;  ///< sensors x samples
   std::vector<double> open_loop_nrmse;       ///< per sensor, about the channel's rest
   std::vector<double> open_loop_rest_error;  ///< last value against the channel's, per sensor
 };
@@ -151,8 +149,8 @@ struct RunOptions {
   std::function<void(int number, const UpdatingStep&)> on_updating_step = {};
 };
 
-/// The record that was simulated, or else measured, with the noise of each channel.
-FullRecord record_of(const Study& study, const StudyResults& results);
+/// The record that was simulated, or else measured, with the noise of each channel; the study or the results own it.
+const Record& record_of(const Study& study, const StudyResults& results);
 
 /// Runs the stages of the case up to the given one, each as far as the case declares it. An updating comes before the
 /// estimation and the prediction that are reported: they are of the updated structure.

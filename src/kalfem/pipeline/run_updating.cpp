@@ -207,7 +207,7 @@ SensitivityCheckOptions check_options(const std::vector<ComparisonResidual>& com
 }
 
 /// A comparison with the record as a residual.
-ComparisonResidual with_record(const Study& study, const RecordComparison& given, const FullRecord& record) {
+ComparisonResidual with_record(const Study& study, const RecordComparison& given, const Record& record) {
   const auto& structure = study.updating_plan->structure;
   ResidualPtr residual;
   if (const auto* simulated = std::get_if<RecordComparison::OfSimulation>(&given.what))
@@ -266,7 +266,7 @@ std::vector<ComparisonResidual> all_comparisons(const Study& study, const StudyR
   const UpdatingPlan& plan = *study.updating_plan;
   auto all = plan.comparisons;
   if (plan.record_comparisons.empty()) return all;
-  const FullRecord record = record_of(study, results);
+  const Record& record = record_of(study, results);
   IssueList issues;
   for (const auto& given : plan.record_comparisons) try {
       all.push_back(with_record(study, given, record));

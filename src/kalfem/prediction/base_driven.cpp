@@ -183,7 +183,7 @@ PredictedMotion BaseDrivenSubstructure::predict(const SparseRows& points, const 
   simulation.keep_motion = false;
   simulation.every_sample = outputs(points, driven.input_count());
   simulation.progress = options.progress;
-  const MatrixXd motion = simulate(driven, signals, relative, simulation).every_sample.transpose();
+  const MatrixXd motion = simulate(driven, signals, relative, simulation).every_sample;
   const Index k = points.rows();
   return {motion.topRows(k), motion.middleRows(k, k), motion.bottomRows(k)};
 }

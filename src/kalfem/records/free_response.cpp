@@ -18,7 +18,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-void check(const TimeSeries& record, const FreeResponseOptions& options) {
+void check(const Record& record, const FreeResponseOptions& options) {
   IssueList issues;
   const auto positive = [&](const char* name, double value) {
     if (!(value > 0.0) || !std::isfinite(value))
@@ -42,10 +42,10 @@ struct Spread {
 };
 
 Spread spread(const MatrixXd& values, Index from, Index count) {
-  const Index channels = values.cols();
+  const Index channels = values.rows();
   Spread result{ArrayXd::Zero(channels), ArrayXd::Zero(channels), ArrayXd::Zero(channels)};
   for (Index c = 0; c < channels; ++c) {
-    const ArrayXd part = values.col(c).segment(from, count).array();
+    const ArrayXd part = values.row(c).segment(from, count).transpose().array();
     const auto finite = part.isFinite();
     const double n = static_cast<double>(finite.count());
     if (n < 1.0) continue;
@@ -63,11 +63,11 @@ ArrayXd allowed_departure(const ArrayXd& excursion, const ArrayXd& noise, const 
   return (options.departure * excursion).max(options.noise_factor * noise);
 }
 
-bool away(const TimeSeries& record, Index sample, const ArrayXd& position, const ArrayXd& allowed) {
-  return ((record.values.row(sample).transpose().array() - position).abs() > allowed).any();  // false for NaN
+bool away(const Record& record, Index sample, const ArrayXd& position, const ArrayXd& allowed) {
+  return ((record.values.col(sample).array() - position).abs() > allowed).any();  // false for NaN
 }
 
-Index length_in_samples(const TimeSeries& record, double seconds) {
+Index length_in_samples(const Record& record, double seconds) {
   return std::max<Index>(2, std::llround(std::min(seconds * record.sample_rate, 1e12)));
 }
 
@@ -76,15 +76,15 @@ class Excursion {
 public:
   explicit Excursion(const MatrixXd& values)
       : values_(values),
-        low_(ArrayXd::Constant(values.cols(), std::numeric_limits<double>::infinity())),
+        low_(ArrayXd::Constant(values.rows(), std::numeric_limits<double>::infinity())),
         high_(-low_) {}
 
   /// Up to and with sample `last`; calls go forwards.
   ArrayXd until(Index last) {
     for (; next_ <= last; ++next_) {
-      const ArrayXd row = values_.row(next_).transpose();
-      low_ = row.isFinite().select(low_.min(row), low_);
-      high_ = row.isFinite().select(high_.max(row), high_);
+      const ArrayXd now = values_.col(next_);
+      low_ = now.isFinite().select(low_.min(now), low_);
+      high_ = now.isFinite().select(high_.max(now), high_);
     }
     return (high_ - low_).max(0.0);
   }
@@ -102,23 +102,23 @@ public:
   Swings(const MatrixXd& values, Index from)
       : values_(values),
         next_(from),
-        extreme_(values.row(from).transpose()),
-        extreme_at_(static_cast<std::size_t>(values.cols()), from),
+        extreme_(values.col(from)),
+        extreme_at_(static_cast<std::size_t>(values.rows()), from),
         turned_at_(extreme_at_),
-        direction_(static_cast<std::size_t>(values.cols()), 0) {}
+        direction_(static_cast<std::size_t>(values.rows()), 0) {}
 
   /// Up to and with sample `last`; calls go forwards. 0 before the first turn.
   Index longest_until(Index last, const ArrayXd& allowed) {
     for (; next_ <= last; ++next_)
-      for (Index c = 0; c < values_.cols(); ++c)
-        if (std::isfinite(values_(next_, c))) follow(c, 2.0 * allowed[c]);
+      for (Index c = 0; c < values_.rows(); ++c)
+        if (std::isfinite(values_(c, next_))) follow(c, 2.0 * allowed[c]);
     return longest_;
   }
 
 private:
   void follow(Index c, double back) {
     const auto channel = static_cast<std::size_t>(c);
-    const double value = values_(next_, c), offset = value - extreme_[c];
+    const double value = values_(c, next_), offset = value - extreme_[c];
     int& direction = direction_[channel];
     if (!std::isfinite(extreme_[c]) || offset * direction > 0.0) return move_extreme(c);
     if (std::abs(offset) <= back) return;
@@ -130,7 +130,7 @@ private:
     move_extreme(c);
   }
   void move_extreme(Index c) {
-    extreme_[c] = values_(next_, c);
+    extreme_[c] = values_(c, next_);
     extreme_at_[static_cast<std::size_t>(c)] = next_;
   }
 
@@ -156,7 +156,7 @@ constexpr double trembling = 2.0;
 /// Windows of the length `still`, by their first samples.
 struct Windows {
   std::vector<double> range;     ///< the largest of the channels', in parts of what +-allowed spans
-  MatrixXd mean;                 ///< windows x channels
+  MatrixXd mean;                 ///< channels x windows
   std::vector<ArrayXd> allowed;  ///< by the excursion so far
   std::vector<Index> swing;      ///< the longest so far
 
@@ -166,42 +166,42 @@ struct Windows {
     const auto begin = range.begin() + first;
     if (!goes_on && *std::min_element(begin, begin + count) > 1.0) return false;
     if (!std::all_of(begin, begin + count, [](double each) { return each <= trembling; })) return false;
-    const auto means = mean.middleRows(first, count).array();
-    const ArrayXd moved = (means.colwise().maxCoeff() - means.colwise().minCoeff()).transpose();
+    const auto means = mean.middleCols(first, count).array();
+    const ArrayXd moved = means.rowwise().maxCoeff() - means.rowwise().minCoeff();
     return (moved <= (goes_on ? trembling : 1.0) * 2.0 * allowed[static_cast<std::size_t>(first)]).all();
   }
 };
 
-Windows windows_of(const TimeSeries& record, Index from, Index length, const FreeResponseOptions& options) {
+Windows windows_of(const Record& record, Index from, Index length, const FreeResponseOptions& options) {
   const ArrayXd noise = noise_level(record.values);
   Excursion excursion(record.values);
   Swings swings(record.values, from);
   const Index count = std::max<Index>(0, record.samples() - from - length + 1);
-  Windows windows{{}, MatrixXd(count, record.values.cols()), {}, {}};
+  Windows windows{{}, MatrixXd(record.values.rows(), count), {}, {}};
   for (Index k = 0; k < count; ++k) {
     const Index first = from + k;
     windows.swing.push_back(swings.longest_until(first, allowed_departure(excursion.until(first), noise, options)));
     windows.allowed.push_back(allowed_departure(excursion.until(first + length - 1), noise, options));
     const Spread inside = spread(record.values, first, length);
-    const bool known = record.values.middleRows(first, length).array().isFinite().any();
+    const bool known = record.values.middleCols(first, length).array().isFinite().any();
     const ArrayXd parts = inside.range / (2.0 * windows.allowed.back()).max(std::numeric_limits<double>::min());
     windows.range.push_back(known ? parts.maxCoeff() : std::numeric_limits<double>::infinity());
-    windows.mean.row(k) = inside.mean.transpose();
+    windows.mean.col(k) = inside.mean;
   }
   return windows;
 }
 
 /// Runs of windows that stand still, each for as long as the longest swing: the pause at a turning point with an
 /// amplitude well above what is allowed is shorter.
-std::vector<Standstill> standstills(const TimeSeries& record, Index from, const FreeResponseOptions& options) {
+std::vector<Standstill> standstills(const Record& record, Index from, const FreeResponseOptions& options) {
   const Index length = length_in_samples(record, options.still);
   const Windows windows = windows_of(record, from, length, options);
   std::vector<Standstill> runs;
   bool open = false;
-  for (Index k = 0; k < windows.mean.rows(); ++k) {
+  for (Index k = 0; k < windows.mean.cols(); ++k) {
     const auto place = static_cast<std::size_t>(k);
     const Index count = std::max<Index>(1, windows.swing[place] - length + 1);
-    const bool still = k + count <= windows.mean.rows() && windows.stand(k, count, open);
+    const bool still = k + count <= windows.mean.cols() && windows.stand(k, count, open);
     const Index first = from + k, last = first + count + length - 2;
     if (still && !open) runs.push_back({first, last, windows.allowed[place], windows.swing[place] > 0});
     if (still) runs.back().last = last;
@@ -212,23 +212,23 @@ std::vector<Standstill> standstills(const TimeSeries& record, Index from, const 
 
 /// Before the first turn a pause may be the turning point of a slow oscillation: a rest is no shorter than half of what
 /// came before it, unless the record ends there.
-bool lasts(const TimeSeries& record, Index from, const Standstill& run) {
+bool lasts(const Record& record, Index from, const Standstill& run) {
   return run.swung || run.last + 1 == record.samples() || run.length() >= (run.first - from) / 2;
 }
 
-/// Column whose range is largest, measured by what counts as standing still.
-Index most_moving(const TimeSeries& record, Index from, Index count, const ArrayXd& allowed) {
+/// Row whose range is largest, measured by what counts as standing still.
+Index most_moving(const Record& record, Index from, Index count, const ArrayXd& allowed) {
   Index channel = 0;
   (spread(record.values, from, count).range / allowed.max(1e-300)).maxCoeff(&channel);
   return channel;
 }
 
 /// Samples at which a channel passes a level, between two samples.
-std::vector<Index> passages(const TimeSeries& record, Index channel, double level, Index from, Index to) {
+std::vector<Index> passages(const Record& record, Index channel, double level, Index from, Index to) {
   std::vector<Index> found;
   double before = 0.0;
   for (Index k = from; k < to; ++k) {
-    const double offset = record.values(k, channel) - level;
+    const double offset = record.values(channel, k) - level;
     if (!std::isfinite(offset) || offset == 0.0) continue;
     if (before * offset < 0.0) found.push_back(k);
     before = offset;
@@ -236,7 +236,7 @@ std::vector<Index> passages(const TimeSeries& record, Index channel, double leve
   return found;
 }
 
-Rest rest_of(const TimeSeries& record, Index from, const Standstill& run) {
+Rest rest_of(const Record& record, Index from, const Standstill& run) {
   const auto second_half = [&](Index last) {
     const Index settled = (run.first + last) / 2;  // by then creeping and small oscillations have ended
     return std::pair(settled, spread(record.values, settled, last - settled + 1));
@@ -251,7 +251,7 @@ Rest rest_of(const TimeSeries& record, Index from, const Standstill& run) {
   return {end, last, record.time(end), rest.mean.matrix(), rest.deviation.matrix()};
 }
 
-void check_sample(const TimeSeries& record, Index from) {
+void check_sample(const Record& record, Index from) {
   if (from < 0 || from >= record.samples())
     throw InvalidInput("sample " + std::to_string(from) + " is outside the record",
                        "it has " + std::to_string(record.samples()) + " samples", "give a sample number of the record");
@@ -259,7 +259,7 @@ void check_sample(const TimeSeries& record, Index from) {
 
 }  // namespace
 
-std::optional<Release> find_release(const TimeSeries& record, const FreeResponseOptions& options) {
+std::optional<Release> find_release(const Record& record, const FreeResponseOptions& options) {
   check(record, options);
   const Index hold = length_in_samples(record, options.hold), n = record.samples();
   if (n < hold + options.samples) return std::nullopt;
@@ -279,7 +279,7 @@ std::optional<Release> find_release(const TimeSeries& record, const FreeResponse
   return std::nullopt;
 }
 
-std::optional<Rest> find_rest(const TimeSeries& record, Index from, const FreeResponseOptions& options) {
+std::optional<Rest> find_rest(const Record& record, Index from, const FreeResponseOptions& options) {
   check(record, options);
   check_sample(record, from);
   for (const auto& run : standstills(record, from, options))
@@ -287,19 +287,19 @@ std::optional<Rest> find_rest(const TimeSeries& record, Index from, const FreeRe
   return std::nullopt;
 }
 
-std::optional<FreeResponseTimes> find_free_response(const TimeSeries& record, const FreeResponseOptions& options) {
+std::optional<FreeResponseTimes> find_free_response(const Record& record, const FreeResponseOptions& options) {
   const auto release = find_release(record, options);
   if (!release) return std::nullopt;
   FreeResponseTimes times{*release, find_rest(record, release->sample, options)};
   if (!times.rest || times.rest->last + 1 == record.samples()) return times;
-  TimeSeries undisturbed = record;
-  undisturbed.values = record.values.topRows(times.rest->last + 1);
+  Record undisturbed{record.sample_rate, record.start, record.channels};
+  undisturbed.values = record.values.leftCols(times.rest->last + 1);
   if (const auto again = find_release(undisturbed, options))
     if (auto rest = find_rest(undisturbed, again->sample, options)) return FreeResponseTimes{*again, std::move(rest)};
   return times;
 }
 
-RestGuess guess_rest(const TimeSeries& record, Index from, const FreeResponseOptions& options) {
+RestGuess guess_rest(const Record& record, Index from, const FreeResponseOptions& options) {
   check(record, options);
   check_sample(record, from);
   const Index n = record.samples(), later = (from + n) / 2;
@@ -309,9 +309,9 @@ RestGuess guess_rest(const TimeSeries& record, Index from, const FreeResponseOpt
   const Index first = times.size() < 3 ? n - std::max<Index>(1, (n - from) / 4) : times[times.size() - 3];
   const Spread swing = spread(record.values, first, n - first);
   const double infinity = std::numeric_limits<double>::infinity();
-  RestGuess guess{VectorXd(record.values.cols()), (0.5 * swing.range).max(allowed).matrix()};
-  for (Index c = 0; c < record.values.cols(); ++c) {
-    const ArrayXd part = record.values.col(c).tail(n - first).array();
+  RestGuess guess{VectorXd(record.values.rows()), (0.5 * swing.range).max(allowed).matrix()};
+  for (Index c = 0; c < record.values.rows(); ++c) {
+    const ArrayXd part = record.values.row(c).tail(n - first).transpose().array();
     const auto finite = part.isFinite();
     guess.position[c] =
         finite.any() ? 0.5 * (finite.select(part, infinity).minCoeff() + finite.select(part, -infinity).maxCoeff())

@@ -3,7 +3,7 @@
 #include <Eigen/Dense>
 #include <optional>
 
-#include "kalfem/records/time_series.hpp"
+#include "kalfem/records/record.hpp"
 
 namespace kalfem {
 
@@ -26,7 +26,7 @@ struct Release {
 /// The first sample at which any channel has departed from where it was held. Nothing where the record does not begin
 /// with a hold or never leaves it. Samples that are not finite are left out. Throws InvalidInput on options out of
 /// range.
-std::optional<Release> find_release(const TimeSeries& record, const FreeResponseOptions& options = {});
+std::optional<Release> find_release(const Record& record, const FreeResponseOptions& options = {});
 
 /// The first time after the release for which a structure stands still for good: until something else moves it.
 struct Rest {
@@ -43,7 +43,7 @@ struct Rest {
 /// by twice as much. Before the first turn the run must be half
 /// as long as the motion, or last to the record's end. What happens after the rest does not count. Nothing where the
 /// structure never comes to rest. Samples that are not finite are left out. Throws InvalidInput as above.
-std::optional<Rest> find_rest(const TimeSeries& record, Eigen::Index from, const FreeResponseOptions& options = {});
+std::optional<Rest> find_rest(const Record& record, Eigen::Index from, const FreeResponseOptions& options = {});
 
 /// Release and rest of one free response. Excursions are those up to the rest, so that a disturbance after it moves
 /// neither.
@@ -51,7 +51,7 @@ struct FreeResponseTimes {
   Release release;
   std::optional<Rest> rest;  ///< nothing where the record ends before it
 };
-std::optional<FreeResponseTimes> find_free_response(const TimeSeries& record, const FreeResponseOptions& options = {});
+std::optional<FreeResponseTimes> find_free_response(const Record& record, const FreeResponseOptions& options = {});
 
 /// Where a structure that still moves at the record's end will rest.
 struct RestGuess {
@@ -62,6 +62,6 @@ struct RestGuess {
 /// The last swing is the record from its third last passage of its later mean on, in the channel that moves most: at
 /// least a whole period. Where there are fewer passages it is the last quarter of the time since `from`. Throws
 /// InvalidInput as above.
-RestGuess guess_rest(const TimeSeries& record, Eigen::Index from, const FreeResponseOptions& options = {});
+RestGuess guess_rest(const Record& record, Eigen::Index from, const FreeResponseOptions& options = {});
 
 }  // namespace kalfem

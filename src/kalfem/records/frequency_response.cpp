@@ -34,7 +34,7 @@ Index hop_of(const H1Options& options) {
   return std::max<Index>(1, std::llround((1.0 - options.overlap) * double(options.segment)));
 }
 
-Index segments_in(const TimeSeries& record, const H1Options& options) {
+Index segments_in(const Record& record, const H1Options& options) {
   if (record.samples() < options.segment) return 0;
   return 1 + (record.samples() - options.segment) / hop_of(options);
 }
@@ -47,17 +47,17 @@ void check_options(const H1Options& options, IssueList& issues) {
     issues.add({}, "segments overlap by " + std::to_string(options.overlap), "the overlap must lie in [0, 0.95]");
 }
 
-void check_channels(const TimeSeries& record, const std::vector<std::string>& names, IssueList& issues) {
+void check_channels(const Record& record, const std::vector<std::string>& names, IssueList& issues) {
   std::vector<std::string> known;
   for (const auto& channel : record.channels) known.push_back(channel.name);
   for (const auto& name : names)
     if (record.find(name) < 0)
       issues.add({}, "the record has no channel '" + name + "'" + did_you_mean(name, known));
-    else if (!record.values.col(record.find(name)).allFinite())
+    else if (!record.values.row(record.find(name)).allFinite())
       issues.add({}, "channel '" + name + "' holds values that are not finite", "a spectrum needs every sample");
 }
 
-void check(std::span<const TimeSeries> records, std::vector<std::string> names, const H1Options& options) {
+void check(std::span<const Record> records, std::vector<std::string> names, const H1Options& options) {
   IssueList issues;
   check_options(options, issues);
   Index longest = 0;
@@ -95,14 +95,13 @@ struct SpectralSums {
 };
 
 /// Spectra of the windowed segment, its mean taken off, one column a channel.
-MatrixXcd spectra_of(const TimeSeries& record, const std::vector<std::string>& names, Index first,
-                     const VectorXd& window) {
+MatrixXcd spectra_of(const Record& record, const std::vector<std::string>& names, Index first, const VectorXd& window) {
   const Index n = window.size(), lines = (n - 1) / 2;
   MatrixXcd spectra(lines, Index(names.size()));
   Eigen::FFT<double> transform;
   VectorXcd spectrum;
   for (Index j = 0; j < spectra.cols(); ++j) {
-    const VectorXd samples = record.values.col(record.find(names[std::size_t(j)])).segment(first, n);
+    const VectorXd samples = record.values.row(record.find(names[std::size_t(j)])).segment(first, n).transpose();
     const VectorXd windowed = (samples.array() - samples.mean()) * window.array();
     transform.fwd(spectrum, windowed);
     spectra.col(j) = spectrum.segment(1, lines);
@@ -111,7 +110,7 @@ MatrixXcd spectra_of(const TimeSeries& record, const std::vector<std::string>& n
 }
 
 /// n_d of the overlapping segments of all records.
-double effective_averages(std::span<const TimeSeries> records, const VectorXd& window, const H1Options& options) {
+double effective_averages(std::span<const Record> records, const VectorXd& window, const H1Options& options) {
   double total = 0.0, correlated = 0.0;
   for (const auto& record : records) total += double(segments_in(record, options));
   for (Index shift = hop_of(options), k = 1; shift < options.segment; shift += hop_of(options), ++k) {
@@ -219,7 +218,7 @@ ResponsePeak refined(const FrequencyResponse& response, const VectorXd& heights,
 
 }  // namespace
 
-H1Estimate estimate_h1(std::span<const TimeSeries> records, const std::string& input,
+H1Estimate estimate_h1(std::span<const Record> records, const std::string& input,
                        const std::vector<std::string>& outputs, const H1Options& options) {
   std::vector<std::string> names = {input};
   names.insert(names.end(), outputs.begin(), outputs.end());
@@ -232,7 +231,7 @@ H1Estimate estimate_h1(std::span<const TimeSeries> records, const std::string& i
       const MatrixXcd spectra = spectra_of(record, names, i * hop_of(options), window);
       sums.add(spectra.col(0), spectra.rightCols(spectra.cols() - 1));
     }
-  const TimeSeries& first = records.front();
+  const Record& first = records.front();
   H1Estimate estimate =
       estimate_of(sums, first.sample_rate / double(options.segment), effective_averages(records, window, options));
   estimate.segments = segments;

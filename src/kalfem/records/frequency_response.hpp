@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "kalfem/records/record.hpp"
 #include "kalfem/records/spectrum.hpp"
-#include "kalfem/records/time_series.hpp"
 
 namespace kalfem {
 
@@ -48,7 +48,7 @@ struct H1Estimate {
 ///     n_d = n / (1 + 2 sum_k (1 - k / n) rho_k^2).
 /// With one segment the coherence is 1 and the deviations are not known. Lines at which the input has no power are left
 /// out. Throws InvalidInput where a channel is missing, sampling rates differ or no record is as long as a segment.
-H1Estimate estimate_h1(std::span<const TimeSeries> records, const std::string& input,
+H1Estimate estimate_h1(std::span<const Record> records, const std::string& input,
                        const std::vector<std::string>& outputs, const H1Options& options);
 
 /// What counts as a peak of an FRF.

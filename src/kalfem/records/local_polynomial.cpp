@@ -19,7 +19,7 @@ MatrixXd powers(const VectorXd& abscissae, int degree) {
   return matrix;
 }
 
-void check(const TimeSeries& record, Index sample, const LocalPolynomialOptions& options) {
+void check(const Record& record, Index sample, const LocalPolynomialOptions& options) {
   IssueList issues;
   if (sample < 0 || sample >= record.samples())
     issues.add({}, "sample " + std::to_string(sample) + " is outside the record",
@@ -39,13 +39,13 @@ struct Window {
   VectorXd values;
 };
 
-Window finite_samples(const VectorXd& channel, Index sample, Index reach, double scale) {
+Window finite_samples(const MatrixXd& values, Index channel, Index sample, Index reach, double scale) {
   Window window{VectorXd(2 * reach + 1), VectorXd(2 * reach + 1)};
   Index count = 0;
-  for (Index k = std::max<Index>(0, sample - reach); k <= std::min(channel.size() - 1, sample + reach); ++k) {
-    if (!std::isfinite(channel[k])) continue;
+  for (Index k = std::max<Index>(0, sample - reach); k <= std::min(values.cols() - 1, sample + reach); ++k) {
+    if (!std::isfinite(values(channel, k))) continue;
     window.offset[count] = static_cast<double>(k - sample) / scale;
-    window.values[count++] = channel[k];
+    window.values[count++] = values(channel, k);
   }
   window.offset.conservativeResize(count);
   window.values.conservativeResize(count);
@@ -74,17 +74,17 @@ MatrixXd polynomial_basis(const VectorXd& abscissae, int degree) {
   return qr.householderQ() * MatrixXd::Identity(abscissae.size(), degree + 1);
 }
 
-LocalMotion local_motion(const TimeSeries& record, Index sample, const LocalPolynomialOptions& options) {
+LocalMotion local_motion(const Record& record, Index sample, const LocalPolynomialOptions& options) {
   check(record, sample, options);
   const double widest = static_cast<double>(record.samples());
   const auto reach = static_cast<Index>(std::min(options.half_window * record.sample_rate + 1e-9, widest));
   const double scale = std::max(1.0, static_cast<double>(reach));
-  const Index channels = record.values.cols();
+  const Index channels = record.values.rows();
   const VectorXd none(channels);
   LocalMotion motion{record.time(sample), none, none, none, none};
   IssueList issues;
   for (Index c = 0; c < channels; ++c) {
-    const auto window = finite_samples(record.values.col(c), sample, reach, scale);
+    const auto window = finite_samples(record.values, c, sample, reach, scale);
     if (window.values.size() < options.degree + 2) {
       issues.add({},
                  "channel " + std::to_string(c + 1) + " has " + std::to_string(window.values.size()) +

@@ -2,7 +2,7 @@
 
 #include <Eigen/Dense>
 
-#include "kalfem/records/time_series.hpp"
+#include "kalfem/records/record.hpp"
 
 namespace kalfem {
 
@@ -26,7 +26,7 @@ struct LocalMotion {
 /// record's initial displacement and velocity. Savitzky and Golay, Anal. Chem. 36 (1964) 1627-1639. Samples that are
 /// not finite are left out; near an end the window is what is left of it. Throws InvalidInput where fewer than degree +
 /// 2 samples remain in a channel, or an option is out of range.
-LocalMotion local_motion(const TimeSeries& record, Eigen::Index sample, const LocalPolynomialOptions& options = {});
+LocalMotion local_motion(const Record& record, Eigen::Index sample, const LocalPolynomialOptions& options = {});
 
 /// Orthonormal basis of the polynomials up to `degree` over the given abscissae: points x (degree + 1).
 Eigen::MatrixXd polynomial_basis(const Eigen::VectorXd& abscissae, int degree);

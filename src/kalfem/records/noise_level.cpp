@@ -17,17 +17,17 @@ constexpr double third_difference_gain = 20.0;
 constexpr double mean_log_chi_squared = -1.2704;  ///< E[ln z^2] of a standard normal z
 constexpr double median_chi_squared = 0.4549;     ///< median of z^2
 
-/// Squared third differences, samples - 3 x channels; NaN where a sample is missing.
+/// Squared third differences, channels x samples - 3; NaN where a sample is missing.
 ArrayXXd third_difference_power(const MatrixXd& values) {
-  const Index n = values.rows() - 3;
-  return (values.bottomRows(n) - values.topRows(n) - 3.0 * (values.middleRows(2, n) - values.middleRows(1, n)))
+  const Index n = values.cols() - 3;
+  return (values.rightCols(n) - values.leftCols(n) - 3.0 * (values.middleCols(2, n) - values.middleCols(1, n)))
       .array()
       .square();
 }
 
-std::vector<double> finite_values(const Eigen::Ref<const ArrayXd>& column) {
+std::vector<double> finite_values(const Eigen::Ref<const ArrayXd>& channel) {
   std::vector<double> finite;
-  for (const double value : column)
+  for (const double value : channel)
     if (std::isfinite(value)) finite.push_back(value);
   return finite;
 }
@@ -42,11 +42,11 @@ double median(std::vector<double>& values) {
 /// A floor keeps the zeros of coarsely digitised channels from outweighing everything.
 ArrayXXd log_power(const MatrixXd& values) {
   ArrayXXd power = third_difference_power(values);
-  for (Index c = 0; c < power.cols(); ++c) {
-    auto finite = finite_values(power.col(c));
+  for (Index c = 0; c < power.rows(); ++c) {
+    auto finite = finite_values(power.row(c).transpose());
     if (finite.empty()) continue;
     const double floor = std::max({1e-6 * median(finite), 1e-16 * *std::ranges::max_element(finite), 1e-300});
-    power.col(c) = (power.col(c) + floor).log();
+    power.row(c) = (power.row(c) + floor).log();
   }
   return power;
 }
@@ -58,11 +58,11 @@ ArrayXd deviation_of(const ArrayXd& mean_log_power) {
 }  // namespace
 
 ArrayXd noise_level(const MatrixXd& values) {
-  ArrayXd level = ArrayXd::Zero(values.cols());
-  if (values.rows() < 4) return level;
+  ArrayXd level = ArrayXd::Zero(values.rows());
+  if (values.cols() < 4) return level;
   const ArrayXXd power = third_difference_power(values);
-  for (Index c = 0; c < power.cols(); ++c) {
-    auto finite = finite_values(power.col(c));
+  for (Index c = 0; c < power.rows(); ++c) {
+    auto finite = finite_values(power.row(c).transpose());
     level[c] = std::sqrt(median(finite) / median_chi_squared / third_difference_gain);
   }
   return level;
@@ -72,13 +72,13 @@ NoiseChange strongest_noise_change(const MatrixXd& values, Index shortest) {
   const ArrayXXd power = log_power(values);
   const auto finite = power.isFinite();
   const ArrayXXd present = finite.cast<double>(), known = finite.select(power, 0.0);
-  const ArrayXd total = known.colwise().sum().transpose(), total_count = present.colwise().sum().transpose();
-  ArrayXd sum = ArrayXd::Zero(power.cols()), count = sum, best_before = sum, best_after = sum;
+  const ArrayXd total = known.rowwise().sum(), total_count = present.rowwise().sum();
+  ArrayXd sum = ArrayXd::Zero(power.rows()), count = sum, best_before = sum, best_after = sum;
   Index sample = 0;
   double best = -1.0;
-  for (Index k = 0; k < power.rows() - shortest; ++k) {
-    sum += known.row(k).transpose();
-    count += present.row(k).transpose();
+  for (Index k = 0; k < power.cols() - shortest; ++k) {
+    sum += known.col(k);
+    count += present.col(k);
     if (k + 1 < shortest) continue;
     const ArrayXd before = sum / count.max(1.0), after = (total - sum) / (total_count - count).max(1.0);
     const double gain = ((after - before).square() * count * (total_count - count) / total_count.max(1.0)).sum();

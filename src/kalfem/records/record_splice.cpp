@@ -25,7 +25,7 @@ constexpr double least_kink = 6.0;              ///< [standard deviations]: nois
 constexpr double shift_resolution = 0.1;        ///< [samples]
 constexpr Index one_sample = 10;                ///< in units of it
 
-void check(const TimeSeries& record, const SpliceOptions& options) {
+void check(const Record& record, const SpliceOptions& options) {
   IssueList issues;
   if (!(record.sample_rate > 0.0) || !std::isfinite(record.sample_rate))
     issues.add({}, "the sampling rate is " + std::to_string(record.sample_rate), "it must be positive and finite");
@@ -58,8 +58,8 @@ struct Kink {
 Kink largest_kink(const MatrixXd& values, Index about, Index reach, const ArrayXd& noise) {
   Kink best{about, 0.0};
   double best_sum = 0.0;
-  for (Index k = std::max<Index>(1, about - reach); k <= std::min<Index>(values.rows() - 2, about + reach); ++k) {
-    const ArrayXd second = (values.row(k + 1) - 2.0 * values.row(k) + values.row(k - 1)).transpose().array().abs();
+  for (Index k = std::max<Index>(1, about - reach); k <= std::min<Index>(values.cols() - 2, about + reach); ++k) {
+    const ArrayXd second = (values.col(k + 1) - 2.0 * values.col(k) + values.col(k - 1)).array().abs();
     const ArrayXd size = second.isFinite().select(second / noise, 0.0) / std::sqrt(second_difference_gain);
     if (size.sum() <= best_sum) continue;
     best_sum = size.sum();
@@ -71,7 +71,7 @@ Kink largest_kink(const MatrixXd& values, Index about, Index reach, const ArrayX
 /// Samples on both sides of a splice that one polynomial is fitted to.
 struct Surroundings {
   VectorXd offset;   ///< samples from the splice
-  MatrixXd values;   ///< points x channels
+  MatrixXd values;   ///< channels x points
   Index before = 0;  ///< the first points stand before the splice
 };
 
@@ -79,14 +79,14 @@ Surroundings surroundings(const MatrixXd& values, Index splice, const SpliceOpti
   std::vector<Index> used;
   Surroundings result;
   const Index reach = options.blanked + std::max(options.before, options.after);
-  for (Index k = std::max<Index>(0, splice - reach); k <= std::min(values.rows() - 1, splice + reach); ++k) {
+  for (Index k = std::max<Index>(0, splice - reach); k <= std::min(values.cols() - 1, splice + reach); ++k) {
     const Index distance = std::abs(k - splice) - options.blanked;
-    if (distance <= 0 || distance > (k < splice ? options.before : options.after) || !values.row(k).allFinite())
+    if (distance <= 0 || distance > (k < splice ? options.before : options.after) || !values.col(k).allFinite())
       continue;
     used.push_back(k);
     if (k < splice) ++result.before;
   }
-  result.values = values(used, Eigen::all);
+  result.values = values(Eigen::all, used);
   result.offset.resize(static_cast<Index>(used.size()));
   for (Index i = 0; i < result.offset.size(); ++i)
     result.offset[i] = static_cast<double>(used[static_cast<std::size_t>(i)] - splice);
@@ -98,15 +98,15 @@ ArrayXd misfit(const Surroundings& around, double shift, int degree) {
   VectorXd moved = around.offset;
   moved.tail(moved.size() - around.before).array() += shift;
   const MatrixXd basis = polynomial_basis(moved, degree);
-  return (around.values - basis * (basis.transpose() * around.values)).colwise().squaredNorm().transpose().array();
+  return (around.values - (around.values * basis) * basis.transpose()).rowwise().squaredNorm().array();
 }
 
 /// The best shift of each channel, and 1 / its standard deviation from the curvature of the misfit there.
 void estimate_shifts(const Surroundings& around, const SpliceOptions& options, std::vector<SpliceEvidence>& evidence) {
   const auto steps = static_cast<Index>(std::llround(static_cast<double>(options.largest) / shift_resolution));
   const double freedom = std::max(1.0, static_cast<double>(around.offset.size() - options.degree - 2));
-  const ArrayXd rounding = 1e-24 * around.values.colwise().squaredNorm().transpose().array() + 1e-300;
-  MatrixXd found(around.values.cols(), 2 * steps + 1);
+  const ArrayXd rounding = 1e-24 * around.values.rowwise().squaredNorm().array() + 1e-300;
+  MatrixXd found(around.values.rows(), 2 * steps + 1);
   for (Index i = 0; i < found.cols(); ++i)
     found.col(i) = misfit(around, static_cast<double>(i - steps) * shift_resolution, options.degree).matrix();
   for (Index c = 0; c < found.rows(); ++c) {
@@ -150,14 +150,14 @@ bool changes(const NoiseChange& noise, double ratio) {
 
 }  // namespace
 
-std::optional<Splice> find_splice(const TimeSeries& record, const SpliceOptions& options) {
+std::optional<Splice> find_splice(const Record& record, const SpliceOptions& options) {
   check(record, options);
-  if (record.samples() < 2 * options.shortest + 3 || record.values.cols() == 0) return std::nullopt;
+  if (record.samples() < 2 * options.shortest + 3 || record.values.rows() == 0) return std::nullopt;
   const auto noise = strongest_noise_change(record.values, options.shortest);
   if (!changes(noise, options.noise_ratio)) return std::nullopt;
 
   Splice splice;
-  for (Index c = 0; c < record.values.cols(); ++c) {
+  for (Index c = 0; c < record.values.rows(); ++c) {
     const auto index = static_cast<std::size_t>(c);
     splice.evidence.push_back({index < record.channels.size() ? record.channels[index].name : std::to_string(c + 1),
                                noise.before[c], noise.after[c], 0.0, 0.0});
@@ -177,7 +177,7 @@ std::optional<Splice> find_splice(const TimeSeries& record, const SpliceOptions&
   return splice;
 }
 
-TimeSeries mend(const TimeSeries& record, const Splice& splice) {
+Record mend(const Record& record, const Splice& splice) {
   const Index n = record.samples();
   if (splice.sample < 0 || splice.sample >= n || splice.inserted < 0 || splice.blanked < 0)
     throw InvalidInput("the splice at sample " + std::to_string(splice.sample) + " is outside this record",
@@ -185,11 +185,11 @@ TimeSeries mend(const TimeSeries& record, const Splice& splice) {
                        "search for the splice in the record that is repaired");
   const Index kept_before = std::max<Index>(0, splice.sample - splice.blanked);
   const Index kept_after = std::max<Index>(0, n - splice.sample - splice.blanked - 1);
-  TimeSeries mended = record;
+  Record mended{record.sample_rate, record.start, record.channels};
   mended.values =
-      MatrixXd::Constant(n + splice.inserted, record.values.cols(), std::numeric_limits<double>::quiet_NaN());
-  mended.values.topRows(kept_before) = record.values.topRows(kept_before);
-  mended.values.bottomRows(kept_after) = record.values.bottomRows(kept_after);
+      MatrixXd::Constant(record.values.rows(), n + splice.inserted, std::numeric_limits<double>::quiet_NaN());
+  mended.values.leftCols(kept_before) = record.values.leftCols(kept_before);
+  mended.values.rightCols(kept_after) = record.values.rightCols(kept_after);
   return mended;
 }
 

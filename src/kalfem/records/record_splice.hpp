@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "kalfem/records/time_series.hpp"
+#include "kalfem/records/record.hpp"
 
 namespace kalfem {
 
@@ -49,11 +49,11 @@ struct Splice {
 /// difference stands out of the noise by six standard deviations, where D rounds to no or a negative number of samples,
 /// or where the channels do not agree on it. Channels that stand still at the splice say nothing.
 /// Throws InvalidInput on options out of range and on a sampling rate that is not positive.
-std::optional<Splice> find_splice(const TimeSeries& record, const SpliceOptions& options = {});
+std::optional<Splice> find_splice(const Record& record, const SpliceOptions& options = {});
 
 /// The record with the missing samples inserted and the untrusted ones blanked, both as NaN; times of the first part
 /// stay as they are. Throws InvalidInput where the splice lies outside the record.
-TimeSeries mend(const TimeSeries& record, const Splice& splice);
+Record mend(const Record& record, const Splice& splice);
 
 /// What was found and done, in words with its evidence; one line a channel.
 std::string to_string(const Splice& splice);

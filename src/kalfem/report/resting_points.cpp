@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "kalfem/records/time_series.hpp"
+#include "kalfem/records/record.hpp"
 
 namespace kalfem {
 namespace {

@@ -94,7 +94,8 @@ void write_estimate(SeriesFile& file, const EstimationOutcome& outcome) {
     file.write("/innovation/value/" + channel.name, outcome.result.innovation.row(row).transpose(), channel.unit);
     file.write("/innovation/deviation/" + channel.name, outcome.result.innovation_deviation.row(row).transpose(),
                channel.unit);
-    if (outcome.open_loop) file.write("/open_loop/" + channel.name, outcome.open_loop_sensors.col(row), channel.unit);
+    if (outcome.open_loop)
+      file.write("/open_loop/" + channel.name, outcome.open_loop_sensors.row(row).transpose(), channel.unit);
   }
   file.write("/innovation/nis", outcome.result.nis, "-");
 }
@@ -130,9 +131,9 @@ void write_updating(SeriesFile& file, const Study& study, const UpdatingOutcome&
 }  // namespace
 
 void write_results(const std::string& path, const Study& study, const StudyResults& results, const std::string& run) {
-  const TimeSeries* record = results.estimation   ? &results.estimation->measurements
-                             : results.simulation ? &results.simulation->measurements
-                                                  : nullptr;
+  const Record* record = results.estimation   ? &results.estimation->measurements
+                         : results.simulation ? &results.simulation->measurements
+                                              : nullptr;
   if (!record && !results.updating) return;
   SeriesFile file(path, study.sample_rate(), run);
   if (results.updating) write_updating(file, study, *results.updating);
@@ -146,10 +147,10 @@ void write_results(const std::string& path, const Study& study, const StudyResul
              Eigen::VectorXd::LinSpaced(samples, record->start,
                                         record->start + static_cast<double>(samples - 1) / study.sample_rate()),
              "s");
-  const TimeSeries& measurements = results.simulation ? results.simulation->measurements : *record;
+  const Record& measurements = results.simulation ? results.simulation->measurements : *record;
   for (std::size_t i = 0; i < measurements.channels.size(); ++i)
-    file.write("/measurements/" + measurements.channels[i].name, measurements.values.col(static_cast<Eigen::Index>(i)),
-               measurements.channels[i].unit);
+    file.write("/measurements/" + measurements.channels[i].name,
+               measurements.values.row(static_cast<Eigen::Index>(i)).transpose(), measurements.channels[i].unit);
   if (results.simulation) write_truth(file, study, *results.simulation);
   if (results.estimation) write_estimate(file, *results.estimation);
   if (results.prediction) file.write_points("/prediction", results.prediction->points);

@@ -20,9 +20,9 @@ using Eigen::VectorXd;
 
 constexpr double band_probability = 0.95;
 
-std::vector<double> times(const TimeSeries& series) {
-  std::vector<double> t(static_cast<std::size_t>(series.samples()));
-  for (std::size_t k = 0; k < t.size(); ++k) t[k] = series.time(static_cast<Index>(k));
+std::vector<double> times(const Record& record) {
+  std::vector<double> t(static_cast<std::size_t>(record.samples()));
+  for (std::size_t k = 0; k < t.size(); ++k) t[k] = record.time(static_cast<Index>(k));
   return t;
 }
 
@@ -210,19 +210,19 @@ Section open_loop_section(const EstimationOutcome& outcome) {
                   "Simulated from the estimated parameters and initial state, without correction by measurements.",
                   {open_loop_table(outcome)}};
   for (std::size_t i = 0; i < outcome.measurements.channels.size(); ++i) {
-    const auto column = static_cast<Index>(i);
+    const auto row = static_cast<Index>(i);
     const auto& channel = outcome.measurements.channels[i];
-    section.items.emplace_back(Chart{
-        .id = "open-loop-" + channel.name,
-        .title = channel.name,
-        .x_label = "time [s]",
-        .y_label = "[" + channel.unit + "]",
-        .x = times(outcome.measurements),
-        .series = {
-            {.label = "measured", .y = series_values(outcome.measurements.values.col(column)), .role = Role::measured},
-            {.label = "simulated",
-             .y = series_values(outcome.open_loop_sensors.col(column)),
-             .role = Role::predicted}}});
+    section.items.emplace_back(Chart{.id = "open-loop-" + channel.name,
+                                     .title = channel.name,
+                                     .x_label = "time [s]",
+                                     .y_label = "[" + channel.unit + "]",
+                                     .x = times(outcome.measurements),
+                                     .series = {{.label = "measured",
+                                                 .y = series_values(outcome.measurements.values.row(row).transpose()),
+                                                 .role = Role::measured},
+                                                {.label = "simulated",
+                                                 .y = series_values(outcome.open_loop_sensors.row(row).transpose()),
+                                                 .role = Role::predicted}}});
   }
   return section;
 }
@@ -249,7 +249,7 @@ std::string answer(const StudyResults& results) {
 Section simulation_section(const SimulationOutcome& outcome) {
   Section section{"Record", "Simulated sensors, with noise.", {}};
   for (std::size_t i = 0; i < outcome.measurements.channels.size(); ++i) {
-    const auto column = static_cast<Index>(i);
+    const auto row = static_cast<Index>(i);
     const auto& channel = outcome.measurements.channels[i];
     section.items.emplace_back(Chart{.id = "record-" + channel.name,
                                      .title = channel.name,
@@ -257,10 +257,10 @@ Section simulation_section(const SimulationOutcome& outcome) {
                                      .y_label = "[" + channel.unit + "]",
                                      .x = times(outcome.measurements),
                                      .series = {{.label = "recorded",
-                                                 .y = series_values(outcome.measurements.values.col(column)),
+                                                 .y = series_values(outcome.measurements.values.row(row).transpose()),
                                                  .role = Role::measured},
                                                 {.label = "without noise",
-                                                 .y = series_values(outcome.reference.sensors.col(column)),
+                                                 .y = series_values(outcome.reference.sensors.row(row).transpose()),
                                                  .role = Role::truth}},
                                      .half_width = true});
   }

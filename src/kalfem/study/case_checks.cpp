@@ -195,8 +195,8 @@ void check_signals(const CaseStudy& study, IssueList& issues) {
     const double finest = study.sample_rate() * study.given.simulate->first_substeps;
     to = std::ceil(study.given.simulate->duration * finest * (1.0 - 1e-12)) / finest;
   } else if (study.record) {
-    from = study.record->series.start;
-    to = study.record->series.time(study.record->series.samples() - 1);
+    from = study.record->record.start;
+    to = study.record->record.end();
   } else {
     return;
   }

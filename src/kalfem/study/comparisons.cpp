@@ -7,12 +7,12 @@
 #include <stdexcept>
 
 #include "kalfem/casefile/update_description.hpp"
+#include "kalfem/formats/record_file.hpp"
 #include "kalfem/formats/tables/csv.hpp"
 #include "kalfem/formats/tables/frf_table.hpp"
 #include "kalfem/identification/released_elements.hpp"
 #include "kalfem/study/estimation_problem_of.hpp"
 #include "kalfem/study/filter_checks.hpp"
-#include "kalfem/study/record_source.hpp"
 #include "kalfem/updating/frf_residual.hpp"
 #include "kalfem/updating/modal_residual.hpp"
 #include "kalfem/updating/static_residual.hpp"
@@ -148,7 +148,7 @@ void check_twice(const std::vector<Name>& names, IssueList& issues) {
 }
 
 double samples_of(const CaseStudy& study) {
-  if (study.record) return static_cast<double>(study.record->series.samples());
+  if (study.record) return static_cast<double>(study.record->record.samples());
   return study.given.simulate->duration * study.given.simulate->sample_rate + 1.0;
 }
 
@@ -258,7 +258,7 @@ private:
     for (const auto& output : outputs)
       columns.push_back({.column = output, .owner = owner(), .unit = unit_of(given.quantity)});
     columns.push_back({.column = source.input, .owner = owner(), .unit = unit_of(input)});
-    const TimeSeries record =
+    const Record record =
         read_record_file(source.file.value, columns, {.sample_rate = source.sample_rate, .dataset = source.dataset});
     const auto segment = static_cast<Index>(std::llround(source.segment * record.sample_rate));
     measured.response = estimate_h1(std::span(&record, 1), source.input, outputs, {.segment = segment}).response;

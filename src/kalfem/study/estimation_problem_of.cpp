@@ -201,7 +201,7 @@ std::vector<RestPosition> rest_positions(const CaseStudy& study) {
   if (!study.record || !study.record->free_response || !study.record->free_response->rest_is_unknown()) return {};
   std::vector<RestPosition> rests;
   for (const auto& sensor : study.sensors)
-    rests.push_back({sensor.name, study.record->free_response->deviation[study.record->series.find(sensor.name)]});
+    rests.push_back({sensor.name, study.record->free_response->deviation[study.record->record.find(sensor.name)]});
   return rests;
 }
 

@@ -5,13 +5,11 @@
 
 #include "kalfem/identification/driven_substructure.hpp"
 #include "kalfem/identification/filter_run.hpp"
-#include "kalfem/study/full_record.hpp"
 
 namespace kalfem {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 namespace {
 
@@ -26,60 +24,55 @@ void check_start_from_record(const CaseStudy& study, IssueList& issues) {
                "remove it, or give the initial state under initial_state");
 }
 
-SourceLocation location_of_sensor(const CaseStudy& study, Index column) {
+SourceLocation location_of_sensor(const CaseStudy& study, Index row) {
   return std::visit([](const auto& observed) { return observed.points.location; },
-                    study.given.sensors[static_cast<std::size_t>(column)].second.observed);
+                    study.given.sensors[static_cast<std::size_t>(row)].second.observed);
 }
 
 void check_first_samples(const CaseStudy& study, IssueList& issues) {
-  const TimeSeries& series = study.record->series;
+  const Record& record = study.record->record;
   for (const auto& sensor : study.augmented_model->sensors) {
-    const Index column = series.find(sensor.name);
+    const Index row = record.find(sensor.name);
     if (sensor.output.quantity != ObservedQuantity::displacement ||
-        series.values.col(column).head(std::min(samples_at_start, series.samples())).allFinite())
+        record.values.row(row).head(std::min(samples_at_start, record.samples())).allFinite())
       continue;
-    issues.add(location_of_sensor(study, column),
+    issues.add(location_of_sensor(study, row),
                "sensors." + sensor.name + ": one of the first " + std::to_string(samples_at_start) +
-                   " samples is missing, from " + shortest(series.start) + " s on",
+                   " samples is missing, from " + shortest(record.start) + " s on",
                "estimate.initial_state_from_record takes displacement and velocity from these samples",
                "start later (record.start) or give estimate.initial_state");
   }
 }
 
 void check_driving_channels(const CaseStudy& study, IssueList& issues) {
-  const TimeSeries& series = study.record->series;
+  const Record& record = study.record->record;
   for (const auto& source : study.augmented_model->input_sources) {
-    const Index column = source.starts_with('@') ? series.find(source.substr(1)) : -1;
-    if (column < 0) continue;
-    const VectorXd samples = series.values.col(column);
+    const Index row = source.starts_with('@') ? record.find(source.substr(1)) : -1;
+    if (row < 0) continue;
+    const auto samples = record.values.row(row);
     const auto gap = std::ranges::find_if(samples, [](double value) { return !std::isfinite(value); });
     if (gap == samples.end()) continue;
-    issues.add(location_of_sensor(study, column),
+    issues.add(location_of_sensor(study, row),
                "sensors." + source.substr(1) +
                    " drives an interface of the filter's model, but its sample is missing at " +
-                   shortest(series.time(gap - samples.begin())) + " s",
+                   shortest(record.time(gap - samples.begin())) + " s",
                "the motion of the interface is unknown there",
                "use a part of the record without gaps in this channel (record.start, record.end)");
   }
 }
 
 /// The first samples of the record; zeros where it is yet to be simulated.
-FullRecord first_samples(const CaseStudy& study) {
+Record first_samples(const CaseStudy& study) {
   constexpr Index most = 100;
   const auto sensors = static_cast<Index>(study.sensors.size());
   if (study.record) {
-    FullRecord record = measured_record(study);
-    auto& values = record.series.values;
-    values = MatrixXd(values.topRows(std::min(most, values.rows())));
-    return record;
+    const Record& all = study.record->record;
+    return {all.sample_rate, all.start, all.channels, all.values.leftCols(std::min(most, all.samples()))};
   }
   const auto& simulated = *study.given.simulate;
   const auto samples = std::min(most, static_cast<Index>(simulated.duration * simulated.sample_rate) + 1);
-  FullRecord record{{simulated.sample_rate, 0.0, {}, MatrixXd::Zero(samples, sensors)}, {}};
-  for (const auto& sensor : study.sensors) {
-    record.series.channels.push_back({sensor.name, sensor.unit});
-    record.noise.push_back(1.0);
-  }
+  Record record{.sample_rate = simulated.sample_rate, .values = MatrixXd::Zero(sensors, samples)};
+  for (const auto& sensor : study.sensors) record.channels.push_back({sensor.name, sensor.unit, 1.0});
   return record;
 }
 

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <map>
 
+#include "kalfem/formats/record_file.hpp"
 #include "kalfem/study/assembly.hpp"
-#include "kalfem/study/record_source.hpp"
 #include "kalfem/system/signals/ground_motion.hpp"
 #include "kalfem/system/signals/harmonic.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
@@ -136,14 +136,15 @@ private:
                               .name = name_});
   }
   SignalPtr from(const d::FileSignal& g) {
-    const TimeSeries table = read_record_file(g.file,
-                                              {{.column = g.channel.value,
-                                                .owner = "excitation." + name_,
-                                                .unit = unit_,
-                                                .unit_key = "excitation." + name_ + ".unit",
-                                                .unit_given = g.unit}},
-                                              {.sample_rate = g.sample_rate});
-    const auto signal = make_sampled(table.values.col(0), {.sample_rate = table.sample_rate, .start = table.start});
+    const Record table = read_record_file(g.file,
+                                          {{.column = g.channel.value,
+                                            .owner = "excitation." + name_,
+                                            .unit = unit_,
+                                            .unit_key = "excitation." + name_ + ".unit",
+                                            .unit_given = g.unit}},
+                                          {.sample_rate = g.sample_rate});
+    const auto signal =
+        make_sampled(table.values.row(0).transpose(), {.sample_rate = table.sample_rate, .start = table.start});
     return integrated({.start = table.start, .step = 1.0 / table.sample_rate, .knots = table.samples()}, signal);
   }
   SignalPtr from(const d::Delayed& g) { return after(g.input, g.delay); }

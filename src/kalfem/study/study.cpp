@@ -14,8 +14,8 @@
 #include "kalfem/study/comparisons.hpp"
 #include "kalfem/study/estimation_problem_of.hpp"
 #include "kalfem/study/filter_checks.hpp"
-#include "kalfem/study/full_record.hpp"
 #include "kalfem/study/modifications_setup.hpp"
+#include "kalfem/study/record_noise.hpp"
 #include "kalfem/study/record_source.hpp"
 #include "kalfem/study/structural_modifications.hpp"
 #include "kalfem/study/study_elements.hpp"
@@ -127,7 +127,7 @@ void warn(CaseStudy& study) {
 }  // namespace
 
 double Study::sample_rate() const {
-  return record ? record->series.sample_rate : simulation ? simulation->sample_rate : 0.0;
+  return record ? record->record.sample_rate : simulation ? simulation->sample_rate : 0.0;
 }
 
 namespace {
@@ -190,7 +190,7 @@ private:
     });
     step("placed sensors", {"model", "sensors"}, {"sensors"}, [&](IssueList& issues) { add_sensors(study_, issues); });
     step("noise of the record", {"record", "placed sensors"}, {"record"}, [&](IssueList&) {
-      if (study_.record) measured_record(study_);  // every channel has its noise
+      if (study_.record) set_noise(study_);
     });
     const bool needs_duration = std::ranges::any_of(study_.given.excitation, lasts_as_long_as_the_simulation);
     const bool has_duration = !needs_duration || !not_read_.contains("simulate");

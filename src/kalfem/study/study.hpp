@@ -5,8 +5,8 @@
 
 #include "kalfem/formats/deck.hpp"
 #include "kalfem/identification/updating_setup.hpp"
+#include "kalfem/records/record_preparation.hpp"
 #include "kalfem/records/spectrum.hpp"
-#include "kalfem/study/measured_record.hpp"
 #include "kalfem/study/run_plan.hpp"
 
 namespace kalfem {
@@ -28,7 +28,7 @@ struct Study {
   std::vector<Sensor> sensors;
   std::optional<FrequencyBand> excitation_band;        ///< nothing where no excitation has one
   std::optional<SimulationPlan> simulation;            ///< where the case simulates
-  std::optional<MeasuredRecord> record;                ///< where the case reads one
+  std::optional<PreparedRecord> record;                ///< where the case reads one
   std::optional<UpdatingSetup> updating;               ///< where the case updates
   std::optional<UpdatingPlan> updating_plan;           ///< there too
   EstimationProblemPtr problem;                        ///< where the case estimates

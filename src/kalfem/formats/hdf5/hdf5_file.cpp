@@ -185,15 +185,19 @@ Eigen::VectorXd Hdf5File::read(const std::string& dataset) const {
 }
 
 Eigen::MatrixXd Hdf5File::read_matrix(const std::string& dataset) const {
+  return read_columns_as_rows(dataset).transpose();
+}
+
+Eigen::MatrixXd Hdf5File::read_columns_as_rows(const std::string& dataset) const {
   const auto lengths = shape(dataset);
-  if (lengths.size() < 2) return read(dataset);
+  if (lengths.size() < 2) return read(dataset).transpose();
   if (lengths.size() > 2) {
     handle().fail("'" + dataset + "' has " + std::to_string(lengths.size()) + " dimensions",
                   "a matrix has two dimensions");
   }
   const Hdf5Id id = handle().dataset(dataset);
   handle().require_numbers(Hdf5Id(H5Dget_type(id), H5Tclose), dataset);
-  RowMajorMatrix values(lengths[0], lengths[1]);
+  Eigen::MatrixXd values(lengths[1], lengths[0]);  // rows lie side by side in the file
   handle().require(
       values.size() == 0 || H5Dread(id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0,
       "read '" + dataset + "'");

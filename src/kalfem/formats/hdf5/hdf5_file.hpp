@@ -68,6 +68,8 @@ public:
   [[nodiscard]] Eigen::VectorXd read(const std::string& dataset) const;
   /// A 2-D dataset; a 1-D one is one column.
   [[nodiscard]] Eigen::MatrixXd read_matrix(const std::string& dataset) const;
+  /// The same with each column of the dataset as a row, samples x channels as channels x samples.
+  [[nodiscard]] Eigen::MatrixXd read_columns_as_rows(const std::string& dataset) const;
   /// Column `column` (0-based) of a 2-D dataset, without reading the others.
   [[nodiscard]] Eigen::VectorXd read_column(const std::string& dataset, Eigen::Index column) const;
   [[nodiscard]] std::vector<std::string> read_strings(const std::string& dataset) const;

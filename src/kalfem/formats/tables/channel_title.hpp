@@ -3,7 +3,7 @@
 #include <string_view>
 #include <vector>
 
-#include "kalfem/records/time_series.hpp"
+#include "kalfem/records/record.hpp"
 
 namespace kalfem {
 

@@ -136,6 +136,12 @@ enum class BlankRows {
   count,  ///< a row without values: times stand by the rows' order alone
 };
 
+/// The columns that were asked for, with their titles.
+struct Columns {
+  std::vector<Channel> titles;
+  NumberRows numbers;
+};
+
 /// A file opened, its dialect and titles known, its numbers not yet read.
 class CsvFile {
 public:
@@ -151,16 +157,16 @@ public:
   [[nodiscard]] int title_line() const { return dialect_.header ? lines_.front().number : 0; }
 
   /// The rows of the named columns (empty: all), of which the first `complete` must not miss values.
-  CsvTable read(const std::vector<std::string>& wanted, std::size_t complete, BlankRows blank) {
+  Columns read(const std::vector<std::string>& wanted, std::size_t complete, BlankRows blank) {
     const auto positions = positions_of(wanted, titles, title_line(), problems);
     problems.raise();
     NumberRows rows(positions, names_of(titles), dialect_.decimal);
     if (options_.missing) rows.allow_missing_from(complete);
     for (const TextLine& line : row_lines(blank)) add_row(rows, line);
     problems.raise();
-    CsvTable table{{}, rows.matrix(), rows.lines(), title_line()};
-    for (const auto position : positions) table.columns.push_back(titles[position]);
-    return table;
+    Columns columns{{}, std::move(rows)};
+    for (const auto position : positions) columns.titles.push_back(titles[position]);
+    return columns;
   }
 
   FileProblems problems;
@@ -220,24 +226,25 @@ double seconds_per(const Channel& time, FileProblems& problems) {
 }
 
 /// Takes the first column of the table as time.
-TimeSeries with_time_column(CsvTable table, const CsvOptions& options, FileProblems& problems) {
-  const Channel time = table.columns.front();
+Record with_time_column(const Columns& columns, const CsvOptions& options, FileProblems& problems) {
+  const auto& [titles, numbers] = columns;
+  const Channel& time = titles.front();
+  const auto values = numbers.by_column();
   const double unit = seconds_per(time, problems);
   const TimeAxis axis =
-      time_axis(table.values.col(0) * unit, table.lines,
+      time_axis(values.row(0).transpose() * unit, numbers.lines(),
                 {.column = time.name, .jitter = options.jitter, .sample_rate = options.sample_rate}, problems);
   problems.raise();
-  return {axis.sample_rate,
-          axis.start,
-          {table.columns.begin() + 1, table.columns.end()},
-          table.values.rightCols(table.values.cols() - 1)};
+  return {axis.sample_rate, axis.start, {titles.begin() + 1, titles.end()}, values.bottomRows(values.rows() - 1)};
 }
 
 }  // namespace
 
 CsvTable read_csv_table(const std::filesystem::path& path, const CsvOptions& options) {
   check(options);
-  return CsvFile(path, options).read(options.columns, 0, BlankRows::none);
+  CsvFile file(path, options);
+  auto [titles, numbers] = file.read(options.columns, 0, BlankRows::none);
+  return {std::move(titles), numbers.by_column().transpose(), numbers.lines(), file.title_line()};
 }
 
 CsvRecord read_csv_record(const std::filesystem::path& path, const CsvOptions& options) {
@@ -253,16 +260,16 @@ CsvRecord read_csv_record(const std::filesystem::path& path, const CsvOptions& o
   std::vector<std::string> wanted = options.columns.empty() ? names : options.columns;
   std::erase(wanted, time);
   if (time.empty()) {
-    CsvTable table = file.read(wanted, 0, BlankRows::count);
-    return {{*options.sample_rate, 0.0, std::move(table.columns), std::move(table.values)}, table.title_line};
+    auto [titles, numbers] = file.read(wanted, 0, BlankRows::count);
+    return {{*options.sample_rate, 0.0, std::move(titles), numbers.by_column()}, file.title_line()};
   }
   wanted.insert(wanted.begin(), time);
-  CsvTable table = file.read(wanted, 1, BlankRows::none);
-  return {with_time_column(std::move(table), options, file.problems), file.title_line()};
+  const Columns columns = file.read(wanted, 1, BlankRows::none);
+  return {with_time_column(columns, options, file.problems), file.title_line()};
 }
 
-TimeSeries read_csv(const std::filesystem::path& path, const CsvOptions& options) {
-  return read_csv_record(path, options).series;
+Record read_csv(const std::filesystem::path& path, const CsvOptions& options) {
+  return read_csv_record(path, options).record;
 }
 
 namespace {
@@ -280,13 +287,13 @@ void append(std::string& text, double value) {
 
 }  // namespace
 
-void write_csv(const std::filesystem::path& path, const TimeSeries& series, char separator) {
+void write_csv(const std::filesystem::path& path, const Record& record, char separator) {
   std::string text = title({"t", "s"});
-  for (const auto& channel : series.channels) (text += separator) += title(channel);
+  for (const auto& channel : record.channels) (text += separator) += title(channel);
   text += '\n';
-  for (Eigen::Index k = 0; k < series.samples(); ++k) {
-    append(text, series.time(k));
-    for (Eigen::Index j = 0; j < series.values.cols(); ++j) append(text += separator, series.values(k, j));
+  for (Eigen::Index k = 0; k < record.samples(); ++k) {
+    append(text, record.time(k));
+    for (const double value : record.values.col(k)) append(text += separator, value);
     text += '\n';
   }
   write_file_atomically(path, text);

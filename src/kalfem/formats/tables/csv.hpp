@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "kalfem/records/time_series.hpp"
+#include "kalfem/records/record.hpp"
 
 namespace kalfem {
 
@@ -44,7 +44,7 @@ CsvTable read_csv_table(const std::filesystem::path& path, const CsvOptions& opt
 
 /// A record with the line of its titles; 0: there are none.
 struct CsvRecord {
-  TimeSeries series;
+  Record record;
   int title_line = 0;
 };
 
@@ -52,10 +52,10 @@ struct CsvRecord {
 /// sampling rate; see text_table.hpp for what is accepted as equidistant. Without times every row counts as a sample, a
 /// blank line between the rows of a single column as well. Throws InvalidInput as above and for gaps, with their lines.
 CsvRecord read_csv_record(const std::filesystem::path& path, const CsvOptions& options = {});
-TimeSeries read_csv(const std::filesystem::path& path, const CsvOptions& options = {});
+Record read_csv(const std::filesystem::path& path, const CsvOptions& options = {});
 
 /// Time in the first column "t [s]", then the channels as "name [unit]", with every digit needed to read the same
 /// numbers back. Throws as write_file_atomically() does.
-void write_csv(const std::filesystem::path& path, const TimeSeries& series, char separator = ',');
+void write_csv(const std::filesystem::path& path, const Record& record, char separator = ',');
 
 }  // namespace kalfem

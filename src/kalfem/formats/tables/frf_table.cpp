@@ -149,7 +149,7 @@ std::vector<FrfColumns> frfs_of(const Table& table, std::size_t frequency, FrfCo
   std::vector<FrfColumns> frfs;
   for (std::size_t i = 0; i < table.titles.size(); ++i) {
     if (i == frequency) continue;
-    const auto& [title, unit] = table.titles[i];
+    const std::string &title = table.titles[i].name, &unit = table.titles[i].unit;
     auto [part, name] = part_of(title, content);
     const bool decibels = lower_case(unit) == "db";
     if (decibels && part == Part::deviation)

@@ -137,7 +137,7 @@ void check_count(const Header& header, std::size_t found, FileProblems& problems
 
 }  // namespace
 
-TimeSeries read_lvm(const std::filesystem::path& path, bool missing) {
+Record read_lvm(const std::filesystem::path& path, bool missing) {
   const std::string text = read_text(path);
   const std::vector<TextLine> lines = split_lines(text);
   FileProblems problems(path.string());
@@ -165,12 +165,14 @@ TimeSeries read_lvm(const std::filesystem::path& path, bool missing) {
     check_count(header, rows.lines().size(), problems);
   problems.raise();
 
-  const Eigen::MatrixXd values = rows.matrix();
+  const auto values = rows.by_column();
   const double sample_rate = 1.0 / interval;
-  if (has_time && values.rows() > 1)
-    start += time_axis(values.col(0), rows.lines(), {.column = "X_Value", .sample_rate = sample_rate}, problems).start;
+  if (has_time && values.cols() > 1)
+    start +=
+        time_axis(values.row(0).transpose(), rows.lines(), {.column = "X_Value", .sample_rate = sample_rate}, problems)
+            .start;
   problems.raise();
-  return {sample_rate, start, channels, values.rightCols(static_cast<Eigen::Index>(count))};
+  return {sample_rate, start, channels, values.bottomRows(static_cast<Eigen::Index>(count))};
 }
 
 }  // namespace kalfem

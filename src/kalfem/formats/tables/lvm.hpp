@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "kalfem/records/time_series.hpp"
+#include "kalfem/records/record.hpp"
 
 namespace kalfem {
 
@@ -16,6 +16,6 @@ namespace kalfem {
 /// or No. Throws InvalidInput with file and line for cells that are no finite numbers, missing samples, channels of
 /// different Delta_X, X_Columns Multi, and files of more than one segment. With `missing`, cells that are empty, NaN,
 /// NA and the like become NaN.
-TimeSeries read_lvm(const std::filesystem::path& path, bool missing = false);
+Record read_lvm(const std::filesystem::path& path, bool missing = false);
 
 }  // namespace kalfem

@@ -165,10 +165,8 @@ void NumberRows::add(int line, const std::vector<std::string_view>& cells, FileP
   }
 }
 
-Eigen::MatrixXd NumberRows::matrix() const {
-  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  return Eigen::Map<const RowMajor>(numbers_.data(), static_cast<Eigen::Index>(lines_.size()),
-                                    static_cast<Eigen::Index>(columns_.size()));
+Eigen::Map<const Eigen::MatrixXd> NumberRows::by_column() const {
+  return {numbers_.data(), static_cast<Eigen::Index>(columns_.size()), static_cast<Eigen::Index>(lines_.size())};
 }
 
 namespace {

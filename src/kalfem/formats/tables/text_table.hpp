@@ -68,7 +68,8 @@ public:
   /// From this one on, the wanted columns may miss values: they become NaN.
   void allow_missing_from(std::size_t wanted) { missing_from_ = wanted; }
   void add(int line, const std::vector<std::string_view>& cells, FileProblems& problems);
-  [[nodiscard]] Eigen::MatrixXd matrix() const;                           ///< rows x wanted columns
+  /// Wanted columns x rows, as they were added.
+  [[nodiscard]] Eigen::Map<const Eigen::MatrixXd> by_column() const;
   [[nodiscard]] const std::vector<int>& lines() const { return lines_; }  ///< line of each row
 
 private:

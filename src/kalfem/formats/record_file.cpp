@@ -1,9 +1,11 @@
-#include "kalfem/study/record_source.hpp"
+#include "kalfem/formats/record_file.hpp"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <numeric>
 #include <optional>
+#include <utility>
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/units.hpp"
@@ -67,19 +69,6 @@ double factor_of_case(const WantedChannel& wanted, const Channel& in_file, const
 
 }  // namespace
 
-std::string rotational_unit_of(ObservedQuantity quantity) {
-  switch (quantity) {
-    case ObservedQuantity::displacement:
-      return "rad";
-    case ObservedQuantity::velocity:
-      return "rad/s";
-    case ObservedQuantity::acceleration:
-      return "rad/s^2";
-    default:
-      return "";
-  }
-}
-
 double factor_to_si(const WantedChannel& wanted, const Channel& in_file, const SourceLocation& title,
                     IssueList& issues) {
   const auto& given = wanted.unit_given;
@@ -107,7 +96,7 @@ using Eigen::Index;
 
 /// A table as it stands in its file: in the file's units.
 struct RawRecord {
-  TimeSeries series;
+  Record record;
   SourceLocation titles;  ///< where names and units stand
 };
 
@@ -117,29 +106,42 @@ std::vector<std::string> columns_of(const std::vector<WantedChannel>& wanted) {
   return columns;
 }
 
-/// The wanted channels of a table, in their order.
-TimeSeries select(const TimeSeries& table, const std::vector<WantedChannel>& wanted, const SourceLocation& titles) {
-  TimeSeries selected{
-      table.sample_rate, table.start, {}, Eigen::MatrixXd(table.samples(), static_cast<Index>(wanted.size()))};
+/// Row of each wanted channel. Throws InvalidInput with every one that the file does not have.
+std::vector<Index> rows_of(const std::vector<Channel>& channels, const std::vector<WantedChannel>& wanted,
+                           const SourceLocation& titles) {
   std::vector<std::string> known;
   std::string all;
-  for (const auto& channel : table.channels) {
+  for (const auto& channel : channels) {
     known.push_back(channel.name);
     all += (all.empty() ? "" : ", ") + channel.name;
   }
   IssueList issues;
-  for (std::size_t j = 0; j < wanted.size(); ++j) {
-    const Index column = find_channel(table.channels, wanted[j].column);
-    if (column < 0) {
-      issues.add(titles, "there is no channel '" + wanted[j].column + "'" + did_you_mean(wanted[j].column, known), "",
+  std::vector<Index> rows;
+  for (const auto& each : wanted) {
+    rows.push_back(find_channel(channels, each.column));
+    if (rows.back() < 0)
+      issues.add(titles, "there is no channel '" + each.column + "'" + did_you_mean(each.column, known), "",
                  "the file has: " + all);
-      continue;
-    }
-    selected.channels.push_back(table.channels[static_cast<std::size_t>(column)]);
-    selected.values.col(static_cast<Index>(j)) = table.values.col(column);
   }
   issues.raise();
-  return selected;
+  return rows;
+}
+
+/// The rows of these numbers, in their order.
+Record with_rows(Record record, const std::vector<Index>& rows) {
+  std::vector<Index> all(static_cast<std::size_t>(record.values.rows()));
+  std::iota(all.begin(), all.end(), Index{0});
+  if (rows == all) return record;
+  const auto channels = std::move(record.channels);
+  record.channels.clear();
+  for (const Index row : rows) record.channels.push_back(channels[static_cast<std::size_t>(row)]);
+  record.values = record.values(rows, Eigen::all).eval();
+  return record;
+}
+
+RawRecord selected(Record record, const std::vector<WantedChannel>& wanted, SourceLocation titles) {
+  const auto rows = rows_of(record.channels, wanted, titles);
+  return {with_rows(std::move(record), rows), std::move(titles)};
 }
 
 double rate_of(const Hdf5File& file, const std::string& dataset, std::optional<double> given, const std::string& path) {
@@ -149,10 +151,10 @@ double rate_of(const Hdf5File& file, const std::string& dataset, std::optional<d
   throw InvalidInput({{path, 0},
                       "the dataset '" + dataset + "' does not state its sampling rate",
                       "it has no attribute sample_rate, fs or fs_Hz",
-                      "give sample_rate in the case"});
+                      "give its sampling rate (sample_rate)"});
 }
 
-/// Column by its number, as written in the case.
+/// Column by its number, as it is asked for.
 Index column_number(const std::string& channel, Index columns, const std::string& path) {
   Index number = -1;
   const auto [end, error] = std::from_chars(channel.data(), channel.data() + channel.size(), number);
@@ -195,50 +197,43 @@ RawRecord read_hdf5(const std::string& path, const std::vector<WantedChannel>& w
                         "",
                         "the file has: " + all});
   }
-  const auto values = file.read_matrix(dataset);
-  const auto units = units_of(file, dataset, values.cols(), path);
-  RawRecord record{{rate_of(file, dataset, options.sample_rate, path),
-                    0.0,
-                    {},
-                    Eigen::MatrixXd(values.rows(), static_cast<Index>(wanted.size()))},
-                   {path, 0}};
-  for (std::size_t j = 0; j < wanted.size(); ++j) {
-    const Index column = column_number(wanted[j].column, values.cols(), path);
-    record.series.channels.push_back({wanted[j].column, units[static_cast<std::size_t>(column)]});
-    record.series.values.col(static_cast<Index>(j)) = values.col(column);
-  }
-  return record;
+  Record record{.sample_rate = rate_of(file, dataset, options.sample_rate, path),
+                .values = file.read_columns_as_rows(dataset)};
+  const Index columns = record.values.rows();
+  for (const auto& unit : units_of(file, dataset, columns, path))
+    record.channels.push_back({std::to_string(record.channels.size()), unit});
+  std::vector<Index> rows;
+  for (const auto& each : wanted) rows.push_back(column_number(each.column, columns, path));
+  return {with_rows(std::move(record), rows), {path, 0}};
 }
 
 RawRecord read_raw(const std::filesystem::path& file, const std::vector<WantedChannel>& wanted,
                    const RecordFileOptions& options) {
   const std::string path = file.string(), ending = file.extension().string();
   if (ending == ".h5" || ending == ".hdf5") return read_hdf5(path, wanted, options);
-  if (ending == ".lvm") {
-    const SourceLocation titles{path, 0};
-    return {select(read_lvm(file, options.missing), wanted, titles), titles};
-  }
+  if (ending == ".lvm") return selected(read_lvm(file, options.missing), wanted, {path, 0});
   CsvOptions csv;
   csv.columns = columns_of(wanted);
   csv.sample_rate = options.sample_rate;
   csv.missing = options.missing;
-  const CsvRecord record = read_csv_record(file, csv);
-  const SourceLocation titles{path, record.title_line};
-  return {select(record.series, wanted, titles), titles};
+  auto [record, title_line] = read_csv_record(file, csv);
+  return selected(std::move(record), wanted, {path, title_line});
 }
 
 }  // namespace
 
-TimeSeries read_record_file(const std::filesystem::path& file, const std::vector<WantedChannel>& wanted,
-                            const RecordFileOptions& options) {
-  auto [series, titles] = read_raw(file, wanted, options);
+Record read_record_file(const std::filesystem::path& file, const std::vector<WantedChannel>& wanted,
+                        const RecordFileOptions& options) {
+  auto [record, titles] = read_raw(file, wanted, options);
   IssueList issues;
+  Eigen::VectorXd factors(record.values.rows());
   for (std::size_t j = 0; j < wanted.size(); ++j) {
-    series.values.col(static_cast<Index>(j)) *= factor_to_si(wanted[j], series.channels[j], titles, issues);
-    series.channels[j] = {wanted[j].column, wanted[j].unit};
+    factors[static_cast<Index>(j)] = factor_to_si(wanted[j], record.channels[j], titles, issues);
+    record.channels[j] = {wanted[j].column, wanted[j].unit};
   }
   issues.raise();
-  return std::move(series);
+  record.values.array().colwise() *= factors.array();
+  return std::move(record);
 }
 
 }  // namespace kalfem
