@@ -8,7 +8,7 @@
 
 #include "filter_walk.hpp"
 #include "kalfem/casefile/description_form.hpp"
-#include "kalfem/dynamics/damped_mode_split.hpp"
+#include "kalfem/dynamics/modal_coordinates.hpp"
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/estimation/filter_choice.hpp"
 #include "kalfem/linalg/blas.hpp"

@@ -1,4 +1,4 @@
-#include "kalfem/dynamics/damped_mode_split.hpp"
+#include "kalfem/dynamics/modal_coordinates.hpp"
 
 #include <gtest/gtest.h>
 

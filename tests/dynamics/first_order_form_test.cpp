@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "dynamics/closed_forms.hpp"
-#include "kalfem/dynamics/exact_step.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
 
 namespace kalfem {

@@ -1,4 +1,4 @@
-#include "kalfem/dynamics/period_correction.hpp"
+#include "kalfem/dynamics/stepper.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,8 +3,7 @@
 #include <cmath>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/dynamics/damped_mode_split.hpp"
-#include "kalfem/dynamics/period_correction.hpp"
+#include "kalfem/dynamics/modal_coordinates.hpp"
 #include "kalfem/dynamics/stepper.hpp"
 
 namespace kalfem {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "kalfem/dynamics/exact_step.hpp"
+#include "kalfem/dynamics/first_order_form.hpp"
 #include "kalfem/dynamics/trajectory.hpp"
 #include "kalfem/estimation/gaussian.hpp"
 #include "kalfem/estimation/parameter_transform.hpp"
