@@ -8,7 +8,7 @@
 
 #include "kalfem/linalg/blas.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
-#include "kalfem/linalg/sparse_select.hpp"
+#include "kalfem/linalg/sparse_operations.hpp"
 #include "kalfem/reduction/superelement.hpp"
 #include "timing.hpp"
 

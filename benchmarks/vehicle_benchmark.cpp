@@ -13,7 +13,7 @@
 #include "kalfem/estimation/filter_choice.hpp"
 #include "kalfem/linalg/blas.hpp"
 #include "kalfem/linalg/sparse_factor.hpp"
-#include "kalfem/linalg/sparse_select.hpp"
+#include "kalfem/linalg/sparse_operations.hpp"
 #include "kalfem/study/case_study.hpp"
 #include "kalfem/study/study.hpp"
 #include "kalfem/yaml/case_reader.hpp"

@@ -1,4 +1,4 @@
-#include "kalfem/linalg/paired_product.hpp"
+#include "kalfem/linalg/sparse_operations.hpp"
 
 #include <gtest/gtest.h>
 

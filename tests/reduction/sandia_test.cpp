@@ -10,7 +10,7 @@
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/formats/matrices/matrix_model.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
-#include "kalfem/linalg/sparse_select.hpp"
+#include "kalfem/linalg/sparse_operations.hpp"
 #include "kalfem/model/assembly/assemble_parts.hpp"
 #include "kalfem/prediction/base_driven.hpp"
 #include "kalfem/reduction/superelement.hpp"

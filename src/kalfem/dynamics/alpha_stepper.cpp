@@ -3,8 +3,8 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/dynamics/stepper.hpp"
-#include "kalfem/linalg/paired_product.hpp"
 #include "kalfem/linalg/sparse_factor.hpp"
+#include "kalfem/linalg/sparse_operations.hpp"
 
 namespace kalfem {
 namespace {

@@ -11,7 +11,7 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/linalg/block_lanczos.hpp"
 #include "kalfem/linalg/sparse_factor.hpp"
-#include "kalfem/linalg/sparse_select.hpp"
+#include "kalfem/linalg/sparse_operations.hpp"
 
 namespace kalfem {
 namespace {

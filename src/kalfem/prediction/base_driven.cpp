@@ -6,7 +6,7 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/linalg/sparse_factor.hpp"
-#include "kalfem/linalg/sparse_select.hpp"
+#include "kalfem/linalg/sparse_operations.hpp"
 #include "kalfem/reduction/mode_selection.hpp"
 #include "kalfem/reduction/partition.hpp"
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/linalg/sparse_select.hpp"
+#include "kalfem/linalg/sparse_operations.hpp"
 
 namespace kalfem {
 

@@ -2,6 +2,7 @@
 
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/reduction/partition.hpp"
+#include "kalfem/reduction/superelement.hpp"
 
 namespace kalfem {
 
@@ -39,5 +40,9 @@ LinearModel projected_surroundings(const LinearModel& model, const Eigen::Matrix
 
 /// The boundary and what is kept beside it, each name once.
 std::vector<std::string> joined(const std::vector<std::string>& boundary, const std::vector<std::string>& also_kept);
+
+/// Full and reduced modes up to a frequency [Hz], place by place.
+std::vector<ModeComparison> compare_modes(const LinearModel& full, const LinearModel& reduced,
+                                          const Eigen::MatrixXd& basis, double up_to);
 
 }  // namespace kalfem

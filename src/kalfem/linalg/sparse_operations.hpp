@@ -26,4 +26,8 @@ private:
   Eigen::MatrixXd dense_a_, dense_b_;  ///< in the place of the pattern; empty where it is sparse
 };
 
+/// The block of a sparse matrix at the given rows and columns, in their order.
+Eigen::SparseMatrix<double> select(const Eigen::SparseMatrix<double>& matrix, const std::vector<Eigen::Index>& rows,
+                                   const std::vector<Eigen::Index>& columns);
+
 }  // namespace kalfem
