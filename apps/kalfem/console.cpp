@@ -1,9 +1,11 @@
 #include "console.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <string>
@@ -51,6 +53,55 @@ void require_output() {
                        "open it, or discard the text by >/dev/null");
   throw WriteFailure("cannot write to the standard output", std::generic_category().message(output_error),
                      "redirect it to another place");
+}
+
+namespace {
+
+/// One line on stderr that is drawn again and wiped at the end of a stage.
+class Bar {
+public:
+  ~Bar() { wipe(); }
+
+  void show(std::string_view outcome, double fraction) {
+    const auto now = std::chrono::steady_clock::now();
+    if (outcome != outcome_ || fraction < fraction_) {
+      wipe();
+      outcome_ = outcome;
+      start_ = now;
+    }
+    fraction_ = fraction;
+    const double elapsed = std::chrono::duration<double>(now - start_).count();
+    if (elapsed < 1.0 || fraction <= 0.0) return;
+    constexpr int columns = 32;
+    const int filled = static_cast<int>(columns * fraction);
+    draw(fmt::format("\r{:<10} [{}{}] {:3.0f} %, {:.0f} s left ", outcome_, std::string(filled, '='),
+                     std::string(columns - filled, ' '), 100.0 * fraction, elapsed * (1.0 / fraction - 1.0)));
+    drawn_ = true;
+  }
+
+private:
+  /// A terminal that has gone does not end the run.
+  static void draw(const std::string& text) {
+    std::fputs(text.c_str(), stderr);
+    std::fflush(stderr);
+  }
+
+  void wipe() {
+    if (drawn_) draw(fmt::format("\r{:72}\r", ""));
+    drawn_ = false;
+  }
+
+  std::string outcome_;
+  double fraction_ = 0.0;
+  std::chrono::steady_clock::time_point start_;
+  bool drawn_ = false;
+};
+
+}  // namespace
+
+Progress progress_bar() {
+  if (!isatty(STDERR_FILENO)) return {};
+  return [bar = std::make_shared<Bar>()](std::string_view outcome, double fraction) { bar->show(outcome, fraction); };
 }
 
 }  // namespace kalfem::command

@@ -4,6 +4,8 @@
 
 #include <string_view>
 
+#include "kalfem/base/progress.hpp"
+
 namespace kalfem::command {
 
 /// The standard streams as the command uses them. Control characters of titles, names and messages never reach a
@@ -30,5 +32,8 @@ void print_error(fmt::format_string<Values...> format, Values&&... values) {
 
 /// Throws WriteFailure where stdout did not take the text up to here.
 void require_output();
+
+/// A bar on stderr while a stage runs longer than a second; only on a terminal.
+Progress progress_bar();
 
 }  // namespace kalfem::command

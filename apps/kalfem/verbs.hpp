@@ -20,7 +20,4 @@ ExitCode check_deck(const std::string& file, const std::vector<std::string>& uni
 /// schema: the case-file reference as text, or as JSON Schema, or the connector laws.
 ExitCode schema(bool as_json, bool laws);
 
-/// A bar on stderr while a stage runs longer than a second; only on a terminal.
-Progress progress_bar();
-
 }  // namespace kalfem::command

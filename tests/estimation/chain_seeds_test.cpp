@@ -99,13 +99,13 @@ TEST(RobustDeviationsOverSeeds, AreTheScatterWhereTheNoiseIsCorrelated) {
   MatrixXd estimates(2, seeds), stated(2, seeds), robust(2, seeds);
   for (int seed = 1; seed <= seeds; ++seed) {
     auto record = Chain::record(reference, std::uint64_t(seed));
-    record.inputs = chain.inputs(4 * Chain::rate, 4 * (reference.sensors.rows() - 1) + 1);
-    for (Eigen::Index i = 0; i < record.measurements.rows(); ++i) {
+    record.inputs = chain.inputs(4 * Chain::rate, 4 * (reference.sensors.cols() - 1) + 1);
+    for (Eigen::Index i = 0; i < record.measured.values.rows(); ++i) {
       RandomStream random(std::uint64_t(seed), "correlated " + std::to_string(i));
       double last = random.normal();
-      for (Eigen::Index k = 0; k < record.measurements.cols(); ++k) {
+      for (Eigen::Index k = 0; k < record.measured.samples(); ++k) {
         last = rho * last + std::sqrt(1.0 - rho * rho) * random.normal();
-        record.measurements(i, k) = reference.sensors(k, i) + std::sqrt(record.noise(i, i)) * last;
+        record.measured.values(i, k) = reference.sensors(i, k) + std::sqrt(record.noise(i, i)) * last;
       }
     }
     const auto result =

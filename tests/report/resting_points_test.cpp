@@ -1,4 +1,4 @@
-#include "kalfem/report/resting_points.hpp"
+#include "kalfem/report/tables.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include "kalfem/base/random.hpp"
 #include "kalfem/formats/tables/frf_table.hpp"
 #include "kalfem/updating/frf_residual.hpp"
-#include "kalfem/updating/least_squares.hpp"
+#include "kalfem/updating/gauss_newton.hpp"
 #include "updating/chain_model.hpp"
 
 // Responses whose size is not known: magnitudes in dB of an unknown reference, sensors that were not calibrated.

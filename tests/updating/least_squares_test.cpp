@@ -1,4 +1,4 @@
-#include "kalfem/updating/least_squares.hpp"
+#include "kalfem/updating/gauss_newton.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/random.hpp"
-#include "kalfem/updating/least_squares.hpp"
+#include "kalfem/updating/gauss_newton.hpp"
 #include "updating/nist_problems.hpp"
 
 namespace kalfem {

@@ -7,7 +7,7 @@
 #include "base/data_folder.hpp"
 #include "kalfem/formats/tables/frf_table.hpp"
 #include "kalfem/updating/frf_residual.hpp"
-#include "kalfem/updating/least_squares.hpp"
+#include "kalfem/updating/gauss_newton.hpp"
 #include "updating/chain_model.hpp"
 
 // The measured 3 x 3 accelerance of a three-storey aluminium frame against a chain of three masses whose storeys are

@@ -6,7 +6,7 @@
 #include "kalfem/api/structure_description.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/identification/parameterised_structure.hpp"
-#include "kalfem/updating/least_squares.hpp"
+#include "kalfem/updating/gauss_newton.hpp"
 #include "kalfem/updating/modal_residual.hpp"
 #include "kalfem/updating/parameter_statistics.hpp"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "kalfem/updating/parallel_columns.hpp"
+#include "kalfem/updating/residual.hpp"
 
 namespace kalfem {
 

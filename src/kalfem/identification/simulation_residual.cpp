@@ -5,7 +5,7 @@
 
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/identification/initial_state.hpp"
-#include "kalfem/updating/parallel_columns.hpp"
+#include "kalfem/updating/residual.hpp"
 
 namespace kalfem {
 

@@ -7,8 +7,8 @@
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/pipeline/updating_checkpoint.hpp"
 #include "kalfem/updating/frf_residual.hpp"
+#include "kalfem/updating/gauss_newton.hpp"
 #include "kalfem/updating/global_search.hpp"
-#include "kalfem/updating/least_squares.hpp"
 #include "kalfem/updating/parameter_statistics.hpp"
 #include "kalfem/updating/sensitivity_check.hpp"
 

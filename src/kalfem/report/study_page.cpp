@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "kalfem/report/record_report.hpp"
-#include "kalfem/report/resting_points.hpp"
 #include "kalfem/report/sections.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/report/updating_tables.hpp"

@@ -10,8 +10,8 @@
 
 #include "kalfem/base/version.hpp"
 #include "kalfem/report/record_report.hpp"
-#include "kalfem/report/resting_points.hpp"
 #include "kalfem/report/summary_parts.hpp"
+#include "kalfem/report/tables.hpp"
 #include "kalfem/study/structural_modifications.hpp"
 #include "kalfem/study/study.hpp"
 

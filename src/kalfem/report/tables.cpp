@@ -1,13 +1,12 @@
 #include "kalfem/report/tables.hpp"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 
+#include "kalfem/records/record.hpp"
 #include "kalfem/report/record_report.hpp"
-#include "kalfem/report/resting_points.hpp"
 #include "kalfem/report/updating_tables.hpp"
 #include "kalfem/study/structural_modifications.hpp"
 
@@ -238,6 +237,28 @@ std::string console_report(const Study& study, const StudyResults& results) {
         "Natural frequencies after modifications [Hz]\n" + to_text(modification_table(results.modifications)) + "\n";
   if (!results.modifications.empty() && results.updating) text += std::string(deviations_leave_out) + "\n";
   return text;
+}
+
+namespace {
+
+constexpr double smallest_part = 1e-6;
+
+}  // namespace
+
+RestingPoints::RestingPoints(const std::vector<PointQuantity>& points, Eigen::Index settled) : settled_(settled) {
+  for (const auto& point : points) {
+    double& largest = largest_[point.quantity];
+    largest = std::max(largest, moved(point));
+  }
+}
+
+bool RestingPoints::rests(const PointQuantity& point) const {
+  const auto largest = largest_.find(point.quantity);
+  return point.truth.size() > 0 && largest != largest_.end() && moved(point) <= smallest_part * largest->second;
+}
+
+double RestingPoints::moved(const PointQuantity& point) const {
+  return rms(point.truth.tail(std::max<Eigen::Index>(0, point.truth.size() - settled_)));
 }
 
 }  // namespace kalfem

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "kalfem/updating/cma_es.hpp"
-#include "kalfem/updating/least_squares.hpp"
+#include "kalfem/updating/gauss_newton.hpp"
 
 namespace kalfem {
 
