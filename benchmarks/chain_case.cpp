@@ -4,7 +4,7 @@
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/model/lumped.hpp"
 #include "kalfem/system/coupling.hpp"
-#include "kalfem/system/laws/laws.hpp"
+#include "kalfem/system/laws/law_library.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
 
 namespace kalfem::benchmarks {

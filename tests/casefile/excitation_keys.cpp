@@ -1,9 +1,8 @@
 #include "casefile/probes.hpp"
+#include "kalfem/system/signals/deterministic.hpp"
 #include "kalfem/system/signals/ground_motion.hpp"
-#include "kalfem/system/signals/harmonic.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
 #include "kalfem/system/signals/sampled.hpp"
-#include "kalfem/system/signals/transients.hpp"
 
 /// Keys of the excitation: every signal is that of the library with the same options, none of which is a default.
 namespace kalfem::wiring {

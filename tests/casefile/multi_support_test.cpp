@@ -4,9 +4,8 @@
 
 #include "base/scratch_folder.hpp"
 #include "casefile/case_run.hpp"
-#include "kalfem/system/signals/harmonic.hpp"
+#include "kalfem/system/signals/deterministic.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
-#include "kalfem/system/signals/transients.hpp"
 
 // Supports that are accelerated one by one, against supports that are displaced by the same motion and against a base
 // that is accelerated as a whole.

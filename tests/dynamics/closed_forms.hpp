@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "kalfem/dynamics/simulate.hpp"
-#include "kalfem/system/laws/laws.hpp"
+#include "kalfem/system/laws/law_library.hpp"
+#include "kalfem/system/signals/deterministic.hpp"
 #include "kalfem/system/signals/sampled.hpp"
-#include "kalfem/system/signals/transients.hpp"
 #include "system/small_systems.hpp"
 
 namespace kalfem {

@@ -2,7 +2,7 @@
 
 #include "dynamics/closed_forms.hpp"
 #include "kalfem/base/random.hpp"
-#include "kalfem/system/signals/harmonic.hpp"
+#include "kalfem/system/signals/deterministic.hpp"
 
 namespace kalfem {
 namespace {

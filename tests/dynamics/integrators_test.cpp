@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "dynamics/closed_forms.hpp"
-#include "kalfem/system/signals/harmonic.hpp"
+#include "kalfem/system/signals/deterministic.hpp"
 
 namespace kalfem {
 namespace {

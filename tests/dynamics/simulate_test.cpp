@@ -5,7 +5,7 @@
 
 #include "dynamics/closed_forms.hpp"
 #include "kalfem/dynamics/converged_solution.hpp"
-#include "kalfem/system/signals/harmonic.hpp"
+#include "kalfem/system/signals/deterministic.hpp"
 
 namespace kalfem {
 namespace {

@@ -4,7 +4,7 @@
 #include "estimation/chain_model.hpp"
 #include "kalfem/estimation/filter_choice.hpp"
 #include "kalfem/estimation/process_model.hpp"
-#include "kalfem/system/laws/laws.hpp"
+#include "kalfem/system/laws/law_library.hpp"
 
 namespace kalfem {
 namespace {

@@ -6,7 +6,7 @@
 #include "estimation/kalman_filter.hpp"
 #include "estimation/linear_chain.hpp"
 #include "kalfem/estimation/filter_choice.hpp"
-#include "kalfem/system/laws/laws.hpp"
+#include "kalfem/system/laws/law_library.hpp"
 
 /// Every kind of process noise, prior and unknown in one linear case each, against the covariance by its definition and
 /// a textbook Kalman filter that works with that covariance and not with the augmented model's own.

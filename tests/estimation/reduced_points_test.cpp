@@ -4,7 +4,7 @@
 #include "estimation/kalman_filter.hpp"
 #include "estimation/linear_chain.hpp"
 #include "kalfem/estimation/process_model.hpp"
-#include "kalfem/system/signals/harmonic.hpp"
+#include "kalfem/system/signals/deterministic.hpp"
 
 // Sigma points of the channels w = N x + e alone: equal to those of the state wherever both must be exact.
 

@@ -3,7 +3,7 @@
 #include "estimation/kalman_filter.hpp"
 #include "estimation/linear_chain.hpp"
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/system/signals/harmonic.hpp"
+#include "kalfem/system/signals/deterministic.hpp"
 
 // Unknown constants in the channels of sensors: zeros of transducers, rest positions.
 namespace kalfem {

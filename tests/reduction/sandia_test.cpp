@@ -15,7 +15,7 @@
 #include "kalfem/prediction/base_driven.hpp"
 #include "kalfem/reduction/superelement.hpp"
 #include "kalfem/system/sensors/output_map.hpp"
-#include "kalfem/system/signals/transients.hpp"
+#include "kalfem/system/signals/deterministic.hpp"
 #include "reduction/frequencies.hpp"
 
 // Solid parts a and c and their assembly ac by a production code, with its Craig-Bampton model of a.

@@ -5,7 +5,7 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/system/laws/expression_law.hpp"
-#include "kalfem/system/laws/laws.hpp"
+#include "kalfem/system/laws/law_library.hpp"
 #include "system/law_bench.hpp"
 
 namespace kalfem {

@@ -7,7 +7,6 @@
 
 #include "kalfem/base/random.hpp"
 #include "kalfem/system/laws/law_library.hpp"
-#include "kalfem/system/laws/laws.hpp"
 #include "system/law_bench.hpp"
 
 namespace {

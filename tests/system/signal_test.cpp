@@ -11,10 +11,9 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/records/record.hpp"
-#include "kalfem/system/signals/harmonic.hpp"
+#include "kalfem/system/signals/deterministic.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
 #include "kalfem/system/signals/sampled.hpp"
-#include "kalfem/system/signals/transients.hpp"
 
 namespace kalfem {
 namespace {

@@ -15,9 +15,8 @@
 #include "kalfem/identification/initial_state.hpp"
 #include "kalfem/system/sensors/measurement_chain.hpp"
 #include "kalfem/system/sensors/output_map.hpp"
+#include "kalfem/system/signals/deterministic.hpp"
 #include "kalfem/system/signals/ground_motion.hpp"
-#include "kalfem/system/signals/harmonic.hpp"
-#include "kalfem/system/signals/transients.hpp"
 #include "kalfem/yaml/form.hpp"
 #include "kalfem/yaml/yaml_node.hpp"
 

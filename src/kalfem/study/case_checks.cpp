@@ -7,7 +7,7 @@
 #include <unordered_set>
 
 #include "kalfem/dynamics/simulate.hpp"
-#include "kalfem/system/signals/transients.hpp"
+#include "kalfem/system/signals/deterministic.hpp"
 
 namespace kalfem {
 namespace {

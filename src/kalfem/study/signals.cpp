@@ -4,11 +4,10 @@
 
 #include "kalfem/formats/record_file.hpp"
 #include "kalfem/study/assembly.hpp"
+#include "kalfem/system/signals/deterministic.hpp"
 #include "kalfem/system/signals/ground_motion.hpp"
-#include "kalfem/system/signals/harmonic.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
 #include "kalfem/system/signals/sampled.hpp"
-#include "kalfem/system/signals/transients.hpp"
 #include "kalfem/yaml/bounds.hpp"
 
 namespace kalfem {

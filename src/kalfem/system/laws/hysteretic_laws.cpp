@@ -1,4 +1,4 @@
-#include "kalfem/system/laws/laws.hpp"
+#include "kalfem/system/laws/law_library.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,8 +5,6 @@
 #include <functional>
 #include <sstream>
 
-#include "kalfem/system/laws/laws.hpp"
-
 namespace kalfem {
 namespace {
 

@@ -5,8 +5,8 @@
 
 #include "kalfem/base/random.hpp"
 #include "kalfem/system/option_checks.hpp"
+#include "kalfem/system/signals/deterministic.hpp"
 #include "kalfem/system/signals/line_series.hpp"
-#include "kalfem/system/signals/transients.hpp"
 
 namespace kalfem {
 
