@@ -1,4 +1,4 @@
-#include "kalfem/model/elements/shell_common.hpp"
+#include "kalfem/model/elements/shell.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,6 @@
 
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/model/assembly/mass_properties.hpp"
-#include "kalfem/model/elements/shell3.hpp"
-#include "kalfem/model/elements/shell4.hpp"
 #include "kalfem/model/mesh/laminate_theory.hpp"
 #include "model/element_helpers.hpp"
 #include "shell_models.hpp"

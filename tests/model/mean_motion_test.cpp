@@ -1,4 +1,4 @@
-#include "kalfem/model/assembly/rbe3.hpp"
+#include "kalfem/model/assembly/rigid_motion.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "kalfem/model/assembly/finite_element_parameters.hpp"
-#include "kalfem/model/lumped_parameters.hpp"
+#include "kalfem/model/assembly/fe_linear_model.hpp"
+#include "kalfem/model/parameterised_model.hpp"
 #include "model/fe_models.hpp"
 
 // Models as functions of their parameters: values, and derivatives against central differences. K, M and C are

@@ -4,8 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "kalfem/model/elements/shell3.hpp"
-#include "kalfem/model/elements/shell4.hpp"
+#include "kalfem/model/elements/shell.hpp"
 #include "model/element_helpers.hpp"
 #include "shell_models.hpp"
 

@@ -7,7 +7,6 @@
 
 #include "kalfem/model/assembly/assembly.hpp"
 #include "kalfem/model/assembly/fe_linear_model.hpp"
-#include "kalfem/model/assembly/finite_element_parameters.hpp"
 #include "kalfem/model/assembly/mass_properties.hpp"
 #include "kalfem/reduction/superelement.hpp"
 

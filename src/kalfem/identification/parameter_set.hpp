@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "kalfem/identification/structure.hpp"
-#include "kalfem/model/assembly/finite_element_parameters.hpp"
-#include "kalfem/model/lumped_parameters.hpp"
+#include "kalfem/model/assembly/fe_linear_model.hpp"
+#include "kalfem/model/parameterised_model.hpp"
 
 namespace kalfem {
 

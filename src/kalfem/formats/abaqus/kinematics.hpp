@@ -5,7 +5,7 @@
 
 #include "kalfem/formats/abaqus/placed_deck.hpp"
 #include "kalfem/model/assembly/constraint_elimination.hpp"
-#include "kalfem/model/assembly/rbe3.hpp"
+#include "kalfem/model/assembly/rigid_motion.hpp"
 
 namespace kalfem::abaqus {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "kalfem/model/assembly/rbe3.hpp"
+#include "kalfem/model/assembly/rigid_motion.hpp"
 
 namespace kalfem::nastran {
 namespace {

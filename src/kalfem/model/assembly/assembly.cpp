@@ -8,9 +8,7 @@
 #include "kalfem/model/assembly/matrix_sums.hpp"
 #include "kalfem/model/elements/beam.hpp"
 #include "kalfem/model/elements/point_mass.hpp"
-#include "kalfem/model/elements/shell3.hpp"
-#include "kalfem/model/elements/shell4.hpp"
-#include "kalfem/model/elements/shell_common.hpp"
+#include "kalfem/model/elements/shell.hpp"
 #include "kalfem/model/elements/solid.hpp"
 
 namespace kalfem {

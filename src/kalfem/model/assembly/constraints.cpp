@@ -5,7 +5,7 @@
 #include <set>
 #include <unordered_map>
 
-#include "kalfem/model/assembly/rbe3.hpp"
+#include "kalfem/model/assembly/rigid_motion.hpp"
 
 namespace kalfem {
 namespace {

@@ -1,5 +1,6 @@
 #include "kalfem/model/assembly/fe_linear_model.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <set>
@@ -88,6 +89,171 @@ LinearModel linear_model(const FiniteElementModel& model, const AssembledModel& 
   linear.points = named_points(points, assembled.expansion, linear.dofs);
   add_rayleigh(linear, damping);
   return linear;
+}
+
+using Eigen::Index;
+using FeKind = FiniteElementParameter::Kind;
+
+namespace {
+
+/// d/dp of a sum of terms; 0 x 0 where p is in none of them.
+SparseMatrix derivative_of(const std::vector<AffineTerm>& terms, const std::map<std::string, double>& values,
+                           const std::string& parameter) {
+  SparseMatrix sum;
+  for (const auto& term : terms) {
+    const auto power = term.powers.find(parameter);
+    if (power == term.powers.end()) continue;
+    AffineTerm lowered{term.powers, {}};
+    --lowered.powers[parameter];
+    add_to(sum, SparseMatrix(power->second * affine_factor(lowered, values) * term.matrix));
+  }
+  return sum;
+}
+
+/// T^T A T of the terms that hold one of the parameters, and a last one of what is left of the reduced sum at `values`.
+std::vector<AffineTerm> projected(const std::vector<AffineTerm>& terms, const std::map<std::string, double>& values,
+                                  const std::set<std::string>& changing, const Eigen::MatrixXd& basis,
+                                  const SparseMatrix& reduced_sum) {
+  std::vector<AffineTerm> small;
+  SparseMatrix constant = reduced_sum;
+  for (const auto& term : terms) {
+    if (std::ranges::none_of(term.powers, [&](const auto& power) { return changing.contains(power.first); })) continue;
+    const Eigen::MatrixXd product = basis.transpose() * (term.matrix * basis);
+    small.push_back({term.powers, Eigen::MatrixXd(0.5 * (product + product.transpose())).sparseView()});
+    constant = SparseMatrix(constant - affine_factor(term, values) * small.back().matrix);
+  }
+  small.push_back({{}, std::move(constant)});
+  return small;
+}
+
+void apply(FiniteElementDamping& damping, const FiniteElementParameter& parameter, double value) {
+  if (parameter.kind == FeKind::mass_factor) damping.rayleigh.mass_factor = value;
+  if (parameter.kind == FeKind::stiffness_factor) damping.rayleigh.stiffness_factor = value;
+  if (parameter.kind == FeKind::modal_ratio) damping.modal_ratios.values[parameter.ratio] = value;
+  if (parameter.kind == FeKind::all_modal_ratios) std::ranges::fill(damping.modal_ratios.values, value);
+}
+
+bool ends_with_any(const std::string& name, const std::vector<std::string>& ends) {
+  return std::ranges::any_of(ends, [&](const auto& end) { return name.ends_with(end); });
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, FiniteElementParameter>> parameters_of(const AssembledModel& assembled,
+                                                                          const FiniteElementDamping& damping) {
+  std::vector<std::pair<std::string, FiniteElementParameter>> all;
+  for (const auto& [name, value] : assembled.parameters) all.push_back({name, {FeKind::matrix, name, 0}});
+  if (!damping.modal_ratios.empty()) all.push_back({"damping.modal", {FeKind::all_modal_ratios, "", 0}});
+  for (std::size_t i = 0; i < damping.modal_ratios.values.size(); ++i)
+    all.push_back({"damping.modal." + std::to_string(i + 1), {FeKind::modal_ratio, "", i}});
+  all.push_back({"damping.mass_factor", {FeKind::mass_factor, "", 0}});
+  all.push_back({"damping.stiffness_factor", {FeKind::stiffness_factor, "", 0}});
+  return all;
+}
+
+std::string unit_of(const FiniteElementParameter& parameter) {
+  if (parameter.kind == FeKind::mass_factor) return "1/s";
+  if (parameter.kind == FeKind::stiffness_factor) return "s";
+  if (parameter.kind != FeKind::matrix) return "-";
+  if (parameter.name.ends_with(".youngs_modulus")) return "Pa";
+  if (parameter.name.ends_with(".density")) return "kg/m^3";
+  if (parameter.name.ends_with(".thickness")) return "m";
+  if (parameter.name.ends_with(".mass")) return "kg";
+  if (ends_with_any(parameter.name, {".axial", ".bending", ".bending_y", ".bending_z", ".torsion"})) return "-";
+  return "";  // a spring's stiffness: [N/m] or [N m/rad]
+}
+
+double value_of(const AssembledModel& assembled, const FiniteElementDamping& damping,
+                const FiniteElementParameter& parameter) {
+  if (parameter.kind == FeKind::mass_factor) return damping.rayleigh.mass_factor;
+  if (parameter.kind == FeKind::stiffness_factor) return damping.rayleigh.stiffness_factor;
+  if (parameter.kind != FeKind::matrix) return damping.modal_ratios.values[parameter.ratio];
+  return assembled.parameters.at(parameter.name);
+}
+
+ParameterisedFiniteElements::ParameterisedFiniteElements(std::shared_ptr<const AssembledModel> assembled,
+                                                         std::shared_ptr<const LinearModel> full,
+                                                         FiniteElementDamping damping,
+                                                         std::vector<ParameterBinding<FiniteElementParameter>> bindings,
+                                                         Index count)
+    : assembled_(std::move(assembled)),
+      full_(std::move(full)),
+      damping_(std::move(damping)),
+      bindings_(std::move(bindings)),
+      count_(count) {}
+
+std::map<std::string, double> ParameterisedFiniteElements::values_at(const Eigen::VectorXd& parameters) const {
+  auto values = assembled_->parameters;
+  for (const auto& [index, target] : bindings_)
+    if (target.kind == FeKind::matrix) values[target.name] = parameters[index];
+  return values;
+}
+
+FiniteElementDamping ParameterisedFiniteElements::damping_at(const Eigen::VectorXd& parameters) const {
+  FiniteElementDamping damping = damping_;
+  for (const auto& [index, target] : bindings_) apply(damping, target, parameters[index]);
+  return damping;
+}
+
+ModelAtParameters ParameterisedFiniteElements::at(const Eigen::VectorXd& parameters) const {
+  const auto values = values_at(parameters);
+  const FiniteElementDamping damping = damping_at(parameters);
+  LinearModel model;
+  model.dofs = full_->dofs;
+  model.mass = evaluate(assembled_->mass, values);
+  model.stiffness = evaluate(assembled_->stiffness, values);
+  model.damping = assembled_->damping;
+  const auto& [alpha, beta] = damping.rayleigh;
+  if (alpha != 0.0 || beta != 0.0) model.damping += SparseMatrix(alpha * model.mass + beta * model.stiffness);
+  model.grounds = full_->grounds;
+  model.points = full_->points;
+  model.points_only = full_->points_only;
+  model.coordinate_scale = full_->coordinate_scale;
+  return {std::move(model), damping.modal_ratios};
+}
+
+std::vector<ModelDerivative> ParameterisedFiniteElements::derivatives(const Eigen::VectorXd& parameters) const {
+  const auto values = values_at(parameters);
+  const FiniteElementDamping damping = damping_at(parameters);
+  const auto& [alpha, beta] = damping.rayleigh;
+  std::vector<ModelDerivative> all(static_cast<std::size_t>(count_));
+  for (const auto& [index, target] : bindings_) {
+    auto& derivative = all[static_cast<std::size_t>(index)];
+    if (target.kind == FeKind::matrix) {
+      const SparseMatrix stiffness = derivative_of(assembled_->stiffness, values, target.name),
+                         mass = derivative_of(assembled_->mass, values, target.name);
+      add_to(derivative.stiffness, stiffness);
+      add_to(derivative.mass, mass);
+      if (alpha != 0.0) add_to(derivative.damping, SparseMatrix(alpha * mass));
+      if (beta != 0.0) add_to(derivative.damping, SparseMatrix(beta * stiffness));
+    } else if (target.kind == FeKind::mass_factor) {
+      add_to(derivative.damping, evaluate(assembled_->mass, values));
+    } else if (target.kind == FeKind::stiffness_factor) {
+      add_to(derivative.damping, evaluate(assembled_->stiffness, values));
+    } else {
+      derivative.modal_ratios.resize(damping.modal_ratios.values.size(), 0.0);
+      for (std::size_t i = 0; i < damping.modal_ratios.values.size(); ++i)
+        if (target.kind == FeKind::all_modal_ratios || i == target.ratio) derivative.modal_ratios[i] = 1.0;
+    }
+  }
+  return all;
+}
+
+ParameterisedFiniteElements ParameterisedFiniteElements::in_basis(const Eigen::MatrixXd& basis,
+                                                                  const LinearModel& reduced,
+                                                                  const Eigen::VectorXd& parameters) const {
+  std::set<std::string> changing;
+  for (const auto& [index, target] : bindings_)
+    if (target.kind == FeKind::matrix) changing.insert(target.name);
+  AssembledModel small;
+  small.parameters = values_at(parameters);
+  small.stiffness = projected(assembled_->stiffness, small.parameters, changing, basis, reduced.stiffness);
+  small.mass = projected(assembled_->mass, small.parameters, changing, basis, reduced.mass);
+  const FiniteElementDamping damping = damping_at(parameters);
+  const auto& [alpha, beta] = damping.rayleigh;
+  small.damping = SparseMatrix(reduced.damping - alpha * reduced.mass - beta * reduced.stiffness);
+  return {std::make_shared<const AssembledModel>(std::move(small)), std::make_shared<const LinearModel>(reduced),
+          damping, bindings_, count_};
 }
 
 }  // namespace kalfem

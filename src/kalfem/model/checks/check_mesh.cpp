@@ -4,7 +4,6 @@
 #include "kalfem/model/checks/single_checks.hpp"
 #include "kalfem/model/mesh/cell_corners.hpp"
 #include "kalfem/model/mesh/connectivity.hpp"
-#include "kalfem/model/model_items.hpp"
 
 namespace kalfem::report {
 namespace {

@@ -7,7 +7,7 @@
 #include "kalfem/linalg/sparse_factor.hpp"
 #include "kalfem/model/assembly/mechanisms.hpp"
 #include "kalfem/model/checks/single_checks.hpp"
-#include "kalfem/model/model_items.hpp"
+#include "kalfem/model/mesh/connectivity.hpp"
 
 namespace kalfem {
 

@@ -1,10 +1,8 @@
-#include "kalfem/model/elements/shell3.hpp"
+#include "kalfem/model/elements/shell.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-
-#include "kalfem/model/elements/shell_common.hpp"
 
 namespace kalfem {
 namespace {

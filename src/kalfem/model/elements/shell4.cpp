@@ -1,9 +1,7 @@
-#include "kalfem/model/elements/shell4.hpp"
+#include "kalfem/model/elements/shell.hpp"
 
 #include <Eigen/Geometry>
 #include <cmath>
-
-#include "kalfem/model/elements/shell_common.hpp"
 
 namespace kalfem {
 namespace {

@@ -7,8 +7,6 @@
 #include <numeric>
 #include <unordered_map>
 
-#include "kalfem/model/model_items.hpp"
-
 namespace kalfem {
 namespace {
 

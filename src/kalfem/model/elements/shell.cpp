@@ -1,10 +1,7 @@
-#include "kalfem/model/elements/shell_common.hpp"
+#include "kalfem/model/elements/shell.hpp"
 
 #include <algorithm>
 #include <cmath>
-
-#include "kalfem/model/elements/shell3.hpp"
-#include "kalfem/model/elements/shell4.hpp"
 
 namespace kalfem {
 

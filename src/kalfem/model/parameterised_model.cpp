@@ -1,4 +1,4 @@
-#include "kalfem/model/lumped_parameters.hpp"
+#include "kalfem/model/parameterised_model.hpp"
 
 #include <algorithm>
 
