@@ -1,4 +1,4 @@
-#include "kalfem/formats/tables/channel_title.hpp"
+#include "kalfem/formats/tables/text_table.hpp"
 
 #include <gtest/gtest.h>
 

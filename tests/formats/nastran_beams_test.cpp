@@ -4,7 +4,7 @@
 #include <cstdio>
 
 #include "formats/nastran_decks.hpp"
-#include "kalfem/formats/nastran/section_shapes.hpp"
+#include "kalfem/formats/nastran/card_readers.hpp"
 
 namespace kalfem {
 namespace {

@@ -10,9 +10,9 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
-#include "kalfem/formats/tables/channel_title.hpp"
 #include "kalfem/formats/tables/csv.hpp"
 #include "kalfem/formats/tables/lvm.hpp"
+#include "kalfem/formats/tables/text_table.hpp"
 
 namespace kalfem {
 

@@ -4,9 +4,8 @@
 #include <set>
 
 #include "kalfem/formats/abaqus/deck_reader.hpp"
-#include "kalfem/formats/abaqus/point_elements.hpp"
-#include "kalfem/formats/abaqus/regions.hpp"
-#include "kalfem/formats/abaqus/supports.hpp"
+#include "kalfem/formats/abaqus/elements.hpp"
+#include "kalfem/formats/abaqus/kinematics.hpp"
 #include "kalfem/formats/shell_surfaces.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
 #include "kalfem/model/mesh/split_quadratic_shells.hpp"

@@ -1,10 +1,10 @@
-#include "kalfem/formats/abaqus/beam_profiles.hpp"
+#include "kalfem/formats/abaqus/elements.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "kalfem/formats/abaqus/fields.hpp"
+#include "kalfem/formats/abaqus/raw_deck.hpp"
 
 namespace kalfem::abaqus {
 

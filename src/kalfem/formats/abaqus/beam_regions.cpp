@@ -1,9 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kalfem/formats/abaqus/beam_profiles.hpp"
-#include "kalfem/formats/abaqus/fields.hpp"
-#include "kalfem/formats/abaqus/regions.hpp"
+#include "kalfem/formats/abaqus/elements.hpp"
+#include "kalfem/formats/abaqus/raw_deck.hpp"
 
 namespace kalfem::abaqus {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "kalfem/formats/abaqus/fields.hpp"
+#include "kalfem/formats/abaqus/raw_deck.hpp"
 #include "kalfem/formats/text_file.hpp"
 
 namespace kalfem::abaqus {

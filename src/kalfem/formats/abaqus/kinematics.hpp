@@ -69,4 +69,34 @@ private:
   std::set<NodalDof> fixed_;
 };
 
+/// A side of an element: corners, then the nodes amid its sides; two corners of an edge.
+struct Face {
+  std::vector<Index> nodes;
+  std::size_t corners = 0;
+  Index element = 0;  ///< position in PlacedDeck::elements
+};
+
+/// A surface of *SURFACE with the nodes on it.
+struct Surface {
+  std::vector<Face> faces;      ///< none where it was given by nodes
+  std::vector<Index> nodes;     ///< each once
+  std::vector<double> weights;  ///< of the nodes: the area of faces around them, or what was given
+};
+
+/// The surface that a keyword at `where` names in a place; a problem where it is missing or of a kind that is not read.
+Surface find_surface(PlacedDeck& deck, const std::string& name, int place, const Where& where);
+
+/// Axes of nodes that *TRANSFORM turns.
+using NodeAxes = std::unordered_map<Index, Eigen::Matrix3d>;
+NodeAxes read_transforms(PlacedDeck& deck);
+
+void read_boundaries(PlacedDeck& deck, const NodeAxes& axes, Kinematics& motions);
+void read_equations(PlacedDeck& deck, const NodeAxes& axes, Kinematics& motions);
+void read_multi_point_constraints(PlacedDeck& deck, Kinematics& motions);
+/// *RIGID BODY, *COUPLING, *KINEMATIC COUPLING, *DISTRIBUTING COUPLING.
+void read_rigid_bodies(PlacedDeck& deck, Kinematics& motions);
+void read_couplings(PlacedDeck& deck, Kinematics& motions);
+/// *TIE: nodes of one surface follow the faces of another.
+void read_ties(PlacedDeck& deck, const FiniteElementModel& model, Kinematics& motions);
+
 }  // namespace kalfem::abaqus

@@ -1,8 +1,8 @@
-#include "kalfem/formats/abaqus/regions.hpp"
+#include "kalfem/formats/abaqus/elements.hpp"
 
 #include <cmath>
 
-#include "kalfem/formats/abaqus/fields.hpp"
+#include "kalfem/formats/abaqus/raw_deck.hpp"
 
 namespace kalfem::abaqus {
 

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "kalfem/formats/abaqus/point_elements.hpp"
+#include "kalfem/formats/abaqus/elements.hpp"
 #include "kalfem/formats/matrices.hpp"
 #include "kalfem/formats/text_file.hpp"
 

@@ -3,8 +3,8 @@
 #include <numbers>
 
 #include "kalfem/formats/abaqus/deck_reader.hpp"
-#include "kalfem/formats/abaqus/fields.hpp"
 #include "kalfem/formats/abaqus/orientations.hpp"
+#include "kalfem/formats/abaqus/raw_deck.hpp"
 
 namespace kalfem::abaqus {
 

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kalfem/formats/abaqus/fields.hpp"
-#include "kalfem/formats/abaqus/supports.hpp"
+#include "kalfem/formats/abaqus/kinematics.hpp"
+#include "kalfem/formats/abaqus/raw_deck.hpp"
 
 namespace kalfem::abaqus {
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "kalfem/formats/abaqus/fields.hpp"
 #include "kalfem/formats/abaqus/placed_deck.hpp"
+#include "kalfem/formats/abaqus/raw_deck.hpp"
 
 namespace kalfem::abaqus {
 

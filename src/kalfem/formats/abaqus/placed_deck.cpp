@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numbers>
 
-#include "kalfem/formats/abaqus/fields.hpp"
+#include "kalfem/formats/abaqus/raw_deck.hpp"
 
 namespace kalfem::abaqus {
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "kalfem/formats/abaqus/fields.hpp"
 #include "kalfem/formats/abaqus/placed_deck.hpp"
+#include "kalfem/formats/abaqus/raw_deck.hpp"
 
 namespace kalfem::abaqus {
 

@@ -1,11 +1,11 @@
-#include "kalfem/formats/abaqus/regions.hpp"
+#include "kalfem/formats/abaqus/elements.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <set>
 
-#include "kalfem/formats/abaqus/fields.hpp"
 #include "kalfem/formats/abaqus/orientations.hpp"
+#include "kalfem/formats/abaqus/raw_deck.hpp"
 
 namespace kalfem::abaqus {
 

@@ -1,9 +1,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "kalfem/formats/abaqus/fields.hpp"
+#include "kalfem/formats/abaqus/elements.hpp"
 #include "kalfem/formats/abaqus/orientations.hpp"
-#include "kalfem/formats/abaqus/regions.hpp"
+#include "kalfem/formats/abaqus/raw_deck.hpp"
 
 namespace kalfem::abaqus {
 

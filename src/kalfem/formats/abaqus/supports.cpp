@@ -1,9 +1,9 @@
-#include "kalfem/formats/abaqus/supports.hpp"
+#include "kalfem/formats/abaqus/kinematics.hpp"
 
 #include <algorithm>
 
-#include "kalfem/formats/abaqus/fields.hpp"
 #include "kalfem/formats/abaqus/orientations.hpp"
+#include "kalfem/formats/abaqus/raw_deck.hpp"
 
 namespace kalfem::abaqus {
 

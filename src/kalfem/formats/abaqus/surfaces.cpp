@@ -1,10 +1,10 @@
-#include "kalfem/formats/abaqus/surfaces.hpp"
+#include "kalfem/formats/abaqus/kinematics.hpp"
 
 #include <algorithm>
 #include <set>
 #include <unordered_map>
 
-#include "kalfem/formats/abaqus/fields.hpp"
+#include "kalfem/formats/abaqus/raw_deck.hpp"
 
 namespace kalfem::abaqus {
 

@@ -3,7 +3,7 @@
 // column starts before them. Compressed elements are zlib streams. Arrays of other kinds (cells, structures, text) are
 // passed over.
 
-#include "kalfem/formats/matrices/bytes.hpp"
+#include "kalfem/formats/matrices/entries.hpp"
 #include "kalfem/formats/matrices/single_formats.hpp"
 #include "kalfem/formats/text_file.hpp"
 

@@ -5,7 +5,7 @@
 
 #include <map>
 
-#include "kalfem/formats/matrices/bytes.hpp"
+#include "kalfem/formats/matrices/entries.hpp"
 #include "kalfem/formats/matrices/single_formats.hpp"
 
 namespace kalfem {

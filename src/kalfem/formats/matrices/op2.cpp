@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-#include "kalfem/formats/matrices/bytes.hpp"
+#include "kalfem/formats/matrices/entries.hpp"
 #include "kalfem/formats/matrices/single_formats.hpp"
 
 namespace kalfem {

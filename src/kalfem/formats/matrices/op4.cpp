@@ -13,7 +13,7 @@
 #include <array>
 #include <cstdlib>
 
-#include "kalfem/formats/matrices/bytes.hpp"
+#include "kalfem/formats/matrices/entries.hpp"
 
 namespace kalfem {
 

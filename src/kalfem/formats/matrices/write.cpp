@@ -3,15 +3,251 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <set>
 
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/formats/hdf5/hdf5_file.hpp"
 #include "kalfem/formats/matrices/entries.hpp"
 #include "kalfem/formats/matrices/matrix_model.hpp"
 #include "kalfem/formats/matrices/single_formats.hpp"
 
 namespace kalfem {
+namespace {
+
+using Eigen::Index;
+
+/// The most digits of a number that fit into a field of 16, with the exponent as Nastran takes it: "-1.2345678901-5".
+std::string large_field(double value) {
+  for (int digits = 14; digits > 0; --digits) {
+    const std::string text = fmt::format("{:.{}e}", value, digits);
+    const std::size_t at = text.find('e');
+    const int exponent = std::stoi(text.substr(at + 1));
+    const std::string field = text.substr(0, at) + fmt::format("{:+d}", exponent);
+    if (field.size() <= 16) return field;
+  }
+  return "0.0";
+}
+
+/// Numbers of the scalar points that stand for generalised coordinates: their own, or beyond all nodes.
+std::int64_t scalar_point_shift(const std::vector<ForeignMatrix>& matrices) {
+  std::int64_t last_node = 0;
+  bool generalised = false;
+  for (const auto& matrix : matrices)
+    for (const auto& dof : matrix.dofs) {
+      if (dof.direction >= 0) last_node = std::max(last_node, dof.node);
+      generalised = generalised || dof.direction < 0;
+    }
+  if (!generalised || last_node == 0) return 0;
+  std::int64_t shift = 1000;
+  while (shift <= last_node) shift *= 10;
+  return shift;
+}
+
+class DmigWriter {
+public:
+  explicit DmigWriter(std::int64_t shift) : shift_(shift) {}
+
+  void add(const ForeignMatrix& matrix) {
+    const bool symmetric = is_symmetric(matrix.matrix);
+    text_ += fmt::format("DMIG    {:<8}{:>8}{:>8}{:>8}{:>8}\n", matrix.name, 0, symmetric ? 6 : 1, 2, 0);
+    for (Index column = 0; column < matrix.matrix.outerSize(); ++column) add_column(matrix, column, symmetric);
+  }
+
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+private:
+  void add_column(const ForeignMatrix& matrix, Index column, bool symmetric) {
+    bool begun = false;
+    for (SparseMatrix::InnerIterator it(matrix.matrix, column); it; ++it) {
+      if (symmetric && it.row() < column) continue;
+      if (!begun) text_ += fmt::format("DMIG*   {:<16}{}\n", matrix.name, point(matrix, column));
+      begun = true;
+      text_ += fmt::format("*       {}{:>16}\n", point(matrix, it.row()), large_field(it.value()));
+    }
+  }
+
+  [[nodiscard]] std::string point(const ForeignMatrix& matrix, Index row) const {
+    const MatrixDof dof = matrix.dofs.empty() ? MatrixDof{row + 1, -1} : matrix.dofs[static_cast<std::size_t>(row)];
+    const std::int64_t number = dof.direction < 0 ? dof.node + shift_ : dof.node;
+    return fmt::format("{:>16}{:>16}", number, dof.direction + 1);
+  }
+
+  std::int64_t shift_;
+  std::string text_;
+};
+
+/// Rows that follow one another in a column.
+template <typename Visit>
+void for_each_string(const SparseMatrix& matrix, Index column, const Visit& visit) {
+  std::vector<double> values;
+  Index first = 0;
+  for (SparseMatrix::InnerIterator it(matrix, column); it; ++it) {
+    if (!values.empty() && it.row() != first + static_cast<Index>(values.size())) {
+      visit(first, values);
+      values.clear();
+    }
+    if (values.empty()) first = it.row();
+    values.push_back(it.value());
+  }
+  if (!values.empty()) visit(first, values);
+}
+
+}  // namespace
+
+bool is_symmetric(const SparseMatrix& matrix) {
+  if (matrix.rows() != matrix.cols()) return false;
+  const SparseMatrix difference = matrix - SparseMatrix(matrix.transpose());
+  return difference.nonZeros() == 0 || difference.coeffs().abs().maxCoeff() == 0.0;
+}
+
+std::string matrix_market_text(const ForeignMatrix& matrix) {
+  const bool symmetric = is_symmetric(matrix.matrix);
+  std::string entries;
+  Index count = 0;
+  for (Index column = 0; column < matrix.matrix.outerSize(); ++column)
+    for (SparseMatrix::InnerIterator it(matrix.matrix, column); it; ++it) {
+      if (symmetric && it.row() < column) continue;
+      entries += fmt::format("{} {} {:.17g}\n", it.row() + 1, column + 1, it.value());
+      ++count;
+    }
+  return fmt::format("%%MatrixMarket matrix coordinate real {}\n{} {} {}\n", symmetric ? "symmetric" : "general",
+                     matrix.matrix.rows(), matrix.matrix.cols(), count) +
+         entries;
+}
+
+std::string dmig_text(const std::vector<ForeignMatrix>& matrices) {
+  const std::int64_t shift = scalar_point_shift(matrices);
+  DmigWriter writer(shift);
+  for (const auto& matrix : matrices) writer.add(matrix);
+  if (shift == 0) return writer.text();
+  return fmt::format("$ generalised coordinate i is the scalar point {} + i\n", shift) + writer.text();
+}
+
+std::string op4_text(const std::vector<ForeignMatrix>& matrices) {
+  std::string text;
+  for (const auto& matrix : matrices) {
+    const SparseMatrix& entries = matrix.matrix;
+    text += fmt::format("{:>8}{:>8}{:>8}{:>8}{:<8}1P,3E24.16\n", entries.cols(), -entries.rows(),
+                        is_symmetric(entries) ? 6 : 2, 2, matrix.name);
+    for (Index column = 0; column < entries.outerSize(); ++column) {
+      std::string strings;
+      std::size_t words = 0;
+      for_each_string(entries, column, [&](Index first, const std::vector<double>& values) {
+        strings += fmt::format("{:>8}{:>8}\n", 2 * values.size() + 1, first + 1);
+        for (std::size_t i = 0; i < values.size(); ++i)
+          strings += fmt::format("{:24.16E}{}", values[i], i % 3 == 2 || i + 1 == values.size() ? "\n" : "");
+        words += 2 * values.size() + 2;
+      });
+      if (words > 0) text += fmt::format("{:>8}{:>8}{:>8}\n", column + 1, 0, words) + strings;
+    }
+    text += fmt::format("{:>8}{:>8}{:>8}\n{:24.16E}\n", entries.cols() + 1, 1, 1, 1.0);
+  }
+  return text;
+}
+
+namespace {
+
+/// Fortran's unformatted records in a given order of bytes.
+class RecordWriter {
+public:
+  explicit RecordWriter(bool big_endian) : swap_(big_endian != (std::endian::native == std::endian::big)) {}
+
+  template <typename T>
+  void add(T value) {
+    char bytes[sizeof(T)];
+    std::memcpy(bytes, &value, sizeof(T));
+    if (swap_) std::reverse(bytes, bytes + sizeof(T));
+    record_.append(bytes, sizeof(T));
+  }
+  void add_text(const std::string& text, std::size_t width) {
+    record_ += text;
+    record_.append(width - text.size(), ' ');
+  }
+  void end_record() {
+    const std::string content = std::move(record_);
+    record_.clear();
+    add(static_cast<std::int32_t>(content.size()));
+    const std::string length = std::move(record_);
+    record_.clear();
+    file_ += length + content + length;
+  }
+  [[nodiscard]] const std::string& bytes() const { return file_; }
+
+private:
+  bool swap_;
+  std::string record_, file_;
+};
+
+void add_op4(const ForeignMatrix& matrix, RecordWriter& writer) {
+  const SparseMatrix& entries = matrix.matrix;
+  for (const Index number : {entries.cols(), -entries.rows(), Index{is_symmetric(entries) ? 6 : 2}, Index{2}})
+    writer.add(static_cast<std::int32_t>(number));
+  writer.add_text(matrix.name, 8);
+  writer.end_record();
+  for (Index column = 0; column < entries.outerSize(); ++column) {
+    const Index count = entries.col(column).nonZeros();
+    if (count == 0) continue;
+    // One string an entry: 2 words of header, 2 of number.
+    for (const Index number : {column + 1, Index{0}, 4 * count}) writer.add(static_cast<std::int32_t>(number));
+    for (SparseMatrix::InnerIterator it(entries, column); it; ++it) {
+      writer.add(std::int32_t{3});
+      writer.add(static_cast<std::int32_t>(it.row() + 1));
+      writer.add(it.value());
+    }
+    writer.end_record();
+  }
+  for (const Index number : {entries.cols() + 1, Index{1}, Index{2}}) writer.add(static_cast<std::int32_t>(number));
+  writer.add(1.0);
+  writer.end_record();
+}
+
+Eigen::MatrixXd map_rows(const std::vector<MatrixDof>& dofs) {
+  Eigen::MatrixXd rows(static_cast<Index>(dofs.size()), 2);
+  for (Index i = 0; i < rows.rows(); ++i) {
+    const auto& dof = dofs[static_cast<std::size_t>(i)];
+    rows.row(i) << static_cast<double>(dof.node), dof.direction + 1;
+  }
+  return rows;
+}
+
+void add_hdf5(const ForeignMatrix& matrix, Hdf5File& file) {
+  SparseMatrix entries = matrix.matrix;
+  entries.makeCompressed();
+  const std::string group = "/" + matrix.name;
+  const Index count = entries.nonZeros();
+  using Integers = Eigen::Map<const Eigen::VectorXi>;
+  file.write(group + "/data", Eigen::Map<const Eigen::VectorXd>(entries.valuePtr(), count));
+  file.write(group + "/indices", Integers(entries.innerIndexPtr(), count).cast<double>());
+  file.write(group + "/indptr", Integers(entries.outerIndexPtr(), entries.outerSize() + 1).cast<double>());
+  file.write(group + "/shape",
+             Eigen::Vector2d(static_cast<double>(entries.rows()), static_cast<double>(entries.cols())));
+  file.set_attribute(group, "format", std::string("csc"));
+}
+
+}  // namespace
+
+std::string op4_bytes(const std::vector<ForeignMatrix>& matrices, bool big_endian) {
+  RecordWriter writer(big_endian);
+  for (const auto& matrix : matrices) add_op4(matrix, writer);
+  return writer.bytes();
+}
+
+std::string hdf5_bytes(const std::vector<ForeignMatrix>& matrices, const Eigen::MatrixXd& basis,
+                       const std::vector<std::string>& names) {
+  Hdf5File file = Hdf5File::create_in_memory("matrices.h5");
+  for (const auto& matrix : matrices) add_hdf5(matrix, file);
+  if (!matrices.empty() && !matrices.front().dofs.empty())
+    file.write_matrix("/dof_map", map_rows(matrices.front().dofs));
+  if (!names.empty()) file.write_strings("/names", names);
+  if (basis.size() > 0) file.write_matrix("/basis", basis);
+  return file.bytes();
+}
+
 namespace {
 
 namespace fs = std::filesystem;

@@ -2,7 +2,6 @@
 #include <set>
 
 #include "kalfem/formats/nastran/model_building.hpp"
-#include "kalfem/formats/nastran/rigid_equations.hpp"
 #include "kalfem/model/assembly/constraint_elimination.hpp"
 
 namespace kalfem::nastran {

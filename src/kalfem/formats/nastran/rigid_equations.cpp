@@ -1,4 +1,4 @@
-#include "kalfem/formats/nastran/rigid_equations.hpp"
+#include "kalfem/formats/nastran/model_building.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "kalfem/formats/nastran/section_shapes.hpp"
+#include "kalfem/formats/nastran/card_readers.hpp"
 
 #include <algorithm>
 #include <array>

@@ -11,7 +11,6 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/text.hpp"
 #include "kalfem/base/units.hpp"
-#include "kalfem/formats/tables/channel_title.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
 
 namespace kalfem {
