@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "kalfem/base/located.hpp"
+#include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/formats/deck.hpp"
 #include "kalfem/identification/finite_element_part.hpp"

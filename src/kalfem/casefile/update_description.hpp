@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "kalfem/base/located.hpp"
+#include "kalfem/base/invalid_input.hpp"
 #include "kalfem/casefile/finite_element_description.hpp"
 #include "kalfem/formats/tables/frf_table.hpp"
 #include "kalfem/identification/updating_setup.hpp"

@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "kalfem/base/located.hpp"
+#include "kalfem/base/invalid_input.hpp"
 #include "kalfem/estimation/filter.hpp"
 #include "kalfem/estimation/parameter_transform.hpp"
 #include "kalfem/identification/parameter_set.hpp"

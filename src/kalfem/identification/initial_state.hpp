@@ -1,6 +1,6 @@
 #pragma once
 
-#include "kalfem/base/located.hpp"
+#include "kalfem/base/invalid_input.hpp"
 #include "kalfem/dynamics/trajectory.hpp"
 #include "kalfem/system/coupling.hpp"
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "kalfem/base/invalid_input.hpp"
 #include "kalfem/casefile/description.hpp"
 #include "kalfem/records/record_preparation.hpp"
 

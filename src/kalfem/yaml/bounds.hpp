@@ -3,7 +3,7 @@
 #include <limits>
 #include <string>
 
-#include "kalfem/base/located.hpp"
+#include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/units.hpp"
 
 namespace kalfem {
