@@ -5,7 +5,7 @@
 
 #include "kalfem/formats/nastran.hpp"
 #include "kalfem/model/assembly/assembly.hpp"
-#include "kalfem/model/assembly/mass_properties.hpp"
+#include "kalfem/model/assembly/rigid_body.hpp"
 #include "model/fe_models.hpp"
 
 namespace kalfem::test {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kalfem/model/assembly/mechanisms.hpp"
+#include "kalfem/model/assembly/rigid_body.hpp"
 #include "kalfem/model/mesh/connectivity.hpp"
 #include "model/fe_models.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "kalfem/model/mesh/cell_corners.hpp"
+#include "kalfem/model/mesh/mesh.hpp"
 
 namespace kalfem {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/model/assembly/assembly.hpp"
-#include "kalfem/model/assembly/mass_properties.hpp"
+#include "kalfem/model/assembly/rigid_body.hpp"
 
 namespace kalfem::test {
 

@@ -3,7 +3,7 @@
 
 #include "kalfem/model/assembly/assembly.hpp"
 #include "kalfem/model/assembly/constraints.hpp"
-#include "kalfem/model/assembly/mass_properties.hpp"
+#include "kalfem/model/assembly/rigid_body.hpp"
 #include "kalfem/model/finite_element_model.hpp"
 #include "model/fe_models.hpp"
 

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "kalfem/linalg/lowest_modes.hpp"
-#include "kalfem/model/assembly/mass_properties.hpp"
+#include "kalfem/model/assembly/rigid_body.hpp"
 #include "kalfem/model/mesh/laminate_theory.hpp"
 #include "model/element_helpers.hpp"
 #include "shell_models.hpp"

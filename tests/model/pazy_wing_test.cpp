@@ -14,7 +14,7 @@
 #include "kalfem/formats/nastran.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/model/assembly/assembly.hpp"
-#include "kalfem/model/assembly/mass_properties.hpp"
+#include "kalfem/model/assembly/rigid_body.hpp"
 
 namespace kalfem {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
-#include "kalfem/model/modal_damping.hpp"
+#include "kalfem/model/linear_model.hpp"
 #include "kalfem/reduction/superelement.hpp"
 #include "reduction/frequencies.hpp"
 #include "reduction/lattice.hpp"

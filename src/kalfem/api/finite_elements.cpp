@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "kalfem/api/finite_element_substructure.hpp"
-#include "kalfem/model/modal_damping.hpp"
+#include "kalfem/model/linear_model.hpp"
 
 namespace kalfem {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/model/assembly/mechanisms.hpp"
+#include "kalfem/model/assembly/rigid_body.hpp"
 #include "kalfem/model/mesh/connectivity.hpp"
 #include "kalfem/reduction/free_interface.hpp"
 

@@ -7,7 +7,7 @@
 
 #include "kalfem/model/assembly/assembly.hpp"
 #include "kalfem/model/assembly/fe_linear_model.hpp"
-#include "kalfem/model/assembly/mass_properties.hpp"
+#include "kalfem/model/assembly/rigid_body.hpp"
 #include "kalfem/reduction/superelement.hpp"
 
 namespace kalfem {

@@ -1,9 +1,12 @@
 #include "kalfem/model/linear_model.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
+#include <string>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/linalg/lowest_modes.hpp"
 
 namespace kalfem {
 
@@ -39,6 +42,66 @@ SparseMatrix modal_damping(const SparseMatrix& mass, const NormalModes& modes, c
   if (ratios.empty()) return SparseMatrix(mass.rows(), mass.cols());
   const ModalDamping damping{modes, damping_rates(modes.frequencies, ratios)};
   return damping_force(damping, mass, Eigen::MatrixXd::Identity(mass.rows(), mass.cols())).sparseView();
+}
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+void check(const LinearModel& model, const std::vector<double>& ratios, const ModalDampingOptions& options) {
+  IssueList issues;
+  for (const double ratio : ratios)
+    if (!(ratio >= 0.0) || !std::isfinite(ratio))
+      issues.add({}, "a damping ratio is " + std::to_string(ratio),
+                 "it must not be negative: the structure would gain energy");
+  if (!options.count && !options.up_to)
+    issues.add({}, "the number of modes with modal damping is not given",
+               "only some modes of a large model are computed", "give their number or a frequency");
+  if (options.count && *options.count < 0)
+    issues.add({}, "modal damping of " + std::to_string(*options.count) + " modes", "the number must not be negative");
+  if (options.up_to && !(*options.up_to > 0.0 && std::isfinite(*options.up_to)))
+    issues.add({}, "modal damping up to " + std::to_string(*options.up_to) + " Hz",
+               "the frequency must be positive and finite");
+  if (model.modal_damping.rates.size() > 0)
+    issues.add({}, "the model has modal damping already", "its modes would be damped twice");
+  issues.raise();
+}
+
+LowestModes lowest(const LinearModel& model, std::optional<Index> count, std::optional<double> up_to) {
+  LowestModesOptions wanted;
+  if (count) wanted.count = std::min(*count, (model.mass.diagonal().array() > 0.0).count());
+  if (up_to) wanted.below = std::pow(2.0 * std::numbers::pi * *up_to, 2);
+  return lowest_modes(model.stiffness, model.mass, wanted);
+}
+
+VectorXd frequencies_of(const LowestModes& modes) { return modes.values.cwiseSqrt() / (2.0 * std::numbers::pi); }
+
+}  // namespace
+
+void add_modal_damping(LinearModel& model, const std::vector<double>& ratios, const ModalDampingOptions& options) {
+  check(model, ratios, options);
+  if (ratios.empty()) return;
+  LowestModes modes = lowest(model, options.count, options.up_to);
+  const Index count = modes.values.size();
+  if (count == 0) return;
+  const VectorXd frequencies = frequencies_of(modes);
+  VectorXd rates = damping_rates(frequencies, ratios);
+  if (options.damp_the_rest && modes.next) {
+    const double alpha = rates[count - 1];
+    model.damping = SparseMatrix(model.damping + alpha * model.mass);
+    rates.array() -= alpha;
+  }
+  model.modal_damping = {{frequencies, std::move(modes.vectors)}, rates};
+}
+
+NormalModes lowest_normal_modes(const LinearModel& model, Index count, std::optional<double> up_to) {
+  const auto& [frequencies, shapes] = model.modal_damping.modes;
+  const Index in_range = up_to ? (frequencies.array() <= *up_to).count() : frequencies.size();
+  const Index wanted = std::min(count, in_range);
+  if (wanted == count || in_range < frequencies.size()) return {frequencies.head(wanted), shapes.leftCols(wanted)};
+  LowestModes modes = lowest(model, count, up_to);
+  return {frequencies_of(modes), std::move(modes.vectors)};
 }
 
 }  // namespace kalfem

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "kalfem/model/modal_damping.hpp"
+#include "kalfem/model/linear_model.hpp"
 #include "kalfem/records/record.hpp"
 
 namespace kalfem {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "kalfem/linalg/lowest_modes.hpp"
-#include "kalfem/model/modal_damping.hpp"
+#include "kalfem/model/linear_model.hpp"
 #include "kalfem/reduction/superelement.hpp"
 
 namespace kalfem {

@@ -7,7 +7,7 @@
 #include <queue>
 #include <unordered_map>
 
-#include "kalfem/model/mesh/cell_corners.hpp"
+#include "kalfem/model/mesh/mesh.hpp"
 
 namespace kalfem {
 namespace {

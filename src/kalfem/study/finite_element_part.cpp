@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kalfem/model/modal_damping.hpp"
+#include "kalfem/model/linear_model.hpp"
 #include "kalfem/reduction/free_interface.hpp"
 #include "kalfem/study/finite_element_builder.hpp"
 

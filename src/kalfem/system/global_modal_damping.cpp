@@ -4,7 +4,7 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/linalg/sparse_factor.hpp"
-#include "kalfem/model/modal_damping.hpp"
+#include "kalfem/model/linear_model.hpp"
 
 namespace kalfem {
 

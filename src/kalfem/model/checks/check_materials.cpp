@@ -3,7 +3,7 @@
 #include <map>
 
 #include "kalfem/model/checks/single_checks.hpp"
-#include "kalfem/model/mesh/cell_corners.hpp"
+#include "kalfem/model/mesh/mesh.hpp"
 
 namespace kalfem::report {
 namespace {

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "kalfem/linalg/sparse_factor.hpp"
-#include "kalfem/model/assembly/mechanisms.hpp"
+#include "kalfem/model/assembly/rigid_body.hpp"
 #include "kalfem/model/checks/single_checks.hpp"
 #include "kalfem/model/mesh/connectivity.hpp"
 

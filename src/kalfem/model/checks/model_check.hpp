@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "kalfem/model/assembly/mass_properties.hpp"
+#include "kalfem/model/assembly/rigid_body.hpp"
 #include "kalfem/model/assembly/rigid_motion.hpp"
 #include "kalfem/model/linear_model.hpp"
 #include "kalfem/model/mesh/mesh.hpp"

@@ -6,7 +6,7 @@
 
 #include "kalfem/model/elements/element.hpp"
 #include "kalfem/model/elements/solid.hpp"
-#include "kalfem/model/mesh/cell_corners.hpp"
+#include "kalfem/model/mesh/mesh.hpp"
 
 namespace kalfem {
 namespace {

@@ -91,4 +91,108 @@ std::vector<double> element_sizes(const Mesh& mesh, std::span<const Eigen::Index
   return result;
 }
 
+namespace {
+
+constexpr std::array<CornerRing, 1> triangle = {{{{0, 1, 2}, 3}}};
+constexpr std::array<CornerRing, 1> quadrilateral = {{{{0, 1, 2, 3}, 4}}};
+constexpr std::array<CornerRing, 4> tetrahedron = {{{{0, 2, 1}, 3}, {{0, 1, 3}, 3}, {{1, 2, 3}, 3}, {{2, 0, 3}, 3}}};
+constexpr std::array<CornerRing, 5> wedge = {
+    {{{0, 2, 1}, 3}, {{3, 4, 5}, 3}, {{0, 1, 4, 3}, 4}, {{1, 2, 5, 4}, 4}, {{2, 0, 3, 5}, 4}}};
+constexpr std::array<CornerRing, 6> hexahedron = {
+    {{{0, 3, 2, 1}, 4}, {{4, 5, 6, 7}, 4}, {{0, 1, 5, 4}, 4}, {{1, 2, 6, 5}, 4}, {{2, 3, 7, 6}, 4}, {{3, 0, 4, 7}, 4}}};
+
+using Side = std::array<int, 2>;
+constexpr std::array<Side, 1> line_sides = {{{0, 1}}};
+constexpr std::array<Side, 3> triangle_sides = {{{0, 1}, {1, 2}, {2, 0}}};
+constexpr std::array<Side, 4> quadrilateral_sides = {{{0, 1}, {1, 2}, {2, 3}, {3, 0}}};
+constexpr std::array<Side, 6> tetrahedron_sides = {{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}};
+constexpr std::array<Side, 9> wedge_sides = {{{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}}};
+constexpr std::array<Side, 12> hexahedron_sides = {
+    {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6}, {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
+
+using Three = std::array<int, 3>;
+constexpr std::array<Three, 4> tetrahedron_neighbours = {{{1, 2, 3}, {2, 0, 3}, {0, 1, 3}, {0, 2, 1}}};
+constexpr std::array<Three, 6> wedge_neighbours = {{{1, 2, 3}, {2, 0, 4}, {0, 1, 5}, {5, 4, 0}, {3, 5, 1}, {4, 3, 2}}};
+constexpr std::array<Three, 8> hexahedron_neighbours = {
+    {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7}, {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}}};
+
+}  // namespace
+
+std::span<const CornerRing> corner_rings(CellShape shape) {
+  switch (10 * dimension(shape) + corner_count(shape)) {
+    case 23:
+      return triangle;
+    case 24:
+      return quadrilateral;
+    case 34:
+      return tetrahedron;
+    case 36:
+      return wedge;
+    case 38:
+      return hexahedron;
+    default:
+      return {};
+  }
+}
+
+std::span<const std::array<int, 2>> corner_sides(CellShape shape) {
+  switch (10 * dimension(shape) + corner_count(shape)) {
+    case 12:
+      return line_sides;
+    case 23:
+      return triangle_sides;
+    case 24:
+      return quadrilateral_sides;
+    case 34:
+      return tetrahedron_sides;
+    case 36:
+      return wedge_sides;
+    case 38:
+      return hexahedron_sides;
+    default:
+      return {};
+  }
+}
+
+std::span<const std::array<int, 3>> corner_neighbours(CellShape shape) {
+  if (dimension(shape) != 3) return {};
+  switch (corner_count(shape)) {
+    case 4:
+      return tetrahedron_neighbours;
+    case 6:
+      return wedge_neighbours;
+    case 8:
+      return hexahedron_neighbours;
+    default:
+      return {};
+  }
+}
+
+Eigen::Matrix3Xd corner_places(const Mesh& mesh, const Cell& cell) {
+  Eigen::Matrix3Xd places(3, corner_count(cell.shape));
+  for (Eigen::Index i = 0; i < places.cols(); ++i)
+    places.col(i) = mesh.nodes.col(mesh.nodes_of(cell)[static_cast<std::size_t>(i)]);
+  return places;
+}
+
+double cell_measure(const Mesh& mesh, const Cell& cell) {
+  const Eigen::Matrix3Xd places = corner_places(mesh, cell);
+  if (dimension(cell.shape) == 1) return (places.col(1) - places.col(0)).norm();
+  const Eigen::Vector3d centre = places.rowwise().mean();
+  double sum = 0.0;
+  for (const auto& ring : corner_rings(cell.shape)) {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero(), area = Eigen::Vector3d::Zero();
+    for (const int place : ring.places()) middle += places.col(place) / ring.count;
+    for (int i = 0; i < ring.count; ++i) {
+      const Eigen::Vector3d a = places.col(ring.corners[static_cast<std::size_t>(i)]) - middle,
+                            b = places.col(ring.corners[static_cast<std::size_t>((i + 1) % ring.count)]) - middle;
+      const Eigen::Vector3d part = 0.5 * a.cross(b);
+      area += part;
+      if (dimension(cell.shape) == 2) sum += part.norm();
+    }
+    if (dimension(cell.shape) == 3) sum += area.dot(middle - centre) / 3.0;
+  }
+  return sum;
+}
+
 }  // namespace kalfem

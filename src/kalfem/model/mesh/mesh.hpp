@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <array>
 #include <cstdint>
 #include <map>
 #include <span>
@@ -78,5 +79,30 @@ Eigen::Index nearest_node(const Mesh& mesh, const Eigen::Vector3d& place);
 /// corner or a middle of [m]. A node without such a cell, as of matrices, a mass or the hub of a rigid link, has the
 /// distance to the nearest node at another place. 0 where there is none.
 std::vector<double> element_sizes(const Mesh& mesh, std::span<const Eigen::Index> nodes);
+
+/// Corners of a face or a surface, by their places in the cell, in order around it.
+struct CornerRing {
+  std::array<int, 4> corners = {};
+  int count = 0;
+  [[nodiscard]] std::span<const int> places() const { return {corners.data(), static_cast<std::size_t>(count)}; }
+};
+
+/// Faces of a cell by its corners: of a solid all, counter-clockwise seen from outside; of a surface itself; none of
+/// lines and points.
+std::span<const CornerRing> corner_rings(CellShape shape);
+
+/// Sides between corners, each once.
+std::span<const std::array<int, 2>> corner_sides(CellShape shape);
+
+/// The three corners that sides of a solid lead to from each corner, so ordered that their edges have a positive triple
+/// product in a cell that is not turned inside out. None of other cells.
+std::span<const std::array<int, 3>> corner_neighbours(CellShape shape);
+
+/// Places of the corners, 3 x corners.
+Eigen::Matrix3Xd corner_places(const Mesh& mesh, const Cell& cell);
+
+/// Length, area or volume of a cell by its corners; 0 of a point. The volume of a cell that is turned inside out is
+/// negative.
+double cell_measure(const Mesh& mesh, const Cell& cell);
 
 }  // namespace kalfem

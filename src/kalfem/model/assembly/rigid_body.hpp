@@ -23,4 +23,15 @@ Eigen::Vector3d moving_mass(const FiniteElementModel& model, const AssembledMode
 /// x, y, z [m/rad, rad/rad]; n x 6.
 Eigen::MatrixXd rigid_body_modes(const FiniteElementModel& model, const AssembledModel& assembled);
 
+/// Motions without strain other than the rigid-body motions of the whole: hinges, rotations that nothing holds, parts
+/// that hang on nothing. One degree of freedom for each, named "n17.rx": holding all of them leaves no mechanism.
+///
+/// With D the diagonal of K, the null space of the scaled stiffness D^-1/2 K D^-1/2 is found by subspace iteration with
+/// (K + 1e-12 D)^-1, which needs no mass: a motion counts as one without strain where its Rayleigh quotient
+/// phi^T K phi / phi^T D phi is below 3e-14, a hundred times the rounding of K; the softest mode of a cantilever of N
+/// elements lies at 0.5 / N^4. The rigid-body motions that strain nothing are taken out of it; columns of
+/// what is left are chosen by a pivoted QR factorisation. Degrees of freedom without any stiffness are named at once.
+/// At most about 250 are found beside those. Throws InvalidInput where the stiffness is indefinite.
+std::vector<std::string> find_mechanisms(const FiniteElementModel& model, const AssembledModel& assembled);
+
 }  // namespace kalfem
