@@ -14,8 +14,8 @@
 #include "kalfem/pipeline/reported_quantities.hpp"
 #include "kalfem/pipeline/run_study.hpp"
 #include "kalfem/pipeline/run_updating.hpp"
-#include "kalfem/report/record_report.hpp"
 #include "kalfem/report/sections.hpp"
+#include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/tables.hpp"
 #include "verbs.hpp"
 

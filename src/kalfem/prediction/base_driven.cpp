@@ -7,7 +7,6 @@
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/linalg/sparse_factor.hpp"
 #include "kalfem/linalg/sparse_operations.hpp"
-#include "kalfem/reduction/mode_selection.hpp"
 #include "kalfem/reduction/partition.hpp"
 
 namespace kalfem {

@@ -4,7 +4,6 @@
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/linalg/sparse_operations.hpp"
-#include "kalfem/reduction/mode_selection.hpp"
 #include "kalfem/reduction/partition.hpp"
 #include "kalfem/reduction/projection.hpp"
 #include "kalfem/reduction/superelement.hpp"

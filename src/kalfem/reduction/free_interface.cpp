@@ -5,7 +5,6 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/stopwatch.hpp"
-#include "kalfem/reduction/mode_selection.hpp"
 #include "kalfem/reduction/partition.hpp"
 #include "kalfem/reduction/projection.hpp"
 

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "kalfem/report/record_report.hpp"
 #include "kalfem/report/sections.hpp"
+#include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/report/updating_tables.hpp"
 #include "kalfem/statistics/quantiles.hpp"

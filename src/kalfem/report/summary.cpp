@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "kalfem/base/version.hpp"
-#include "kalfem/report/record_report.hpp"
 #include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/study/structural_modifications.hpp"

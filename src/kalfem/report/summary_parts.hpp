@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 
 #include "kalfem/pipeline/run_study.hpp"
 
@@ -19,5 +20,21 @@ inline nlohmann::ordered_json number(const std::optional<double>& value) {
 
 /// The object "updating" of summary.json.
 nlohmann::ordered_json updating_summary(const Study& study, const UpdatingOutcome& outcome);
+
+/// Where a sensor of a free response rests, in the file's coordinates.
+struct RestFound {
+  std::string sensor, unit;
+  double position = 0.0;            ///< [unit]
+  std::optional<double> deviation;  ///< standard deviation of an estimated one [unit]
+};
+
+/// Rest positions that were found in the record, or with the estimates where it ends before the rest.
+std::vector<RestFound> rest_positions(const Study& study, const StudyResults& results);
+
+/// Part of the file, samples, how it was prepared, release and rest; for summary.json.
+nlohmann::ordered_json record_summary(const Study& study, const StudyResults& results);
+
+/// The same in words, a line each; empty where the case reads no record.
+std::string record_words(const Study& study, const StudyResults& results);
 
 }  // namespace kalfem

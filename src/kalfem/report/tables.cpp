@@ -6,7 +6,7 @@
 #include <map>
 
 #include "kalfem/records/record.hpp"
-#include "kalfem/report/record_report.hpp"
+#include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/updating_tables.hpp"
 #include "kalfem/study/structural_modifications.hpp"
 
