@@ -4,7 +4,7 @@
 
 #include "formats/abaqus_decks.hpp"
 #include "formats/nastran_decks.hpp"
-#include "kalfem/model/elements/point_mass.hpp"
+#include "kalfem/model/assembly/rigid_motion.hpp"
 
 // Numbers of decks that no symmetric example shows: unequal weights, bodies off their node, parts that are turned.
 

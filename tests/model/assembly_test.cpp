@@ -6,8 +6,8 @@
 
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/model/assembly/fe_linear_model.hpp"
+#include "kalfem/model/assembly/rigid_motion.hpp"
 #include "kalfem/model/elements/beam.hpp"
-#include "kalfem/model/elements/point_mass.hpp"
 #include "model/fe_models.hpp"
 
 namespace kalfem {

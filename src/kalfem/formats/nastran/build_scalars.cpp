@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "kalfem/formats/nastran/model_building.hpp"
-#include "kalfem/model/elements/point_mass.hpp"
+#include "kalfem/model/assembly/rigid_motion.hpp"
 
 namespace kalfem::nastran {
 namespace {

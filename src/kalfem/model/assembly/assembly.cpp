@@ -6,8 +6,8 @@
 
 #include "kalfem/model/assembly/constraints.hpp"
 #include "kalfem/model/assembly/matrix_sums.hpp"
+#include "kalfem/model/assembly/rigid_motion.hpp"
 #include "kalfem/model/elements/beam.hpp"
-#include "kalfem/model/elements/point_mass.hpp"
 #include "kalfem/model/elements/shell.hpp"
 #include "kalfem/model/elements/solid.hpp"
 
