@@ -198,6 +198,8 @@ void FirstOrderForm::add_chains(const LinearOutput& raw, const std::vector<Measu
   }
 }
 
+// One first-order hold over all columns of G and B: forces and inputs both are linear over the step. The compliance
+// adds what the forces at the end do to the state by then, and to d'' at once.
 ExactStep::ExactStep(const FirstOrderForm& form, double step_) : step(step_) {
   const auto m = form.force_gain().cols();
   Eigen::MatrixXd gain(form.size(), m + form.input_gain().cols());

@@ -24,6 +24,9 @@ MatrixXd modal_damping(const LocallyNonlinearSystem& physical, const MatrixXd& s
 
 }  // namespace
 
+// The dense generalised eigenproblem gives Phi and M Phi. Everything is projected with them; squares of frequencies and
+// damping terms at the level of rounding become zero, so that the blocks of the system's matrix stay as small as they
+// are.
 ModalCoordinates::ModalCoordinates(const LocallyNonlinearSystem& physical) {
   const Index n = physical.size();
   const MatrixXd mass(physical.mass);

@@ -179,6 +179,7 @@ private:
   SimulationResult& result_;
 };
 
+// A failure is a value, not an exception: a search over parameters meets many, and goes on with the next point.
 std::optional<SimulationFailure> failure_of(const ForceSolveOutcome& outcome, const Motion& motion, double time) {
   if (!outcome.finite || !motion.acceleration.allFinite())
     return SimulationFailure{time,
@@ -281,6 +282,8 @@ InitialState at_rest(Index dofs, Index connector_states) {
 
 AlphaParameters newmark_parameters() { return {}; }
 
+// beta and gamma of second order and largest damping at high frequencies, for HHT from alpha and for generalised-alpha
+// from the spectral radius at infinite frequency: gamma = 1/2 - a_m + a_f, beta = (1 - a_m + a_f)^2 / 4.
 AlphaParameters hht_parameters(double alpha) { return {(1.0 - alpha) * (1.0 - alpha) / 4.0, 0.5 - alpha, 0.0, -alpha}; }
 
 AlphaParameters generalized_alpha_parameters(double rho) {

@@ -14,6 +14,7 @@ ForceSolveOutcome SinglePointForces::start(const Eigen::VectorXd& free_motion, c
   return solve(free_motion, compliance, 0.0, motion);
 }
 
+// The last forces and states are the guess and the start of the interval; they advance only where time does.
 ForceSolveOutcome SinglePointForces::solve(const Eigen::VectorXd& free_motion, const Eigen::MatrixXd& compliance,
                                            double duration, Motion& motion) {
   forces_.free_motion().row(0) = free_motion.transpose().array();

@@ -59,6 +59,9 @@ void BlockLanczos::attach(MatrixXd block, Index near, Index columns, MatrixXd& p
   basis_.middleCols(columns, last_) = block;
 }
 
+// A block Lanczos step with full second orthogonalisation: apply A^-1 M to the last block, take out the part that lies
+// in the basis, M-orthonormalise the rest and append it. The projections are one block column of Q^T M A^-1 M Q, the
+// triangle couples it with the new block; the residual of a Ritz pair follows from that triangle alone.
 bool BlockLanczos::step() {
   if (last_ == 0) return false;
   const Index columns = size_ + last_;
@@ -88,6 +91,8 @@ bool BlockLanczos::restart_at_random() {
   return last_ > 0;
 }
 
+// Thick restart: the leading Ritz vectors take the place of the basis, their values that of the projected matrix, and
+// the last block stays, coupled with all of them. Nothing that has converged is lost, and the memory stays bounded.
 void BlockLanczos::compress(const RitzPairs& pairs, Index keep) {
   const MatrixXd next = basis_.middleCols(size_, last_);
   const auto kept = pairs.vectors.leftCols(keep);

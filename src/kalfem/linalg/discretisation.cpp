@@ -34,6 +34,10 @@ Eigen::RowVectorXd input_scale(const Eigen::MatrixXd& B) {
 
 }  // namespace
 
+// One exponential gives the transition and both weights of x' = A x + B u with u linear over the step [VL78]:
+//     exp [A h, B h, 0; 0, 0, 1; 0, 0, 0] = [e^(Ah), G, G1; ...],    x1 = e^(Ah) x0 + (G - G1) u0 + G1 u1.
+// States are balanced and inputs scaled by powers of two before: the exponential's squarings then follow the
+// frequencies and not the units, and scaling back is exact.
 FirstOrderHold first_order_hold(const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::Ref<const Eigen::MatrixXd>& B,
                                 double h) {
   check(A, B, h);
@@ -79,6 +83,9 @@ struct NoiseStep {
   Eigen::MatrixXd covariance;
 };
 
+// The covariance of process noise over a step is int e^(As) Qc e^(A^T s) ds. Van Loan's block exponential [VL78] gives
+// it with the transition, but holds e^(-Ah), which is huge for a long step of a stiff structure. So it is taken over a
+// step short enough that the norm is below 1/2, and the step is doubled until it is the whole one.
 /// Van Loan's block exponential over a short step, A and Q already multiplied by its length.
 NoiseStep short_step(const Eigen::MatrixXd& A, const Eigen::MatrixXd& Q) {
   const Eigen::Index n = A.rows();

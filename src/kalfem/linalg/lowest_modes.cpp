@@ -110,6 +110,9 @@ double natural_shift(const Matrix& stiffness, const Matrix& mass) {
   return 1e-8 * *middle;
 }
 
+// In theta the wanted pairs come first and their end is either a number or a least theta. A pair counts once its
+// residual is a small part of its theta. The first pair beyond must be known roughly too: it proves that the wanted
+// ones are complete, and is the first frequency left out.
 /// The wanted pairs lead the list of all; how many they are may show only as they come.
 class Wanted {
 public:
@@ -228,6 +231,14 @@ MatrixXd purified(const Matrix& mass, const SparseFactor& factor, MatrixXd vecto
   return vectors * lengths.cwiseInverse().asDiagonal();
 }
 
+// The lowest modes of a large model are found in four steps:
+//   1. shift and invert: A = K + s M is factored once; its inverse has the values theta = 1 / (lambda + s), so that the
+//      lowest modes are the largest theta, which a Krylov space shows first;
+//   2. iterate: the space grows by blocks until the wanted pairs have converged in it, and shrinks to its leading Ritz
+//      vectors where it is full (thick restart);
+//   3. check: either the inertia of K - lambda M counts the values below (Sylvester), or a random block that is
+//      iterated in the complement must bring nothing above the last value found. Where a pair was missed, go on;
+//   4. purify: a mass matrix with zeros lets components grow that M does not see; one more A^-1 M takes them out.
 LowestModes by_lanczos(const Problem& problem) {
   const auto& [stiffness, mass, shifted, options] = problem;
   const Wanted wanted(options, shifted.shift);

@@ -21,6 +21,8 @@ class Validator {
 public:
   explicit Validator(const FiniteElementModel& model) : model_(model), mesh_(model.mesh) {}
 
+  // In the order in which checks rest on each other: cells of a mesh that has wrong nodes are not looked at, and
+  // constraints only where every node exists. So one mistake is told once, at its place.
   std::vector<Issue> run() {
     check_mesh();
     for (const auto& [name, material] : model_.materials) check_material(name, material);
@@ -132,6 +134,8 @@ void Validator::check_property(const std::string& region, const RegionProperty& 
   if (const auto* beam = std::get_if<BeamProperty>(&property)) check_section(region, *beam);
 }
 
+// A, B and D together must be positive definite, not each alone: a large coupling B can make a laminate unstable
+// although A and D are sound.
 void Validator::check_laminate(const std::string& region, const LaminateProperty& laminate) {
   if (!is_positive(laminate.mass))
     add("the cross-section of region '" + region + "' has the mass " + std::to_string(laminate.mass),

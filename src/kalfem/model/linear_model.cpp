@@ -38,6 +38,7 @@ Eigen::VectorXd damping_rates(const Eigen::VectorXd& frequencies, const std::vec
   return rates;
 }
 
+// For models of moderate size, where all modes are known and C may be full.
 SparseMatrix modal_damping(const SparseMatrix& mass, const NormalModes& modes, const std::vector<double>& ratios) {
   if (ratios.empty()) return SparseMatrix(mass.rows(), mass.cols());
   const ModalDamping damping{modes, damping_rates(modes.frequencies, ratios)};
@@ -79,6 +80,8 @@ VectorXd frequencies_of(const LowestModes& modes) { return modes.values.cwiseSqr
 
 }  // namespace
 
+// Steps: compute the lowest modes; give each its rate 2 zeta omega; damp the rest by alpha M with the last rate, taken
+// off the stored ones again; keep modes and rates, as C_m would be a full matrix.
 void add_modal_damping(LinearModel& model, const std::vector<double>& ratios, const ModalDampingOptions& options) {
   check(model, ratios, options);
   if (ratios.empty()) return;
@@ -95,6 +98,7 @@ void add_modal_damping(LinearModel& model, const std::vector<double>& ratios, co
   model.modal_damping = {{frequencies, std::move(modes.vectors)}, rates};
 }
 
+// The modes of the modal damping serve where they are enough, or where the asked band ends before them.
 NormalModes lowest_normal_modes(const LinearModel& model, Index count, std::optional<double> up_to) {
   const auto& [frequencies, shapes] = model.modal_damping.modes;
   const Index in_range = up_to ? (frequencies.array() <= *up_to).count() : frequencies.size();

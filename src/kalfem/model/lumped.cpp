@@ -133,6 +133,10 @@ std::vector<Issue> validate(const LumpedSubstructure& substructure) {
   return issues.issues();
 }
 
+// With b the elongation of a spring per degree of freedom, it adds k b b^T to K and c b b^T to C, and a moving ground
+// at its end pulls with k and c times its motion. Modal and Rayleigh damping come last, as they need the whole K and M;
+// a slow motion of a ground must not be damped by them, so its rate gets the damping of the shape that it carries
+// along.
 LinearModel assemble(const LumpedSubstructure& substructure) {
   if (auto issues = validate(substructure); !issues.empty()) throw InvalidInput(std::move(issues));
   LinearModel model;

@@ -116,6 +116,8 @@ LumpedSubstructure ParameterisedLumped::substructure_at(const Eigen::VectorXd& p
   return substructure;
 }
 
+// Modal ratios are taken out before the assembly, which would need the modes at every new value: who works in modes
+// applies them there.
 ModelAtParameters ParameterisedLumped::at(const Eigen::VectorXd& parameters) const {
   LumpedSubstructure substructure = substructure_at(parameters);
   ModalRatios ratios;
@@ -123,6 +125,9 @@ ModelAtParameters ParameterisedLumped::at(const Eigen::VectorXd& parameters) con
   return {assemble(substructure), ratios};
 }
 
+// K, C and M are linear in springs, dashpots and masses, so a derivative is the assembly of the parameter alone at 1.
+// Rayleigh damping follows by the chain rule: dC = alpha dM + beta dK, and dC = M or K for its factors. Several targets
+// of one parameter add up.
 std::vector<ModelDerivative> ParameterisedLumped::derivatives(const Eigen::VectorXd& parameters) const {
   const LumpedSubstructure present = substructure_at(parameters);
   const auto& [alpha, beta] = present.rayleigh;

@@ -5,6 +5,8 @@
 namespace kalfem {
 namespace {
 
+// Every field is multiplied by its unit in SI, which follows from length, mass and time alone. Rotations have no unit,
+// so moments per angle are force times length, and lever arms in a deformation are lengths.
 /// Units of derived quantities in SI.
 struct Derived {
   double length, mass, force, pressure, density, area, inertia;

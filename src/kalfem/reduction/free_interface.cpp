@@ -65,6 +65,12 @@ struct Space {
   double factor_bytes = 0.0;
 };
 
+// Rubin's space without its residual flexibility, whose columns would cancel against the modes (see the header):
+//   1. free modes Phi and the constraint modes Psi of the held interior;
+//   2. of a free component also the interior's answer to the inertia of the rigid-body motions that the boundary
+//      causes;
+//   3. Phi - Psi Phi_b vanishes on the boundary; orthonormalised and uncoupled it takes the place of fixed-interface
+//      modes.
 Space rubin_space(const LinearModel& model, const Partition& parts, const SelectedModes& kept) {
   const ShiftedStiffness factored = factor_stiffness(parts.stiffness_ii, parts.mass_ii, parts.interior_names);
   const auto n_b = static_cast<Index>(parts.boundary.size());
@@ -98,6 +104,8 @@ struct MasslessResidual {
   MatrixXd stiffness, transformation;
 };
 
+// MacNeal's form is found inside Rubin's small model, not in the full one: its kept modes are the same, and its further
+// modes carry exactly the residual flexibility. G_r is inverted by its principal directions, scaled to a unit diagonal.
 /// In Rubin's coordinates the kept modes are exact, and the further ones hold exactly the residual flexibility.
 std::optional<MasslessResidual> massless_residual(const LinearModel& rubin, Index n_b, const VectorXd& kept) {
   const Index k = kept.size(), further = rubin.size() - k;

@@ -158,6 +158,8 @@ double residual(const LinearModel& full, const VectorXd& shape, double value) {
 
 }  // namespace
 
+// Each mode of the full model is looked for in the span of the reduced modes of its frequency, recovered by T: modes of
+// equal frequency may be any combination of each other, and a single MAC would call a good reduction bad.
 std::vector<ModeComparison> compare_modes(const LinearModel& full, const LinearModel& reduced, const MatrixXd& basis,
                                           double up_to) {
   const NormalModes exact = lowest_normal_modes(full, reduced.size(), up_to);

@@ -126,6 +126,8 @@ ForceSolveOutcome ConnectorForces::solve(const MatrixXd& compliance, double dura
   return solver_->solve(*this, compliance, duration);
 }
 
+// Which way a solution goes depends on what feels the forces. Where displacements or rates at the end do, or a law
+// depends on the acceleration: Newton's method. Otherwise one call of the laws is the solution.
 ForceSolveOutcome ConnectorForces::Solver::solve(ConnectorForces& outer, const MatrixXd& compliance, double duration) {
   read_interval(outer);
   ForceSolveOutcome outcome;

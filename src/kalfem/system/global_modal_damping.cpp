@@ -72,6 +72,8 @@ SparseMatrix stiffness_at_rest(const LocallyNonlinearSystem& system) {
   return SparseMatrix(system.stiffness + SparseMatrix(forces * SparseMatrix(directions.transpose())));
 }
 
+// Steps: assemble the structure with the connectors' stiffness at rest; let add_modal_damping() find its modes and
+// their rates; subtract what the grounds' slow motion would be damped by, as a load of their rates; store both.
 void add_global_modal_damping(LocallyNonlinearSystem& system, const GlobalModalDamping& damping,
                               const std::vector<Index>& grounds) {
   LinearModel whole;

@@ -61,6 +61,7 @@ void require_signal(IssueList& issues, const SignalPtr& signal) {
 
 }  // namespace
 
+// Times are start + k step, not a running sum: late samples of a long record would gather its rounding.
 SignalSamples FormulaSignal::sample(double start, double step, Eigen::Index count) const {
   check_sampling(start, step, count);
   SignalSamples samples(count, 3);
@@ -68,6 +69,8 @@ SignalSamples FormulaSignal::sample(double start, double step, Eigen::Index coun
   return samples;
 }
 
+// Every signal checks what it is asked for: samples from a start at equal steps, values with two derivatives in
+// columns. A wrong step would otherwise show far from here, as a trajectory without meaning.
 void check_sampling(double start, double step, Eigen::Index count) {
   IssueList issues;
   require_finite(issues, "start time of the samples", start);

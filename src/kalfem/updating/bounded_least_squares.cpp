@@ -23,6 +23,13 @@ VectorXd least_squares(MatrixXd matrix, const VectorXd& offset, double rank_tole
   return -svd.solve(offset).cwiseQuotient(length);
 }
 
+// Minimises |A d + b| within lower <= d <= upper by an active-set method:
+//   1. unknowns that stand at a bound and are pulled outwards are held from the start;
+//   2. the free ones move to their common minimum, by least squares of least length; the first bound on the way stops
+//      the move and holds its unknown;
+//   3. where nothing stopped them, the held one that is pulled inwards most is freed; where none is, this is the
+//      minimum.
+// The cost falls with every move, so no set of held unknowns comes twice but by rounding, which the round limit ends.
 /// The search: unknowns d, those that are held at a bound and the others.
 class ActiveSet {
 public:

@@ -47,6 +47,8 @@ public:
   explicit Complement(const SolvedEigenproblem& problem)
       : problem_(problem), massed_(problem.mass * problem.modes.vectors) {}
 
+  // Conjugate gradients on the complement of the computed modes, where K - lambda M is positive definite as long as
+  // every mode below lambda is among them. A curvature near zero shows that one is not: then there is no answer.
   /// (K - lambda M) X = F - M Phi Phi^T F with Phi^T M X = 0.
   [[nodiscard]] std::optional<MatrixXd> solve(double lambda, const MatrixXd& forces,
                                               const EigenSensitivityOptions& options) const {

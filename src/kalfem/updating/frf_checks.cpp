@@ -141,6 +141,8 @@ std::string unit_hint(double factor, const FrfSet& set) {
 
 bool is_like(double factor, double value) { return factor < value * like_gravity && factor > value / like_gravity; }
 
+// Tried in order: a power of omega (displacement, velocity or acceleration taken for each other), the factor g, a
+// factor that no parameter of a model explains. The message proposes the unit that would account for it.
 void check_level(const MeasuredFrf& frf, const LogRatios& ratios, bool any_level, IssueList& issues) {
   if (ratios.values.empty()) return;
   constexpr const char* why = "measurement and model are compared in m, s, N";
@@ -192,6 +194,7 @@ void check_lines(const std::vector<MeasuredFrf>& measured, const std::vector<Fre
   issues.raise();
 }
 
+// Beyond the highest natural frequency of a lumped model its response is that of masses alone, which no structure has.
 void check_range(const std::vector<MeasuredFrf>& measured, const std::vector<FrequencyResponse>& compared,
                  const ResponseBasis& basis, const ResponseBasisOptions& options) {
   if (basis.shapes.rows() > options.exact_up_to || basis.modes == 0) return;

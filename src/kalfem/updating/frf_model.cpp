@@ -235,6 +235,8 @@ FrfEvaluation FrfModel::evaluate(const VectorXd& parameters, bool with_derivativ
   return evaluation;
 }
 
+// Of a ground's load only k_g and c_g depend on a parameter, which the model gives as values: central differences of
+// these vectors serve, as they are affine or nearly so. What follows from them in the basis is differentiated exactly.
 void FrfModel::add_load_derivatives(FrfEvaluation& evaluation, const VectorXd& parameters,
                                     const VectorXd& rates) const {
   const ResponseBasis& basis = evaluation.basis;

@@ -103,6 +103,7 @@ private:
   int evaluations_ = 0, without_response_ = 0;
 };
 
+// The evolution strategy finds the valley, not its floor: near the minimum Gauss-Newton converges quadratically.
 /// Least squares from the best point; kept where it lowers the cost.
 void polish(EvolutionOutcome& outcome, const Residual& residual, const std::vector<UpdatingParameter>& parameters,
             LeastSquaresOptions options) {

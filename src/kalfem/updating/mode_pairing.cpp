@@ -157,6 +157,8 @@ std::vector<std::optional<Index>> best_assignment(const MatrixXd& gains) {
   return assignment;
 }
 
+// Gains of pairs below the least MAC are zero, and such pairs cost `never`: a mode without a partner pairs with
+// nothing.
 std::vector<ModePair> pair_modes(const MatrixXd& mac, const VectorXd& measured_frequencies,
                                  const VectorXd& model_frequencies, const ModePairingOptions& options) {
   MatrixXd gains(mac.rows(), mac.cols());

@@ -172,6 +172,8 @@ void fill_covariance(ParameterStatistics& statistics, const Linearised& problem,
   statistics.deviations = statistics.covariance.diagonal().cwiseSqrt();
 }
 
+// A parameter counts as at its bound only where the gradient of cost and prior pulls it outwards; standing there by
+// chance is no finding.
 void judge_parameters(ParameterStatistics& statistics, const std::vector<UpdatingParameter>& parameters,
                       const VectorXd& values, const VectorXd& gradient, const ParameterStatisticsOptions& options) {
   for (std::size_t i = 0; i < parameters.size(); ++i) {
@@ -319,6 +321,7 @@ std::vector<std::string> parameter_findings(const Parameters& parameters, const 
   return findings;
 }
 
+// Before the search: a parameter whose column is rounding beside the largest cannot be found, whatever the data say.
 std::vector<std::string> without_effect(const Parameters& parameters, const Eigen::MatrixXd& jacobian) {
   constexpr double rounding = 1e-10;  // of the largest column
   std::vector<std::string> names;

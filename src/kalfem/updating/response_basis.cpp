@@ -89,6 +89,10 @@ struct RatioRange {
   }
 };
 
+// C_m is a function of K and M through their modes. Its derivative in the basis of modes is a divided difference of the
+// damping rates over the eigenvalues, d_jk = (rate_j - rate_k) / (lambda_j - lambda_k) for a change of K. The cases
+// avoid the cancellation of that quotient where the rates are equal, where the frequencies are, or where a common ratio
+// makes the rates proportional to omega.
 /// Two shapes' share in the derivative of C_m: their circular frequencies and damping rates, and whether both have a
 /// ratio of their own.
 struct ShapePair {
@@ -115,6 +119,11 @@ VectorXd ResponseBasis::circular_frequencies() const {
   return (mass.array() > 0.0).select(stiffness.cwiseMax(0.0).cwiseSqrt(), 0.0);
 }
 
+// The basis of the response up to a frequency: all modes up to a multiple of it, and static answers for the rest (modal
+// truncation augmentation). The static part holds the answers to the loads and outputs, to the inertia of those
+// answers, and to the dashpots' forces when the modes move. It is taken without its part in the modes, orthonormalised
+// in the energy K + s M, and made uncoupled by its mass: massless directions keep stiffness alone. A small model gets
+// all of its coordinates, which makes the basis exact.
 ResponseBasis response_basis(const LinearModel& model, const MatrixXd& places, double highest,
                              const ResponseBasisOptions& options) {
   const SparseMatrix& mass = model.mass;

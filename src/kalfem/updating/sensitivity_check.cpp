@@ -127,6 +127,8 @@ std::string explain(Verdict verdict) {
   return {};
 }
 
+// A deviation counts only beyond the differences' own estimated error; where that error exceeds the tolerance, nothing
+// can be said.
 std::vector<SensitivityComparison> check_sensitivities(const Residual& residual,
                                                        const std::vector<UpdatingParameter>& parameters,
                                                        const VectorXd& values, const SensitivityCheckOptions& options) {

@@ -83,6 +83,8 @@ MatrixXd load_vectors(const std::vector<StaticTest>& tests, const LinearModel& m
 
 }  // namespace
 
+// All tests share the stiffness, and so one factorisation: their loads are columns, their measured points rows. The
+// structure at the start is solved once, so that one that is free to move is refused before the search.
 StaticResidual::StaticResidual(std::shared_ptr<const ParameterisedModel> model, std::vector<StaticTest> tests,
                                const VectorXd& start)
     : model_(std::move(model)), tests_(std::move(tests)) {

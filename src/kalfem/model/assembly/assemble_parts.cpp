@@ -21,6 +21,7 @@ struct Numbering {
   std::vector<Positions> of_part;
 };
 
+// One degree of freedom of a part may not stand twice: it would be joined with itself without a word.
 Numbering numbered(const std::vector<const LinearModel*>& parts) {
   Numbering numbering;
   IssueList issues;
@@ -135,6 +136,8 @@ void check_modal_damping(const std::vector<const LinearModel*>& parts, Index den
 
 }  // namespace
 
+// Names decide: each gets one place in the assembly, each part the positions of its own names. M, C, K are then sums of
+// triplets at these positions, grounds sums of vectors.
 LinearModel assemble_parts(const std::vector<const LinearModel*>& parts, Index dense_damping_up_to) {
   if (parts.empty())
     throw InvalidInput("there are no parts to assemble", "an assembly needs at least one part", "give its parts");

@@ -82,6 +82,8 @@ std::vector<AffineTerm> to_list(Terms terms, Eigen::Index size) {
   return list;
 }
 
+// A degree of freedom without element, spring or mass has no equation: it is left out before the elimination, so that a
+// solid's nodes have three and a beam's six.
 /// Degrees of freedom at which an element, spring or mass acts, by position among all.
 std::vector<bool> touched_dofs(const FiniteElementModel& model) {
   std::vector<bool> touched(static_cast<std::size_t>(6 * model.mesh.node_count()), false);
@@ -106,6 +108,13 @@ std::vector<bool> touched_dofs(const FiniteElementModel& model) {
   return touched;
 }
 
+// How a model is assembled:
+//   1. eliminate() leaves the free degrees of freedom and S with u_all = S u_free, S sparse;
+//   2. a region: the pattern of its matrices once, then every element adds S_e^T k S_e into the values. Terms that
+//      depend on different powers of parameters (E t, E t^3, rho t) are separate sums over the same pattern;
+//   3. masses, springs and joints are each a term of the parameter of their own; matrices of another code have none.
+// So K and M at other parameters are sums of what was assembled once. Element shapes that cannot be integrated are
+// collected over a region and reported together.
 /// Sums up the parts of a model over the free degrees of freedom that the elimination leaves.
 class Assembler {
 public:
@@ -329,6 +338,7 @@ void Assembler::add_matrices() {
   }
 }
 
+// Parts of a beam's stiffness are separate terms only where a parameter asks for them: each costs a matrix.
 /// All factors of the beam regions that the options name one of.
 Values asked_factors(const FiniteElementModel& model, const AssemblyOptions& options) {
   auto factors = beam_factors(model);

@@ -59,6 +59,8 @@ std::map<std::string, DofCombination> named_points(const std::vector<NamedNode>&
   return combinations;
 }
 
+// C = alpha M + beta K would also damp the motion that a slow ground carries along without strain. Its shape s solves K
+// s = k_g; the ground's rate gets the load (alpha M + beta K) s, which cancels that.
 void add_rayleigh(LinearModel& model, const FeDamping& factors) {
   const auto& [alpha, beta] = factors;
   if (alpha == 0.0 && beta == 0.0) return;
@@ -96,6 +98,7 @@ using FeKind = FiniteElementParameter::Kind;
 
 namespace {
 
+// The matrices are sums of A_i prod_k p_k^n_k, so a derivative lowers one power and multiplies by it: exact.
 /// d/dp of a sum of terms; 0 x 0 where p is in none of them.
 SparseMatrix derivative_of(const std::vector<AffineTerm>& terms, const std::map<std::string, double>& values,
                            const std::string& parameter) {
@@ -110,6 +113,8 @@ SparseMatrix derivative_of(const std::vector<AffineTerm>& terms, const std::map<
   return sum;
 }
 
+// Only terms that a parameter changes are projected by themselves. All others together are what is left of the reduced
+// matrix, which the reduction gave more exactly than products with T would.
 /// T^T A T of the terms that hold one of the parameters, and a last one of what is left of the reduced sum at `values`.
 std::vector<AffineTerm> projected(const std::vector<AffineTerm>& terms, const std::map<std::string, double>& values,
                                   const std::set<std::string>& changing, const Eigen::MatrixXd& basis,
@@ -239,6 +244,9 @@ std::vector<ModelDerivative> ParameterisedFiniteElements::derivatives(const Eige
   return all;
 }
 
+// The basis stays that of the values given, so the reduced matrices remain affine in the same products of parameters
+// and their derivatives exact for the reduced model. How far from those values the basis serves is the reduction's
+// question.
 ParameterisedFiniteElements ParameterisedFiniteElements::in_basis(const Eigen::MatrixXd& basis,
                                                                   const LinearModel& reduced,
                                                                   const Eigen::VectorXd& parameters) const {

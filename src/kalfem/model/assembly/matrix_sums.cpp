@@ -34,6 +34,11 @@ SparseMatrix evaluate(const std::vector<AffineTerm>& terms, const std::map<std::
   return sum;
 }
 
+// The pattern of a sum of element matrices in two passes over the elements, without a list of triplets, which would
+// take several times the memory of the matrix:
+//   1. count the entries that each column gets, with repetitions;
+//   2. write the rows into their columns; sort each and drop what it holds twice.
+// Values are added by a search in the sorted column. Only the lower triangle is kept.
 SparseSumPattern::SparseSumPattern(Eigen::Index size, const std::function<void(const Visitor&)>& for_each)
     : starts_(static_cast<std::size_t>(size) + 1, 0) {
   for_each([&](const Scatter& scatter) {

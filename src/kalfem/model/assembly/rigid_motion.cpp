@@ -56,6 +56,7 @@ RigidMassSum::RigidMassSum(const Mesh& mesh)
     for (const auto node : set->second) is_scalar_[static_cast<std::size_t>(node)] = true;
 }
 
+// R^T m R per element: the mass of the whole moves rigidly, held nodes included, which the assembled matrix has lost.
 Matrix6 RigidMassSum::of(std::span<const Index> nodes, int motions, const Eigen::MatrixXd& mass) const {
   RigidRows rows(mass.rows(), 6);
   Index row = 0;
@@ -95,6 +96,10 @@ RigidRow in_one_unit(RigidRow row, double length) {
 
 }  // namespace
 
+// Weighted least squares over the components that are followed:
+//   1. rows R of rigid motion about the follower, rotations divided by the mean distance so that all are lengths;
+//   2. the normal matrix R^T W R and its pseudo-inverse with a threshold: nodes on a line leave a rotation out;
+//   3. fit = (R^T W R)^+ R^T W gives the motion, (R^T W R)^+ R^T W R which of the six it determines.
 MeanMotion::MeanMotion(const Mesh& mesh, const WeightedLink& link, const Axes& axes)
     : length_(mean_distance(mesh, link)) {
   std::vector<RigidRow> rows;

@@ -46,6 +46,9 @@ std::string listed(const std::vector<std::string>& names, Index count) {
   return text;
 }
 
+// A semi-definite matrix has a Cholesky factor once a little is added to its diagonal. So the matrix is scaled to a
+// unit diagonal, which makes one small part serve all units, and factored; where that fails, the column tells the
+// place. A zero on the diagonal with entries beside it shows the same without a factor.
 Index indefinite_dof(const SparseMatrix& matrix) {
   const Eigen::VectorXd diagonal = matrix.diagonal();
   for (Index j = 0; j < matrix.cols(); ++j)
@@ -113,6 +116,8 @@ MatrixCheck check_matrix(const SparseMatrix& matrix, const std::string& name, Fi
   return report;
 }
 
+// A rigid-body motion needs no force unless something holds it. Which motions are held is a fact to report; forces at
+// degrees of freedom that nothing holds are a fault, of the model or of the code that condensed it.
 std::vector<std::string> tell_grounding(const GroundingCheck& grounding, bool supported,
                                         const std::vector<std::string>& dofs, std::vector<ModelFinding>& findings) {
   std::string held, free;
@@ -152,6 +157,7 @@ std::vector<std::string> tell_grounding(const GroundingCheck& grounding, bool su
   return names;
 }
 
+// Signs of wrong offsets and units: a centre of mass outside the box, moments of inertia that no body has.
 void tell_mass(const MassProperties& mass, const Eigen::Vector3d& moving, const Eigen::Vector3d& lowest,
                const Eigen::Vector3d& highest, std::vector<ModelFinding>& findings) {
   if (!(moving.maxCoeff() > 0.0)) {
@@ -280,6 +286,7 @@ void tell_zero_modes(ModelCheckReport& report) {
                                "check for mechanisms and disconnected parts"});
 }
 
+// Box, mass and grounding need to know where the degrees of freedom are; matrices without a map go without them.
 /// Mass and supports, where the places of the degrees of freedom are known.
 void check_places(const LinearModel& model, const std::vector<PlacedDof>& places, ModelCheckReport& report) {
   Eigen::Matrix3Xd nodes(3, static_cast<Index>(places.size()));

@@ -81,6 +81,8 @@ double taper(const std::vector<Vector3d>& face) {
   return sum > 0.0 ? 4.0 * least / sum : 0.0;
 }
 
+// The scaled Jacobian is the least sine between two sides over the corners, against the mean normal, divided by that of
+// the ideal corner (60 degrees in a triangle): 1 for the ideal shape, 0 for a flat corner, negative for a concave one.
 /// Of a surface, its corners seen from the side of its mean normal.
 double surface_jacobian(const std::vector<Vector3d>& face) {
   const std::size_t n = face.size();
@@ -96,6 +98,8 @@ double surface_jacobian(const std::vector<Vector3d>& face) {
   return n == 3 ? least * 2.0 / std::numbers::sqrt3 : least;
 }
 
+// The same in space: the triple product of the three sides at a corner over their lengths and the ideal corner's value.
+// Corners of a collapsed cell, whose sides meet in one node, are left out: a wedge written as a hexahedron is no fault.
 double solid_jacobian(const Mesh& mesh, const Cell& cell) {
   const auto nodes = mesh.nodes_of(cell);
   const auto neighbours = corner_neighbours(cell.shape);
@@ -148,6 +152,8 @@ CellQuality cell_quality(const Mesh& mesh, const Cell& cell) {
   return {aspect_ratio(mesh, cell), std::min(smallest, largest), largest, most_warped, most_tapered, jacobian};
 }
 
+// One pass over a region: per measure the worst value, the mean, and how many cells are beyond the limit. Of those only
+// the few worst are kept for the message.
 RegionQuality region_quality(const Mesh& mesh, const std::string& region, const QualityLimits& limits) {
   RegionQuality quality{.region = region, .cells = {}, .measures = {}};
   std::array<std::vector<std::pair<double, Eigen::Index>>, quality_measures> bad;
@@ -214,6 +220,8 @@ void add_node(const Mesh& mesh, Index node, std::vector<std::string>& names, Mod
   if (finding.nodes.size() < most_shown) finding.nodes.push_back(node);
 }
 
+// Nodes that nothing touches, and nodes of cells without a property: the first are harmless, the second are often a
+// region that was forgotten.
 void check_free_nodes(const FiniteElementModel& model, const std::vector<bool>& touched, ModelCheckReport& report) {
   const Mesh& mesh = model.mesh;
   std::vector<bool> in_cell(touched.size(), false);
@@ -239,6 +247,8 @@ void check_free_nodes(const FiniteElementModel& model, const std::vector<bool>& 
   if (inactive_count > 0) report.findings.push_back(inactive);
 }
 
+// Two nodes at one place that nothing joins are mostly a crack that the mesher left. Pairs that an element, a link or a
+// spring joins on purpose are not told.
 void check_coincidence(const FiniteElementModel& model, const std::vector<bool>& touched, double part,
                        ModelCheckReport& report) {
   const Mesh& mesh = model.mesh;
@@ -302,6 +312,7 @@ std::string consequence(QualityMeasure measure) {
   return "";
 }
 
+// Severity follows from what the measure does: an element turned inside out is an error, many beyond a limit a warning.
 void tell_quality(const Mesh& mesh, const RegionQuality& quality, const QualityLimits& limits,
                   std::vector<ModelFinding>& findings) {
   for (const auto& of : quality.measures) {

@@ -32,6 +32,9 @@ std::array<Function, 3> coordinates(const Eigen::Vector3d& place) {
            {place[2], Eigen::Vector3d::UnitZ()}}};
 }
 
+// Shape functions are written once, as products of the coordinates that are one at a corner and zero at the opposite
+// face; `Function` carries the gradient along, so no derivative is written by hand. A middle node's function is
+// a product of its two corners'; a quadratic corner's is the linear one, corrected to vanish at the middle nodes.
 Function tetrahedron_function(const Eigen::Vector3d& place, int node, bool quadratic) {
   const auto [r, s, t] = coordinates(place);
   const std::array<Function, 4> volumes = {1.0 - (r + s + t), r, s, t};
@@ -221,6 +224,8 @@ Points corner_points(CellShape shape) {
   return places;
 }
 
+// Points by purpose: enough to integrate the strain energy of the undistorted shape exactly, fewer where reduced
+// integration is asked for, and enough for N_i N_j of the mass, whose degree is twice that of the functions.
 Points places_of(CellShape shape, RulePurpose purpose) {
   if (purpose == RulePurpose::corners) return corner_points(shape);
   const auto pick = [&](int strain, int reduced, int mass) {
@@ -288,6 +293,8 @@ void require_distinct_nodes(const SolidNodes& nodes) {
         throw ElementShapeError("its nodes " + std::to_string(j + 1) + " and " + std::to_string(i + 1) + " coincide");
 }
 
+// Negative at all corners: the numbering is reversed, which the message says. At some: the element is folded; quadratic
+// ones may have such corners and still be fine at the integration points.
 void require_right_side_out(CellShape shape, const SolidNodes& nodes) {
   const auto& corners = integration_rule(shape, RulePurpose::corners);
   const auto negative = [&](const IntegrationPoint& at) {
@@ -314,6 +321,8 @@ SolidPoint solid_tangents(const IntegrationPoint& at, const SolidNodes& nodes) {
   return point;
 }
 
+// The mapping at each point: tangents J = X dN/dr, their determinant for the volume, and dN/dx = dN/dr J^-1. A Jacobian
+// is judged against the box of its tangents, so that the test does not depend on the size of the element.
 std::vector<SolidPoint> solid_points(const IntegrationRule& rule, const SolidNodes& nodes) {
   std::vector<SolidPoint> points;
   points.reserve(rule.size());

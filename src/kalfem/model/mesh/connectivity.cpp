@@ -82,6 +82,8 @@ std::string region_at(const FiniteElementModel& model, Eigen::Index node) {
 
 }  // namespace
 
+// Union-find over everything that joins nodes: the work is practically linear in the size of the model. Parts are then
+// collected in the order of their lowest node and sorted by size.
 std::vector<std::vector<Eigen::Index>> connected_parts(const FiniteElementModel& model) {
   const auto count = model.mesh.node_count();
   DisjointSets sets(count);
@@ -146,6 +148,9 @@ constexpr double box_widths = 4.0;
 
 }  // namespace
 
+// Nodes are hashed into boxes four tolerances wide. A node looks into the boxes that its ball touches, mostly one and
+// at most eight, for nodes met before; so each pair is found once and the work grows with the number of nodes. The cap
+// on partners keeps a model with thousands of nodes at one place from growing quadratically.
 std::vector<std::pair<Index, Index>> coincident_nodes(const Eigen::Matrix3Xd& places, const std::vector<bool>& marked,
                                                       double tolerance, int most_partners) {
   std::vector<std::pair<Index, Index>> pairs;
@@ -184,6 +189,8 @@ std::vector<std::pair<Index, Index>> coincident_nodes(const Eigen::Matrix3Xd& pl
   return pairs;
 }
 
+// Each node in question lists the items that name it, in ascending order; two lists that share an item are joined by
+// it.
 std::vector<bool> directly_joined(const FiniteElementModel& model, const std::vector<std::pair<Index, Index>>& pairs) {
   std::unordered_map<Index, std::vector<std::size_t>> items_at;  // of the nodes in question only
   for (const auto& [one, other] : pairs) items_at[one], items_at[other];

@@ -93,6 +93,8 @@ std::vector<double> element_sizes(const Mesh& mesh, std::span<const Eigen::Index
 
 namespace {
 
+// Faces of cells counter-clockwise from outside, sides between corners once each, and
+// for a solid's corner its three neighbours in right-handed order.
 constexpr std::array<CornerRing, 1> triangle = {{{{0, 1, 2}, 3}}};
 constexpr std::array<CornerRing, 1> quadrilateral = {{{{0, 1, 2, 3}, 4}}};
 constexpr std::array<CornerRing, 4> tetrahedron = {{{{0, 2, 1}, 3}, {{0, 1, 3}, 3}, {{1, 2, 3}, 3}, {{2, 0, 3}, 3}}};
@@ -175,6 +177,8 @@ Eigen::Matrix3Xd corner_places(const Mesh& mesh, const Cell& cell) {
   return places;
 }
 
+// By the corners alone: a surface by triangles about the middle of its corners, a solid by pyramids from its centre over
+// its faces.
 double cell_measure(const Mesh& mesh, const Cell& cell) {
   const Eigen::Matrix3Xd places = corner_places(mesh, cell);
   if (dimension(cell.shape) == 1) return (places.col(1) - places.col(0)).norm();

@@ -21,6 +21,8 @@ Nodes without_repeated(const Nodes& corners) {
   return kept.size() == 3 ? kept : corners;
 }
 
+// A quadratic line becomes two, a triangle four, a quadrilateral four about a new node at its centre (the serendipity
+// interpolation there). The first part keeps the cell's number, further ones and new nodes are numbered on.
 /// Replaces the cells of a mesh one by one.
 class Replacement {
 public:

@@ -51,6 +51,9 @@ struct Step {
   }
 };
 
+// Newton's method with a Jacobian by central differences. A step is halved while it makes the residual larger, as laws
+// with powers and kinks can send the first steps far away. The end is judged by the correction, which stays meaningful
+// where the residual is only rounding.
 /// Damped Newton iteration on the stage, from s and into s.
 bool solve(const Step& section, StateVector& s) {
   constexpr int max_iterations = 50, max_halvings = 20;
@@ -76,8 +79,16 @@ bool solve(const Step& section, StateVector& s) {
 
 }  // namespace
 
+// About the cube root of the rounding unit times x, where the errors of truncation and of rounding of a central
+// difference are of one size; the floor serves x near zero.
 double difference_step(double x) { return std::max(6e-6 * std::abs(x), 1e-9); }
 
+// Two-stage, second-order, L-stable diagonally implicit Runge-Kutta method [Ale77] for s' = g(d, v, s), with the motion
+// linear over the interval:
+//     s_1 = s_0 + w h g(at w h, s_1),    s_2 = s_0 + (1 - w) h g(at w h, s_1) + w h g(at h, s_2),    w = 1 - 1/sqrt(2).
+// The first stage's rate is taken from its increment, (s_1 - s_0) / w, so that no rate is evaluated twice. The
+// derivatives by the motion at the end follow from both stages by the implicit function theorem:
+//     (1 - w h dg/ds) ds_2 = reach ds_1 + w h (dg/dd, dg/dv).
 AdvancedStates advance_states(const StateRates& rates, double duration, const ConnectorMotion& begin,
                               const ConnectorMotion& end, const StateVector& s) {
   const double reach = (1.0 - weight) / weight;  // the first stage's share of the second, by its own increment
@@ -161,6 +172,8 @@ std::string fix_of(const mu::ParserError& error, const std::vector<std::string>&
   return "declare it as a parameter or state, or use a known name" + did_you_mean(error.GetToken(), known);
 }
 
+// An expression is compiled and evaluated once with all names at 1: muParser reports syntax and unknown names only when
+// it is asked for a value. What it would accept but nobody means is refused by hand: assignments and lists.
 /// Compiles one expression on trial and collects the names that it uses.
 void check_expression(const std::string& role, const std::string& text, const std::vector<std::string>& names,
                       std::set<std::string>& used, IssueList& issues) {
@@ -189,6 +202,8 @@ void check_expression(const std::string& role, const std::string& text, const st
 
 }  // namespace
 
+// In this order, as each check needs the one before: names, number of states, each expression by itself, and last names
+// that nothing uses, which are mostly a slip of the pen in an expression.
 std::vector<Issue> find_issues(const ExpressionLawOptions& options) {
   IssueList issues;
   std::vector<std::string> names = own_names(options);

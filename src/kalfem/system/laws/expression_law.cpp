@@ -10,6 +10,8 @@ namespace {
 
 using Eigen::Index;
 
+// muParser evaluates through variables at fixed places, so one evaluator serves one thread at a time. A call borrows
+// one from the pool, which grows to the number of threads and no further.
 /// An evaluator for the time of one call.
 class Lease {
 public:

@@ -99,6 +99,8 @@ PowerRoot continued_root(double c, double n, double rhs, double y_limit) {
   return {rhs / least_slope + share * y_limit, 1.0 / least_slope, -share * y_limit / ((n - 1.0) * c)};
 }
 
+// An implicit stage of Bouc-Wen leaves one scalar equation y + c y^n = rhs. Newton's method starts on the side from
+// which it approaches monotonically; where c < 0 would turn the left side down, it is continued by its tangent.
 /// Newton's method from rhs (or the nearer bound where c is large). The left side is increasing, and convex for c > 0,
 /// concave for c < 0, so that the iterates approach the root from one side.
 PowerRoot power_root(double c, double n, double rhs) {

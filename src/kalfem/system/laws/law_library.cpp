@@ -91,6 +91,7 @@ struct Requirement {
   bool met;
 };
 
+// Comparisons are written so that NaN fails each of them.
 Requirement require(Range range, double value) {
   switch (range) {
     case Range::nonnegative:

@@ -9,6 +9,9 @@
 namespace kalfem {
 namespace {
 
+// Each law below is a kernel: force and its derivatives by d, v and a at one point, from parameters in the order of its
+// list. PointwiseLaw runs it over all points. The derivatives are exact, for Newton's method on the connector forces
+// and for the filter's tangents: what is left out or approximated there costs iterations and shows in the covariance.
 struct LinearKernel {
   static constexpr std::size_t parameter_count = 2, state_count = 0;
 
@@ -178,6 +181,8 @@ ConnectorLawPtr polynomial_law(int stiffness_degree, int damping_degree) {
 
 namespace {
 
+// With g(x) = mu x / (m + |x|) the slope is g' = mu m / (m + |x|)^2: it is continuous at zero although |x| is not
+// smooth.
 struct SaturatingKernel {
   static constexpr std::size_t parameter_count = 6, state_count = 0;
 
@@ -208,6 +213,9 @@ ConnectorLawPtr saturating_law() {
 
 namespace {
 
+// tanh(v / v_ref) stands for the sign of the rate: its slope 1/v_ref at rest is a finite viscous damping, so that
+// Newton's method and the filter have a tangent. Branches are announced because a step can pass the whole transition at
+// once.
 struct CoulombKernel {
   static constexpr std::size_t parameter_count = 4, state_count = 0;
   static constexpr bool has_branches = true;
@@ -223,6 +231,8 @@ struct CoulombKernel {
   }
 };
 
+// The excess (f_s - f_c) exp(-(v/v_s)^2) of static friction falls with the rate, so the product rule gives the damping
+// a negative term: friction that feeds energy in, as in stick-slip.
 struct StribeckKernel {
   static constexpr std::size_t parameter_count = 6, state_count = 0;
   static constexpr bool has_branches = true;
@@ -263,6 +273,8 @@ ConnectorLawPtr stribeck_law() {
 
 namespace {
 
+// A stop acts where it is reached and where its force pushes: a damper that would pull on the way back is switched off
+// with its spring. Masks of 0 and 1 instead of branches keep the evaluation of many points vectorised.
 struct GapKernel {
   static constexpr std::size_t parameter_count = 6, state_count = 0;
 

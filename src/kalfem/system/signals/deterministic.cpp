@@ -93,6 +93,7 @@ SignalPtr product(SignalPtr x, SignalPtr y) {
   return std::make_shared<Product>(std::move(x), std::move(y));
 }
 
+// The fade is a step from 0 to 1 as a factor: the product rule gives the derivatives, so the start is at rest.
 SignalPtr faded_in(SignalPtr signal, double rise, double begin) {
   IssueList issues;
   require_nonnegative(issues, "fade-in [s]", rise);
@@ -120,6 +121,7 @@ private:
             height * 4.0 * w * w * s * s * (3.0 * c * c - s * s)};
   }
 
+  // The double integral of the pulse in closed form, from rest. Afterwards the speed gained stays, as momentum does.
   /// The displacement of which the pulse is the acceleration; after it the speed stays.
   Eigen::Array<double, 1, 3> integral_at(double elapsed) const {
     if (elapsed < 0.0) return {0.0, 0.0, 0.0};

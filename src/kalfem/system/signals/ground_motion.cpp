@@ -140,6 +140,8 @@ Eigen::Array<double, 1, 3> GroundMotion::between(const Knots& knots, double posi
   return motion;
 }
 
+// Weighted least squares for the parabola in x from -1 to 1, where its three functions are of one size. Its second
+// derivative comes off the acceleration as well, so that displacement, velocity and acceleration stay consistent.
 void GroundMotion::remove_drift() {
   const Index n = knots_.displacement.size();
   const auto last = static_cast<double>(n - 1);

@@ -20,6 +20,7 @@ double last_line(const LineGrid& grid) { return std::floor(grid.upper * grid.dur
 
 }  // namespace
 
+// The number of lines is computed as a double: a tiny spacing must be refused before it overflows an integer.
 void require_lines(IssueList& issues, const std::string& signal, const LineGrid& grid) {
   const double count = last_line(grid) - lowest_line(grid) + 1.0;
   const std::string band = "[" + to_string(grid.lower) + ", " + to_string(grid.upper) + "] Hz";
@@ -55,6 +56,9 @@ IssueList validate(const RandomSignalOptions& options) {
   return issues;
 }
 
+// A sum of harmonics of equal amplitude at all multiples of 1 / duration in the band, with random phases: its rms is
+// that of the amplitudes, exactly, and its spectrum is flat. The phases come from the stream of the signal's own name,
+// so that a second signal changes nothing in the first. Integration twice divides each amplitude by -w^2.
 SignalPtr make_random(const RandomSignalOptions& options) {
   validate(options).raise();
   RandomStream stream(options.seed, options.name);
@@ -98,6 +102,8 @@ IssueList validate(const RoadProfileOptions& options) {
   return issues;
 }
 
+// The same sum over the lines of the moving wheel, f = n v. Each takes the part Gd(n) dn of the variance, as the
+// one-sided spectrum says, so amplitudes fall with 1 / n.
 SignalPtr make_road_profile(const RoadProfileOptions& options) {
   validate(options).raise();
   RandomStream stream(options.seed, options.name);
