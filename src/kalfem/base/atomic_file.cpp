@@ -139,6 +139,9 @@ int write_in_place(const fs::path& path, std::string_view bytes) {
   return file.is_open() ? file.write(bytes) : errno;
 }
 
+// The bytes go to a new file beside the old one, and to the disk, before a rename puts it in its place: a reader, or a
+// run that is killed, sees the old file or the new one and nothing between. Devices and pipes cannot be replaced and
+// are written in place.
 int replace(const fs::path& path, std::string_view bytes) {
   const fs::path temporary = temporary_beside(path);
   int code = write_new_file(temporary, bytes);

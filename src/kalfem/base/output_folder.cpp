@@ -59,6 +59,9 @@ void make_folder(const fs::path& folder) {
 
 bool has_no_locks(int code) { return code == ENOLCK || code == ENOSYS || code == EOPNOTSUPP; }
 
+// The lock is an flock on a file in the folder, which the system releases when the process ends, however it ends. Its
+// holder removes the file: whoever opened it before that holds a lock on a file that is gone, sees this by the inode,
+// and tries again.
 /// The descriptor of the locked file, -1 where the attempt is to be repeated.
 int attempt(const fs::path& folder, const fs::path& lock) {
   make_folder(folder);

@@ -47,6 +47,8 @@ std::string escape(const char* format, unsigned number) {
 
 }  // namespace
 
+// By the rules of the encoding: the first byte announces the length, the others continue it, the number needs that
+// length, and is neither a surrogate nor beyond the last character.
 std::size_t utf8_length(std::string_view text, std::size_t at) {
   const std::size_t length = announced_length(byte_at(text, at));
   if (at + length > text.size()) return 0;
@@ -93,6 +95,8 @@ std::string without_controls(std::string_view text) {
   return safe;
 }
 
+// Names and messages may come from files of others. Control characters could move the cursor or rewrite what stands
+// there already, and marks of direction could make text read as another: all are shown as escapes.
 std::string terminal_safe(std::string_view text, LineBreaks breaks) {
   std::string safe;
   for (std::size_t i = 0; i < text.size();) {

@@ -56,6 +56,9 @@ void for_each_shell(const FiniteElementModel& model, const ShellVisitor& visit) 
   }
 }
 
+// Two passes: normals are summed by area, each turned to the side of the sum so far, as neighbours may be numbered
+// either way round; then every cell's normal is compared with the mean, as one sharp fold makes the node no smooth
+// surface.
 std::vector<NodalSurface> nodal_surfaces(const FiniteElementModel& model) {
   std::vector<NodalSurface> surfaces(static_cast<std::size_t>(model.mesh.node_count()));
   for_each_shell(model, [&](const Cell& cell, const Eigen::Vector3d& normal, double shear) {
@@ -123,6 +126,7 @@ bool is_along_normal(const std::vector<NodalSurface>& surfaces, const NodalDof& 
   return std::abs(normal[dof.direction - 3]) > 1.0 - 1e-9;
 }
 
+// Nodes of one support that lose different directions become several supports of the same name.
 void release(FiniteElementModel& model, const std::vector<NodalDof>& dofs) {
   std::vector<FixedNodes> kept;
   for (const auto& support : model.fixed) {

@@ -99,6 +99,7 @@ DrawnSurface clustered(const Eigen::Matrix3Xd& places, const Eigen::VectorXd& we
 
 }  // namespace
 
+// A face that two solids share is inside and not drawn: faces are sorted by their corners, and those met once are kept.
 std::vector<DrawnFace> outer_faces(const Mesh& mesh, const std::vector<std::string>& regions) {
   std::vector<DrawnFace> faces, of_solids;
   std::vector<bool> taken(mesh.cells.size(), false);
@@ -121,6 +122,7 @@ std::vector<DrawnFace> outer_faces(const Mesh& mesh, const std::vector<std::stri
   return faces;
 }
 
+// At an edge the unit normals of the faces around a node cancel in part: the shorter their mean, the sharper the edge.
 Eigen::VectorXd shape_weights(const Eigen::Matrix3Xd& places, const std::vector<DrawnFace>& faces) {
   Eigen::Matrix3Xd normals = Eigen::Matrix3Xd::Zero(3, places.cols());
   Eigen::VectorXd count = Eigen::VectorXd::Zero(places.cols());
@@ -148,6 +150,9 @@ Eigen::VectorXd shape_weights(const Eigen::Matrix3Xd& places, const std::vector<
   return weight;
 }
 
+// Vertex clustering: space is divided into boxes, the nodes of a box become one at their weighted mean, faces that
+// collapse are dropped and those that become alike drawn once. The boxes grow until few enough faces are left. Weights
+// pull the mean towards edges and seams, so that the outline stays sharp.
 DrawnSurface coarsened(const Eigen::Matrix3Xd& places, std::vector<DrawnFace> faces, const Eigen::VectorXd& weights,
                        std::size_t most) {
   if (faces.size() <= most || faces.empty()) return {places, std::move(faces), false};
@@ -169,6 +174,8 @@ DrawnSurface coarsened(const Eigen::Matrix3Xd& places, std::vector<DrawnFace> fa
 
 namespace {
 
+// Row by row: where a line through the pixels' centres enters and leaves the triangle, and the depth at each centre by
+// its barycentric coordinates.
 /// Calls visit(pixel, depth) for the pixels whose centre lies in a triangle.
 template <typename Visit>
 void scan_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, int width, int height,
@@ -239,6 +246,7 @@ double ScreenDepth::at(double x, double y) const {
   return nearest[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
 }
 
+// A depth buffer: per pixel the nearest polygon. Polygons that are nearest nowhere are hidden and need not be drawn.
 ScreenDepth screen_depth(const std::vector<ScreenPolygon>& polygons, int width, int height) {
   const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   ScreenDepth screen{.visible = std::vector<bool>(polygons.size(), false),
@@ -257,6 +265,9 @@ ScreenDepth screen_depth(const std::vector<ScreenPolygon>& polygons, int width, 
   return screen;
 }
 
+// An order from back to front in which nothing is painted over what lies before it. Over each pixel the polygons are
+// sorted by depth, which gives pairs (farther, nearer); a topological sort of these takes the farthest polygon that
+// waits for none. Polygons that overlap in a ring have no such order: the farthest of those left breaks it.
 std::vector<std::size_t> painters_order(const std::vector<ScreenPolygon>& polygons, const ScreenDepth& depth) {
   const auto& visible = depth.visible;
   const auto pairs = covering(polygons, visible, depth.width, depth.height);  // sorted by the farther one

@@ -61,6 +61,9 @@ std::string make_own_material(const Block& block, const DataLine& moduli, const 
   return name;
 }
 
+// Keyword by keyword: dimensions to a profile, material (or the moduli of the general section itself), direction n1
+// turned with the instance, then what options say otherwise: centroid, shear centre, offset, transverse shear
+// stiffness.
 std::optional<BeamData> beam_data(PlacedDeck& deck, Materials& materials, const RegionDraft& draft,
                                   FiniteElementModel& model) {
   const Block& block = *draft.section.block;
@@ -145,6 +148,8 @@ Eigen::Vector3d usable_n1(PlacedDeck& deck, const BeamData& data, const Eigen::V
 
 }  // namespace
 
+// The beam's line is its shear centre, which the offset moves off the nodes; n1 and the tangent give the local axes.
+// One placement serves all cells where they agree.
 void add_beam_region(PlacedDeck& deck, Materials& materials, const RegionDraft& draft, FiniteElementModel& model) {
   const auto data = beam_data(deck, materials, draft, model);
   if (!data) return;
@@ -183,6 +188,7 @@ void add_beam_region(PlacedDeck& deck, Materials& materials, const RegionDraft& 
   model.properties[name] = std::move(property);
 }
 
+// A truss has no stiffness across its axis and no rotations: a spring E A / L along it and half its mass at each end.
 void add_trusses(PlacedDeck& deck, Materials& materials, const RegionDraft& draft, FiniteElementModel& model) {
   const Block& block = *draft.section.block;
   const Elastic* material = materials.find(block.keyword.get("MATERIAL"), block.keyword.where);

@@ -46,6 +46,7 @@ Directions read_tied(PlacedDeck& deck, const Block& block, std::size_t first_fie
   return any ? tied : all_directions;
 }
 
+// Per tied local direction e: e . (u_node - u of the rigid motion there) = 0, in global components.
 /// Nodes follow a master in some directions of local axes.
 void couple_in_axes(PlacedDeck& deck, const std::string& name, Index master, const std::vector<Index>& nodes,
                     const Directions& tied, const LocalAxes& axes, Kinematics& motions) {
@@ -68,6 +69,8 @@ void couple_in_axes(PlacedDeck& deck, const std::string& name, Index master, con
   }
 }
 
+// With all displacements and all rotations tied or free alike, local axes do not matter and the coupling is a rigid
+// link.
 void couple(PlacedDeck& deck, const std::string& name, Index master, const std::vector<Index>& nodes,
             const Directions& tied, const std::string& orientation, const PlacedBlock& at, Kinematics& motions) {
   const auto even = [&](std::size_t block) { return tied[block] == tied[block + 1] && tied[block] == tied[block + 2]; };

@@ -23,6 +23,8 @@ bool Kinematics::leads_to(Index node, Index target) const {
   return false;
 }
 
+// A slave's direction follows one master. Where it follows already, or the master would follow its own slave (a ring),
+// the tie becomes an equation, which elimination can solve for any of its terms.
 void Kinematics::add_link(const std::string& name, Index master, const std::vector<Index>& slaves,
                           const Directions& tied) {
   Link link{name, master, {}};
@@ -73,6 +75,8 @@ void Kinematics::hold(const std::string& name, Index node, int direction) {
   held_.try_emplace(NodalDof{node, direction}, name);
 }
 
+// All three directions of a block are the same in any axes, and an axis along a global one is that one. Others are
+// equations between the node's global components.
 void Kinematics::hold(const std::string& name, Index node, const Eigen::Matrix3d& axes, const Directions& directions) {
   for (int block = 0; block < 6; block += 3) {
     const auto held = [&](int i) { return directions[static_cast<std::size_t>(block + i)]; };
@@ -117,6 +121,11 @@ std::map<NodalDof, double> Kinematics::expanded(const DofSum& given) const {
   return terms;
 }
 
+// Everything is written once it is all known:
+//   1. supports of what follows a master become equations, all others hold;
+//   2. weighted links whose follower something else acts on become equations;
+//   3. the terms of every equation are followed up to motions that lead, held ones dropped;
+//   4. the rows are reduced against each other and stored, then links and supports by groups of directions.
 void Kinematics::store() {
   for (const auto& [dof, name] : held_)
     if (is_slave(dof))

@@ -23,6 +23,9 @@ Eigen::Matrix3d rotation(const Eigen::Vector3d& axis, double angle) {
   return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
 }
 
+// Of a curved system the axes follow from the place: the arm from the origin is split into its part along the polar
+// axis and the radial one. On the polar axis itself every radial direction is as good, and the system's own x is taken.
+// The additional rotation comes last, about the axis as it lies at that place.
 Eigen::Matrix3d LocalAxes::at(const Eigen::Vector3d& place) const {
   Eigen::Matrix3d local = axes;
   if (kind != AxesKind::rectangular) {
@@ -102,6 +105,9 @@ void report_line(PlacedDeck& deck, const PlacedBlock& at) {
 
 }  // namespace
 
+// The points a, b, c mean something else in each system: c is the origin of a rectangular one, with x (or z) through a
+// and b in the plane; a and b lie on the polar axis of a curved one. Then the second line turns the axes about one of
+// them.
 LocalAxes orientation_axes(PlacedDeck& deck, const std::string& name, int place, const Where& where) {
   const PlacedBlock at = deck.find_block("ORIENTATION", name, place);
   if (!at.block) {
@@ -181,6 +187,7 @@ LocalAxes transform_axes(PlacedDeck& deck, const PlacedBlock& at) {
   return result;
 }
 
+// An axis that is almost along the normal gives no direction in the surface; the next one does.
 Eigen::Vector3d shell_direction(const LocalAxes& axes, const Eigen::Vector3d& place, const Eigen::Vector3d& normal) {
   const Eigen::Matrix3d local = axes.at(place);
   for (int step = 1; step <= 3; ++step) {

@@ -23,6 +23,8 @@ std::optional<Eigen::VectorXd> numbers_of(const DataLine& line, std::size_t leas
 
 }  // namespace
 
+// A deck of parts and instances becomes one mesh: places are made (the deck outside of instances is the first), numbers
+// that collide are raised, nodes are moved by their instance, elements are listed with their scope and place.
 PlacedDeck::PlacedDeck(const RawDeck& raw, Mesh& deck_mesh, DeckNotes& deck_notes, Problems& deck_problems)
     : mesh(deck_mesh), notes(deck_notes), problems(deck_problems), raw_(raw) {
   make_places();
@@ -121,6 +123,7 @@ void PlacedDeck::number_places() {
                     ", because numbers of the deck's parts collide");
 }
 
+// The number and the largest of the labels are counted first, as the lookup by label chooses its form by them.
 void PlacedDeck::add_nodes(Place& place) {
   std::size_t count = 0;
   std::int64_t largest = 0;

@@ -55,6 +55,8 @@ std::vector<Index> PlacedDeck::element_list(const SetReference& reference, int s
   return list(&Scope::element_sets, reference, start);
 }
 
+// A name is looked up as a set, then as INSTANCE.NUMBER or a plain number; names of instances may hold dots, so each
+// dot is tried as the end of one.
 std::vector<Index> PlacedDeck::list(Sets sets, const SetReference& reference, int start) {
   const bool of_nodes = sets == &Scope::node_sets;
   if (const auto found = find_set(sets, reference.text, start); found.set) return flattened(sets, found, reference);

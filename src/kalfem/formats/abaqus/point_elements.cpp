@@ -25,6 +25,7 @@ struct SpringData {
   double value = 0.0;
 };
 
+// The table is sorted by deflection; the piece that holds zero, or the last one before it, gives the slope.
 /// The slope at no deflection of pairs of force and deflection.
 double slope_at_rest(PlacedDeck& deck, const Block& block) {
   std::vector<std::pair<double, double>> points;

@@ -135,6 +135,9 @@ Eigen::Vector3d normal_of(const Mesh& mesh, Index cell) {
   return first.cross(second).normalized();
 }
 
+// Elements become cells in drafts of regions, one for each section and each kind of element in it, since these need
+// properties of their own. The draft is looked up only where section or type changes from one element to the next. When
+// all cells are there, each draft gets its property.
 void build_regions(const RawDeck& raw, PlacedDeck& deck, Materials& materials, FiniteElementModel& model) {
   const auto sections = assign_sections(deck);
   Mesh& mesh = model.mesh;
@@ -210,6 +213,8 @@ AxesKey key_of(const Eigen::Matrix3d& axes) {
 
 }  // namespace
 
+// An anisotropic material is turned into global axes, which a curved orientation makes differ from cell to cell: cells
+// whose axes agree share a region.
 void add_solid_region(PlacedDeck& deck, Materials& materials, const RegionDraft& draft, FiniteElementModel& model) {
   const Keyword& keyword = draft.section.block->keyword;
   const Elastic* material = materials.find(keyword.get("MATERIAL"), keyword.where);

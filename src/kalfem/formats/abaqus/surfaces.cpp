@@ -121,6 +121,8 @@ void SurfaceBuilder::add_elements(const PlacedBlock& at) {
   }
 }
 
+// The face gets the middle nodes of its own sides. Its size is shared equally by its nodes: the weights of a
+// distributing coupling are the areas around them.
 void SurfaceBuilder::add_face(Index element, const std::vector<Index>& nodes, CellShape shape, const Corners& corners) {
   Face face{{}, corners.size(), element};
   for (const auto corner : corners) face.nodes.push_back(nodes[corner]);
@@ -177,6 +179,7 @@ bool SurfaceBuilder::add_named_face(Index element, const std::vector<Index>& nod
   return true;
 }
 
+// First pass: count how often each set of corners is met; second pass: add the faces met once.
 /// Shells as a whole; of solids the faces that no other element of the list shares.
 void SurfaceBuilder::add_free_faces(const std::vector<Index>& elements) {
   std::map<std::vector<Index>, int> uses;

@@ -55,6 +55,7 @@ void GmshBuilder::name_group(std::int64_t dimension, std::int64_t number, std::s
   names_[{dimension, number}] = std::move(name);
 }
 
+// Groups are made when an element first belongs to one, so empty ones leave no region.
 std::size_t GmshBuilder::group(std::int64_t dimension, std::int64_t number) {
   // A negative number asks for cells of the other orientation; here they stay as the elements say.
   const std::pair key{dimension, number < 0 ? -number : number};

@@ -102,6 +102,7 @@ double GmshScanner::real(const char* what) {
   return error == std::errc::result_out_of_range ? std::strtod(begin, nullptr) : value;
 }
 
+// A count is checked against the bytes that are left before memory is taken for it: a damaged file asks for any number.
 std::int64_t GmshScanner::check_count(std::int64_t count, const char* items, std::size_t start, std::size_t words,
                                       std::size_t bytes) {
   const std::string announced = std::to_string(count) + " " + items + " are announced";

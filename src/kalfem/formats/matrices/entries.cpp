@@ -41,6 +41,7 @@ void refuse_matrix(const std::string& file, int line, std::string what, std::str
   throw InvalidInput(Issue{{file, line}, std::move(what), std::move(why), std::move(fix)});
 }
 
+// The text is rewritten for the C++ parser: D becomes e, and an exponent without a letter ("1.5-3") gets one.
 std::optional<double> fortran_number(std::string_view text) {
   if (text.starts_with("+-")) return {};
   if (text.starts_with('+')) text.remove_prefix(1);
@@ -157,6 +158,8 @@ SparseMatrix MatrixEntries::assembled() const {
          "write every entry once");
 }
 
+// A file with one triangle is completed to both, A + A^T - diag(A), after a look whether some pair stands twice: then
+// the file is not what it says, or (where it may be either) it is full already.
 ForeignMatrix MatrixEntries::finish(Storage storage) const {
   SparseMatrix matrix = assembled();
   bool symmetric = false;
@@ -185,6 +188,7 @@ void NodalEntries::add(const MatrixDof& row, const MatrixDof& column, double val
   entries_.push_back({row, column, value, line});
 }
 
+// The rows of the matrix are the degrees of freedom that were met, in the order of node and direction.
 ForeignMatrix NodalEntries::finish(Storage storage, std::size_t bytes) const {
   std::vector<MatrixDof> dofs;
   dofs.reserve(2 * entries_.size());

@@ -23,6 +23,7 @@ double largest(const SparseMatrix& matrix) {
   return value;
 }
 
+// Matrices of one structure may lack rows of zeros: the model has every degree of freedom that one of them has.
 /// Degrees of freedom of the model: those asked for, or all that a matrix has.
 std::vector<MatrixDof> all_dofs(const std::vector<const ForeignMatrix*>& matrices,
                                 const std::vector<MatrixDof>& given) {
@@ -43,6 +44,9 @@ std::vector<MatrixDof> all_dofs(const std::vector<const ForeignMatrix*>& matrice
   return dofs;
 }
 
+// Brings each matrix to the degrees of freedom of the model: rows are moved by their names, the size is checked against
+// the map, an asymmetry of the size of rounding is taken out silently and a larger one only where that was asked for,
+// and a diagonal that no mass or stiffness can have is refused.
 class Preparation {
 public:
   Preparation(const MatrixModelOptions& options, std::vector<MatrixDof> dofs, Index size)
@@ -221,6 +225,8 @@ std::vector<Found> all_matrices(const std::vector<std::filesystem::path>& files,
   return found;
 }
 
+// By its name where one is given; otherwise by the usual names of the role, if exactly one square matrix has such a
+// name.
 std::optional<ForeignMatrix> chosen(const std::vector<Found>& all, Role role, const std::string& name,
                                     const std::string& meaning, bool needed, IssueList& issues) {
   std::vector<const Found*> fitting;

@@ -33,6 +33,8 @@ MatrixEntries op4_entries(const Op4Header& header, const std::string& source, st
   return {source, header.name, std::abs(header.rows), header.columns, bytes, line};
 }
 
+// What the form says about the stored columns: of a symmetric matrix one triangle or both may stand, a diagonal one is
+// a column, an identity may have no entries at all.
 ForeignMatrix op4_matrix(const Op4Header& header, const MatrixEntries& entries) {
   constexpr std::int64_t diagonal = 3, symmetric = 6, identity = 8;
   ForeignMatrix matrix = entries.finish(header.form == symmetric ? Storage::triangle_or_full : Storage::full);
@@ -98,6 +100,7 @@ std::optional<TextHeader> header_of(std::string_view line) {
   return header;
 }
 
+// Header, then columns until one beyond the last; within a column either one run of numbers or strings of non-zeros.
 class TextReader {
 public:
   TextReader(std::string_view text, const std::string& source) : lines_(text), bytes_(text.size()), source_(source) {}
@@ -215,6 +218,7 @@ bool begins_with_header(std::string_view bytes, bool big_endian) {
   return bytes.size() >= behind + 4 && value_at<std::int32_t>(bytes.data() + behind, big_endian) == length;
 }
 
+// The same from Fortran records. A record whose two lengths differ is not read on: everything behind it would be noise.
 class BinaryReader {
 public:
   BinaryReader(std::string_view bytes, const std::string& source, bool big_endian)

@@ -100,6 +100,7 @@ void ConstraintBuilder::add_equation(const std::string& name, const DofSum& term
                  building_.files.location(where));
 }
 
+// Components in turned axes are held by equations, all others by supports, grouped by set and components.
 void ConstraintBuilder::hold(const std::string& name, Eigen::Index node, unsigned components, const Place& where) {
   if (building_.is_scalar(node)) components = components == 0 ? 1u : components & 1u;
   if (components == 0) return;
@@ -324,6 +325,8 @@ void ConstraintBuilder::add_weighted() {
 
 }  // namespace
 
+// Supports first, then what follows (rigid bodies, weighted means), then general equations. Equations are collected and
+// reduced together at the end, so that their order does not decide which can be solved.
 void build_constraints(Building& building) {
   ConstraintBuilder builder(building);
   builder.hold_nodes();

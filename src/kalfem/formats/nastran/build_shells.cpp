@@ -15,12 +15,17 @@ struct SheetStiffness {
   bool is_isotropic = false;
 };
 
+// Plane stress of an orthotropic sheet in its own axes, with nu21 = nu12 E2 / E1 by symmetry.
 Eigen::Matrix3d orthotropic_plane(double e1, double e2, double nu12, double g12) {
   const double nu21 = nu12 * e2 / e1, factor = 1.0 / (1.0 - nu12 * nu21);
   return Eigen::Matrix3d{
       {e1 * factor, nu21 * e1 * factor, 0.0}, {nu21 * e1 * factor, e2 * factor, 0.0}, {0.0, 0.0, g12}};
 }
 
+// One region for each property and each thickness and offset of its elements. The first element that needs a region
+// makes its property: a plain isotropic shell where every material of the PSHELL is the same MAT1, so that its
+// thickness can be a parameter; otherwise the general stiffness A, B, D, S of a section. Directions are kept for
+// sections that need them.
 class ShellBuilder {
 public:
   ShellBuilder(Building& building, Materials& materials) : building_(building), materials_(materials) {}
@@ -160,6 +165,8 @@ std::optional<SheetStiffness> ShellBuilder::sheet(Id material, const std::string
   return sheet;
 }
 
+// A = t Q_1, D = (12 I / t^3) t^3 / 12 Q_2, S = (ts / t) t G_3 with the materials MID1, MID2, MID3. A missing one
+// leaves the section singular; a millionth of the other's stiffness keeps it solvable without being felt.
 std::optional<RegionProperty> ShellBuilder::plate(const PshellCard& shell, double thickness, double offset,
                                                   const std::string& title, const Place& where) {
   if (!(thickness > 0.0)) {

@@ -93,6 +93,7 @@ std::optional<std::string_view> DeckLines::raw_line() {
   return text;
 }
 
+// Files are a stack: an INCLUDE opens one on top, its end closes it. All texts stay alive, as cards hold views of them.
 std::optional<DeckLine> DeckLines::next() {
   while (!stack_.empty()) {
     const auto raw = raw_line();
@@ -181,6 +182,9 @@ std::string_view marker_name(std::string_view marker) { return marker.empty() ? 
 
 }  // namespace
 
+// A card and its continuations. Without markers a continuation follows its card at once. With markers it may stand
+// anywhere in the deck: it is set aside under its marker, a card that ends with a marker nobody has answered is
+// deferred, and finish() joins them.
 void CardStream::line(const DeckLine& text) {
   if (trimmed(text.text).starts_with('='))
     return files_.problem(text.place, "a replicated card ('=')", "replication is not supported",

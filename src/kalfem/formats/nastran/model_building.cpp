@@ -61,6 +61,8 @@ const Frame* Frames::find(Id system, const Place& where) const {
   return nullptr;
 }
 
+// Coordinate systems may refer to others, and by nodes whose place is given in yet others: each is resolved when it is
+// first asked for, and kept. A depth beyond any real deck is taken for a ring.
 const Frame* Frames::resolve(Id id, const Place& where, int depth) {
   if (const auto known = frames_.find(id); known != frames_.end()) return &known->second;
   if (failed_.contains(id)) return nullptr;
@@ -180,6 +182,7 @@ Eigen::Matrix3d Building::motion_axes(Eigen::Index index) const {
   return frame != nullptr ? frame->directions(place(index)) : Eigen::Matrix3d::Identity();
 }
 
+// A component in axes of the node's own becomes a sum of up to three global ones.
 void Building::append(DofSum& terms, Eigen::Index index, int component, double factor) const {
   if (!is_turned(index)) {
     terms.push_back({NodalDof{index, component}, factor});
@@ -230,6 +233,8 @@ const MaterialCard* Materials::find(Id id, const std::string& title, const Place
   return nullptr;
 }
 
+// Of E, G and NU two determine the third. All three may be given and disagree: then sections keep E and G,
+// and shells and solids, which need a Poisson's ratio, E and NU.
 IsotropicMaterial Materials::complete(const Material1& law, const Place& where) {
   double e = law.youngs_modulus, nu = law.poissons_ratio;
   const double g = law.shear_modulus;

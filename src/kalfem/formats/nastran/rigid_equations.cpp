@@ -39,6 +39,8 @@ double typical_length(const Building& building, const std::vector<NodalDof>& com
 
 }  // namespace
 
+// Six independent components u_i = R_i q determine the rigid motion q, so a dependent one is u_d = R_d R_i^-1 u_i.
+// Rotations are divided by the typical length first: whether R_i is singular must not depend on the unit of length.
 std::vector<DependentRow> rigid_rows(const Building& building, const NodeComponents& independent,
                                      const NodeComponents& dependent) {
   const auto lead = listed(independent), follow = listed(dependent);
@@ -81,6 +83,9 @@ std::optional<DependentRow> rod_row(const Building& building, const NodeComponen
   return row;
 }
 
+// RBE3 in displacement axes of its nodes. The equations say that each tied component of the reference node is the
+// weighted mean of the others. With a UM set other components are to depend: the equations are multiplied by the
+// inverse of these components' columns, which is singular where the choice cannot be.
 std::vector<DependentRow> weighted_rows(const Building& building, const WeightedLink& link,
                                         const NodeComponents& moved) {
   const MeanMotion mean(building.model.mesh, link, [&](Eigen::Index node) { return building.motion_axes(node); });

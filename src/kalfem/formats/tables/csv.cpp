@@ -141,6 +141,9 @@ struct Columns {
   NumberRows numbers;
 };
 
+// Reading goes in the order in which each step needs the one before: content lines, separator, decimal sign, whether
+// the first line is a header, titles, then the wanted columns as numbers. Problems of one step are reported together
+// before the next one begins.
 /// A file opened, its dialect and titles known, its numbers not yet read.
 class CsvFile {
 public:
@@ -179,6 +182,7 @@ private:
     return rows;
   }
 
+  // Without a time column a row's number is its time: a row without values must keep its place.
   /// The lines with those between them that hold separators and blanks alone; a line without any separator is such a
   /// row where there is one column.
   [[nodiscard]] std::vector<TextLine> with_blank_rows() const {

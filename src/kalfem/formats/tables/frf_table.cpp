@@ -142,6 +142,8 @@ void set_unit(FrfColumns& frf, const std::string& unit, int line, FileProblems& 
   frf.output.unit = unit;
 }
 
+// Columns of one FRF share a name and differ in its ending: _re and _im, _mag or _db and _phase, _std. They are
+// gathered by that name in any order; check_parts() then asks that they make exactly one complex number.
 /// The FRFs that the columns make up, in the order of their first columns.
 std::vector<FrfColumns> frfs_of(const Table& table, std::size_t frequency, FrfColumnContent content,
                                 FileProblems& problems) {

@@ -82,6 +82,8 @@ std::vector<TextLine> content_lines(std::string_view text) {
   return lines;
 }
 
+// The second line tells more than the first, whose titles may hold blanks and commas. A comma comes after semicolon and
+// tab, as it may be the decimal sign.
 char find_separator(const std::vector<TextLine>& lines) {
   const std::string_view line = lines[std::min<std::size_t>(1, lines.size() - 1)].text;
   for (const char candidate : {';', '\t', ',', ' '})
@@ -238,6 +240,12 @@ double roundest(double rate, double uncertainty) {
 
 }  // namespace
 
+// A sampling rate from printed time stamps:
+//   1. the typical interval, as the median over windows of many samples;
+//   2. the unit of the last digit that was written, by which rounding may move an interval. Stamps too coarse to show a
+//      missing sample are refused unless the rate is given;
+//   3. every interval that differs by more than jitter and rounding is a gap, told with its line;
+//   4. the rate is that of the whole span, rounded to the fewest decimals that its uncertainty allows.
 TimeAxis time_axis(const Eigen::VectorXd& stamps, const std::vector<int>& lines, const TimeAxisOptions& options,
                    FileProblems& problems) {
   if (stamps.size() < 2) {
@@ -302,6 +310,7 @@ Channel split_title(std::string_view title, char open, char close) {
 
 }  // namespace
 
+// "[...]" always holds a unit; "(...)" may be a part of the name, so its content must look like one.
 Channel channel_of(std::string_view title) {
   if (Channel bracketed = split_title(title, '[', ']'); bracketed.name.size() < title.size()) return bracketed;
   Channel channel = split_title(title, '(', ')');

@@ -121,6 +121,8 @@ void tell_size(const ModelCheckReport& report, std::vector<ModelFinding>& findin
 
 }  // namespace
 
+// Regions and materials are listed with their values and what they resemble. One usual material in SI is enough to
+// believe the units; otherwise values that are usual in other units are told with them.
 void check_materials(const FiniteElementModel& model, ModelCheckReport& report) {
   std::map<std::string, std::vector<std::string>> users;
   for (const auto& [region, cells] : model.mesh.regions) {
@@ -143,6 +145,8 @@ void check_materials(const FiniteElementModel& model, ModelCheckReport& report) 
   tell_size(report, report.findings);
 }
 
+// A spring is compared with what everything but springs gives to the same entry of the diagonal: a ratio of a million
+// costs six digits in every solution.
 void check_springs(const FiniteElementModel& model, const AssembledModel& assembled, const SparseMatrix& stiffness,
                    ModelCheckReport& report) {
   const Eigen::VectorXd diagonal = stiffness.diagonal();

@@ -62,6 +62,7 @@ double wave_speed(const IsotropicMaterial& material) {
                                                                  : 0.0;
 }
 
+// The numbers are read in each usual system of units: one that makes them a usual material is a guess.
 std::vector<UnitsGuess> units_that_fit(const IsotropicMaterial& material) {
   std::vector<UnitsGuess> fitting;
   for (const auto& units : usual_units()) {
@@ -110,6 +111,13 @@ MatrixXd triangular_factor(const MatrixXd& forces) {
 
 }  // namespace
 
+// A rigid-body motion Q must need no force. Each row of K Q is judged against the sum of the absolute values that
+// cancel in it, so that the limit is a matter of rounding and not of units.
+//   1. each of the six motions by itself: does it exist, does it strain something;
+//   2. an orthonormal basis of those that exist, by QR with pivoting: plane models have fewer than six;
+//   3. combinations without force: the small singular values of K Q, from the R of its QR factorisation, as a held
+//      point off the origin lets only combinations pass;
+//   4. rows with a force where nothing holds the model.
 GroundingCheck check_grounding(const SparseMatrix& stiffness, const MatrixXd& rigid_motions,
                                const std::vector<bool>& held) {
   GroundingCheck grounding;
@@ -175,6 +183,7 @@ std::vector<bool> named_dofs(const FiniteElementModel& model, const AssembledMod
   return named;
 }
 
+// Free degrees of freedom are moved rigidly and expanded to all: who does not come along is fixed or tied to what is.
 /// Nodes that do not follow the rigid-body motions of the free degrees of freedom: they are fixed, or tied to what is.
 std::vector<bool> nodes_that_stay(const FiniteElementModel& model, const AssembledModel& assembled,
                                   const RigidFrame& frame, const MatrixXd& motions) {
