@@ -18,6 +18,8 @@ constexpr Index progress_block = 256;  ///< steps between two reports of progres
 constexpr double most_steps = 1e10;
 constexpr double most_values = 2e9;  ///< stored, 16 GB
 
+// Counted as a double, and before anything is allocated: a step of microseconds over hours must be refused with a
+// sentence.
 /// Numbers that a simulation would store.
 double stored_values(const LocallyNonlinearSystem& system, const SimulationOptions& options) {
   const double steps = options.duration / options.step;
@@ -127,6 +129,7 @@ void truncate(Trajectory& trajectory, Index samples) {
     series->conservativeResize(Eigen::NoChange, samples);
 }
 
+// y = S_d z + S_v z' + S_a z'' + F f + T_0 r + T_1 r' + T_2 r'', all at the same instant.
 void observe(const OutputMap& map, const Motion& motion, const VectorXd& inputs, MatrixXd::ColXpr column) {
   const Index n_u = inputs.size() / 3;
   column = map.displacement * motion.displacement + map.velocity * motion.velocity +

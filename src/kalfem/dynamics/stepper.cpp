@@ -31,6 +31,7 @@ namespace {
 
 using Eigen::VectorXd;
 
+// The form gives outputs of its state; z'' is asked for as one output for each degree of freedom.
 OutputMap accelerations_of(const LocallyNonlinearSystem& system) {
   const auto n = system.size();
   const auto inputs = Eigen::MatrixXd::Zero(n, system.input_count());

@@ -193,6 +193,8 @@ std::string hertz(double frequency) {
 
 }  // namespace
 
+// Modes left out matter where the excitation or the sensors reach; modes kept, where they are off inside the sensors'
+// band.
 std::vector<std::string> reduction_warnings(const ReductionErrorIndicators& error_indicators, double excitation_band,
                                             double sensor_bandwidth) {
   std::vector<std::string> warnings;

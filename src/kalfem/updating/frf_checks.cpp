@@ -176,6 +176,7 @@ void check_measured(const std::vector<MeasuredFrf>& measured, const FrfResidualO
   issues.raise();
 }
 
+// An exact zero is a value that was filled in: its logarithm is infinite, and a deviation of zero divides the residual.
 void check_lines(const std::vector<MeasuredFrf>& measured, const std::vector<FrequencyResponse>& compared,
                  const FrfResidualOptions& options) {
   IssueList issues;

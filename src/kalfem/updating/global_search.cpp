@@ -64,6 +64,7 @@ public:
     return point;
   }
 
+  // The nearest point of the cube is evaluated, and its cost raised by the squared distance.
   double operator()(const std::vector<double>& point) {
     VectorXd values = initial_values(parameters_);
     double outside = 0.0;

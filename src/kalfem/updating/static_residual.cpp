@@ -117,6 +117,8 @@ VectorXd StaticResidual::displacements(const VectorXd& parameters) const {
   return own(Equilibrium(model_->at(parameters).model, forces_).displacements);
 }
 
+// Values without a structure, or with one that is free to move, are no error of the user's: the search takes another
+// step.
 std::optional<ResidualValue> StaticResidual::evaluate(const VectorXd& parameters, bool with_jacobian) const {
   try {
     const Equilibrium state(model_->at(parameters).model, forces_);

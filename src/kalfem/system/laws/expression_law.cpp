@@ -57,6 +57,7 @@ private:
     if (!advanced.converged || !std::isfinite(out.force[i])) out.force[i] = std::numeric_limits<double>::quiet_NaN();
   }
 
+  // At an instant, and for laws without states, nothing advances.
   static AdvancedStates advance(Index i, const ExpressionEvaluator& evaluator, const LawPoints& points,
                                 const ConnectorMotion& end) {
     const StateVector begin = points.begin_states.row(i).transpose();

@@ -84,6 +84,8 @@ double power(const PrototypePoles& poles, double omega) {
   return product;
 }
 
+// Bessel's polynomial is scaled for a delay of one; a cutoff means half the power, so the poles are divided by the
+// frequency at which that is reached.
 /// Frequency at which the prototype's power has fallen to one half; the power falls monotonically.
 double half_power_frequency(const PrototypePoles& poles) {
   double low = 0.0, high = 1.0;

@@ -173,6 +173,7 @@ private:
     double cycles, frequency, rate;
   };
 
+  // expm1 keeps the digits of a slow logarithmic sweep, whose growth times t is small.
   Phase swept(double t) const {
     const auto& [amplitude, from, to, T, sweep, fade_in] = options_;
     if (sweep == Sweep::linear || from == to) {
@@ -213,6 +214,8 @@ IssueList validate(const SineOptions& options) {
   return issues;
 }
 
+// Twice integrated, a sine is a sine again, so only its amplitude changes; the fade-in then acts on the displacement
+// and starts it from rest.
 SignalPtr make_sine(const SineOptions& options) {
   validate(options).raise();
   const double amplitude =

@@ -109,6 +109,7 @@ GroundMotion::Knots GroundMotion::extended(Index first, Index last) const {
   return all;
 }
 
+// Times outside the knots extend them first, as far as the acceleration is known; then each instant lies in one step.
 SignalSamples GroundMotion::sample(double start, double step, Index count) const {
   check_sampling(start, step, count);
   SignalSamples samples(count, 3);

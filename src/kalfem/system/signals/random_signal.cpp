@@ -35,6 +35,7 @@ void require_lines(IssueList& issues, const std::string& signal, const LineGrid&
 
 std::int64_t first_line(const LineGrid& grid) { return static_cast<std::int64_t>(lowest_line(grid)); }
 
+// Line over duration, not a running sum of spacings: the last of a million lines has the frequency of its number.
 std::vector<double> line_frequencies(const LineGrid& grid) {
   std::vector<double> frequencies;
   for (double line = lowest_line(grid); line <= last_line(grid); ++line) frequencies.push_back(line / grid.duration);
