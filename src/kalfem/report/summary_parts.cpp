@@ -29,8 +29,6 @@ std::optional<Estimate> estimated_rest(const EstimationOutcome& outcome, const s
   return std::nullopt;
 }
 
-double last_time(const TimeSeries& series) { return series.time(series.samples() - 1); }
-
 }  // namespace
 
 std::vector<RestFound> rest_positions(const Study& study, const StudyResults& results) {
@@ -51,16 +49,16 @@ std::vector<RestFound> rest_positions(const Study& study, const StudyResults& re
 }
 
 Json record_summary(const Study& study, const StudyResults& results) {
-  const auto& record = *study.record;
-  Json summary = {{"start_s", number(record.series.start)},
-                  {"end_s", number(last_time(record.series))},
-                  {"samples", record.series.samples()},
-                  {"samples_used", record.used},
-                  {"sample_rate_hz", number(record.series.sample_rate)}};
-  if (!record.preparation.empty()) summary["preparation"] = record.preparation;
-  if (!record.free_response) return summary;
-  summary["release_s"] = number(record.free_response->release);
-  summary["rest_s"] = number(record.free_response->rest);
+  const auto& [record, preparation, free_response] = *study.record;
+  Json summary = {{"start_s", number(record.start)},
+                  {"end_s", number(record.end())},
+                  {"samples", record.samples()},
+                  {"samples_used", record.samples_used()},
+                  {"sample_rate_hz", number(record.sample_rate)}};
+  if (!preparation.empty()) summary["preparation"] = preparation;
+  if (!free_response) return summary;
+  summary["release_s"] = number(free_response->release);
+  summary["rest_s"] = number(free_response->rest);
   Json positions = Json::object();
   for (const auto& rest : rest_positions(study, results))
     positions[rest.sensor] = {
@@ -71,10 +69,9 @@ Json record_summary(const Study& study, const StudyResults& results) {
 
 std::string record_words(const Study& study, const StudyResults& results) {
   if (!study.record) return "";
-  const auto& [series, preparation, used, free_response] = *study.record;
-  std::string text =
-      fmt::format("Record: {} samples at {} Hz, {} s to {} s\n", series.samples(), four_digits(series.sample_rate),
-                  four_digits(series.start), four_digits(last_time(series)));
+  const auto& [record, preparation, free_response] = *study.record;
+  std::string text = fmt::format("Record: {} samples at {} Hz, {} s to {} s\n", record.samples(),
+                                 four_digits(record.sample_rate), four_digits(record.start), four_digits(record.end()));
   for (const auto& step : preparation) text += step + (step.ends_with('\n') ? "" : "\n");
   for (const auto& rest : rest_positions(study, results))
     text += fmt::format("  {} rests at {} {}{}\n", rest.sensor, four_digits(rest.position), rest.unit,

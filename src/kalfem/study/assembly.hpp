@@ -8,9 +8,15 @@
 
 namespace kalfem {
 
-/// Translates what the case says. Problems go to `issues` with their place; what had one is left out.
-/// `finite_elements`: the case's finite-element substructures.
+struct CaseStudy;
+
+/// Builds the substructures, connectors and inputs of the case. Problems go to `issues` with their place; a part that
+/// has one is left out. `finite_elements`: the case's finite-element substructures.
 StructureParts make_parts(const description::Case& given, std::vector<Substructure> finite_elements, IssueList& issues);
+
+/// Builds the sensors of the case, whose structure has been coupled to `study.model`. Problems go to `issues` with
+/// their place.
+std::vector<Sensor> make_sensors(const CaseStudy& study, IssueList& issues);
 
 /// Points of a substructure that connectors and forces touch, without its name.
 std::vector<std::string> attached_points(const description::Case& given, const std::string& substructure);

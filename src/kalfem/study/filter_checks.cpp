@@ -94,6 +94,26 @@ void check_filter(const CaseStudy& study) {
       .raise();
 }
 
+std::vector<std::string> doubtful_estimation(const CaseStudy& study) {
+  std::vector<std::string> warnings;
+  const auto& estimate = study.given.estimate;
+  if (estimate && study.given.simulate && estimate->settle >= study.given.simulate->duration)
+    warnings.emplace_back("estimate.settle is not shorter than the record: errors and NIS use the last sample only");
+  if (!study.augmented_model) return warnings;
+  for (const auto& unknown : study.augmented_model->options.unknowns) {
+    const auto entry =
+        std::ranges::find(estimate->unknown, unknown.name, &std::pair<std::string, description::Unknown>::first);
+    if (entry == estimate->unknown.end()) continue;  // a rest position, which may be negative
+    const auto& given = entry->second;
+    if (unknown.transform.kind == TransformKind::none && given.std && !given.std->value.bare &&
+        unknown.initial != 0.0 && unknown.deviation > 0.6 * std::abs(unknown.initial))
+      warnings.push_back(
+          "unknown '" + unknown.name +
+          "' has a wide prior and no transform, so sigma points may become negative; set transform: log");
+  }
+  return warnings;
+}
+
 InvalidInput not_estimated(const Name& substructure, const std::string& point) {
   return InvalidInput(substructure.issue("the filter's model does not contain the motion of '" + point + "'",
                                          "this motion drives the substructure",

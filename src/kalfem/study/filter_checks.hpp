@@ -12,6 +12,9 @@ void check_augmented_model(const CaseStudy& study, IssueList& issues);
 /// Throws InvalidInput where the filter of the case's `estimate` could not be made or run, as far as it shows before.
 void check_filter(const CaseStudy& study);
 
+/// Settings of `estimate` that are allowed but are probably a mistake, one sentence each.
+std::vector<std::string> doubtful_estimation(const CaseStudy& study);
+
 /// Throws InvalidInput where the substructure, as `model` holds it, has no boundary or interior, where its interior
 /// moves freely, or where the filter's model does not estimate the motion of its boundary.
 void check_driven(const Study& study, const CoupledModel& model, const Name& substructure);

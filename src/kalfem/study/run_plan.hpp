@@ -14,8 +14,14 @@
 #include "kalfem/updating/cma_es.hpp"
 #include "kalfem/updating/gauss_newton.hpp"
 
-/// What a run is to do, step by step, with every name looked up and every number in SI.
+/// The plan of each step of a run, with every name looked up and every number in SI.
 namespace kalfem {
+
+namespace description {
+struct Simulation;
+struct Prediction;
+struct Report;
+}  // namespace description
 
 /// A reference solution and the record made from it.
 struct SimulationPlan {
@@ -28,12 +34,14 @@ struct SimulationPlan {
   /// Whether the number of steps is given in the place of a tolerance.
   [[nodiscard]] bool has_fixed_step() const { return !convergence.refine; }
 };
+SimulationPlan make_simulation_plan(const description::Simulation& given);
 
 /// A linear substructure that the estimated motion of its boundary drives.
 struct PredictionPlan {
   Name substructure;
   int substeps = 2;  ///< of a large substructure, steps per sample
 };
+PredictionPlan make_prediction_plan(const description::Prediction& given);
 
 /// One of the comparisons of an updating as a residual.
 struct ComparisonResidual {
@@ -98,5 +106,6 @@ struct ReportPlan {
   double zoom = 1.0;                            ///< [s]
   std::vector<MatrixFormat> superelements = {};
 };
+ReportPlan make_report_plan(const description::Report& given);
 
 }  // namespace kalfem

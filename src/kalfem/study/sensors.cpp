@@ -1,0 +1,62 @@
+#include <algorithm>
+
+#include "kalfem/study/assembly.hpp"
+#include "kalfem/study/case_study.hpp"
+#include "kalfem/yaml/bounds.hpp"
+
+namespace kalfem {
+namespace {
+
+namespace d = description;
+
+Sensor make_sensor(const std::string& name, const d::Sensor& given, const SourceLocation& location) {
+  Sensor sensor;
+  sensor.location = location;
+  sensor.name = name;
+  std::visit(
+      [&](const auto& observed) {
+        sensor.output = {
+            name, observed.quantity, {observed.points.value.begin(), observed.points.value.end()}, given.relative};
+      },
+      given.observed);
+  sensor.unit = unit_of(sensor.output.quantity);
+  sensor.relative_noise = !given.noise.value.bare && given.noise.value.dimension == Dimension{};
+  sensor.noise =
+      sensor.relative_noise ? given.noise.value.value : checked_number(given.noise, sensor.unit, Bounds::nonnegative());
+  if (!(sensor.noise >= 0.0))
+    throw InvalidInput(given.noise.issue("the noise is negative", "a standard deviation must not be negative"));
+  sensor.chain = MeasurementChain({given.chain});
+  return sensor;
+}
+
+/// A sensor relative to the base needs a base that moves as a whole.
+void check_relative(const CaseStudy& study, const d::Sensor& given, const d::Points& points, IssueList& issues) {
+  const bool uniform = std::ranges::any_of(
+      study.structure->parts.inputs, [](const auto& input) { return input.kind == InputKind::base_acceleration; });
+  const bool of_connector = std::visit(
+      [](const auto& observed) { return observed.quantity > ObservedQuantity::acceleration; }, given.observed);
+  if (given.relative && !uniform && !of_connector)
+    issues.add(points.location,
+               points.path + " is relative to the accelerated base, but the case does not accelerate a whole base",
+               "when single grounds move, displacements are absolute",
+               "write {point: 1, ground: -1} for the motion relative to a ground");
+}
+
+}  // namespace
+
+std::vector<Sensor> make_sensors(const CaseStudy& study, IssueList& issues) {
+  std::vector<Sensor> sensors;
+  for (const auto& [name, given] : study.given.sensors) {
+    const auto location = std::visit([](const auto& observed) { return observed.points.location; }, given.observed);
+    try {
+      sensors.push_back(make_sensor(name, given, study.given.source.at({"sensors", name})));
+      std::visit([&](const auto& observed) { check_relative(study, given, observed.points, issues); }, given.observed);
+      make_outputs(*study.model, {sensors.back().output});
+    } catch (const InvalidInput& error) {
+      issues.add(error, location);
+    }
+  }
+  return sensors;
+}
+
+}  // namespace kalfem
