@@ -17,12 +17,12 @@
 #include "kalfem/system/sensors/output_map.hpp"
 #include "kalfem/system/signals/deterministic.hpp"
 #include "kalfem/system/signals/ground_motion.hpp"
-#include "kalfem/yaml/form.hpp"
+#include "kalfem/yaml/schema.hpp"
 #include "kalfem/yaml/yaml_node.hpp"
 
 /// A case as its file says it: what the user wrote, with the place of every name that is looked up later. study.hpp
 /// makes the model, the signals and the augmented model from it. Meanings and units of the keys stand in
-/// description_form.cpp.
+/// case_schema.cpp.
 namespace kalfem::description {
 
 struct Spring {

@@ -5,6 +5,11 @@
 
 namespace kalfem {
 
+struct CaseStudy;
+
+/// The case's structural modifications with their names looked up. Problems go to `issues` with their place.
+std::vector<StructuralModification> make_modifications(const CaseStudy& study, IssueList& issues);
+
 /// What the standard deviations of predicted frequencies do not cover, in a sentence for reports.
 inline constexpr const char* deviations_leave_out =
     "The standard deviations are propagated from those of the updated parameters, to first order. They do not include "

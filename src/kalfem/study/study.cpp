@@ -2,17 +2,16 @@
 
 #include <algorithm>
 
-#include "kalfem/casefile/description_form.hpp"
+#include "kalfem/casefile/case_schema.hpp"
 #include "kalfem/identification/augmented_model_setup.hpp"
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/identification/parameterised_structure.hpp"
 #include "kalfem/study/assembly.hpp"
 #include "kalfem/study/case_checks.hpp"
-#include "kalfem/study/comparisons.hpp"
 #include "kalfem/study/estimation_problem_of.hpp"
 #include "kalfem/study/filter_checks.hpp"
 #include "kalfem/study/making_steps.hpp"
-#include "kalfem/study/modifications_setup.hpp"
+#include "kalfem/study/record_noise.hpp"
 #include "kalfem/study/record_noise.hpp"
 #include "kalfem/study/record_source.hpp"
 #include "kalfem/study/structural_modifications.hpp"

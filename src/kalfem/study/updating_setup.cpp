@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 
-#include "kalfem/study/comparisons.hpp"
 #include "kalfem/study/estimation_problem_of.hpp"
 #include "kalfem/yaml/bounds.hpp"
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/yaml/form.hpp"
+#include "kalfem/yaml/schema.hpp"
 #include "kalfem/yaml/yaml_node.hpp"
 
 namespace kalfem {

@@ -1,49 +1,106 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
-#include <vector>
+#include <utility>
 
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/yaml/json_schema.hpp"
 #include "kalfem/yaml/yaml_node.hpp"
 
 namespace kalfem {
 
-/// What JSON Schema (draft 2020-12) says of a schema, with words of our own: "x-written", the schema in a few English
-/// words, "x-unit", and "x-needed", which says when a key of alternatives is needed. Immutable and shared, as schemas
-/// nest.
-class JsonSchema {
-public:
-  JsonSchema();
-  explicit JsonSchema(nlohmann::ordered_json json);
-
-  [[nodiscard]] const nlohmann::ordered_json& json() const { return *json_; }
-  [[nodiscard]] std::string written() const;
-  [[nodiscard]] std::string unit() const;
-  /// The same in other words.
-  [[nodiscard]] JsonSchema written_as(const std::string& written) const;
-
-private:
-  std::shared_ptr<const nlohmann::ordered_json> json_;
+/// What one reading of a case file shares.
+struct ReadContext {
+  std::string file;
+  std::filesystem::path folder;  ///< paths in the file are relative to it
+  IssueList issues;
 };
 
-/// A text or a number.
-JsonSchema scalar_schema(const std::string& written);
-/// One of the words, each with its meaning.
-JsonSchema choice_schema(const std::vector<std::string>& words, const std::vector<std::string>& meanings);
-JsonSchema list_schema(const JsonSchema& item, std::size_t least, std::size_t most);
-/// "a or b".
-JsonSchema either_schema(const JsonSchema& one, const JsonSchema& other);
-/// Names that the user chooses, each with such an item.
-JsonSchema named_schema(const JsonSchema& item);
+/// A value in the case file together with where it stands: its line and its path ("connectors.suspension.law").
+class CaseNode {
+public:
+  CaseNode(ReadContext& reading, YamlNodePtr node, std::string path, int line)
+      : reading_(&reading), node_(std::move(node)), path_(std::move(path)), line_(line) {}
 
-/// A value as JSON; scalars that were written without quotes become numbers, true, false or null where they read so.
-nlohmann::ordered_json to_json(const YamlNode& node);
+  [[nodiscard]] const YamlNode& yaml() const { return *node_; }
+  [[nodiscard]] const YamlNodePtr& shared_yaml() const { return node_; }
+  [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] SourceLocation location() const { return {reading_->file, line_}; }
+  [[nodiscard]] const std::filesystem::path& folder() const { return reading_->folder; }
+  [[nodiscard]] std::size_t issue_count() const { return reading_->issues.issues().size(); }
 
-/// JSON Schema (draft 2020-12) of a whole case file, for editors.
-nlohmann::ordered_json whole_json_schema(const JsonSchema& schema, const std::string& title);
+  [[nodiscard]] CaseNode at(const YamlEntry& entry) const;
+  [[nodiscard]] CaseNode item(std::size_t index) const;  ///< path "bands[2]", counted from 0
 
-/// The same as text for people: one line a key with its schema, whether it is needed or its default, and its meaning.
-std::string reference_text(const nlohmann::ordered_json& json_schema);
+  /// Adds "path: what: why; fix" to the issues of the reading.
+  void issue(const std::string& what, const std::string& why = {}, const std::string& fix = {}) const;
+  void issue(const InvalidInput& error) const;
+  /// Whether the node is of that kind; otherwise adds an issue that shows how it is `written`.
+  [[nodiscard]] bool require(YamlNode::Kind kind, const std::string& written) const;
+
+private:
+  ReadContext* reading_;
+  YamlNodePtr node_;
+  std::string path_;
+  int line_;
+};
+
+/// How a value is written in a case file: the one description from which it is read, echoed and documented. The type of
+/// the value is known only to those who made the schema: what does not depend on it is so compiled once. Immutable.
+class AnySchema {
+public:
+  explicit AnySchema(JsonSchema given) : json_schema(std::move(given)) {}
+  AnySchema(const AnySchema&) = delete;
+  AnySchema& operator=(const AnySchema&) = delete;
+  virtual ~AnySchema() = default;
+
+  /// False where the text is not usable: then an issue was added, and the value is of no use.
+  virtual bool read(const CaseNode& node, void* value) const = 0;
+  /// Null for an empty value.
+  virtual YamlNodePtr write(const void* value) const = 0;
+
+  const JsonSchema json_schema;
+};
+
+using AnySchemaPtr = std::shared_ptr<const AnySchema>;
+
+/// The schema of a T, shared by all copies.
+template <class T>
+class Schema {
+public:
+  using Value = T;
+
+  explicit Schema(AnySchemaPtr schema) : schema_(std::move(schema)) {}
+
+  /// False where the text is not usable: then an issue was added, and the value is of no use.
+  bool read(const CaseNode& node, T& value) const { return schema_->read(node, &value); }
+  [[nodiscard]] YamlNodePtr write(const T& value) const { return schema_->write(&value); }
+  [[nodiscard]] const JsonSchema& json_schema() const { return schema_->json_schema; }
+  [[nodiscard]] std::string written() const { return json_schema().written(); }
+  [[nodiscard]] const AnySchemaPtr& any() const { return schema_; }
+
+private:
+  AnySchemaPtr schema_;
+};
+
+/// The schema that reads with bool read(const CaseNode&, T&) and writes with YamlNodePtr write(const T&).
+template <class T, class Read, class Write>
+Schema<T> make_schema(Read read, Write write, JsonSchema json_schema) {
+  class Made final : public AnySchema {
+  public:
+    Made(Read read, Write write, JsonSchema given)
+        : AnySchema(std::move(given)), read_(std::move(read)), write_(std::move(write)) {}
+    bool read(const CaseNode& node, void* value) const override { return read_(node, *static_cast<T*>(value)); }
+    YamlNodePtr write(const void* value) const override { return write_(*static_cast<const T*>(value)); }
+
+  private:
+    Read read_;
+    Write write_;
+  };
+  std::unique_ptr<const AnySchema> made(new Made(std::move(read), std::move(write), std::move(json_schema)));
+  return Schema<T>(std::move(made));
+}
 
 }  // namespace kalfem

@@ -1,6 +1,6 @@
-#include "kalfem/casefile/description_form.hpp"
+#include "kalfem/casefile/case_schema.hpp"
 #include "kalfem/casefile/plausible.hpp"
-#include "kalfem/yaml/fields.hpp"
+#include "kalfem/yaml/map_schema.hpp"
 
 namespace kalfem::description {
 

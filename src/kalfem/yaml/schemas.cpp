@@ -1,4 +1,4 @@
-#include "kalfem/yaml/forms.hpp"
+#include "kalfem/yaml/schemas.hpp"
 
 #include <cctype>
 #include <charconv>

@@ -1,18 +1,14 @@
-#include "kalfem/study/comparisons.hpp"
+#include "kalfem/study/updating_setup.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <set>
 #include <stdexcept>
 
 #include "kalfem/casefile/update_description.hpp"
 #include "kalfem/formats/record_file.hpp"
 #include "kalfem/formats/tables/csv.hpp"
 #include "kalfem/formats/tables/frf_table.hpp"
-#include "kalfem/identification/released_elements.hpp"
-#include "kalfem/study/estimation_problem_of.hpp"
-#include "kalfem/study/filter_checks.hpp"
 #include "kalfem/updating/frf_residual.hpp"
 #include "kalfem/updating/modal_residual.hpp"
 #include "kalfem/updating/static_residual.hpp"
@@ -30,38 +26,6 @@ namespace d = description;
 constexpr double default_frequency_deviation = 0.01;
 /// Smoothing of frequency responses goes down to this part of the first width before it ends.
 constexpr double smoothing_range = 10.0;
-
-const Name& substructure_of(const d::Comparison& given) {
-  static const Name none;
-  return std::visit(
-      [](const auto& data) -> const Name& {
-        if constexpr (requires { data.substructure; }) return data.substructure;
-        return none;
-      },
-      given.data);
-}
-
-/// Unknowns of the filter among the elements of a substructure that is driven by the boundary's estimated motion: the
-/// comparison would hold them as the case gives them.
-void check_unknowns_of_driven_part(const CaseStudy& study, const Name& substructure, IssueList& issues) {
-  const ParameterSet known(*study.structure);
-  for (const auto& [name, given] : study.given.estimate->unknown)
-    for (const auto& target : names_of(name, given)) {
-      const auto element = known.find(target.value);
-      if (!element || element->owner != substructure.value || !can_be_released(study.structure->parts, *element))
-        continue;
-      issues.add(target.location,
-                 target.path + ": '" + target.value + "' is an unknown of the filter, but " + substructure.path +
-                     " compares the record with its substructure",
-                 "in that comparison it would keep its initial value", "list it under update.parameters instead");
-    }
-}
-
-const std::vector<Name>* sensors_of(const d::Comparison& given) {
-  if (const auto* driven = std::get_if<d::DrivenHistory>(&given.data)) return &driven->sensors;
-  if (const auto* simulated = std::get_if<d::SimulatedHistory>(&given.data)) return &simulated->sensors;
-  return nullptr;
-}
 
 /// Factor that turns a column of frequencies into Hz: rad/s and rpm are angular.
 double factor_to_hertz(const std::string& unit) {
@@ -94,62 +58,6 @@ DofCombination point_of(const LinearModel& model, const Name& name) {
   for (const auto& [point, combination] : model.points) known.push_back(point);
   if (!model.points_only) known.insert(known.end(), model.dofs.begin(), model.dofs.end());
   throw InvalidInput(name.issue("there is no point '" + name.value + "'" + did_you_mean(name.value, known)));
-}
-
-/// Sensors of motion that see points of one substructure only.
-std::vector<std::string> sensors_on(const CaseStudy& study, const std::string& substructure) {
-  std::vector<std::string> names;
-  for (const auto& sensor : study.sensors)
-    if (sensor.output.quantity <= ObservedQuantity::acceleration &&
-        std::ranges::all_of(sensor.output.points,
-                            [&](const auto& point) { return point.first.starts_with(substructure + "."); }))
-      names.push_back(sensor.name);
-  return names;
-}
-
-/// Those that the case names, or all on the substructure.
-std::vector<std::string> compared_sensors(const CaseStudy& study, const d::DrivenHistory& given) {
-  const auto own = sensors_on(study, given.substructure.value);
-  std::vector<std::string> sensors;
-  IssueList issues;
-  for (const auto& name : given.sensors) {
-    sensors.push_back(name.value);
-    if (std::ranges::find(own, name.value) == own.end())
-      issues.add(name.location,
-                 name.path + ": sensor '" + name.value + "' does not measure the motion of '" +
-                     given.substructure.value + "' alone",
-                 "its points must belong to that substructure");
-  }
-  issues.raise();
-  if (sensors.empty()) sensors = own;
-  if (sensors.empty())
-    throw InvalidInput(given.substructure.issue("no sensor measures the motion of '" + given.substructure.value + "'",
-                                                "there is nothing to compare with"));
-  return sensors;
-}
-
-std::vector<std::string> compared_sensors(const CaseStudy& study, const d::SimulatedHistory& given) {
-  std::vector<std::string> sensors;
-  for (const auto& sensor : study.sensors)
-    if (std::ranges::any_of(given.sensors,
-                            [&](const auto& name) { return name.value == "all" || name.value == sensor.name; }))
-      sensors.push_back(sensor.name);
-  if (sensors.empty()) throw InvalidInput("no sensor is listed", "", "list some, or write simulation: all");
-  return sensors;
-}
-
-/// An entry that stands twice would count twice.
-void check_twice(const std::vector<Name>& names, IssueList& issues) {
-  std::set<std::string> seen;
-  for (const auto& name : names)
-    if (!seen.insert(name.value).second)
-      issues.add(name.location, name.path + ": '" + name.value + "' is given twice", "it would be counted twice",
-                 "remove one of them");
-}
-
-double samples_of(const CaseStudy& study) {
-  if (study.record) return static_cast<double>(study.record->record.samples());
-  return study.given.simulate->duration * study.given.simulate->sample_rate + 1.0;
 }
 
 /// Makes the residual of each kind of comparison.
@@ -373,74 +281,6 @@ void add_comparisons(const CaseStudy& study, UpdatingPlan& plan) {
     }
   }
   issues.raise();
-}
-
-void check_comparisons(const CaseStudy& study, IssueList& issues) {
-  std::vector<std::string> parts, sensors;
-  for (const auto& [name, part] : study.given.substructures) parts.push_back(name);
-  for (const auto& sensor : study.sensors) sensors.push_back(sensor.name);
-  double weights = 0.0;
-  for (const auto& [name, given] : study.given.update->comparisons) weights += given.value.weight;
-  if (!study.given.update->comparisons.empty() && weights == 0.0)
-    issues.add(study.given.source.at({"update", "compare"}), "every comparison has weight 0",
-               "no measurement is left for the updating", "give at least one a weight > 0");
-  for (const auto& [name, given] : study.given.update->comparisons) {
-    const auto& part = substructure_of(given.value);
-    if (!part.path.empty() && std::ranges::find(parts, part.value) == parts.end())
-      issues.add(part.location,
-                 part.path + ": there is no substructure '" + part.value + "'" + did_you_mean(part.value, parts));
-    if (study.given.damping && std::holds_alternative<d::FrfData>(given.value.data))
-      issues.add(given.location,
-                 given.path + " compares one substructure, but modal damping is given for the whole structure",
-                 "the damping of the substructure alone is unknown",
-                 "give the substructure its own modal damping instead of `damping`");
-    if (const auto* frf = std::get_if<d::FrfData>(&given.value.data)) check_twice(frf->outputs, issues);
-    if (const auto* modal = std::get_if<d::ModalData>(&given.value.data))
-      if (std::set<int>(modal->model_modes.begin(), modal->model_modes.end()).size() < modal->model_modes.size())
-        issues.add(given.location, given.path + ".model_modes: a mode is listed twice",
-                   "each measured mode needs its own mode of the model", "correct the numbers");
-    const auto* named = sensors_of(given.value);
-    if (!named) continue;
-    check_twice(*named, issues);
-    const std::size_t before = issues.issues().size();
-    for (const auto& sensor : *named)
-      if ((sensor.value != "all" || std::holds_alternative<d::DrivenHistory>(given.value.data)) &&
-          std::ranges::find(sensors, sensor.value) == sensors.end())
-        issues.add(sensor.location,
-                   sensor.path + ": there is no sensor '" + sensor.value + "'" + did_you_mean(sensor.value, sensors));
-    if (!study.given.simulate && !study.given.record)
-      issues.add(given.location, given.path + " compares with a record, but the case has none", "",
-                 "add `record` or `simulate`");
-    if (std::holds_alternative<d::DrivenHistory>(given.value.data) && study.given.estimate)
-      check_unknowns_of_driven_part(study, part, issues);
-    if (issues.issues().size() == before) try {
-        if (const auto* driven = std::get_if<d::DrivenHistory>(&given.value.data)) compared_sensors(study, *driven);
-        if (const auto* simulated = std::get_if<d::SimulatedHistory>(&given.value.data))
-          compared_sensors(study, *simulated);
-      } catch (const InvalidInput& error) {
-        add_at(given.location, error, issues);
-      }
-    if (std::holds_alternative<d::DrivenHistory>(given.value.data) && !study.given.estimate)
-      issues.add(given.location, given.path + " needs the motion of the boundary, but the case does not estimate it",
-                 "", "add `estimate`");
-  }
-}
-
-void check_driven_histories(const CaseStudy& study, const CoupledModel& start, IssueList& issues) {
-  for (const auto& [name, given] : study.given.update->comparisons) {
-    const auto* driven = std::get_if<d::DrivenHistory>(&given.value.data);
-    if (!driven) continue;
-    try {
-      check_driven(study, start, driven->substructure);
-    } catch (const InvalidInput& error) {
-      add_at(driven->substructure.location, error, issues);
-    }
-    const double settle = study.given.estimate->settle;
-    if (settle * study.sample_rate() >= samples_of(study) - 1.5)
-      issues.add(study.given.source.at({"estimate", "settle"}),
-                 "estimate.settle: " + shortest(settle) + " s cover the whole record",
-                 "'" + given.path + "' compares the samples after this time", "shorten it");
-  }
 }
 
 }  // namespace kalfem

@@ -4,7 +4,7 @@
 
 namespace kalfem::description {
 
-/// Schemas of the parts, each in a file of its own beside description_form.cpp.
+/// Schemas of the parts, each in a file of its own beside case_schema.cpp.
 Schema<Name> name();
 Schema<Value> value();
 /// A point by its name, or a map of points and weights.

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <variant>
 
-#include "kalfem/yaml/forms.hpp"
+#include "kalfem/yaml/schemas.hpp"
 
 namespace kalfem {
 
@@ -14,7 +14,7 @@ namespace kalfem {
 using MemberOffset = std::ptrdiff_t;
 
 /// Some keys of a map, bound to an object whose type only the Fields know that made it: everything that maps have in
-/// common is so compiled once (fields.cpp). Immutable.
+/// common is so compiled once (map_schema.cpp). Immutable.
 class Field {
 public:
   explicit Field(std::vector<std::string> names) : keys(std::move(names)) {}

@@ -10,7 +10,7 @@
 
 #include "kalfem/base/units.hpp"
 #include "kalfem/yaml/bounds.hpp"
-#include "kalfem/yaml/form.hpp"
+#include "kalfem/yaml/schema.hpp"
 
 namespace kalfem {
 

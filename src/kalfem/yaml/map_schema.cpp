@@ -1,8 +1,8 @@
-#include "kalfem/yaml/fields.hpp"
+#include "kalfem/yaml/map_schema.hpp"
 
 #include <nlohmann/json.hpp>
 
-#include "kalfem/yaml/schema.hpp"
+#include "kalfem/yaml/json_schema.hpp"
 
 namespace kalfem {
 namespace {
