@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "filter_walk.hpp"
-#include "kalfem/casefile/description_form.hpp"
+#include "kalfem/casefile/case_schema.hpp"
 #include "kalfem/dynamics/modal_coordinates.hpp"
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/estimation/filter_choice.hpp"

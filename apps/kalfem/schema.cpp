@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "console.hpp"
-#include "kalfem/casefile/description_form.hpp"
+#include "kalfem/casefile/case_schema.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/system/laws/law_library.hpp"
 #include "verbs.hpp"

@@ -7,7 +7,7 @@
 
 #include "base/scratch_folder.hpp"
 #include "casefile/sample_case.hpp"
-#include "kalfem/yaml/fields.hpp"
+#include "kalfem/yaml/map_schema.hpp"
 
 namespace kalfem::sample {
 namespace {

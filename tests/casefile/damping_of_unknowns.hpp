@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "kalfem/base/random.hpp"
-#include "kalfem/casefile/description_form.hpp"
+#include "kalfem/casefile/case_schema.hpp"
 #include "kalfem/pipeline/run_steps.hpp"
 #include "kalfem/study/case_study.hpp"
 #include "kalfem/yaml/case_reader.hpp"

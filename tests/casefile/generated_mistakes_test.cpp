@@ -8,7 +8,7 @@
 #include "base/scratch_folder.hpp"
 #include "casefile/base_cases.hpp"
 #include "casefile/case_mutations.hpp"
-#include "kalfem/casefile/description_form.hpp"
+#include "kalfem/casefile/case_schema.hpp"
 #include "kalfem/pipeline/run_study.hpp"
 #include "kalfem/yaml/case_reader.hpp"
 

@@ -1,6 +1,6 @@
 #include "casefile/sample_case.hpp"
 
-#include "kalfem/yaml/fields.hpp"
+#include "kalfem/yaml/map_schema.hpp"
 
 namespace kalfem::sample {
 namespace {

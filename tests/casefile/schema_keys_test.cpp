@@ -4,7 +4,7 @@
 #include <set>
 
 #include "casefile/case_sections.hpp"
-#include "kalfem/casefile/description_form.hpp"
+#include "kalfem/casefile/case_schema.hpp"
 
 /// Every key of the case file is set once, and what is built from it is compared with the right number. The list of
 /// keys is the schema's own: a key without a check fails, and so does a check without a key.

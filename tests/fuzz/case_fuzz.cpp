@@ -1,4 +1,4 @@
-#include "kalfem/casefile/description_form.hpp"
+#include "kalfem/casefile/case_schema.hpp"
 #include "kalfem/yaml/case_reader.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "kalfem/base/located.hpp"
+#include "kalfem/base/invalid_input.hpp"
 #include "kalfem/records/record.hpp"
 
 namespace kalfem {

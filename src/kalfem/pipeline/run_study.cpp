@@ -11,7 +11,6 @@
 #include "kalfem/pipeline/run_steps.hpp"
 #include "kalfem/pipeline/run_updating.hpp"
 #include "kalfem/study/record_noise.hpp"
-#include "kalfem/study/record_noise.hpp"
 #include "kalfem/study/study_elements.hpp"
 
 namespace kalfem {

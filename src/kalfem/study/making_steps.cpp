@@ -5,7 +5,7 @@
 #include <string_view>
 #include <utility>
 
-#include "kalfem/base/located.hpp"
+#include "kalfem/base/invalid_input.hpp"
 
 namespace kalfem {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/records/time_series.hpp"
+#include "kalfem/records/record.hpp"
 
 namespace kalfem {
 
