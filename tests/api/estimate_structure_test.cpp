@@ -46,7 +46,7 @@ TEST(EstimateStructure, GivesTheEstimatesOfTheSameProblemInTheLibrarysOwnTypes) 
   IssueList issues;
   const auto setup = make_augmented_model_setup(*problem, problem->structure->parts, {}, issues);
   ASSERT_TRUE(issues.empty());
-  const auto expected = run_filter(problem, setup, {chain_record(), {0.3, 0.3}}, {.state_deviations = false}).result;
+  const auto expected = run_filter(problem, setup, chain_record(), {.state_deviations = false}).result;
 
   const auto result = estimate(driven_chain(), chain_record(), {.sensors = chain_sensors(), .unknowns = unknowns});
 

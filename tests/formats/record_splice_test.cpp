@@ -154,12 +154,12 @@ TEST(FindSplice, SurvivesDegenerateRecords) {
 
 TEST(FindSplice, RefusesOptionsOutOfRange) {
   const auto record = record_with(400, 4.0);
-  EXPECT_THrow((void)find_splice(record, {.noise_ratio = no_value}), InvalidInput);
-  EXPECT_THrow((void)find_splice(record, {.shortest = 0}), InvalidInput);
-  EXPECT_THrow((void)find_splice(record, {.before = 2}), InvalidInput);
-  EXPECT_THrow((void)find_splice(record, {.degree = 0}), InvalidInput);
-  EXPECT_THrow((void)find_splice(record, {.largest = 0}), InvalidInput);
-  EXPECT_THrow((void)find_splice(record, {.blanked = -1}), InvalidInput);
+  EXPECT_THROW((void)find_splice(record, {.noise_ratio = no_value}), InvalidInput);
+  EXPECT_THROW((void)find_splice(record, {.shortest = 0}), InvalidInput);
+  EXPECT_THROW((void)find_splice(record, {.before = 2}), InvalidInput);
+  EXPECT_THROW((void)find_splice(record, {.degree = 0}), InvalidInput);
+  EXPECT_THROW((void)find_splice(record, {.largest = 0}), InvalidInput);
+  EXPECT_THROW((void)find_splice(record, {.blanked = -1}), InvalidInput);
 }
 
 TEST(Mend, RestoresTheTimesOfTheSecondPart) {
@@ -185,7 +185,7 @@ TEST(Mend, RestoresTheTimesOfTheSecondPart) {
 TEST(Mend, RefusesASpliceOfAnotherRecord) {
   Splice splice;
   splice.sample = 5000;
-  EXPECT_THrow((void)mend(record_with(400, 4.0), splice), InvalidInput);
+  EXPECT_THROW((void)mend(record_with(400, 4.0), splice), InvalidInput);
 }
 
 TEST(FindSplice, FindsFourMissingSamplesInEveryMeasuredRun) {
