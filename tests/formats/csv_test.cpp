@@ -48,7 +48,7 @@ TEST_F(CsvFiles, ReadsAPlainFile) {
 }
 
 TEST_F(CsvFiles, ReadsWhatOtherProgramsWrite) {
-  const Eigen::MatrixXd expected = (Eigen::MatrixXd(3, 2) << 1.5, 2, -3, 4e3, 5, 6.25).finished();
+  const Eigen::MatrixXd expected = (Eigen::MatrixXd(2, 3) << 1.5, -3, 5, 2, 4e3, 6.25).finished();
   const std::string german =
       "\xEF\xBB\xBF# written by a spreadsheet\r\n\"Zeit\";\"a; b\";c;\r\n0,0;1,5;2;\r\n\r\n0,1;-3;4E3;\r\n% "
       "end\r\n0,2;5;6,25;\r\n";
