@@ -39,7 +39,7 @@ TEST(UpdatingByRecords, TheChainIsRefinedByItsOwnRecord) {
   EXPECT_NE(read(folder / "report.html").find("Parameters by iteration"), std::string::npos);
 }
 
-/// Both ways of differentiating the boundary's motion end at the same place, one in fewer stages.
+/// Both ways of differentiating the boundary's motion end at the same place.
 TEST(UpdatingByRecords, HeldGainsFindWhatFilterPassesFind) {
   const ScratchFolder folder("update-gains");
   const auto text = changed(short_chain(), "body.7-8.stiffness: {initial: 24 kN/m}\n    ", "");
@@ -49,9 +49,13 @@ TEST(UpdatingByRecords, HeldGainsFindWhatFilterPassesFind) {
   for (const auto& [name, parameter] : passes["parameters"].items()) {
     const double difference = held["parameters"][name]["estimate"].get<double>() - parameter["estimate"].get<double>();
     // Gauss-Newton with approximate derivatives ends where J^T r = 0 for its own J: within the parameter's deviation.
-    EXPECT_LT(std::abs(difference), 3.0 * parameter["std"].get<double>()) << name;
+    EXPECT_LT(std::abs(difference), 0.2 * parameter["std"].get<double>()) << name;
+    EXPECT_NEAR(held["parameters"][name]["std"].get<double>(), parameter["std"].get<double>(),
+                0.1 * parameter["std"].get<double>());
   }
-  EXPECT_LE(passes["evaluations"].get<int>(), held["evaluations"].get<int>());
+  EXPECT_LE(held["evaluations"].get<int>(), passes["evaluations"].get<int>() + 1);
+  EXPECT_EQ(passes["comparisons"]["record"]["derivatives"], "filter passes");
+  EXPECT_EQ(held["comparisons"]["record"]["derivatives"], "held gains, not compared with filter passes");
 }
 
 TEST(UpdatingByRecords, TheSimulationOfTheWholeRefinesTheSameModel) {
@@ -115,6 +119,10 @@ TEST(UpdatingByRecords, AShellFrameIsRefinedThroughItsSuperelements) {
   const auto summary = updated(folder, text);
   for (const auto& [name, parameter] : summary["updating"]["parameters"].items())
     EXPECT_LT(relative_error(parameter), 0.0025) << name;  // found 8e-4
+  // The largest relative error with held gains, found .21, is above the limit.
+  EXPECT_NE(summary["updating"]["comparisons"]["record"]["derivatives"].get<std::string>().find(
+                "filter passes: derivatives with held gains would differ by up to"),
+            std::string::npos);
   const auto& suspension = summary["parameters"]["suspension_2.mu_k1"];
   EXPECT_LT(relative_error(suspension), 0.001);  // found 1e-4
   // Without the loop the suspension takes the blame for the frame.

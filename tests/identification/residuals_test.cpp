@@ -106,14 +106,14 @@ TEST(SimulationResidual, NeedsNoiseAndAResponse) {
   EXPECT_NE(text.find("'a6' has no noise"), std::string::npos) << text;
 }
 
-RecordResidual record_residual(const EstimationProblemPtr& problem, const Record& record, bool hold_gains,
+RecordResidual record_residual(const EstimationProblemPtr& problem, const Record& record,
                                double initial = 0.97 * body_stiffness) {
   const auto setup = body_stiffness_of(*problem->structure, initial);
   return {problem,
           record,
           parameterised(problem->structure, setup),
           setup,
-          {.name = "record", .substructure = "body", .sensors = {"a4", "a10"}, .hold_gains = hold_gains}};
+          {.name = "record", .substructure = "body", .sensors = {"a4", "a10"}}};
 }
 
 EstimationProblemPtr settled_problem() {
@@ -124,7 +124,7 @@ EstimationProblemPtr settled_problem() {
 
 TEST(RecordResidual, IsOfTheSizeOfTheInnovationsAtTheTruth) {
   const auto problem = settled_problem();
-  const auto residual = record_residual(problem, chain_record(*problem, 2.0), false, body_stiffness);
+  const auto residual = record_residual(problem, chain_record(*problem, 2.0), body_stiffness);
   EXPECT_EQ(residual.size(), 1501 * 2);
   // The prediction does not see the samples that it is compared with, so that it is somewhat above one.
   const double at_truth = mean_square(residual, body_stiffness);
@@ -135,34 +135,13 @@ TEST(RecordResidual, IsOfTheSizeOfTheInnovationsAtTheTruth) {
 
 TEST(RecordResidual, LeadsToTheTruthBesideUnknownsOfTheFilter) {
   const auto problem = settled_problem();
-  const auto residual = record_residual(problem, chain_record(*problem, 2.0), false);
+  const auto residual = record_residual(problem, chain_record(*problem, 2.0));
   EXPECT_NEAR(after_a_step(residual, 0.97 * body_stiffness), body_stiffness, 0.01 * body_stiffness);
-}
-
-/// Held gains leave out that the gains move with theta: a per cent of the derivative where the filter knows the
-/// suspension. Beside unknowns that it has just begun to learn they are of no use: the gains of these change with every
-/// sample.
-TEST(RecordResidual, HasNearlyTheSameDerivativeWithHeldGains) {
-  auto given = chain_problem();
-  given.settings.settle = 0.5;
-  given.settings.unknowns.clear();
-  given.settings.process_noise.acceleration = 0.1;
-  const auto problem = shared(given);
-  const Record record = chain_record(*problem, 2.0);
-  const auto derivative = [&](bool hold_gains) {
-    const auto value = record_residual(problem, record, hold_gains).evaluate(theta(0.97 * body_stiffness), true);
-    return value ? VectorXd(value->jacobian.col(0)) : VectorXd();
-  };
-  const VectorXd exact = derivative(false), held = derivative(true);
-  ASSERT_EQ(exact.size(), 1501 * 2);
-  ASSERT_EQ(held.size(), exact.size());
-  EXPECT_NEAR(held.norm(), exact.norm(), 0.02 * exact.norm());
-  EXPECT_GT(held.dot(exact), 0.99 * held.norm() * exact.norm());
 }
 
 TEST(RecordResidual, SharesTheProblem) {
   auto problem = settled_problem();
-  const auto residual = record_residual(problem, chain_record(*problem, 1.0), false);
+  const auto residual = record_residual(problem, chain_record(*problem, 1.0));
   const std::weak_ptr<const EstimationProblem> watched = problem;
   problem.reset();
   EXPECT_FALSE(watched.expired());
@@ -174,8 +153,7 @@ TEST(RecordResidual, NeedsSamplesAfterSettlingAndASubstructureThatCanBeDriven) {
   given.settings.settle = 0.2;
   const auto problem = shared(given);
   const auto record = chain_record(*problem, 0.2);
-  EXPECT_NE(refusal([&] { record_residual(problem, record, false); }).find("covers the whole record"),
-            std::string::npos);
+  EXPECT_NE(refusal([&] { record_residual(problem, record); }).find("covers the whole record"), std::string::npos);
   const auto settled = settled_problem();
   const auto setup = body_stiffness_of(*settled->structure, body_stiffness);
   EXPECT_NE(refusal([&] {

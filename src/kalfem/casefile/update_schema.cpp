@@ -141,20 +141,20 @@ kalfem::Case<StaticData> static_data() {
 }
 
 kalfem::Case<DrivenHistory> driven_history() {
-  return when(Fields<DrivenHistory>()
-                  .required("time_history", &DrivenHistory::substructure, name(),
-                            "substructure that the estimated motion of its boundary drives")
-                  .optional("sensors", &DrivenHistory::sensors, one_or_list(name()),
-                            "sensors to compare; default: all on the substructure")
-                  .optional("derivatives", &DrivenHistory::derivatives,
-                            choice<HistoryDerivatives>(
-                                {{"auto", HistoryDerivatives::automatic,
-                                  "held_gains with finite elements, otherwise filter_passes"},
-                                 {"filter_passes", HistoryDerivatives::filter_passes,
-                                  "one filter run per parameter: fewer but dearer iterations"},
-                                 {"held_gains", HistoryDerivatives::held_gains,
-                                  "one run with the filter's gains held: about a tenth of the time, more iterations"}}),
-                            "derivatives of the boundary's estimated motion"));
+  return when(
+      Fields<DrivenHistory>()
+          .required("time_history", &DrivenHistory::substructure, name(),
+                    "substructure that the estimated motion of its boundary drives")
+          .optional("sensors", &DrivenHistory::sensors, one_or_list(name()),
+                    "sensors to compare; default: all on the substructure")
+          .optional("derivatives", &DrivenHistory::derivatives,
+                    choice<HistoryDerivatives>(
+                        {{"auto", HistoryDerivatives::automatic,
+                          "filter_passes; with finite elements held_gains where they give nearly the same derivatives"},
+                         {"filter_passes", HistoryDerivatives::filter_passes, "one filter run per parameter: exact"},
+                         {"held_gains", HistoryDerivatives::held_gains,
+                          "one run per parameter with the filter's gains held: approximate, at a tenth of the time"}}),
+                    "derivatives of the boundary's estimated motion"));
 }
 
 kalfem::Case<SimulatedHistory> simulated_history() {

@@ -17,6 +17,7 @@ public:
   FilterOutcome predict() override;
   FilterOutcome observe(Eigen::VectorXd& mean, Eigen::VectorXd* deviation) override;
 
+  Eigen::MatrixXd gain() const override { return gain_of(gain_, innovation_factor_); }
   const Eigen::VectorXd& mean() const override { return estimate_.mean; }
   Eigen::VectorXd standard_deviation() const override;
   Eigen::MatrixXd covariance() const override { return estimate_.covariance.selfadjointView<Eigen::Lower>(); }
@@ -29,8 +30,8 @@ private:
 
   /// One for each size, whose arrays then stay.
   UnscentedTransform process_transform_, measurement_transform_, monitored_transform_;
-  Gaussian estimate_;  ///< covariance: lower triangle
-  Eigen::MatrixXd factor_, innovation_factor_, gain_, output_covariance_;
+  Gaussian estimate_;                                                      ///< covariance: lower triangle
+  Eigen::MatrixXd factor_, innovation_factor_, gain_, output_covariance_;  ///< gain_: J = P_xy L^-T
   Eigen::VectorXd whitened_;
 };
 

@@ -135,7 +135,6 @@ private:
     result_.innovation = result_.innovation_deviation = MatrixXd::Constant(l, samples, not_a_number);
     result_.nis = VectorXd::Constant(samples, not_a_number);
     result_.measured = Eigen::VectorXi::Zero(samples);
-    result_.gains = {options_.gains.dense, options_.gains.stride, {}};
   }
 
   FilterOutcome predict(Index k) {
@@ -161,7 +160,7 @@ private:
     store_state(k);
     if (options_.keep_unknowns) store_unknowns(k);
     const auto outcome = store_monitored(k);
-    if (outcome == FilterOutcome::usable && options_.keep_gains && options_.gains.keeps(k)) store_gain();
+    if (outcome == FilterOutcome::usable && options_.keep_gains) store_gain();
     return outcome;
   }
 
@@ -235,39 +234,12 @@ private:
     return outcome;
   }
 
-  /// K = P H^T R^-1 with P after the update and H = A + G phi' N at the mean. A channel that is missing here keeps its
-  /// last gain, because the gain is held over samples at which it may be there again.
+  /// In physical coordinates; 0 for a channel that is missing.
   void store_gain() {
-    const auto& measurement = setup_->measurement;
-    const Index l = input_.measured.values.rows(), n = augmented_model_.layout().size();
-    auto& kept = result_.gains.gains;
-    MatrixXd gain = kept.empty() ? MatrixXd(MatrixXd::Zero(n, l)) : kept.back();
-    if (const auto& channels = innovation_.channels; !channels.empty()) {
-      const MatrixXd slope = measurement.linear()(channels, Eigen::all) +
-                             measurement.gain()(channels, Eigen::all) * output_slopes() * measurement.selection();
-      const MatrixXd noise = input_.noise(channels, channels), weighted = noise.llt().solve(slope);
-      gain(Eigen::all, channels) = model().physical(setup_->filter->covariance() * weighted.transpose());
-    }
-    kept.push_back(std::move(gain));
-  }
-
-  /// phi' at the mean, p x q, by differences over a small part of each argument's deviation.
-  MatrixXd output_slopes() {
-    auto& [of, transition, measurement, monitored, filter] = *setup_;
-    const VectorXd at = measurement.selection() * filter->mean() + measurement.input_offset();
-    const Index q = at.size(), p = measurement.gain().cols();
-    const MatrixXd selected = measurement.selection() * filter->covariance() * measurement.selection().transpose();
-    const VectorXd step = 1e-3 * selected.diagonal().cwiseMax(0.0).cwiseSqrt() + VectorXd::Constant(q, 1e-12);
-    Eigen::ArrayXXd in = at.transpose().replicate(2 * q, 1).array(), out(2 * q, p);
-    for (Index i = 0; i < q; ++i) {
-      in(2 * i, i) += step[i];
-      in(2 * i + 1, i) -= step[i];
-    }
-    MatrixXd slopes = MatrixXd::Zero(p, q);
-    if (!measurement.evaluate(in, out)) return slopes;
-    for (Index i = 0; i < q; ++i)
-      slopes.col(i) = (out.row(2 * i) - out.row(2 * i + 1)).matrix().transpose() / (2.0 * step[i]);
-    return slopes;
+    MatrixXd gain = MatrixXd::Zero(augmented_model_.layout().size(), input_.measured.values.rows());
+    if (const auto& channels = innovation_.channels; !channels.empty())
+      gain(Eigen::all, channels) = model().physical(setup_->filter->gain());
+    result_.gains.push_back(std::move(gain));
   }
 
   /// The unknowns of the linear part at sample k, before the first one by their prior.

@@ -24,10 +24,9 @@ struct EstimationOptions {
   bool state_deviations = true;
   /// Samples from one computation of the monitored quantities' standard deviations to the next; they stand in between.
   int deviation_stride = 1;
-  GainSchedule gains = {};     ///< which gains to keep: its own are not used
-  bool keep_gains = false;     ///< in the result, see run_with_gains()
+  bool keep_gains = false;     ///< of every sample in the result, see run_with_gains()
   bool keep_unknowns = false;  ///< their history in the result, for deviations that hold where the model is not exact
-  OutputMap monitored = {};    ///< further quantities to estimate at every sample, without measurement chains
+  OutputMap monitored = {};  ///< further quantities to estimate at every sample, without measurement chains
   Progress progress = {};
 };
 
@@ -77,7 +76,7 @@ struct EstimationResult {
   Eigen::VectorXd nis;                   ///< per sample, NaN where nothing was measured
   Eigen::VectorXi measured;              ///< channels measured per sample
   double log_likelihood = 0.0;
-  GainSchedule gains;                ///< where they are asked for
+  Gains gains;                       ///< where they are asked for
   UnknownsHistory unknowns_history;  ///< where it is asked for
   Eigen::MatrixXd final_covariance;  ///< of the augmented state
   std::optional<EstimationFailure> failure;

@@ -54,6 +54,10 @@ public:
   /// much as a step.
   [[nodiscard]] virtual FilterOutcome observe(Eigen::VectorXd& mean, Eigen::VectorXd* deviation) = 0;
 
+  /// Gain K of the last update, x+ = x- + K (y - predicted y), n x measured channels [state/output]. It holds until the
+  /// next prediction.
+  [[nodiscard]] virtual Eigen::MatrixXd gain() const = 0;
+
   [[nodiscard]] virtual const Eigen::VectorXd& mean() const = 0;
   [[nodiscard]] virtual Eigen::VectorXd standard_deviation() const = 0;
   [[nodiscard]] virtual Eigen::MatrixXd covariance() const = 0;

@@ -51,7 +51,7 @@ void set_inputs(ProcessModel& transition, const FilterInput& input, Index stride
 }  // namespace
 
 std::optional<FixedGainMeans> run_with_gains(const AugmentedModel& augmented_model, const FilterInput& input,
-                                             const GainSchedule& gains, const OutputMap& monitored, Index state_at) {
+                                             const Gains& gains, const OutputMap& monitored, Index state_at) {
   assert(augmented_model.options().coordinates == StateCoordinates::physical);
   const Index samples = input.measured.samples(), stride = input.input_stride(augmented_model.options().substeps);
   ProcessModel transition(augmented_model);
@@ -73,7 +73,7 @@ std::optional<FixedGainMeans> run_with_gains(const AugmentedModel& augmented_mod
     input.sample(k, innovation);
     innovation -= output;
     innovation = innovation.array().isNaN().select(0.0, innovation);
-    state.noalias() += gains.at(k) * innovation;
+    state.noalias() += gains[static_cast<std::size_t>(k)] * innovation;
     monitored_map.set_inputs(input.inputs.col(k * stride));
     if (!look.apply(state, values)) return std::nullopt;
     means.monitored.col(k) = values;

@@ -12,6 +12,10 @@ void whiten(const Eigen::MatrixXd& lower, Eigen::VectorXd& vector) {
   }
 }
 
+Eigen::MatrixXd gain_of(const Eigen::MatrixXd& whitened_cross, const Eigen::MatrixXd& lower) {
+  return lower.triangularView<Eigen::Lower>().solve<Eigen::OnTheRight>(whitened_cross);
+}
+
 void score(Innovation& innovation, const Eigen::MatrixXd& factor, const Eigen::VectorXd& whitened) {
   innovation.nis = whitened.squaredNorm();
   const double log_determinant = 2.0 * factor.diagonal().array().log().sum();

@@ -17,6 +17,9 @@ struct Innovation {
 /// v <- L^-1 v for a few values, L lower triangular.
 void whiten(const Eigen::MatrixXd& lower, Eigen::VectorXd& vector);
 
+/// K = J L^-1 from J = P_xy L^-T, P_yy + R = L L^T.
+Eigen::MatrixXd gain_of(const Eigen::MatrixXd& whitened_cross, const Eigen::MatrixXd& lower);
+
 /// NIS and log-likelihood from the Cholesky factor L of the innovation's covariance and `whitened` = L^-1 value.
 void score(Innovation& innovation, const Eigen::MatrixXd& factor, const Eigen::VectorXd& whitened);
 

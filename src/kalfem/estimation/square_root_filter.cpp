@@ -107,6 +107,12 @@ FilterOutcome SquareRootFilter::condition(const VectorXd& y, const MatrixXd& noi
   return FilterOutcome::usable;
 }
 
+/// From the triangle [L_y 0; J S+] of the update.
+MatrixXd SquareRootFilter::gain() const {
+  const Index n = mean_.size(), l = triangle_.rows() - n;
+  return gain_of(triangle_.bottomLeftCorner(n, l), triangle_.topLeftCorner(l, l));
+}
+
 FilterOutcome SquareRootFilter::observe(VectorXd& mean, VectorXd* deviation) {
   auto& map = monitored();
   if (!transform_.apply(map, mean_, factor_, FactorShape::lower_triangular)) return FilterOutcome::model_not_evaluable;

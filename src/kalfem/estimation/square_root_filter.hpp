@@ -18,6 +18,7 @@ public:
   FilterOutcome predict() override;
   FilterOutcome observe(Eigen::VectorXd& mean, Eigen::VectorXd* deviation) override;
 
+  Eigen::MatrixXd gain() const override;
   const Eigen::VectorXd& mean() const override { return mean_; }
   Eigen::VectorXd standard_deviation() const override { return factor_.rowwise().norm(); }
   Eigen::MatrixXd covariance() const override { return factor_ * factor_.transpose(); }

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <limits>
+#include <sstream>
 
 #include "kalfem/updating/residual.hpp"
 
@@ -13,9 +15,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
-
-/// Gains that are kept: each of the first ones, and then every so many samples.
-constexpr Index dense_gains = 200, gain_stride = 20;
 
 /// Displacement, velocity and acceleration of each point, in the coordinates of the system: relative to an accelerated
 /// base.
@@ -60,6 +59,33 @@ const MatrixXd& quantity_of(const PredictedMotion& motion, ObservedQuantity quan
   return quantity == ObservedQuantity::velocity ? motion.velocity : motion.acceleration;
 }
 
+/// max over v of |(other - exact) v| / |exact v|: the largest singular value of (other - exact) R^-1 with exact = Q R.
+/// Infinite where some direction does not change `exact`.
+double largest_relative_error(const MatrixXd& exact, const MatrixXd& other) {
+  // Columns of length one: what is singular does not depend on the parameters' units.
+  const VectorXd lengths = exact.colwise().norm();
+  if (!(lengths.minCoeff() > 0.0)) return std::numeric_limits<double>::infinity();
+  const VectorXd scale = lengths.cwiseInverse();
+  const Eigen::ColPivHouseholderQR<MatrixXd> qr(exact * scale.asDiagonal());
+  if (qr.rank() < exact.cols()) return std::numeric_limits<double>::infinity();
+  MatrixXd error = (other - exact) * scale.asDiagonal() * qr.colsPermutation();
+  const MatrixXd R = qr.matrixR().topRows(exact.cols());
+  R.triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(error);
+  const double largest = Eigen::SelfAdjointEigenSolver<MatrixXd>(error.transpose() * error).eigenvalues().maxCoeff();
+  return std::isfinite(largest) ? std::sqrt(largest) : std::numeric_limits<double>::infinity();
+}
+
+/// With two significant digits.
+std::string rounded(double value) {
+  std::ostringstream text;
+  text << std::setprecision(2) << value;
+  return text.str();
+}
+
+std::string per_cent(double fraction) {
+  return fraction < 10.0 ? rounded(100.0 * fraction) + " %" : "more than 1000 %";
+}
+
 }  // namespace
 
 RecordResidual::RecordResidual(EstimationProblemPtr problem, Record record,
@@ -84,8 +110,48 @@ RecordResidual::RecordResidual(EstimationProblemPtr problem, Record record,
   const double none = std::numeric_limits<double>::infinity();
   const auto counted = samples - settled_;
   deviation_ = MatrixXd::Constant(counted, measured_.cols(), none);
-  if (const auto first = estimate_at(structure_->at(start).parts, start, false))
-    deviation_ = measured_.bottomRows(counted).array().isNaN().select(none, first->deviation.bottomRows(counted));
+  choose_derivatives(structure_->at(start), start);
+}
+
+/// The first filter pass: the deviations, and what the gains that it leaves are worth.
+void RecordResidual::choose_derivatives(const StructureAtParameters& here, const VectorXd& start) {
+  using enum Derivatives;
+  explanation_ = "filter passes";
+  hold_gains_ = options_.derivatives != filter_passes;
+  if (const double memory = hold_gains_ ? gain_memory(here.parts, start) : 0.0; memory > options_.most_gain_memory) {
+    hold_gains_ = false;
+    explanation_ += ": held gains would take " + rounded(1e-9 * memory) + " GB (at most " +
+                    rounded(1e-9 * options_.most_gain_memory) + " GB)";
+  }
+  if (hold_gains_) explanation_ = "held gains, not compared with filter passes";
+  const auto first = estimate_at(here.parts, start, hold_gains_);
+  if (!first) return;
+  const Index counted = deviation_.rows();
+  deviation_ = measured_.bottomRows(counted).array().isNaN().select(deviation_, first->deviation.bottomRows(counted));
+  if (hold_gains_ && options_.derivatives == held_gains_where_accurate) check_held_gains(here, start, *first);
+}
+
+void RecordResidual::check_held_gains(const StructureAtParameters& here, const VectorXd& start,
+                                      const Estimate& first) try {
+  hold_gains_ = false;
+  explanation_ = "filter passes: at the first parameters a run for the derivatives failed";
+  const VectorXd values = weighted(predict_from(first));
+  const auto exact = jacobian_at(here, start, values, {});
+  const auto held = exact ? jacobian_at(here, start, values, first.gains) : std::nullopt;
+  if (!held) return;
+  const double error = largest_relative_error(*exact, *held);
+  hold_gains_ = error <= options_.largest_error;
+  explanation_ = (hold_gains_ ? "held gains: derivatives differ from those by filter passes by at most "
+                              : "filter passes: derivatives with held gains would differ by up to ") +
+                 per_cent(error) + " (limit " + per_cent(options_.largest_error) + ")";
+} catch (const InvalidInput&) {
+  return;  // beside the first parameters there is no structure: evaluate() says the same
+}
+
+double RecordResidual::gain_memory(const StructureParts& parts, const VectorXd& parameters) const {
+  const FilterRun run = make_filter_run(problem_, augmented_model_at(parts, parameters), record_);
+  const auto gain = run.choice.augmented_model->layout().size() * run.measurements.values.cols();
+  return static_cast<double>(gain) * static_cast<double>(run.measurements.samples() * sizeof(double));
 }
 
 AugmentedModelSetup RecordResidual::augmented_model_at(const StructureParts& parts, const VectorXd& parameters) const {
@@ -127,7 +193,6 @@ std::optional<RecordResidual::Estimate> RecordResidual::estimate_at(const Struct
                         .passes = problem_->settings.passes,
                         .state_deviations = false,
                         .deviation_stride = static_cast<int>(samples),
-                        .gains = {.dense = dense_gains, .stride = gain_stride, .gains = {}},
                         .keep_gains = keep_gains,
                         .monitored = make_outputs(*setup.model, motion_outputs(estimate.drive->points()))});
   if (result.failure) return std::nullopt;
@@ -148,7 +213,7 @@ std::optional<RecordResidual::Estimate> RecordResidual::estimate_at(const Struct
 
 std::optional<RecordResidual::Estimate> RecordResidual::fixed_gain_run_at(const StructureParts& parts,
                                                                           const VectorXd& parameters,
-                                                                          const GainSchedule& gains) const {
+                                                                          const Gains& gains) const {
   const AugmentedModelSetup setup = augmented_model_at(parts, parameters);
   Estimate estimate = structure_of(parts);
   const FilterRun run = make_filter_run(problem_, setup, record_, StateCoordinates::physical);
@@ -188,32 +253,39 @@ VectorXd RecordResidual::weighted(const MatrixXd& sensors) const {
 }
 
 std::optional<VectorXd> RecordResidual::values_at(const StructureParts& parts, const VectorXd& parameters,
-                                                  const GainSchedule& gains) const {
+                                                  const Gains& gains) const {
   const auto estimate =
-      gains.gains.empty() ? estimate_at(parts, parameters, false) : fixed_gain_run_at(parts, parameters, gains);
+      gains.empty() ? estimate_at(parts, parameters, false) : fixed_gain_run_at(parts, parameters, gains);
   if (!estimate) return std::nullopt;
   return weighted(predict_from(*estimate));
 }
 
-std::optional<ResidualValue> RecordResidual::evaluate(const VectorXd& parameters, bool with_jacobian) const try {
-  const StructureAtParameters here = structure_->at(parameters);
-  const auto estimate = estimate_at(here.parts, parameters, with_jacobian && options_.hold_gains);
-  if (!estimate) return std::nullopt;
-  ResidualValue value{weighted(predict_from(*estimate)), {}};
-  if (!with_jacobian) return value;
+std::optional<MatrixXd> RecordResidual::jacobian_at(const StructureAtParameters& here, const VectorXd& parameters,
+                                                    const VectorXd& values, const Gains& gains) const {
   // Runs beside theta, and with held gains in a last column at theta itself.
-  const Index count = parameters.size(), columns = options_.hold_gains ? count + 1 : count;
+  const Index count = parameters.size(), columns = gains.empty() ? count : count + 1;
   VectorXd steps(count);
   for (Index i = 0; i < count; ++i)
     steps[i] = options_.relative_step * updating_.parameters[static_cast<std::size_t>(i)].scale();
-  const auto runs = parallel_columns(value.values.size(), columns, filter_threads(problem_->settings), [&](Index i) {
-    if (i == count) return values_at(here.parts, parameters, estimate->gains);
+  const auto runs = parallel_columns(size(), columns, filter_threads(problem_->settings), [&](Index i) {
+    if (i == count) return values_at(here.parts, parameters, gains);
     const VectorXd moved = parameters + steps[i] * VectorXd::Unit(count, i);
-    return values_at(structure_->near(here, moved), moved, estimate->gains);
+    return values_at(structure_->near(here, moved), moved, gains);
   });
   if (!runs) return std::nullopt;
-  const VectorXd base = options_.hold_gains ? VectorXd(runs->col(count)) : value.values;
-  value.jacobian = (runs->leftCols(count).colwise() - base) * steps.cwiseInverse().asDiagonal();
+  const VectorXd base = gains.empty() ? values : VectorXd(runs->col(count));
+  return (runs->leftCols(count).colwise() - base) * steps.cwiseInverse().asDiagonal();
+}
+
+std::optional<ResidualValue> RecordResidual::evaluate(const VectorXd& parameters, bool with_jacobian) const try {
+  const StructureAtParameters here = structure_->at(parameters);
+  const auto estimate = estimate_at(here.parts, parameters, with_jacobian && hold_gains_);
+  if (!estimate) return std::nullopt;
+  ResidualValue value{weighted(predict_from(*estimate)), {}};
+  if (!with_jacobian) return value;
+  auto jacobian = jacobian_at(here, parameters, value.values, estimate->gains);
+  if (!jacobian) return std::nullopt;
+  value.jacobian = std::move(*jacobian);
   return value;
 } catch (const InvalidInput&) {
   return std::nullopt;

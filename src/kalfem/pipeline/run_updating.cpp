@@ -191,6 +191,7 @@ void compare(const Study& study, const std::vector<ComparisonResidual>& comparis
       result.modes_initial = modal->compare(start);
       result.modes_final = modal->compare(updating.values);
     }
+    if (const auto* record = dynamic_cast<const RecordResidual*>(&residual)) result.derivatives = record->derivatives();
     if (const auto* frf = dynamic_cast<const FrfResidual*>(&residual))
       result.responses = curves(*frf, start, updating.values);
     updating.comparisons.push_back(std::move(result));

@@ -144,6 +144,7 @@ Json comparisons_of(const UpdatingOutcome& outcome) {
            {"weight", number(each.weight)},
            {"rms_initial", number(each.rms_initial)},
            {"rms_final", number(each.rms_final)}};
+    if (!each.derivatives.empty()) own["derivatives"] = each.derivatives;
     for (const auto& response : each.responses)
       if (response.scale) own["scales"][response.name] = number(*response.scale);
     if (each.modes_final.empty()) continue;

@@ -167,6 +167,8 @@ std::string console_updating(const Study& study, const StudyResults& results) {
   if (!outcome.remarks.empty()) text += "\n";
   text += section("Comparisons (standard deviations)", comparison_table(outcome));
   for (const auto& each : outcome.comparisons)
+    if (!each.derivatives.empty()) text += "  derivatives of '" + each.name + "' by " + each.derivatives + "\n\n";
+  for (const auto& each : outcome.comparisons)
     if (!each.modes_final.empty())
       text += section(fmt::format("Modes of '{}': mean error {} before, {} after", each.name,
                                   per_cent(mean_frequency_error(each.modes_initial)),

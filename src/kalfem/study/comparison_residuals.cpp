@@ -232,15 +232,18 @@ public:
   RecordComparisonMaker(const CaseStudy& study, const std::string& name) : study_(study), name_(name) {}
 
   RecordComparison operator()(const d::DrivenHistory& given) const {
-    const bool hold_gains = given.derivatives == d::HistoryDerivatives::automatic
-                                ? !study_.structure->finite_elements.empty()
-                                : given.derivatives == d::HistoryDerivatives::held_gains;
+    using Derivatives = RecordResidual::Derivatives;
+    const auto automatic =
+        study_.structure->finite_elements.empty() ? Derivatives::filter_passes : Derivatives::held_gains_where_accurate;
+    const auto requested =
+        given.derivatives == d::HistoryDerivatives::held_gains ? Derivatives::held_gains : Derivatives::filter_passes;
+    const bool is_automatic = given.derivatives == d::HistoryDerivatives::automatic;
     return {.name = name_,
             .kind = "record of '" + given.substructure.value + "' driven by the estimated motion of its boundary",
             .what = RecordResidual::Options{.name = name_,
                                             .substructure = given.substructure.value,
                                             .sensors = compared_sensors(study_, given),
-                                            .hold_gains = hold_gains}};
+                                            .derivatives = is_automatic ? automatic : requested}};
   }
 
   RecordComparison operator()(const d::SimulatedHistory& given) const {

@@ -24,6 +24,9 @@ public:
   FilterOutcome predict() override;
   FilterOutcome observe(Eigen::VectorXd& mean, Eigen::VectorXd* deviation) override;
 
+  Eigen::MatrixXd gain() const override {
+    return gain_of(estimate_.downdate()(layout_.slot, Eigen::all), innovation_factor_);
+  }
   const Eigen::VectorXd& mean() const override;
   Eigen::VectorXd standard_deviation() const override;
   Eigen::MatrixXd covariance() const override { return estimate_.covariance(); }

@@ -32,7 +32,8 @@ public:
   [[nodiscard]] const Eigen::MatrixXd& products() const { return products_; }  ///< [P H^T, x], slots x (K + 1)
   /// H [P H^T, x]: K rows, then zeros to a multiple of eight, x (K + 1).
   [[nodiscard]] const Eigen::MatrixXd& gram() const { return gram_; }
-  [[nodiscard]] auto mean() const { return products_.col(rows_.size()); }  ///< x, slots
+  [[nodiscard]] auto mean() const { return products_.col(rows_.size()); }      ///< x, slots
+  [[nodiscard]] const Eigen::MatrixXd& downdate() const { return downdate_; }  ///< J of the last update, slots x l
   [[nodiscard]] double variance(Eigen::Index slot) const;
   [[nodiscard]] Eigen::MatrixXd covariance() const;  ///< P in the order of the states
   [[nodiscard]] Eigen::MatrixXd covariance_of(const std::vector<Eigen::Index>& states) const;  ///< P of these alone
