@@ -29,7 +29,7 @@ int main() try {
   Eigen::VectorXd force(samples);
   for (Eigen::Index k = 0; k < samples; ++k) force[k] = 30 * std::sin(2 * 3.14159 * (2 + k / rate) * k / rate);
   Structure truth = two_masses(4e8).force("shaker", "table.b", {force, rate});
-  const auto live = simulate(truth, {.sensors = sensors, .duration = 2.99, .sample_rate = rate, .seed = 5});
+  const auto live = simulate(truth, {.sensors = sensors, .duration = 2.99, .sample_rate = rate, .seed = 5}).record;
 
   Structure model = two_masses(2e8).force("shaker", "table.b");  // its force is told sample by sample
   OnlineFilter filter(model, rate, {.sensors = sensors, .unknowns = {{"stop.k3", {.std = 2e8}}}});

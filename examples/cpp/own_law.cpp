@@ -24,7 +24,7 @@ Structure engine_on_mount(double k3) {
 
 int main() try {
   const std::vector<SensorDescription> sensors = {{"a", acceleration("engine.m"), 1.0}};
-  const auto record = simulate(engine_on_mount(5e7), {.sensors = sensors, .duration = 3.9, .seed = 3});
+  const auto record = simulate(engine_on_mount(5e7), {.sensors = sensors, .duration = 3.9, .seed = 3}).record;
   const auto result = estimate(engine_on_mount(3e7), record,
                                {.sensors = sensors,
                                 .unknowns = {{"mount.k3", {.std = 2e7}}, {"mount.c", {.initial = 5, .std = 3}}},

@@ -36,7 +36,7 @@ inline std::vector<SensorDescription> chain_sensors() {
 /// What the sensors show, with noise.
 inline const Record& chain_record() {
   static const Record record =
-      simulate(driven_chain(), {.sensors = chain_sensors(), .duration = 2.0, .sample_rate = 500.0, .seed = 1});
+      simulate(driven_chain(), {.sensors = chain_sensors(), .duration = 2.0, .sample_rate = 500.0, .seed = 1}).record;
   return record;
 }
 

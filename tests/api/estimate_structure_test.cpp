@@ -73,7 +73,8 @@ TEST(EstimateStructure, GivesStatesAndVirtualSensorsByName) {
   const auto truth =
       simulate(driven_chain(), {.sensors = {{"x", displacement("body.1")}, {"f", connector_force("suspension")}},
                                 .duration = 2.0,
-                                .sample_rate = 500.0});
+                                .sample_rate = 500.0})
+          .record;
   const auto result = estimate(driven_chain(), chain_record(),
                                {.sensors = chain_sensors(), .outputs = {{"force", connector_force("suspension")}}});
   EXPECT_LT(nrmse(result.state("body.1.displacement").mean, truth.values.row(0).transpose()), 0.05);

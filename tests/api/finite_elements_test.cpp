@@ -31,7 +31,7 @@ TEST(FiniteElementParts, CarryConnectorsAndUnknowns) {
   EXPECT_THAT(s.parameters(), Contains("beam.steel.youngs_modulus"));
   EXPECT_THAT(s.points(), Contains("beam.tip.z"));
   const std::vector<SensorDescription> sensors = {{"tip", acceleration("beam.tip.z"), 0.05}};
-  const auto record = simulate(s, {.sensors = sensors, .duration = 1.0, .sample_rate = 500.0, .seed = 1});
+  const auto record = simulate(s, {.sensors = sensors, .duration = 1.0, .sample_rate = 500.0, .seed = 1}).record;
   const auto result = estimate(s, record,
                                {.sensors = sensors,
                                 .unknowns = {{"stop.k3", {.initial = 6e8, .std = 4e8}},

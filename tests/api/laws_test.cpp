@@ -39,13 +39,23 @@ TEST(OwnLaws, AFunctionActsAsTheSameLawOfTheLibrary) {
 }
 
 TEST(OwnLaws, ParametersThatMayBeZeroAreZeroByDefault) {
-  const Law given = law("saturating", {{"k", 5e3}, {"mu_k1", 20.0}, {"mu_k2", 2e-3}, {"mu_c2", 0.05}});
+  const Law given = law("jenkins", {{"k_stick", 5e3}});
+  EXPECT_EQ(given.values, (Eigen::VectorXd(4) << 5e3, 0.0, 0.0, 0.0).finished());
+}
+
+TEST(OwnLaws, ATermOfTheSaturatingLawThatIsLeftOutIsAbsent) {
+  const Law given = law("saturating", {{"k", 5e3}, {"mu_k1", 20.0}});
   EXPECT_EQ(given.values, (Eigen::VectorXd(6) << 5e3, 20.0, 2e-3, 0.0, 0.0, 0.05).finished());
+  const auto without_terms = response_of(law("saturating", {{"k", 5e3}, {"c", 10.0}}));
+  EXPECT_TRUE((without_terms == response_of(law("linear", {{"k", 5e3}, {"c", 10.0}}))).all());
 }
 
 TEST(OwnLaws, AWrongParameterIsNamed) {
   const auto refused = [](const NamedValues& values) { return refusal_of([&] { return law("saturating", values); }); };
-  EXPECT_THAT(refused({{"k", 5e3}}), HasSubstr("law 'saturating': the parameter 'mu_k2' is missing"));
+  EXPECT_THAT(refusal_of([] {
+                return law("jenkins", {{"f_slip", 10.0}});
+              }),
+              HasSubstr("law 'jenkins': the parameter 'k_stick' is missing"));
   EXPECT_THAT(refused({{"mu_k3", 5e3}, {"mu_k2", 1.0}, {"mu_c2", 1.0}}),
               HasSubstr("law 'saturating': there is no parameter 'mu_k3' (did you mean 'mu_k"));
   EXPECT_THAT(refused({{"k", -5e3}, {"mu_k2", 1.0}, {"mu_c2", 1.0}}), HasSubstr("law 'saturating': parameter 'k'"));

@@ -29,8 +29,9 @@ TEST(Structure, TakesSamplesWithTheirRateAndMakesTheirDerivatives) {
   const auto samples = road()->sample(0.0, 1.0 / rate, 2001);
   const Structure sampled =
       chain_structure().base_displacement("road", "wheel.ground", {samples.col(0).matrix(), rate});
-  const auto record = simulate(sampled, {.sensors = chain_sensors(), .duration = 1.9, .sample_rate = 500.0});
-  const auto exact = simulate(driven_chain(), {.sensors = chain_sensors(), .duration = 1.9, .sample_rate = 500.0});
+  const auto record = simulate(sampled, {.sensors = chain_sensors(), .duration = 1.9, .sample_rate = 500.0}).record;
+  const auto exact =
+      simulate(driven_chain(), {.sensors = chain_sensors(), .duration = 1.9, .sample_rate = 500.0}).record;
   EXPECT_LT(nrmse(record.values.row(0).transpose(), exact.values.row(0).transpose()), 2e-3);
 }
 
@@ -40,7 +41,7 @@ TEST(Structure, OneMassOnASpringMovesAsTheClosedFormSays) {
   s.add(lumped("oscillator").mass("m", 2.0).spring("k", "ground", "m", 800.0));
   s.force("push", "oscillator.m", {Eigen::VectorXd::Constant(11, 8.0), 10.0});
   const auto record =
-      simulate(s, {.sensors = {{"x", displacement("oscillator.m")}}, .duration = 1.0, .sample_rate = 100.0});
+      simulate(s, {.sensors = {{"x", displacement("oscillator.m")}}, .duration = 1.0, .sample_rate = 100.0}).record;
   for (Eigen::Index k = 0; k < record.samples(); ++k)
     EXPECT_NEAR(record.values(0, k), 0.01 * (1.0 - std::cos(20.0 * record.time(k))), 1e-12);
 }

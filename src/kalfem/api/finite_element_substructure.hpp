@@ -15,6 +15,9 @@ struct ElementsInUse {
   double sensor_bandwidth = std::numeric_limits<double>::infinity();  ///< [Hz]
 };
 
+/// Gives one of the substructure's numbers another value, "steel.youngs_modulus" or "damping.modal".
+void set_number(FiniteElements& substructure, const std::string& number, double value);
+
 /// Assembles the substructure and reduces it where it was told to. Throws InvalidInput with its name.
 FiniteElementSubstructure make_substructure(const FiniteElements& given, const ElementsInUse& use);
 

@@ -19,9 +19,45 @@ struct FiniteElementsAccess {
   [[nodiscard]] const auto& boundary() const { return of.boundary_; }
   [[nodiscard]] const auto& damping() const { return of.damping_; }
   [[nodiscard]] const auto& reduction() const { return of.reduction_; }
+  [[nodiscard]] const auto& numbers() const { return of.numbers_; }
+  static void set(FiniteElements& of, const std::string& number, double value) {
+    of.numbers_.push_back({number, value});
+  }
 };
 
 namespace {
+
+/// Sets a number that the model's description holds; false where it holds none of that name.
+bool set_in_model(FiniteElementModel& model, const std::string& number, double value) {
+  const auto dot = number.rfind('.');
+  const std::string owner = number.substr(0, dot), quantity = dot == std::string::npos ? "" : number.substr(dot + 1);
+  if (const auto material = model.materials.find(owner); material != model.materials.end()) {
+    if (quantity == "youngs_modulus") return material->second.youngs_modulus = value, true;
+    if (quantity == "density") return material->second.density = value, true;
+  }
+  if (const auto property = model.properties.find(owner); property != model.properties.end())
+    if (auto* shell = std::get_if<ShellProperty>(&property->second); shell && quantity == "thickness")
+      return shell->thickness = value, true;
+  bool any = false;
+  if (quantity == "mass")
+    for (auto& mass : model.masses)
+      if (mass.name == owner) mass.mass = value, any = true;
+  if (quantity == "stiffness") {
+    for (auto& spring : model.springs)
+      if (spring.name == owner) spring.stiffness = value, any = true;
+    for (auto& joint : model.joints)
+      if (joint.name == owner) joint.stiffness = value, any = true;
+  }
+  return any;
+}
+
+void set_damping(FiniteElementDamping& damping, const FiniteElementParameter& parameter, double value) {
+  using Kind = FiniteElementParameter::Kind;
+  if (parameter.kind == Kind::mass_factor) damping.rayleigh.mass_factor = value;
+  if (parameter.kind == Kind::stiffness_factor) damping.rayleigh.stiffness_factor = value;
+  if (parameter.kind == Kind::modal_ratio) damping.modal_ratios.values[parameter.ratio] = value;
+  if (parameter.kind == Kind::all_modal_ratios) std::ranges::fill(damping.modal_ratios.values, value);
+}
 
 /// Looks the names of one description up and builds the part.
 class PartBuilder {
@@ -33,19 +69,43 @@ public:
   }
 
   FiniteElementPart build() {
+    for (const auto& [number, value] : given_.numbers()) set_in_model(part_.elements, number, value);
     find_nodes();
     hold_fixed();
     const auto kept = kept_dofs();
     issues_.raise();
     const auto& damping = given_.damping();
     part_.damping = {{damping.alpha, damping.beta}, {damping.ratios, damping.up_to}};
-    assemble_part(part_, {.parameters = use_.parameters, .independent = kept});
-    if (!damping.ratios.empty()) add_modal_damping(part_.full, damping.ratios, {.up_to = damping.up_to});
+    assemble_part(part_, {.parameters = varied_names(), .independent = kept});
+    set_other_numbers();
+    const auto& [ratios, up_to] = part_.damping.modal_ratios;
+    if (!ratios.empty()) add_modal_damping(part_.full, ratios, {.up_to = up_to});
     for (const auto& dof : kept) keep(dof);
     return std::move(part_);
   }
 
 private:
+  [[nodiscard]] std::vector<std::string> varied_names() const {
+    std::vector<std::string> names = use_.parameters;
+    for (const auto& [number, value] : given_.numbers()) names.push_back(number);
+    return names;
+  }
+
+  /// Damping, and factors of beams: numbers that the assembled part has and its description does not.
+  void set_other_numbers() {
+    if (given_.numbers().empty()) return;
+    for (const auto& [number, value] : given_.numbers())
+      for (const auto& [name, parameter] : parameters_of(part_.assembled, part_.damping)) {
+        if (name != number) continue;
+        if (parameter.kind == FiniteElementParameter::Kind::matrix)
+          part_.assembled.parameters[name] = value;
+        else
+          set_damping(part_.damping, parameter, value);
+      }
+    part_.full = linear_model(part_.elements, part_.assembled, part_.nodes, part_.damping.rayleigh);
+    part_.full.points_only = true;
+  }
+
   void refuse(const std::string& what, const std::string& why, const std::string& fix) {
     issues_.add({}, "finite elements '" + part_.name + "': " + what, why, fix);
   }
@@ -154,6 +214,10 @@ FiniteElements& FiniteElements::reduce(ReductionRequest request, std::vector<std
   reduction_ = std::move(request);
   boundary_ = std::move(boundary);
   return *this;
+}
+
+void set_number(FiniteElements& substructure, const std::string& number, double value) {
+  FiniteElementsAccess::set(substructure, number, value);
 }
 
 FiniteElementSubstructure make_substructure(const FiniteElements& given, const ElementsInUse& use) {

@@ -58,6 +58,7 @@ private:
   std::vector<std::string> fixed_, boundary_;
   Damping damping_;
   std::optional<ReductionRequest> reduction_;
+  std::vector<std::pair<std::string, double>> numbers_;  ///< that Structure::at() set, by name: the last one counts
 };
 
 /// The superelement of a substructure that was told to reduce() itself, with its boundary; write_superelement() writes

@@ -22,7 +22,8 @@ struct Law {
 
 /// A law of the library, such as "linear", "saturating", "bouc_wen", "gap" (`kalfem schema --laws` lists them):
 ///     law("saturating", {{"k", 5e3}, {"mu_k1", 20.0}, {"mu_k2", 2e-3}, {"mu_c2", 0.05}})
-/// A parameter that is left out has the law's default, or is zero where it may be zero. Throws InvalidInput with every
+/// A parameter that is left out has the law's default (`kalfem schema --laws` tells it), or is zero where it may be
+/// zero: a term whose coefficients are left out is absent. Throws InvalidInput with every
 /// name that the law does not have, every value out of range, and every parameter that must be given.
 Law law(const std::string& name, const NamedValues& values = {});
 

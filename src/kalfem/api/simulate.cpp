@@ -20,7 +20,7 @@ void add_noise(const std::vector<SensorDescription>& sensors, std::uint64_t seed
 
 }  // namespace
 
-Record simulate(const Structure& structure, const SimulateOptions& options) {
+SimulateResult simulate(const Structure& structure, const SimulateOptions& options) {
   require_signals(structure.description());
   const auto model = make_structure_model(structure.description());
   const CoupledModel coupled = couple(model->reference_parts());
@@ -33,6 +33,7 @@ Record simulate(const Structure& structure, const SimulateOptions& options) {
     chains.emplace_back(sensor.chain);
     record.channels.push_back({sensor.name, unit_of(sensor.output.quantity), options.seed ? sensor.noise : 0.0});
   }
+  record.values.resize(static_cast<Index>(options.sensors.size()), 0);
   SimulationOptions simulation;
   simulation.duration = options.duration;
   simulation.keep_motion = false;
@@ -41,10 +42,10 @@ Record simulate(const Structure& structure, const SimulateOptions& options) {
                                      make_outputs(coupled, outputs), chains, simulation,
                                      {.sample_rate = options.sample_rate, .tolerance = options.tolerance});
   if (const auto& failure = solution.simulation.failure)
-    throw InvalidInput("the simulation stopped at " + shortest(failure->time) + " s: " + failure->reason, "", "");
+    return {std::move(record), SimulationStop{failure->time, failure->reason}};
   record.values = std::move(solution.sensors);
   if (options.seed) add_noise(options.sensors, *options.seed, record);
-  return record;
+  return {std::move(record), std::nullopt};
 }
 
 }  // namespace kalfem

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "kalfem/api/sensors.hpp"
@@ -18,8 +19,22 @@ struct SimulateOptions {
   std::optional<std::uint64_t> seed = {};  ///< of the sensors' noise; nothing: the record is free of noise
 };
 
-/// The record of a structure that starts at rest under its inputs: what the sensors show, by their names. Throws
-/// InvalidInput with every argument that is wrong, and where the simulation stops: its time and reason.
-Record simulate(const Structure& structure, const SimulateOptions& options);
+/// Why and when a simulation stopped.
+struct SimulationStop {
+  double time = 0.0;   ///< [s]
+  std::string reason;  ///< in words
+};
+
+/// What the sensors show, by their names. After a stop the record has its channels, but no samples.
+struct SimulateResult {
+  Record record;
+  std::optional<SimulationStop> failure;  ///< nothing: it ran to the end
+
+  [[nodiscard]] bool usable() const { return !failure; }
+};
+
+/// Simulates a structure that starts at rest under its inputs. Throws InvalidInput with every argument that is wrong;
+/// what the numbers do is in the result.
+SimulateResult simulate(const Structure& structure, const SimulateOptions& options);
 
 }  // namespace kalfem

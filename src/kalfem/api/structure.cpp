@@ -1,7 +1,10 @@
 #include "kalfem/api/structure.hpp"
 
+#include <cmath>
+
 #include "kalfem/api/finite_element_substructure.hpp"
 #include "kalfem/api/structure_description.hpp"
+#include "kalfem/base/units.hpp"
 #include "kalfem/system/signals/sampled.hpp"
 
 namespace kalfem {
@@ -38,6 +41,16 @@ std::vector<std::string> touched_points(const StructureParts& parts) {
   for (const auto& input : parts.inputs)
     if (input.kind == InputKind::force) points.push_back(input.target);
   return points;
+}
+
+/// Throws InvalidInput where the value is not finite; whether it is physical is seen where the structure is used.
+void set_parameter(StructureDescription& description, const Parameter& parameter, double value) {
+  if (!std::isfinite(value))
+    throw InvalidInput("at '" + parameter.name + "': " + shortest(value), "it must be finite",
+                       "give it in " + parameter.unit);
+  if (set_parameter(description.parts, parameter, value)) return;
+  for (auto& part : description.finite_elements)
+    if (part.name() == parameter.owner) set_number(part, parameter.name.substr(parameter.owner.size() + 1), value);
 }
 
 }  // namespace
@@ -175,13 +188,12 @@ double Structure::value(const std::string& parameter) const {
 
 Structure Structure::at(const NamedValues& values) const {
   Structure moved = *this;
-  const ParameterSet all(*make_structure_model(*description_));
+  std::vector<std::string> names;
+  for (const auto& [name, value] : values) names.push_back(name);
+  const ParameterSet all(*make_structure_model(*description_, {.parameters = names}));
   IssueList issues;
   for (const auto& [name, value] : values) try {
-      const Parameter parameter = find_parameter(all, name, "at");
-      if (!set_parameter(moved.description_->parts, parameter, value))
-        issues.add({}, "at '" + name + "': a number of finite elements", "it is set in the model that they are made of",
-                   "change the FiniteElementModel");
+      set_parameter(*moved.description_, find_parameter(all, name, "at"), value);
     } catch (const InvalidInput& error) {
       issues.add(error, {});
     }

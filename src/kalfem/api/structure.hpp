@@ -96,7 +96,8 @@ public:
   [[nodiscard]] std::vector<std::string> parameters() const;
   /// Value of a parameter [its SI unit]. Throws InvalidInput where there is none of that name.
   [[nodiscard]] double value(const std::string& parameter) const;
-  /// The structure at other values of parameters of connectors and lumped substructures. Throws InvalidInput as above.
+  /// The structure at other values of any of its parameters, those of finite elements and of their damping included.
+  /// Throws InvalidInput as above, and where a value is not finite.
   [[nodiscard]] Structure at(const NamedValues& values) const;
   /// Names of all points that sensors and connectors can be placed at.
   [[nodiscard]] std::vector<std::string> points() const;

@@ -1,0 +1,93 @@
+#pragma once
+
+#include "kalfem/system/connector_law.hpp"
+
+namespace kalfem {
+
+/// Spring and dashpot, f = k d + c v. Parameters k [N/m], c [N s/m].
+ConnectorLawPtr linear_law();
+
+/// Inerter, f = b a: a force in proportion to the relative acceleration. Parameter b [kg].
+ConnectorLawPtr inerter_law();
+
+/// Constant force, f = f0: gravity or a static preload in a strut, which may be unknown. Parameter f0 [N].
+ConnectorLawPtr preload_law();
+
+/// Values that the linear part of the system already holds at the connector's place.
+struct LinearNominal {
+  double stiffness = 0.0;  ///< k_nominal [N/m]
+  double damping = 0.0;    ///< c_nominal [N s/m]
+  double inertance = 0.0;  ///< b_nominal [kg]
+};
+
+/// Departure of a spring, dashpot or mass of the linear part from its nominal value,
+///     f = (k - k_nominal) d + (c - c_nominal) v + (b - b_nominal) a,
+/// so that it can be an unknown of an otherwise linear part. Parameters k [N/m], c [N s/m], b [kg]; each defaults to
+/// its nominal value, which is no force. Throws InvalidInput where a nominal value is negative or not finite.
+ConnectorLawPtr linear_change_law(const LinearNominal& nominal);
+
+/// Hardening or softening spring and damper, f = k d + k3 d^3 + c v + c3 v^3.
+/// Parameters k [N/m], k3 [N/m^3], c [N s/m], c3 [N s^3/m^3]; k3 and c3 may be negative.
+ConnectorLawPtr cubic_law();
+
+/// Polynomial spring and damper of any degree,
+///     f = sum_{i=1..N} k_i d^i + sum_{i=1..M} c_i v^i,     N = stiffness_degree, M = damping_degree.
+/// Parameters k1 .. kN [N/m^i], c1 .. cM [N (s/m)^i], all 0 unless given. Even terms make the force differ between
+/// tension and compression. Throws InvalidInput unless both degrees lie in [0, 30] and one of them is positive.
+ConnectorLawPtr polynomial_law(int stiffness_degree, int damping_degree);
+
+/// Suspension whose spring and damper saturate, [TGDC17] eq. (4):
+///     f = k d + mu_k1 d / (mu_k2 + |d|) + c v + mu_c1 v / (mu_c2 + |v|).
+/// Parameters k [N/m], mu_k1 [N], mu_k2 [m], c [N s/m], mu_c1 [N], mu_c2 [m/s]. Well below mu_k2 only the slope
+/// k + mu_k1 / mu_k2 shows; well above it the second term is a constant mu_k1, like friction. A term whose force is
+/// left out is absent. Its scale, where that is left out, is that of the suspension in [TGDC17]: 2 mm and 0.05 m/s.
+ConnectorLawPtr saturating_law();
+
+/// Regularised Coulomb friction with a spring and dashpot alongside,
+///     f = k d + c v + f_c tanh(v / v_ref).
+/// The hyperbolic tangent is smooth everywhere and reaches sliding friction to 1e-4 at 5 v_ref; the algebraic form
+/// v / (v_ref + |v|), which nears it only as 1/v, is the saturating law's. Below v_ref it creeps instead of sticking:
+/// where sticking matters use jenkins. Parameters f_c [N], v_ref [m/s], k [N/m], c [N s/m].
+ConnectorLawPtr coulomb_law();
+
+/// Friction that falls from static to sliding with the rate (Stribeck), regularised as in coulomb_law,
+///     f = k d + c v + (f_c + (f_s - f_c) exp(-(v / v_s)^2)) tanh(v / v_ref).
+/// The static force shows where v_ref is well below v_s. Parameters f_c [N], f_s [N], v_s [m/s], v_ref [m/s], k [N/m],
+/// c [N s/m].
+ConnectorLawPtr stribeck_law();
+
+/// Spring and dashpot with a bump stop on one side or both,
+///     f = k d + c v + r(d - gap_upper, v) - r(-d - gap_lower, -v),
+///     r(o, w) = max(0, k_stop o + c_stop w) where the overlap o > 0, else 0:
+/// the stop pushes and never pulls. Parameters k_stop [N/m], c_stop [N s/m], gap_upper [m], gap_lower [m], k [N/m],
+/// c [N s/m]. An infinite gap (the default) is a side without a stop.
+ConnectorLawPtr gap_law();
+
+/// Jenkins element: a spring in series with a dry-friction slider, with a spring and dashpot alongside,
+///     f = k d + c v + q,     q = k_stick (d - slip),     |q| <= f_slip,     slip' = 0 while |q| < f_slip.
+/// The state is the slip [m], advanced by the exact return map (the path within a step is taken as monotone); no rate
+/// is needed, so it truly sticks. Parameters k_stick [N/m], f_slip [N], k [N/m], c [N s/m].
+ConnectorLawPtr jenkins_law();
+
+/// Elastoplastic spring with linear kinematic hardening,
+///     f = alpha k d + q + c v,     q = (1 - alpha) k (d - slip),     |q| <= (1 - alpha) f_y:
+/// stiffness k up to the force f_y, alpha k beyond it; the elastic range stays 2 f_y wide. State and integration as in
+/// jenkins_law. Parameters k [N/m], f_y [N], alpha [-], c [N s/m].
+ConnectorLawPtr bilinear_law();
+
+/// Smooth hysteresis of Bouc and Wen [Wen76],
+///     f = alpha k d + (1 - alpha) k z + c v,     z' = A v - beta |v| |z|^(n-1) z - gamma v |z|^n,
+/// with the hysteretic deformation z [m] as its state; it saturates at z_u = (A / (beta + gamma))^(1/n).
+/// Parameters k [N/m], alpha [-], A [-], beta [1/m^n], gamma [1/m^n], n >= 1 [-], c [N s/m].
+///
+/// z' is proportional to the rate, so z follows the deformation: dz/dd = A - |z|^n (beta sgn(z dd) + gamma). Over an
+/// interval this is integrated along d(h) - d(0) by the two-stage, second-order, L-stable diagonally implicit
+/// Runge-Kutta method [Ale77]: any increment is safe and a large one lands on z_u. A reversal inside the interval costs
+/// an error of second order. Where beta + gamma < 0 makes z run away within one interval, the root is continued
+/// linearly (finite).
+///
+/// The form m y'' + c y' + k_L y + w = u, w' = a y' - b (g |y'| |w|^(n-1) w + e y' |w|^n) of the published benchmark
+/// [NS16] is k = k_L + a, alpha = k_L / k, A = 1, beta = b g a^(n-1), gamma = b e a^(n-1), with w = a z.
+ConnectorLawPtr bouc_wen_law();
+
+}  // namespace kalfem
