@@ -52,6 +52,21 @@ Record no_record(double sample_rate, const std::vector<SensorDescription>& senso
   return record;
 }
 
+/// The nearest covariance of the same variances' scale: eigenvalues of the correlations that rounding has made negative
+/// become 0. A few roundings more keep its factor real. Not a number where the covariance is not finite.
+Eigen::MatrixXd without_negative_directions(const Eigen::MatrixXd& covariance) {
+  constexpr double rounding = 1e-13;
+  if (!covariance.allFinite()) return covariance;
+  const VectorXd scale = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  const VectorXd inverse = (scale.array() > 0.0).select(scale.cwiseInverse(), 0.0);
+  const Eigen::MatrixXd correlation = inverse.asDiagonal() * covariance * inverse.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (correlation + correlation.transpose()));
+  const double floor = rounding * static_cast<double>(scale.size());
+  const VectorXd values = eigen.eigenvalues().cwiseMax(floor);
+  const Eigen::MatrixXd root = scale.asDiagonal() * eigen.eigenvectors() * values.cwiseSqrt().asDiagonal();
+  return root * root.transpose();
+}
+
 }  // namespace
 
 /// The filter with its model and where it stands.
@@ -60,6 +75,7 @@ public:
   Loop(const Structure& structure, double sample_rate, const EstimateOptions& options,
        const std::vector<InputSample>& first)
       : signals_(structure.description().signals),
+        sensors_(options.sensors),
         made_(make_filter_problem(with_signals(structure), sample_rate, options)),
         step_(1.0 / sample_rate) {
     const FilterRun run = make_filter_run(made_.problem, made_.setup, no_record(sample_rate, options.sensors));
@@ -78,17 +94,13 @@ public:
 
   /// Inputs that are straight up to the next sample.
   bool predict(const VectorXd& inputs) {
-    if (failure_) return false;
-    setup_->transition.set_inputs(inputs_, inputs);
-    return move(inputs);
+    return move([&] { setup_->transition.set_inputs(inputs_, inputs); }, inputs);
   }
 
   /// With the signals at every substep of the interval.
   bool predict() {
     const Eigen::MatrixXd inputs = sampled_signals();
-    if (failure_) return false;
-    setup_->transition.set_inputs(inputs);
-    return move(inputs.rightCols(1));
+    return move([&] { setup_->transition.set_inputs(inputs); }, inputs.rightCols(1));
   }
 
   bool update(const VectorXd& measured) {
@@ -99,10 +111,13 @@ public:
     if (failure_) return false;
     innovation_.setConstant(not_a_number);
     nis_ = not_a_number;
-    setup_->measurement.set_inputs(inputs_);
-    if (!linear_unknowns_.empty()) setup_->measurement.set_mean(setup_->filter->mean());
     Innovation innovation;
-    if (!went_on(setup_->filter->update(measured, innovation))) return false;
+    const auto condition = [&] {
+      setup_->measurement.set_inputs(inputs_);
+      if (!linear_unknowns_.empty()) setup_->measurement.set_mean(setup_->filter->mean());
+      return setup_->filter->update(measured, innovation);
+    };
+    if (!went_on(condition)) return false;
     if (innovation.channels.empty()) return true;
     innovation_(innovation.channels) = innovation.value;
     nis_ = innovation.nis;
@@ -154,17 +169,26 @@ public:
 
   [[nodiscard]] const FilterProblem& made() const { return made_; }
   [[nodiscard]] std::size_t unknowns() const { return model_->options().unknowns.size(); }
+  [[nodiscard]] bool in_physical_coordinates() const {
+    return setup_->augmented_model->options().coordinates == StateCoordinates::physical;
+  }
   [[nodiscard]] double time() const { return static_cast<double>(sample_) * step_; }
   [[nodiscard]] const std::optional<FilterStop>& failure() const { return failure_; }
   [[nodiscard]] const VectorXd& innovation() const { return innovation_; }
   [[nodiscard]] double nis() const { return nis_; }
 
 private:
-  bool move(const VectorXd& inputs) {
+  template <class SetInputs>
+  bool move(const SetInputs& set_inputs, const VectorXd& next) {
+    if (failure_) return false;
     ++sample_;
-    inputs_ = inputs;
-    if (!linear_unknowns_.empty()) setup_->transition.set_mean(setup_->filter->mean());
-    return went_on(setup_->filter->predict());
+    const bool moved = went_on([&] {
+      set_inputs();
+      if (!linear_unknowns_.empty()) setup_->transition.set_mean(setup_->filter->mean());
+      return setup_->filter->predict();
+    });
+    inputs_ = next;
+    return moved;
   }
 
   /// [r; r'; r''] from the present sample to the next.
@@ -185,9 +209,38 @@ private:
     return inputs;
   }
 
-  bool went_on(FilterOutcome outcome) {
+  /// Makes a step of the filter; where the covariance has lost its sign in modal coordinates, once more in physical
+  /// ones. A step that fails leaves the estimate as it was.
+  template <class Step>
+  bool went_on(const Step& step) {
+    FilterOutcome outcome = step();
+    if (outcome == FilterOutcome::covariance_not_positive_definite && use_physical_coordinates()) outcome = step();
+    return stop_unless_usable(outcome);
+  }
+
+  bool stop_unless_usable(FilterOutcome outcome) {
     if (outcome != FilterOutcome::usable) failure_ = FilterStop{time(), to_string(outcome)};
     return !failure_;
+  }
+
+  /// Carries the estimate over to a model in physical coordinates; false where it stands in these already or is not
+  /// finite.
+  bool use_physical_coordinates() {
+    const AugmentedModel& now = *setup_->augmented_model;
+    if (now.options().coordinates != StateCoordinates::modal) return false;
+    const Gaussian here{now.physical(setup_->filter->mean()),
+                        without_negative_directions(now.physical_covariance(setup_->filter->covariance()))};
+    if (!here.mean.allFinite() || !here.covariance.allFinite()) return false;
+    const double rate = made_.problem->sample_rate;
+    model_ = make_filter_run(made_.problem, made_.setup, no_record(rate, sensors_), StateCoordinates::physical)
+                 .choice.augmented_model;
+    auto about = model_;
+    if (!linear_unknowns_.empty())
+      about =
+          std::make_shared<const AugmentedModel>(model_->about(linearised_about_.values, linearised_about_.deviations));
+    setup_ = std::make_unique<FilterSetup>(about, noise_, options_);
+    setup_->filter->reset(here);
+    return true;
   }
 
   /// Values and deviations of the unknowns of the linear part, now or by their prior.
@@ -211,13 +264,14 @@ private:
     try {
       setup_ = relinearised(*model_, now, *setup_, noise_, options_);
     } catch (const InvalidInput&) {
-      return went_on(FilterOutcome::linear_part_impossible);
+      return stop_unless_usable(FilterOutcome::linear_part_impossible);
     }
     linearised_about_ = std::move(now);
     return true;
   }
 
   std::vector<SignalPtr> signals_;
+  std::vector<SensorDescription> sensors_;
   FilterProblem made_;
   double step_;  ///< [s]
   EstimationOptions options_;
@@ -246,6 +300,7 @@ bool OnlineFilter::predict(const std::vector<InputSample>& inputs) { return loop
 bool OnlineFilter::predict() { return loop_->predict(); }
 bool OnlineFilter::update(const VectorXd& measured) { return loop_->update(measured); }
 
+bool OnlineFilter::in_physical_coordinates() const { return loop_->in_physical_coordinates(); }
 double OnlineFilter::time() const { return loop_->time(); }
 const std::optional<FilterStop>& OnlineFilter::failure() const { return loop_->failure(); }
 

@@ -29,6 +29,10 @@ struct PresentEstimate {
 ///       filter.update(y);
 ///     }
 ///
+/// The covariance moves in the modal coordinates of the linear part, where a step costs least. Where rounding makes it
+/// indefinite there (close poles), the filter goes on in physical coordinates from the estimate before the step, with
+/// the negative directions of its covariance taken off. A step costs more from then on.
+///
 /// Moved by predict() without arguments it gives the estimates of estimate() over the same record. One thread uses it
 /// at a time.
 class OnlineFilter {
@@ -50,6 +54,8 @@ public:
   /// filter has stopped. Throws InvalidInput where there is not one value for each sensor.
   bool update(const Eigen::VectorXd& measured);
 
+  /// Whether the covariance had to leave the modal coordinates.
+  [[nodiscard]] bool in_physical_coordinates() const;
   [[nodiscard]] double time() const;  ///< of the present sample, the first one at 0 [s]
   [[nodiscard]] bool usable() const { return !failure(); }
   [[nodiscard]] const std::optional<FilterStop>& failure() const;
