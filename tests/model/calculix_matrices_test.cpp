@@ -7,7 +7,7 @@
 #include "base/scratch_folder.hpp"
 #include "kalfem/formats/matrices/matrix_model.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
-#include "kalfem/model/assembly/assemble_parts.hpp"
+#include "model/assemble_parts.hpp"
 #include "model/calculix.hpp"
 #include "model/inp_writer.hpp"
 

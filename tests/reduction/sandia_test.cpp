@@ -11,11 +11,11 @@
 #include "kalfem/formats/matrices/matrix_model.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/linalg/sparse_operations.hpp"
-#include "kalfem/model/assembly/assemble_parts.hpp"
 #include "kalfem/prediction/base_driven.hpp"
 #include "kalfem/reduction/superelement.hpp"
 #include "kalfem/system/sensors/output_map.hpp"
 #include "kalfem/system/signals/deterministic.hpp"
+#include "model/assemble_parts.hpp"
 #include "reduction/frequencies.hpp"
 
 // Solid parts a and c and their assembly ac by a production code, with its Craig-Bampton model of a.
