@@ -1,6 +1,6 @@
 // Cost of updating, as ratios within one run (medians of alternating repetitions):
 //   the chain: one evaluation of the residual of its record against the simulation / one simulation of the same case;
-//   the vehicle: one stage of the loop / (one reduction + one filter pass + one prediction, timed alone).
+//   the vehicle: one iteration of the loop / (one reduction + one filter pass + one prediction, timed alone).
 // Usage: updating_benchmark CHAIN.yaml VEHICLE.yaml, both with `update`
 #include <algorithm>
 #include <cstdio>
@@ -56,7 +56,7 @@ void time_simulation_residual(const Study& study, const Record& record) {
   line("  ratio (at most 1.3)", median(evaluations) / median(simulations), "");
 }
 
-/// What a stage is made of, each alone: seconds of the reduction, the filter pass and the prediction.
+/// Parts of an iteration, each timed alone: seconds of the reduction, the filter pass and the prediction.
 struct SectionParts {
   double reduction = 0.0, filter = 0.0, prediction = 0.0;
   [[nodiscard]] double sum() const { return reduction + filter + prediction; }
@@ -73,7 +73,7 @@ SectionParts time_parts(const RecordResidual& residual, const ParameterisedStruc
   return parts;
 }
 
-void time_stages(const Study& study, const Record& record, int repetitions) {
+void time_iterations(const Study& study, const Record& record, int repetitions) {
   const auto& structure = study.updating_plan->structure;
   auto options = std::get<RecordResidual::Options>(study.updating_plan->record_comparisons.front().what);
   options.sensors = names_of(study.sensors);
@@ -92,9 +92,9 @@ void time_stages(const Study& study, const Record& record, int repetitions) {
   line("one reduction", median(reductions), "s");
   line("one filter pass", median(filters), "s");
   line("one prediction", median(predictions), "s");
-  line("one stage with its derivatives", median(first), "s");
+  line("one iteration with its derivatives", median(first), "s");
   line("  ratio to the three (at most 1.2)", median(first) / median(sums), "");
-  line("one stage without derivatives", median(later), "s");
+  line("one iteration without derivatives", median(later), "s");
   line("  ratio to the three", median(later) / median(sums), "");
 }
 
@@ -112,10 +112,10 @@ int main(int argc, char** argv) {
     std::printf("Chain: %zu parameters, %g s\n", chain.updating->parameters.size(), chain.simulation->duration);
     const Record chain_record = simulated_record(chain);
     time_simulation_residual(chain, chain_record);
-    time_stages(chain, chain_record, 5);
+    time_iterations(chain, chain_record, 5);
     const Study vehicle = load_study(argv[2]);
     std::printf("\nVehicle: %zu parameters, %g s\n", vehicle.updating->parameters.size(), vehicle.simulation->duration);
-    time_stages(vehicle, simulated_record(vehicle), 3);
+    time_iterations(vehicle, simulated_record(vehicle), 3);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 2;

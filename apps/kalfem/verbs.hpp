@@ -10,12 +10,13 @@ namespace kalfem::command {
 /// 1 also where the machine does not take the output: the disk is full, stdout is closed.
 enum ExitCode { done = 0, a_bug = 1, cannot_write = 1, mend_the_input = 2, not_usable = 3 };
 
-/// run, simulate, estimate, predict, update: the stages up to `last`, results into `folder` (empty: <case>.kalfem-out
-/// beside it). `by_name`: the user asked for that stage, so that a case without its section is an error.
+/// run, simulate, estimate, predict, update: the steps up to `last`, results into `folder` (empty: <case>.kalfem-out
+/// beside it). `by_name`: the user asked for that step, so a case without its section is an error.
 ExitCode run(const std::string& case_file, Step last, const std::string& folder, bool by_name = true);
-/// check: validate and explain, run nothing. With a page file, the health of the substructures goes there too.
+/// check: validate and explain, run nothing. With a page file, the model check of the substructures goes there too.
 ExitCode check(const std::string& case_file, const std::string& page_file);
-/// check of a deck alone: what was read, what was not, and its health. `units`: none (SI) or length, mass and time.
+/// check of a deck alone: its contents, the cards that kalfem ignores, and the model check. `units`: none (SI) or
+/// length, mass and time.
 ExitCode check_deck(const std::string& file, const std::vector<std::string>& units, const std::string& page_file);
 /// schema: the case-file reference as text, or as JSON Schema, or the connector laws.
 ExitCode schema(bool as_json, bool laws);

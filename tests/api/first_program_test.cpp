@@ -22,7 +22,7 @@ Samples sampled_road() {
 }
 
 /// The body's record over that road.
-TimeSeries record_of(const Law& suspension) {
+Record record_of(const Law& suspension) {
   Structure s;
   s.add(lumped("wheel").mass("w", 1.5).spring("k_w", "ground", "w", 2e4));
   s.add(chain("body", 10, 1.0, 3e4).modal_damping(0.01));
@@ -36,7 +36,7 @@ TimeSeries record_of(const Law& suspension) {
 
 TEST(FirstProgram, FindsTheParameterOfTheSuspension) {
   const Samples road = sampled_road();
-  const TimeSeries record = record_of(law("saturating", {{"k", 5e3}, {"mu_k1", 20.0}}));
+  const Record record = record_of(law("saturating", {{"k", 5e3}, {"mu_k1", 20.0}}));
   std::ostringstream out;
 
   Structure s;

@@ -29,7 +29,7 @@ TEST(OnlineFilter, GivesWhatAWholeRunOverTheRecordGives) {
 }
 
 TEST(OnlineFilter, FollowsTheLinearPartAsAWholeRunDoes) {
-  // The damping of the body's modes follows a released spring: the filter's model is linearised anew on the way.
+  // The damping of the body's modes follows a released spring: the filter's model is relinearised on the way.
   EstimateOptions of_spring = options;
   of_spring.unknowns = {{"body.2-3.stiffness", {.initial = 2e4, .std = 8e3}}};
   const auto& record = chain_record();

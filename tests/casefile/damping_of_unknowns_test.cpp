@@ -39,7 +39,7 @@ void expect_no_trace_of_first_guesses(const std::vector<std::string>& texts, dou
       // four deviations: one record's noise, found 3.1
       EXPECT_NEAR(all[g].values[i], truth[i], 4.0 * all[g].deviations[i]) << "guess " << g << ", unknown " << i;
     }
-    std::printf("guess %d: linearised anew %d times, NIS %.3f;", int(g), all[g].linearisations, all[g].nis);
+    std::printf("guess %d: relinearised %d times, NIS %.3f;", int(g), all[g].linearisations, all[g].nis);
     for (Index i = 0; i < truth.size(); ++i)
       std::printf(" %.6g +- %.2g (%+.2f from guess 0, %+.2f from the truth)", all[g].values[i], all[g].deviations[i],
                   (all[g].values[i] - all[0].values[i]) / all[0].deviations[i],
@@ -147,7 +147,7 @@ TEST(DampingOfUnknowns, ThePredictionUsesTheEstimatedSpring) {
   }
 }
 
-/// What does not change the linear part stays with its connector: nothing is linearised anew.
+/// What does not change the linear part stays with its connector: nothing is relinearised.
 TEST(DampingOfUnknowns, AnUnknownOfAnUndampedPartIsCarriedByItsConnectorAlone) {
   const Study study = study_of(chain_case("1 s",
                                           "    wheel.k_w.stiffness: {initial: 22 kN/m, std: 30 %}\n"

@@ -121,7 +121,8 @@ void reference_models() {
   };
   EXPECT_EQ(dofs("tolerance: 1e-2"), 12);
   EXPECT_EQ(dofs("reference: full"), 12);
-  // Three translations of the tip, a mode of bending in each of two planes at 69 Hz, and one truncation vector each.
+  // Three translations of the tip, a mode of bending in each of two planes at 69 Hz, and one modal truncation
+  // augmentation vector each.
   const auto few = dofs("reference: superelement, modes_up_to: 100 Hz"),
              more = dofs("reference: superelement, modes_up_to: 3 kHz"), usual = dofs("reference: superelement");
   EXPECT_LT(few, more);

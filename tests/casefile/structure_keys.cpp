@@ -84,7 +84,7 @@ void structure_modal_damping_is_of_the_whole() {
 }
 
 /// With finite elements modes above the limit have no ratio of their own.
-void structure_damping_ends_at_its_frequency() {
+void global_modal_damping_ends_at_its_frequency() {
   const auto kept = [](const std::string& text) {
     return system_of(study_of(beam_case({{"damping", text}}))).modal_damping.modes.frequencies;
   };
@@ -238,7 +238,7 @@ KeyChecks structure_keys() {
          EXPECT_THROW(study_of(lumped_case({{"kalfem", "2"}})), InvalidInput);
        }},
       {"damping.modal", structure_modal_damping_is_of_the_whole},
-      {"damping.up_to", structure_damping_ends_at_its_frequency},
+      {"damping.up_to", global_modal_damping_ends_at_its_frequency},
   });
   return keys;
 }

@@ -30,10 +30,10 @@ TEST(UpdatingByRecords, TheChainIsRefinedByItsOwnRecord) {
   EXPECT_GT(summary["updating"]["residual_initial"].get<double>(), 1.5);
   // found 9e-4
   EXPECT_NEAR(summary["updating"]["residual_final"].get<double>(), 1.0, 0.005);
-  // A line on the terminal for each stage, and its trace.
-  const auto stages = summary["updating"]["stages"].size();
-  EXPECT_GE(stages, 3U);
-  for (std::size_t i = 1; i <= stages; ++i)
+  // A line on the terminal for each iteration, and its trace.
+  const auto iterations = summary["updating"]["stages"].size();
+  EXPECT_GE(iterations, 3U);
+  for (std::size_t i = 1; i <= iterations; ++i)
     EXPECT_NE(outcome.output.find("iteration " + std::string(i < 10 ? " " : "") + std::to_string(i) + ":"),
               std::string::npos);
   EXPECT_NE(read(folder / "report.html").find("Parameters by iteration"), std::string::npos);

@@ -200,7 +200,7 @@ TEST(MeasurementChain, EmptyIsTheIdentity) {
   EXPECT_TRUE(chain_of(DelaySection{.delay = 0.0}).is_identity());
 }
 
-TEST(MeasurementChain, RefusesBadStagesAllAtOnce) {
+TEST(MeasurementChain, RefusesBadSectionsAllAtOnce) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const MeasurementChainOptions options{
       .sections = {FilterSection{.order = 13, .cutoff = nan},

@@ -5,7 +5,7 @@
 
 namespace kalfem {
 
-/// Called by long stages with the name of the stage and the fraction done in [0, 1]. May be empty.
-using Progress = std::function<void(std::string_view stage, double fraction)>;
+/// Called by long steps with the name of the step and the fraction done in [0, 1]. May be empty.
+using Progress = std::function<void(std::string_view step, double fraction)>;
 
 }  // namespace kalfem

@@ -56,7 +56,7 @@ public:
     }
   }
 
-  /// A column without a time: one value a stage of the updating, or a line of a response.
+  /// A column without a time: one value per iteration of the updating, or per line of a response.
   void write_column(const std::string& name, const Eigen::VectorXd& values, const std::string& unit) {
     if (values.size() == 0) return;
     file_.write(name, values);
@@ -100,12 +100,12 @@ void write_estimate(SeriesFile& file, const EstimationOutcome& outcome) {
   file.write("/innovation/nis", outcome.result.nis, "-");
 }
 
-/// Every stage: the residual, what was tried, what was accepted last. Then the responses that were compared.
+/// Every iteration: the residual, the parameters tried, the parameters accepted last. Then the compared responses.
 void write_updating(SeriesFile& file, const Study& study, const UpdatingOutcome& outcome) {
-  const auto stages = static_cast<Eigen::Index>(outcome.trace.size());
+  const auto iterations = static_cast<Eigen::Index>(outcome.trace.size());
   const auto column = [&](const auto& value) {
-    Eigen::VectorXd values(stages);
-    for (Eigen::Index k = 0; k < stages; ++k) values[k] = value(outcome.trace[static_cast<std::size_t>(k)]);
+    Eigen::VectorXd values(iterations);
+    for (Eigen::Index k = 0; k < iterations; ++k) values[k] = value(outcome.trace[static_cast<std::size_t>(k)]);
     return values;
   };
   file.write_column("/updating/residual", column([](const auto& step) { return step.residual; }), "-");

@@ -13,10 +13,10 @@
 
 namespace kalfem {
 
-/// summary.json: all SI; keys only where the stage ran; null where unknown; never NaN. `run` is run_identity().
-/// Of `timing`, total_s covers every other part and never falls below their sum: the stages run one after another, and
-/// each part is the time that passed on the clock, however many threads it used. estimate_split_s divides the time of
-/// the filter; `output` may pass in a thread beside `predict` and `update`.
+/// summary.json: all SI; keys only if the step ran; null if unknown; never NaN. `run` is run_identity().
+/// Of `timing`, total_s covers every other part and never falls below their sum: the steps run one after another, and
+/// each part is elapsed time, for any number of threads. estimate_split_s divides the time of the filter; `output` may
+/// pass in a thread beside `predict` and `update`.
 nlohmann::ordered_json summarise(const Study& study, const StudyResults& results);
 
 /// Writes every time series with names, units and sampling rate into an HDF5 file:

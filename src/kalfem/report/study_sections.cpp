@@ -161,7 +161,7 @@ namespace {
 
 std::vector<double> list(const Eigen::VectorXd& values) { return {values.begin(), values.end()}; }
 
-/// The parameters of every stage, as parts of where they started.
+/// The parameters of every iteration, relative to their initial values.
 Chart trace_chart(const Study& study, const UpdatingOutcome& outcome) {
   Chart chart{.id = "updating-trace",
               .title = "Parameters by iteration",

@@ -16,7 +16,7 @@ Table parameter_table(const Study& study, const EstimationOutcome& outcome);
 /// Everything of lumped parts and connectors; of finite elements the points that the case wants shown, if it names
 /// some.
 bool shown(const Study& study, const std::string& point);
-/// NRMSE of a stage's points against the reference after the sample `settled`; "at rest" for points that do not move.
+/// NRMSE of a step's points against the reference after the sample `settled`; "at rest" for points that do not move.
 /// Of finite-element substructures only the points that the case wants shown, where it names some.
 Table error_table(const std::string& title, const Study& study, const std::vector<PointQuantity>& points,
                   Eigen::Index settled);

@@ -78,14 +78,14 @@ void require_startable(const std::vector<UpdatingParameter>& parameters);
 /// in the variables theta_i / scale_i. Each step minimises the linearised problem
 ///   |r + J d|^2 + |prior + its derivative d|^2   over the bounds and |d_i| <= radius scale_i
 /// exactly (`bounded_least_squares`), so a bound redirects a step instead of cutting it, and combinations of parameters
-/// that neither r nor a prior informs stay where they are. Radius by the ratio of true to promised reduction, algorithm
-/// 4.1 of [NW06]; the region is a box, as in [CGT00, ch. 13], since "no parameter changes by more than half" is what an
-/// engineer can judge, and since its intersection with the bounds is again a box.
+/// that neither r nor a prior determines stay unchanged. The radius follows the ratio of actual to predicted reduction,
+/// algorithm 4.1 of [NW06]. The region is a box, as in [CGT00, ch. 13]: an engineer can judge "no parameter changes by
+/// more than half", and its intersection with the bounds is again a box.
 ///
-/// It proposes and is told, and does not call the residual. In the multi-stage loop one evaluation is a reduction and a
-/// whole filter pass, each stage is one step, and a run must continue from a file after a kill: that is why this is not
-/// a solver that owns the loop, as Ceres is. All that it knows is in `state()`; continued from a copy of that it
-/// proposes the same points to the last bit.
+/// The caller owns the loop: the search proposes points and is told their residuals. In updating with records, one
+/// evaluation is a reduction and a whole filter pass, and a killed run must continue from a file after each iteration.
+/// So this is not a solver that owns the loop, as Ceres is. `state()` holds everything it knows; continued from a copy
+/// of it, the search proposes the same points to the last bit.
 ///
 ///   while (!search.finished()) search.tell(residual.evaluate(search.proposal(), search.needs_jacobian()));
 class GaussNewton {

@@ -92,8 +92,8 @@ struct MeasurementChainOptions {
 
 IssueList validate(const MeasurementChainOptions& options);
 
-/// Frequency above which the stages let nothing through that counts: the lowest upper cut-off or resonance [Hz];
-/// infinite where there is none.
+/// Frequency above which the sections pass almost nothing: the lowest upper cut-off or resonance [Hz]; infinite if
+/// there is none.
 double bandwidth(const MeasurementChainOptions& options);
 
 /// s' = A s + B y,  out = C s + D y  with one input and one output; the states have the unit of y.

@@ -25,7 +25,7 @@ predict: {substructure: body}
 )";
 
 TEST(GlobalModalDamping, IsInTheSimulationTheFilterAndThePrediction) {
-  const ScratchFolder folder("structure-damping");
+  const ScratchFolder folder("global-modal-damping");
   std::ofstream(folder / "case.yaml") << damped_case;
   const auto outcome = run_command("run " + (folder / "case.yaml").string(), folder);
   ASSERT_EQ(outcome.code, 0) << outcome.errors;
