@@ -1,4 +1,4 @@
-#include "kalfem/yaml/schema.hpp"
+#include "kalfem/yaml/json_schema.hpp"
 
 #include <fmt/format.h>
 

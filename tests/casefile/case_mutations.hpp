@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "kalfem/yaml/schema.hpp"
+#include "kalfem/yaml/json_schema.hpp"
 #include "kalfem/yaml/yaml_node.hpp"
 
 namespace kalfem::test {

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "casefile/sample_case.hpp"
-#include "kalfem/yaml/schema.hpp"
+#include "kalfem/yaml/json_schema.hpp"
 
 namespace kalfem::sample {
 namespace {

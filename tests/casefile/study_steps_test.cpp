@@ -43,11 +43,11 @@ void expect_truth(const std::vector<PointQuantity>& points, double limit) {
 // Found 2e-4 to 2.1e-3: the boundary's motion is straight between samples of a 200th of a second.
 constexpr double step_error = 3e-3;
 
-TEST(Stages, PredictWhatWasSimulated) {
+TEST(StudySteps, PredictWhatWasSimulated) {
   expect_truth(run(study_of(exact_case()), Step::predict).prediction->points, step_error);
 }
 
-TEST(Stages, PredictOverAnAcceleratedBase) {
+TEST(StudySteps, PredictOverAnAcceleratedBase) {
   const auto results = run(study_of(exact_case({{"excitation",
                                                  "{e: {base_acceleration: {w.w: 1, w.v: 1, s.a: 1, s.b: 1, s.c: 1}, "
                                                  "random: {rms: 2, band: [0.5, 8], fade_in: 0.3}}}"}})),
@@ -55,7 +55,7 @@ TEST(Stages, PredictOverAnAcceleratedBase) {
   expect_truth(results.prediction->points, step_error);
 }
 
-TEST(Stages, PredictFromMotion) {
+TEST(StudySteps, PredictFromMotion) {
   const std::string start =
       "s.b: {displacement: 20 mm, velocity: 0.3 m/s}, s.c: {velocity: -0.4 m/s}, w.w: {displacement: 5 mm}";
   const auto results = run(
@@ -152,7 +152,7 @@ TEST_F(LateRecord, IsNotLearntFromBeyondItsUse) {
 
 /// Driven by the estimated motion of its boundary from a sample amid the motion on, behind the sensor's chain: at the
 /// true parameters what is left is noise, in its own deviations; 100 to 300 values tell their rms to 7 %.
-TEST(Stages, ADrivenHistoryIsNoiseAtTheTruth) {
+TEST(StudySteps, ADrivenHistoryIsNoiseAtTheTruth) {
   const std::string start = "s.b: {displacement: 20 mm, velocity: 0.3 m/s}, s.c: {velocity: -0.4 m/s}";
   for (const std::string settle : {"0", "0.5 s"})
     for (const std::string chain : {"", ", chain: [{butterworth: {order: 2, low_pass: 30 Hz}}]"}) {
@@ -171,7 +171,7 @@ TEST(Stages, ADrivenHistoryIsNoiseAtTheTruth) {
 
 // --- noise and sensors -----------------------------------------------------------------------------------------------
 
-TEST(Stages, NoiseOfARecordIsAPartOfItsRms) {
+TEST(StudySteps, NoiseOfARecordIsAPartOfItsRms) {
   write_file("rms.csv", csv_of(100.0, {{"y", {3, -3, 3, -3, 3, -3}}, {"z", {1, 2, 1, 2, 1, 2}}}));
   const auto study = study_of(
       estimated_case({{"simulate", ""},
@@ -187,7 +187,7 @@ TEST(Stages, NoiseOfARecordIsAPartOfItsRms) {
 }
 
 /// The augmented model's sensors stand behind their own measurement chains, which the case's simulation has too.
-TEST(Stages, SensorsOfTheAugmentedModelHaveTheirChains) {
+TEST(StudySteps, SensorsOfTheAugmentedModelHaveTheirChains) {
   const auto study = study_of(estimated_case({{"sensors",
                                                "{x: {displacement: s.a, noise: 0.1 mm}, y: {displacement: s.b, noise: "
                                                "0.1 mm, chain: [{butterworth: {order: 2, "
@@ -208,7 +208,7 @@ TEST(Stages, SensorsOfTheAugmentedModelHaveTheirChains) {
 
 /// Forces of connectors reach a sensor's chain at once, by what it measures: an acceleration beside a connector, and
 /// the force itself. A consistent filter has a NIS of 2; 401 samples tell it to 0.1.
-TEST(Stages, ConnectorForcesPassTheChainsOfTheAugmentedModel) {
+TEST(StudySteps, ConnectorForcesPassTheChainsOfTheAugmentedModel) {
   const auto results = run(
       study_of(
           exact_case({{"sensors",
@@ -228,7 +228,7 @@ const std::string updated_springs =
     "[2.9, 5.5], "
     "above: 0.5 Hz}}}";
 
-TEST(Stages, TheAugmentedModelOfACaseThatUpdatesStartsAtTheFirstValues) {
+TEST(StudySteps, TheAugmentedModelOfACaseThatUpdatesStartsAtTheFirstValues) {
   const auto study = study_of(exact_case({{"update", updated_springs}}));
   const auto& stiffness = study.augmented_model->model->system().stiffness;
   near(stiffness.coeff(2, 3), -640.0);
@@ -237,7 +237,7 @@ TEST(Stages, TheAugmentedModelOfACaseThatUpdatesStartsAtTheFirstValues) {
 }
 
 /// Estimation, prediction and modifications are of the structure that the updating ends at.
-TEST(Stages, WhatFollowsAnUpdatingIsOfTheUpdatedStructure) {
+TEST(StudySteps, WhatFollowsAnUpdatingIsOfTheUpdatedStructure) {
   const auto study =
       study_of(exact_case({{"update", updated_springs},
                            {"modifications", "{m: {substructure: s, set: {k.damping: 2}, above: 0.5 Hz, modes: 2}}"}}));
@@ -257,7 +257,7 @@ TEST(Stages, WhatFollowsAnUpdatingIsOfTheUpdatedStructure) {
 
 /// One value that several parameters share is present under each of their names.
 /// A group's own name may be that of an unknown of the filter, which is another parameter.
-TEST(Stages, UpdatedValuesArePresentUnderAllNamesThatTheyApplyToAndNoOther) {
+TEST(StudySteps, UpdatedValuesArePresentUnderAllNamesThatTheyApplyToAndNoOther) {
   const auto study = study_of(exact_case(
       {{"update",
         "{parameters: {both: {initial: 750, applies_to: [s.k.stiffness, s.m.stiffness]}, s.k.damping: {initial: 2}}, "
@@ -270,7 +270,7 @@ TEST(Stages, UpdatedValuesArePresentUnderAllNamesThatTheyApplyToAndNoOther) {
 
 /// A stiffer beam by an unknown of its material: the augmented model's superelement is reduced at the first guess, and
 /// a value beside it in the same basis has the stiffness of that value.
-TEST(Stages, LinearUnknownsOfFiniteElementsMoveTheirSuperelement) {
+TEST(StudySteps, LinearUnknownsOfFiniteElementsMoveTheirSuperelement) {
   const auto study = study_of(
       beam_case({{"estimate", "{unknown: {b.steel.youngs_modulus: {initial: 200 GPa, std: 5 %}}, settle: 0}"}}));
   const auto& linear = study.augmented_model->linear_unknowns;

@@ -41,13 +41,16 @@ Schema<Connector> connector() {
           .optional("states", &Connector::states, named(mapping(state)), "for law: expression: internal states"));
 }
 
+// The file writes each section of a chain as a map with the key of its kind. `to` makes the sections of the library
+// from these maps and checks the chain as a whole; `from` goes the other way for the resolved case. A filter names its
+// band by its cut-off key, so exactly one of these keys must be given.
 Schema<std::vector<ChainSection>> measurement_chain() {
   struct Filter {
     int order = 4;
     std::optional<double> low_pass, high_pass;
     std::optional<std::array<double, 2>> band_pass;
   };
-  struct Step {
+  struct Section {
     std::optional<Filter> butterworth, bessel;
     std::optional<double> delay;
     std::optional<ResonanceSection> resonance;
@@ -64,13 +67,13 @@ Schema<std::vector<ChainSection>> measurement_chain() {
       Fields<ResonanceSection>()
           .required("frequency", &ResonanceSection::frequency, number("Hz", plausible::frequency()), "resonance")
           .optional("damping", &ResonanceSection::damping, number("-", Bounds::positive()), "damping ratio"));
-  const auto stage = mapping(
-      Fields<Step>()
-          .optional("butterworth", &Step::butterworth, filter, "Butterworth filter (maximally flat magnitude)")
-          .optional("bessel", &Step::bessel, filter, "Bessel filter (nearly constant delay)")
-          .optional("delay", &Step::delay, number("s", plausible::sensor_delay()), "pure delay")
-          .optional("resonance", &Step::resonance, resonance, "resonance of the sensor: a second-order low-pass")
-          .optional("gain", &Step::gain, number("-"), "constant factor"));
+  const auto section = mapping(
+      Fields<Section>()
+          .optional("butterworth", &Section::butterworth, filter, "Butterworth filter (maximally flat magnitude)")
+          .optional("bessel", &Section::bessel, filter, "Bessel filter (nearly constant delay)")
+          .optional("delay", &Section::delay, number("s", plausible::sensor_delay()), "pure delay")
+          .optional("resonance", &Section::resonance, resonance, "resonance of the sensor: a second-order low-pass")
+          .optional("gain", &Section::gain, number("-"), "constant factor"));
   const auto make_filter_section = [](const Filter& given, FilterFamily family) -> ChainSection {
     const int bands = given.low_pass.has_value() + given.high_pass.has_value() + given.band_pass.has_value();
     if (bands != 1)
@@ -82,9 +85,9 @@ Schema<std::vector<ChainSection>> measurement_chain() {
     return FilterSection{family, given.low_pass ? FilterBand::low_pass : FilterBand::high_pass, given.order,
                          given.low_pass ? *given.low_pass : *given.high_pass, 0.0};
   };
-  const auto to = [=](const std::vector<Step>& stages) {
+  const auto to = [=](const std::vector<Section>& sections) {
     MeasurementChainOptions options;
-    for (const auto& each : stages) {
+    for (const auto& each : sections) {
       if (each.butterworth)
         options.sections.push_back(make_filter_section(*each.butterworth, FilterFamily::butterworth));
       if (each.bessel) options.sections.push_back(make_filter_section(*each.bessel, FilterFamily::bessel));
@@ -95,10 +98,10 @@ Schema<std::vector<ChainSection>> measurement_chain() {
     validate(options).raise();
     return options.sections;
   };
-  const auto from = [](const std::vector<ChainSection>& stages) {
-    std::vector<Step> written;
-    for (const auto& each : stages) {
-      Step one;
+  const auto from = [](const std::vector<ChainSection>& sections) {
+    std::vector<Section> written;
+    for (const auto& each : sections) {
+      Section one;
       if (const auto* f = std::get_if<FilterSection>(&each)) {
         Filter filter_written{f->order, {}, {}, {}};
         if (f->band == FilterBand::low_pass) filter_written.low_pass = f->cutoff;
@@ -113,7 +116,7 @@ Schema<std::vector<ChainSection>> measurement_chain() {
     }
     return written;
   };
-  return convert<std::vector<ChainSection>>(list(stage), to, from);
+  return convert<std::vector<ChainSection>>(list(section), to, from);
 }
 
 template <ObservedQuantity Q>
@@ -227,6 +230,8 @@ Schema<Simulation> simulation() {
 
 }  // namespace
 
+// The order of the keys is that of the reference and of the resolved case. Reading keeps the tree of the file in
+// `source`, so that later steps can tell a key that was given from a default, and find the line of both.
 Schema<Case> case_schema() {
   const auto fields =
       Fields<Pictures>()

@@ -20,9 +20,8 @@
 #include "kalfem/yaml/schema.hpp"
 #include "kalfem/yaml/yaml_node.hpp"
 
-/// A case as its file says it: what the user wrote, with the place of every name that is looked up later. study.hpp
-/// makes the model, the signals and the augmented model from it. Meanings and units of the keys stand in
-/// case_schema.cpp.
+/// A case as its file states it, with the place of every name that is looked up later. study.hpp makes the model, the
+/// signals and the augmented model from it. case_schema.cpp documents the meanings and units of the keys.
 namespace kalfem::description {
 
 struct Spring {
@@ -37,12 +36,12 @@ struct Chain {
 struct Damping {
   std::vector<double> modal;
   double mass_factor = 0.0, stiffness_factor = 0.0;
-  double modal_up_to = 500.0;  ///< of finite elements: modes up to this frequency have ratios of their own
+  double modal_up_to = 500.0;  ///< finite elements only: modes up to this frequency have their own ratio
 };
 
 struct GlobalModalDamping {
   std::vector<double> modal;
-  double up_to = 500.0;  ///< with finite elements
+  double up_to = 500.0;  ///< [Hz], finite elements only: modes up to this frequency have their own ratio
 };
 
 struct Substructure {
@@ -102,7 +101,7 @@ struct FileSignal {
   std::filesystem::path file;
   Name channel;
   std::optional<double> sample_rate;
-  Located<std::string> unit;  ///< empty: that of the column's title, else SI
+  Located<std::string> unit;  ///< if empty, the one in the column's title, otherwise SI
 };
 struct Delayed {
   Name input;
@@ -133,7 +132,7 @@ struct Excitation {
   std::optional<Located<Drift>> drift;  ///< of the motion of accelerated grounds
 };
 
-/// What a sensor sees, one type a key of the case file.
+/// The measured quantity of a sensor, one type per key of the case file.
 template <ObservedQuantity Q>
 struct Observed {
   static constexpr ObservedQuantity quantity = Q;
@@ -149,21 +148,21 @@ struct Sensor {
   Value noise;                      ///< a percentage of the channel's rms, or in the sensor's unit
   std::vector<ChainSection> chain;  ///< measurement chain
   std::optional<std::string> channel;
-  Located<std::string> unit;     ///< of the channel; empty: that of all columns or of the column's title, else SI
+  Located<std::string> unit;  ///< of the channel; if empty, that of the record or of the column's title, otherwise SI
   bool accept_constant = false;  ///< the channel may hold one value throughout
 };
 
 struct FreeResponse {
-  double delay = 0.0;              ///< the case begins so long after the release
-  double threshold = 5e-4;         ///< the filter stops when no channel is further from rest than this ...
-  double margin = 0.5;             ///< ... and so long has passed since
-  std::optional<double> rest_std;  ///< of each channel's rest position where the record ends before it [m]
+  double delay = 0.0;              ///< time from the release to the start of the case [s]
+  double threshold = 5e-4;         ///< the filter stops once no channel is further from rest than this ...
+  double margin = 0.5;             ///< ... and this time has passed since [s]
+  std::optional<double> rest_std;  ///< of each channel's rest position if the record ends before it [m]
 };
 struct Record {
   Located<std::filesystem::path> file;
   std::optional<double> sample_rate;
-  Located<std::string> unit;  ///< of the columns; empty: those of their titles, else SI
-  std::string group;          ///< of an HDF5 file: the dataset
+  Located<std::string> unit;  ///< of the columns; if empty, those in their titles, otherwise SI
+  std::string group;          ///< dataset of an HDF5 file
   std::optional<double> start, end;
   bool skip_missing = false;
   bool repair_splice = false;
@@ -175,8 +174,8 @@ struct Simulation {
   Integrator integrator = Integrator::newmark;
   double hht_alpha = -0.05, spectral_radius = 0.8, tolerance = 1e-3;
   int first_substeps = 4, max_substeps = 256;
-  std::optional<Located<int>> substeps;  ///< a fixed number in the place of these two
-  bool superelements = false;            ///< in the place of full finite-element models
+  std::optional<Located<int>> substeps;  ///< a fixed number instead of these two
+  bool superelements = false;            ///< instead of full finite-element models
   double modes_up_to = 1200.0;           ///< of these superelements [Hz]
   std::uint64_t seed = 1;                ///< of the sensors' noise
   InitialMotion initial;
@@ -192,7 +191,7 @@ struct Unknown {
   std::vector<Name> applies_to;
 };
 struct Estimation {
-  std::optional<FilterKind> filter;  ///< none: chosen by what the system allows
+  std::optional<FilterKind> filter;  ///< if empty, the system decides
   UnscentedOptions unscented;
   Named<Unknown> unknown;
   Named<Located<PointPrior>> initial_state;
@@ -204,7 +203,7 @@ struct Estimation {
   bool estimate_initial_state = false;
   int passes = 1;
   int substeps = 4;
-  int threads = 0;  ///< 0: one a processor
+  int threads = 0;  ///< 0: one per processor
 };
 
 struct Prediction {
@@ -238,10 +237,10 @@ struct Case {
   std::optional<Updating> update;
   Named<Located<Modification>> modifications;
   Report report;
-  CaseSource source;  ///< where its keys stand
+  CaseSource source;  ///< places of its keys
 };
 
-/// How a case is written: one table from which it is read, echoed and documented.
+/// The schema of a case file. One table reads a case, writes it with its defaults, and documents its keys.
 Schema<Case> case_schema();
 
 }  // namespace kalfem::description

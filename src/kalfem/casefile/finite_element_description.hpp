@@ -14,10 +14,10 @@
 #include "kalfem/model/mesh/properties.hpp"
 #include "kalfem/model/unit_system.hpp"
 
-/// Finite-element substructures as the case file says them, see description.hpp.
+/// Finite-element substructures as the case file states them, see description.hpp.
 namespace kalfem::description {
 
-using Value = Located<Quantity>;        ///< a number whose unit depends on what it is for
+using Value = Located<Quantity>;        ///< a number whose unit depends on its use
 using Points = Located<Named<double>>;  ///< a point, or a weighted sum of points
 
 struct Material {
@@ -60,7 +60,7 @@ struct Region {
 /// A node by a group of the mesh, by its number, or the nearest one to a place.
 struct NodePlace {
   std::string group;
-  std::array<double, 3> at{};  ///< where there is no group [m]
+  std::array<double, 3> at{};  ///< used if there is no group [m]
 };
 struct NodeMass {
   Name at;
@@ -76,8 +76,8 @@ struct Fixed {
   Located<std::string> nodes;
   std::vector<std::string> directions;
 };
-/// Where the elements come from: a mesh or two tables, whose regions get their properties here; another code's input
-/// file, which has them; or another code's matrices.
+/// Source of the elements: a mesh or two tables, whose regions get their properties here; an input file of another
+/// code, which holds its own properties; or matrices of another code.
 struct MeshFile {
   Located<std::filesystem::path> file;
   double scale = 1.0;  ///< of the mesh's coordinates to metres
@@ -93,7 +93,7 @@ struct DeckFile {
   UnitSystem units;
   std::vector<Name> accept_missing;  ///< cards or keywords with stiffness, mass or connections that are not read
 };
-/// Stiffness, mass and damping in one file or several, by their names or, where a file holds one, by its own.
+/// Stiffness, mass and damping in one file or several, by the names of the matrices in the file.
 struct MatrixSet {
   std::vector<Located<std::filesystem::path>> files;
   std::string stiffness, mass, damping;

@@ -21,6 +21,8 @@ Schema<Material> material() {
                     "rho; 0 for a material without mass"));
 }
 
+// One key per shape of section. A shape is its dimensions; its constants (A, I, J and shear factors) are computed
+// later.
 Schema<SectionHolder> section() {
   const auto rectangle = Fields<RectangleSection>()
                              .required("width", &RectangleSection::width, length(), "width along local y")

@@ -8,7 +8,7 @@ using namespace schema;
 
 namespace {
 
-/// Mass of a node: one number, or one a direction.
+/// Mass of a node: one number, or one per direction.
 Schema<Named<double>> mass() {
   const auto single = number("kg", plausible::mass());
   const auto full = named(single);

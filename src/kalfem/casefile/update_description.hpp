@@ -13,12 +13,12 @@
 #include "kalfem/identification/updating_setup.hpp"
 #include "kalfem/updating/frf_scale.hpp"
 
-/// The updating of a case as its file says it, see description.hpp.
+/// The updating of a case as its file states it, see description.hpp.
 namespace kalfem::description {
 
 struct UpdatedParameter {
-  std::optional<Value> initial;  ///< none: the value that the substructure has
-  std::optional<Value> std;      ///< of the prior; none: no prior
+  std::optional<Value> initial;  ///< if empty, the value in the substructure
+  std::optional<Value> std;      ///< of the prior; if empty, there is no prior
   std::optional<Located<std::array<Quantity, 2>>> bounds;
   std::optional<Value> truth;
   std::vector<Name> applies_to;
@@ -28,14 +28,14 @@ struct UpdatedParameter {
 struct TableColumn {
   std::filesystem::path file;
   std::string column;
-  std::optional<int> first;  ///< so many rows
+  std::optional<int> first;  ///< number of rows to read
 };
 using Frequencies = std::variant<std::vector<double>, TableColumn>;
-/// Mode shapes in a text table: the points in one row each, one column a mode.
+/// Mode shapes in a text table: one row per point, one column per mode.
 struct ShapeTable {
   std::filesystem::path file;
   std::vector<Name> points;
-  double deviation = 0.05;  ///< of an entry, as a part of the shape's largest
+  double deviation = 0.05;  ///< of an entry, relative to the largest one of the shape
 };
 
 /// Natural frequencies and mode shapes of a substructure.
@@ -57,10 +57,10 @@ struct FrfGround {
   Name ground;
 };
 enum class FrfQuantity { displacement, velocity, acceleration };
-/// Where the responses stand: a table of them, or a record from which H1 is estimated.
+/// Source of the responses: a table, or a record from which H1 is estimated.
 struct FrfFile {
   Located<std::filesystem::path> file;
-  FrfColumnContent values = FrfColumnContent::complex;  ///< of columns whose names do not say
+  FrfColumnContent values = FrfColumnContent::complex;  ///< used for columns whose names do not state it
 };
 struct FrfRecordSource {
   Located<std::filesystem::path> file;
@@ -72,7 +72,8 @@ struct FrfRecordSource {
 struct FrfInput {
   std::variant<FrfForce, FrfGround> input;
   std::variant<FrfFile, FrfRecordSource> source;
-  std::vector<std::string> columns;  ///< one an output; none: in order, of a record the outputs' names
+  std::vector<std::string>
+      columns;  ///< one per output; if empty, all columns in order, or for a record those named as the outputs
 };
 enum class FrfComparison { logarithm, log_magnitude, difference };
 struct FrfData {
@@ -84,7 +85,7 @@ struct FrfData {
   FrfComparison compare = FrfComparison::logarithm;
   FrfScale scale = FrfScale::fixed;
   double deviation = 0.05;  ///< relative to each value
-  double floor = 0.05;      ///< relative to the rms of the lines that are used
+  double floor = 0.05;      ///< relative to the rms of the lines in use
   double smoothing = 0.0;   ///< [Hz]
 };
 
@@ -101,7 +102,7 @@ enum class HistoryDerivatives { automatic, filter_passes, held_gains };
 /// The record against a substructure that is driven by the estimated motion of its boundary.
 struct DrivenHistory {
   Name substructure;
-  std::vector<Name> sensors;  ///< none: all on the substructure
+  std::vector<Name> sensors;  ///< if empty, all on the substructure
   HistoryDerivatives derivatives = HistoryDerivatives::automatic;
 };
 /// The record against the simulation of the whole structure.
@@ -124,13 +125,13 @@ struct Updating {
   UpdatingMethod method = UpdatingMethod::least_squares;
   int starts = 1;
   int stages = 30;
-  double tolerance = 1e-5;  ///< change of every parameter, relative, at which the updating ends
+  double tolerance = 1e-5;  ///< the updating stops once every parameter changes by less than this, relative
   Evolution evolution;
   bool check_sensitivities = false;
   std::uint64_t seed = 1;
 };
 
-/// The updated structure with some of its parameters changed, to predict from.
+/// A change of some parameters of the updated structure, whose natural frequencies are predicted.
 struct Modification {
   Name substructure;
   Named<Value> set;    ///< by the parameter's name in the substructure

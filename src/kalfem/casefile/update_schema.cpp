@@ -22,6 +22,7 @@ Schema<UpdatedParameter> updated_parameter() {
                     "several parameters that share this value"));
 }
 
+// Frequencies stand in the case as a list, or as a map that names a column of a table. The kind of the node decides.
 Schema<Frequencies> frequencies() {
   const auto column =
       mapping(Fields<TableColumn>()

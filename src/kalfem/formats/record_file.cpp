@@ -20,7 +20,7 @@ namespace {
 
 constexpr double same_factor = 1e-9;  ///< relative
 
-/// The unit as one of the channel's quantity. Throws InvalidInput.
+/// Parses the unit and requires the dimension of the channel's quantity. Throws InvalidInput.
 Unit unit_for(const WantedChannel& wanted, const std::string& text) {
   try {
     return parse_unit_as(text, wanted.unit);
@@ -32,7 +32,7 @@ Unit unit_for(const WantedChannel& wanted, const std::string& text) {
   }
 }
 
-/// The same, or as it is where it belongs to another quantity; nothing where it is not understood.
+/// Parses the unit; for another quantity it is returned unchanged, and nothing if it is unknown.
 std::optional<Unit> understood(const WantedChannel& wanted, const std::string& text) {
   try {
     return unit_for(wanted, text);
@@ -94,7 +94,7 @@ namespace {
 
 using Eigen::Index;
 
-/// A table as it stands in its file: in the file's units.
+/// A table in the units of its file.
 struct RawRecord {
   Record record;
   SourceLocation titles;  ///< where names and units stand

@@ -6,15 +6,15 @@
 
 namespace kalfem {
 
-/// What is reported of a model: displacement, velocity and acceleration of its reported points, then deformation, rate
-/// and force of its connectors.
+/// The reported quantities of a model: displacement, velocity and acceleration of its reported points, then
+/// deformation, rate and force of its connectors.
 std::vector<OutputDescription> reported_quantities(const CoupledModel& model);
 
-/// The quantity of that point or connector, nullptr where it is not among them.
+/// The quantity of that point or connector; nullptr if it is not among them.
 const PointQuantity* find_quantity(const std::vector<PointQuantity>& quantities, const std::string& point,
                                    ObservedQuantity quantity);
 
-/// What counts when an estimate is compared with the truth.
+/// Samples and band that count in the comparison of an estimate with the truth.
 struct Comparison {
   Eigen::Index settled = 0;  ///< first sample
   double sample_rate = 0.0;  ///< [Hz]

@@ -40,8 +40,8 @@ std::vector<SignalPtr> signals_from(const Study& study, double start) {
   return signals;
 }
 
-/// The record again from the estimated parameters and initial state, without any correction by measurements. What the
-/// sensors show beside the motion is added.
+/// Simulates the record from the estimated parameters and initial state, without any correction by measurements. Adds
+/// the offsets that the sensors show in addition to the motion.
 ConvergedSolution simulate_record_again(const Study& study, const AugmentedModelSetup& setup,
                                         const EstimationOutcome& outcome) {
   const auto& layout = outcome.augmented_model->layout();
@@ -69,10 +69,10 @@ ConvergedSolution simulate_record_again(const Study& study, const AugmentedModel
   return reference;
 }
 
-/// A simulation that is so many times as large as the record has left it for good.
+/// A simulation this many times larger than the record has diverged.
 constexpr double diverged = 1e6;
 
-/// Why the simulation is no comparison, in words; empty: it is one.
+/// States why the simulation cannot be compared with the record; empty if it can.
 std::string failure_of(const ConvergedSolution& reference, const Record& measured) {
   if (const auto& failure = reference.simulation.failure)
     return "the simulation with the estimates stopped at " + shortest(measured.start + failure->time) +
@@ -104,7 +104,8 @@ void compare_open_loop(const MatrixXd& simulated, EstimationOutcome& outcome) {
   }
 }
 
-/// Compares the record with its simulation. That this diverges is an outcome: the estimates are then no model.
+/// Compares the record with its simulation. A diverging simulation is a result: the estimates do not describe the
+/// structure.
 void simulate_open_loop(const Study& study, const AugmentedModelSetup& setup, EstimationOutcome& outcome) {
   ConvergedSolution reference = simulate_record_again(study, setup, outcome);
   outcome.open_loop_failure = failure_of(reference, outcome.measurements);
@@ -114,13 +115,16 @@ void simulate_open_loop(const Study& study, const AugmentedModelSetup& setup, Es
   compare_open_loop(outcome.open_loop_sensors, outcome);
 }
 
-/// Standard deviations of motion change slowly: a hundred times a second will do.
+/// Standard deviations of the motion change slowly, so a hundred values per second suffice.
 int samples_between_deviations(double sample_rate) {
   return std::max(1, static_cast<int>(std::lround(sample_rate / 100.0)));
 }
 
 }  // namespace
 
+// Runs the filter over the record, then evaluates its result: consistency of the innovations after settling, and each
+// monitored quantity against the reference if the record was simulated. If the initial state was estimated too, a
+// simulation from the estimates alone (open loop) shows whether they describe the structure.
 EstimationOutcome run_estimation(const Study& study, const AugmentedModelSetup& setup, const StudyResults& results,
                                  const Progress& progress, std::string& failure) {
   const Stopwatch watch;
@@ -173,7 +177,7 @@ EstimationOutcome run_estimation(const Study& study, const AugmentedModelSetup& 
 namespace {
 
 constexpr double far = 4.0;         ///< prior standard deviations
-constexpr double nis_factor = 1.2;  ///< of the mean NIS to the expected one
+constexpr double nis_factor = 1.2;  ///< mean NIS divided by its expected value
 
 std::string remedy(double estimate) {
   return fmt::format("start again from about {:.2g}, increase its std, or set transform: log", estimate);

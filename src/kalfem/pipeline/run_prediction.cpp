@@ -17,8 +17,8 @@ namespace {
 
 using Place = DrivenSubstructure::Place;
 
-/// What an accelerated base adds to the acceleration of points, one column a point; their displacements are relative to
-/// it in any case.
+/// The acceleration that an accelerated base adds to points, one column per point. Their displacements are relative to
+/// the base, with or without this term.
 MatrixXd base_accelerations(const Study& study, const CoupledModel& model, const std::vector<std::string>& points,
                             double start, Index samples) {
   MatrixXd added = MatrixXd::Zero(samples, static_cast<Index>(points.size()));
@@ -52,7 +52,8 @@ BoundaryMotion boundary_motion(const Study& study, const EstimationOutcome& esti
   return motion;
 }
 
-/// The estimated start of a lumped substructure; a finite-element one starts as its boundary bends it.
+/// The estimated initial state of a lumped substructure. A finite-element one starts in the static shape of its
+/// boundary motion.
 PredictionStart start_of(const EstimationOutcome& estimation, const Place& place) {
   PredictionStart start{estimation.measurements.start, {}, {}};
   if (place.part.model->points_only) return start;
@@ -90,6 +91,9 @@ ReportedRows reported_rows(const CoupledModel& model, const Place& place) {
 
 }  // namespace
 
+// The substructure is solved relative to an accelerated base: the base acceleration is subtracted from the boundary
+// before the prediction and added to the predicted points after it. Displacements stay relative to the base, as in the
+// estimation.
 PredictionOutcome run_prediction(const Study& study, const CoupledModel& model, const StudyResults& results,
                                  const Progress& progress) {
   using enum ObservedQuantity;

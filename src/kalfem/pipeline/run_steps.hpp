@@ -7,8 +7,8 @@
 
 namespace kalfem {
 
-/// Runs an augmented model of the case over the simulated or measured record. `failure` says in words why the numbers
-/// are not usable.
+/// Runs an augmented model of the case over the simulated or measured record. `failure` states why the numbers are not
+/// usable.
 EstimationOutcome run_estimation(const Study& study, const AugmentedModelSetup& setup, const StudyResults& results,
                                  const Progress& progress, std::string& failure);
 
@@ -17,24 +17,24 @@ EstimationOutcome run_estimation(const Study& study, const AugmentedModelSetup& 
 PredictionOutcome run_prediction(const Study& study, const CoupledModel& model, const StudyResults& results,
                                  const Progress& progress);
 
-/// Estimates that contradict their priors, a sentence each.
+/// Estimates that contradict their priors, one sentence each.
 struct PriorConflicts {
-  std::vector<std::string> warnings;  ///< the estimate may hold all the same
+  std::vector<std::string> warnings;  ///< the estimate may still hold
   std::vector<std::string> failures;  ///< it cannot be trusted
 };
 
-/// The unknowns whose estimates ended more than four prior standard deviations from their first guesses. The filter
-/// linearises about its estimate, so that an estimate that travels so far may be wrong by many of its stated
-/// deviations: it cannot be trusted where the mean NIS is more than a fifth above the expected one as well. Unknowns
-/// that are allowed to drift are left out.
+/// Finds the unknowns whose estimates end more than four prior standard deviations from their initial values. The
+/// filter linearises about its estimate, so such an estimate may be wrong by many of its stated deviations. If the mean
+/// NIS is also more than 20 % above its expected value, the estimate cannot be trusted. Unknowns with a random walk are
+/// left out.
 PriorConflicts prior_conflicts(const EstimationOutcome& outcome);
 
-/// Collects the displacement of the substructure that the case wants pictures of, while a simulation runs.
+/// Collects the displacement of the pictured substructure while a simulation runs.
 class FieldCollector {
 public:
   explicit FieldCollector(const Study& study);
 
-  /// Lets the simulation hand its snapshots over; nothing where the case asks for no pictures.
+  /// Makes the simulation hand over its snapshots; does nothing if the case asks for no pictures.
   void attach(SimulationOptions& options);
   [[nodiscard]] std::optional<FieldSeries> take();
 

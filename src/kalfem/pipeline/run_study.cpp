@@ -21,7 +21,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Degrees of freedom from which a simulation is worth a thread of its own.
+/// A model with more degrees of freedom is simulated in a thread of its own.
 constexpr Index large_model = 2000;
 
 std::vector<MeasurementChain> chains_of(const std::vector<Sensor>& sensors) {
@@ -30,7 +30,7 @@ std::vector<MeasurementChain> chains_of(const std::vector<Sensor>& sensors) {
   return chains;
 }
 
-/// Adds white noise of each sensor's own stream, so that one sensor more does not change the others.
+/// Adds white noise. Each sensor has its own random stream, so a further sensor does not change the others.
 void add_noise(const Study& study, SimulationOutcome& outcome) {
   const auto& clean = outcome.reference.sensors;
   outcome.measurements = {.sample_rate = study.simulation->sample_rate, .values = clean};
@@ -44,7 +44,8 @@ void add_noise(const Study& study, SimulationOutcome& outcome) {
   }
 }
 
-/// Why there is no reference, and what to do. Where trajectories part whatever the step, no finer step helps.
+/// States why there is no reference, and the remedy. A finer step does not help if the trajectories diverge at every
+/// step size.
 std::string not_converged(const ConvergedSolution& reference, int max_substeps) {
   if (!reference.stagnates())
     return "the simulation did not converge: halving the step to 1/" + std::to_string(reference.substeps) +
@@ -100,7 +101,7 @@ SimulationOutcome run_simulation(const Study& study, const Progress& progress, s
   return outcome;
 }
 
-/// The structure that the updating ended at: the augmented model's, and the one to predict from.
+/// The updated structure: as the augmented model holds it, and as the prediction uses it.
 struct Updated {
   AugmentedModelSetup augmented_model;
   StructureParts parts;
@@ -116,8 +117,8 @@ Updated updated_structure(const Study& study, const UpdatingOutcome& updating) {
   return {std::move(augmented_model), parts, updating.values};
 }
 
-/// Relative distance from where the finite elements were reduced beyond which estimates of linear unknowns are made
-/// again: fixed bases err by about its square. And how often that is done.
+/// The finite elements are reduced again if the linear unknowns moved further than this, relative: the error of a fixed
+/// basis is about its square. The second constant limits the repetitions.
 constexpr double reduction_reach = 0.02;
 constexpr int most_reductions = 3;
 
@@ -126,8 +127,8 @@ VectorXd linear_estimates(const EstimationOutcome& estimation) {
   return estimation.result.unknowns.mean.rightCols(1)(linear_unknowns(estimation.augmented_model->options()), 0);
 }
 
-/// The structure to predict from, at the estimates of the filter's unknowns; nothing where it is the case's own, and
-/// where the estimates make none.
+/// The structure for the prediction, at the estimates of the filter's unknowns. Nothing if it is the case's own, or if
+/// the estimates are not admissible.
 std::optional<CoupledModel> estimated_model(const Study& study, const AugmentedModelSetup& augmented_model,
                                             const std::optional<Updated>& updated, const EstimationOutcome& estimation,
                                             std::string& failure) try {
@@ -147,8 +148,8 @@ std::optional<CoupledModel> estimated_model(const Study& study, const AugmentedM
   return std::nullopt;
 }
 
-/// How far values of the linear unknowns are from where the finite elements were reduced, of those that their bases
-/// depend on, relative.
+/// Largest relative distance of the linear unknowns from the values at which the finite elements were reduced. Only
+/// unknowns on which the bases depend count.
 double distance(const LinearUnknowns& unknowns, const VectorXd& values) {
   double largest = 0.0;
   for (const auto& [index, parameter] : unknowns.bindings) {
@@ -160,9 +161,8 @@ double distance(const LinearUnknowns& unknowns, const VectorXd& values) {
   return largest;
 }
 
-/// Estimates with the augmented model of `setup`. Where linear unknowns end far from where the finite elements were
-/// reduced, `setup` becomes the augmented model with these reduced at the estimates, and the record is gone through
-/// again.
+/// Estimates with the augmented model of `setup`. If linear unknowns end far from the values at which the finite
+/// elements were reduced, reduces these at the estimates, replaces `setup`, and filters the record again.
 EstimationOutcome estimate_in_bases_of_estimates(const Study& study, AugmentedModelSetup& setup,
                                                  const StudyResults& results, const Progress& progress,
                                                  std::string& failure) {
@@ -181,7 +181,7 @@ EstimationOutcome estimate_in_bases_of_estimates(const Study& study, AugmentedMo
   return outcome;
 }
 
-/// The last estimates of the filter's unknowns with the structure as the updating finds it.
+/// Final estimates of the filter's unknowns before the updating.
 VectorXd unknowns_at_start(const Study& study, const StudyResults& results) {
   std::string failure;
   const auto before = run_estimation(study, *study.augmented_model, results, {}, failure);
@@ -223,7 +223,7 @@ StudyResults run_study(const Study& study, Step last, const RunOptions& options)
         estimate_in_bases_of_estimates(study, *augmented_model, results, options.progress, results.failure);
     if (results.usable()) conflicts = prior_conflicts(*results.estimation);
     if (!updated && augmented_model->linear_unknowns.bindings
-                        .empty())  // else the basis of the pictures is not that of the augmented model
+                        .empty())  // otherwise the pictures have another basis than the augmented model
       if (auto series = estimated_fields(study, *results.estimation)) results.fields.push_back(std::move(*series));
   }
   if (results.usable() && last >= Step::predict && study.prediction) {

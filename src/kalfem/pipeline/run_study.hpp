@@ -19,15 +19,15 @@
 
 namespace kalfem {
 
-/// One quantity of one point as the estimation or the prediction gives it, with the reference where there is one.
+/// One estimated or predicted quantity of one point, with the reference if there is one.
 struct PointQuantity {
   std::string point;
   ObservedQuantity quantity = ObservedQuantity::displacement;
   Eigen::VectorXd mean;
-  Eigen::VectorXd deviation;            ///< empty where not known
-  Eigen::VectorXd truth;                ///< empty where not known
+  Eigen::VectorXd deviation;            ///< empty if not known
+  Eigen::VectorXd truth;                ///< empty if not known
   std::optional<double> nrmse;          ///< against the truth, after settling
-  std::optional<double> nrmse_in_band;  ///< of an acceleration: the same of the part in the excitation's band
+  std::optional<double> nrmse_in_band;  ///< of an acceleration: the NRMSE of its part in the excitation's band
 };
 
 /// The reference solution and the record made from it.
@@ -42,8 +42,8 @@ struct SimulationOutcome {
 struct SubstructureModes {
   std::string name;
   Eigen::Index dofs = 0;
-  double mass = 0.0;            ///< of the whole, also of what is held [kg]
-  Eigen::VectorXd frequencies;  ///< [Hz]; of a finite-element model the lowest only
+  double mass = 0.0;            ///< with the fixed degrees of freedom [kg]
+  Eigen::VectorXd frequencies;  ///< [Hz]; only the lowest of a finite-element model
   Eigen::MatrixXd shapes;       ///< dofs x modes, mass-normalised
 };
 
@@ -57,17 +57,18 @@ struct FieldSeries {
 
 struct EstimationOutcome {
   FilterKind filter = FilterKind::unscented;
-  std::string filter_reason;  ///< why this one, in words
+  std::string filter_reason;  ///< why this filter was chosen, in a sentence
   std::shared_ptr<const AugmentedModel> augmented_model;
   EstimationResult result;
   Record measurements;  ///< of the sensors that the augmented model uses
   ConsistencySummary consistency;
   std::vector<PointQuantity>
       points;                ///< displacement, velocity, acceleration of points; deformation, rate, force of connectors
-  Eigen::Index settled = 0;  ///< first sample that counts
-  std::optional<FrequencyBand> band;  ///< of the excitation, where it has one
+  Eigen::Index settled = 0;  ///< first sample of the error and consistency figures
+  std::optional<FrequencyBand> band;  ///< of the excitation, if it has one
   double seconds = 0.0;
-  int reductions = 0;  ///< of the finite elements, each with a run over the record, for the linear unknowns; 0: none
+  int reductions =
+      0;  ///< repeated reductions of the finite elements at the estimated parameters, each with a run over the record
   std::optional<SimulationResult>
       open_loop;                      ///< the record again from the estimated parameters and initial state alone
   std::string open_loop_failure;      ///< in words, where that simulation failed; the members beside it are empty then
@@ -82,12 +83,12 @@ struct PredictionOutcome {
   double seconds = 0.0;
 };
 
-/// One evaluation in the course of an updating.
+/// One evaluation of an updating.
 struct UpdatingStep {
   bool accepted = false;
   Eigen::VectorXd tried;       ///< parameters
-  Eigen::VectorXd parameters;  ///< accepted last
-  double residual = 0.0;       ///< rms of the weighted residual at those
+  Eigen::VectorXd parameters;  ///< last accepted ones
+  double residual = 0.0;       ///< rms of the weighted residual there
   double seconds = 0.0;
 };
 
@@ -95,7 +96,7 @@ struct UpdatingStep {
 struct FrfCurve {
   std::string name;                                ///< "2 per force at 1"
   Eigen::VectorXd lines, measured, before, after;  ///< [Hz], |H|, the model's with its best factor
-  std::optional<double> scale;                     ///< best factor on the updated model, where it is free
+  std::optional<double> scale;                     ///< best factor on the updated model, if it is free
 };
 
 /// A comparison before and after the updating.
@@ -110,23 +111,23 @@ struct ComparisonResult {
 };
 
 struct UpdatingOutcome {
-  std::string method;  ///< in words, what was used
+  std::string method;  ///< name of the method, in words
   std::vector<ComparisonResult> comparisons;
-  Eigen::VectorXd values;  ///< one a parameter
+  Eigen::VectorXd values;  ///< one per parameter
   ParameterStatistics statistics;
-  std::vector<std::string> remarks;  ///< what the data do not tell, in sentences
-  std::string termination;           ///< why it ended, in words
+  std::vector<std::string> remarks;  ///< parameters that the data cannot identify, one sentence each
+  std::string termination;           ///< why it stopped, in words
   bool converged = false;
   double residual_initial = 0.0, residual_final = 0.0;  ///< rms of the weighted residual
   int evaluations = 0, iterations = 0;
   int resumed_at = 0;  ///< evaluations that an earlier run had made
   std::vector<UpdatingStep> trace;
-  std::vector<SensitivityComparison> sensitivities;  ///< where the case asks for them
+  std::vector<SensitivityComparison> sensitivities;  ///< if the case asks for them
   Eigen::VectorXd unknowns_before;  ///< last estimates of the filter before the updating; empty: no filter
   double seconds = 0.0;
 };
 
-/// What was computed; stages that did not run are empty.
+/// The results of a run; steps that did not run are empty.
 struct StudyResults {
   std::vector<SubstructureModes> modes;
   std::vector<FieldSeries> fields;
@@ -135,8 +136,8 @@ struct StudyResults {
   std::optional<PredictionOutcome> prediction;
   std::optional<UpdatingOutcome> updating;
   std::vector<StructuralModificationResult> modifications;
-  std::vector<std::string> warnings;  ///< on the results, beside those of the study
-  std::string failure;                ///< in words, where the numbers are not usable
+  std::vector<std::string> warnings;  ///< about the results, in addition to those of the study
+  std::string failure;                ///< why the numbers are not usable, in words; empty if they are
   double total_seconds = 0.0;
 
   [[nodiscard]] bool usable() const { return failure.empty(); }
@@ -146,15 +147,15 @@ enum class Step { modes, simulate, estimate, predict, update };
 
 struct RunOptions {
   Progress progress = {};
-  std::filesystem::path folder = {};  ///< where a long updating keeps its place; empty: nowhere
+  std::filesystem::path folder = {};  ///< where a long updating keeps its checkpoint; empty for none
   std::function<void(int number, const UpdatingStep&)> on_updating_step = {};
 };
 
-/// The record that was simulated, or else measured, with the noise of each channel; the study or the results own it.
+/// The simulated or the measured record, with the noise of each channel; the study or the results own it.
 const Record& record_of(const Study& study, const StudyResults& results);
 
-/// Runs the stages of the case up to the given one, each as far as the case declares it. An updating comes before the
-/// estimation and the prediction that are reported: they are of the updated structure.
+/// Runs the steps that the case declares, up to the given one. An updating runs first, so the estimation and the
+/// prediction use the updated structure.
 StudyResults run_study(const Study& study, Step last, const RunOptions& options = {});
 
 }  // namespace kalfem

@@ -21,7 +21,7 @@ namespace {
 
 using Parameters = std::vector<UpdatingParameter>;
 
-/// The weighted sum of all comparisons, as sharp as the step has them.
+/// The weighted sum of all comparisons at one continuation step.
 ResidualSum sum_of(const std::vector<ComparisonResidual>& comparisons, std::size_t step) {
   std::vector<ResidualSum::Term> terms;
   for (const auto& comparison : comparisons) terms.push_back({comparison.step(step), comparison.weight});
@@ -37,7 +37,7 @@ std::size_t continuation_steps_of(const std::vector<ComparisonResidual>& compari
 
 double rms_of(double cost, Index size) { return std::sqrt(2.0 * cost / static_cast<double>(std::max<Index>(1, size))); }
 
-/// The search iteration by iteration, with its place kept in a file between them.
+/// Runs the search iteration by iteration and keeps a checkpoint between them.
 class Search {
 public:
   Search(const Study& study, const RunOptions& options, UpdatingOutcome& updating)
@@ -46,8 +46,8 @@ public:
         outcome_(updating),
         checkpoint_(options.folder, fingerprint_of(study, updating.residual_initial), updating.values.size()) {}
 
-  /// From the given start, where the residual may be known already, or from where an earlier run was stopped. `last`:
-  /// the residual at the end, with its Jacobian, where it was computed.
+  /// Starts from the given point, whose residual may be known already, or from the checkpoint of an earlier run.
+  /// `last`: the residual at the end, with its Jacobian if it was computed.
   GaussNewton run(const ResidualSum& residual, const VectorXd& start, const ResidualValue* first,
                   std::optional<ResidualValue>& last) {
     const auto options = study_.updating_plan->search;
@@ -85,10 +85,11 @@ private:
   UpdatingCheckpoint checkpoint_;
 };
 
-/// Where a search ended, with the residual there.
+/// End point of a search, with the residual there.
 using LastResidual = std::optional<ResidualValue>;
 
-/// From wide to sharp, each step from where the last one ended; only the last one is kept in a file.
+/// Continuation from wide to narrow smoothing; each step starts at the end of the one before. Only the last step keeps
+/// a checkpoint.
 LastResidual search_from_one_start(const Study& study, const std::vector<ComparisonResidual>& comparisons,
                                    const ResidualValue& first, const RunOptions& options, UpdatingOutcome& updating) {
   updating.method = "Gauss-Newton in a trust region";
@@ -102,7 +103,8 @@ LastResidual search_from_one_start(const Study& study, const std::vector<Compari
     start = outcome.parameters;
   }
   if (continuation_steps > 1)
-    updating.method += ", frequency responses smoothed at first, in " + std::to_string(continuation_steps) + " rounds";
+    updating.method +=
+        ", frequency responses smoothed at first, in " + std::to_string(continuation_steps) + " continuation steps";
   LastResidual last;
   const auto done =
       Search(study, options, updating)
@@ -168,7 +170,7 @@ std::vector<FrfCurve> curves(const FrfResidual& residual, const VectorXd& start,
   return all;
 }
 
-/// Rms of each comparison at the start and at the end, mode by mode and line by line where it has them.
+/// Rms of each comparison at the start and at the end, with its modes or frequency lines if it has any.
 void compare(const Study& study, const std::vector<ComparisonResidual>& comparisons, const ResidualValue& first,
              const ResidualValue& last, UpdatingOutcome& updating) {
   const VectorXd start = initial_values(study.updating->parameters);
@@ -198,7 +200,7 @@ void compare(const Study& study, const std::vector<ComparisonResidual>& comparis
   }
 }
 
-/// Records are differentiated by finite differences themselves, one-sided ones, so that they agree less closely.
+/// Residuals of records use one-sided finite differences themselves, so they agree less closely.
 SensitivityCheckOptions check_options(const std::vector<ComparisonResidual>& comparisons) {
   constexpr double of_records = 0.1;
   SensitivityCheckOptions options;
@@ -237,7 +239,7 @@ void require_effects(const Study& study, const Eigen::MatrixXd& jacobian) {
   issues.raise();
 }
 
-/// The sum of the comparisons that need no record at the first values; nothing where there are none of them.
+/// The sum, at the initial values, of the comparisons that need no record; nothing if there are none.
 std::optional<ResidualValue> first_values_without_record(const Study& study,
                                                          std::vector<ComparisonResidual> comparisons) {
   std::erase_if(comparisons, [](const ComparisonResidual& each) { return each.of_record; });
@@ -248,7 +250,7 @@ std::optional<ResidualValue> first_values_without_record(const Study& study,
   return value;
 }
 
-/// Why there is no residual at the first values, where the comparisons with the record are the reason.
+/// States why there is no residual at the initial values if the comparisons with the record are the reason.
 std::string failure_at_first_values(const Study& study, const std::vector<ComparisonResidual>& comparisons) {
   first_values_without_record(study, comparisons);
   return "at the initial values of the updated parameters the filter or the simulation of the record fails; change "
@@ -278,6 +280,11 @@ std::vector<ComparisonResidual> all_comparisons(const Study& study, const StudyR
   return all;
 }
 
+// 1. Evaluate the residual of the last continuation step with its Jacobian at the initial values. Each parameter must
+//    have an effect.
+// 2. Search by the plan's method: CMA-ES, Gauss-Newton from several starts, or from one start with continuation and
+//    checkpoint.
+// 3. Evaluate at the end point for the statistics: covariance, identifiability, and each comparison before and after.
 UpdatingOutcome run_updating(const Study& study, const StudyResults& results, const RunOptions& options,
                              std::string& failure) {
   const Stopwatch watch;

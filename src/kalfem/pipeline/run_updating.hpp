@@ -4,20 +4,21 @@
 
 namespace kalfem {
 
-/// Refines the linear substructures: minimises the weighted sum of the case's comparisons. With a driven record among
-/// them every evaluation is a pass of the loop reduce - estimate - predict - compare, and a least-squares search from
-/// one start keeps its place in the options' folder.
+/// Updates the linear substructures: minimises the weighted sum of the case's comparisons. If one of them drives a
+/// substructure by estimated motion, each evaluation reduces, estimates, predicts and compares. A least-squares search
+/// from one start keeps a checkpoint in the options' folder.
 ///
-/// `failure` says in words why the numbers are not usable. Throws InvalidInput for what the user can mend.
+/// `failure` states why the numbers are not usable. Throws InvalidInput for problems that the user can mend.
 UpdatingOutcome run_updating(const Study& study, const StudyResults& results, const RunOptions& options,
                              std::string& failure);
 
-/// The comparisons of an updating: those that need no record, and the others behind them. Throws InvalidInput with
-/// every problem and its place.
+/// The comparisons of an updating: first those that need no record, then the others. Throws InvalidInput with every
+/// problem and its place.
 std::vector<ComparisonResidual> all_comparisons(const Study& study, const StudyResults& results);
 
-/// What run_updating() refuses at the first values, of the comparisons that need no record: throws InvalidInput where
-/// one of them has no value there, and, where all of them need none, where nothing depends on a parameter.
+/// Evaluates the comparisons that need no record at the initial values, as run_updating() will. Throws InvalidInput if
+/// one of them has no value there. If no comparison needs a record, throws InvalidInput also for a parameter on which
+/// no comparison depends.
 void check_first_values(const Study& study);
 
 }  // namespace kalfem

@@ -15,7 +15,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-/// The file is not what was written.
+/// Thrown if the file is not as it was written.
 struct Damaged {};
 
 Json to_json(const Eigen::MatrixXd& matrix) {
@@ -61,6 +61,8 @@ bool is_known(GaussNewtonState::Known known) {
   return known >= GaussNewtonState::Known::nothing && known <= GaussNewtonState::Known::no_derivatives;
 }
 
+// A file that parses can still be damaged. The state must have the sizes of this problem, finite numbers, and counters
+// and radii that a search can reach; otherwise the search would continue from an invalid state.
 void require_whole(const GaussNewtonState& state, Index parameters) {
   const bool has_derivatives = state.known == GaussNewtonState::Known::derivatives;
   const bool sized =

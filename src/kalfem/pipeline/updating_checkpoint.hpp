@@ -10,21 +10,21 @@
 
 namespace kalfem {
 
-/// Name of the file that UpdatingCheckpoint keeps in the folder of the results. It goes when these are complete: a run
-/// that is killed between its last stage and its results finds it again.
+/// Name of the file that UpdatingCheckpoint keeps in the folder of the results. It is removed once the results are
+/// complete, so a run that was killed after its last iteration still finds it.
 inline constexpr const char* checkpoint_name = "update.checkpoint.json";
 
-/// Where an updating stands between two stages, in a small file: a run that was killed goes on from there.
+/// Keeps the state of an updating in a small file after each iteration. A run that was killed continues from there.
 class UpdatingCheckpoint {
 public:
-  /// `folder` empty: nothing is kept. `fingerprint`: of everything that the course of the updating depends on.
+  /// An empty `folder` keeps nothing. `fingerprint` identifies everything on which the updating depends.
   UpdatingCheckpoint(const std::filesystem::path& folder, std::string fingerprint, Eigen::Index parameters);
 
   struct Content {
     GaussNewtonState state;
     std::vector<UpdatingStep> trace;
   };
-  /// Nothing where there is no file, it is of another case, or it is damaged.
+  /// Returns nothing if there is no file, or if it is damaged or belongs to another case.
   [[nodiscard]] std::optional<Content> read() const;
   void write(const Content& content) const;
 
@@ -34,8 +34,8 @@ private:
   Eigen::Index parameters_;
 };
 
-/// Of the case with all its defaults, the version of the program, and the residual at the first values, which stands
-/// for everything in the files that the case names.
+/// Fingerprint of the case with all its defaults, the version of the program, and the residual at the initial values.
+/// This residual stands for the contents of the files that the case names.
 std::string fingerprint_of(const Study& study, double first_residual);
 
 }  // namespace kalfem

@@ -12,7 +12,7 @@ namespace {
 
 using description::Case;
 
-/// Of a lumped substructure, whose matrices are full: 200 MB each.
+/// Limit for a lumped substructure: its matrices are full, and take 200 MB each at this size.
 constexpr std::size_t most_masses = 5000;
 
 std::string qualified(const std::string& node, const std::string& direction) {
@@ -54,7 +54,7 @@ LawArguments law_arguments(const description::Connector& given) {
   return arguments;
 }
 
-/// Values in the law's order; a unit of '?' is whatever the user gave (expressions).
+/// Values in the law's order; a unit of '?' accepts the user's own (expressions).
 Eigen::VectorXd parameter_values(const std::string& connector, const description::Connector& given,
                                  const ConnectorLaw& law, IssueList& issues) {
   const auto& quantities = law.parameters();
@@ -88,7 +88,8 @@ Eigen::VectorXd parameter_values(const std::string& connector, const description
   return values;
 }
 
-/// Values that the law does not allow, each at its own place.
+/// Reports the values that the law does not allow, each at its own place. The law names the parameter at the start of
+/// its issue, which leads back to the key of the case.
 void check_ranges(const std::string& connector, const description::Connector& given, const ConnectorLaw& law,
                   const Eigen::VectorXd& values, IssueList& issues) {
   for (const auto& issue : validate_parameters(law, values)) {
@@ -101,7 +102,7 @@ void check_ranges(const std::string& connector, const description::Connector& gi
   }
 }
 
-/// `force` and `states` are the user's own law; a law of the library has its own.
+/// Refuses `force` and `states` for laws of the library: only law: expression uses them.
 void check_expression_keys(const std::string& name, const description::Connector& given, IssueList& issues) {
   if (given.law.value == "expression") return;
   for (const auto& [key, present] :
@@ -133,7 +134,8 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::ranges::find(names, name) != names.end();
 }
 
-/// Accelerated grounds move as displaced ones do: their displacement is the integral.
+/// Translates the target of an excitation. Accelerated grounds become displaced ones, whose displacement is the
+/// integral of the signal; an accelerated base without named grounds stays an acceleration of the whole structure.
 InputDescription make_input(const std::string& name, const description::Excitation& given,
                             const std::vector<std::string>& grounds) {
   if (const auto* base = std::get_if<description::BaseDisplacement>(&given.target))
@@ -149,7 +151,8 @@ InputDescription make_input(const std::string& name, const description::Excitati
   return {name, InputKind::base_acceleration, "", all ? DofCombination{} : combination(direction), location};
 }
 
-/// Of a lumped structure all modes are damped by their ratios.
+/// Modal damping of the whole structure. In a lumped structure every mode has its ratio; only finite elements use the
+/// limit `up_to`.
 GlobalModalDamping global_modal_damping(const Case& given, IssueList& issues) {
   const auto& damping = given.damping->value;
   GlobalModalDamping result{damping.modal, {}};
@@ -167,7 +170,8 @@ GlobalModalDamping global_modal_damping(const Case& given, IssueList& issues) {
   return result;
 }
 
-/// What the library would refuse of a lumped substructure, with the place in the file.
+/// Reports the issues that the library finds in a lumped substructure, with their places in the file. An issue that
+/// quotes a spring stands at that spring, all others at the substructure.
 void check_substructure(const Case& given, const std::string& name, const LumpedSubstructure& part,
                         const description::Substructure& described, IssueList& issues) {
   const auto found = validate(part);
@@ -182,7 +186,7 @@ void check_substructure(const Case& given, const std::string& name, const Lumped
   }
 }
 
-/// Masses of a lumped substructure.
+/// Number of masses of a lumped substructure.
 std::size_t masses_of(const description::Substructure& given) {
   std::size_t count = given.chain ? static_cast<std::size_t>(given.chain->masses) : 0;
   for (const auto& [node, masses] : given.masses) count += masses.size();

@@ -21,12 +21,12 @@ std::vector<Sensor> make_sensors(const CaseStudy& study, IssueList& issues);
 /// Points of a substructure that connectors and forces touch, without its name.
 std::vector<std::string> attached_points(const description::Case& given, const std::string& substructure);
 
-/// One signal an input. `duration` is the period of random signals that have none of their own. What the user should
-/// know of them goes to `notes`.
+/// Makes one signal per input. `duration` [s] is the period of random signals that have none of their own. Remarks for
+/// the user go to `notes`.
 std::vector<SignalPtr> make_signals(const description::Case& given, const std::vector<InputDescription>& inputs,
                                     double duration, IssueList& issues, std::vector<std::string>& notes);
 
-/// Point of a spring that has no name: "from-to".
+/// Name of the spring in parameters: the case's, or "from-to" if it gives none.
 std::string spring_name(const description::Spring& spring);
 
 }  // namespace kalfem

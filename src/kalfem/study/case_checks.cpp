@@ -29,7 +29,7 @@ void check_name(const Name& name, const std::string& kind, const std::vector<std
                fix);
 }
 
-/// The names that an entry stands for: its own where it names no others.
+/// The names that an entry applies to: its own if it lists no others.
 template <class Entry>
 std::vector<Name> targets_of(const std::string& name, const Entry& entry, const SourceLocation& place,
                              const std::string& path) {
@@ -37,7 +37,7 @@ std::vector<Name> targets_of(const std::string& name, const Entry& entry, const 
   return {{name, place, path}};
 }
 
-/// A fixed number of steps, or halving from one number to another until a tolerance is met.
+/// The step is either fixed or halved until a tolerance is met; the case must not give keys of both.
 void check_steps(const d::Simulation& given, IssueList& issues) {
   const d::Simulation defaults;
   if (given.substeps && (given.tolerance != defaults.tolerance || given.first_substeps != defaults.first_substeps ||
@@ -105,7 +105,8 @@ void check_reported_names(const d::Case& given, const std::vector<std::string>& 
 
 namespace {
 
-/// What the time integration cannot step.
+/// Refuses models that the integrators cannot step: a mass matrix without an entry on its diagonal, and too many
+/// degrees of freedom for the full matrices of `exact`.
 void check_integrator(const CaseStudy& study, IssueList& issues) {
   constexpr Eigen::Index most_exact = 5000;
   const auto& system = study.model->system();
@@ -127,7 +128,8 @@ void check_integrator(const CaseStudy& study, IssueList& issues) {
                "use newmark or reference: superelement");
 }
 
-/// One step from rest, where it costs nothing: values too far apart leave no matrix that can be factored.
+/// Takes one step from rest with models for which it costs nothing. Matrix entries of too different magnitude would
+/// make the factorisation fail, and this step shows it before the run.
 void check_first_step(const CaseStudy& study, IssueList& issues) {
   constexpr Eigen::Index most_dofs = 1000;
   const auto& system = study.model->system();
@@ -212,7 +214,7 @@ void check_signals(const CaseStudy& study, IssueList& issues) {
 
 namespace {
 
-/// The interface moves as its own point was measured, and no other.
+/// A sensor that drives an interface must measure the acceleration of that very point.
 void check_driving_sensor(const d::Case& given, const std::string& point, const Name& name, IssueList& issues) {
   const auto sensor = std::ranges::find(given.sensors, name.value, &std::pair<std::string, d::Sensor>::first);
   if (sensor == given.sensors.end()) {

@@ -7,8 +7,8 @@
 #include "kalfem/study/assembly.hpp"
 #include "kalfem/study/case_study.hpp"
 
-/// What a case may not say, as far as it shows without computing: sections that need each other, names that do not
-/// exist, keys that contradict one another. Problems go to `issues` with their place.
+/// Checks of a case that need no computation: sections that need each other, names that do not exist, keys that
+/// contradict one another. Problems go to `issues` with their place.
 namespace kalfem {
 
 /// Sections that need or exclude each other.
@@ -17,23 +17,23 @@ void check_sections(const description::Case& given, IssueList& issues);
 void check_sensor_names(const description::Case& given, const std::vector<std::string>& points, IssueList& issues);
 /// Substructures and points that `predict` and `report` name. `points`: those whose motion is reported.
 void check_reported_names(const description::Case& given, const std::vector<std::string>& points, IssueList& issues);
-/// Length, sampling and steps of `simulate`, and where it starts.
+/// Duration, sampling, steps and initial state of `simulate`.
 void check_simulation(const CaseStudy& study, IssueList& issues);
-/// Lengths of the report's pictures against the record's sampling.
+/// Durations in `report` must fit the sampling of the record.
 void check_pictures(const CaseStudy& study, IssueList& issues);
-/// Signals that are not known over the whole record.
+/// Signals must be known over the whole record.
 void check_signals(const CaseStudy& study, IssueList& issues);
-/// What the filter starts from and what drives it.
+/// The filter's initial state and its inputs.
 void check_estimation(const description::Case& given, IssueList& issues);
-/// Parameters that `update` refines and `estimate` estimates.
+/// A parameter must not stand under both `update` and `estimate`.
 void check_parameters_once(const description::Case& given, IssueList& issues);
 
-/// Keys that the case gives and that nothing reads, one sentence each: options of another integrator, filter or search,
-/// of finite elements where there are none, of connectors that a local augmented model leaves out.
+/// Keys of the case that have no effect, one sentence each: options of an integrator, filter or search that is not
+/// used, options of finite elements in a case without them, options of connectors outside a local augmented model.
 std::vector<std::string> keys_without_effect(const description::Case& given);
 
-/// Points and grounds that connectors and excitations name: they must exist, a moving ground must be one, be driven
-/// once and be felt by something, and a connector must not end at two grounds that stand still. Problems go to `issues`
+/// Checks the points and grounds that connectors and excitations name. They must exist. A driven ground must be a
+/// ground, be driven once, and move something. A connector must not join two fixed grounds. Problems go to `issues`
 /// with their place in the file.
 void check_places(const description::Case& given, const StructureParts& parts, IssueList& issues);
 

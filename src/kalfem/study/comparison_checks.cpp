@@ -23,8 +23,8 @@ const Name& substructure_of(const d::Comparison& given) {
       given.data);
 }
 
-/// Unknowns of the filter among the elements of a substructure that is driven by the boundary's estimated motion: the
-/// comparison would hold them as the case gives them.
+/// Refuses unknowns of the filter in a substructure that the estimated motion of its boundary drives: that comparison
+/// would keep their initial values.
 void check_unknowns_of_driven_part(const CaseStudy& study, const Name& substructure, IssueList& issues) {
   const ParameterSet known(*study.structure);
   for (const auto& [name, given] : study.given.estimate->unknown)
@@ -45,7 +45,7 @@ const std::vector<Name>* sensors_of(const d::Comparison& given) {
   return nullptr;
 }
 
-/// Sensors of motion that see points of one substructure only.
+/// Motion sensors whose points all belong to one substructure.
 std::vector<std::string> sensors_on(const CaseStudy& study, const std::string& substructure) {
   std::vector<std::string> names;
   for (const auto& sensor : study.sensors)
@@ -56,7 +56,7 @@ std::vector<std::string> sensors_on(const CaseStudy& study, const std::string& s
   return names;
 }
 
-/// An entry that stands twice would count twice.
+/// Refuses an entry that is listed twice: it would count twice.
 void check_twice(const std::vector<Name>& names, IssueList& issues) {
   std::set<std::string> seen;
   for (const auto& name : names)
@@ -70,7 +70,10 @@ double samples_of(const CaseStudy& study) {
   return study.given.simulate->duration * study.given.simulate->sample_rate + 1.0;
 }
 
-/// Problems of one comparison, all from names and sections.
+/// Checks one comparison by names and sections alone. Its substructure must exist. An FRF excludes damping of the whole
+/// structure, whose share in the substructure is unknown. A comparison with the record needs a record, sensors that
+/// exist and, if it drives a substructure, an estimate of the boundary motion. The sensors are resolved only if none of
+/// these is wrong.
 class ComparisonCheck {
 public:
   ComparisonCheck(const CaseStudy& study, const Located<d::Comparison>& comparison, IssueList& issues)

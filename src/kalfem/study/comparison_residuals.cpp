@@ -24,7 +24,7 @@ namespace {
 namespace d = description;
 
 constexpr double default_frequency_deviation = 0.01;
-/// Smoothing of frequency responses goes down to this part of the first width before it ends.
+/// Smoothing of frequency responses decreases to the first width divided by this number, then stops.
 constexpr double smoothing_range = 10.0;
 
 /// Factor that turns a column of frequencies into Hz: rad/s and rpm are angular.
@@ -60,7 +60,10 @@ DofCombination point_of(const LinearModel& model, const Name& name) {
   throw InvalidInput(name.issue("there is no point '" + name.value + "'" + did_you_mean(name.value, known)));
 }
 
-/// Makes the residual of each kind of comparison.
+/// Makes the residual of each kind of comparison. Each reads its measurement, converts it to SI with a deviation per
+/// value, and attaches it to the substructure as a function of the updated parameters. With smoothing, an FRF
+/// comparison gives one residual per width, from the widest to the narrowest; the search follows them in this order
+/// (continuation).
 class ResidualMaker {
 public:
   ResidualMaker(const CaseStudy& study, std::shared_ptr<const ParameterisedStructure> structure, std::string name)
@@ -182,7 +185,7 @@ private:
     return std::holds_alternative<d::FrfForce>(input.input) ? "N" : "m/s^2";
   }
 
-  /// Responses of a table whose titles name their units, per force or per acceleration of the ground.
+  /// Converts the responses of a table to SI. Their titles name units per force or per ground acceleration.
   void convert_to_si(FrequencyResponse& response, const std::string& output_unit, const d::FrfInput& input,
                      const std::string& file) const {
     const std::string unit = "(" + output_unit + ")/(" + unit_of(input) + ")";
@@ -226,7 +229,7 @@ private:
   std::string name_;
 };
 
-/// Names what a comparison with the record compares.
+/// Resolves the names of a comparison with the record. The residual itself is made once the record is known.
 class RecordComparisonMaker {
 public:
   RecordComparisonMaker(const CaseStudy& study, const std::string& name) : study_(study), name_(name) {}

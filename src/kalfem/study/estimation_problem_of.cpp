@@ -13,7 +13,7 @@ namespace {
 
 namespace d = description;
 
-/// Units of some laws depend on a parameter ("1/m^n"): these are the same only as they stand.
+/// Some laws have units that depend on a parameter ("1/m^n"). These are equal only if their texts are.
 bool same_dimension(const std::string& one, const std::string& other) try {
   return one == other || parse_unit(one).dimension == parse_unit(other).dimension;
 } catch (const InvalidInput&) {
@@ -31,7 +31,7 @@ double absolute(const d::Value& given, const std::string& unit, double initial) 
   return percentage ? given.value.value * std::abs(initial) : checked_number(given, unit, Bounds::nonnegative());
 }
 
-/// Of the prior: half the initial value where the case does not say.
+/// Standard deviation of the prior; half the initial value if the case gives none.
 double deviation_of(const d::Unknown& given, const std::string& unit, double initial) {
   const double deviation = given.std ? absolute(*given.std, unit, initial) : 0.5 * std::abs(initial);
   if (deviation > 0.0 && std::isfinite(deviation)) return deviation;
@@ -50,7 +50,7 @@ double bound(const d::Unknown& given, std::size_t side, const std::string& unit)
                         unit);
 }
 
-/// What the transform cannot carry.
+/// Refuses an initial value outside the range of the transform.
 void check_start(const d::Unknown& given, const ParameterTransform& transform, const std::string& unit,
                  double initial) {
   if (transform.kind == TransformKind::log && !(initial > 0.0))
@@ -70,7 +70,7 @@ void check_start(const d::Unknown& given, const ParameterTransform& transform, c
                                            "change the initial value or the bounds"));
 }
 
-/// `positive`: where the case does not say, the parameter is kept so.
+/// The transform of the case; otherwise logit with bounds, log if the parameter is `positive`, or none.
 ParameterTransform transform_of(const d::Unknown& given, const std::string& unit, bool positive) {
   ParameterTransform transform;
   transform.kind = given.transform.value_or(given.bounds ? TransformKind::logit
@@ -100,7 +100,9 @@ StructureModel held_structure(const CaseStudy& study, IssueList& issues) {
   return held;
 }
 
-/// Translates unknowns one by one.
+/// Translates unknowns one by one. For each it looks up the targets in the part of the structure that the filter's
+/// model holds, checks that they share a unit and are treated alike, converts the numbers to SI, and chooses the
+/// transform. A problem drops the unknown and the next one follows.
 class UnknownReader {
 public:
   UnknownReader(const CaseStudy& study, const StructureModel& held, IssueList& issues)
@@ -125,7 +127,7 @@ private:
     return can_be_released(study_.structure->parts, target);
   }
 
-  /// Nothing, and an issue a name, where one is not known or they do not go together.
+  /// The parameters with these names. Empty, with issues, if one is unknown or if they cannot share a value.
   std::vector<Parameter> targets_of(const std::string& owner, const std::vector<Name>& names) {
     std::vector<Parameter> targets;
     for (const auto& name : names) {
@@ -151,7 +153,7 @@ private:
     return {};
   }
 
-  /// All share one value, so that they have one unit; expressions have none of their own.
+  /// All share one value, so they need one unit. Parameters of expressions have none.
   void check_units(const std::string& owner, const std::vector<Name>& names, const std::vector<Parameter>& targets) {
     const std::string& unit = targets.front().unit;
     for (const auto& other : targets) {
@@ -176,7 +178,7 @@ private:
     if (given.truth) unknown.truth = checked_number(*given.truth, unit);
   }
 
-  /// Of an unknown that no connector carries.
+  /// Checks an unknown of a linear substructure.
   void check_linear(const Unknown& unknown) {
     if (is_released(unknown.targets.front())) return;
     if (study_.given.update)

@@ -62,7 +62,8 @@ void check_driving_channels(const CaseStudy& study, IssueList& issues) {
   }
 }
 
-/// The first samples of the record; zeros where it is yet to be simulated.
+/// The first samples of the record; zeros if the record will be simulated. They suffice to make the filter with all its
+/// matrices, so that its problems show before the run.
 Record first_samples(const CaseStudy& study) {
   constexpr Index most = 100;
   const auto sensors = static_cast<Index>(study.sensors.size());

@@ -4,22 +4,23 @@
 
 namespace kalfem {
 
-/// What a filter's model must have for the case to be run: a displacement sensor where the start is read from the
-/// record, and the samples that must not be missing, the first ones there and all of a channel that drives an
-/// interface.
+/// Checks that the augmented model can run over the record. An initial state from the record needs a displacement
+/// sensor and its first samples; a channel that drives an interface needs all of its samples. Problems go to `issues`.
 void check_augmented_model(const CaseStudy& study, IssueList& issues);
 
-/// Throws InvalidInput where the filter of the case's `estimate` could not be made or run, as far as it shows before.
+/// Makes the filter of the case's `estimate` on the first samples. Throws InvalidInput if its options or its model are
+/// not usable.
 void check_filter(const CaseStudy& study);
 
 /// Settings of `estimate` that are allowed but are probably a mistake, one sentence each.
 std::vector<std::string> doubtful_estimation(const CaseStudy& study);
 
-/// Throws InvalidInput where the substructure, as `model` holds it, has no boundary or interior, where its interior
-/// moves freely, or where the filter's model does not estimate the motion of its boundary.
+/// Checks that estimated motion can drive the substructure as `model` holds it. Throws InvalidInput if it has no
+/// boundary or no interior, if its interior can move freely, or if the augmented model does not contain a point of its
+/// boundary.
 void check_driven(const Study& study, const CoupledModel& model, const Name& substructure);
 
-/// That the filter's model does not estimate the motion of a point that drives the substructure.
+/// The error that the augmented model does not contain a point that drives the substructure.
 InvalidInput not_estimated(const Name& substructure, const std::string& point);
 
 }  // namespace kalfem

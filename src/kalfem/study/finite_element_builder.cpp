@@ -68,7 +68,9 @@ std::vector<std::string> names_of(const Map& map) {
   return names;
 }
 
-/// Builds one model step by step; a name that is not found is an issue with its place, and the rest goes on.
+/// Builds one model in steps: mesh, deck or matrices; materials and properties of regions; linear shells in place of
+/// quadratic ones; named nodes; then masses, springs, links and supports at these nodes. An unknown name becomes an
+/// issue with its place, and the building continues.
 class Builder {
 public:
   Builder(const std::string& name, const d::Substructure& given)
@@ -172,7 +174,7 @@ private:
     }
   }
 
-  /// Of a deck the case gives materials that differ from its own: another name would change nothing.
+  /// For a deck, the case may only replace materials that the deck has: any other name would have no effect.
   void check_material_names() {
     if (!std::holds_alternative<d::DeckFile>(fe_.source)) return;
     for (const auto& [name, material] : fe_.materials) {
@@ -203,8 +205,8 @@ private:
     return std::ranges::find(fe_.nodes, name, &std::pair<std::string, Located<d::NodePlace>>::first)->second;
   }
 
-  /// A place means a node of the elements around it: it lies nearer to the node than these elements are large, and no
-  /// other place that was given means the same node.
+  /// Coordinates stand for the nearest node. They must lie closer to it than the size of the elements around it, and no
+  /// other coordinates may stand for the same node.
   void check_places() {
     if (!has_places_) return;
     std::vector<Index> found;
@@ -231,7 +233,7 @@ private:
                 "give coordinates in metres (check the units of the model) or a node number");
   }
 
-  /// Two different places on one node would be one motion under two names.
+  /// Refuses two different places at one node: they would be one motion with two names.
   void refuse_shared_node(const NamedNode& one, const NamedNode& other, double size) {
     if (one.node != other.node || !one.distance || !other.distance) return;
     const auto &first = place_of(one.name), &second = place_of(other.name);
@@ -264,7 +266,7 @@ private:
     return -1;
   }
 
-  /// Index of a named node, -1 with an issue where there is none.
+  /// Index of a named node; -1, with an issue, if there is none.
   Index find_node(const std::string& name, const SourceLocation& location, const std::string& path) {
     const auto found = std::ranges::find(nodes_, name, &NamedNode::name);
     if (found != nodes_.end()) return found->node;
@@ -336,7 +338,7 @@ private:
         model_.fixed.push_back({name, nodes, chosen(fixed.directions)});
   }
 
-  /// A group of cells that only says which nodes are held or linked needs no property.
+  /// Removes groups of cells that only name nodes for supports or links: they need no property.
   void forget_groups_of_nodes() {
     const auto forget = [&](const std::string& group) {
       if (!model_.properties.contains(group)) model_.mesh.regions.erase(group);

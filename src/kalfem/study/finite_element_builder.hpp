@@ -10,7 +10,7 @@
 
 namespace kalfem {
 
-/// A finite-element model, the names of its nodes, and what its deck holds that was not used.
+/// A finite-element model, the names of its nodes, and notes on its deck.
 struct NamedElements {
   FiniteElementModel elements;
   std::vector<NamedNode> nodes;
@@ -22,10 +22,11 @@ struct NamedElements {
 /// Throws InvalidInput with every name that does not exist, each with its place.
 NamedElements build_finite_elements(const std::string& name, const description::Substructure& given);
 
-/// Matrices of another code as a model without elements: a node for each of the code's nodes (at its place, where the
-/// case gives coordinates, else at the origin), NodalMatrices between them in SI. Sets that name a degree of freedom of
-/// one node number both are joined there. A generalised coordinate is the motion x of a node of its own, numbered
-/// beyond all others, and so are further copies of a node. Throws InvalidInput with every problem and its place.
+/// Turns matrices of another code into a model without elements. Each node of that code becomes a node, at its
+/// coordinates or, if the case gives none, at the origin; NodalMatrices in SI join the nodes. Sets that name a degree
+/// of freedom of one node number both are joined there. A generalised coordinate becomes the motion x of a node of its
+/// own, numbered beyond all others; a further copy of a node does too. Throws InvalidInput with every problem and its
+/// place.
 Deck matrices_as_deck(const description::MatrixFiles& files);
 
 }  // namespace kalfem

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Index;
 namespace d = description;
 
-/// Motions of a named node that the boundary is to hold, for a place such as "p1" or "p1.rx".
+/// Motions of a named node that the boundary must keep, for a place such as "p1" or "p1.rx".
 struct BoundaryPlace {
   Located<std::string> place;
   std::vector<NodalDof> dofs;
@@ -80,13 +80,16 @@ bool is_held(const FiniteElementModel& model, const NodalDof& dof) {
   });
 }
 
-/// What becomes of the motions that the boundary is to hold.
+/// Sorts the motions that the boundary must keep. An independent degree of freedom becomes a coordinate of the
+/// boundary. A motion that links express by other nodes follows these exactly, and a fixed one does not move; the user
+/// gets a warning for motions named in the case.
 class BoundaryMaker {
 public:
   explicit BoundaryMaker(DescribedPart& described)
       : part_(described.part), warnings_(described.warnings), rows_(part_.assembled.expansion) {}
 
-  /// `is_given`: by the user, so that each place must be possible; what connectors and forces touch is checked by them.
+  /// `is_given`: named by the user, so the place must be able to move. Places of connectors and forces are checked with
+  /// these.
   void add(const BoundaryPlace& place, bool is_given, IssueList& issues) {
     std::vector<std::string> still, following;
     for (const auto& dof : place.dofs) {
@@ -130,15 +133,15 @@ private:
   Eigen::SparseMatrix<double, Eigen::RowMajor> rows_;  ///< motion of each nodal degree of freedom by the free ones
 };
 
-/// Points that connectors and forces touch, without the substructure's grounds: of those that do not exist or do not
-/// move, the connectors and forces themselves are refused.
+/// Whether connectors or forces act on points other than the grounds of the substructure. Points that do not exist or
+/// do not move are refused with their connectors and forces.
 bool touches_nodes(const d::Substructure& given, const std::vector<std::string>& attached) {
   return std::ranges::any_of(attached, [&](const std::string& point) {
     return point != "ground" && std::ranges::find(given.grounds, point) == given.grounds.end();
   });
 }
 
-/// A reduction that was asked for keeps something at its boundary.
+/// A reduction needs at least one degree of freedom at its boundary.
 void require_boundary(const FiniteElementPart& part, const Located<d::Reduction>& reduction) {
   if (!part.boundary.empty()) return;
   throw InvalidInput(Issue{reduction.location,

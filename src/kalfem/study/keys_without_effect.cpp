@@ -9,6 +9,7 @@ namespace {
 namespace d = description;
 using Path = std::vector<std::string>;
 
+/// Walks through the sections and warns of each key that the file gives but nothing reads, with its line.
 class Collector {
 public:
   explicit Collector(const d::Case& given) : given_(given) {}
@@ -24,7 +25,7 @@ public:
   }
 
 private:
-  /// Warns of the key where the case gives it.
+  /// Warns of the key if the file itself gives it; defaults are no reason to warn.
   void warn(const Path& path, const std::string& why) {
     if (!given_.source.gives(path)) return;
     std::string text = "line " + std::to_string(given_.source.at(path).line) + ": ";
@@ -102,7 +103,7 @@ private:
     if (estimate.local) of_local(*estimate.local);
   }
 
-  /// A connector that the local augmented model leaves out acts on what it holds all the same.
+  /// A connector outside the local augmented model can still act on a point inside it.
   void of_local(const LocalModelOptions& local) {
     std::set<std::string> held, ends;
     for (const auto& name : local.substructures) held.insert(name.value);

@@ -30,12 +30,13 @@ MatrixModel read_set(const d::MatrixSet& set) {
   return model;
 }
 
-/// Numbers the nodes of the model as they come.
+/// Numbers the nodes of the model in the order of their appearance. Nodes of the other code come first. Generalised
+/// coordinates and further copies of a node then get nodes of their own, one set of matrices at a time.
 class NodeNumbering {
 public:
   explicit NodeNumbering(Mesh& mesh) : mesh_(mesh) {}
 
-  /// The other codes' nodes first, so that all further ones are numbered beyond them.
+  /// Adds the nodes of the other code. Call it for all sets first: further nodes are numbered beyond these.
   void add_nodes(const std::vector<MatrixDof>& dofs) {
     for (const auto& dof : dofs)
       if (dof.direction >= 0 && dof.copy < 2) node(dof.node);
@@ -73,7 +74,7 @@ public:
   }
 
 private:
-  /// To metres: by the unit of a column's title, "x [mm]", or by that of the matrices.
+  /// Factor to metres: the unit in a column's title, "x [mm]", or the length unit of the matrices.
   static Eigen::Vector3d length_factors(const CsvTable& table, double length,
                                         const Located<std::filesystem::path>& coordinates) {
     Eigen::Vector3d factors = Eigen::Vector3d::Constant(length);

@@ -11,7 +11,9 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::ranges::find(names, name) != names.end();
 }
 
-/// Looks up the points and grounds that connectors and excitations name, with their places in the file.
+/// Checks the points and grounds that connectors and excitations name: first that both ends of each connector exist,
+/// then the target of each excitation, at last that no connector joins two grounds at rest. The last check needs the
+/// grounds that the excitations move.
 class PlaceChecks {
 public:
   PlaceChecks(const description::Case& given, const StructureParts& parts, IssueList& issues)

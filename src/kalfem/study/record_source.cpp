@@ -32,7 +32,7 @@ SourceLocation location_of(const description::Sensor& sensor) {
   return std::visit([](const auto& observed) { return observed.points.location; }, sensor.observed);
 }
 
-/// Channels that tell nothing: without a number, or of one value, as a dead sensor gives them.
+/// Refuses channels without any number, or with one value throughout, as of a dead sensor.
 void check_channels(const Record& record, const description::Case& given) {
   IssueList issues;
   const std::string part = " (" + std::to_string(record.samples()) + " samples from " + shortest(record.start) +
@@ -72,7 +72,7 @@ std::string rotational_unit_of(ObservedQuantity quantity) {
   }
 }
 
-/// The column of each sensor.
+/// The column and unit of each sensor.
 std::vector<WantedChannel> wanted_channels(const description::Case& given) {
   std::vector<WantedChannel> wanted;
   for (const auto& [name, sensor] : given.sensors) {

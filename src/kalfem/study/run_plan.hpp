@@ -31,12 +31,12 @@ struct SimulationPlan {
   InitialMotion initial = {};
   std::uint64_t seed = 1;  ///< of the sensors' noise
 
-  /// Whether the number of steps is given in the place of a tolerance.
+  /// Whether the case gives the number of steps instead of a tolerance.
   [[nodiscard]] bool has_fixed_step() const { return !convergence.refine; }
 };
 SimulationPlan make_simulation_plan(const description::Simulation& given);
 
-/// A linear substructure that the estimated motion of its boundary drives.
+/// The linear substructure to drive by the estimated motion of its boundary.
 struct PredictionPlan {
   Name substructure;
   int substeps = 2;  ///< of a large substructure, steps per sample
@@ -46,8 +46,8 @@ PredictionPlan make_prediction_plan(const description::Prediction& given);
 /// One of the comparisons of an updating as a residual.
 struct ComparisonResidual {
   std::string name;
-  std::string kind;                             ///< in words: "natural frequencies of 'plane'"
-  std::vector<ResidualPtr> continuation_steps;  ///< the same from smoothed to sharp; mostly there is one only
+  std::string kind;                             ///< for reports: "natural frequencies of 'plane'"
+  std::vector<ResidualPtr> continuation_steps;  ///< the same residual from smoothed to unsmoothed; usually one only
   double weight = 1.0;
   bool of_record = false;
 
@@ -56,7 +56,7 @@ struct ComparisonResidual {
   }
 };
 
-/// A comparison with the record, which becomes a residual once there is one.
+/// A comparison with the record. It becomes a residual once the record is known.
 struct RecordComparison {
   struct OfSimulation {
     std::vector<Sensor> sensors;
@@ -68,16 +68,16 @@ struct RecordComparison {
   SourceLocation location = {};
 };
 
-/// How the linear substructures are refined, and by what.
+/// The search for the updated parameters, and the comparisons that it minimises.
 struct UpdatingPlan {
   UpdatingMethod method = UpdatingMethod::least_squares;
   int starts = 1;
-  std::uint64_t seed = 1;  ///< of the further starts
+  std::uint64_t seed = 1;  ///< of the random further starts
   GaussNewtonOptions search = {};
   CmaEsOptions evolution = {};
   bool check_sensitivities = false;
-  std::shared_ptr<const ParameterisedStructure> structure;  ///< as a function of the refined parameters
-  std::vector<ComparisonResidual> comparisons;              ///< that need no record
+  std::shared_ptr<const ParameterisedStructure> structure;  ///< as a function of the updated parameters
+  std::vector<ComparisonResidual> comparisons;              ///< those that need no record
   std::vector<RecordComparison> record_comparisons;
   SourceLocation location = {};  ///< of the parameters
   std::map<std::string, SourceLocation> parameter_locations = {};
@@ -98,7 +98,7 @@ struct PicturePlan {
   double every = 0.02;  ///< [s]
 };
 
-/// What the results show beside what was computed.
+/// Contents of the report beside the results of the steps.
 struct ReportPlan {
   std::optional<PicturePlan> pictures = {};
   int modes = 20;                               ///< natural frequencies of each substructure

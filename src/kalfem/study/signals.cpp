@@ -15,9 +15,9 @@ namespace {
 
 namespace d = description;
 
-/// Knots of the integration of a signal in a period of its highest frequency: the error is 1e-9 of the motion.
+/// Knots per period of the highest frequency for the integration of a signal: the error is 1e-9 of the motion.
 constexpr double knots_per_period = 32.0;
-/// Drift that was taken out, to the rest of the motion, above which it is told.
+/// Removed drift, relative to the remaining motion, above which the user is told.
 constexpr double told_drift = 0.1;
 
 /// Unit of an excitation as the user gives it.
@@ -34,7 +34,8 @@ SourceLocation place_of(const Signal& signal) {
   return {};
 }
 
-/// Signals of a case that were made already: as they are given, and as the displacement that they give by integration.
+/// The signals made so far, each as given and, if needed, integrated twice to a displacement. Signals that refer to
+/// others find them here.
 struct MadeSignals {
   const d::Case& given;
   double duration;
@@ -44,10 +45,12 @@ struct MadeSignals {
 
 SignalPtr signal_of(MadeSignals& all, const std::string& name, bool integrated);
 
-/// Makes the signal of one excitation.
+/// Makes the signal of one excitation. An accelerated ground needs its displacement: sums of sines and pulses are
+/// integrated in closed form; all other signals are integrated numerically on knots (GroundMotion), which also removes
+/// the drift unless the case keeps it. Delayed and trailing inputs reuse the signal they refer to.
 class SignalMaker {
 public:
-  /// `integrated`: it is the acceleration of grounds, and their displacement is wanted.
+  /// `integrated`: the signal is a ground acceleration and its displacement is wanted.
   SignalMaker(MadeSignals& all, const std::string& name, const d::Excitation& excitation, bool integrated)
       : all_(all), name_(name), excitation_(excitation), unit_(unit_of(excitation)), integrated_(integrated) {}
 
@@ -62,7 +65,7 @@ private:
     return std::holds_alternative<d::Delayed>(excitation_.signal) ||
            std::holds_alternative<d::Trailing>(excitation_.signal);
   }
-  /// Whether the displacement is to be what the acceleration gives from rest.
+  /// Whether the acceleration is integrated from rest as it is, with its drift.
   [[nodiscard]] bool keeps_drift() const { return excitation_.drift && excitation_.drift->value == Drift::keep; }
 
   void check_drift() const {
@@ -153,7 +156,7 @@ private:
     return integrated({.step = all_.duration, .knots = 2, .drift = Drift::keep}, signal);
   }
 
-  /// The displacement, where that is wanted, of an acceleration up to this frequency [Hz].
+  /// The displacement, if wanted, of an acceleration with frequencies up to `highest` [Hz].
   SignalPtr integrated_from_rest(const SignalPtr& signal, double highest, double duration) {
     const double step = 1.0 / (knots_per_period * highest);
     const auto knots = static_cast<Eigen::Index>(std::ceil(std::max(duration, all_.duration) / step)) + 1;
@@ -170,7 +173,7 @@ private:
     return motion;
   }
 
-  /// What was taken for errors of the accelerometer.
+  /// Tells the user which offset and velocity were removed as errors of the accelerometer.
   void tell(const GroundMotion::Removed& removed) {
     const auto three_digits = [](double value) {
       const double unit = value == 0.0 ? 1.0 : std::pow(10.0, std::floor(std::log10(std::abs(value))) - 2.0);
@@ -214,7 +217,7 @@ SourceLocation place_of(const d::Excitation& excitation) {
   return std::get<d::BaseAcceleration>(excitation.target).direction.location;
 }
 
-/// Line of a value of the signal, of its target where it has none that keeps its place.
+/// Line of a value of the signal; that of its target if no value keeps its place.
 SourceLocation location_of(const d::Case& given, const std::string& name) {
   const auto found = std::ranges::find(given.excitation, name, &std::pair<std::string, d::Excitation>::first);
   const auto place = std::visit([](const auto& signal) { return place_of(signal); }, found->second.signal);

@@ -20,7 +20,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// What the updating refined with its values, and behind it what the modification sets.
+/// The updated parameters with their values, then the parameters that the modification sets.
 struct Changes {
   std::vector<StructureBinding> bindings;
   std::vector<double> values;
@@ -39,7 +39,7 @@ Changes changes_of(const Study& study, const StructuralModification& modificatio
     changes.values.assign(updating->values.begin(), updating->values.end());
   }
   for (const auto& [parameter, value] : modification.set) {
-    // What the modification sets no longer depends on what the updating found.
+    // A value that the modification sets replaces the updated one.
     std::erase_if(changes.bindings, [&](const auto& binding) { return binding.target.name == parameter.name; });
     changes.set(parameter, value);
   }
@@ -50,7 +50,7 @@ Index dofs_with_mass(const LinearModel& model) { return (model.mass.diagonal().a
 
 double frequency_of(double lambda) { return std::sqrt(std::max(lambda, 0.0)) / (2.0 * std::numbers::pi); }
 
-/// Modes `first` to `first + count` of all that were computed.
+/// Modes `first` to `first + count` of the computed ones.
 struct ModeRange {
   LowestModes modes;
   Index first = 0, count = 0;
@@ -58,7 +58,8 @@ struct ModeRange {
   [[nodiscard]] VectorXd frequencies() const { return modes.values.segment(first, count).unaryExpr(&frequency_of); }
 };
 
-/// The lowest modes with frequencies above a limit [Hz].
+/// The lowest modes with frequencies above a limit [Hz]. The number of modes below it is unknown, so the computation is
+/// repeated with twice as many until enough lie above.
 ModeRange modes_above(const LinearModel& model, double limit, Index wanted) {
   const Index most = dofs_with_mass(model);
   for (Index count = std::min(most, wanted + 10);; count = std::min(most, 2 * count)) {

@@ -10,7 +10,7 @@ struct CaseStudy;
 /// The case's structural modifications with their names looked up. Problems go to `issues` with their place.
 std::vector<StructuralModification> make_modifications(const CaseStudy& study, IssueList& issues);
 
-/// What the standard deviations of predicted frequencies do not cover, in a sentence for reports.
+/// For reports: the errors that the standard deviations of predicted frequencies leave out.
 inline constexpr const char* deviations_leave_out =
     "The standard deviations are propagated from those of the updated parameters, to first order. They do not include "
     "errors of the model's form, of the values that the modification sets, or of the positions of its masses.";
@@ -19,23 +19,23 @@ inline constexpr const char* deviations_leave_out =
 struct StructuralModificationResult {
   std::string name, substructure;
   Eigen::VectorXd frequencies;  ///< [Hz]
-  /// Standard deviations of `frequencies` [Hz] that the updated parameters leave, see predict_modifications(); infinite
-  /// where the measurements do not determine a parameter that moves the frequency. Empty without an updating.
+  /// Standard deviations of `frequencies` [Hz] due to the updated parameters, see predict_modifications(). Infinite if
+  /// the measurements do not determine a parameter on which the frequency depends. Empty without an updating.
   Eigen::VectorXd deviations;
 };
 
-/// What an updating found.
+/// Result of an updating.
 struct UpdatedParameters {
   Eigen::VectorXd values;
   ParameterStatistics statistics;
 };
 
-/// Natural frequencies of the case's modifications, of the updated structure where there was an updating. Throws
-/// InvalidInput for parameters that the substructure does not have.
+/// Predicts the natural frequencies of each modification, starting from the updated structure if `updating` is given.
+/// Throws InvalidInput for parameters that the substructure does not have.
 ///
 /// With the covariance S of the updated parameters theta, to first order,
 ///   std(f_j)^2 = g_j^T S g_j,    g_jp = phi_j^T (dK/dtheta_p - lambda_j dM/dtheta_p) phi_j / (8 pi^2 f_j),
-/// the modes those of the modified structure [FK68]. A parameter that the modification sets does not count.
+/// with the modes of the modified structure [FK68]. A parameter that the modification sets has no uncertainty.
 std::vector<StructuralModificationResult> predict_modifications(const Study& study,
                                                                 const std::optional<UpdatedParameters>& updating);
 

@@ -11,32 +11,32 @@
 
 namespace kalfem {
 
-/// What the reader of a finite-element substructure has to say beside its model.
+/// Notes of the reader on the deck of a finite-element substructure.
 struct ElementNotes {
   std::string substructure;
-  std::vector<DeckNote> notes;  ///< the cards of its deck that were not used
+  std::vector<DeckNote> notes;  ///< cards that kalfem ignores, and choices that it made
 };
 
-/// A case that was read and understood: everything that the steps of a run need, as the library's own types. Immutable.
+/// A case that has been read and checked. Holds all that the steps of a run need, as types of the library. Immutable.
 struct Study {
   std::string title, file;
   std::string resolved_case;  ///< the case with all its defaults, as YAML
   StructurePtr structure;
-  std::vector<ElementNotes> element_notes;  ///< one a finite-element substructure
+  std::vector<ElementNotes> element_notes;  ///< one per finite-element substructure
   double reduce_seconds = 0.0;
   std::shared_ptr<const CoupledModel> model;  ///< the structure as the case gives it
   std::vector<Sensor> sensors;
-  std::optional<FrequencyBand> excitation_band;        ///< nothing where no excitation has one
-  std::optional<SimulationPlan> simulation;            ///< where the case simulates
-  std::optional<PreparedRecord> record;                ///< where the case reads one
-  std::optional<UpdatingSetup> updating;               ///< where the case updates
-  std::optional<UpdatingPlan> updating_plan;           ///< there too
-  EstimationProblemPtr problem;                        ///< where the case estimates
-  std::optional<AugmentedModelSetup> augmented_model;  ///< there too; of what the updating starts from
-  std::optional<PredictionPlan> prediction;            ///< where the case predicts
+  std::optional<FrequencyBand> excitation_band;        ///< nothing if no excitation has one
+  std::optional<SimulationPlan> simulation;            ///< if the case has `simulate`
+  std::optional<PreparedRecord> record;                ///< if the case has `record`
+  std::optional<UpdatingSetup> updating;               ///< if the case has `update`
+  std::optional<UpdatingPlan> updating_plan;           ///< likewise
+  EstimationProblemPtr problem;                        ///< if the case has `estimate`
+  std::optional<AugmentedModelSetup> augmented_model;  ///< likewise; at the initial values of the updating
+  std::optional<PredictionPlan> prediction;            ///< if the case has `predict`
   std::vector<StructuralModification> modifications;
   ReportPlan report;
-  std::vector<std::string> warnings;  ///< what is allowed but probably not meant
+  std::vector<std::string> warnings;  ///< settings that are allowed but are probably a mistake
 
   [[nodiscard]] double sample_rate() const;
 };

@@ -12,7 +12,7 @@ namespace {
 
 namespace d = description;
 
-/// Frequency above which no sensor sees anything [Hz].
+/// Frequency above which no sensor responds [Hz].
 double sensor_bandwidth(const d::Case& given) {
   double widest = 0.0;
   const double rate = given.simulate ? given.simulate->sample_rate : std::numeric_limits<double>::infinity();
@@ -21,7 +21,7 @@ double sensor_bandwidth(const d::Case& given) {
   return widest > 0.0 ? widest : std::numeric_limits<double>::infinity();
 }
 
-/// Parameters of a substructure that the case estimates, refines or modifies, by their names in it.
+/// Names, within the substructure, of the parameters that the case estimates, updates or modifies.
 std::vector<std::string> changing_parameters(const d::Case& given, const std::string& substructure) {
   const std::string prefix = substructure + ".";
   std::vector<std::string> names;
@@ -44,7 +44,7 @@ std::vector<std::string> changing_parameters(const d::Case& given, const std::st
   return names;
 }
 
-/// What may change the model one by one; the rest as a number.
+/// Warns of each note that may affect the model, and of the number of ignored entries.
 void warn_of_notes(const ElementNotes& part, std::vector<std::string>& warnings) {
   std::size_t unused = 0;
   for (const auto& note : part.notes)
@@ -58,7 +58,7 @@ void warn_of_notes(const ElementNotes& part, std::vector<std::string>& warnings)
                        " kinds of entries that kalfem ignores; `kalfem check` lists them");
 }
 
-/// Files of superelements are written of what is reduced.
+/// Superelement files need a reduced substructure.
 void check_superelement_files(const StructureModel& structure, CaseStudy& study, IssueList& issues) {
   const auto& files = study.given.report.superelements;
   if (files.value.empty() || !issues.empty()) return;

@@ -46,7 +46,7 @@ private:
           "(estimate.unknown)");
     else if (const auto issue = unlike_ratios(study_.given, *parameter, target))
       issues_.add(issue->location, issue->what, issue->why, issue->fix);
-    const auto all_ratios = target.value.find(".damping.modal");  // one of them is refined by all of them
+    const auto all_ratios = target.value.find(".damping.modal");  // the name without a number means all ratios
     if (all_ratios != std::string::npos) {
       const std::string whole = target.value.substr(0, all_ratios) + ".damping.modal";
       for (const auto& [taken, by] : owners_)
@@ -88,7 +88,7 @@ private:
     return deviation;
   }
 
-  /// What is positive by nature stays so without being told.
+  /// The lower bound is 0 unless the case gives bounds: every updated parameter is positive by nature.
   void set_bounds(const d::UpdatedParameter& given, const std::string& unit, UpdatingParameter& parameter) const {
     parameter.lower = 0.0;
     if (!given.bounds) {
@@ -120,7 +120,7 @@ private:
   std::map<std::string, std::string> owners_;
 };
 
-/// What an evolution strategy needs and Gauss-Newton does not.
+/// An evolution strategy samples between bounds, so every parameter needs two finite ones.
 void check_search(const CaseStudy& study, const UpdatingSetup& setup, IssueList& issues) {
   constexpr int fewest_points = 5;
   const auto& given = *study.given.update;
@@ -160,7 +160,7 @@ UpdatingPlan make_updating_plan(const CaseStudy& study) {
   UpdatingPlan plan{.method = given.method, .starts = given.starts, .seed = given.seed};
   plan.search.max_evaluations = given.stages;
   plan.search.step_tolerance = given.tolerance;
-  plan.search.cost_floor = 1e-6;  // residuals are in standard deviations
+  plan.search.cost_floor = 1e-6;  // residuals are in units of their standard deviations
   plan.evolution.generations = static_cast<unsigned>(given.evolution.generations);
   plan.evolution.seed = static_cast<unsigned>(given.evolution.seed);
   const double usual = std::max(8.0, 4.0 + std::floor(3.0 * std::log(static_cast<double>(parameters.size()))));

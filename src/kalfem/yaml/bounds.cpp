@@ -5,7 +5,7 @@
 namespace kalfem {
 namespace {
 
-/// Magnitudes in SI that can be multiplied with one another; what lies beyond is a slip of the pen.
+/// Magnitudes in SI that can be multiplied without overflow; anything beyond is a typing error.
 constexpr double smallest = 1e-100, largest = 1e100;
 
 double require_within(double value, const std::string& shown, const Bounds& bounds) {

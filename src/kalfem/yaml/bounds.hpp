@@ -8,7 +8,7 @@
 
 namespace kalfem {
 
-/// The numbers that are accepted: low <= x <= high, or < where the end is open.
+/// The accepted numbers: low <= x <= high, with < at an open end.
 struct Bounds {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
@@ -24,9 +24,9 @@ struct Bounds {
   [[nodiscard]] std::string to_string() const;
 };
 
-/// The value in SI when the unit and the bounds fit; throws InvalidInput.
+/// Returns the value in SI. Throws InvalidInput if it does not parse, or if the unit or the bounds do not fit.
 double checked_number(const std::string& text, const std::string& unit, const Bounds& bounds);
-/// As above for a quantity whose unit was not known when it was read; throws InvalidInput with its place.
+/// The same for a quantity whose unit was not known when it was read. Throws InvalidInput with its place.
 double checked_number(const Located<Quantity>& given, const std::string& unit, const Bounds& bounds = {});
 
 }  // namespace kalfem

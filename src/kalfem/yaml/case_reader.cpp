@@ -25,6 +25,8 @@ namespace {
 
 constexpr int deepest_default = 20;
 
+/// Expands ${...} by recursive descent: each ${ opens a level, whose default is read up to its own closing brace.
+/// Values of variables are copied and not read again. An unused default is read too, so that its braces are checked.
 class Expander {
 public:
   Expander(std::string_view text, const Environment& environment) : text_(text), environment_(environment) {}
@@ -48,7 +50,7 @@ private:
     return out;
   }
 
-  /// The text after ${; a default that is not used is still read to its brace, but may name variables that are not set.
+  /// The value of ${...}. An unused default is still read to its brace, but may name unset variables.
   std::string variable(int depth) {
     const std::string name = variable_name();
     const std::optional<std::string> value = environment_(name);
@@ -116,7 +118,10 @@ constexpr std::uintmax_t largest_file = 16 << 20;
 constexpr std::size_t largest_tree = 200'000;
 constexpr std::size_t deepest_tree = 100;
 
-/// Builds the tree bottom-up from the parser's events: the innermost unfinished map or list is the last of `open_`.
+/// Builds the tree bottom-up from the parser's events. `open_` is the stack of unfinished maps and lists; its last one
+/// receives the next value. A map waits with a key for its value. At the end of a map its merge sources (<<) add the
+/// keys that it lacks. Each node counts the nodes below it, aliases every time, so a file that multiplies values by
+/// aliases is refused early.
 class TreeBuilder : public YAML::EventHandler {
 public:
   TreeBuilder(std::string name, const Environment& environment, IssueList& issues)
@@ -159,7 +164,7 @@ private:
   struct Unfinished {
     YamlNode node;
     YAML::anchor_t anchor = 0;
-    std::optional<YamlEntry> key;                 ///< read, waits for its value
+    std::optional<YamlEntry> key;                 ///< read; its value follows
     std::vector<YamlNodePtr> merged{};            ///< values of <<
     std::unordered_map<std::string, int> keys{};  ///< with their lines
   };
@@ -224,7 +229,7 @@ private:
     }
   }
 
-  /// The map's own keys win over merged ones, earlier sources over later ones.
+  /// The map's own keys take precedence over merged ones, earlier sources over later ones.
   void merge(const YamlNode& source, Unfinished& target) {
     if (source.kind == YamlNode::Kind::list)
       for (const auto& item : source.items) merge(*item, target);

@@ -10,45 +10,45 @@
 
 namespace kalfem {
 
-/// Value of an environment variable, or nothing when it is not set.
+/// Value of an environment variable, or nothing if it is not set.
 using Environment = std::function<std::optional<std::string>(const std::string& name)>;
 
 /// The variables of this process.
 Environment process_environment();
 
-/// Replaces ${NAME} and ${NAME:-default} (used when NAME is unset or empty; may hold further ${...}) by the variables'
-/// values, which are not expanded again; $${ stands for a literal ${. Throws InvalidInput for a variable that is not
-/// set and has no default, a bad name or a missing brace.
+/// Replaces ${NAME} and ${NAME:-default} by the values of the variables. The default is used if NAME is unset or empty;
+/// it may hold further ${...}. Values are not expanded again, and $${ stands for a literal ${. Throws InvalidInput for
+/// an unset variable without a default, a bad name or a missing brace.
 std::string expand_environment(const std::string& text, const Environment& environment);
 
-/// Reads one YAML document into a tree in which aliases and merge keys (<<) are resolved and environment variables in
-/// values are expanded. Duplicate keys, keys that are not text and unset variables are added to `issues`; what leaves
-/// nothing to read (syntax, not UTF-8, an empty file, nesting or aliases without bounds) throws InvalidInput. `name` is
-/// used in messages.
+/// Reads one YAML document into a tree. Resolves aliases and merge keys (<<) and expands environment variables in
+/// values. Adds duplicate keys, keys that are not text and unset variables to `issues`. Throws InvalidInput if nothing
+/// can be read: bad syntax, not UTF-8, an empty file, nesting or aliases without bounds. `name` names the file in
+/// messages.
 YamlNodePtr parse_yaml(const std::string& text, const std::string& name, const Environment& environment,
                        IssueList& issues);
 
-/// The bytes of a file. Throws InvalidInput when it cannot be read or is too large to be a case file (16 MB).
+/// The bytes of a file. Throws InvalidInput if it cannot be read or is too large for a case file (16 MB).
 std::string read_text_file(const std::string& file);
 
-/// Throws InvalidInput with the issues in the order of the lines, those of other files behind; does nothing when there
-/// are none.
+/// Throws InvalidInput with the issues in the order of their lines; issues of other files come last. Does nothing if
+/// there are none.
 void raise_in_line_order(const IssueList& issues);
 
 /// Reads the text of a case file in the given schema. `file` names it in messages, and paths are relative to its
-/// folder. Problems go to `issues`; what has one keeps its default.
+/// folder. Problems go to `issues`; a value that has one keeps its default.
 template <class T>
 T read_case_text(const std::string& text, const std::string& file, const Schema<T>& schema, IssueList& issues,
                  const Environment& environment = process_environment()) {
-  ReadContext reading{file, std::filesystem::path(file).parent_path(), {}};
+  ReadContext context{file, std::filesystem::path(file).parent_path(), {}};
   T value{};
   try {
-    const YamlNodePtr root = parse_yaml(text, file, environment, reading.issues);
-    schema.read(CaseNode(reading, root, "", root->line), value);
+    const YamlNodePtr root = parse_yaml(text, file, environment, context.issues);
+    schema.read(CaseNode(context, root, "", root->line), value);
   } catch (const InvalidInput& error) {
-    reading.issues.add(error, {file, 1});
+    context.issues.add(error, {file, 1});
   }
-  for (const auto& [location, what, why, fix] : reading.issues.issues()) issues.add(location, what, why, fix);
+  for (const auto& [location, what, why, fix] : context.issues.issues()) issues.add(location, what, why, fix);
   return value;
 }
 

@@ -58,6 +58,8 @@ namespace {
 
 constexpr std::size_t meaning_column = 56;
 
+/// A scalar in quotes stays text. Otherwise it becomes true, false, a whole number or a finite number if it reads as
+/// one.
 Json scalar_json(const YamlNode& node) {
   if (!node.literal) return node.text;
   if (node.text == "true" || node.text == "false") return node.text == "true";
@@ -89,7 +91,8 @@ std::string qualifier(const Json& object, const std::string& key, const Json& pr
   return "";
 }
 
-/// What stands below the line of a key: its own keys, those of its items, the words of a choice.
+/// The lines below the line of a key: its own keys, those of its items or alternatives, and the words of a choice with
+/// their meanings. An item or alternative that has nothing to tell adds no line, so the text stays short.
 std::string below(const Json& json_schema, const std::string& indent) {
   std::string text;
   if (json_schema.contains("properties"))

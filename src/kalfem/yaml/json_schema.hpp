@@ -9,8 +9,8 @@
 
 namespace kalfem {
 
-/// What JSON Schema (draft 2020-12) says of a schema, with words of our own: "x-written", the schema in a few English
-/// words, "x-unit", and "x-needed", which says when a key of alternatives is needed. Immutable and shared, as schemas
+/// A schema as JSON Schema (draft 2020-12), with three keywords of our own: "x-written", the schema in a few English
+/// words, "x-unit", and "x-needed", which states when a key of alternatives is needed. Immutable and shared, as schemas
 /// nest.
 class JsonSchema {
 public:
@@ -20,7 +20,7 @@ public:
   [[nodiscard]] const nlohmann::ordered_json& json() const { return *json_; }
   [[nodiscard]] std::string written() const;
   [[nodiscard]] std::string unit() const;
-  /// The same in other words.
+  /// The same schema with another text for "x-written".
   [[nodiscard]] JsonSchema written_as(const std::string& written) const;
 
 private:
@@ -37,13 +37,13 @@ JsonSchema either_schema(const JsonSchema& one, const JsonSchema& other);
 /// Names that the user chooses, each with such an item.
 JsonSchema named_schema(const JsonSchema& item);
 
-/// A value as JSON; scalars that were written without quotes become numbers, true, false or null where they read so.
+/// A value as JSON. Scalars written without quotes become numbers, true, false or null if they read as such.
 nlohmann::ordered_json to_json(const YamlNode& node);
 
 /// JSON Schema (draft 2020-12) of a whole case file, for editors.
 nlohmann::ordered_json whole_json_schema(const JsonSchema& schema, const std::string& title);
 
-/// The same as text for people: one line a key with its schema, whether it is needed or its default, and its meaning.
+/// The same as text: one line per key with its schema, its default or "required", and its meaning.
 std::string reference_text(const nlohmann::ordered_json& json_schema);
 
 }  // namespace kalfem

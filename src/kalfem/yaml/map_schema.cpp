@@ -27,7 +27,8 @@ void report_unknown_keys(const CaseNode& map, const std::vector<std::string>& kn
       map.at(entry).issue("unknown key" + did_you_mean(entry.key, known), "", "allowed here: " + join(known, ", "));
 }
 
-/// Index of the only key that the map has, or nothing; adds an issue for two keys, or for none when one is `needed`.
+/// Index of the only one of the keys that the map has, or nothing. Adds an issue for two keys, and for none if one is
+/// `needed`.
 std::optional<std::size_t> only_key(const CaseNode& map, const std::vector<std::string>& keys, bool needed) {
   std::optional<std::size_t> chosen;
   for (std::size_t i = 0; i < keys.size(); ++i) {
@@ -134,7 +135,7 @@ private:
   MemberOffset offset_;
 };
 
-/// The keys of what a member may hold.
+/// The keys of a type that a variant member may hold.
 class HeldKeys final : public Field {
 public:
   HeldKeys(const FieldPtr& fields, const VariantAccess& type, MemberOffset offset)
@@ -175,7 +176,7 @@ private:
   bool needed_;
 };
 
-/// All keys of an object, and its checks.
+/// All keys of an object, and its checks. The checks run only if every key is right: they may rely on the values.
 class AllKeys final : public Field {
 public:
   AllKeys(std::vector<FieldPtr> fields, std::vector<FieldTable::Check> checks)

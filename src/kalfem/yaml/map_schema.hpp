@@ -10,11 +10,11 @@
 
 namespace kalfem {
 
-/// Where a member stands in its object: bytes from the start.
+/// Position of a member in its object: bytes from the start.
 using MemberOffset = std::ptrdiff_t;
 
-/// Some keys of a map, bound to an object whose type only the Fields know that made it: everything that maps have in
-/// common is so compiled once (map_schema.cpp). Immutable.
+/// Some keys of a map, bound to members of an object. Only the Fields<T> that made it knows the type of the object, so
+/// code that all maps share is compiled once (map_schema.cpp). Immutable.
 class Field {
 public:
   explicit Field(std::vector<std::string> names) : keys(std::move(names)) {}
@@ -32,16 +32,16 @@ public:
 
 using FieldPtr = std::shared_ptr<const Field>;
 
-/// A key in words.
+/// Name and meaning of a key.
 struct FieldInfo {
   std::string_view key, meaning;
   bool required = false;
 };
 
-/// What a member that may hold one of several types does with one of them, a U.
+/// Access to a member that holds one of several types, for one of these types, U.
 struct VariantAccess {
-  void (*read)(const Field& fields, const CaseNode& map, void* member);  ///< makes it hold the U that is read
-  const void* (*held)(const void* member);                               ///< its U; null when it holds another type
+  void (*read)(const Field& fields, const CaseNode& map, void* member);  ///< stores the U that was read
+  const void* (*held)(const void* member);                               ///< its U; null if it holds another type
 };
 
 /// One key, whose value is the member at `offset`; `default_value` is shown in the reference.
@@ -51,10 +51,10 @@ FieldPtr bind_field(const FieldInfo& words, const AnySchemaPtr& schema, MemberOf
 FieldPtr bind_inlined(const FieldPtr& inner, MemberOffset offset);
 /// Keys of an object that the member at `offset` may hold.
 FieldPtr bind_held(const FieldPtr& fields, const VariantAccess& type, MemberOffset offset);
-/// Exactly one of several cases, each selected by its name; none or one where it is not `needed`.
+/// Exactly one of several cases, each selected by its name; at most one if it is not `needed`.
 FieldPtr bind_one_of(std::vector<std::string> names, std::vector<FieldPtr> cases, bool needed);
 
-/// What the tables of all types have in common.
+/// The part of Fields<T> that does not depend on T.
 class FieldTable {
 public:
   /// Requirements on several members together.
@@ -65,8 +65,7 @@ public:
   FieldTable& operator=(const FieldTable&) = delete;
   ~FieldTable();
 
-  /// All fields as one, and then the checks, where each field is right; keys that are not known are left to the owner
-  /// of the map.
+  /// All fields as one. The checks run if every field is right. Unknown keys are left to the owner of the map.
   [[nodiscard]] FieldPtr as_one_field() const;
 
 protected:
@@ -98,14 +97,14 @@ private:
   Schema<M> schema_;
 };
 
-/// One alternative of Fields::one_of: the kind U that is meant when the map has `key`.
+/// One alternative of Fields::one_of: `key` in the map selects the type U.
 template <class U>
 struct Case {
   std::string key;
   FieldPtr fields;  ///< of a U
 };
 
-/// A member M that is a std::variant, or an optional one, with a U among its types.
+/// Access to a member M that is a std::variant, or an optional one, with U among its types.
 template <class M, class U>
 constexpr VariantAccess variant_access() {
   return {[](const Field& fields, const CaseNode& map, void* member) {
@@ -122,8 +121,8 @@ constexpr VariantAccess variant_access() {
           }};
 }
 
-/// The table that binds the keys of a map to the members of a T, one line a member. From it a case file is read
-/// strictly, the resolved case is echoed, and the reference and the JSON Schema are written.
+/// The table that binds the keys of a map to the members of a T, one line per member. One table serves three ends: it
+/// reads a case file strictly, writes the resolved case, and documents the keys (reference and JSON Schema).
 template <class T>
 class Fields : public FieldTable {
 public:
@@ -166,7 +165,7 @@ public:
     return *this;
   }
 
-  /// Requirements that several members meet together; called when each of them is right.
+  /// Requirements on several members together; called if each member is right.
   Fields& check(std::function<std::vector<Issue>(const T&)> validate) {
     add([=](const void* object) { return validate(*static_cast<const T*>(object)); });
     return *this;

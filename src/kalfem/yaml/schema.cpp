@@ -3,16 +3,16 @@
 namespace kalfem {
 
 CaseNode CaseNode::at(const YamlEntry& entry) const {
-  return {*reading_, entry.value, path_.empty() ? entry.key : path_ + "." + entry.key, entry.line};
+  return {*context_, entry.value, path_.empty() ? entry.key : path_ + "." + entry.key, entry.line};
 }
 
 CaseNode CaseNode::item(std::size_t index) const {
   const auto& node = node_->items[index];
-  return {*reading_, node, path_ + "[" + std::to_string(index) + "]", node->line};
+  return {*context_, node, path_ + "[" + std::to_string(index) + "]", node->line};
 }
 
 void CaseNode::issue(const std::string& what, const std::string& why, const std::string& fix) const {
-  reading_->issues.add(location(), path_.empty() ? what : path_ + ": " + what, why, fix);
+  context_->issues.add(location(), path_.empty() ? what : path_ + ": " + what, why, fix);
 }
 
 void CaseNode::issue(const InvalidInput& error) const {

@@ -11,44 +11,45 @@
 
 namespace kalfem {
 
-/// What one reading of a case file shares.
+/// Shared by all nodes while one case file is read.
 struct ReadContext {
   std::string file;
   std::filesystem::path folder;  ///< paths in the file are relative to it
   IssueList issues;
 };
 
-/// A value in the case file together with where it stands: its line and its path ("connectors.suspension.law").
+/// A value in the case file with its line and its path ("connectors.suspension.law").
 class CaseNode {
 public:
-  CaseNode(ReadContext& reading, YamlNodePtr node, std::string path, int line)
-      : reading_(&reading), node_(std::move(node)), path_(std::move(path)), line_(line) {}
+  CaseNode(ReadContext& context, YamlNodePtr node, std::string path, int line)
+      : context_(&context), node_(std::move(node)), path_(std::move(path)), line_(line) {}
 
   [[nodiscard]] const YamlNode& yaml() const { return *node_; }
   [[nodiscard]] const YamlNodePtr& shared_yaml() const { return node_; }
   [[nodiscard]] const std::string& path() const { return path_; }
-  [[nodiscard]] SourceLocation location() const { return {reading_->file, line_}; }
-  [[nodiscard]] const std::filesystem::path& folder() const { return reading_->folder; }
-  [[nodiscard]] std::size_t issue_count() const { return reading_->issues.issues().size(); }
+  [[nodiscard]] SourceLocation location() const { return {context_->file, line_}; }
+  [[nodiscard]] const std::filesystem::path& folder() const { return context_->folder; }
+  [[nodiscard]] std::size_t issue_count() const { return context_->issues.issues().size(); }
 
   [[nodiscard]] CaseNode at(const YamlEntry& entry) const;
   [[nodiscard]] CaseNode item(std::size_t index) const;  ///< path "bands[2]", counted from 0
 
-  /// Adds "path: what: why; fix" to the issues of the reading.
+  /// Adds "path: what: why; fix" to the issues of the file.
   void issue(const std::string& what, const std::string& why = {}, const std::string& fix = {}) const;
   void issue(const InvalidInput& error) const;
   /// Whether the node is of that kind; otherwise adds an issue that shows how it is `written`.
   [[nodiscard]] bool require(YamlNode::Kind kind, const std::string& written) const;
 
 private:
-  ReadContext* reading_;
+  ReadContext* context_;
   YamlNodePtr node_;
   std::string path_;
   int line_;
 };
 
-/// How a value is written in a case file: the one description from which it is read, echoed and documented. The type of
-/// the value is known only to those who made the schema: what does not depend on it is so compiled once. Immutable.
+/// Describes how a value is written in a case file. The same description reads the value, writes it and documents it.
+/// Only the maker of the schema knows the type of the value, so code that does not depend on it is compiled once.
+/// Immutable.
 class AnySchema {
 public:
   explicit AnySchema(JsonSchema given) : json_schema(std::move(given)) {}
@@ -85,7 +86,7 @@ private:
   AnySchemaPtr schema_;
 };
 
-/// The schema that reads with bool read(const CaseNode&, T&) and writes with YamlNodePtr write(const T&).
+/// Makes a schema of bool read(const CaseNode&, T&) and YamlNodePtr write(const T&).
 template <class T, class Read, class Write>
 Schema<T> make_schema(Read read, Write write, JsonSchema json_schema) {
   class Made final : public AnySchema {

@@ -34,7 +34,7 @@ nlohmann::ordered_json whole_number(const std::string& words) {
   return json;
 }
 
-/// A schema that says the same in other words.
+/// A schema with another description of the same text.
 class RestatedSchema final : public AnySchema {
 public:
   RestatedSchema(AnySchemaPtr schema, const std::string& words)
@@ -46,7 +46,7 @@ private:
   AnySchemaPtr schema_;
 };
 
-/// A schema for scalars and one for all else.
+/// A short schema for scalars and a full one for lists and maps.
 class ShortOrFullSchema final : public AnySchema {
 public:
   ShortOrFullSchema(AnySchemaPtr short_schema, AnySchemaPtr full_schema)

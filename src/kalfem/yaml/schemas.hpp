@@ -16,7 +16,7 @@ namespace kalfem {
 
 /// The names of a named map: part of a dotted path (letters, digits, _ and -), or such a path ("suspension.k").
 enum class NameRule { name, dotted };
-/// Throws InvalidInput when the name does not follow the rule.
+/// Throws InvalidInput if the name breaks the rule.
 void require_name(const std::string& name, NameRule rule);
 
 /// A word for a value of an enumeration.
@@ -27,7 +27,7 @@ struct Choice {
   std::string_view meaning{};
 };
 
-/// Schemas, combined freely: list(number("Hz")), named(mapping(fields)).
+/// Schemas of single values and ways to combine them: list(number("Hz")), named(mapping(fields)).
 namespace schema {
 
 /// A scalar with a parser T parse(const std::string&), which throws InvalidInput, and a writer YamlNodePtr write(const
@@ -59,12 +59,12 @@ Schema<std::string> text();
 Schema<Quantity> quantity();
 /// A path relative to the case file; becomes absolute. `existing` files must be there.
 Schema<std::filesystem::path> path(bool existing = true);
-/// A word out of names that are known at run time (laws, filters of a registry).
+/// One of several names that are known at run time, such as connector laws.
 Schema<std::string> word(const std::vector<std::string>& known);
 /// One of a few words, by its number among them.
 Schema<std::size_t> one_of_words(const std::vector<std::string>& words, const std::vector<std::string>& meanings);
 
-/// The same in other words.
+/// The same schema, described by other words.
 AnySchemaPtr restated(const AnySchemaPtr& schema, const std::string& words);
 template <class T>
 Schema<T> written_as(const std::string& words, const Schema<T>& schema) {
@@ -141,7 +141,7 @@ Schema<std::array<T, N>> tuple(const Schema<T>& item) {
       read, write, values.json_schema().written_as("list of " + std::to_string(N) + ": " + item.written()));
 }
 
-/// Another C++ type for the same text: `to` after reading (throws InvalidInput when it cannot be), `from` before
+/// Another C++ type for the same text. `to` converts after reading and may throw InvalidInput; `from` converts before
 /// writing.
 template <class U, class T, class To, class From>
 Schema<U> convert(const Schema<T>& schema, To to, From from) {
@@ -201,7 +201,7 @@ Schema<Named<T>> named(const Schema<T>& item, NameRule rule = NameRule::name) {
   return make_schema<Named<T>>(read, write, json_schema);
 }
 
-/// The value with the place where it was given.
+/// The value with its place in the file.
 template <class T>
 Schema<Located<T>> located(const Schema<T>& schema) {
   const auto read = [=](const CaseNode& node, Located<T>& located) {

@@ -13,7 +13,7 @@ bool is_plain_character(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' || c == '.' || c == '/';
 }
 
-/// Words that YAML readers take for something else than text.
+/// Words that YAML readers do not take as text.
 bool is_reserved(const std::string& text) {
   const std::string word = lower_case(text);
   constexpr std::array words{"null", "true", "false", "yes", "no", "on", "off", "y", "n", "nan", "inf"};
@@ -86,6 +86,8 @@ std::string with_comment(const YamlNode& node) {
   return one_line(node) + (node.comment.empty() ? "" : "  # " + node.comment) + "\n";
 }
 
+/// Writes a map or list as a block: one line per key or item, deeper ones indented by two blanks. Values that fit stay
+/// on the line of their key; the first line of an item stands behind its dash.
 std::string block(const YamlNode& node, const std::string& indent) {
   if (fits_one_line(node)) return indent + with_comment(node);
   std::string text;

@@ -20,7 +20,7 @@ struct YamlEntry {
   YamlNodePtr value;
 };
 
-/// A YAML value, immutable once it is built; the same type for what is read and for what is written.
+/// A YAML value, immutable once it is built. Reading and writing use the same type.
 struct YamlNode {
   enum class Kind { null, scalar, list, map };
 
@@ -29,11 +29,11 @@ struct YamlNode {
   bool literal = true;               ///< scalar written without quotes: a number, a choice, true or false
   std::vector<YamlNodePtr> items{};  ///< of a list
   std::vector<YamlEntry> entries{};  ///< of a map, in file order
-  int line = 0;                      ///< 1-based; 0 where it was not read from a file
+  int line = 0;                      ///< 1-based; 0 if it was not read from a file
   std::string comment{};             ///< written after the value, usually the unit
   std::size_t weight = 1;            ///< nodes below and including this one, aliases counted each time
 
-  /// The entry's value, or null when the map has no such key.
+  /// The entry, or null if the map has no such key.
   [[nodiscard]] const YamlEntry* find(const std::string& key) const;
 };
 
@@ -48,20 +48,20 @@ std::string to_string(const YamlNode& node);
 /// The document as YAML text: maps as blocks, lists of scalars on one line, comments after the values.
 std::string to_yaml(const YamlNode& root);
 
-/// The file from which a case was read: where its keys stand, and which of them it gives. Immutable.
+/// The file from which a case was read: the keys that it gives, and their lines. Immutable.
 class CaseSource {
 public:
   CaseSource() = default;
   CaseSource(std::string file, YamlNodePtr root) : file_(std::move(file)), root_(std::move(root)) {}
 
   /// Place of the key at that path ({"estimate", "unknown"}), or of the innermost key above it that the file gives.
-  /// Without a line where the case was not read from a file.
+  /// Without a line if the case was not read from a file.
   [[nodiscard]] SourceLocation at(const std::vector<std::string>& path) const;
   /// Whether the file gives the key at that path.
   [[nodiscard]] bool gives(const std::vector<std::string>& path) const;
-  /// Whether there is a file to speak of.
+  /// Whether the case was not read from a file.
   [[nodiscard]] bool empty() const { return !root_; }
-  /// The top-level keys whose lines hold one of the issues.
+  /// The top-level keys with an issue at one of their lines.
   [[nodiscard]] std::set<std::string> sections_of(const std::vector<Issue>& issues) const;
 
 private:
