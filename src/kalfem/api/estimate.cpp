@@ -58,7 +58,8 @@ std::vector<ParameterEstimate> parameters_of(const AugmentedModelSetup& setup, c
   return parameters;
 }
 
-/// Motion of the points and internal states of the connectors in `states`, what was asked for in `outputs`.
+/// Splits the monitored quantities: motion of points and internal states of connectors go to `states`, requested
+/// outputs to `outputs`.
 void set_quantities(const FilterProblem& made, const EstimateOptions& options, const FilteredRecord& filtered,
                     EstimateResult& estimate) {
   const auto& result = filtered.result;

@@ -15,14 +15,15 @@
 
 namespace kalfem {
 
-/// What is known of an unknown parameter before the record, in its SI unit.
+/// The prior of an unknown parameter, in its SI unit.
 struct Prior {
-  std::optional<double> initial = {};  ///< mean (median under log and logit); nothing: the structure's own value
+  std::optional<double> initial = {};  ///< mean (median with log and logit); if empty, the structure's own value
   double std = 0.0;                    ///< standard deviation; 0: half of |initial|
-  double random_walk = 0.0;            ///< drift that is allowed [unit/sqrt(s)]
-  /// Nothing: log for stiffnesses and masses, which stay positive, none for all else.
+  double random_walk = 0.0;            ///< allowed drift [unit/sqrt(s)]
+  /// If empty: log for stiffnesses and masses, which stay positive, and none for all others.
   std::optional<ParameterTransform> transform = {};
-  std::vector<std::string> applies_to = {};  ///< parameters that share the value; none: the one that the unknown names
+  std::vector<std::string> applies_to =
+      {};  ///< parameters that share the value; if empty, the one that the unknown names
 };
 
 /// An unknown: {"suspension.mu_k1", {.initial = 10, .std = 5}}.
@@ -31,30 +32,30 @@ struct UnknownDescription {
   Prior prior = {};
 };
 
-/// What a filter is to estimate, and from what. All that is left out is zero: rest at the start, no process noise.
+/// Settings of an estimation. Everything left out is zero: rest at the start, no process noise.
 struct EstimateOptions {
   std::vector<SensorDescription> sensors;
   std::vector<UnknownDescription> unknowns = {};
   std::vector<OutputRequest> outputs = {};  ///< virtual sensors
-  /// Start of degrees of freedom, by name; "all" for those that are not named.
+  /// Prior of the initial motion, by degree of freedom; "all" for those without an entry.
   std::vector<std::pair<std::string, PointPrior>> initial_state = {};
   double process_noise = 0.0;             ///< white acceleration on every degree of freedom [m/s^2/sqrt(Hz)]
-  std::optional<FilterKind> filter = {};  ///< nothing: what suits the structure
+  std::optional<FilterKind> filter = {};  ///< if empty, the structure decides
   int substeps = 4;                       ///< of a sample interval, for the connectors' forces
-  int threads = 0;                        ///< 0: one a processor; results do not depend on it
+  int threads = 0;                        ///< 0: one per processor; results do not depend on it
 
   // Of a whole record; an OnlineFilter refuses them.
   bool initial_state_from_record = false;  ///< displacements and velocities from the displacement sensors
-  bool estimate_initial_state = false;     ///< keep the start in the state and refine it with every sample
-  int passes = 1;                          ///< over the record; more than one needs estimate_initial_state
+  bool estimate_initial_state = false;  ///< keep the initial state in the state vector and update it with every sample
+  int passes = 1;                       ///< over the record; more than one needs estimate_initial_state
   Progress progress = {};
 };
 
-/// A parameter as it is estimated at the record's end.
+/// A parameter, estimated at the end of the record.
 struct ParameterEstimate {
   std::string name, unit;
   double mean = 0.0, std = 0.0;
-  Eigen::VectorXd mean_history = {}, std_history = {};  ///< one a sample
+  Eigen::VectorXd mean_history = {}, std_history = {};  ///< one per sample
 };
 
 /// A quantity at every sample.
@@ -69,7 +70,7 @@ struct FilterStop {
   std::string reason;  ///< in words
 };
 
-/// What a filter makes of a record. After a stop the samples from there on are not a number.
+/// Result of a filter over a record. After a stop, the remaining samples are NaN.
 struct EstimateResult {
   std::vector<ParameterEstimate> parameters;  ///< in the order of the unknowns
   std::vector<EstimatedQuantity> states;      ///< "body.2.displacement", "body.2.velocity", "mount.z"
@@ -77,14 +78,14 @@ struct EstimateResult {
   Eigen::MatrixXd innovation;                 ///< sensors x samples; not a number where nothing was measured
   Eigen::VectorXd nis;                        ///< normalised innovation squared, one a sample
   double log_likelihood = 0.0;
-  std::string filter;                 ///< which one, and why
-  std::optional<FilterStop> failure;  ///< nothing: it ran to the end
+  std::string filter;                 ///< its name, and the reason for its choice
+  std::optional<FilterStop> failure;  ///< empty if the filter ran to the end
 
   [[nodiscard]] bool usable() const { return !failure; }
-  /// Mean of the NIS from a time after the record's start [s]: about the number of sensors where model and noise are
+  /// Mean of the NIS from a time after the record's start [s]: about the number of sensors if model and noise are
   /// right.
   [[nodiscard]] double mean_nis(double settle = 0.0) const;
-  /// By name; throw InvalidInput where there is none.
+  /// Look-up by name; throw InvalidInput if there is none.
   [[nodiscard]] const ParameterEstimate& parameter(const std::string& name) const;
   [[nodiscard]] const EstimatedQuantity& state(const std::string& name) const;
   [[nodiscard]] const EstimatedQuantity& output(const std::string& name) const;

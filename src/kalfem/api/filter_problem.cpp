@@ -15,7 +15,7 @@ std::string place_of(const char* list, std::size_t index, const std::string& nam
   return std::string(list) + "[" + std::to_string(index) + "] '" + name + "'";
 }
 
-/// Adds the issues of an error, each with the argument that it is about.
+/// Adds the issues of an error, each with the place of its argument.
 void add(const InvalidInput& error, const std::string& place, IssueList& issues) {
   for (const auto& issue : error.issues()) issues.add({}, place + ": " + issue.what, issue.why, issue.fix);
 }
@@ -29,7 +29,7 @@ void refuse_doubles(const char* list, const std::vector<T>& all, IssueList& issu
                    "names tell them apart", "give each its own");
 }
 
-/// Frequency above which no sensor sees anything [Hz].
+/// Frequency above which no sensor responds [Hz].
 double bandwidth_of(const std::vector<SensorDescription>& sensors, double sample_rate) {
   double widest = 0.0;
   for (const auto& sensor : sensors) widest = std::max(widest, std::min(0.5 * sample_rate, bandwidth(sensor.chain)));
@@ -92,11 +92,11 @@ Sensor sensor_of(const SensorDescription& given, const CoupledModel& model) {
   sensor.output.name = given.name;
   sensor.noise = given.noise;
   sensor.unit = unit_of(given.output);
-  make_outputs(model, {sensor.output});  // throws where there is no such point
+  make_outputs(model, {sensor.output});  // throws if there is no such point
   return sensor;
 }
 
-/// Displacement and velocity of every point that is reported.
+/// Displacement and velocity of every reported point.
 std::vector<OutputDescription> motions_of(const CoupledModel& model) {
   std::vector<OutputDescription> outputs;
   for (const auto& point : model.reported_points()) {
@@ -106,7 +106,8 @@ std::vector<OutputDescription> motions_of(const CoupledModel& model) {
   return outputs;
 }
 
-/// Collects a problem and what is wrong with its arguments.
+/// Makes a problem from the caller's options: structure, sensors, unknowns, then settings. Checks each argument
+/// separately and raises all issues together, each with its place in the options.
 class ProblemMaker {
 public:
   ProblemMaker(const Structure& structure, double sample_rate, const EstimateOptions& options) : options_(options) {

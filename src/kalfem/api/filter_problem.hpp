@@ -5,7 +5,7 @@
 
 namespace kalfem {
 
-/// What the caller asks for as a problem of identification/, with the filter's model of it.
+/// The caller's options as a problem of identification/, with the filter's model.
 struct FilterProblem {
   EstimationProblemPtr problem;
   AugmentedModelSetup setup;

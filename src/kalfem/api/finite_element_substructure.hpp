@@ -8,7 +8,7 @@
 
 namespace kalfem {
 
-/// What the rest of the structure wants of a finite-element substructure.
+/// The points and parameters of a finite-element substructure that the rest of the structure uses.
 struct ElementsInUse {
   std::vector<std::string> attached;    ///< its points that connectors and forces touch, without its name
   std::vector<std::string> parameters;  ///< that vary, without its name

@@ -10,7 +10,7 @@ namespace kalfem {
 
 using Eigen::Index;
 
-/// What the description holds, for those that build from it.
+/// The contents of the description, for its builders.
 struct FiniteElementsAccess {
   const FiniteElements& of;
 
@@ -127,7 +127,7 @@ private:
     }
   }
 
-  /// Index of a named node, -1 with an issue where there is none.
+  /// Index of a named node; -1, with an issue, if there is none.
   Index node_of(const std::string& name, const std::string& what_for) {
     const auto found = std::ranges::find(part_.nodes, name, &NamedNode::name);
     if (found != part_.nodes.end()) return found->node;
@@ -142,7 +142,8 @@ private:
       if (const Index node = node_of(name, "fix"); node >= 0) part_.elements.fixed.push_back({name, {node}});
   }
 
-  /// "tip": its translations; "tip.rx": that motion and, where something touches it, the node's translations too.
+  /// "tip": its translations; "tip.rx": that motion and, if a connector or force acts there, the node's translations
+  /// too.
   void add_dofs(const std::string& place, bool touched, std::vector<NodalDof>& dofs) {
     const auto dot = place.find('.');
     const Index node = node_of(place.substr(0, dot), touched ? "a point that is used" : "boundary");

@@ -28,7 +28,7 @@ public:
   FiniteElements& node(const std::string& name, const Eigen::Vector3d& place);
   /// Holds all six motions of a named node.
   FiniteElements& fix(const std::string& node);
-  /// Ratios to critical, one a mode, the last one for all further modes up to a frequency [Hz].
+  /// Damping ratios, one per mode; the last one applies to all further modes up to a frequency [Hz].
   FiniteElements& modal_damping(std::vector<double> ratios, double up_to);
   /// C = alpha M + beta K, alpha [1/s], beta [s].
   FiniteElements& rayleigh_damping(double alpha, double beta);
@@ -62,7 +62,7 @@ private:
 };
 
 /// The superelement of a substructure that was told to reduce() itself, with its boundary; write_superelement() writes
-/// it for other codes. Throws InvalidInput where a name or number does not exist, the elements are a mechanism, or the
+/// it for other codes. Throws InvalidInput if a name or number does not exist, if the elements form a mechanism, or the
 /// boundary is empty.
 Superelement reduce(const FiniteElements& elements);
 

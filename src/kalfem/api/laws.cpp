@@ -21,7 +21,7 @@ std::vector<std::string> names_of(const NamedValues& values) {
 
 bool may_be_zero(Range range) { return range != Range::positive && range != Range::at_least_one; }
 
-/// What a parameter is where the caller does not say: nothing where it must be given.
+/// Default of a parameter; empty if the caller must give it.
 std::optional<double> default_of(const LawQuantity& parameter) {
   if (!std::isnan(parameter.default_value)) return parameter.default_value;
   return may_be_zero(parameter.range) ? std::optional(0.0) : std::nullopt;

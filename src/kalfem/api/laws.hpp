@@ -28,7 +28,7 @@ struct Law {
 Law law(const std::string& name, const NamedValues& values = {});
 
 /// A law as a formula of the deformation x, its rate v and its acceleration a: expression("k*x + k3*x^3", {{"k", 5e3},
-/// {"k3", 1e9}}). Throws InvalidInput where the formula cannot be read.
+/// {"k3", 1e9}}). Throws InvalidInput if the formula cannot be parsed.
 Law expression(const std::string& force, const NamedValues& values);
 
 /// Force [N] that resists the deformation [m] at its rate [m/s]. Called from several threads at once; it must not

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
-/// Zero at all times, in the place of a signal that is told online.
+/// Zero at all times, instead of a signal whose values come online.
 SignalPtr silence() {
   return make_sampled(VectorXd::Zero(2), {.interpolation = Interpolation::linear, .beyond = BeyondRecord::hold});
 }
@@ -69,7 +69,9 @@ Eigen::MatrixXd without_negative_directions(const Eigen::MatrixXd& covariance) {
 
 }  // namespace
 
-/// The filter with its model and where it stands.
+/// The filter with its model and present state. predict() sets the inputs at both ends of the interval and predicts
+/// over it. update() conditions on the sensors and, once the unknowns of the linear part have moved far enough,
+/// relinearises the model. After a stop both return false and change nothing.
 class OnlineFilter::Loop {
 public:
   Loop(const Structure& structure, double sample_rate, const EstimateOptions& options,
@@ -92,7 +94,7 @@ public:
     innovation_ = VectorXd::Constant(noise_.rows(), not_a_number);
   }
 
-  /// Inputs that are straight up to the next sample.
+  /// With inputs that are linear up to the next sample.
   bool predict(const VectorXd& inputs) {
     return move([&] { setup_->transition.set_inputs(inputs_, inputs); }, inputs);
   }
@@ -275,7 +277,7 @@ private:
   FilterProblem made_;
   double step_;  ///< [s]
   EstimationOptions options_;
-  std::shared_ptr<const AugmentedModel> model_;  ///< as the run began with it
+  std::shared_ptr<const AugmentedModel> model_;  ///< at the start of the run
   std::unique_ptr<FilterSetup> setup_;
   std::vector<Index> linear_unknowns_;
   LinearEstimate linearised_about_;

@@ -37,21 +37,21 @@ struct PresentEstimate {
 /// at a time.
 class OnlineFilter {
 public:
-  /// `sample_rate` [Hz]: of predict(). `first`: the inputs at the first sample, in the order in which the structure got
-  /// them; none: those of the structure's signals, or zero. Throws InvalidInput as estimate() does.
+  /// `sample_rate` [Hz]: of predict(). `first`: the inputs at the first sample, in the order of their addition to the
+  /// structure; if empty, those of its signals, or zero. Throws InvalidInput as estimate() does.
   OnlineFilter(const Structure& structure, double sample_rate, const EstimateOptions& options,
                const std::vector<InputSample>& first = {});
   OnlineFilter(OnlineFilter&&) noexcept;
   OnlineFilter& operator=(OnlineFilter&&) noexcept;
   ~OnlineFilter();
 
-  /// Moves the estimate on by one sample; inputs are straight between the samples. False where the filter has stopped,
-  /// see failure(). Throws InvalidInput where there is not one input for each of the structure's, or one is not finite.
+  /// Predicts to the next sample; inputs are linear between the samples. Returns false if the filter has stopped, see
+  /// failure(). Throws InvalidInput if the number of inputs is not that of the structure, or if one is not finite.
   bool predict(const std::vector<InputSample>& inputs);
-  /// The same with the signals that the structure has. Throws InvalidInput where one of its inputs has none.
+  /// The same with the signals of the structure. Throws InvalidInput if one of its inputs has none.
   bool predict();
-  /// Conditions the estimate on a sample, one value a sensor; what is not a number was not measured. False where the
-  /// filter has stopped. Throws InvalidInput where there is not one value for each sensor.
+  /// Conditions the estimate on a sample with one value per sensor; NaN is a missing value. Returns false if the filter
+  /// has stopped. Throws InvalidInput if there is not one value for each sensor.
   bool update(const Eigen::VectorXd& measured);
 
   /// Whether the covariance had to leave the modal coordinates.
@@ -62,7 +62,7 @@ public:
 
   /// The unknowns now, without histories.
   [[nodiscard]] std::vector<ParameterEstimate> parameters() const;
-  /// By the name of an unknown; throws InvalidInput where there is none.
+  /// Look-up by the name of an unknown; throws InvalidInput if there is none.
   [[nodiscard]] PresentEstimate parameter(const std::string& name) const;
   /// "body.2.displacement", "body.2.velocity", or an output that was asked for. Throws InvalidInput where there is
   /// none.

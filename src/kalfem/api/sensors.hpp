@@ -7,11 +7,11 @@
 
 namespace kalfem {
 
-/// What is measured or wanted at a point: absolute, in global axes.
+/// Motion of a point, measured or requested: absolute, in global axes.
 OutputDescription displacement(const std::string& point);  ///< [m]
 OutputDescription velocity(const std::string& point);      ///< [m/s]
 OutputDescription acceleration(const std::string& point);  ///< [m/s^2]
-/// What is measured or wanted in a connector.
+/// Quantities of a connector, measured or requested.
 OutputDescription connector_force(const std::string& connector);        ///< [N]
 OutputDescription connector_deformation(const std::string& connector);  ///< [m]
 OutputDescription connector_rate(const std::string& connector);         ///< [m/s]
@@ -24,7 +24,7 @@ struct SensorDescription {
   MeasurementChainOptions chain = {};  ///< filters, delay, roll-off and gain between the motion and the sample
 };
 
-/// A quantity to estimate where nothing measures it: a virtual sensor.
+/// A quantity to estimate without a sensor for it: a virtual sensor.
 struct OutputRequest {
   std::string name;
   OutputDescription output;

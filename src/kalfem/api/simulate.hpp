@@ -10,13 +10,13 @@
 
 namespace kalfem {
 
-/// What to simulate.
+/// Settings of a simulation.
 struct SimulateOptions {
   std::vector<SensorDescription> sensors;
   double duration = 1.0;                   ///< from time 0 [s]
   double sample_rate = 1000.0;             ///< of the record [Hz]
   double tolerance = 1e-3;                 ///< relative change of every sensor's record when the step is halved
-  std::optional<std::uint64_t> seed = {};  ///< of the sensors' noise; nothing: the record is free of noise
+  std::optional<std::uint64_t> seed = {};  ///< of the sensors' noise; if empty, the record is free of noise
 };
 
 /// Why and when a simulation stopped.

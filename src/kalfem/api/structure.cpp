@@ -31,7 +31,7 @@ std::vector<std::string> names_of(const std::string& owner, const std::vector<st
   return names;
 }
 
-/// Points that connectors and forces touch.
+/// Points at which connectors and forces act.
 std::vector<std::string> touched_points(const StructureParts& parts) {
   std::vector<std::string> points;
   for (const auto& connector : parts.connectors) {
@@ -218,7 +218,7 @@ StructurePtr make_structure_model(const StructureDescription& description, const
                                                                .sensor_bandwidth = use.sensor_bandwidth}));
   model->parts.finite_elements = model->reduced_parts();
   model->signals = description.signals;
-  couple(model->parts);  // refuses what does not fit
+  couple(model->parts);  // throws if names or units do not fit
   return model;
 }
 

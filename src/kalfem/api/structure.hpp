@@ -36,8 +36,8 @@ public:
                      double damping = 0.0);
   /// One more ground beside "ground".
   LumpedPart& ground(const std::string& name);
-  /// Ratio to critical of every mode of the substructure, held as its springs hold it; or one a mode, the last one for
-  /// all further modes.
+  /// Damping ratio of every mode of the substructure on its own springs and grounds; or one per mode, with the last one
+  /// for all further modes.
   LumpedPart& modal_damping(double ratio) { return modal_damping(std::vector{ratio}); }
   LumpedPart& modal_damping(std::vector<double> ratios);
   /// C = alpha M + beta K, alpha [1/s], beta [s].
@@ -51,16 +51,16 @@ private:
 
 LumpedPart lumped(const std::string& name);
 /// Equal masses "1", "2", ... [kg] in a row, joined by springs "1-2", "2-3", ... of one stiffness [N/m] and damping
-/// [N s/m]. It is held by nothing.
+/// [N s/m]. No ground holds it.
 LumpedPart chain(const std::string& name, int masses, double mass, double stiffness, double damping = 0.0);
 
 struct StructureDescription;
 
-/// A structure as you describe it: substructures, connectors between their points, and what excites it. Points and
+/// A structure as you describe it: substructures, connectors between their points, and inputs. Points and
 /// parameters have names, "wheel.w" and "suspension.k". A value: copies are independent.
 ///
-/// Names may be given in any order; they are looked up when the structure is used, and what does not fit is reported
-/// together then, as InvalidInput.
+/// Names may appear in any order. They are looked up when the structure is used; all problems are then reported
+/// together, as InvalidInput.
 class Structure {
 public:
   Structure();
@@ -72,7 +72,7 @@ public:
 
   Structure& add(const LumpedPart& part);
   Structure& add(const FiniteElements& part);
-  /// A connector between two points, or one and a ground ("wheel.ground", or "ground": what never moves).
+  /// A connector between two points, or between a point and a ground ("wheel.ground", or "ground", which never moves).
   Structure& connect(const std::string& name, const std::string& from, const std::string& to, const Law& law);
   /// Damps the modes of the whole structure, on its connectors' stiffness at rest, by ratios to critical.
   Structure& modal_damping(std::vector<double> ratios);
@@ -84,22 +84,22 @@ public:
   /// All grounds accelerate alike [m/s^2]; displacements are then relative to them.
   Structure& base_acceleration(const std::string& name, const Samples& acceleration);
   Structure& base_acceleration(const std::string& name, SignalPtr acceleration);
-  /// A force on a point [N], straight between the samples.
+  /// A force on a point [N], linear between the samples.
   Structure& force(const std::string& name, const std::string& point, const Samples& force);
   Structure& force(const std::string& name, const std::string& point, SignalPtr force);
-  /// The same without a signal, for an OnlineFilter that is told the values as they come.
+  /// The same without a signal, for an OnlineFilter that receives the values sample by sample.
   Structure& base_displacement(const std::string& name, const std::string& ground);
   Structure& base_acceleration(const std::string& name);
   Structure& force(const std::string& name, const std::string& point);
 
   /// Names of all numbers that can be estimated or updated, such as "suspension.mu_k1" and "body.3-4.stiffness".
   [[nodiscard]] std::vector<std::string> parameters() const;
-  /// Value of a parameter [its SI unit]. Throws InvalidInput where there is none of that name.
+  /// Value of a parameter [its SI unit]. Throws InvalidInput if there is none with that name.
   [[nodiscard]] double value(const std::string& parameter) const;
   /// The structure at other values of any of its parameters, those of finite elements and of their damping included.
   /// Throws InvalidInput as above, and where a value is not finite.
   [[nodiscard]] Structure at(const NamedValues& values) const;
-  /// Names of all points that sensors and connectors can be placed at.
+  /// Names of all points at which sensors and connectors can be placed.
   [[nodiscard]] std::vector<std::string> points() const;
 
   /// For the library itself.

@@ -10,14 +10,14 @@
 
 namespace kalfem {
 
-/// What a Structure holds: descriptions, of which models are made when they are wanted.
+/// The contents of a Structure: descriptions, from which models are made on demand.
 struct StructureDescription {
   StructureParts parts;  ///< without finite elements
   std::vector<FiniteElements> finite_elements;
-  std::vector<SignalPtr> signals;  ///< one an input of the parts; nullptr where it is told online
+  std::vector<SignalPtr> signals;  ///< one per input of the parts; nullptr if its values come online
 };
 
-/// What a model of the structure is wanted for.
+/// The use of a model of the structure.
 struct ModelUse {
   std::vector<std::string> parameters = {};                           ///< that vary
   double sensor_bandwidth = std::numeric_limits<double>::infinity();  ///< [Hz]
@@ -30,7 +30,7 @@ StructurePtr make_structure_model(const StructureDescription& description, const
 /// Signals that a run over a record needs. Throws InvalidInput with every input that has none.
 void require_signals(const StructureDescription& description);
 
-/// The parameter of that name; throws InvalidInput with `what` before the message where there is none.
+/// The parameter with that name. Throws InvalidInput, with `what` before the message, if there is none.
 Parameter find_parameter(const ParameterSet& all, const std::string& name, const std::string& what);
 
 }  // namespace kalfem

@@ -17,13 +17,13 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// What is refined, looked up.
+/// The updated parameters, looked up.
 struct Refined {
   std::vector<UpdatingParameter> parameters;
   std::vector<StructureBinding> bindings;
 };
 
-/// Throws InvalidInput where it cannot be refined.
+/// Throws InvalidInput if it cannot be updated.
 Parameter parameter_of(const RefinedParameter& given, const ParameterSet& all, const std::string& substructure) {
   auto parameter = all.find(given.name);
   if (!parameter)

@@ -13,15 +13,15 @@ namespace kalfem {
 struct MeasuredFrequency {
   double frequency = 0.0;        ///< [Hz]
   double std = 0.0;              ///< its standard deviation [Hz]
-  std::optional<int> mode = {};  ///< number of the model's mode at the start, from 1; nothing: by order
+  std::optional<int> mode = {};  ///< number of the model's mode at the initial values, from 1; if empty, by order
 };
 
 /// A parameter to refine: {"frame.steel.youngs_modulus", {.initial = 200e9}}.
 struct RefinedParameter {
   std::string name;
   struct Range {
-    std::optional<double> initial = {};  ///< nothing: the structure's own value
-    std::optional<double> std = {};      ///< of the prior about `initial`; nothing: no prior
+    std::optional<double> initial = {};  ///< if empty, the structure's own value
+    std::optional<double> std = {};      ///< of the prior about `initial`; if empty, there is no prior
     double lower = 0.0;
     double upper = std::numeric_limits<double>::infinity();
   } range = {};
@@ -40,12 +40,12 @@ struct FrequencyComparison {
   double measured = 0.0, before = 0.0, after = 0.0;  ///< [Hz]
 };
 
-/// Where the updating ended.
+/// Result of an updating.
 struct UpdateResult {
   struct Parameter {
     std::string name, unit;
     double initial = 0.0, value = 0.0;
-    double std = 0.0;  ///< infinite where neither frequencies nor prior determine it
+    double std = 0.0;  ///< infinite if neither frequencies nor prior determine it
   };
   std::vector<Parameter> parameters;
   std::vector<FrequencyComparison> frequencies;

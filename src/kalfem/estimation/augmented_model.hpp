@@ -21,7 +21,7 @@ struct ParameterTarget {
 };
 
 /// An unknown that the filter estimates: of connectors, several of which may share it, of the linear part, of both, or
-/// the constant that sensors show beside what the model gives.
+/// a constant offset of sensors.
 struct UnknownParameter {
   std::string name;
   std::string unit;
@@ -36,7 +36,7 @@ struct UnknownParameter {
   std::vector<Eigen::Index> sensors = {};  ///< outputs that it is added to; then it has no targets and no transform
 };
 
-/// Continuous-time noise, as densities so that nothing depends on the sampling rate.
+/// Continuous-time noise as densities, which do not depend on the sampling rate.
 struct ProcessNoise {
   Eigen::VectorXd acceleration;      ///< white acceleration on each degree of freedom [m/s^2/sqrt(Hz)], n
   Eigen::VectorXd input;             ///< on each input that is modelled by states [its driving unit/sqrt(Hz)], n_u
@@ -54,7 +54,7 @@ struct StatePrior {
   double sensor_state_deviation = 0.0;        ///< of the measurement chains' states, in the sensor's unit
 };
 
-/// What an augmented model is made of, beside the system and its sensors.
+/// Options of an augmented model, in addition to the system and its sensors.
 struct AugmentedModelOptions {
   std::vector<UnknownParameter> unknowns;
   /// The system at values of the unknowns of the linear part, in their order [their units]: what no connector can
@@ -64,7 +64,7 @@ struct AugmentedModelOptions {
   std::function<LocallyNonlinearSystem(const Eigen::VectorXd& values)> system_at = {};
   ProcessNoise process_noise;
   StatePrior prior;
-  std::vector<InputTreatment> inputs;  ///< one an input, or none: all known
+  std::vector<InputTreatment> inputs;  ///< one per input; if empty, all are known
   bool keep_initial_state = false;     ///< carry the initial state as constants: a fixed-point smoother of it
   double step = 1e-3;                  ///< sample interval [s]
   /// Connector forces and inputs are linear in time over each of so many equal parts of a sample interval. Their error
@@ -77,7 +77,7 @@ struct AugmentedModelOptions {
 /// Places of the unknowns of the linear part among all: those without targets, and those that are in both.
 std::vector<Eigen::Index> linear_unknowns(const AugmentedModelOptions& options);
 
-/// Where the parts of the augmented state stand: [x; s; theta; x(0); s(0)].
+/// Positions of the parts of the augmented state [x; s; theta; x(0); s(0)].
 struct StateLayout {
   Eigen::Index dofs = 0, linear = 0, connector_states = 0, unknowns = 0;
   bool keeps_initial_state = false;
@@ -110,7 +110,7 @@ public:
                  const std::vector<MeasurementChain>& chains, AugmentedModelOptions options);
   /// The same augmented model about other values of the unknowns of the linear part, in its own coordinates; neighbours
   /// stand sqrt(3) deviations away, a quarter of the value at most. Process noise over a step stays as it is. Throws
-  /// InvalidInput where the values make no structure.
+  /// InvalidInput if the values are not admissible.
   [[nodiscard]] AugmentedModel about(const Eigen::VectorXd& values, const Eigen::VectorXd& deviations) const;
 
   [[nodiscard]] const StateLayout& layout() const { return layout_; }
@@ -119,7 +119,7 @@ public:
   [[nodiscard]] const ExactStep& step() const { return step_; }  ///< one part of a sample interval
   [[nodiscard]] const LocallyNonlinearSystem& system() const { return system_; }
   [[nodiscard]] const AugmentedModelOptions& options() const { return options_; }
-  [[nodiscard]] const std::vector<Neighbours>& neighbours() const { return neighbours_; }  ///< one a linear unknown
+  [[nodiscard]] const std::vector<Neighbours>& neighbours() const { return neighbours_; }  ///< one per linear unknown
   /// Of the augmented state in the augmented model's coordinates, as everything that the filter sees.
   [[nodiscard]] const Gaussian& prior() const { return prior_; }
   [[nodiscard]] const Eigen::MatrixXd& process_noise() const { return process_noise_; }  ///< Q of one step

@@ -73,7 +73,7 @@ struct EstimationResult {
   EstimatedSeries monitored;
   Eigen::MatrixXd innovation;            ///< l x samples, NaN where missing
   Eigen::MatrixXd innovation_deviation;  ///< l x samples
-  Eigen::VectorXd nis;                   ///< per sample, NaN where nothing was measured
+  Eigen::VectorXd nis;                   ///< per sample, NaN if nothing was measured
   Eigen::VectorXi measured;              ///< channels measured per sample
   double log_likelihood = 0.0;
   Gains gains;                       ///< where they are asked for
@@ -87,7 +87,8 @@ struct EstimationResult {
   int linearisations = 0;
 };
 
-/// What is wrong with the options for this augmented model: sigma points without weights, passes that have no start.
+/// Checks the options against this augmented model: the weights of the sigma points, and passes that need an initial
+/// state.
 IssueList validate(const AugmentedModel& augmented_model, const EstimationOptions& options);
 
 /// Runs the filter over the record. Throws InvalidInput where sizes do not fit or an input is not finite.

@@ -24,7 +24,7 @@ enum class FilterOutcome {
 /// In words, with what to do.
 std::string to_string(FilterOutcome outcome);
 
-/// What a filter works on. Everything here stays as it is while the filter lives; the maps outlive the filter. The
+/// Input of a filter. Everything here stays unchanged while the filter lives; the maps outlive the filter. The
 /// owner of the maps sets their inputs (b, e and the moving columns of G) before each step.
 struct FilterModel {
   PartiallyLinearMap& process;              ///< x <- process(x) + N(0, Q)
@@ -81,7 +81,7 @@ private:
   Eigen::VectorXd values_;
 };
 
-/// A partially linear filter costs O(n^2) a step where the process model is block diagonal (StateCoordinates::modal),
+/// A partially linear filter costs O(n^2) per step if the process model is block diagonal (StateCoordinates::modal),
 /// otherwise it is a covariance filter with the same estimates. `threads` share its work on large covariances; results
 /// do not depend on their number.
 std::unique_ptr<Filter> make_filter(FilterKind kind, const FilterModel& model, const UnscentedOptions& options = {},

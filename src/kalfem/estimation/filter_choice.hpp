@@ -16,10 +16,10 @@ struct FilterChoice {
   std::string reason;  ///< in words
 };
 
-/// The filter that is asked for, or where nothing is, the partially linear one: it needs the fewest sigma points and
-/// moves the covariance in O(n^2) where the linear part splits into blocks of at most a tile; elsewhere, in physical
-/// coordinates, with a dense covariance. `options.coordinates` is chosen here. Throws InvalidInput as AugmentedModel
-/// does.
+/// Returns the requested filter, or by default the partially linear one, which needs the fewest sigma points. It
+/// propagates the covariance in O(n^2) if the linear part splits into blocks of at most a tile; otherwise it works in
+/// physical coordinates with a dense covariance. `options.coordinates` is chosen here. Throws InvalidInput as
+/// AugmentedModel does.
 FilterChoice choose_filter(std::optional<FilterKind> requested, const LocallyNonlinearSystem& system,
                            const OutputMap& sensors, const std::vector<MeasurementChain>& chains,
                            AugmentedModelOptions options);

@@ -9,7 +9,7 @@
 
 namespace kalfem {
 
-/// An augmented model, its maps and the filter over them: what a run over a record works with.
+/// An augmented model, its maps and the filter over them, for one run over a record.
 struct FilterSetup {
   /// `measurement_noise`: R of all sensors.
   FilterSetup(std::shared_ptr<const AugmentedModel> of, const Eigen::MatrixXd& measurement_noise,
@@ -24,18 +24,18 @@ struct FilterSetup {
   std::unique_ptr<Filter> filter;
 };
 
-/// Where the unknowns of the linear part are, or were when the augmented model was linearised about them.
+/// Values of the unknowns of the linear part, now or at the last linearisation of the augmented model.
 struct LinearEstimate {
-  Eigen::VectorXd values, deviations;  ///< one an unknown [its unit]
+  Eigen::VectorXd values, deviations;  ///< one per unknown [its unit]
 
-  /// Whether the augmented model, linearised there, is to be relinearised here. What the tangent leaves out grows
-  /// with the square of the move, as a few move^2 / value, and shall be a few per cent of the deviation; and where that
-  /// has shrunk, the neighbours stand too far away.
+  /// Whether the augmented model, linearised there, needs relinearisation here. The error of the tangent grows with the
+  /// square of the move, about move^2 / value, and must stay a few per cent of the deviation. A much smaller deviation
+  /// is a second reason: the neighbours are then too far away.
   [[nodiscard]] bool outdates(const LinearEstimate& there) const;
 };
 
 /// The setup of the augmented model about `here`, its filter with the estimate of `before`. `first`: the augmented
-/// model with which the run started. Throws InvalidInput where the values make no structure.
+/// model with which the run started. Throws InvalidInput if the values are not admissible.
 std::unique_ptr<FilterSetup> relinearised(const AugmentedModel& first, const LinearEstimate& here,
                                           const FilterSetup& before, const Eigen::MatrixXd& measurement_noise,
                                           const EstimationOptions& options);

@@ -16,10 +16,10 @@ struct FilterInput;
 /// gain that is held over even a part of a period moves the parameter in a wrong direction.
 using Gains = std::vector<Eigen::MatrixXd>;
 
-/// Means that a fixed-gain augmented model gives.
+/// Means of a fixed-gain run.
 struct FixedGainMeans {
   Eigen::MatrixXd monitored;  ///< rows x samples
-  Eigen::VectorXd state;      ///< of the augmented state at the sample that was asked for
+  Eigen::VectorXd state;      ///< augmented state at the requested sample
 };
 
 /// Runs the mean of an augmented model over a record with gains that are given, one a sample,

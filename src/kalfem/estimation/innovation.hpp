@@ -5,7 +5,7 @@
 
 namespace kalfem {
 
-/// What one measurement told.
+/// The innovation of one measurement.
 struct Innovation {
   std::vector<Eigen::Index> channels;  ///< the l channels that were measured, among all
   Eigen::VectorXd value;               ///< y - predicted y, l

@@ -12,7 +12,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-/// Index of "connector.state" among all internal states, -1 where there is none.
+/// Index of "connector.state" among all internal states; -1 if there is none.
 Index connector_state_index(const LocallyNonlinearSystem& system, const std::string& name) {
   Index index = 0;
   for (const auto& connector : system.connectors)
@@ -23,7 +23,7 @@ Index connector_state_index(const LocallyNonlinearSystem& system, const std::str
   return -1;
 }
 
-/// Single degrees of freedom count more than `all`, in whatever order they stand.
+/// Entries of single degrees of freedom override `all`, in any order.
 void set_state_prior(const EstimationSettings& given, const CoupledModel& model, StatePrior& prior, IssueList& issues) {
   const auto apply = [&](Index i, const PointPrior& start) {
     prior.mean.displacement[i] = start.displacement;
@@ -66,7 +66,7 @@ void set_noise(const AccelerationNoise& given, const CoupledModel& model, Proces
   }
 }
 
-/// Sensors that the filter's model can see: on its own points, and not those that drive it.
+/// Sensors at points of the filter's model, without those that drive it.
 std::vector<Sensor> sensors_of(const EstimationProblem& problem, const AugmentedModelSetup& setup, IssueList& issues) {
   std::vector<Sensor> sensors;
   for (const auto& sensor : problem.sensors) {
@@ -132,7 +132,7 @@ private:
     return false;
   }
 
-  /// Notes that the linear part depends on the unknown, and where it stands if no connector carries it.
+  /// Records that the linear part depends on the unknown, and its bindings if no connector carries it.
   void add_linear(const Unknown& given, const UnknownParameter& unknown, bool released) {
     auto& linear = setup_.linear_unknowns;
     linear.names.push_back(unknown.name);
@@ -149,7 +149,7 @@ private:
   IssueList& issues_;
 };
 
-/// Leaves in `parts` what the filter's model holds, with the unknowns released from it.
+/// Reduces `parts` to those of the filter's model, and releases the unknowns from them.
 void add_unknowns(const EstimationProblem& problem, const PresentValues& present, std::optional<LocalModel>& local,
                   StructureParts& parts, AugmentedModelSetup& setup, IssueList& issues) {
   if (problem.settings.local) {
@@ -165,7 +165,7 @@ void add_unknowns(const EstimationProblem& problem, const PresentValues& present
   for (const auto& unknown : problem.settings.unknowns) unknowns.add(unknown);
 }
 
-/// The structure at the first guesses of the linear unknowns in the place of the given one.
+/// The structure at the initial values of the linear unknowns, in place of the given one.
 StructureParts at_first_guesses(const EstimationProblem& problem, LinearUnknowns& unknowns,
                                 const std::optional<VectorXd>& reduced_at) {
   const VectorXd initial = VectorXd::Map(unknowns.initial.data(), static_cast<Index>(unknowns.initial.size()));
@@ -175,7 +175,7 @@ StructureParts at_first_guesses(const EstimationProblem& problem, LinearUnknowns
   return structure.near(*unknowns.structure, initial);
 }
 
-/// At rest and free of noise, to be filled in by what the settings say.
+/// Prior and noise of a structure at rest; the settings fill in their values.
 void set_zero_prior(const LocallyNonlinearSystem& system, AugmentedModelOptions& options) {
   const VectorXd dofs = VectorXd::Zero(system.size()), inputs = VectorXd::Zero(system.input_count()),
                  states = VectorXd::Zero(system.connector_states());
@@ -221,6 +221,11 @@ std::function<LocallyNonlinearSystem(const VectorXd&)> system_of_linear_unknowns
   };
 }
 
+// 1. Cut out the local part, if requested, and release the unknowns into connectors.
+// 2. If the linear part depends on unknowns without a connector, evaluate the parts at their initial values and release
+//    again from the new parts.
+// 3. Couple the parts, and set prior and process noise by degree of freedom.
+// 4. Select the sensors of the model. Each unknown rest position becomes an unknown that adds to its sensor.
 AugmentedModelSetup make_augmented_model_setup(const EstimationProblem& problem, StructureParts parts,
                                                const PresentValues& present, IssueList& issues,
                                                const std::optional<VectorXd>& reduced_at) {

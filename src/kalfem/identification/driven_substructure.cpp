@@ -55,7 +55,7 @@ std::vector<AppliedInput> applied_inputs(const StructureModel& structure, const 
   return applied;
 }
 
-/// The substructure with its share of the damping of the whole structure's modes.
+/// The substructure with its diagonal block of the global modal damping.
 LinearModel damped_part(const CoupledModel& model, const Place& place) {
   LinearModel part = *place.part.model;
   const auto& system = model.system();
@@ -65,7 +65,7 @@ LinearModel damped_part(const CoupledModel& model, const Place& place) {
   return part;
 }
 
-/// Degrees of freedom of other substructures, as far as their motion is estimated one by one.
+/// Degrees of freedom of other substructures whose motion is estimated individually.
 std::vector<Index> outside(const CoupledModel& model, const Place& place) {
   std::vector<Index> dofs;
   Index offset = 0;
@@ -97,6 +97,8 @@ BaseDrivenSubstructure driven_part(const CoupledModel& model, const Place& place
 
 }  // namespace
 
+// With global modal damping, degrees of freedom outside the substructure act on it too, through their cross damping.
+// Their motion is therefore an input like that of the boundary.
 DrivenSubstructure::DrivenSubstructure(const StructureModel& structure, const CoupledModel& model,
                                        const std::string& substructure)
     : place_(place_of(model, substructure)),

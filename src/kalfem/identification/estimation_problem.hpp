@@ -21,8 +21,8 @@ struct Sensor {
   std::string name;
   OutputDescription output;
   MeasurementChain chain = {};
-  bool relative_noise = false;  ///< noise is a part of the channel's rms
-  double noise = 0.0;           ///< standard deviation, in the sensor's unit or as that part
+  bool relative_noise = false;  ///< noise is relative to the channel's rms
+  double noise = 0.0;           ///< standard deviation, in the sensor's unit or relative
   std::string unit = {};
   SourceLocation location = {};  ///< where the user describes it, for messages
 
@@ -33,24 +33,24 @@ struct Sensor {
 /// A parameter that the filter estimates, in the parameter's unit.
 struct Unknown {
   std::string name;
-  std::vector<Parameter> targets;  ///< that share its value: of connectors and lumped elements, or of linear parts
+  std::vector<Parameter> targets;  ///< they share its value: of connectors and lumped elements, or of linear parts
   ParameterTransform transform = {};
   double initial = 0.0;      ///< prior mean (median under log and logit)
   double deviation = 0.0;    ///< prior standard deviation
-  double random_walk = 0.0;  ///< drift that is allowed [unit/sqrt(s)]
+  double random_walk = 0.0;  ///< allowed drift [unit/sqrt(s)]
   std::optional<double> truth = {};
   SourceLocation location = {};
 
   [[nodiscard]] const std::string& unit() const { return targets.front().unit; }
 };
 
-/// White acceleration [m/s^2/sqrt(Hz)] on every degree of freedom, and on single ones in its place.
+/// White acceleration [m/s^2/sqrt(Hz)] on every degree of freedom, with other values for single ones.
 struct AccelerationNoise {
   double acceleration = 0.0;
   Named<Located<double>> accelerations;
 };
 
-/// How a point between the modelled part and the rest moves: as a sensor's channel says, or as an unknown force pushes.
+/// Drive of a point between the modelled part and the rest: a measured acceleration, or an unknown force.
 struct InterfaceAcceleration {
   Name sensor;
   double displacement_std = 0.0, velocity_std = 0.0;  ///< of the motion's start [m], [m/s]
@@ -73,25 +73,24 @@ struct RestPosition {
   double deviation = 0.0;  ///< prior standard deviation about the record's zero
 };
 
-/// What the filter is to estimate, and how.
+/// Settings of the filter.
 struct EstimationSettings {
-  std::optional<FilterKind> filter = {};  ///< none: chosen by what the system allows
+  std::optional<FilterKind> filter = {};  ///< if empty, the system decides
   UnscentedOptions unscented = {};
   std::vector<Unknown> unknowns = {};
-  Named<Located<PointPrior>> initial_state = {};  ///< by degree of freedom, "all" for those that are not named
+  Named<Located<PointPrior>> initial_state = {};  ///< by degree of freedom; "all" for those without an entry
   bool initial_state_from_record = false;         ///< displacements and velocities from the displacement sensors
   Named<Located<ConnectorStatePrior>> initial_connector_states = {};
   AccelerationNoise process_noise = {};
   std::optional<LocalModelOptions> local = {};
-  double settle = 0.0;                  ///< time that errors and consistency leave out [s]
-  bool estimate_initial_state = false;  ///< keep the start in the state and refine it with every sample
+  double settle = 0.0;                  ///< time before errors and consistency count [s]
+  bool estimate_initial_state = false;  ///< keep the initial state in the state vector and update it with every sample
   int passes = 1;                       ///< over the record, each from the estimate of the one before
   int substeps = 4;                     ///< of a sample interval, for the connectors' forces
-  int threads = 0;                      ///< 0: one a processor
+  int threads = 0;                      ///< 0: one per processor
 };
 
-/// A structure, what measures it, and what is to be estimated from its record. Immutable; models that are made from it
-/// share it.
+/// A structure, its sensors, and the unknowns to estimate from its record. Immutable; models made from it share it.
 struct EstimationProblem {
   StructurePtr structure;
   std::vector<Sensor> sensors = {};

@@ -22,11 +22,11 @@ struct FilterRun {
 FilterRun make_filter_run(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
                           std::optional<StateCoordinates> coordinates = std::nullopt);
 
-/// What a filter made of a record, and the filter and model that did.
+/// Result of a filter over a record, with that filter and its model.
 struct FilteredRecord {
   FilterRun run;
   EstimationResult result;
-  /// The model at the end: linearised about the last values of the unknowns of the linear part, where there are some.
+  /// The model at the end, linearised about the final values of the unknowns of its linear part.
   [[nodiscard]] std::shared_ptr<const AugmentedModel> augmented_model() const {
     return result.augmented_model ? result.augmented_model : run.choice.augmented_model;
   }
@@ -40,7 +40,7 @@ FilteredRecord run_filter(const EstimationProblemPtr& problem, const AugmentedMo
                           EstimationOptions options);
 
 int processors();
-/// Threads that the settings ask for, or one a processor.
+/// Threads of the settings, or one per processor.
 int filter_threads(const EstimationSettings& settings);
 
 }  // namespace kalfem

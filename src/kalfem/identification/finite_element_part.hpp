@@ -12,16 +12,16 @@
 
 namespace kalfem {
 
-/// A finite-element substructure at full order: what it is made of, and its matrices. Immutable.
+/// A finite-element substructure at full order: its elements, damping and matrices. Immutable.
 struct FiniteElementPart {
   std::string name;
   FiniteElementModel elements;
   AssembledModel assembled;
-  MassProperties mass;                                    ///< of the whole, also of what is held
+  MassProperties mass;                                    ///< with the fixed degrees of freedom
   Eigen::Vector3d moving_mass = Eigen::Vector3d::Zero();  ///< that the free part moves along x, y, z [kg]
   std::vector<NamedNode> nodes;
   LinearModel full;                   ///< with its damping
-  FiniteElementDamping damping;       ///< of which `full` is made, beside its dashpots
+  FiniteElementDamping damping;       ///< included in `full`, with its dashpots
   std::vector<std::string> boundary;  ///< names of the degrees of freedom that the rest of the structure touches
 };
 using FiniteElementPartPtr = std::shared_ptr<const FiniteElementPart>;
@@ -35,11 +35,11 @@ void assemble_part(FiniteElementPart& part, const AssemblyOptions& options);
 struct FiniteElementSubstructure {
   FiniteElementPartPtr part;
   ReductionRequest reduction;
-  std::shared_ptr<const Superelement> reduced;    ///< in the filter's model; empty where nothing is attached
+  std::shared_ptr<const Superelement> reduced;    ///< in the filter's model; empty if nothing is attached
   std::shared_ptr<const Superelement> reference;  ///< in the simulation; empty: the full model
 };
 
-/// The superelement of a part. `sensor_bandwidth` [Hz], infinite where no sensor has a limit.
+/// The superelement of a part. `sensor_bandwidth` [Hz], infinite if no sensor has a limit.
 Superelement reduce(const FiniteElementPart& part, const ReductionRequest& request, double sensor_bandwidth);
 
 /// The superelement of the part at other values of its parameters, with as many fixed-interface modes as `first` has,

@@ -20,6 +20,9 @@ LocalModel::LocalModel(const LocalModelOptions& local, StructureParts& parts, Is
   for (const auto& name : local.substructures) kept_.insert(name.value);
 }
 
+// The order matters. Grounds of dropped substructures are collected before these are removed. Connectors are removed
+// last, once all points of the local model are known: kept substructures, kept grounds, and interfaces that move as
+// measured.
 void LocalModel::apply(AugmentedModelSetup& setup) {
   check_names();
   const auto grounds = grounds_left_out();
@@ -65,7 +68,7 @@ void LocalModel::check_names() {
                   name.path + ": there is no substructure '" + name.value + "'" + did_you_mean(name.value, known));
 }
 
-/// Grounds of substructures that are left out: their motion is known, whether they are fixed or driven.
+/// Grounds of dropped substructures. Their motion is known, as they are either fixed or driven.
 std::vector<std::string> LocalModel::grounds_left_out() const {
   std::vector<std::string> grounds;
   for (const auto& part : parts_.substructures)
@@ -77,7 +80,7 @@ std::vector<std::string> LocalModel::grounds_left_out() const {
   return grounds;
 }
 
-/// Of these grounds, those at which a connector of the kept part ends.
+/// Keeps those of these grounds at which a connector of the local model ends.
 void LocalModel::keep_grounds(const std::vector<std::string>& grounds) {
   const auto keep = [&](const std::string& end, const std::string& other) {
     if (!belongs(other, kept_) || std::ranges::find(grounds, end) == grounds.end() || reachable(end)) return;
@@ -91,7 +94,7 @@ void LocalModel::keep_grounds(const std::vector<std::string>& grounds) {
   }
 }
 
-/// Whether an input drives anything that is kept; of several grounds only those that are kept.
+/// Whether an input drives the local model. Of several grounds it keeps only those in the model.
 bool LocalModel::remains(InputDescription& input) const {
   if (input.kind == InputKind::base_acceleration) return true;
   if (input.direction.empty()) return reachable(input.target);
@@ -128,7 +131,7 @@ void LocalModel::add_interface(const std::string& point, const Located<Interface
   }
 }
 
-/// A substructure without degrees of freedom whose only point is a ground that moves.
+/// Adds a moving ground to its substructure; a dropped one returns without degrees of freedom, only with this point.
 void LocalModel::add_moving_point(const std::string& substructure, const std::string& point) {
   for (auto& part : parts_.substructures)
     if (part.name == substructure) {

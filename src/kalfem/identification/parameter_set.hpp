@@ -22,7 +22,7 @@ struct Parameter {
   std::string name;
   std::string owner;  ///< the connector or the linear substructure
   std::string unit;
-  double value = 0.0;  ///< in the structure as it is given
+  double value = 0.0;  ///< in the structure as given
   std::variant<ConnectorParameter, LumpedParameter, FiniteElementParameter> where;
 
   [[nodiscard]] bool of_connector() const { return std::holds_alternative<ConnectorParameter>(where); }
@@ -36,9 +36,9 @@ class ParameterSet {
 public:
   explicit ParameterSet(const StructureModel& structure);
 
-  /// Nothing where there is none of that name.
+  /// Empty if there is none with that name.
   [[nodiscard]] std::optional<Parameter> find(const std::string& name) const;
-  /// Names to choose from; also those of beams that exist only where they are asked for.
+  /// All names, including section parameters of beams, which exist only on request.
   [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
 
 private:

@@ -20,8 +20,8 @@ std::vector<ParameterBinding<Target>> bindings_of(const std::vector<StructureBin
   return own;
 }
 
-/// Ratios of all modes, one a mode: above their limit they fall as 1 / omega, as add_modal_damping() damps the modes of
-/// a large model. None where no mode lies below it.
+/// Ratios of all modes, one per mode. Above their limit they fall as 1 / omega, as in add_modal_damping() for large
+/// models. Empty if no mode lies below the limit.
 std::vector<double> ratios_of_all(const VectorXd& frequencies, const ModalRatios& ratios) {
   const Index below = (frequencies.array() <= ratios.up_to).count();
   if (below == 0) return {};

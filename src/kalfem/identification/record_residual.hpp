@@ -11,8 +11,8 @@
 
 namespace kalfem {
 
-/// Measured accelerations, velocities or displacements of a substructure against those that it has when the estimated
-/// motion of its boundary drives it. One evaluation is one pass of the loop:
+/// Compares measured accelerations, velocities or displacements of a substructure with those predicted from the
+/// estimated motion of its boundary. One evaluation is one pass of the loop:
 ///   reduce the finite elements at theta -> estimate states and unknowns from the record -> drive the substructure by
 ///   its boundary's motion -> r = (predicted - measured) / deviation at every sample after settling.
 /// The deviation is that of the filter's innovation at the first parameters, noise and prediction together, held fixed.
@@ -59,8 +59,8 @@ public:
   /// Which derivatives are used, and why: "held gains: ...".
   [[nodiscard]] const std::string& derivatives() const { return explanation_; }
 
-  /// What the filter gives to the prediction: the substructure, the motion of its boundary from half the settling time
-  /// on (the rest is for measurement chains to settle), and where it starts.
+  /// Input of the prediction from the filter: the substructure, the motion of its boundary from half the settling time
+  /// on (before that, measurement chains settle), and its initial state.
   struct Estimate {
     std::shared_ptr<const CoupledModel> model;
     std::shared_ptr<const DrivenSubstructure> drive;
@@ -69,7 +69,7 @@ public:
     Eigen::MatrixXd deviation;  ///< of the sensors' innovations, samples x sensors
     Gains gains;                ///< of the filter, where they are asked for
   };
-  /// Nothing where the filter fails.
+  /// Empty if the filter fails.
   [[nodiscard]] std::optional<Estimate> estimate_at(const StructureParts& parts, const Eigen::VectorXd& parameters,
                                                     bool keep_gains) const;
   /// The same by an augmented model with these gains: without deviations.
@@ -83,11 +83,11 @@ private:
                                                        const Eigen::VectorXd& parameters) const;
   [[nodiscard]] Estimate structure_of(const StructureParts& parts) const;
   void set_start(const Eigen::VectorXd& state, Eigen::Index velocity, Estimate& estimate) const;
-  /// The residual by a filter pass, or by held gains where there are some.
+  /// The residual by a filter pass, or by held gains if given.
   [[nodiscard]] std::optional<Eigen::VectorXd> values_at(const StructureParts& parts, const Eigen::VectorXd& parameters,
                                                          const Gains& gains) const;
   /// Half of the settling time is left to the measurement chains; a local augmented model does not know the
-  /// substructure's state then, so that it starts at the beginning.
+  /// substructure's state then, so it starts at the first sample.
   [[nodiscard]] Eigen::Index first_predicted() const { return problem_->settings.local ? 0 : settled_ / 2; }
   /// Columns of the Jacobian against `values`, the residual at the parameters: by filter passes, or by held gains where
   /// there are some. Nothing where a run fails.
@@ -110,7 +110,7 @@ private:
   std::vector<Sensor> sensors_;
   Eigen::Index settled_ = 0;   ///< first sample that counts
   Eigen::MatrixXd measured_;   ///< samples x sensors
-  Eigen::MatrixXd deviation_;  ///< counted samples x sensors; infinite where nothing was measured
+  Eigen::MatrixXd deviation_;  ///< counted samples x sensors; infinite for missing samples
 };
 
 }  // namespace kalfem

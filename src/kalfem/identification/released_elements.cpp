@@ -23,7 +23,7 @@ std::string inertial_point(StructureParts& parts) {
   return inertial_substructure + ".frame";
 }
 
-/// The connector that carries departures of the element at `place`; stiffness and damping of a spring share one.
+/// The connector that carries departures of the element at `place`. Stiffness and damping of a spring share one.
 ConnectorDescription& connector_at(StructureParts& parts, const std::string& place, const std::string& from,
                                    const std::string& to) {
   for (auto& connector : parts.connectors)
@@ -75,6 +75,9 @@ bool is_positive_by_nature(const Parameter& parameter) {
   return element ? element->kind == Kind::stiffness || element->kind == Kind::mass : !parameter.of_connector();
 }
 
+// A released element keeps its nominal value in the linear part. A connector carries the departure from it, with the
+// value from the filter's state, so the total force is that of the state. Stiffness and damping of one spring share a
+// connector. A mass departs against an inertial frame, as its force does not depend on the motion of any ground.
 ParameterTarget release(StructureParts& parts, const Parameter& parameter, double nominal) {
   if (const auto* of_law = std::get_if<ConnectorParameter>(&parameter.where)) {
     const auto connector = std::ranges::find(parts.connectors, parameter.owner, &ConnectorDescription::name);

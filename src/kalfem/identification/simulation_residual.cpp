@@ -36,6 +36,8 @@ SimulationResidual::SimulationResidual(StructurePtr given, std::vector<Sensor> m
   }
 }
 
+// Simulates by exact stepping with `substeps` steps per sample, passes each output through the chain of its sensor at
+// this rate, and takes the samples of the record after settling. Missing samples add zero.
 std::optional<VectorXd> SimulationResidual::values(const StructureParts& parts) const {
   const CoupledModel model = couple(parts);
   std::vector<OutputDescription> outputs;
@@ -63,6 +65,8 @@ std::optional<VectorXd> SimulationResidual::values(const StructureParts& parts) 
   return residual;
 }
 
+// The Jacobian is a one-sided difference: one simulation per parameter, in parallel, with the finite elements in the
+// bases of `parameters`.
 std::optional<ResidualValue> SimulationResidual::evaluate(const VectorXd& parameters, bool with_jacobian) const try {
   const StructureAtParameters here = structure_->at(parameters);
   auto residual = values(here.parts);

@@ -3,7 +3,7 @@
 namespace kalfem {
 namespace {
 
-/// The reduced model where there is one, else the full one.
+/// The reduced model if there is one, otherwise the full one.
 Substructure model_of(const FiniteElementPartPtr& part, const std::shared_ptr<const Superelement>& reduced) {
   using ModelPtr = std::shared_ptr<const LinearModel>;
   return {part->name, reduced ? ModelPtr(reduced, &reduced->model) : ModelPtr(part, &part->full)};

@@ -7,11 +7,11 @@ namespace kalfem {
 
 enum class UpdatingMethod { least_squares, evolution };
 
-/// What an updating refines.
+/// The parameters of an updating.
 struct UpdatingSetup {
   std::vector<UpdatingParameter> parameters;
-  std::vector<StructureBinding> bindings;              ///< where theta stands in the substructures
-  std::vector<std::optional<double>> true_parameters;  ///< one a parameter
+  std::vector<StructureBinding> bindings;              ///< positions of theta in the substructures
+  std::vector<std::optional<double>> true_parameters;  ///< one per parameter
 };
 
 /// The refined parameters by their names.
