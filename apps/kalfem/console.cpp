@@ -57,7 +57,7 @@ void require_output() {
 
 namespace {
 
-/// One line on stderr that is drawn again and wiped at the end of a stage.
+/// One line on stderr that is drawn again and wiped at the end of a step.
 class Bar {
 public:
   ~Bar() { wipe(); }

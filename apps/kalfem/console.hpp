@@ -33,7 +33,7 @@ void print_error(fmt::format_string<Values...> format, Values&&... values) {
 /// Throws WriteFailure where stdout did not take the text up to here.
 void require_output();
 
-/// A bar on stderr while a stage runs longer than a second; only on a terminal.
+/// A bar on stderr while a step runs longer than a second; only on a terminal.
 Progress progress_bar();
 
 }  // namespace kalfem::command

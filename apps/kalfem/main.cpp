@@ -18,7 +18,7 @@ struct Arguments {
   bool json = false, laws = false;
 };
 
-CLI::App* add_stage(CLI::App& app, const char* verb, const char* meaning, Arguments& arguments) {
+CLI::App* add_run_verb(CLI::App& app, const char* verb, const char* meaning, Arguments& arguments) {
   auto* command = app.add_subcommand(verb, meaning);
   command->add_option("case", arguments.case_file, "case file (YAML)")->required();
   command->add_option("--out", arguments.folder, "folder for the results; default: <case>.kalfem-out");
@@ -75,12 +75,12 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", version);
   app.require_subcommand(1);
   Arguments arguments;
-  add_stage(app, "run", "run everything the case asks for", arguments);
-  add_stage(app, "modes", "compute the natural modes of every substructure, full and reduced", arguments);
-  add_stage(app, "simulate", "simulate the structure and make its record", arguments);
-  add_stage(app, "estimate", "estimate the states and the unknown parameters, running the steps this needs", arguments);
-  add_stage(app, "predict", "predict the response of a linear substructure, running the steps this needs", arguments);
-  add_stage(app, "update", "update the linear substructures from measurements, running the steps this needs",
+  add_run_verb(app, "run", "run everything the case asks for", arguments);
+  add_run_verb(app, "modes", "compute the natural modes of every substructure, full and reduced", arguments);
+  add_run_verb(app, "simulate", "simulate the structure and make its record", arguments);
+  add_run_verb(app, "estimate", "estimate the states and the unknown parameters, running the steps this needs", arguments);
+  add_run_verb(app, "predict", "predict the response of a linear substructure, running the steps this needs", arguments);
+  add_run_verb(app, "update", "update the linear substructures from measurements, running the steps this needs",
             arguments);
   auto* check = app.add_subcommand("check", "validate and explain a case file or a deck without running it");
   check->add_option("case", arguments.case_file, "case file (YAML) or deck (.inp, .bdf, .dat, .nas)")->required();

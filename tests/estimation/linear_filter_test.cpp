@@ -4,6 +4,7 @@
 
 #include "estimation/kalman_filter.hpp"
 #include "estimation/linear_chain.hpp"
+#include "kalfem/statistics/quantiles.hpp"
 #include "kalfem/system/signals/deterministic.hpp"
 
 namespace kalfem {
