@@ -1,12 +1,12 @@
 #pragma once
 
+#include <Eigen/Dense>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "kalfem/estimation/filter_kind.hpp"
 #include "kalfem/estimation/gaussian.hpp"
-#include "kalfem/estimation/innovation.hpp"
 #include "kalfem/estimation/partially_linear/partially_linear_map.hpp"
 #include "kalfem/estimation/unscented_transform.hpp"
 
@@ -33,6 +33,24 @@ struct FilterModel {
   Eigen::MatrixXd measurement_noise;        ///< R, l x l
   PartiallyLinearMap* monitored = nullptr;  ///< further quantities for observe(), or none
 };
+
+/// The innovation of one measurement.
+struct Innovation {
+  std::vector<Eigen::Index> channels;  ///< the l channels that were measured, among all
+  Eigen::VectorXd value;               ///< y - predicted y, l
+  Eigen::MatrixXd covariance;          ///< P_yy + R, l x l, lower triangle
+  double nis = 0.0;                    ///< normalised innovation squared, value^T covariance^-1 value
+  double log_likelihood = 0.0;         ///< of this measurement given those before
+};
+
+/// v <- L^-1 v for a few values, L lower triangular.
+void whiten(const Eigen::MatrixXd& lower, Eigen::VectorXd& vector);
+
+/// K = J L^-1 from J = P_xy L^-T, P_yy + R = L L^T.
+Eigen::MatrixXd gain_of(const Eigen::MatrixXd& whitened_cross, const Eigen::MatrixXd& lower);
+
+/// NIS and log-likelihood from the Cholesky factor L of the innovation's covariance and `whitened` = L^-1 value.
+void score(Innovation& innovation, const Eigen::MatrixXd& factor, const Eigen::VectorXd& whitened);
 
 /// A Gaussian filter over partially linear maps. Predict and update follow Table 1 with additive noise; sigma points
 /// are drawn anew for each. An outcome other than usable leaves the estimate as it was. One thread.

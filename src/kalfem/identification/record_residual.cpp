@@ -150,8 +150,8 @@ void RecordResidual::check_held_gains(const StructureAtParameters& here, const V
 
 double RecordResidual::gain_memory(const StructureParts& parts, const VectorXd& parameters) const {
   const FilterRun run = make_filter_run(problem_, augmented_model_at(parts, parameters), record_);
-  const auto gain = run.choice.augmented_model->layout().size() * run.measurements.values.cols();
-  return static_cast<double>(gain) * static_cast<double>(run.measurements.samples() * sizeof(double));
+  const auto gain = run.choice.augmented_model->layout().size() * run.input.measured.values.rows();
+  return static_cast<double>(gain) * static_cast<double>(run.input.measured.samples() * sizeof(double));
 }
 
 AugmentedModelSetup RecordResidual::augmented_model_at(const StructureParts& parts, const VectorXd& parameters) const {

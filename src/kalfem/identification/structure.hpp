@@ -1,13 +1,31 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "kalfem/identification/finite_element_part.hpp"
-#include "kalfem/identification/structure_parts.hpp"
+#include "kalfem/model/lumped.hpp"
+#include "kalfem/system/coupling.hpp"
 #include "kalfem/system/signal.hpp"
 
 namespace kalfem {
+
+/// The parts of a structure, ready to be coupled. The filter releases elements from them and leaves parts out.
+struct StructureParts {
+  std::vector<LumpedSubstructure> substructures;
+  std::vector<Substructure> finite_elements;  ///< as matrices, reduced or full
+  std::vector<ConnectorDescription> connectors;
+  std::vector<InputDescription> inputs;
+  std::optional<GlobalModalDamping> damping = {};
+};
+
+/// Qualified names of all grounds.
+std::vector<std::string> ground_names(const StructureParts& parts);
+
+/// Assembles every substructure and couples. Throws InvalidInput with everything that does not fit.
+CoupledModel couple(const StructureParts& parts);
 
 /// A structure with its known excitation, as the library's own types.
 struct StructureModel {

@@ -10,7 +10,7 @@
 #include "kalfem/pipeline/reported_quantities.hpp"
 #include "kalfem/pipeline/run_steps.hpp"
 #include "kalfem/pipeline/run_updating.hpp"
-#include "kalfem/study/record_noise.hpp"
+#include "kalfem/study/record_source.hpp"
 #include "kalfem/study/study_elements.hpp"
 
 namespace kalfem {

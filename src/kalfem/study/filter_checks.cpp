@@ -5,7 +5,7 @@
 
 #include "kalfem/identification/driven_substructure.hpp"
 #include "kalfem/identification/filter_run.hpp"
-#include "kalfem/study/record_noise.hpp"
+#include "kalfem/study/record_source.hpp"
 
 namespace kalfem {
 

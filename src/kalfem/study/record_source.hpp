@@ -1,14 +1,25 @@
 #pragma once
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/casefile/description.hpp"
 #include "kalfem/records/record_preparation.hpp"
+#include "kalfem/study/study.hpp"
 
 namespace kalfem {
+
+namespace description {
+struct Case;
+}
 
 /// Reads the channels of the case's sensors, one row a sensor in their order, and prepares the record as the case asks.
 /// Throws InvalidInput (missing file or channel, units that do not fit, samples that are not finite unless the case
 /// skips them, an empty part, a channel without any number in it or with one value throughout).
 PreparedRecord read_measured_record(const description::Case& given);
+
+/// Gives each channel of the measured record the unit and the noise of its sensor. Throws InvalidInput where per cent
+/// of a channel that is 0 throughout are no noise.
+void set_noise(Study& study);
+
+/// Throws the same for a record with one channel a sensor; `channel` names one in the message.
+void check_noise(const Study& study, const Record& record, const std::string& channel);
 
 }  // namespace kalfem

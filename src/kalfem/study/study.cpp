@@ -11,7 +11,6 @@
 #include "kalfem/study/estimation_problem_of.hpp"
 #include "kalfem/study/filter_checks.hpp"
 #include "kalfem/study/making_steps.hpp"
-#include "kalfem/study/record_noise.hpp"
 #include "kalfem/study/record_source.hpp"
 #include "kalfem/study/structural_modifications.hpp"
 #include "kalfem/study/study_elements.hpp"
