@@ -41,9 +41,10 @@ void simulate_once(const Study& study, const CoupledModel& model, Index substeps
 }
 
 void time_simulation_residual(const Study& study, const Record& record) {
-  const auto structure = parameterised_structure(study);
-  const SimulationResidual::Options options{.name = "record", .sensors = names_of(study.sensors)};
-  const SimulationResidual residual(study, record, structure, options);
+  const auto& structure = study.updating_plan->structure;
+  const SimulationResidual::Options options{.name = "record"};
+  const SimulationResidual residual(study.structure, study.sensors, record, structure, study.updating->parameters,
+                                    options);
   const VectorXd start = initial_values(study.updating->parameters);
   const CoupledModel model = couple(structure->at(start).parts);
   std::vector<double> evaluations, simulations;
