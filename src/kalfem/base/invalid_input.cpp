@@ -72,6 +72,8 @@ void IssueList::raise() const {
   if (!issues_.empty()) throw InvalidInput(issues_);
 }
 
+// Accepts at most a third of the letters wrong, and at least one. The difference of lengths is a lower bound of the
+// distance, so names of very different length are skipped before the quadratic computation.
 std::string did_you_mean(const std::string& name, const std::vector<std::string>& known) {
   if (name.size() > longest_name || std::ranges::find(known, name) != known.end()) return "";
   const std::string* nearest = nullptr;

@@ -84,6 +84,7 @@ Unit to_unit(const NamedUnit& named, double prefix = 1.0) {
   return unit;
 }
 
+// Looks for the whole symbol first and for prefix and symbol after that, so a unit never loses to a prefixed one.
 std::optional<Unit> find_unit(std::string_view symbol) {
   for (const auto& unit : named_units)
     if (unit.symbol == symbol) return to_unit(unit);
@@ -141,6 +142,8 @@ private:
   bool take(std::string_view token) {
     if (!rest_.starts_with(token)) return false;
     rest_.remove_prefix(token.size());
+    // Combines factors from left to right. A slash divides by the next factor alone; a product after it, as in N/m s,
+    // is read differently by different people and is refused.
     return true;
   }
 
@@ -179,6 +182,8 @@ private:
     return inside;
   }
 
+  // Stops before a superscript or a middle dot, whose bytes lie above 0x7F like those of the degree and micro signs.
+  // In gravity mode g, mg and the like are accelerations; any other symbol is looked up as usual.
   /// The longest run of letters and signs that names a unit; g0 has a digit in it.
   Unit symbol() {
     std::size_t length = 0;
@@ -247,6 +252,8 @@ private:
     return value;
   }
 
+  // Powers are stored in twelfths, so that halves, thirds and quarters stay exact: m/s^2/sqrt(Hz) has a dimension
+  // that can be compared without a tolerance.
   int twelfths(double exponent) const {
     const double parts = parts_per_power * exponent;
     if (!(std::abs(exponent) <= largest_power) || std::abs(parts - std::round(parts)) > 1e-9)
@@ -295,6 +302,8 @@ bool operator==(const Quantity& a, const Quantity& b) {
 
 Unit parse_unit(std::string_view text) { return UnitParser(text).parse(); }
 
+// The letter g is the gram in SI and standard gravity on data sheets of accelerometers. It is read as gravity only
+// where that, and so not the gram, gives the expected dimension.
 Unit parse_unit_as(std::string_view text, std::string_view expected_unit) {
   const Dimension wanted = parse_unit(expected_unit).dimension;
   if (const auto with_gravity = unit_with_gravity(text, wanted)) return *with_gravity;
@@ -303,6 +312,9 @@ Unit parse_unit_as(std::string_view text, std::string_view expected_unit) {
   return unit;
 }
 
+// Reads a number and takes the rest as its unit. std::from_chars knows no leading plus and no locale: the plus is
+// skipped by hand, and a decimal comma gets a message of its own. A number without unit is marked as bare, which
+// stands for SI.
 Quantity parse_quantity(std::string_view text) {
   const std::string shown = "'" + std::string(text.substr(0, longest_text)) + "'";
   std::string_view digits = trim(text);
@@ -323,6 +335,8 @@ Quantity parse_quantity(std::string_view text) {
   return {value, unit.dimension, false};
 }
 
+// The radian is a ratio, so angles compare with pure numbers. Rates are the exception: 1 Hz is 2 pi rad/s, and an
+// exchange of both would be a factor of 2 pi.
 bool compatible(const Dimension& a, const Dimension& b) {
   const auto without_angle = [](Dimension dimension) {
     dimension.twelfths.back() = 0;

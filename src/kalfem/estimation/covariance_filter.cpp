@@ -13,6 +13,8 @@ using Eigen::VectorXd;
 
 void CovarianceFilter::reset(const Gaussian& estimate) { estimate_ = estimate; }
 
+// Every transform starts from a fresh square root S of P, lower triangular. A covariance that is not positive
+// semi-definite ends here, before any sigma point is evaluated.
 FilterOutcome CovarianceFilter::transform(PartiallyLinearMap& map, UnscentedTransform& transform) {
   if (!covariance_factor(estimate_.covariance, factor_)) return FilterOutcome::covariance_not_positive_definite;
   return transform.apply(map, estimate_.mean, factor_, FactorShape::lower_triangular)
@@ -78,6 +80,7 @@ VectorXd CovarianceFilter::standard_deviation() const {
   return estimate_.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
 }
 
+// The updates keep only the lower triangle of P up to date, so each entry is read below the diagonal.
 MatrixXd CovarianceFilter::covariance_of(const std::vector<Index>& states) const {
   const auto count = static_cast<Index>(states.size());
   return MatrixXd::NullaryExpr(count, count, [&](Index i, Index j) {

@@ -50,6 +50,8 @@ Filter::Filter(FilterModel model) : model_(std::move(model)) {
   assert(model_.measurement_noise.rows() == model_.measurement.linear().rows());
 }
 
+// Reduces the measurement to the channels with a finite value and leaves the conditioning to the filter's own form. A
+// channel without a value carries no information: its row and column drop out of R, P_yy and P_xy.
 /// Channels come and go in stretches, so R of the present ones is formed only where they change.
 FilterOutcome Filter::update(const Eigen::VectorXd& y, Innovation& innovation) {
   assert(y.size() == channels());
@@ -67,6 +69,11 @@ FilterOutcome Filter::update(const Eigen::VectorXd& y, Innovation& innovation) {
   return condition(values_, noise_, innovation);
 }
 
+// Maps the kind of filter to a representation of P and a set of sigma points. The unscented kinds draw points of the
+// whole state. The partially linear kinds draw them in the arguments of the nonlinear functions only, which gives the
+// same moments of the linear part. Their fast form needs a process matrix with blocks that fit into tiles; otherwise
+// the dense filter gives the same estimates. The extended filter is the limit of points with no spread: a first-order
+// linearisation.
 std::unique_ptr<Filter> make_filter(FilterKind kind, const FilterModel& model, const UnscentedOptions& options,
                                     int threads) {
   UnscentedOptions of_arguments = options;
@@ -99,6 +106,8 @@ Eigen::MatrixXd gain_of(const Eigen::MatrixXd& whitened_cross, const Eigen::Matr
   return lower.triangularView<Eigen::Lower>().solve<Eigen::OnTheRight>(whitened_cross);
 }
 
+// log N(nu; 0, L L^T) = -1/2 (nu^T (L L^T)^-1 nu + log det(L L^T) + l log(2 pi)). Both terms come from the factor:
+// the first is the squared norm of L^-1 nu, the second twice the sum of log L_ii.
 void score(Innovation& innovation, const Eigen::MatrixXd& factor, const Eigen::VectorXd& whitened) {
   innovation.nis = whitened.squaredNorm();
   const double log_determinant = 2.0 * factor.diagonal().array().log().sum();

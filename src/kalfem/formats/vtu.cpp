@@ -124,6 +124,7 @@ void add_cells(VtkDocument& document, const Mesh& mesh) {
   document.add_array<std::int64_t>("cell", 1, numbers);
 }
 
+// A cell has one region number, the first in the order of the names, while regions may overlap; -1 is none.
 void add_cell_regions(VtkDocument& document, const Mesh& mesh) {
   std::vector<std::int32_t> region_of(mesh.cells.size(), -1);
   std::int32_t position = 0;
@@ -143,6 +144,9 @@ std::string shortest(double value) {
 
 }  // namespace
 
+// Writes the parts in the order of the VTK XML schema: field data, then one piece with point data, points, cells and
+// cell data. Arrays are stored raw behind the XML (appended data), so no digits are lost and the file is read at
+// once.
 void write_vtu(const std::filesystem::path& file, const Mesh& mesh, const std::vector<NodalField>& fields) {
   check(mesh, fields);
   VtkDocument document;

@@ -32,6 +32,8 @@ std::vector<double> ratios_of_all(const VectorXd& frequencies, const ModalRatios
   return all;
 }
 
+// Turns modal damping ratios into a matrix: C += sum_i 2 zeta_i omega_i (M phi_i)(M phi_i)^T over the normal modes of
+// the model at these parameters.
 LinearModel damped(ModelAtParameters at) {
   auto& [model, ratios] = at;
   if (ratios.empty()) return model;
@@ -83,6 +85,8 @@ std::shared_ptr<const ParameterisedModel> ParameterisedStructure::reduced_at(std
       finite_elements_[index]->in_basis(reduced.basis, reduced.model, parameters));
 }
 
+// at() reduces the finite elements anew, near() keeps the bases that at() found. So the columns of a Jacobian by
+// differences share one basis and contain no change of it.
 StructureAtParameters ParameterisedStructure::at(const VectorXd& parameters) const {
   StructureAtParameters structure;
   for (std::size_t i = 0; i < finite_elements_.size(); ++i) structure.in_basis.push_back(reduced_at(i, parameters));

@@ -226,6 +226,9 @@ std::optional<RecordResidual::Estimate> RecordResidual::fixed_gain_run_at(const 
   return estimate;
 }
 
+// Predicts each sensor in four steps: rows of the sensors over the substructure, response of the substructure to the
+// estimated motion of its boundary, direct part of the base motion, measurement chain of the sensor. Samples before
+// the start of the estimate stay zero; weighted() does not count them.
 MatrixXd RecordResidual::predict_from(const Estimate& estimate) const {
   std::vector<OutputDescription> outputs;
   for (const auto& sensor : sensors_) outputs.push_back(sensor.output);
@@ -245,6 +248,8 @@ MatrixXd RecordResidual::predict_from(const Estimate& estimate) const {
   return sensors;
 }
 
+// r = (predicted - measured) / sigma over the counted samples. A missing sample has an infinite sigma and a NaN
+// difference; both give a residual of zero, so the size of r does not depend on the parameters.
 VectorXd RecordResidual::weighted(const MatrixXd& sensors) const {
   const Index counted = deviation_.rows();
   const MatrixXd difference = sensors.bottomRows(counted) - measured_.bottomRows(counted);

@@ -76,6 +76,8 @@ private:
   bool nodes_exist_ = true;
 };
 
+// Later checks index nodes by cell and cells by region without tests of their own. So a wrong index in either marks
+// the mesh as unsound and skips them. Without a number for each node no message could name one, so the check stops.
 void Validator::check_mesh() {
   const auto in_range = [](Eigen::Index index, std::size_t size) {
     return index >= 0 && static_cast<std::size_t>(index) < size;
@@ -113,6 +115,7 @@ void Validator::check_material(const std::string& name, const IsotropicMaterial&
     add(title + "density " + std::to_string(material.density), "it must be positive and finite", "give it in kg/m^3");
 }
 
+// A laminate has its own stiffness and mass, so only the other properties need a material of the model.
 void Validator::check_property(const std::string& region, const RegionProperty& property) {
   if (!mesh_.regions.contains(region))
     add("a property is given for the region '" + region + "', which the mesh does not have" +
@@ -153,6 +156,8 @@ void Validator::check_laminate(const std::string& region, const LaminateProperty
         "complete its layers and their transverse shear moduli");
 }
 
+// Beams and shells exist for linear cells only; readers split quadratic ones before. Solids exist for both orders. Of
+// several wrong cells the first is named, since one wrong cell mostly means a mixed region.
 /// Shells are made of surfaces, beams of lines, solids of bodies.
 void Validator::check_shape(const std::string& region, const RegionProperty& property) {
   struct Kind {
@@ -189,6 +194,8 @@ void Validator::check_directions(const std::string& region, const RegionProperty
         "give one for all elements, or one for each");
 }
 
+// A shear factor of 0 stands for a beam without shear deformation (Euler-Bernoulli), so it is allowed. Area and
+// second moments are not: a zero would leave a motion of the beam without stiffness.
 void Validator::check_section(const std::string& region, const BeamProperty& beam) {
   const auto& section = beam.section;
   for (const auto& [what, value] : {std::pair{"area", section.area},
@@ -232,6 +239,7 @@ void Validator::check_regions() {
   check_overlaps();
 }
 
+// Each cell keeps the region that claimed it first. A pair of regions is told once, however many cells they share.
 /// A cell in two regions with properties, or twice in one, would count twice.
 void Validator::check_overlaps() {
   std::vector<const std::string*> owner(mesh_.cells.size(), nullptr);
@@ -276,6 +284,7 @@ void Validator::check_names(const std::vector<Item>& items, const std::string& k
       add("the " + kind + " '" + item.name + "' is given twice", "names must be unique", "rename one of them");
 }
 
+// An inertia tensor is symmetric with non-negative principal moments. A zero tensor is a pure point mass.
 void Validator::check_masses() {
   check_names(model_.masses, "point mass");
   for (const auto& mass : model_.masses) {
@@ -299,6 +308,8 @@ void Validator::check_masses() {
   }
 }
 
+// A spring acts between two degrees of freedom, or between one and a named ground. Negative values are refused: they
+// would make K or C indefinite.
 void Validator::check_springs() {
   check_names(model_.springs, "spring");
   for (const auto& spring : model_.springs) {
@@ -315,6 +326,7 @@ void Validator::check_springs() {
   }
 }
 
+// A joint acts on a weighted sum of displacements, d = sum c_i u_i, and adds k c c^T to the stiffness.
 void Validator::check_joints() {
   check_names(model_.joints, "joint");
   for (const auto& joint : model_.joints) {
@@ -330,6 +342,8 @@ void Validator::check_joints() {
   }
 }
 
+// Imported matrices may come from text with few digits, so symmetry is tested against 1e-9 of the matrix norm. The
+// comparison is negated so that NaN fails it.
 void Validator::check_matrices() {
   check_names(model_.matrices, "matrix");
   for (const auto& item : model_.matrices) {
@@ -351,6 +365,9 @@ void Validator::check_matrices() {
   }
 }
 
+// A weighted link is the average motion of RBE3 (Nastran) or a distributing coupling (Abaqus), and needs positive
+// weights. A rigid link is RBE2 or a kinematic coupling. Which of their motions are determined follows from geometry,
+// and constraint_issues() tests that.
 void Validator::check_links() {
   check_names(model_.links, "rigid link");
   check_names(model_.weighted_links, "weighted link");

@@ -24,6 +24,9 @@ bool is_ratio(Kind kind) { return kind == Kind::modal_ratio || kind == Kind::all
 
 }  // namespace
 
+// Lists the parameters by the names of a case file: spring.stiffness, spring.damping, dof.mass, damping.modal for all
+// ratios at once, damping.modal.<i> for one, and both Rayleigh factors. The last exist even where they are zero, so
+// that they can be estimated from a prior.
 std::vector<std::pair<std::string, LumpedParameter>> parameters_of(const LumpedSubstructure& substructure) {
   std::vector<std::pair<std::string, LumpedParameter>> all;
   for (std::size_t i = 0; i < substructure.springs.size(); ++i) {

@@ -203,6 +203,9 @@ double parabola_peak(const VectorXd& lines, const VectorXd& heights, Index k) {
   return lines[k] + shift * 0.5 * (lines[k + 1] - lines[k - 1]);
 }
 
+// Refines a peak of the sampled magnitude in two steps. The parabola gives a frequency without damping. The fitted
+// pole p = (f_r / f_k)^2 (1 + 2 i zeta) gives both, and is used if it is damped and lies among the fitted lines. With
+// magnitudes alone there is no phase to fit a pole to.
 ResponsePeak refined(const FrequencyResponse& response, const VectorXd& heights, Index k) {
   const ResponsePeak rough{parabola_peak(response.lines, heights, k), {}};
   if (response.magnitudes_only) return rough;

@@ -58,6 +58,9 @@ struct Fit {
   MatrixXd covariance;
 };
 
+// Ordinary least squares by QR. With n samples and m coefficients the noise variance is s^2 = |y - A c|^2 / (n - m),
+// and cov(c) = s^2 (A^T A)^-1. The scaled abscissae lie in [-1, 1], which keeps A^T A well conditioned up to degree
+// 6.
 Fit fit(const Window& window, int degree) {
   const MatrixXd matrix = powers(window.offset, degree);
   const VectorXd coefficients = matrix.householderQr().solve(window.values);
@@ -74,6 +77,9 @@ MatrixXd polynomial_basis(const VectorXd& abscissae, int degree) {
   return qr.householderQ() * MatrixXd::Identity(abscissae.size(), degree + 1);
 }
 
+// Fits y = sum_i c_i x^i with x = (k - sample) / scale to each channel. At the sample itself x = 0, so c_0 is the
+// position and c_1 the slope per unit of x, which the sampling rate and the scale turn into a velocity. A window at
+// the end of the record has fewer samples on one side.
 LocalMotion local_motion(const Record& record, Index sample, const LocalPolynomialOptions& options) {
   check(record, sample, options);
   const double widest = static_cast<double>(record.samples());

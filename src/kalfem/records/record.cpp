@@ -66,6 +66,9 @@ Record select_channels(const Record& record, const std::vector<std::string>& nam
   return selected;
 }
 
+// Keeps the samples k with from <= start + k / rate <= to. Times in a case file are rounded decimals: a sample within
+// 1e-6 of an interval beyond either limit still belongs to the part. The count of samples that a filter learns from
+// moves with the first sample.
 Record cut(Record record, double from, double to) {
   constexpr double rounding = 1e-6;  // of an interval, in the times that are given
   const double first_time = (from - record.start) * record.sample_rate,

@@ -67,6 +67,7 @@ private:
   int steps_ = 0;
 };
 
+// Data lines in front of the first keyword belong to nothing. Such a file is mostly no deck at all, so reading stops.
 void DeckReader::warn_of_leading_data() {
   std::string_view line;
   if (lines_.next_data(line))
@@ -74,6 +75,8 @@ void DeckReader::warn_of_leading_data() {
                    "a deck begins with a keyword (*NODE, ...)", "check that this is an Abaqus or CalculiX deck");
 }
 
+// Keywords that open or close a scope. *PART opens a scope of its own, *INSTANCE one that can hold further nodes and
+// sets, *STEP starts the history. All closing keywords lead back to the deck's root and end the axes of *SYSTEM.
 bool DeckReader::read_structure(const Keyword& keyword) {
   const std::string& name = keyword.name;
   if (name == "PART") return begin_part(keyword), true;
@@ -182,6 +185,9 @@ bool DeckReader::read_mesh(const Keyword& keyword) {
   return true;
 }
 
+// Takes the data lines up to the next keyword. INPUT= names a file whose lines are read in their place. A blank line
+// is skipped, except in keywords whose lines are told apart by position: the first line of *SPRING is blank for
+// SPRINGA, and that of the direction of *BEAM SECTION where the default holds.
 Block DeckReader::read_block(const Keyword& keyword) {
   if (!keyword.get("INPUT").empty()) lines_.insert(keyword.get("INPUT"), keyword.where);
   static const std::set<std::string, std::less<>> with_blanks = {"SPRING", "DASHPOT", "BEAMSECTION",
@@ -193,6 +199,10 @@ Block DeckReader::read_block(const Keyword& keyword) {
   return block;
 }
 
+// Sorts all other keywords by their class. Stored ones are kept as blocks and interpreted once the mesh is complete,
+// since they may name sets that come later. An option, such as *KINEMATIC, completes the block before it. A stored
+// keyword ends the present material. Ignored keywords leave a note whose weight follows from their effect; keywords
+// without which the model would be wrong are problems.
 void DeckReader::read_other(const Keyword& keyword) {
   const auto [use, consequence] = classify(keyword.name);
   Scope& scope = in_instance_ ? deck_.instances.back().own : *scope_;
@@ -250,6 +260,8 @@ void DeckReader::read_matrix(const Keyword& keyword) {
   deck_.matrices.push_back(std::move(matrix));
 }
 
+// Boundary conditions of the first step are marked by INSTEP, as OP=NEW has an effect only there.
+// Other keywords leave a note only if their class asks for one: most of a step is procedure, loads and output.
 /// Of the steps the boundary conditions of the first one, and sets, are read.
 void DeckReader::read_in_step(const Keyword& keyword) {
   if (keyword.name == "ENDSTEP") {
@@ -283,6 +295,7 @@ void DeckReader::check_last_lines() {
                  "if the file is truncated, its last number lacks digits", DeckNoteKind::doubtful);
 }
 
+// A block that is still open at the end is the most certain sign of a truncated deck.
 void DeckReader::check_ends() {
   check_last_lines();
   const auto open = [&](bool is_open, const char* begin, const char* finish) {

@@ -83,6 +83,9 @@ Eigen::Isometry3d PlacedDeck::motion_of(const RawInstance& instance) {
   return motion;
 }
 
+// If numbers of two places collide, the first instance keeps its numbers, and each further one adds a multiple of a
+// power of ten beyond every number of the deck. The numbers stay readable: 1000042 is node 42 of the second instance.
+// Nodes outside of instances come last.
 /// Numbers of instances are raised where those of two places collide.
 void PlacedDeck::number_places() {
   std::vector<std::int64_t> node_labels, element_labels;
@@ -175,6 +178,8 @@ void PlacedDeck::add_elements(int index) {
     }
 }
 
+// Connectivity holds node numbers. A negative one points to a name, such as INSTANCE.12, which must lead to exactly
+// one node.
 bool PlacedDeck::nodes_of(const PlacedElement& element, std::vector<Index>& nodes) {
   nodes.clear();
   const int count = type_of(element).nodes + (element.raw->extra_node >= 0 ? 1 : 0);
@@ -204,6 +209,7 @@ std::string PlacedDeck::element_name(const PlacedElement& element) const {
   return place(element.place).full_name(std::to_string(element.raw->label));
 }
 
+// Instances come in their order, the deck outside of them last.
 std::vector<PlacedBlock> PlacedDeck::blocks(std::string_view keyword) const {
   std::vector<PlacedBlock> found;
   for (int i = 1; i <= place_count(); ++i) {
@@ -215,6 +221,8 @@ std::vector<PlacedBlock> PlacedDeck::blocks(std::string_view keyword) const {
   return found;
 }
 
+// Looks in the same place, then in the deck outside of instances, then for INSTANCE.NAME. Names may contain dots, so
+// each dot is tried as the end of the instance's name.
 PlacedBlock PlacedDeck::find_block(std::string_view keyword, const std::string& name, int start) const {
   const std::string wanted = upper_case(name);
   const auto in_place = [&](int index, const std::string& own) -> PlacedBlock {

@@ -82,6 +82,8 @@ std::vector<Index> PlacedDeck::list(Sets sets, const SetReference& reference, in
   return {};
 }
 
+// Sets can contain sets, so members are gathered recursively and kept for the next use. The sets that are being
+// flattened stand on a stack: one that is met again contains itself.
 /// Members in their order, each once.
 const std::vector<Index>& PlacedDeck::flattened(Sets sets, const Found& found, const SetReference& reference) {
   static const std::vector<Index> none;
@@ -116,6 +118,8 @@ const std::vector<Index>& PlacedDeck::flattened(Sets sets, const Found& found, c
   return flat_.emplace(key, std::move(members)).first->second;
 }
 
+// A piece holds numbers, ranges (GENERATE), names of further sets, and for a node set the elements whose nodes it
+// takes (*NSET, ELSET=). Numbers without a node or element are left out with a note.
 void PlacedDeck::append(Sets sets, const RawSet::Piece& piece, int index, std::vector<Index>& members) {
   const bool of_nodes = sets == &Scope::node_sets;
   const auto& positions = index_of(sets, index);
@@ -157,6 +161,7 @@ void PlacedDeck::append_range(Sets sets, const RawSet::Range& range, int index, 
   }
 }
 
+// The extra node of an element, such as the orientation node of a beam, is not part of it.
 void PlacedDeck::append_nodes_of(const SetReference& element_set, int index, std::vector<Index>& members) {
   std::vector<Index> nodes;
   for (const Index element : element_list(element_set, index)) {

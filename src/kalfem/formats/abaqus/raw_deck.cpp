@@ -93,6 +93,8 @@ std::string to_string(std::string_view field) {
   return field.size() > 40 ? text + "..." : text;
 }
 
+// Most fields are plain numbers, so the fast conversion comes first. A field that ends in a letter is none: this
+// stops words such as "infinity" and "nan" before the slow path.
 std::optional<double> to_number(std::string_view field) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
@@ -117,6 +119,8 @@ std::optional<std::int64_t> to_label(std::string_view field) {
   return value && *value >= 1 && *value <= 1000000000000 ? value : std::nullopt;
 }
 
+// One field up to the next comma, blanks trimmed. A quoted field keeps its commas and blanks, if nothing but blanks
+// follows the closing quote.
 bool FieldCursor::next(std::string_view& field) {
   while (!rest_.empty() && is_blank(rest_.front())) rest_.remove_prefix(1);
   if (rest_.empty()) return false;
@@ -161,6 +165,8 @@ bool consists_of(std::string_view text, std::string_view letters) {
   return text.find_first_not_of(letters) == std::string_view::npos;
 }
 
+// Letters choose the integration: R is reduced, I adds incompatible modes. The plain C3D8 of Abaqus has the mean
+// dilatation instead; a hybrid one (H) is read like C3D8I. Wedges of 6 nodes are integrated by two points.
 /// C3D followed by the number of nodes and letters.
 std::optional<ElementType> solid_type(std::string_view name) {
   std::size_t digits = 0;
@@ -213,6 +219,8 @@ std::optional<ElementType> membrane_type(std::string_view name) {
   return type;
 }
 
+// The last digit is the interpolation: 31 linear, 32 quadratic with 3 nodes, 33 cubic, which has no shear
+// deformation.
 /// B or PIPE followed by 31, 32 or 33 and letters.
 std::optional<ElementType> beam_type(std::string_view name) {
   if (name.size() < 2 || name.front() != '3' || !consists_of(name.substr(2), "RHOST")) return {};
@@ -267,6 +275,8 @@ const std::map<std::string, ElementType, std::less<>>& other_types() {
 
 }  // namespace
 
+// Looks for the whole name first, then splits it into family, number of nodes and letters. Longer families come
+// first, since B and S are prefixes of other names.
 std::optional<ElementType> element_type(std::string_view given) {
   const std::string name = upper_case(given);
   if (const auto other = other_types().find(name); other != other_types().end()) return other->second;

@@ -11,6 +11,8 @@ namespace {
 
 using Directions = Kinematics::Directions;
 
+// Named conditions of *BOUNDARY: XSYMM holds u1, ur2 and ur3, XASYMM its complement u2, u3 and ur1, and so on for y
+// and z.
 const std::map<std::string, Directions, std::less<>>& named_supports() {
   static const std::map<std::string, Directions, std::less<>> supports = {
       {"ENCASTRE", {true, true, true, true, true, true}},  {"PINNED", {true, true, true, false, false, false}},
@@ -65,6 +67,8 @@ void append_direction(const NodeAxes& axes, Index node, int direction, double fa
 
 }  // namespace
 
+// *TRANSFORM gives the nodes of a set local axes for *BOUNDARY and *EQUATION, rectangular, cylindrical or spherical.
+// Axes that coincide with the global ones are dropped: such nodes need no equations.
 NodeAxes read_transforms(PlacedDeck& deck) {
   NodeAxes result;
   for (const auto& at : deck.blocks("TRANSFORM")) {
@@ -77,6 +81,8 @@ NodeAxes read_transforms(PlacedDeck& deck) {
   return result;
 }
 
+// Supports are collected over all lines first, since OP=NEW in the step lifts those before it. A node with axes of
+// its own is then held in all its directions at once, so that its equations are formed together.
 void read_boundaries(PlacedDeck& deck, const NodeAxes& axes, Kinematics& motions) {
   std::vector<Support> supports;
   bool lifted = false;
@@ -116,6 +122,8 @@ void read_boundaries(PlacedDeck& deck, const NodeAxes& axes, Kinematics& motions
   for (const auto& [node, held] : turned) motions.hold(held.first, node, axes.at(node), held.second);
 }
 
+// A direction in local axes is a sum over global ones, so each term can add up to three. The first term is the
+// dependent one, as in Abaqus, unless its node has axes of its own; the elimination chooses then.
 /// The number of terms, then node or set, direction and coefficient of each; sets of the same size go side by side.
 void read_equations(PlacedDeck& deck, const NodeAxes& axes, Kinematics& motions) {
   struct Term {

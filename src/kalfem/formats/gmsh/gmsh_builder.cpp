@@ -7,6 +7,9 @@
 
 namespace kalfem {
 
+// Element types of the MSH format. A type with a shape can be read; the others are known by name and number of nodes,
+// so that they can be counted and refused in one message. `order` gives for each node of the cell its place in the
+// file: Gmsh numbers the mid-side nodes of second-order solids in another order.
 const GmshType* find_gmsh_type(std::int64_t number) {
   static const std::array types{
       GmshType{15, 0, 1, "point", CellShape::point1},
@@ -94,6 +97,8 @@ void GmshBuilder::finish_nodes() {
                                                    static_cast<Eigen::Index>(places_.size()));
 }
 
+// Cells of a type without a shape are only counted. Nodes that are missing are noted, and the cell is kept until
+// finish() raises all problems at once.
 void GmshBuilder::add_element(const GmshType& type, std::int64_t id, std::span<const std::int64_t> nodes,
                               std::span<const std::size_t> groups, std::size_t start) {
   if (!type.shape) {
@@ -130,6 +135,8 @@ void GmshBuilder::note_refused() {
              "mesh with order 1 (gmsh -order 1) or with Mesh.SecondOrderIncomplete = 1");
 }
 
+// Cells of the highest dimension that no physical group names go to the region "mesh". Those of lower dimension are
+// the boundary of the others, which Gmsh saves too if it is asked to save all elements.
 void GmshBuilder::add_cells_without_group() {
   int highest = 1;
   for (const auto& cell : mesh_.cells) highest = std::max(highest, dimension(cell.shape));
@@ -142,6 +149,8 @@ void GmshBuilder::add_cells_without_group() {
   groups_.push_back(std::move(rest));
 }
 
+// Groups of the same name, even of different dimension, become one region. Each region also makes a node set, both
+// sorted and without repetition.
 void GmshBuilder::add_regions() {
   for (const auto& group : groups_) {
     if (group.cells.empty()) continue;
@@ -171,6 +180,8 @@ Mesh GmshBuilder::finish() {
   return std::move(mesh_);
 }
 
+// Numbers that are dense are found by a table over lowest ... highest, at most about four entries for each number.
+// Sparse ones are sorted and found by bisection, so that a single very large number costs no memory.
 NumberLookup::NumberLookup(const std::vector<std::int64_t>& numbers) {
   if (numbers.empty()) return;
   const auto [lowest, highest] = std::ranges::minmax(numbers);

@@ -84,6 +84,8 @@ Number GmshScanner::bytes(const char* what) {
   return value;
 }
 
+// One call reads a number from text or from binary data. Binary files store tags as 4 or 8 bytes, so int32() and
+// int64() differ there; in text they are the same.
 std::int64_t GmshScanner::int32(const char* what) { return binary_ ? bytes<std::int32_t>(what) : text_integer(what); }
 
 std::int64_t GmshScanner::int64(const char* what) { return binary_ ? bytes<std::int64_t>(what) : text_integer(what); }
@@ -113,6 +115,8 @@ std::int64_t GmshScanner::check_count(std::int64_t count, const char* items, std
   return count;
 }
 
+// In text each record stands on a line of its own. Words alone would not show a missing number: the next line's first
+// number would take its place.
 void GmshScanner::end_record(std::size_t start, const char* what) {
   if (binary_) return;
   std::size_t next = at_;
@@ -133,6 +137,7 @@ void GmshScanner::end_section(std::string_view name) {
        "the section has more entries than it announces, or its end is missing", mend_truncated);
 }
 
+// A section that kalfem does not need is passed over as bytes; the end is looked for at the start of a line only.
 void GmshScanner::skip_section(std::string_view name, std::size_t start) {
   const std::string end = "$End" + std::string(name);
   at_ = text_.find("\n" + end, start);
@@ -143,6 +148,7 @@ void GmshScanner::skip_section(std::string_view name, std::size_t start) {
   end_section(name);
 }
 
+// Lines are counted on from the last position, so that many messages cost one pass over the file.
 int GmshScanner::line_of(std::size_t position) {
   if (position < counted_to_) {
     counted_to_ = 0;

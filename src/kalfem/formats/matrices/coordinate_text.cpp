@@ -21,6 +21,8 @@ bool is_banner(std::string_view word) {
   return lower == "%%matrixmarket" || lower == "%matrixmarket";
 }
 
+// Banner, size line, entries. Coordinates stand one a line; the values of an array may be spread over lines at will.
+// Entries beyond those that the size announces mean that the size or the entries are wrong, so they are refused.
 class MarketReader {
 public:
   MarketReader(std::string_view text, const std::string& source) : lines_(text), bytes_(text.size()), source_(source) {}
@@ -145,6 +147,8 @@ std::vector<ForeignMatrix> parse_matrix_market(std::string_view text, const std:
   return {MarketReader(text, source).read()};
 }
 
+// The size is not stated, so entries are collected first. Whether they are one triangle or the full matrix is not
+// stated either: MatrixEntries decides by the entries that it gets.
 std::vector<ForeignMatrix> parse_triplets(std::string_view text, const std::string& source) {
   struct Entry {
     std::int64_t row, column;
@@ -187,6 +191,9 @@ std::string parameter(std::string_view line, const std::string& name) {
   return text.substr(begin, text.find(',', begin) - begin);
 }
 
+// Lines of five numbers, gathered by degree of freedom; a keyword line ends one matrix and names the next.
+// The name is that of NAME=, otherwise of TYPE= or MATRIX=. A negative node number is an internal node, mostly of
+// Lagrange multipliers. They make the matrix indefinite and are refused.
 class NodalReader {
 public:
   NodalReader(std::string_view text, const std::string& source) : lines_(text), bytes_(text.size()), source_(source) {}

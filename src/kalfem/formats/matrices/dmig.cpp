@@ -18,6 +18,11 @@ struct Header {
   int line = 0;
 };
 
+// Reads the cards through the stream of the bulk data reader, which joins continuations and splits small, large and
+// free fields. Square matrices gather their entries by degree of freedom, as their rows and columns are the same
+// list.
+// Rectangular ones are numbered at the end, when all rows and columns are known. Matrices keep the order of their
+// headers.
 class DmigReader {
 public:
   DmigReader(std::string_view text, const std::string& source) : text_(text), bytes_(text.size()), source_(source) {}
@@ -77,6 +82,8 @@ private:
     if (form == 1 || form == 6) square_.try_emplace(name, source_, name);
   }
 
+  // A column card holds groups of four fields G, C, A, B: point, component, real and imaginary part. A group without
+  // point and value is a gap in the card. In form 9 the column is a plain number without component.
   void add_column(const std::string& name, int form) {
     const bool numbered = form == 9;
     MatrixDof column{whole(1, "column's point"), 0};
@@ -115,6 +122,7 @@ private:
     return *value;
   }
 
+  // Form 6 states each pair of off-diagonal entries once, so the other triangle is filled in.
   [[nodiscard]] ForeignMatrix finished(const std::string& name) const {
     const Header header = headers_.at(name);
     if (header.form == 6) return nonempty(square_.at(name).finish(Storage::one_triangle, bytes_), header);

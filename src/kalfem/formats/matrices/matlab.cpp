@@ -19,6 +19,9 @@ struct Element {
   std::string_view data;
 };
 
+// A tag is 8 bytes: type and number of bytes, 4 each. If the upper half of the first word is not zero, the element is
+// small: that half holds the number of bytes, the lower half the type, and the data fill the other 4 bytes.
+// Compressed elements alone are not padded to a multiple of 8.
 Element next_element(ByteReader& reader) {
   const auto first = reader.read<std::uint32_t>();
   if (first >> 16) {
@@ -33,6 +36,8 @@ Element next_element(ByteReader& reader) {
   return element;
 }
 
+// The type of an element is that of its storage, not that of the array: MATLAB writes doubles with whole values in
+// the smallest integer type that holds them.
 double number(ByteReader& reader, std::uint32_t type) {
   switch (type) {
     case 1:
@@ -60,6 +65,8 @@ double number(ByteReader& reader, std::uint32_t type) {
   }
 }
 
+// Walks through the elements behind the header of 128 bytes. The byte order follows from the two letters at byte 126.
+// A compressed element contains one array, which is read like any other once it is inflated.
 class MatlabReader {
 public:
   MatlabReader(std::string_view bytes, const std::string& source)
@@ -110,6 +117,7 @@ private:
     matrices_.push_back(entries.finish(Storage::full));
   }
 
+  // Full arrays run down the columns; zeros are dropped, since all matrices are kept sparse.
   void read_full(ByteReader& reader, MatrixEntries& entries, const std::vector<std::int64_t>& lengths) {
     const Element values = next_element(reader);
     ByteReader numbers = inside(values);
@@ -118,6 +126,8 @@ private:
         if (const double value = number(numbers, values.type); value != 0.0) entries.add(row, column, value);
   }
 
+  // Compressed columns: the entries of column j are those from starts[j] up to starts[j + 1]. MATLAB may reserve more
+  // room than it fills, so the row list can be longer than the last start.
   void read_sparse(ByteReader& reader, MatrixEntries& entries, const std::vector<std::int64_t>& lengths) {
     const auto rows = whole_numbers(next_element(reader)), starts = whole_numbers(next_element(reader));
     const Element values = next_element(reader);

@@ -41,6 +41,10 @@ std::size_t width_of(std::int32_t type) {
   }
 }
 
+// Reads the header in the order of the format: magic and version, number of records, then the lists of dimensions,
+// global attributes and variables. A list has a tag and a length, an empty one is two zeros. Names and attributes are
+// padded to 4 bytes. Versions differ in widths only: CDF-2 has 8 bytes for the start of a variable, CDF-5 for counts
+// too.
 class NetcdfReader {
 public:
   NetcdfReader(std::string_view bytes, const std::string& source) : file_(bytes, source, true) {
@@ -136,6 +140,8 @@ private:
     return dimension < variable.dimensions.size() ? lengths_[variable.dimensions[dimension]] : 0;
   }
 
+  // A variable of fixed size is one block in row-major order from its start. Its size is checked against the rest of
+  // the file before memory is taken.
   Eigen::MatrixXd values(const Variable& variable) {
     const std::size_t rows = length(variable, 0), columns = length(variable, 1), width = width_of(variable.type);
     file_.go_to(variable.begin);

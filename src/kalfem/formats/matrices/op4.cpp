@@ -84,6 +84,8 @@ std::optional<NumberFields> number_fields(std::string_view format) {
   return NumberFields{static_cast<std::size_t>(*count), static_cast<std::size_t>(*width)};
 }
 
+// A header has fixed fields of 8 characters: columns, rows, form, type, name and the format of numbers, "1P,3E23.16".
+// With |I16 at its end the two sizes have 16 characters. Without a format, 5E16.9 holds.
 std::optional<TextHeader> header_of(std::string_view line) {
   const bool wide = blankless(line).ends_with("|I16");
   const std::size_t size_width = wide ? 16 : 8, form_at = 2 * size_width;
@@ -133,6 +135,8 @@ private:
     return op4_matrix(header.matrix, entries);
   }
 
+  // Numbers may fill their fields of 8 without a blank between them, so the fields are cut where they are not three
+  // words.
   std::array<std::int64_t, 3> column_header() {
     const std::string_view line = next_line();
     std::array<std::int64_t, 3> numbers{};
@@ -147,6 +151,8 @@ private:
     return numbers;
   }
 
+  // Counts words down to the end of the column. A string's header counts as one word in the short form and as two in
+  // the long form, and a value as two words in double precision.
   void read_strings(MatrixEntries& entries, const TextHeader& header, std::int64_t column, std::int64_t words) {
     const std::int64_t words_per_value = header.matrix.type == 1 ? 1 : 2;
     while (words > 0) {
@@ -209,6 +215,8 @@ namespace {
 
 constexpr std::int32_t short_header = 24, long_header = 48;
 
+// Fortran's first record has the length of a header before and behind it in one order of bytes only. This tells
+// OUTPUT4 from other files, and its order of bytes.
 /// Whether the first record is a header in this order of bytes.
 bool begins_with_header(std::string_view bytes, bool big_endian) {
   if (bytes.size() < 8) return false;

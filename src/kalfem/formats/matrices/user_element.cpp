@@ -11,6 +11,9 @@
 namespace kalfem {
 namespace {
 
+// One pass over the lines. A keyword closes the matrix before it, since only the keyword tells that its values have
+// ended. Node numbers come from comments, because the element itself numbers its nodes 1 ... n; without these
+// comments the matrix could not be joined to a mesh.
 class UserElementReader {
 public:
   UserElementReader(std::string_view text, const std::string& source)
@@ -53,6 +56,8 @@ private:
     nodes_.insert(nodes_.end(), numbers.begin(), numbers.end());
   }
 
+  // Fixes the rows at *MATRIX: by then the comments and data lines of *USER ELEMENT are complete. Blanks and letter
+  // case do not count in keywords.
   void keyword(std::string_view line) {
     finish_matrix();
     in_nodes_ = false;
@@ -79,6 +84,8 @@ private:
     }
   }
 
+  // Values of a matrix run on over as many lines as they need. Lines of *USER ELEMENT list the active directions: the
+  // first line those of node 1, each later one a node position and the directions that hold from there on.
   void data(const std::vector<std::string_view>& words) {
     in_nodes_ = false;
     if (block_ == Block::matrix) {
@@ -135,6 +142,7 @@ private:
     return dofs;
   }
 
+  // Checks the number of values against n (n + 1) / 2, or n^2 with UNSYMM, and takes them column by column.
   void finish_matrix() {
     if (block_ != Block::matrix) return;
     const std::size_t n = dofs_.size();

@@ -48,6 +48,8 @@ std::int64_t scalar_point_shift(const std::vector<ForeignMatrix>& matrices) {
   return shift;
 }
 
+// One DMIG header for each matrix, then one card for each column that is not empty, in large fields with one row on a
+// line. Form 6 (symmetric) takes the triangle below the diagonal, form 1 all entries.
 class DmigWriter {
 public:
   explicit DmigWriter(std::int64_t shift) : shift_(shift) {}
@@ -105,6 +107,8 @@ bool is_symmetric(const SparseMatrix& matrix) {
   return difference.nonZeros() == 0 || difference.coeffs().abs().maxCoeff() == 0.0;
 }
 
+// Coordinate format with 17 significant digits, from which a reader gets the same doubles. Symmetric matrices list
+// the triangle below the diagonal only.
 std::string matrix_market_text(const ForeignMatrix& matrix) {
   const bool symmetric = is_symmetric(matrix.matrix);
   std::string entries;
@@ -128,6 +132,8 @@ std::string dmig_text(const std::vector<ForeignMatrix>& matrices) {
   return fmt::format("$ generalised coordinate i is the scalar point {} + i\n", shift) + writer.text();
 }
 
+// A negative number of rows announces long strings (BIGMAT). Each column then has a line (column, 0, words) and its
+// strings a line (words + 1, row). A double counts as 2 words, the header of a string as 2 more.
 std::string op4_text(const std::vector<ForeignMatrix>& matrices) {
   std::string text;
   for (const auto& matrix : matrices) {
@@ -152,6 +158,7 @@ std::string op4_text(const std::vector<ForeignMatrix>& matrices) {
 
 namespace {
 
+// A record is collected first, as its length stands before and behind it.
 /// Fortran's unformatted records in a given order of bytes.
 class RecordWriter {
 public:
@@ -215,6 +222,8 @@ Eigen::MatrixXd map_rows(const std::vector<MatrixDof>& dofs) {
   return rows;
 }
 
+// The layout of scipy.sparse and anndata for compressed columns: data, indices, indptr, shape, and the format as an
+// attribute.
 void add_hdf5(const ForeignMatrix& matrix, Hdf5File& file) {
   SparseMatrix entries = matrix.matrix;
   entries.makeCompressed();
@@ -295,6 +304,7 @@ std::vector<MatrixDof> dofs_of(const LinearModel& model) {
   return dofs;
 }
 
+// Modal damping is kept as modes and rates; here it becomes the matrix that gives the same force, D = F(I).
 std::vector<ForeignMatrix> matrices_of(const LinearModel& model) {
   const auto dofs = dofs_of(model);
   SparseMatrix damping = model.damping;
@@ -334,6 +344,8 @@ void write_dof_map(const fs::path& path, const std::vector<MatrixDof>& dofs) {
   write_file_atomically(path, dof_map_text(dofs));
 }
 
+// HDF5 and DMIG take all matrices in one file: HDF5 with map, names and basis, DMIG with its points as the map.
+// Matrix Market holds one matrix a file. It and OUTPUT4 know no degrees of freedom, so a map is written beside them.
 std::vector<fs::path> write_superelement(const fs::path& path, const LinearModel& model, MatrixFormat format,
                                          const Eigen::MatrixXd& basis, const MatrixWriteOptions& options) {
   const auto matrices = matrices_of(model);

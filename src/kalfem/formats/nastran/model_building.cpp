@@ -17,6 +17,8 @@ Eigen::Matrix3d columns(const Eigen::Vector3d& a, const Eigen::Vector3d& b, cons
 
 }  // namespace
 
+// Coordinates of a CORD card: (x, y, z), (r, theta, z) or (r, theta, phi) with angles in degrees. In spherical
+// coordinates theta is measured from the z axis and phi about it.
 Eigen::Vector3d Frame::place(const Eigen::Vector3d& c) const {
   const double first = c[1] * radian, second = c[2] * radian;
   switch (kind) {
@@ -30,6 +32,8 @@ Eigen::Vector3d Frame::place(const Eigen::Vector3d& c) const {
   }
 }
 
+// Axes of motion at a place: columns are the directions r, theta, z or r, theta, phi there. On the z axis the angle
+// about it is not defined; it is taken as 0, which keeps the axes orthonormal.
 Eigen::Matrix3d Frame::directions(const Eigen::Vector3d& at) const {
   if (kind == SystemKind::rectangular) return axes;
   const Eigen::Vector3d local = axes.transpose() * (at - origin);
@@ -95,6 +99,7 @@ const Frame* Frames::resolve(Id id, const Place& where, int depth) {
   return &(frames_[id] = from_points(card->second, points));
 }
 
+// Three points define the axes: A the origin, B on the z axis, C in the x-z plane. y = z x (C - A), x = y x z.
 Frame Frames::from_points(const SystemCard& card, const Eigen::Matrix3d& points) {
   Frame frame;
   frame.kind = card.kind;
@@ -133,6 +138,8 @@ bool Frames::resolve_grid(std::size_t index, int depth) {
   return true;
 }
 
+// Gathers entries over degrees of freedom in the order in which they come. Rows and columns are sums of global
+// components, so an entry in turned axes spreads to up to 3 x 3 global ones.
 int MatrixGather::index_of(const NodalDof& dof) {
   return index_.try_emplace(dof, static_cast<int>(index_.size())).first->second;
 }
@@ -193,6 +200,8 @@ void Building::append(DofSum& terms, Eigen::Index index, int component, double f
     if (std::abs(axis[k]) > 1e-14) terms.push_back({NodalDof{index, component / 3 * 3 + k}, factor * axis[k]});
 }
 
+// Cells of one property that need different sections become regions of their own: the first takes the plain name,
+// further ones a number.
 std::pair<std::string, bool> RegionNames::name(const std::string& base, const std::vector<double>& key) {
   const auto [place, is_new] = names_.try_emplace({base, key});
   if (is_new) {
@@ -268,6 +277,7 @@ std::string Materials::isotropic(Id id, const std::string& title, const Place& w
   return name;
 }
 
+// G over the shear modulus that E and NU of the stored material imply. Beams multiply by it, to keep the G of MAT1.
 double Materials::shear_ratio(Id id) const {
   const auto card = building_.bulk.materials.find(id);
   const auto* law = card == building_.bulk.materials.end() ? nullptr : std::get_if<Material1>(&card->second.law);

@@ -28,6 +28,7 @@ void read_mat1(const Card& card, const Reading& in) {
   add_material(card, in, law);
 }
 
+// The upper triangle G11, G12, G13, G22, G23, G33 of plane stress, row by row; MAT9 has the same order in space.
 void read_mat2(const Card& card, const Reading& in) {
   Material2 law;
   std::size_t field = 2;
@@ -78,6 +79,8 @@ void add_property(const Card& card, const Reading& in, PropertyLaw law) {
     throw CardError("property " + std::to_string(id) + " is defined twice", "", "remove one of the cards");
 }
 
+// MID1 is the membrane, MID2 bending, MID3 transverse shear. Bending is scaled by 12 I / T^3 (1 for a homogeneous
+// plate), shear by TS/T (5/6).
 void read_pshell(const Card& card, const Reading& in) {
   PshellCard shell;
   shell.membrane = card.id_or(2, 0, "MID1");
@@ -127,6 +130,7 @@ void add_ply(const Card& card, std::size_t material, PcompCard& laminate) {
   laminate.plies.push_back(ply);
 }
 
+// Plies follow from field 9 on, MID, T, THETA and SOUT, two on a line. A group of blank fields is no ply.
 void read_pcomp(const Card& card, const Reading& in) {
   PcompCard laminate = laminate_head(card);
   for (std::size_t i = 9; i <= card.size(); i += 4)
@@ -134,6 +138,7 @@ void read_pcomp(const Card& card, const Reading& in) {
   finish_laminate(card, in, std::move(laminate));
 }
 
+// PCOMPG has one ply on a line, with its global number in front.
 void read_pcompg(const Card& card, const Reading& in) {
   PcompCard laminate = laminate_head(card);
   for (std::size_t i = 9; i <= card.size(); i += 8)
@@ -153,6 +158,7 @@ void read_prod(const Card& card, const Reading& in) {
       RodSection{card.id(2, "MID"), card.real_or(3, 0.0, "A"), card.real_or(4, 0.0, "J"), card.real_or(6, 0.0, "NSM")});
 }
 
+// Area pi/4 (do^2 - di^2) and torsion constant pi/32 (do^4 - di^4). A wall of 0 stands for a solid rod.
 void read_ptube(const Card& card, const Reading& in) {
   const double first = card.real(3, "OD"), last = card.real_or(6, first, "OD2"), wall = card.real_or(4, 0.0, "T");
   if (first != last) in.note(card, "taper of PTUBE", "the rod takes the mean of both diameters");
@@ -188,6 +194,7 @@ void read_pbush1d(const Card& card, const Reading& in) {
   add_property(card, in, bush);
 }
 
+// PVISC, PELAS, PDAMP and PMASS hold several properties on one card, each behind its own number.
 void read_pvisc(const Card& card, const Reading& in) {
   for (const std::size_t first : {1, 5}) {
     if (card.blank(first)) continue;
@@ -262,6 +269,7 @@ void read_pbar(const Card& card, const Reading& in) {
 /// A, I1, I2, I12, J and NSM of one station.
 using Station = std::array<double, 6>;
 
+// A blank value of a station is that of end A.
 Station station_at(const Card& card, std::size_t first, const Station& otherwise) {
   Station station;
   for (std::size_t i = 0; i < station.size(); ++i)
@@ -293,6 +301,8 @@ Eigen::Vector2d mean_point(const Card& card, std::size_t first, const char* what
   return 0.5 * (a + b);
 }
 
+// Walks the lines by their flags: a station with YES is followed by a line of stress points, with YESA or NO it is
+// not. Of the stations only that at X/XB = 1 counts, end B: kalfem's beams are prismatic with the mean section.
 /// Lines: end A; its points of stress; stations (with points of stress behind YES); factors; centres.
 void read_pbeam(const Card& card, const Reading& in) {
   const Station a = station_at(card, 3, {});

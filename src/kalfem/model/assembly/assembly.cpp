@@ -267,6 +267,8 @@ void Assembler::report(const std::vector<std::pair<Eigen::Index, std::string>>& 
     issues.add(file, std::to_string(bad.size() - most_cells_told) + " more cells" + title);
 }
 
+// A point mass is linear in its mass with the inertia held: M = m M_1 + M_J. M_1 has a unit mass at the offset and no
+// inertia and belongs to the parameter; M_J is constant.
 void Assembler::add_masses() {
   TripletTerms triplets;
   Scatter scatter;

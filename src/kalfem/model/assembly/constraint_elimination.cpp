@@ -23,6 +23,12 @@ void drop_below(std::map<NodalDof, double>& terms, double limit) {
 
 }  // namespace
 
+// One step of Gauss-Jordan elimination, kept reduced: every row has the coefficient 1 at its pivot, and no other row
+// contains that pivot.
+// 1. Add equal terms and substitute the pivots of earlier rows. If only rounding is left, the equation is redundant.
+// 2. Choose the pivot: the preferred degree of freedom unless its coefficient is negligible, otherwise the largest.
+// Of nearly equal coefficients the first is taken, so that the choice does not depend on rounding.
+// 3. Divide by the pivot's coefficient and substitute the new row into the earlier ones that contain the pivot.
 bool ReducedEquations::add(const std::string& name, const DofSum& given, std::optional<NodalDof> preferred,
                            const SourceLocation& where) {
   std::map<NodalDof, double> terms;
@@ -73,6 +79,7 @@ bool ReducedEquations::add(const std::string& name, const DofSum& given, std::op
   return true;
 }
 
+// A row of the pivot alone states u = 0 and becomes a support; all directions of one name and node share one.
 void ReducedEquations::store(FiniteElementModel& model) const {
   std::map<std::pair<std::string, Eigen::Index>, std::size_t> fixed_at;
   for (const auto& row : rows_) {

@@ -263,6 +263,8 @@ private:
   /// Coefficients that are this much smaller than the largest of their sum are its rounding.
   static constexpr double rounding = 1e-13, negligible = 1e-8;
 
+  // Exchanges one dependent degree of freedom with an independent one, a pivot step of Gauss-Jordan elimination:
+  // solve its equation for the strongest free term, then substitute that term in all other equations.
   void exchange(Eigen::Index wanted) {
     const auto found = equations_.of.find(wanted);
     if (found == equations_.of.end()) return;

@@ -8,6 +8,8 @@
 
 namespace kalfem {
 
+// A small rigid motion of translation t and rotation theta moves a point at the arm r by u = t + theta x r. Along an
+// axis a this is a . u = [a^T, (r x a)^T] [t; theta], since a . (theta x r) = theta . (r x a).
 RigidRow displacement_row(const Eigen::Vector3d& axis, const Eigen::Vector3d& arm) {
   RigidRow row;
   row << axis.transpose(), arm.cross(axis).transpose();
@@ -144,6 +146,8 @@ DofSum MeanMotion::follower_motion(int direction) const {
   return terms;
 }
 
+// The mass sits at the offset o and moves by u + theta x o. With T = [I, -[o x]; 0, I] the matrix is T^T diag(m I, J)
+// T, whose rotational block is the parallel-axis theorem J - m [o x]^2.
 Eigen::Matrix<double, 6, 6> point_mass(const PointMass& mass) {
   const auto& o = mass.offset;
   Eigen::Matrix3d cross;

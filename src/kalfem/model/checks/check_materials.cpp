@@ -35,6 +35,8 @@ struct MassOfRegion {
   double operator()(const SolidProperty&) const { return density * measure; }
 };
 
+// Measures a region by its cells of the highest dimension: a region of solids may list faces and sides of its mesh.
+// The mass follows from the property and the measure, so it includes nodes that supports hold.
 RegionCheck region_check(const FiniteElementModel& model, const std::string& name, const std::vector<Index>& cells) {
   RegionCheck region{.name = name, .kind = {}, .material = {}, .cells = static_cast<Index>(cells.size())};
   int highest = 0;

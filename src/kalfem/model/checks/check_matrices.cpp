@@ -67,6 +67,9 @@ Index indefinite_dof(const SparseMatrix& matrix) {
   }
 }
 
+// Runs from cheap to expensive and stops where a later test would have no meaning: finite entries, not all zero,
+// symmetry relative to the largest entry, signs on the diagonal, definiteness by a factorisation on request. A
+// negative diagonal entry already proves that the matrix is indefinite, so no factor is formed then.
 MatrixCheck check_matrix(const SparseMatrix& matrix, const std::string& name, FindingTopic topic, bool definite,
                          const std::vector<std::string>& dofs, std::vector<ModelFinding>& findings) {
   MatrixCheck report;
@@ -238,6 +241,8 @@ using Topic = FindingTopic;
 
 constexpr double same_mass = 1e-3;
 
+// With rigid motions R about the middle of the box, R^T M R = [m I, -m [c x]; m [c x], J]. The arm c of the centre of
+// mass follows from the skew part of the lower left block, and the inertia about it from the parallel-axis theorem.
 /// Mass, centre and inertia from R^T M R about the centre of the box; nothing where not the same mass moves along x, y
 /// and z, as in a plane model.
 std::optional<MassProperties> placed_mass(const SparseMatrix& mass, const std::vector<PlacedDof>& places,
@@ -310,6 +315,7 @@ void check_places(const LinearModel& model, const std::vector<PlacedDof>& places
 
 }  // namespace
 
+// Matrices first, then places, then modes: frequencies of matrices with errors would only repeat them in other words.
 ModelCheckReport check_model(const LinearModel& model, const std::vector<PlacedDof>& places,
                              const ModelCheckOptions& options) {
   ModelCheckReport report;

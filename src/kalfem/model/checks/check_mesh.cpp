@@ -138,6 +138,8 @@ bool is_worse_when_larger(QualityMeasure measure) {
          measure == QualityMeasure::warp;
 }
 
+// Surfaces are measured on themselves, solids on each of their faces; a face that is collapsed to a side is left out.
+// Aspect ratio and Jacobian belong to the whole cell.
 CellQuality cell_quality(const Mesh& mesh, const Cell& cell) {
   double smallest = 180.0, largest = 0.0, most_warped = 0.0, most_tapered = 1.0, jacobian = 0.0;
   for (const auto& ring : corner_rings(cell.shape)) {

@@ -31,6 +31,8 @@ void require_distinct(const Eigen::Matrix3Xd& corners) {
         throw ElementShapeError("its corners " + std::to_string(j + 1) + " and " + std::to_string(i + 1) + " coincide");
 }
 
+// Projects the direction onto the tangent plane: a - (a . n) n, normalised. A projection shorter than 1e-6 of the
+// direction is rounding, so the direction counts as parallel to the normal.
 Eigen::Vector3d axis_in_surface(const Eigen::Vector3d& direction, const Eigen::Vector3d& first_side,
                                 const Eigen::Vector3d& normal) {
   const Eigen::Vector3d& axis = direction.isZero(0.0) ? first_side : direction;
@@ -67,6 +69,8 @@ std::vector<ElementTerm> section_mass(const PlateMass& mass, double amount, doub
   return {{{}, amount * mass.translation + rotary_inertia * mass.rotation}};
 }
 
+// Transforms every term by A -> T^T A T, T = [I, -[r x]; 0, I] per node: u = u_node + theta x r for the arm r. The
+// result is symmetrised, since rounding of the triple product would leave two triangles that differ.
 void carry_to_nodes(ElementMatrices& matrices, const Eigen::Matrix3Xd& arms) {
   const Eigen::Index size = 6 * arms.cols();
   Eigen::MatrixXd transform = Eigen::MatrixXd::Identity(size, size);

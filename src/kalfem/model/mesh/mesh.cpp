@@ -72,6 +72,8 @@ double distance_to_nearest(const Mesh& mesh, Eigen::Index node) {
 
 }  // namespace
 
+// The size at a node is the longest distance to another node of the cells that meet there. Nodes of point cells or of
+// none have no such distance and take that to the nearest node at another place.
 std::vector<double> element_sizes(const Mesh& mesh, std::span<const Eigen::Index> nodes) {
   std::unordered_map<Eigen::Index, double> sizes;
   for (const auto node : nodes) sizes.emplace(node, 0.0);
@@ -120,6 +122,8 @@ constexpr std::array<Three, 8> hexahedron_neighbours = {
 
 }  // namespace
 
+// Corners come first in the connectivity of every shape, so a quadratic cell shares the tables of its linear one.
+// The key joins dimension and number of corners: 23 is a triangle, 36 a wedge.
 std::span<const CornerRing> corner_rings(CellShape shape) {
   switch (10 * dimension(shape) + corner_count(shape)) {
     case 23:
@@ -177,8 +181,8 @@ Eigen::Matrix3Xd corner_places(const Mesh& mesh, const Cell& cell) {
   return places;
 }
 
-// By the corners alone: a surface by triangles about the middle of its corners, a solid by pyramids from its centre over
-// its faces.
+// By the corners alone: a surface by triangles about the middle of its corners, a solid by pyramids from its centre
+// over its faces.
 double cell_measure(const Mesh& mesh, const Cell& cell) {
   const Eigen::Matrix3Xd places = corner_places(mesh, cell);
   if (dimension(cell.shape) == 1) return (places.col(1) - places.col(0)).norm();

@@ -15,6 +15,7 @@ int degree_of(const std::string& name) {
   return digits ? std::stoi(name.substr(1)) : 0;
 }
 
+// The highest index of k and of c sets the degrees of the law; it then has every lower coefficient too.
 ConnectorLawPtr polynomial_of(const LawArguments& arguments) {
   int stiffness_degree = 0, damping_degree = 0;
   IssueList issues;
@@ -137,6 +138,8 @@ std::vector<LawDescription> law_library() {
   return library;
 }
 
+// Tests each value against the range that its law declares. An infinite value is allowed only where it is the
+// default, as that of a quantity that is absent. Each value has at most one issue.
 std::vector<Issue> validate_parameters(const ConnectorLaw& law, const Eigen::Ref<const Eigen::VectorXd>& values) {
   const auto& parameters = law.parameters();
   IssueList issues;
