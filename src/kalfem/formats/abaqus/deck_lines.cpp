@@ -17,6 +17,7 @@ int Problems::add_file(const std::string& name) {
   return static_cast<int>(files_.size()) - 1;
 }
 
+// Texts of an included file are not quoted: it may be no deck at all. After a dozen problems reading stops.
 void Problems::add(const Where& where, std::string what, std::string why, std::string fix) {
   if (where.file > 0) {
     what = without_quotations(what);
@@ -84,6 +85,8 @@ std::string Keyword::get(std::string_view parameter) const {
 
 std::string Keyword::word(std::string_view parameter) const { return joined_capitals(get(parameter)); }
 
+// "*SHELL SECTION, elset=a, material = b": the name and the parameters are compared in capitals without blanks,
+// values keep their case. A comma between quotation marks does not part.
 Keyword parse_keyword(std::string_view line, const Where& where) {
   Keyword keyword;
   keyword.where = where;
@@ -149,6 +152,8 @@ bool DeckLines::read_line() {
   return false;
 }
 
+// Looks at the next line without taking it. Comments (**) are passed over, and *INCLUDE is replaced by the lines of
+// its file, so readers above see one stream of keywords and data.
 DeckLines::Kind DeckLines::peek() {
   while (!pending_) {
     do
@@ -232,6 +237,7 @@ std::string DeckLines::load(const std::string& name, const Where& where) {
   }
 }
 
+// A file that is open already would include itself for ever; the depth and the number of files are limited too.
 void DeckLines::insert(const std::string& name, const Where& where) {
   const std::string path = normal_path(problems_.file(where.file), name);
   if (std::ranges::any_of(files_, [&](const auto& file) { return file->path == path; }))

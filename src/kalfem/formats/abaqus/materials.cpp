@@ -47,6 +47,8 @@ std::optional<OrthotropicSheet> sheet_from(const Matrix6& stiffness, double dens
 
 }  // namespace
 
+// A material is read when a section first asks for it. So materials that nothing uses may be incomplete, and one that
+// is broken is told once.
 const Elastic* Materials::find(const std::string& name, const Where& where) {
   const std::string key = upper_case(name);
   if (const auto known = known_.find(key); known != known_.end()) return &known->second;
@@ -89,6 +91,9 @@ void Materials::read(const RawDeck::Material& raw, Elastic& material) {
     if (block.keyword.name == "ELASTIC") read_elastic(block, material);
 }
 
+// Types of *ELASTIC: ISOTROPIC (E, nu), LAMINA (E1 E2 nu12 G12 G13 G23), ENGINEERING CONSTANTS (9), ORTHOTROPIC (9
+// stiffnesses) and ANISOTROPIC (21). Solids take the 6 x 6 stiffness, shells a sheet in plane stress, whose constants
+// follow from the compliance. The scalar E and nu of such a material serve beams and trusses.
 void Materials::read_elastic(const Block& block, Elastic& material) {
   const std::string type = block.keyword.word("TYPE");
   const auto values_of = [&](std::size_t count) {

@@ -65,6 +65,8 @@ void MeshReader::read_system() {
   system_.linear() = *axes;
 }
 
+// Reads the lines of *NODE. NSET= puts the nodes into a set as well; it may be one that exists, and then grows.
+// Places in cylindrical or spherical coordinates become Cartesian first, then those of *SYSTEM become global.
 void MeshReader::read_nodes(Scope& scope, const Keyword& keyword) {
   if (!keyword.get("INPUT").empty()) lines_.insert(keyword.get("INPUT"), keyword.where);
   const std::string axes = keyword.word("SYSTEM");
@@ -107,6 +109,8 @@ bool MeshReader::read_node(RawNodes& nodes, std::string_view line, const std::st
   return true;
 }
 
+// Types are kept by name, so that each is interpreted once and its remark is noted once. A type that is not known is
+// a problem, since the model would lack its stiffness.
 int MeshReader::type_of(const Keyword& keyword) {
   const std::string name = upper_case(keyword.get("TYPE"));
   for (std::size_t i = 0; i < deck_.types.size(); ++i)
@@ -196,6 +200,8 @@ void MeshReader::read_element(Scope& scope, std::string_view line, int type) {
   scope.elements.push_back(element);
 }
 
+// A set is a list of pieces, one for each keyword of its name. Nothing is looked up here: numbers and names may be
+// defined further down.
 void MeshReader::read_set(Scope& scope, const Keyword& keyword, bool of_nodes) {
   const std::string name = keyword.get(of_nodes ? "NSET" : "ELSET");
   if (name.empty()) {

@@ -95,6 +95,7 @@ private:
   FiniteElementModel& model_;
 };
 
+// Deformation d = e . (u2 - u1) with e the unit vector between the nodes, as in small displacements.
 void SpringMaker::add_axial(const PlacedElement& element, const std::string& name, const std::vector<Index>& nodes,
                             double stiffness, double damping) {
   const Eigen::Vector3d along = deck_.mesh.nodes.col(nodes[1]) - deck_.mesh.nodes.col(nodes[0]);
@@ -113,6 +114,8 @@ void SpringMaker::add_axial(const PlacedElement& element, const std::string& nam
   model_.joints.push_back(std::move(joint));
 }
 
+// A spring along global axes connects two degrees of freedom directly. With an ORIENTATION its direction is a sum of
+// global components, and it becomes a joint with k c c^T.
 void SpringMaker::add(const PlacedElement& element, const PlacedBlock& at, const std::string& set,
                       const SpringData& data) {
   std::vector<Index> nodes;
@@ -141,6 +144,9 @@ void SpringMaker::add(const PlacedElement& element, const PlacedBlock& at, const
 
 }  // namespace
 
+// Springs come first, then dashpots. *SPRING and *DASHPOT apply to the elements of their family in ELSET; an element
+// set can hold both. Values are read once for each family of a block. Elements that no keyword covers are told by the
+// first of them.
 void add_springs(PlacedDeck& deck, FiniteElementModel& model) {
   SpringMaker maker(deck, model);
   std::vector<bool> given(deck.elements.size(), false);
@@ -193,6 +199,7 @@ NodalMatrices directional_mass(const std::string& name, Index node, const Eigen:
   return matrices;
 }
 
+// TYPE=ANISOTROPIC has one mass in each direction: M = A diag(m) A^T with the axes of the instance or orientation.
 void add_mass(PlacedDeck& deck, const PlacedBlock& at, const PlacedElement& element, const std::string& name,
               Index node, FiniteElementModel& model) {
   const auto& line = line_of(*at.block, 0);
@@ -278,6 +285,8 @@ void add_masses(PlacedDeck& deck, FiniteElementModel& model) {
   report_missing(deck, given, Family::rotary_inertia, "*ROTARY INERTIA");
 }
 
+// Spreads the mass over cells in proportion to their size, then equally over the corners of a cell. UNITS=TOTAL MASS
+// gives the whole; otherwise the value is a mass per length, area or volume.
 void add_nonstructural_masses(PlacedDeck& deck, FiniteElementModel& model) {
   std::map<Index, double> at_node;
   for (const auto& at : deck.blocks("NONSTRUCTURALMASS")) {

@@ -74,6 +74,9 @@ double ShellRegion::offset_ratio() {
   return value.value_or(0.0);
 }
 
+// An isotropic shell keeps E, density and thickness as parameters. Other materials become a laminate of one ply,
+// whose stiffness is fixed. The deck's offset is that of the reference surface from the middle, so the middle lies at
+// -ratio t.
 std::optional<RegionProperty> ShellRegion::homogeneous() {
   const Elastic* material = materials_.find(block_.keyword.get("MATERIAL"), where());
   const auto t = thickness();
@@ -93,6 +96,8 @@ std::optional<RegionProperty> ShellRegion::homogeneous() {
   return laminate;
 }
 
+// A membrane is a plate section with a membrane part alone; plate_section() adds a small bending stiffness, so that
+// no motion is free.
 std::optional<RegionProperty> ShellRegion::membrane() {
   const Elastic* material = materials_.find(block_.keyword.get("MATERIAL"), where());
   const auto t = number_at(line_of(block_, 0), 0, "a thickness", deck_.problems);
@@ -171,6 +176,7 @@ std::optional<double> ShellRegion::ply_angle(const DataLine& line) {
   return angle.value_or(0.0);
 }
 
+// If no transverse shear stiffness follows, an estimate by the membrane stiffness is used: (D11 + D22) / 6 + D33 / 3.
 /// 21 entries of the symmetric 6 x 6 stiffness, upper triangle by columns.
 std::optional<RegionProperty> ShellRegion::direct_stiffness() {
   const auto values = all_numbers(block_, 0, "a section stiffness", deck_.problems);
@@ -212,6 +218,8 @@ std::optional<LocalAxes> ShellRegion::section_axes() {
   return orientation_axes(deck_, name, draft_.section.place, where());
 }
 
+// The direction 1 of each cell: that of the ORIENTATION laid into the surface, or Abaqus's default, the projection of
+// the global x axis. One direction is kept where all are equal.
 std::vector<Eigen::Vector3d> ShellRegion::directions() {
   const auto axes = section_axes();
   std::vector<Eigen::Vector3d> result;

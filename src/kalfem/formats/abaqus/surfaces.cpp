@@ -60,6 +60,7 @@ private:
   std::unordered_map<Index, std::size_t> position_;
 };
 
+// A node that belongs to several faces collects its share of each.
 void SurfaceBuilder::weigh(Index node, double weight) {
   const auto [place, is_new] = position_.try_emplace(node, surface_.nodes.size());
   if (is_new) {
@@ -69,6 +70,8 @@ void SurfaceBuilder::weigh(Index node, double weight) {
   surface_.weights[place->second] += weight;
 }
 
+// A surface is a union of others, a list of nodes (TYPE=NODE, with weights) or a list of element faces. Unions may
+// nest; a limit of the depth stops those that contain themselves.
 void SurfaceBuilder::add(const PlacedBlock& at, int depth) {
   const Keyword& keyword = at.block->keyword;
   const std::string combine = keyword.word("COMBINE"), type = keyword.word("TYPE");
@@ -92,6 +95,7 @@ void SurfaceBuilder::add(const PlacedBlock& at, int depth) {
   }
 }
 
+// In a list of nodes the second field is the area of a node; it weighs 1 without one.
 void SurfaceBuilder::add_nodes(const PlacedBlock& at) {
   for (const auto& line : at.block->lines)
     for (const Index node : deck_.node_list({line.field(0), line.where}, at.place))

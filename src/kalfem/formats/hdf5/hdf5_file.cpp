@@ -61,6 +61,7 @@ Hdf5File Hdf5File::open(const std::string& path) {
   return Hdf5File(std::move(handle));
 }
 
+// The bytes become the image of a file in memory, so that compressed and piped input is read without a file on disk.
 Hdf5File Hdf5File::open_bytes(std::string_view bytes, const std::string& source) {
   silence_hdf5();
   const Hdf5Id access = memory_access();
@@ -94,6 +95,7 @@ const Hdf5File::Handle& Hdf5File::handle() const {
   return *handle_;
 }
 
+// Closes in two steps, to report a full disk here: a destructor could not throw.
 void Hdf5File::close() {
   if (!handle_) return;
   const auto closing = std::move(handle_);
@@ -139,6 +141,8 @@ bool Hdf5File::has_attribute(const std::string& object, const std::string& name)
   return handle().contains(object) && H5Aexists(handle().object(object), name.c_str()) > 0;
 }
 
+// Visits all groups below the given one. The names come relative to it and get its path; sorting makes the order
+// independent of the file.
 std::vector<std::string> Hdf5File::datasets(const std::string& group) const {
   const Hdf5Id top = handle().object(group);
   std::vector<std::string> names;
@@ -184,6 +188,8 @@ Eigen::VectorXd Hdf5File::read(const std::string& dataset) const {
   return values;
 }
 
+// HDF5 stores row by row, Eigen column by column. So a dataset is read as the transpose of its matrix and turned once
+// in memory.
 Eigen::MatrixXd Hdf5File::read_matrix(const std::string& dataset) const {
   return read_columns_as_rows(dataset).transpose();
 }
@@ -204,6 +210,7 @@ Eigen::MatrixXd Hdf5File::read_columns_as_rows(const std::string& dataset) const
   return values;
 }
 
+// Selects one column as a hyperslab: only its values are read, which matters in long records of many channels.
 Eigen::VectorXd Hdf5File::read_column(const std::string& dataset, Eigen::Index column) const {
   const auto lengths = shape(dataset);
   if (lengths.size() != 2 || column < 0 || column >= lengths[1]) {

@@ -27,6 +27,9 @@ std::optional<int> direction_of(std::string_view word) {
   return direction < 0 ? std::nullopt : std::optional(direction);
 }
 
+// A line is "node direction", "node.direction", or with a fixed number of directions just a node. The first line may
+// be a header. Rows of generalised coordinates without a number of their own are counted. If all lines are of the
+// joined kind, as CalculiX writes them, a repeated one is a copy; otherwise it is an error.
 class MapReader {
 public:
   MapReader(const std::string& source, const DofMapOptions& options) : problems_(source), options_(options) {}

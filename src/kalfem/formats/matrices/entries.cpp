@@ -76,6 +76,7 @@ std::optional<double> fortran_number(std::string_view text) {
   return value;
 }
 
+// Some codes write integers as reals: "12." and "12.0" are whole numbers here.
 std::optional<std::int64_t> whole_number(std::string_view text) {
   if (text.starts_with("+-")) return {};
   if (text.starts_with('+')) text.remove_prefix(1);
@@ -110,6 +111,7 @@ std::optional<std::string_view> LineReader::next() {
   return line;
 }
 
+// Checks the size before anything is allocated, against the bytes of the file and the 32 bits of an index.
 MatrixEntries::MatrixEntries(std::string file, std::string name, std::int64_t rows, std::int64_t columns,
                              std::size_t bytes, int line)
     : file_(std::move(file)), name_(std::move(name)), rows_(rows), columns_(columns) {
@@ -131,6 +133,7 @@ std::string MatrixEntries::place(std::int64_t row, std::int64_t column) const {
   return "entry (" + std::to_string(row + 1) + ", " + std::to_string(column + 1) + ") of matrix '" + name_ + "'";
 }
 
+// Entries are checked one by one while the line is known, so that a message can name it.
 void MatrixEntries::add(std::int64_t row, std::int64_t column, double value, int line) {
   if (row < 0 || column < 0 || row >= rows_ || column >= columns_)
     refuse(line, place(row, column) + " is out of range",
@@ -142,6 +145,8 @@ void MatrixEntries::add(std::int64_t row, std::int64_t column, double value, int
   entries_.emplace_back(static_cast<std::int32_t>(row), static_cast<std::int32_t>(column), value);
 }
 
+// An entry that stands twice is refused: some codes mean the sum, others the last one. The search for it runs only if
+// the assembly met one.
 SparseMatrix MatrixEntries::assembled() const {
   SparseMatrix matrix(rows_, columns_);
   bool repeated = false;

@@ -22,6 +22,9 @@ using Names = std::vector<std::string>;
 constexpr double most_compression = 1100.0;
 constexpr Index small_dataset = 1 << 16;
 
+// Two passes over the datasets. First each group is tried as a sparse matrix, by the usual names of its members; then
+// every dataset of two dimensions that no sparse matrix used is a dense one. A map of degrees of freedom is attached
+// to all matrices of its length.
 class Hdf5Reader {
 public:
   Hdf5Reader(std::string_view bytes, const std::string& source)
@@ -78,6 +81,9 @@ private:
     return triplets(group, values, rows, columns);
   }
 
+  // Line k holds the entries from starts[k] up to starts[k + 1]; a line is a row (CSR) or a column (CSC). An
+  // attribute states the kind (format, encoding-type of anndata, h5sparse_format); jc of MATLAB and colptr of Julia
+  // are columns by their name.
   [[nodiscard]] ForeignMatrix compressed(const std::string& group, const std::string& values,
                                          const std::string& indices, const std::string& starts) const {
     const Eigen::VectorXd data = numbers(values);
@@ -131,6 +137,7 @@ private:
     return entries.finish(Storage::triangle_or_full);
   }
 
+  // MATLAB writes its columns as HDF5's rows, so its matrices appear transposed.
   [[nodiscard]] ForeignMatrix dense(const std::string& name) const {
     const auto shape = file_.shape(name);
     require_stored(name);

@@ -58,6 +58,8 @@ MatrixFormat text_format(std::string_view text, const std::string& name) {
                                                                                  : MatrixFormat::automatic;
 }
 
+// Signatures come first, as they are certain: HDF5, netCDF ("CDF" and a version byte), MATLAB, Matrix Market, the
+// record lengths of OUTPUT2 and OUTPUT4. Text is told by its extension, then by its first line.
 MatrixFormat format_of(std::string_view bytes, const std::string& source) {
   const std::string name = lower_case(source);
   if (looks_like_hdf5(bytes)) return MatrixFormat::hdf5;
@@ -98,6 +100,7 @@ std::vector<ForeignMatrix> parse_as(MatrixFormat format, std::string_view bytes,
                 "state the format");
 }
 
+// A name is compared exactly first and without regard to case after that.
 /// The matrices of the given names, in their order.
 std::vector<ForeignMatrix> wanted(std::vector<ForeignMatrix> all, const std::vector<std::string>& names,
                                   const std::string& source) {

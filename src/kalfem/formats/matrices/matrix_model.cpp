@@ -17,6 +17,7 @@ std::string quoted(const std::string& role, const ForeignMatrix& matrix) {
   return "the " + role + " matrix '" + matrix.name + "'";
 }
 
+// The largest magnitude scales the tolerance of symmetry, so that it holds in any units.
 double largest(const SparseMatrix& matrix) {
   double value = 0.0;
   for (Index i = 0; i < matrix.nonZeros(); ++i) value = std::max(value, std::abs(matrix.valuePtr()[i]));
@@ -91,6 +92,8 @@ private:
     return moved(role, matrix);
   }
 
+  // Rows keep their values and change their places: entry (i, j) goes to (to[i], to[j]). Degrees of freedom that the
+  // matrix lacks keep rows of zeros.
   SparseMatrix moved(const std::string& role, const ForeignMatrix& matrix) {
     std::vector<Index> to(matrix.dofs.size(), 0);
     for (std::size_t i = 0; i < to.size(); ++i) {
@@ -127,6 +130,8 @@ private:
                   "export both triangles from the same data, or request the symmetric part");
   }
 
+  // A necessary condition of a semi-definite matrix: no negative diagonal entry, and no other entry in the row of a
+  // zero one. It costs one pass and names the row; the full test by a factorisation is part of the model check.
   void check_diagonal(const std::string& role, const ForeignMatrix& matrix, const SparseMatrix& full) {
     for (Index column = 0; column < size_; ++column) {
       const double diagonal = full.coeff(column, column);
@@ -153,6 +158,7 @@ private:
   IssueList issues_;
 };
 
+// Massless degrees of freedom are common (rotations of lumped masses) and leave a note; no mass at all is an error.
 void require_mass(const SparseMatrix& mass, IssueList& issues, std::vector<std::string>& notes) {
   const Index massless = (mass.diagonal().array() <= 0.0).count();
   if (massless == mass.rows())
@@ -176,6 +182,9 @@ void add_means_of_copies(MatrixModel& result) {
                          first + " is the mean of " + copies.begin()->second.front() + " and its copies");
 }
 
+// The three matrices of a model are recognised by the names of common codes: KAAX and MAAX of Nastran, K2GG of its
+// DMIG, .sti and .mas of CalculiX, Kr and Mr of Sierra SD. The name is tried as it is, then behind its last separator
+// (model_K), then without trailing digits. A matrix alone in its file also follows the extension of the file.
 enum class Role { none, stiffness, mass, damping };
 
 /// What a matrix is by its name: the whole of it, or what follows the last separator, without digits at the end.
@@ -271,6 +280,8 @@ std::optional<MatrixDof> matrix_dof(const std::string& name) {
   return node && *node > 0 && direction >= 0 ? std::optional(MatrixDof{*node, direction}) : std::nullopt;
 }
 
+// Steps: agree on the degrees of freedom, bring each matrix to them, check, name the rows. All matrices are prepared
+// before problems are raised, so that one run tells all of them.
 MatrixModel matrix_model(const ForeignMatrix& stiffness, const ForeignMatrix& mass,
                          const std::optional<ForeignMatrix>& damping, const MatrixModelOptions& options) {
   std::vector<const ForeignMatrix*> matrices{&stiffness, &mass};

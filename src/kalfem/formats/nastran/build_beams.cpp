@@ -53,6 +53,8 @@ void BeamBuilder::no_stiffness(double& value, double instead, const char* what, 
                  "it is set to a millionth of that of a solid circle of this area");
 }
 
+// One region for each property, made when its first element comes. Second moments and torsion of zero are legal in
+// Nastran and leave a motion without stiffness; the solid circle of area A has I = A^2 / (4 pi) and J = 2 I.
 bool BeamBuilder::make_region(const std::string& region, const SectionCard& card, const std::string& title,
                               const Place& where) {
   BeamProperty property;
@@ -107,6 +109,8 @@ std::optional<Eigen::Vector3d> BeamBuilder::orientation(const BeamCard& card, Ei
   return building_.motion_axes(first) * card.orientation;
 }
 
+// Fills the blank fields of a CBAR from BAROR and those of a CBEAM from BEAMOR; a property that is blank there too
+// has the element's number.
 void BeamBuilder::fill_defaults(BeamCard& card) const {
   const auto& defaults = card.is_bar ? building_.bulk.bar_defaults : building_.bulk.beam_defaults;
   if (card.property == 0) card.property = defaults.property > 0 ? defaults.property : card.id;
@@ -118,6 +122,8 @@ void BeamBuilder::fill_defaults(BeamCard& card) const {
     for (std::size_t i = 0; i < 3; ++i) card.axes[i] = defaults.axes[i];
 }
 
+// `up` is the local z axis, x cross v: v lies in plane 1, the x-y plane of the element. It refers to the axis between
+// the ends after the offsets. The pins PA and PB release motions 1 ... 6 in these axes.
 /// Offsets are in the displacement axes of their node, in basic axes, or in element axes: x along the nodes, z of it
 /// and the orientation vector.
 std::optional<BeamPlacement> BeamBuilder::placement(const BeamCard& card, const std::array<Eigen::Index, 2>& nodes,
@@ -175,6 +181,8 @@ void BeamBuilder::add(BeamCard card) {
   if (const auto place = placement(card, *nodes, title)) add_cell(card.id, *nodes, *place, region);
 }
 
+// A rod is released in its two bending rotations at both ends, and in torsion at one end if it has no J. Its
+// transverse axis is arbitrary: the basis vector farthest from the rod is taken.
 void BeamBuilder::add(const RodCard& card) {
   const auto title = std::string(card.kind) + " " + std::to_string(card.id);
   const auto own = building_.bulk.conrods.find(card.id);

@@ -14,6 +14,7 @@ const char* card_name(ScalarCard::Kind kind) {
   return kind == ScalarCard::Kind::spring ? "celas" : kind == ScalarCard::Kind::dashpot ? "cdamp" : "cmass";
 }
 
+// CELAS2 and CELAS4, and their kin, state the value on the element, the others on a property.
 std::optional<double> value_of(Building& building, const ScalarCard& card, const std::string& title) {
   if (card.property == 0) return card.value;
   const auto& values = card.kind == ScalarCard::Kind::spring    ? building.bulk.spring_stiffness
@@ -60,6 +61,7 @@ struct Bushing {
   }
 };
 
+// x runs from GA to GB, z = x cross v, y = z cross x. Without an orientation any v does, as long as only x is active.
 /// Axes from CID, from the orientation, or along the nodes where only axial values are given.
 std::optional<Eigen::Matrix3d> bushing_axes(Building& building, const BushCard& card,
                                             const std::array<Eigen::Index, 2>& nodes, bool only_axial,
@@ -111,6 +113,8 @@ std::optional<Eigen::Vector3d> bushing_point(Building& building, const BushCard&
   return nodes[1] < 0 ? first : Eigen::Vector3d(first + card.location * (building.place(nodes[1]) - first));
 }
 
+// A bushing acts at one point, which both nodes carry by rigid arms. Each of its six springs becomes a joint k c c^T,
+// so moments of offset forces arise by themselves.
 void add_bush(Building& building, const BushCard& card) {
   const auto title = std::string(card.kind) + " " + std::to_string(card.id);
   const auto* property = find_law<BushProperty>(building, card.property, title, card.where);
@@ -210,6 +214,8 @@ bool is_body(const PointMass& mass) {
   return mass.mass >= 0.0 && lowest >= -1e-9 * mass.inertia.cwiseAbs().maxCoeff();
 }
 
+// The inertia is turned from the axes of CID to global ones. CID = -1 gives the offset as a place in the basic
+// system.
 void add_mass(Building& building, const Conm2Card& card) {
   const auto title = "CONM2 " + std::to_string(card.id);
   const auto node = building.node(card.node, title, card.where);
@@ -246,6 +252,8 @@ void add_mass(Building& building, const Conm1Card& card) {
 
 using Chosen = std::vector<std::pair<double, std::string>>;
 
+// Entries of an IFO 6 matrix state one triangle, so each off-diagonal one is added twice. Directions are those of the
+// displacement axes of each node.
 /// One direct input matrix in the displacement axes of its nodes.
 bool add_direct(Building& building, MatrixGather& gather, MatrixGather::Kind kind, const DmigMatrix& matrix,
                 double factor, const std::string& title) {

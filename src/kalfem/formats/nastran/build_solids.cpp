@@ -52,6 +52,8 @@ private:
   std::map<std::string, bool> sound_;
 };
 
+// With MAT9 the elasticity is turned from the material axes (CORDM) to the global ones: C' = T C T^T. All elements of
+// a property share it, so axes that vary over the mesh are taken at the origin of their system.
 bool SolidBuilder::make_region(const SolidCard& card, const PsolidCard& solid, const std::string& region,
                                const std::string& title) {
   const MaterialCard* material = materials_.find(solid.material, title, card.where);
@@ -92,6 +94,7 @@ void SolidBuilder::add(const SolidCard& card) {
   const auto [sound, is_new] = sound_.try_emplace(region, false);
   if (is_new) sound->second = make_region(card, *solid, region, title);
   if (!sound->second) return;
+  // A pyramid is cut along the diagonal 1-3 of its base into two tetrahedra; both keep the number of the element.
   if (card.pyramid) {
     const auto nodes = indices(card, 5, title);
     if (nodes.empty()) return;

@@ -108,6 +108,7 @@ bool is_plain_word(std::string_view name) {
 
 }  // namespace
 
+// A card is found by its full name in the tables of its readers. Problems of one card do not stop the others.
 void read_card(const Card& card, const Reading& reading) {
   const auto& readers = all_readers();
   const auto reader = readers.find(card.name);
@@ -121,6 +122,8 @@ void read_card(const Card& card, const Reading& reading) {
   }
 }
 
+// A card without a reader passes, in this order: names of elements, whose stiffness is missing; classes by prefix;
+// first letters that tell properties, materials and elements; all others.
 void unused_card(const Card& card, const Reading& reading) {
   const std::string& name = card.name;
   if (!is_plain_word(name))

@@ -28,6 +28,7 @@ void read_grdset(const Card& card, const Reading& in) {
   in.bulk.grid_defaults = {card.id_or(2, 0, "CP"), card.id_or(6, 0, "CD"), card.components(7, "PS")};
 }
 
+// Scalar points are kept as grid points without a place, so that cards find both in one list. THRU gives ranges.
 void read_spoint(const Card& card, const Reading& in) {
   for (const auto& range : card.id_list(1, "ID")) {
     if (static_cast<std::size_t>(range.last - range.first) > most_scalar_points)
@@ -43,6 +44,8 @@ void add_system(Id id, SystemCard system, const Card& card, const Reading& in) {
     throw CardError("coordinate system " + std::to_string(id) + " is defined twice", "", "remove one of them");
 }
 
+// CORD2 gives the points A, B and C by coordinates in the system RID, CORD1 by grid points. A CORD1 card defines up
+// to two systems.
 template <SystemKind kind>
 void read_cord2(const Card& card, const Reading& in) {
   SystemCard system;
@@ -87,6 +90,9 @@ struct ShellFields {
   std::size_t angle, offset, flag, thickness;
 };
 
+// Corners are required and midside nodes optional. THETA / MCID is one field: an integer is a material system, a real
+// number an angle. A blank PID is the element's number. Corner thicknesses are rare, so they stand in a list of their
+// own.
 void read_shell(const Card& card, const Reading& in, const ShellFields& fields) {
   ShellCard shell;
   shell.id = card.id(1, "EID");
@@ -123,6 +129,7 @@ void read_quad8(const Card& card, const Reading& in) { read_shell(card, in, {fal
 void read_tria3(const Card& card, const Reading& in) { read_shell(card, in, {true, 3, 3, 3, 6, 7, 10, 11}); }
 void read_tria6(const Card& card, const Reading& in) { read_shell(card, in, {true, 3, 6, 3, 9, 10, 14, 11}); }
 
+// CHEXA, CPENTA and CTETRA give linear and quadratic elements by one card: nodes behind the corners may be blank.
 void read_solid(const Card& card, const Reading& in, CellShape shape, std::size_t corners, std::size_t most,
                 bool pyramid = false) {
   SolidCard solid;
@@ -180,6 +187,7 @@ std::array<char, 3> offset_axes(const Card& card, std::size_t i, const std::stri
   return {word[0], word[1], word[2]};
 }
 
+// Defaults of BAROR and BEAMOR for CBAR and CBEAM: property, orientation and axes of offsets.
 BeamDefaults read_defaults(const Card& card) {
   BeamDefaults defaults;
   defaults.property = card.id_or(2, 0, "PID");

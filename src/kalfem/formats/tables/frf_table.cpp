@@ -104,6 +104,7 @@ Part part_of(FrfColumnContent content) {
   return content == FrfColumnContent::decibel ? Part::decibel : Part::complex;
 }
 
+// No ending is the end of another one, so their order does not matter.
 /// What the end of a column's name says, and the name without it.
 std::pair<Part, std::string> part_of(const std::string& name, FrfColumnContent content) {
   constexpr std::array<std::pair<std::string_view, Part>, 13> endings = {{{"_re", Part::real},
@@ -188,6 +189,8 @@ std::vector<FrfColumns> unnamed_frfs(const Table& table, FrfColumnContent conten
   return frfs;
 }
 
+// Exactly one of the forms complex, real and imaginary, magnitude, decibel must be there; a phase needs one of the
+// last two.
 void check_parts(const FrfColumns& frf, int line, FileProblems& problems) {
   const auto has = [&](Part part) { return frf.parts.contains(part); };
   const int ways =
@@ -256,6 +259,7 @@ private:
   FileProblems& problems_;
 };
 
+// Decibels are 20 log10 |H|. Without a phase the magnitude stands as a real number, and the table is marked so.
 Complex value_of(const TableCells& cells, const FrfColumns& frf, std::size_t row) {
   const auto& parts = frf.parts;
   if (parts.contains(Part::complex)) return cells.complex(row, parts.at(Part::complex));
@@ -311,6 +315,9 @@ void check_phases(const std::vector<FrfColumns>& frfs, int line, FileProblems& p
 
 }  // namespace
 
+// Steps: cells of all lines; which columns belong to which FRF; checks of the columns; frequencies; values. Problems
+// are raised after each stage that later ones rest on, so one run tells many of them. Deviations are used only if
+// every FRF has them.
 FrequencyResponse read_frf_table(const std::filesystem::path& path, const FrfTableOptions& options) {
   check(options);
   FileProblems problems(path.string());

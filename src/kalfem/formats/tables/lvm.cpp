@@ -31,6 +31,9 @@ struct Header {
 
 constexpr std::string_view end_of_header = "***End_of_Header***";
 
+// A LabVIEW measurement file has two headers, one of the file and one of the segment, each closed by
+// ***End_of_Header***. Each line is a key and its cells, one for each channel. The separator must be known before the
+// lines can be split, so it is looked for as text.
 Header read_header(const std::vector<TextLine>& lines, FileProblems& problems) {
   Header header;
   int blocks = 0;
@@ -137,6 +140,8 @@ void check_count(const Header& header, std::size_t found, FileProblems& problems
 
 }  // namespace
 
+// The interval Delta_X sets the rate. If there is a time column, it must agree with the rate, and its first value is
+// added to X0.
 Record read_lvm(const std::filesystem::path& path, bool missing) {
   const std::string text = read_text(path);
   const std::vector<TextLine> lines = split_lines(text);
