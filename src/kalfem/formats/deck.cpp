@@ -34,6 +34,7 @@ const char* to_string(DeckNoteKind kind) {
   return "not used";
 }
 
+// The same note for many cards is kept once with a count, so that a long deck gives a short list.
 void DeckNotes::add(const SourceLocation& where, const std::string& what, const std::string& consequence,
                     DeckNoteKind kind) {
   const auto [place, is_new] = index_.try_emplace(what + '\n' + consequence, notes_.size());

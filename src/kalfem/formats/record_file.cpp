@@ -53,6 +53,8 @@ std::string place_in_words(const SourceLocation& place) {
   return place.file + (place.line > 0 ? ":" + std::to_string(place.line) : "");
 }
 
+// A unit that the case states counts. If the file states another one, the difference is an issue: one of both is
+// wrong, and a factor of 1000 would not be seen later.
 double factor_of_case(const WantedChannel& wanted, const Channel& in_file, const SourceLocation& title,
                       IssueList& issues) {
   const auto& given = wanted.unit_given;
@@ -69,6 +71,7 @@ double factor_of_case(const WantedChannel& wanted, const Channel& in_file, const
 
 }  // namespace
 
+// The unit comes from the case, from the title of the column, or is SI. The message names the place to mend.
 double factor_to_si(const WantedChannel& wanted, const Channel& in_file, const SourceLocation& title,
                     IssueList& issues) {
   const auto& given = wanted.unit_given;
@@ -222,6 +225,7 @@ RawRecord read_raw(const std::filesystem::path& file, const std::vector<WantedCh
 
 }  // namespace
 
+// Reads the table in its own units, then scales each row to SI.
 Record read_record_file(const std::filesystem::path& file, const std::vector<WantedChannel>& wanted,
                         const RecordFileOptions& options) {
   auto [record, titles] = read_raw(file, wanted, options);

@@ -59,6 +59,8 @@ void release_held_rotations(PlacedDeck& deck, FiniteElementModel& model) {
       "at " + std::to_string(held.size()) + " nodes these rotations are left free, as in Abaqus and CalculiX");
 }
 
+// Order: regions and point elements, then constraints and supports, which motions.store() reduces and stores together.
+// Steps that change cells follow, when no keyword refers to the elements any more.
 FiniteElementModel build_model(const RawDeck& raw, DeckNotes& notes, Problems& problems) {
   FiniteElementModel model;
   PlacedDeck deck(raw, model.mesh, notes, problems);

@@ -41,6 +41,7 @@ struct BeamData {
   Eigen::Vector2d origin = Eigen::Vector2d::Zero();  ///< of the section, from the node
 };
 
+// A general section may state E and G itself: it becomes a material of its own with nu = E / (2 G) - 1.
 std::string make_own_material(const Block& block, const DataLine& moduli, const std::string& region,
                               BeamProfile& profile, PlacedDeck& deck, FiniteElementModel& model) {
   const auto e = number_at(moduli, 0, "Young's modulus", deck.problems);

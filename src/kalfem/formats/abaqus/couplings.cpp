@@ -79,6 +79,8 @@ void couple(PlacedDeck& deck, const std::string& name, Index master, const std::
                  orientation_axes(deck, orientation, at.place, at.block->keyword.where), motions);
 }
 
+// The reference node takes the weighted mean motion of the coupled nodes (RBE3). Only their displacements count, as
+// in Abaqus; nodes without weight take no part.
 void distribute(const std::string& name, Index reference, const Surface& surface, const Where& where,
                 Kinematics& motions) {
   WeightedLink link;
@@ -89,6 +91,9 @@ void distribute(const std::string& name, Index reference, const Surface& surface
   motions.add_weighted_link(std::move(link), where);
 }
 
+// *COUPLING names a surface and a reference node; the option behind it decides how they move. Kinematic: the nodes
+// follow the reference node. Distributing: the reference node follows the nodes. INFLUENCE RADIUS keeps those near
+// it.
 void read_coupling(PlacedDeck& deck, const PlacedBlock& at, Kinematics& motions) {
   const Keyword& keyword = at.block->keyword;
   const auto reference = single_node(deck, keyword.get("REFNODE"), at.place, keyword.where, "reference node");
@@ -118,6 +123,8 @@ void read_coupling(PlacedDeck& deck, const PlacedBlock& at, Kinematics& motions)
 
 }  // namespace
 
+// The older keywords name nodes in other ways: *KINEMATIC COUPLING in its lines, with their directions; *DISTRIBUTING
+// COUPLING by an element DCOUP3D, whose node is the reference, and weights in its lines.
 void read_couplings(PlacedDeck& deck, Kinematics& motions) {
   for (const auto& at : deck.blocks("COUPLING")) read_coupling(deck, at, motions);
   for (const auto& at : deck.blocks("KINEMATICCOUPLING")) {

@@ -123,6 +123,8 @@ void DeckReader::begin_part(const Keyword& keyword) {
   mesh_.forget_system();
 }
 
+// The data lines of *INSTANCE place it: a translation, then a rotation. LIBRARY= refers to nodes of another analysis,
+// which this deck does not contain.
 void DeckReader::begin_instance(const Keyword& keyword) {
   if (in_part_ || in_instance_)
     problems_.fail(keyword.where, "*INSTANCE stands inside another part or instance", "the previous one is not closed",

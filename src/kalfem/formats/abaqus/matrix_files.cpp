@@ -36,6 +36,8 @@ int MatrixFiles::column(const MatrixDof& dof) {
   return columns_.try_emplace(NodalDof{node, dof.direction}, static_cast<int>(columns_.size())).first->second;
 }
 
+// Stiffness and mass may list different degrees of freedom, so both number them in one list. A row of a node that the
+// deck does not have has no place, and the matrix is refused.
 Triplets MatrixFiles::read(const std::string& text, const Where& where, const std::string& what) {
   Triplets entries;
   if (text.empty()) return entries;

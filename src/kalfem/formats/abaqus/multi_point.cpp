@@ -37,6 +37,8 @@ private:
   std::string name_;
 };
 
+// First the lines are joined to entries, since the nodes of one entry may go on in further lines; then each entry is
+// applied by its type.
 void MultiPointReader::read(const PlacedBlock& block) {
   std::vector<Entry> entries;
   for (const auto& line : block.block->lines) {
@@ -110,6 +112,7 @@ void MultiPointReader::apply_pairs(const Entry& entry) {
   }
 }
 
+// TIE makes all six motions equal, PIN the displacements.
 void MultiPointReader::equal(Index dependent, Index leader, int first, int last) {
   for (int d = first; d < last; ++d)
     motions_.add_equation(name(), {{{dependent, d}, 1.0}, {{leader, d}, -1.0}}, NodalDof{dependent, d});
@@ -178,6 +181,8 @@ void MultiPointReader::keep_in_plane(const std::vector<Index>& nodes, const Wher
   }
 }
 
+// With s the place of the node between the end nodes, the shares are 1 - s and s, or with a middle node (1 - s)(1 - 2
+// s), 4 s (1 - s) and s (2 s - 1).
 /// All motions of a node by Lagrange's polynomial through those of two or three others, the third amid the others.
 void MultiPointReader::interpolate(Index node, const std::vector<Index>& leaders) {
   const Index last = leaders.size() == 2 ? leaders[1] : leaders[2];

@@ -58,6 +58,7 @@ std::optional<Eigen::Matrix3d> polar_axes(const Eigen::Vector3d& a, const Eigen:
   return axes;
 }
 
+// Points are moved with their instance, as the nodes are. A missing point is the origin of the instance.
 /// The points a, b, c that a definition gives, by coordinates or by nodes.
 std::optional<std::array<Eigen::Vector3d, 3>> defining_points(PlacedDeck& deck, const PlacedBlock& at) {
   const auto& line = line_of(*at.block, 0);
@@ -159,6 +160,8 @@ LocalAxes orientation_axes(PlacedDeck& deck, const std::string& name, int place,
   return result;
 }
 
+// *TRANSFORM gives two points: directions of x and of the x-y plane from the origin (R), or a and b on the polar axis
+// (C, S).
 LocalAxes transform_axes(PlacedDeck& deck, const PlacedBlock& at) {
   const auto& line = line_of(*at.block, 0);
   std::array<Eigen::Vector3d, 2> points;
@@ -198,6 +201,7 @@ Eigen::Vector3d shell_direction(const LocalAxes& axes, const Eigen::Vector3d& pl
   return shell_direction(normal);
 }
 
+// Abaqus's default: the projection of the global x axis, or of z where the normal is within 0.1 degrees of x.
 Eigen::Vector3d shell_direction(const Eigen::Vector3d& normal) {
   const Eigen::Vector3d x = std::abs(normal.x()) > std::cos(0.1 * degree) ? Eigen::Vector3d(Eigen::Vector3d::UnitZ())
                                                                           : Eigen::Vector3d(Eigen::Vector3d::UnitX());

@@ -172,6 +172,7 @@ void PlacedDeck::append_nodes_of(const SetReference& element_set, int index, std
   }
 }
 
+// A thousand names are enough for a suggestion in a message.
 std::vector<std::string> PlacedDeck::known_names(Sets sets) const {
   std::vector<std::string> names;
   for (const auto& place : places_)

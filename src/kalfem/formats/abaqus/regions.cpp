@@ -126,6 +126,7 @@ Eigen::Vector3d centre_of(const Mesh& mesh, Index cell) {
   return sum / static_cast<double>(nodes.size());
 }
 
+// Half the cross product of the diagonals is the mean normal of a warped quadrilateral.
 Eigen::Vector3d normal_of(const Mesh& mesh, Index cell) {
   const auto& item = mesh.cells[static_cast<std::size_t>(cell)];
   const auto nodes = mesh.nodes_of(item);

@@ -208,6 +208,9 @@ void TieMaker::read(const PlacedBlock& at) {
     for (const auto& line : at.block->lines) tie(at, line);
 }
 
+// Each slave node follows the nearest master face within the tolerance: POSITION TOLERANCE, or 5 % of a typical side
+// plus half the thickness of shells on either surface, since their nodes lie on mid-surfaces. A node that belongs to
+// the face is tied by sharing it. A tie that catches no node at all is a problem, a partial one a note.
 void TieMaker::tie(const PlacedBlock& at, const DataLine& line) {
   const Keyword& keyword = at.block->keyword;
   const Surface slaves = find_surface(deck_, line.field(0), at.place, line.where);

@@ -71,6 +71,7 @@ std::string_view GmshReader::next_line() {
   return in_.line();
 }
 
+// Binary files have the integer 1 behind the format line; read in the wrong byte order it is another number.
 void GmshReader::check_byte_order() {
   in_.set_binary();
   const std::size_t start = in_.start();
@@ -80,6 +81,7 @@ void GmshReader::check_byte_order() {
              "export it on a machine like this one, or as ASCII");
 }
 
+// Only five sections make a mesh; all others ($Periodic, $NodeData, ...) are passed over.
 void GmshReader::read_section() {
   const std::string_view line = next_line();
   const std::size_t start = line_start_;

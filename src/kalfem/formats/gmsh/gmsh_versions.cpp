@@ -53,6 +53,8 @@ public:
   }
 
 private:
+  // Version 2.2 repeats an element of several physical groups as one record for each group. Records in a row that
+  // differ in their group alone are one cell.
   void add(const Kind& kind, std::int64_t id, std::int64_t physical, std::int64_t entity, std::size_t start) {
     const bool same = kind.type == last_type_ && entity == last_entity_ && physical != last_physical_ &&
                       last_physical_ != 0 && physical != 0 && nodes_ == last_nodes_;
@@ -234,6 +236,7 @@ std::int64_t read_node_block(GmshScanner& in, GmshBuilder& mesh, std::int64_t le
   return count;
 }
 
+// In version 4.1 elements stand in blocks of one entity and one type; the physical groups are those of the entity.
 std::int64_t read_element_block(GmshScanner& in, GmshBuilder& mesh, const EntityGroups& groups, std::int64_t left,
                                 std::vector<std::int64_t>& nodes) {
   const std::int64_t dimension = in.int32("an entity's dimension");

@@ -101,6 +101,8 @@ public:
 
   FileProblems problems;
 
+  // The second line is taken, since titles in the first may hold blanks or commas in brackets. Candidates are tried
+  // from the least ambiguous one on: a comma may be decimal and blanks may surround other separators.
 private:
   [[nodiscard]] char find_separator() const {
     const auto line = trimmed(lines_[std::min<std::size_t>(1, lines_.size() - 1)].text);
@@ -198,6 +200,8 @@ void read_nodes(const std::filesystem::path& path, const TableMeshOptions& optio
   mesh.nodes = Eigen::Map<const Eigen::Matrix3Xd>(places.data(), 3, static_cast<Eigen::Index>(mesh.node_ids.size()));
 }
 
+// Two-node lines for beams: each row is a number, two nodes and a region. A region given as a number, even as 1.0, is
+// named by its digits.
 class ElementReader {
 public:
   ElementReader(const std::filesystem::path& path, Mesh& mesh)

@@ -191,6 +191,8 @@ Hdf5Id Hdf5File::Handle::attribute(const std::string& object_name, const std::st
   return id;
 }
 
+// Strings of variable length come as pointers that HDF5 allocates and must take back; those of fixed length as one
+// block of bytes.
 std::vector<std::string> Hdf5File::Handle::strings(hid_t stored, hid_t space, const std::string& name,
                                                    const std::function<herr_t(hid_t, void*)>& read) const {
   if (H5Tget_class(stored) != H5T_STRING) fail("'" + name + "' does not hold text", "text is required");

@@ -47,6 +47,7 @@ public:
   }
 
 private:
+  // Only the first line decides how the entries are read. "hermitian" is the same as "symmetric" for real matrices.
   void read_banner() {
     const auto first = lines_.next();
     const Words words = first ? number_words(*first) : Words{};
@@ -216,6 +217,8 @@ public:
   }
 
 private:
+  // SCALE FACTOR multiplies every entry. TYPE=UNSYMMETRIC states that both triangles are there. INPUT= refers to
+  // another file, which is then the one to read.
   void begin(std::string_view keyword) {
     finish();
     name_ = parameter(keyword, "name");

@@ -42,6 +42,7 @@ public:
   }
 
 private:
+  // Files written with a label start with the key 3, the date, and two character records before the first data block.
   /// The date and two names at the beginning of many files; returns the key that follows.
   std::int64_t pass_over_label() {
     next_record();
@@ -87,6 +88,8 @@ private:
     }
   }
 
+  // One column after the other, each as strings of non-zeros until a key that is not positive; then a 1 announces the
+  // next column.
   ForeignMatrix read_matrix(const Op4Header& header) {
     MatrixEntries entries = op4_entries(header, file_.file(), file_.size(), 0);
     const bool single = header.type == 1 && word_ == 4;

@@ -37,6 +37,7 @@ public:
 private:
   enum class Block { none, element, matrix };
 
+  // Comments outside of the list of nodes are ignored, and one that is no list of numbers ends it.
   void comment(std::string_view text) {
     if (lower_case(text).find("element nodes") != std::string::npos) {
       in_nodes_ = true;

@@ -261,6 +261,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Names of Nastran have at most 8 letters, and Matrix Market holds one matrix without a name.
 void check(const std::vector<ForeignMatrix>& matrices, MatrixFormat format, const fs::path& path) {
   const bool nastran = format == MatrixFormat::dmig || format == MatrixFormat::op4;
   if (!nastran && format != MatrixFormat::matrix_market && format != MatrixFormat::hdf5)

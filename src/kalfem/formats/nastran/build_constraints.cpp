@@ -125,6 +125,8 @@ void ConstraintBuilder::hold(const std::string& name, Eigen::Index node, unsigne
   building_.model.fixed[place->second].nodes.push_back(node);
 }
 
+// A THRU range of SPC1 stands for the grid points that exist in it, so it walks through the sorted numbers. A single
+// number must exist.
 void ConstraintBuilder::hold_ranges(const SpcCard& card) {
   const auto name = "spc" + std::to_string(card.set);
   for (const auto& range : card.nodes) {
@@ -139,6 +141,7 @@ void ConstraintBuilder::hold_ranges(const SpcCard& card) {
   }
 }
 
+// SPC cards of the chosen sets and the permanent constraints PS of the GRID cards, which hold in every case.
 void ConstraintBuilder::hold_nodes() {
   for (std::size_t i = 0; i < building_.bulk.grids.size(); ++i)
     by_id_.emplace_back(building_.bulk.grids[i].id, static_cast<Eigen::Index>(i));
@@ -159,6 +162,8 @@ void ConstraintBuilder::hold_nodes() {
   }
 }
 
+// sum A_i u_i = 0 with components in the displacement axes of each node. The first term is the dependent one in
+// Nastran; here it is preferred as the pivot.
 void ConstraintBuilder::add_mpcs() {
   std::set<Id> present;
   for (const auto& card : building_.bulk.mpcs) present.insert(card.set);
@@ -260,6 +265,9 @@ void ConstraintBuilder::add_links(const RigidBodyCard& card, Eigen::Index master
   }
 }
 
+// With all six components of one node independent, the others follow it as rigid links, which stay readable in the
+// model. Otherwise the six independent components are spread over nodes, and equations come from R_d R_i^-1: the
+// rigid motion from the independent components, then the dependent ones from that.
 void ConstraintBuilder::add_rigid_body(const RigidBodyCard& card) {
   const auto title = title_of(card);
   const auto independent = indices(card.independent, title, card.where);
@@ -290,6 +298,8 @@ void ConstraintBuilder::add_rigid() {
   for (const auto& card : building_.bulk.rigid) add_rigid_body(card);
 }
 
+// RBE3: the reference node takes the weighted mean motion. It stays a weighted link where all components are in
+// global axes; turned axes and a UM list, which makes other components dependent, need equations.
 void ConstraintBuilder::add_weighted() {
   for (const auto& card : building_.bulk.weighted) {
     const auto title = "RBE3 " + std::to_string(card.id);

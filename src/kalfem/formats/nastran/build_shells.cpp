@@ -136,6 +136,8 @@ Eigen::Vector3d ShellBuilder::direction(const ShellCard& card) {
   return std::cos(angle) * side + std::sin(angle) * normal.normalized().cross(side);
 }
 
+// MAT1, MAT2 and MAT8 as a sheet. A MAT1 keeps the G of its card in transverse shear. Of a MAT2 the upper left 2 x 2
+// block serves transverse shear, as the card means it on MID3.
 std::optional<SheetStiffness> ShellBuilder::sheet(Id material, const std::string& title, const Place& where) {
   const MaterialCard* card = materials_.find(material, title, where);
   if (card == nullptr) return std::nullopt;
@@ -218,6 +220,8 @@ std::optional<RegionProperty> ShellBuilder::plate(const PshellCard& shell, doubl
   return property;
 }
 
+// A ply needs engineering constants. They follow from a MAT2 without shear coupling by nu12 = G12 / G22 and E1 = G11
+// - G12^2 / G22.
 std::optional<OrthotropicSheet> ShellBuilder::ply_material(Id material, const std::string& title, const Place& where) {
   const MaterialCard* card = materials_.find(material, title, where);
   if (card == nullptr) return std::nullopt;
@@ -241,6 +245,8 @@ std::optional<OrthotropicSheet> ShellBuilder::ply_material(Id material, const st
   return std::nullopt;
 }
 
+// Z0 is the bottom of the stack, by default half its thickness below the reference surface; ZOFFS of the element
+// moves all. Nonstructural mass takes part in the rotary inertia as if spread over the thickness.
 std::optional<RegionProperty> ShellBuilder::stack(const PcompCard& laminate, double offset, const std::string& title,
                                                   const Place& where) {
   std::vector<Ply> plies;

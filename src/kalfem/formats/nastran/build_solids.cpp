@@ -79,6 +79,7 @@ bool SolidBuilder::make_region(const SolidCard& card, const PsolidCard& solid, c
   return true;
 }
 
+// All nodes of a card, or none where one is missing: that is a problem already.
 std::vector<Eigen::Index> SolidBuilder::indices(const SolidCard& card, std::size_t count, const std::string& title) {
   std::vector<Eigen::Index> nodes(count);
   for (std::size_t i = 0; i < count; ++i)

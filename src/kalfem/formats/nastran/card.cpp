@@ -13,6 +13,8 @@ namespace {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
+// Nastran writes 7.0E+3 also as 7.0+3 or 7.D3. A sign that is not at the start and not behind the letter begins the
+// exponent. A second exponent, or one without digits before it, makes the field no number.
 /// The number as std::from_chars reads it: no leading '+', 'e' before each exponent. Empty where it is none.
 std::string_view normalised(std::string_view field, std::array<char, 64>& buffer) {
   std::size_t size = 0;
@@ -159,6 +161,8 @@ int Card::component(std::size_t i, const char* what) const {
   return value == 0 ? 0 : static_cast<int>(value) - 1;
 }
 
+// Items are numbers, "n1 THRU n2", "n1 THRU n2 BY step" and "n1 THRU n2 EXCEPT n3 n4 ...". The exceptions end at the
+// first number beyond the range, which is an item of its own.
 std::vector<IdRange> Card::id_list(std::size_t first, const char* what) const {
   std::vector<IdRange> list;
   bool except = false;  // numbers are taken out of the last range

@@ -93,6 +93,7 @@ std::optional<std::string_view> DeckLines::raw_line() {
   return text;
 }
 
+// Comments begin with $, and INCLUDE may stand anywhere. Its file name may be in quotes and go on over several lines.
 // Files are a stack: an INCLUDE opens one on top, its end closes it. All texts stay alive, as cards hold views of them.
 std::optional<DeckLine> DeckLines::next() {
   while (!stack_.empty()) {
@@ -214,6 +215,8 @@ void CardStream::line(const DeckLine& text) {
   }
 }
 
+// A comma anywhere makes the line free-field, otherwise its fields are columns of 8. An asterisk in the first field
+// doubles their width. A blank first field, + or * continues the card before.
 CardStream::Line CardStream::split(const DeckLine& source) {
   Line line;
   line.place = source.place;
@@ -318,6 +321,8 @@ void CardStream::hand_over(Card& card) {
   sink_(card);
 }
 
+// Chains of continuations may be long: each one leads to the next by its own marker, and each is used once. A chain
+// that breaks leaves the card short. Continuations that no card asked for are told.
 void CardStream::finish() {
   end_card();
   for (auto& [card, marker] : deferred_) {

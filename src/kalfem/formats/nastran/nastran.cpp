@@ -139,6 +139,7 @@ void drop_repeated_grids(BulkData& bulk, DeckFiles& files) {
   std::erase_if(bulk.grids, [&](const Grid&) { return drop[index++]; });
 }
 
+// Element numbers are unique over all kinds of elements, as regions and messages name elements by them.
 void check_element_ids(BulkData& bulk, DeckFiles& files) {
   auto& ids = bulk.element_ids;
   std::ranges::stable_sort(ids, {}, [](const auto& item) { return item.first; });
@@ -164,6 +165,8 @@ void check_extent(const FiniteElementModel& model, DeckFiles& files) {
                   "correct them");
 }
 
+// Elements first, then masses on their nodes, then constraints. AUTOSPC and K6ROT need the whole model and come last;
+// quadratic shells are split between them.
 void build_model(Building& building) {
   Materials materials(building);
   build_shells(building, materials);
@@ -194,6 +197,8 @@ void note_case_control(const CaseControl& control, DeckNotes& notes, const DeckF
 }  // namespace
 }  // namespace nastran
 
+// Steps: read all cards, since defaults and coordinate systems may stand behind the cards that need them; fill in
+// defaults; check numbers; resolve coordinate systems and with them the places; build the model.
 Deck parse_nastran(std::string content, const std::string& source, const NastranIncludes& includes) {
   using namespace nastran;
   Deck deck;

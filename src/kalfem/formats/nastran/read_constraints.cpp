@@ -5,6 +5,7 @@
 namespace kalfem::nastran {
 namespace {
 
+// SPC holds two nodes on one card. Enforced displacements have no place in a linear model without loads.
 void read_spc(const Card& card, const Reading& in) {
   for (const std::size_t first : {2, 5}) {
     if (card.blank(first)) continue;

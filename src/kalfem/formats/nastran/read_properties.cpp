@@ -348,6 +348,7 @@ void read_pbarl(const Card& card, const Reading& in) {
   add_section(card, in, section);
 }
 
+// DIM and NSM of end A stand without a flag and a place in front. Only the station at X/XB = 1 counts besides.
 /// DIM(A) NSM(A), then SO X DIM NSM of each further station.
 void read_pbeaml(const Card& card, const Reading& in) {
   const std::size_t count = known_shape(card);

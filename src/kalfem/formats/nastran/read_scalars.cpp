@@ -62,6 +62,8 @@ void add_bush(const Card& card, const Reading& in, BushCard bush) {
   in.bulk.bushes.push_back(bush);
 }
 
+// An orientation is a grid point G0 or a vector X1, X2, X3; an integer alone in the first field is a grid point. CID
+// takes precedence over both when the axes are built.
 void read_bush(const Card& card, const Reading& in) {
   BushCard bush;
   bush.id = card.id(1, "EID");
@@ -92,6 +94,7 @@ void read_axial(const Card& card, const Reading& in, const char* kind, std::size
 void read_bush1d(const Card& card, const Reading& in) { read_axial(card, in, "CBUSH1D", 5); }
 void read_visc(const Card& card, const Reading& in) { read_axial(card, in, "CVISC", 0); }
 
+// CONM1 gives the lower triangle of a 6 x 6 mass matrix row by row.
 void read_conm1(const Card& card, const Reading& in) {
   Conm1Card mass;
   mass.id = card.id(1, "EID");
@@ -171,6 +174,7 @@ void read_dmig(const Card& card, const Reading& in) {
   }
 }
 
+// PARAMs that change stiffness, mass or constraints are read: WTMASS, COUPMASS, AUTOSPC and K6ROT.
 void read_param(const Card& card, const Reading& in) {
   const auto name = card.text(1);
   if (name == "WTMASS") {

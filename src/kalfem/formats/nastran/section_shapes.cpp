@@ -61,6 +61,7 @@ struct Moments {
   double yy = 0.0, zz = 0.0, yz = 0.0;  ///< integrals of y^2, z^2 and y z about the centroid
 };
 
+// Each rectangle has b h^3 / 12 about its own middle and A d^2 for the arm to the common centroid (Steiner).
 Moments moments_of(const std::vector<Rectangle>& rectangles) {
   Moments sum;
   for (const auto& part : rectangles) {
@@ -109,6 +110,11 @@ std::vector<std::array<double, 2>> sectorial_areas(const std::vector<Wall>& wall
   return areas;
 }
 
+// Thin-walled open section: the shear centre P is the pole whose sectorial area has no product with y and z, int
+// omega_P y dA = int omega_P z dA = 0. With omega_C about the centroid,
+// omega_P = omega_C - p_y z + p_z y + const,   so that   p_y I_yz - p_z I_yy = int omega_C y dA
+// and the same with z; these two equations give p = P - C. The origin of omega does not matter, as y and z are
+// measured from the centroid.
 Point shear_centre(const std::vector<Wall>& walls) {
   double area = 0.0;
   Point centroid = Point::Zero();
@@ -132,6 +138,8 @@ Point shear_centre(const std::vector<Wall>& walls) {
   return centroid + matrix.partialPivLu().solve(Eigen::Vector2d(wy, wz));
 }
 
+// Area and second moments are those of the rectangles, corners counted once. Torsion is St Venant's sum of l t^3 / 3
+// over the walls. Shear along an axis is carried by the rectangles along it.
 SectionCard section_of(const OpenSection& open) {
   const Moments moments = moments_of(open.rectangles);
   SectionCard section;
@@ -228,6 +236,8 @@ OpenSection hat(double height, double t, double top, double brim) {
   return open;
 }
 
+// Bredt: J = 4 A_m^2 / (sum of l / t) along the middle lines, A_m the area that they enclose. Shear is carried by the
+// two walls along it, with the factor 5/6.
 /// A closed box with walls of their own thickness, in Bredt's theory.
 SectionCard box_section(double width, double height, double top, double bottom, double left, double right) {
   const std::vector<Rectangle> rectangles = {
@@ -248,6 +258,7 @@ SectionCard box_section(double width, double height, double top, double bottom, 
   return section;
 }
 
+// DIM1, DIM2, ... of the card are at(1), at(2), ..., as the Quick Reference Guide numbers them for each TYPE.
 OpenSection open_section(const std::string& shape, const std::vector<double>& d) {
   const auto at = [&](std::size_t i) { return d[i - 1]; };
   const auto symmetric = [](double width, double thickness) { return Flange{-width / 2.0, width / 2.0, thickness}; };

@@ -62,6 +62,7 @@ Eigen::Index nearest_node(const Mesh& mesh, const Eigen::Vector3d& place) {
 
 namespace {
 
+// Coincident nodes are passed over: they would give the size 0.
 double distance_to_nearest(const Mesh& mesh, Eigen::Index node) {
   double nearest = std::numeric_limits<double>::infinity();
   for (Eigen::Index i = 0; i < mesh.node_count(); ++i)

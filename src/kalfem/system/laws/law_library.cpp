@@ -129,6 +129,8 @@ ConnectorLawPtr make_law(const std::string& name, const LawArguments& arguments)
   throw InvalidInput("unknown connector law '" + name + "'" + did_you_mean(name, known), "", "the laws are " + list);
 }
 
+// Quantities of a law are those of an example, as polynomials and expressions have parameters by their arguments
+// only.
 std::vector<LawDescription> law_library() {
   std::vector<LawDescription> library;
   for (const auto& entry : entries()) {
