@@ -142,11 +142,11 @@ private:
   bool take(std::string_view token) {
     if (!rest_.starts_with(token)) return false;
     rest_.remove_prefix(token.size());
-    // Combines factors from left to right. A slash divides by the next factor alone; a product after it, as in N/m s,
-    // is read differently by different people and is refused.
     return true;
   }
 
+  // Combines factors from left to right. A slash divides by the next factor alone; a product after it, as in N/m s,
+  // is read differently by different people and is refused.
   Unit product() {
     Unit result = factor();
     bool divided = false;

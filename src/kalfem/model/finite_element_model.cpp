@@ -156,8 +156,8 @@ void Validator::check_laminate(const std::string& region, const LaminateProperty
         "complete its layers and their transverse shear moduli");
 }
 
-// Beams and shells exist for linear cells only; readers split quadratic ones before. Solids exist for both orders. Of
-// several wrong cells the first is named, since one wrong cell mostly means a mixed region.
+// Beams and shells exist for linear cells only; decks with quadratic ones have them split before. Solids exist for both
+// orders. Of several wrong cells the first is named, since one wrong cell mostly means a mixed region.
 /// Shells are made of surfaces, beams of lines, solids of bodies.
 void Validator::check_shape(const std::string& region, const RegionProperty& property) {
   struct Kind {

@@ -79,8 +79,8 @@ void couple(PlacedDeck& deck, const std::string& name, Index master, const std::
                  orientation_axes(deck, orientation, at.place, at.block->keyword.where), motions);
 }
 
-// The reference node takes the weighted mean motion of the coupled nodes (RBE3). Only their displacements count, as
-// in Abaqus; nodes without weight take no part.
+// The reference node takes the weighted mean motion of the coupled nodes (RBE3). Only their displacements count;
+// nodes without weight take no part.
 void distribute(const std::string& name, Index reference, const Surface& surface, const Where& where,
                 Kinematics& motions) {
   WeightedLink link;

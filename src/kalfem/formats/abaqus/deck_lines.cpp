@@ -86,7 +86,7 @@ std::string Keyword::get(std::string_view parameter) const {
 std::string Keyword::word(std::string_view parameter) const { return joined_capitals(get(parameter)); }
 
 // "*SHELL SECTION, elset=a, material = b": the name and the parameters are compared in capitals without blanks,
-// values keep their case. A comma between quotation marks does not part.
+// values keep their case. A comma between quotation marks separates nothing.
 Keyword parse_keyword(std::string_view line, const Where& where) {
   Keyword keyword;
   keyword.where = where;

@@ -133,7 +133,7 @@ public:
     }
   }
 
-  /// The nearest face that does not hold the node itself, within one box.
+  /// The nearest face within one box; a face that holds the node itself has the distance 0.
   std::optional<std::pair<std::size_t, Projection>> nearest(Index node) const {
     const Eigen::Vector3d place = mesh_.nodes.col(node);
     const auto centre = cell(place);

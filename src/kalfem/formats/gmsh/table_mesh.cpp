@@ -101,9 +101,9 @@ public:
 
   FileProblems problems;
 
+private:
   // The second line is taken, since titles in the first may hold blanks or commas in brackets. Candidates are tried
   // from the least ambiguous one on: a comma may be decimal and blanks may surround other separators.
-private:
   [[nodiscard]] char find_separator() const {
     const auto line = trimmed(lines_[std::min<std::size_t>(1, lines_.size() - 1)].text);
     for (const char candidate : {';', '\t', ',', ' '})

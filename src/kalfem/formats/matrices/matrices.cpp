@@ -42,7 +42,7 @@ bool has_keyword(std::string_view text, std::string_view keyword) {
 }
 
 // Five numbers in a line are node, direction, node, direction, value; three are row, column, value.
-/// The format of a text without a signature: by its first line that says something, then by the end of its name.
+/// The format of a text without a signature: by the end of its name, then by its first line that says something.
 MatrixFormat text_format(std::string_view text, const std::string& name) {
   if (ends_with_any(name, {".op4"}) || looks_like_op4_text(text)) return MatrixFormat::op4;
   if (ends_with_any(name, {".pch", ".dmig", ".bdf", ".nas"})) return MatrixFormat::dmig;

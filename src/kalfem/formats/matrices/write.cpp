@@ -222,8 +222,7 @@ Eigen::MatrixXd map_rows(const std::vector<MatrixDof>& dofs) {
   return rows;
 }
 
-// The layout of scipy.sparse and anndata for compressed columns: data, indices, indptr, shape, and the format as an
-// attribute.
+// Compressed columns by the names of scipy.sparse: data, indices, indptr, shape, and the format as an attribute.
 void add_hdf5(const ForeignMatrix& matrix, Hdf5File& file) {
   SparseMatrix entries = matrix.matrix;
   entries.makeCompressed();

@@ -52,8 +52,9 @@ private:
   std::map<std::string, bool> sound_;
 };
 
-// With MAT9 the elasticity is turned from the material axes (CORDM) to the global ones: C' = T C T^T. All elements of
-// a property share it, so axes that vary over the mesh are taken at the origin of their system.
+// With MAT9 the elasticity is turned from the material axes (CORDM) to the global ones: C' = R^T C R with
+// the local strains R e of global strains e. All elements of a property share it, so axes that vary over the mesh are
+// taken at the origin of their system.
 bool SolidBuilder::make_region(const SolidCard& card, const PsolidCard& solid, const std::string& region,
                                const std::string& title) {
   const MaterialCard* material = materials_.find(solid.material, title, card.where);
