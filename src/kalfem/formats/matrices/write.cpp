@@ -190,6 +190,8 @@ private:
   std::string record_, file_;
 };
 
+// The order of the text form in records with integers of 4 bytes: header, columns with entries, a column beyond the
+// last.
 void add_op4(const ForeignMatrix& matrix, RecordWriter& writer) {
   const SparseMatrix& entries = matrix.matrix;
   for (const Index number : {entries.cols(), -entries.rows(), Index{is_symmetric(entries) ? 6 : 2}, Index{2}})
