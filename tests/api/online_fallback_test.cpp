@@ -39,10 +39,10 @@ TEST(OnlineFilter, GoesOnInPhysicalCoordinatesWhereRoundingSpoilsTheModalOnes) {
 
   OnlineFilter filter(s, record.sample_rate, options);
   ASSERT_FALSE(filter.in_physical_coordinates());
-  filter.update(record.values.row(0).transpose());
+  filter.update(record.values.col(0));
   for (Eigen::Index k = 1; k < record.samples(); ++k) {
     ASSERT_TRUE(filter.predict()) << filter.failure()->reason;
-    ASSERT_TRUE(filter.update(record.values.row(k).transpose())) << filter.failure()->reason;
+    ASSERT_TRUE(filter.update(record.values.col(k))) << filter.failure()->reason;
   }
   EXPECT_TRUE(filter.in_physical_coordinates());
   const auto found = filter.parameter("n.k3");
@@ -55,7 +55,7 @@ TEST(OnlineFilter, StaysInModalCoordinatesWhereTheyServe) {
   OnlineFilter filter(driven_chain(), chain_record().sample_rate, {.sensors = chain_sensors()});
   for (Eigen::Index k = 0; k < 100; ++k) {
     if (k > 0) ASSERT_TRUE(filter.predict());
-    ASSERT_TRUE(filter.update(chain_record().values.row(k).transpose()));
+    ASSERT_TRUE(filter.update(chain_record().values.col(k)));
   }
   EXPECT_FALSE(filter.in_physical_coordinates());
 }

@@ -117,7 +117,7 @@ TEST_F(FrfTables, RefusesNamesThatMakeNoFrf) {
   only("1;2;3\n2;3;4\n", "have no names");
   only("f;a_re\n1;2\n", "only one of the columns");
   only("f;a_re;a_im;a_mag\n1;2;3;4\n", "more than one form");
-  only("f;a_phase;b_re;b_im\n1;2;3;4\n", "in no way");
+  only("f;a_phase;b_re;b_im\n1;2;3;4\n", "in no form");
   only("f;a_re;a_im;a_re\n1;2;3;4\n", "two columns");
   only("f;a_mag;b_re;b_im\n1;2;3;4\n", "have no phase");
   only("f;a_mag\n1;-2\n", "is negative");

@@ -118,6 +118,8 @@ TEST(NastranCards, AreToldWhereTheyCannotBeRead) {
   expect("GRID,1,,abc\n", "deck.bdf:1: GRID 1: X (line 1 of the card, field 4) is 'abc'");
   expect("GRID,x\n", "whole number");
   expect("GRID,1\n+,2\nGRID,1,,5.\n", "defined twice");
+  expect("GRID,1\nGRID,1,,,,,,123\n", "defined twice");  // the supports of the second would be lost
+  expect("GRID,1\nPVISC,3,10.\nPVISC,3,20.\n", "PVISC 3 is defined twice");
   expect("+,2\nGRID,1\n", "without a card before it");
   expect("GRID,1\nCONM2,1,2,,1.\n", "deck.bdf:2: CONM2 1: grid point 2 is missing");
   expect("GRID,1\nGRID,2\nCROD,1,5,1,2\n", "property 5 is missing");

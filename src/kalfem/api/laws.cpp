@@ -21,9 +21,12 @@ std::vector<std::string> names_of(const NamedValues& values) {
 
 bool may_be_zero(Range range) { return range != Range::positive && range != Range::at_least_one; }
 
-/// Default of a parameter; empty if the caller must give it.
-std::optional<double> default_of(const LawQuantity& parameter) {
+/// Default of a parameter; empty if the caller must give it. A program may leave more out than a case file, which
+/// states every number that a run depends on.
+std::optional<double> default_of(const ConnectorLaw& law, const LawQuantity& parameter) {
   if (!std::isnan(parameter.default_value)) return parameter.default_value;
+  if (law.name() == "saturating" && parameter.name == "mu_k2") return saturating_deformation;
+  if (law.name() == "saturating" && parameter.name == "mu_c2") return saturating_rate;
   return may_be_zero(parameter.range) ? std::optional(0.0) : std::nullopt;
 }
 
@@ -34,7 +37,7 @@ Eigen::VectorXd ordered(const ConnectorLaw& law, const NamedValues& given, Issue
   std::vector<std::string> known;
   for (const auto& parameter : parameters) {
     const auto found = std::ranges::find(given, parameter.name, &NamedValues::value_type::first);
-    const auto value = found != given.end() ? std::optional(found->second) : default_of(parameter);
+    const auto value = found != given.end() ? std::optional(found->second) : default_of(law, parameter);
     if (!value)
       issues.add({}, "law '" + law.name() + "': the parameter '" + parameter.name + "' is missing",
                  "it must be positive: " + parameter.meaning, "give it in " + parameter.unit);

@@ -22,10 +22,12 @@ struct Law {
 
 /// A law of the library, such as "linear", "saturating", "bouc_wen", "gap" (`kalfem schema --laws` lists them):
 ///     law("saturating", {{"k", 5e3}, {"mu_k1", 20.0}, {"mu_k2", 2e-3}, {"mu_c2", 0.05}})
-/// A parameter that is left out has the law's default (`kalfem schema --laws` tells it), or is zero where it may be
-/// zero: a term whose coefficients are left out is absent. Throws InvalidInput with every
+/// A missing parameter takes the law's default (`kalfem schema --laws`), or zero if zero is allowed, so that a term
+/// without its force is absent. The scales of the saturating law default to those below. Throws InvalidInput with every
 /// name that the law does not have, every value out of range, and every parameter that must be given.
 Law law(const std::string& name, const NamedValues& values = {});
+constexpr double saturating_deformation = 2e-3;  ///< mu_k2 of law("saturating") [m], as in the example of the chain
+constexpr double saturating_rate = 0.05;         ///< mu_c2 [m/s]
 
 /// A law as a formula of the deformation x, its rate v and its acceleration a: expression("k*x + k3*x^3", {{"k", 5e3},
 /// {"k3", 1e9}}). Throws InvalidInput if the formula cannot be parsed.

@@ -120,7 +120,7 @@ int MeshReader::type_of(const Keyword& keyword) {
     problems_.add(
         keyword.where,
         name.empty() ? "*ELEMENT has no TYPE" : "elements of type " + to_string(name) + " cannot be read",
-        "the model would be incomplete without it without them",
+        "the model would be incomplete without them",
         "use shells (S3 S4 S6 S8), solids (C3D4 to C3D20), beams (B31 B32 B33), trusses, springs, dashpots or "
         "masses");
     return -1;

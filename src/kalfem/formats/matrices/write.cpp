@@ -280,7 +280,7 @@ void check(const std::vector<ForeignMatrix>& matrices, MatrixFormat format, cons
       issues.add({path.string(), 0}, "the matrix name '" + matrix.name + "' is not valid in Nastran",
                  "it must have 1 to 8 letters", "rename it");
     if (!names.insert(matrix.name).second)
-      issues.add({path.string(), 0}, "two matrices have a number '" + matrix.name + "'", "names must differ",
+      issues.add({path.string(), 0}, "two matrices have the name '" + matrix.name + "'", "names must differ",
                  "rename one");
     if (matrix.matrix.nonZeros() > 0 && !matrix.matrix.coeffs().allFinite())
       issues.add({path.string(), 0}, "matrix '" + matrix.name + "' has an entry that is not finite",

@@ -131,7 +131,8 @@ void drop_repeated_grids(BulkData& bulk, DeckFiles& files) {
     const auto& one = bulk.grids[static_cast<std::size_t>(earlier)];
     const auto& two = bulk.grids[static_cast<std::size_t>(later)];
     drop[static_cast<std::size_t>(later)] = true;
-    if (one.place != two.place || one.position_system != two.position_system || one.motion_system != two.motion_system)
+    if (one.place != two.place || one.position_system != two.position_system ||
+        one.motion_system != two.motion_system || one.held != two.held)
       files.problem(two.where, "grid point " + std::to_string(two.id) + " is defined twice",
                     "first in line " + std::to_string(one.where.line), "remove one of them");
   }

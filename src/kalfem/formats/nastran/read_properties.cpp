@@ -201,7 +201,9 @@ void read_pvisc(const Card& card, const Reading& in) {
     BushProperty bush;
     bush.damping[0] = card.real_or(first + 1, 0.0, "CE");
     bush.damping[3] = card.real_or(first + 2, 0.0, "CR");
-    in.bulk.properties.try_emplace(card.id(first, "PID"), PropertyCard{card.name, bush, card.place});
+    if (!in.bulk.properties.try_emplace(card.id(first, "PID"), PropertyCard{card.name, bush, card.place}).second)
+      throw CardError(card.name + " " + std::string(card.raw(first)) + " is defined twice", "",
+                      "remove one of the cards");
   }
 }
 

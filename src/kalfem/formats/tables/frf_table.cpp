@@ -198,7 +198,7 @@ void check_parts(const FrfColumns& frf, int line, FileProblems& problems) {
   if (has(Part::real) != has(Part::imaginary))
     problems.add(line, "'" + frf.output.name + "' has only one of the columns _re and _im", "both parts are required");
   else if (ways != 1)
-    problems.add(line, "'" + frf.output.name + "' is given in " + (ways == 0 ? "no" : "more than one form") + " way",
+    problems.add(line, "'" + frf.output.name + "' is given in " + (ways == 0 ? "no form" : "more than one form"),
                  "an FRF is one complex column, or _re and _im, or _mag (or _db) and _phase", "add or remove columns");
   else if (has(Part::phase) && !has(Part::magnitude) && !has(Part::decibel))
     problems.add(line, "'" + frf.output.name + "' has a phase without a magnitude", "", "remove the phase");

@@ -88,7 +88,7 @@ std::vector<Channel> channels_of(const Header& header, const TextLine& line, std
   std::vector<Channel> channels;
   if (titles.size() < count + 1) {
     problems.add(line.number, "the line of names has " + std::to_string(titles.size()) + " cells",
-                 std::to_string(count) + " every channel and the time need a name");
+                 "the time and each of the " + std::to_string(count) + " channels need a name");
     return channels;
   }
   const auto units = header.entries.find("Y_Unit_Label");

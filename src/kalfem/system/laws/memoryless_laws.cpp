@@ -204,11 +204,11 @@ ConnectorLawPtr saturating_law() {
       "saturating",
       std::vector<LawQuantity>{
           {"k", "N/m", "linear stiffness", Range::nonnegative, 0.0},
-          {"mu_k1", "N", "force at which the nonlinear spring saturates", Range::nonnegative, 0.0},
-          {"mu_k2", "m", "deformation at which the nonlinear spring has half that force", Range::positive, 2e-3},
+          {"mu_k1", "N", "force at which the nonlinear spring saturates", Range::nonnegative},
+          {"mu_k2", "m", "deformation at which the nonlinear spring has half that force", Range::positive},
           {"c", "N s/m", "linear damping", Range::nonnegative, 0.0},
-          {"mu_c1", "N", "force at which the nonlinear damper saturates", Range::nonnegative, 0.0},
-          {"mu_c2", "m/s", "rate at which the nonlinear damper has half that force", Range::positive, 0.05}});
+          {"mu_c1", "N", "force at which the nonlinear damper saturates", Range::nonnegative},
+          {"mu_c2", "m/s", "rate at which the nonlinear damper has half that force", Range::positive}});
 }
 
 namespace {
