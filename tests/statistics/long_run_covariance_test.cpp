@@ -1,4 +1,4 @@
-#include "kalfem/statistics/long_run_covariance.hpp"
+#include "kalfem/statistics/robust_covariance.hpp"
 
 #include <gtest/gtest.h>
 

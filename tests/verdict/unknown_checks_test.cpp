@@ -1,4 +1,4 @@
-#include "kalfem/verdict/unknown_checks.hpp"
+#include "kalfem/verdict/checks.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "kalfem/verdict/innovation_checks.hpp"
+#include "kalfem/verdict/checks.hpp"
 
 #include <algorithm>
 #include <cmath>
