@@ -27,7 +27,7 @@ ALLOWED = {
     "yaml": {"base"},
 }
 LIBRARY = set(ALLOWED) - {"yaml"}
-CORE = LIBRARY - {"formats"}
+CORE = LIBRARY - {"formats", "verdict"}
 ALLOWED["identification"] = CORE
 ALLOWED["api"] = CORE | {"identification"}
 ALLOWED["casefile"] = LIBRARY | {"identification", "yaml"}

@@ -60,7 +60,7 @@ ExitCode check_deck(const std::string& file, const std::vector<std::string>& uni
     const std::string name = std::filesystem::path(file).filename().string();
     Page page{.title = name,
               .subtitle = fmt::format("{} degrees of freedom", assembled.size()),
-              .status = sound ? PageStatus::ok : PageStatus::unusable,
+              .status = sound ? VerdictState::consistent : VerdictState::unusable,
               .summary = "Model check of the deck.",
               .sections = {model_check_section(name, deck.model, report, deck.notes)}};
     if (sound) page.sections.front().items.emplace_back(frequencies);
@@ -130,7 +130,7 @@ void print_table(const Table& table) {
 void check_parts(const Study& study, const std::string& page_file) {
   Page page{.title = study.title.empty() ? "kalfem" : study.title,
             .subtitle = "Model check of the finite-element substructures",
-            .status = PageStatus::ok,
+            .status = VerdictState::consistent,
             .summary = "The case can be run.",
             .sections = {}};
   for (std::size_t i = 0; i < study.structure->finite_elements.size(); ++i) {

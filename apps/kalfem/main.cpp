@@ -15,13 +15,14 @@ namespace {
 struct Arguments {
   std::string case_file, folder, page;
   std::vector<std::string> units;
-  bool json = false, laws = false;
+  bool json = false, laws = false, strict = false;
 };
 
 CLI::App* add_run_verb(CLI::App& app, const char* verb, const char* meaning, Arguments& arguments) {
   auto* command = app.add_subcommand(verb, meaning);
   command->add_option("case", arguments.case_file, "case file (YAML)")->required();
   command->add_option("--out", arguments.folder, "folder for the results; default: <case>.kalfem-out");
+  command->add_flag("--strict", arguments.strict, "exit with 3 where the results are suspicious, too");
   return command;
 }
 
@@ -30,11 +31,16 @@ command::ExitCode execute(const CLI::App& app, const Arguments& arguments) {
     return is_deck(arguments.case_file) ? command::check_deck(arguments.case_file, arguments.units, arguments.page)
                                         : command::check(arguments.case_file, arguments.page);
   if (app.got_subcommand("schema")) return command::schema(arguments.json, arguments.laws);
-  if (app.got_subcommand("modes")) return command::run(arguments.case_file, Step::modes, arguments.folder);
-  if (app.got_subcommand("simulate")) return command::run(arguments.case_file, Step::simulate, arguments.folder);
-  if (app.got_subcommand("estimate")) return command::run(arguments.case_file, Step::estimate, arguments.folder);
-  if (app.got_subcommand("predict")) return command::run(arguments.case_file, Step::predict, arguments.folder);
-  return command::run(arguments.case_file, Step::update, arguments.folder, app.got_subcommand("update"));
+  if (app.got_subcommand("modes"))
+    return command::run(arguments.case_file, Step::modes, arguments.folder, arguments.strict);
+  if (app.got_subcommand("simulate"))
+    return command::run(arguments.case_file, Step::simulate, arguments.folder, arguments.strict);
+  if (app.got_subcommand("estimate"))
+    return command::run(arguments.case_file, Step::estimate, arguments.folder, arguments.strict);
+  if (app.got_subcommand("predict"))
+    return command::run(arguments.case_file, Step::predict, arguments.folder, arguments.strict);
+  return command::run(arguments.case_file, Step::update, arguments.folder, arguments.strict,
+                      app.got_subcommand("update"));
 }
 
 /// Runs a part of the command; what it throws becomes a message and an exit code.
@@ -78,10 +84,12 @@ int main(int argc, char** argv) {
   add_run_verb(app, "run", "run everything the case asks for", arguments);
   add_run_verb(app, "modes", "compute the natural modes of every substructure, full and reduced", arguments);
   add_run_verb(app, "simulate", "simulate the structure and make its record", arguments);
-  add_run_verb(app, "estimate", "estimate the states and the unknown parameters, running the steps this needs", arguments);
-  add_run_verb(app, "predict", "predict the response of a linear substructure, running the steps this needs", arguments);
+  add_run_verb(app, "estimate", "estimate the states and the unknown parameters, running the steps this needs",
+               arguments);
+  add_run_verb(app, "predict", "predict the response of a linear substructure, running the steps this needs",
+               arguments);
   add_run_verb(app, "update", "update the linear substructures from measurements, running the steps this needs",
-            arguments);
+               arguments);
   auto* check = app.add_subcommand("check", "validate and explain a case file or a deck without running it");
   check->add_option("case", arguments.case_file, "case file (YAML) or deck (.inp, .bdf, .dat, .nas)")->required();
   check->add_option("--page", arguments.page, "write the model check to this HTML file, with a picture of the mesh");

@@ -42,10 +42,17 @@ void require_section(const Study& study, Step asked) {
   if (asked == Step::update) require(study.updating.has_value(), "update");
 }
 
+/// The state, and every reason for it, worst first.
+void print_verdict(const StudyResults& results) {
+  print("Verdict: {}\n", to_string(results.verdict.state()));
+  for (const auto& warning : results.warnings) print_error("warning: {}\n", warning);
+  if (!results.usable()) print_error("the numbers are not usable: {}\n", results.why_unusable());
+}
+
 }  // namespace
 
 /// The output folder is taken, and the standard output tried, before anything is computed.
-ExitCode run(const std::string& case_file, Step last, const std::string& folder_name, bool by_name) {
+ExitCode run(const std::string& case_file, Step last, const std::string& folder_name, bool strict, bool by_name) {
   const Stopwatch watch;
   OutputFolder folder(output_folder(case_file, folder_name));
   const Study study = load_study(case_file);
@@ -61,10 +68,10 @@ ExitCode run(const std::string& case_file, Step last, const std::string& folder_
   const ResultSet set = write_result_set(folder, study, results, watch);
   print_text(console_report(study, results));
   print_files(folder.path(), set);
-  for (const auto& warning : results.warnings) print_error("warning: {}\n", warning);
-  if (!results.usable()) print_error("the numbers are not usable: {}\n", results.failure);
+  print_verdict(results);
   require_output();
-  return results.usable() ? done : not_usable;
+  const bool suspicious = results.verdict.state() == VerdictState::suspicious;
+  return results.usable() && !(strict && suspicious) ? done : not_usable;
 }
 
 }  // namespace kalfem::command

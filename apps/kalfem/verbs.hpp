@@ -12,7 +12,7 @@ enum ExitCode { done = 0, a_bug = 1, cannot_write = 1, mend_the_input = 2, not_u
 
 /// run, simulate, estimate, predict, update: the steps up to `last`, results into `folder` (empty: <case>.kalfem-out
 /// beside it). `by_name`: the user asked for that step, so a case without its section is an error.
-ExitCode run(const std::string& case_file, Step last, const std::string& folder, bool by_name = true);
+ExitCode run(const std::string& case_file, Step last, const std::string& folder, bool strict, bool by_name = true);
 /// check: validate and explain, run nothing. With a page file, the model check of the substructures goes there too.
 ExitCode check(const std::string& case_file, const std::string& page_file);
 /// check of a deck alone: its contents, the cards that kalfem ignores, and the model check. `units`: none (SI) or

@@ -54,11 +54,11 @@ TEST_F(PlateOnAGround, AConnectorPullsAsASpringToTheSameGround) {
            "feeler: {from: ground, to: plate.f.z, law: linear, parameters: {k: 1e-6, c: 0}}", "plate.ground"));
   const auto connector = results_of(with("", changed(mount, "@", "ground"), "plate.ground"));
   const auto named = results_of(with("grounds: [table]", changed(mount, "@", "table"), "plate.table"));
-  ASSERT_TRUE(spring.usable()) << spring.failure;
+  ASSERT_TRUE(spring.complete()) << spring.failure;
   const auto reduced = results_of(changed(with("", changed(mount, "@", "ground"), "plate.ground"), "tolerance: 1e-3",
                                           "tolerance: 1e-3, reference: superelement, modes_up_to: 2 kHz"));
-  ASSERT_TRUE(connector.usable()) << connector.failure;
-  ASSERT_TRUE(reduced.usable()) << reduced.failure;
+  ASSERT_TRUE(connector.complete()) << connector.failure;
+  ASSERT_TRUE(reduced.complete()) << reduced.failure;
   const auto& expected = simulated(spring, "plate.f.z", acceleration);
   // the same equations: found 4e-10, and 2e-8 with the superelement
   EXPECT_LT(difference(simulated(connector, "plate.f.z", acceleration), expected), 2e-9);  // two references of 1e-3
@@ -70,7 +70,7 @@ TEST_F(PlateOnAGround, TheFilterHoldsTheConnector) {
   const auto results = results_of(with("", changed(mount, "@", "ground"), "plate.ground") +
                                   "estimate: {unknown: {mount.k: {initial: 7 kN/m, std: 1 kN/m}}, settle: 0.2 s, "
                                   "process_noise: {acceleration: 1e-3}}\n");
-  ASSERT_TRUE(results.usable()) << results.failure;
+  ASSERT_TRUE(results.complete()) << results.failure;
   const auto& unknowns = results.estimation->result.unknowns;
   // four deviations of one record; found .27 of one
   EXPECT_NEAR(unknowns.mean.rightCols(1)(0), 8000.0, 4.0 * unknowns.deviation.rightCols(1)(0));
@@ -104,7 +104,7 @@ TEST(ConnectorGrounds, AConnectorStandsBetweenAMovedAndAFixedGround) {
     for (const char* integrator : {"newmark", "exact"}) {
       const auto study = study_of(across("frame.table", fixed, integrator));
       const auto results = run_study(study, Step::simulate);
-      ASSERT_TRUE(results.usable()) << results.failure;
+      ASSERT_TRUE(results.complete()) << results.failure;
       const auto r = study.structure->signals[0]->sample(0.0, 2e-3, 1001);
       const Eigen::ArrayXd d = -r.col(0);
       // rounding: the two grounds move by themselves
@@ -127,7 +127,7 @@ TEST(ConnectorGrounds, TheFilterFindsTheLawBetweenTwoGrounds) {
         results_of(across("frame.table", "ground") + "estimate: {filter: " + filter +
                    ", unknown: {across.k: {initial: 200, std: 100}, stay.k: {initial: 1500, std: 500}}, "
                    "settle: 0.2 s}\n");
-    ASSERT_TRUE(results.usable()) << results.failure;
+    ASSERT_TRUE(results.complete()) << results.failure;
     const auto& unknowns = results.estimation->result.unknowns;
     for (const auto& [i, truth] : {std::pair{0, 300.0}, std::pair{1, 2000.0}})
       // four deviations of one record; found .7 and .15 of one
@@ -146,7 +146,7 @@ TEST(ConnectorGrounds, ALocalModelKeepsItsConnectorsToGrounds) {
                     "frame, interface: {}}}\n";
   for (const char* stay : {"{from: ground, to: frame.m", "{from: other.ground, to: frame.m"}) {
     const auto results = results_of(changed(text, "{from: ground, to: frame.m", stay));
-    ASSERT_TRUE(results.usable()) << results.failure;
+    ASSERT_TRUE(results.complete()) << results.failure;
     const auto& unknowns = results.estimation->result.unknowns;
     // four deviations of one record; found .15 of one
     EXPECT_NEAR(unknowns.mean.rightCols(1)(0), 2000.0, 4.0 * unknowns.deviation.rightCols(1)(0)) << stay;
@@ -157,7 +157,7 @@ TEST(ConnectorGrounds, ALocalModelKeepsItsConnectorsToGrounds) {
                          "substructures: frame, interface: {}}",
                          "substructures: other, interface: {}}, process_noise: {acceleration: 1e-3}") +
                  "");
-  ASSERT_TRUE(driven.usable()) << driven.failure;
+  ASSERT_TRUE(driven.complete()) << driven.failure;
 }
 
 TEST(ConnectorGrounds, TwoGroundsThatDoNotMoveAreRefusedWithTheirLine) {

@@ -28,7 +28,7 @@ simulate: {duration: 3 s, sample_rate: 500 Hz, tolerance: 1e-4}
 
 TEST(ConnectorSensors, AddUpTheirConnectorsByWeight) {
   const auto results = results_of(struts, Step::simulate);
-  ASSERT_TRUE(results.usable()) << results.failure;
+  ASSERT_TRUE(results.complete()) << results.failure;
   const auto of = [&](const char* connector, ObservedQuantity quantity) {
     return simulated(results, connector, quantity);
   };
@@ -48,7 +48,7 @@ TEST(ConnectorSensors, AreWhatTheFilterCompares) {
   const auto results = results_of(struts +
                                   "estimate: {unknown: {p.k: {initial: 1.2 kN/m, std: 0.2 kN/m}, q.k3: "
                                   "{initial: 1.5e8, std: 5e7}}, settle: 0.5 s, substeps: 8}\n");
-  ASSERT_TRUE(results.usable()) << results.failure;
+  ASSERT_TRUE(results.complete()) << results.failure;
   const auto& unknowns = results.estimation->result.unknowns;
   const Eigen::Index last = unknowns.mean.cols() - 1;
   // four deviations of one record; found .6 and .3 of one
@@ -66,7 +66,7 @@ TEST(ConnectorSensors, AreWhatAnUpdatingSimulates) {
                      "update: {parameters: {frame.s.stiffness: {initial: 3 kN/m, std: 20 %}}, compare: "
                      "{record: {simulation: [f, d, v]}}}\n",
                  Step::update);
-  ASSERT_TRUE(results.usable()) << results.failure;
+  ASSERT_TRUE(results.complete()) << results.failure;
   // found 6e-4
   EXPECT_NEAR(results.updating->values[0] / 4000.0, 1.0, 2e-3);
 }

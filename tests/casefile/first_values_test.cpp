@@ -56,7 +56,7 @@ TEST(FirstValues, WhereTheFilterFailsTheResultsAreNotUsable) {
   const Study study = study_of(with(text, "mu_k1: {initial: 10 N, std: 50 %}", "mu_k1: {initial: 10 N, std: 1e90 N}"));
   check_first_values(study);
   const StudyResults results = run_study(study, Step::update);
-  EXPECT_FALSE(results.usable());
+  EXPECT_FALSE(results.complete());
   EXPECT_NE(results.failure.find("at the initial values of the updated parameters"), std::string::npos)
       << results.failure;
 }

@@ -52,7 +52,7 @@ protected:
     std::ofstream(folder_ / "case.yaml") << text;
     const Study study = load_study((folder_ / "case.yaml").string());
     const auto results = run_study(study, Step::predict);
-    EXPECT_TRUE(results.usable()) << results.failure;
+    EXPECT_TRUE(results.complete()) << results.failure;
     return summarise(study, results);
   }
   /// Estimate less truth in standard deviations.

@@ -63,7 +63,7 @@ TEST_P(GeneratedMistakes, TheCaseItselfIsSoundAndRuns) {
   const auto root = parse_yaml(GetParam().text, "case.yaml", process_environment(), issues);
   const Study study = load(folder_, to_yaml(*root));
   const StudyResults results = run_study(study, Step::update);
-  EXPECT_TRUE(results.usable()) << results.failure;
+  EXPECT_TRUE(results.complete()) << results.failure;
 }
 
 TEST_P(GeneratedMistakes, AreRefusedWithTheirPlace) {

@@ -27,7 +27,7 @@ TEST_F(MeasuredRecords, MayMissSamplesAtAnyPlace) {
   EXPECT_EQ(study.record->record.values.row(0).array().isNaN().count(), 5);
   EXPECT_EQ(study.record->record.values.row(1).array().isNaN().count(), 5 + 19);
   const StudyResults results = run_study(study, Step::predict);
-  ASSERT_TRUE(results.usable()) << results.failure;
+  ASSERT_TRUE(results.complete()) << results.failure;
   // without noise: found .035, the step of the augmented model
   EXPECT_NEAR(results.estimation->result.unknowns.mean(0, 400), stiffness, 0.1);
   // Per cent of the rms of the samples that are there: 24 missing ones of 401 would take 3 % off it.
@@ -42,7 +42,7 @@ TEST_F(MeasuredRecords, AStartThatIsReadFromThemMustBeThere) {
                            {"estimate_initial_state: true", "initial_state_from_record: true"}};
   write_with(written(displacement), [](double t) { return t < 0.2 ? "" : written(acceleration)(t); });
   EXPECT_EQ(errors(changes), "");
-  EXPECT_TRUE(run_study(load(changes), Step::estimate).usable());  // what accelerometers miss does not matter
+  EXPECT_TRUE(run_study(load(changes), Step::estimate).complete());  // what accelerometers miss does not matter
   write_with([](double t) { return t < 0.025 ? "" : written(displacement)(t); }, written(acceleration));
   expect_in(errors(changes), {"case.yaml:7: sensors.x: one of the first 4 samples is missing", "record.start"});
 }
@@ -138,7 +138,7 @@ estimate: {unknown: {c.c: {initial: 2 N s/m, std: 50 %}}, settle: 0.1 s}
 )";
   std::ofstream(folder_ / "case.yaml") << text;
   const Study study = load_study((folder_ / "case.yaml").string());
-  EXPECT_TRUE(run_study(study, Step::simulate).usable());  // no filter: nothing has to be weighed
+  EXPECT_TRUE(run_study(study, Step::simulate).complete());  // no filter: nothing has to be weighed
   try {
     run_study(study, Step::predict);
     FAIL();

@@ -41,8 +41,8 @@ std::string driven_by(const std::string& excitation) { return changed(bridge, "@
 
 /// Largest difference of all that is simulated of points and connectors.
 double difference_of_all(const StudyResults& found, const StudyResults& expected) {
-  EXPECT_TRUE(found.usable()) << found.failure;
-  EXPECT_TRUE(expected.usable()) << expected.failure;
+  EXPECT_TRUE(found.complete()) << found.failure;
+  EXPECT_TRUE(expected.complete()) << expected.failure;
   double largest = 0.0;
   for (const auto& quantity : expected.simulation->points)
     largest = std::max(largest, difference(simulated(found, quantity.point, quantity.quantity), quantity.mean));
@@ -130,7 +130,7 @@ TEST(MultiSupport, SupportsThatMoveAlikeAreAnAcceleratedBase) {
   const auto two = results_of(driven_by("  a: {base_acceleration: beam.left, " + signal + "\n" +
                                         "  b: {base_acceleration: beam.right, delayed: {input: a, delay: 0}}"));
   for (const auto* alike : {&one, &two}) {
-    ASSERT_TRUE(alike->usable()) << alike->failure;
+    ASSERT_TRUE(alike->complete()) << alike->failure;
     for (const char* point : {"beam.1", "beam.2"})
       // the same equations by absolute and by relative motion, with their own references: found 2e-8
       EXPECT_LT(difference(simulated(*alike, point, acceleration), simulated(uniform, point, acceleration)), 2e-7);
@@ -160,7 +160,7 @@ TEST(MultiSupport, TheFilterFindsAStiffnessUnderAcceleratedSupports) {
       results_of(driven_by("  a: {base_acceleration: beam.left, random: {rms: 4 m/s^2, band: [1, 20 Hz], seed: 2}}\n"
                            "  b: {base_acceleration: beam.right, random: {rms: 4 m/s^2, band: [1, 20 Hz], seed: 3}}") +
                  estimate);
-  ASSERT_TRUE(results.usable()) << results.failure;
+  ASSERT_TRUE(results.complete()) << results.failure;
   const auto& unknowns = results.estimation->result.unknowns;
   const Eigen::Index last = unknowns.mean.cols() - 1;
   // four deviations of one record; found 2.0 and .8 of one
@@ -183,7 +183,7 @@ TEST(MultiSupport, TheSimulationOfAnUpdatingIsDrivenAlike) {
           "update: {parameters: {beam.m.stiffness: {initial: 4 kN/m, std: 20 %}}, compare: {record: {simulation: "
           "all}}}\n",
       Step::update);
-  ASSERT_TRUE(results.usable()) << results.failure;
+  ASSERT_TRUE(results.complete()) << results.failure;
   EXPECT_NEAR(results.updating->values[0], 5000.0, 10.0);    // found 3
   EXPECT_NEAR(results.updating->residual_final, 1.0, 0.05);  // found .005
 }
@@ -197,7 +197,7 @@ TEST(MultiSupport, AStartFromTheRecordAddsTheGroundsMotion) {
   const auto results = results_of(
       text +
       "estimate: {unknown: {stop.k: {initial: 900, std: 100}}, initial_state_from_record: true, settle: 0.2 s}\n");
-  ASSERT_TRUE(results.usable()) << results.failure;
+  ASSERT_TRUE(results.complete()) << results.failure;
   const auto& start = results.estimation->augmented_model->options().prior.mean;
   // found 5e-6 and 7e-6: the noise of one sample, 1 %
   EXPECT_NEAR(start.displacement[0], 4e-3, 2e-5);
@@ -311,7 +311,7 @@ TEST(MultiSupport, AMassMayBeUnknownUnderAccelerationOfGroundsAndOfTheWholeBase)
   const std::string signal = "random: {rms: 4 m/s^2, band: [1, 20 Hz]}}";
   for (const std::string moved : {"all", "{beam.left: 1, beam.right: 1}"}) {
     const auto results = results_of(driven_by("  a: {base_acceleration: " + moved + ", " + signal) + estimate);
-    ASSERT_TRUE(results.usable()) << moved << ": " << results.failure;
+    ASSERT_TRUE(results.complete()) << moved << ": " << results.failure;
     const auto& unknowns = results.estimation->result.unknowns;
     const Eigen::Index last = unknowns.mean.cols() - 1;
     // four deviations of one record; found .3 and .5 of one

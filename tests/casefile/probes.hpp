@@ -57,7 +57,7 @@ inline void same_signal(const Signal& found, const Signal& expected, double step
 
 inline StudyResults run(const Study& study, Step last) {
   StudyResults results = run_study(study, last);
-  EXPECT_TRUE(results.usable()) << results.failure;
+  EXPECT_TRUE(results.complete()) << results.failure;
   return results;
 }
 

@@ -21,7 +21,7 @@ simulate: {duration: 60 s, sample_rate: 100 Hz, integrator: newmark, first_subst
 
 TEST(SensitiveMotion, IsSaidWhereHalvingTheStepDoesNotHelp) {
   const auto results = results_of(rattle, Step::simulate);
-  ASSERT_FALSE(results.usable());
+  ASSERT_FALSE(results.complete());
   for (const char* part :
        {"chaotic or very sensitive", "halving the step does not reduce the difference", "simulate.substeps: 128"})
     EXPECT_NE(results.failure.find(part), std::string::npos) << results.failure;
@@ -34,7 +34,7 @@ TEST(SensitiveMotion, IsNotSaidWhereTheStepIsTooLong) {
   const auto results = results_of(changed(changed(rattle, "duration: 60 s", "duration: 0.5 s"), "max_substeps: 128",
                                           "max_substeps: 128, tolerance: 1e-9"),
                                   Step::simulate);
-  ASSERT_FALSE(results.usable());
+  ASSERT_FALSE(results.complete());
   EXPECT_NE(results.failure.find("raise simulate.max_substeps or simulate.tolerance"), std::string::npos)
       << results.failure;
 }
@@ -42,7 +42,7 @@ TEST(SensitiveMotion, IsNotSaidWhereTheStepIsTooLong) {
 TEST(SensitiveMotion, AFixedStepGivesOneOfTheMotions) {
   const auto fixed =
       results_of(changed(rattle, "first_substeps: 8, max_substeps: 128", "substeps: 16"), Step::simulate);
-  ASSERT_TRUE(fixed.usable()) << fixed.failure;
+  ASSERT_TRUE(fixed.complete()) << fixed.failure;
   EXPECT_EQ(fixed.simulation->reference.substeps, 16);
   EXPECT_TRUE(fixed.simulation->reference.changes.empty());
   EXPECT_EQ(fixed.simulation->measurements.samples(), 6001);

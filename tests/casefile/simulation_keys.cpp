@@ -57,7 +57,7 @@ void steps_are_refined_to_the_tolerance() {
   EXPECT_GT(substeps("tolerance: 1e-6, first_substeps: 1"), substeps("tolerance: 1e-2, first_substeps: 1"));
   const auto stopped =
       run_study(with_simulation("tolerance: 1e-12, first_substeps: 1, max_substeps: 4"), Step::simulate);
-  EXPECT_FALSE(stopped.usable());
+  EXPECT_FALSE(stopped.complete());
   EXPECT_EQ(stopped.simulation->reference.substeps, 4);
 }
 

@@ -243,7 +243,7 @@ TEST(StudySteps, WhatFollowsAnUpdatingIsOfTheUpdatedStructure) {
                            {"modifications", "{m: {substructure: s, set: {k.damping: 2}, above: 0.5 Hz, modes: 2}}"}}));
   // The invented frequencies contradict the record, so that the estimates are refused in the end.
   const auto results = run_study(study, Step::update);
-  EXPECT_NE(results.failure.find("do not trust the estimates"), std::string::npos) << results.failure;
+  EXPECT_NE(results.why_unusable().find("do not trust the estimates"), std::string::npos) << results.failure;
   const VectorXd values = results.updating->values;
   EXPECT_GT((values - vector({640, 810})).norm(), 10.0);
   const auto& system = results.estimation->augmented_model->system();

@@ -45,9 +45,10 @@ TEST(Vehicle, ShortenedRunReachesItsFigures) {
 TEST(Vehicle, WideBandSensorsBiasAndTheProgramSaysSo) {
   const ScratchFolder folder("wide-band");
   const auto outcome = run_vehicle("run", "vehicle/wide_band.yaml", "", folder);
-  ASSERT_EQ(outcome.code, 0) << outcome.errors;
+  ASSERT_EQ(outcome.code, 3) << outcome.errors;
   EXPECT_NE(outcome.errors.find("three times the sensors' bandwidth"), std::string::npos) << outcome.errors;
   const auto summary = read_summary(folder / "out");
+  EXPECT_EQ(summary["verdict"]["state"], "unusable");
   EXPECT_GT(summary["estimation"]["nis"]["mean"].get<double>(), 14.0);
   for (const auto& [name, parameter] : summary["parameters"].items())
     EXPECT_GT(error_of(parameter), 5.0 * parameter["std"].get<double>()) << name;

@@ -113,7 +113,7 @@ TEST(Report, StandsAlone) {
     EXPECT_FALSE(contains(html, outside)) << outside;
   }
   EXPECT_TRUE(contains(html, "default-src 'none'"));
-  EXPECT_TRUE(contains(html, "Results usable"));
+  EXPECT_TRUE(contains(html, "Results consistent"));
   EXPECT_LT(html.size(), 3'000'000u);
 }
 

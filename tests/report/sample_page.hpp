@@ -84,7 +84,7 @@ inline Page sample_page() {
   return {
       .title = "Vehicle frame on four nonlinear suspensions",
       .subtitle = "examples/vehicle.yaml \u00b7 45,564 degrees of freedom reduced to 40",
-      .status = PageStatus::ok,
+      .status = VerdictState::consistent,
       .summary =
           "Two parameters found within 0.1 % of the reference; the innovations are white (mean NIS 7.05 where 7 is "
           "expected).",

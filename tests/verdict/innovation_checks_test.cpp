@@ -91,7 +91,18 @@ TEST(InnovationChecks, NoticeCorrelation) {
   record = consistent(4);
   correlate(0.96, record);
   ASSERT_EQ(codes(record), Codes{"b innovation_correlated"});
-  EXPECT_EQ(innovation_reasons(record).front().state, VerdictState::unusable);
+  EXPECT_EQ(innovation_reasons(record).front().state, VerdictState::suspicious);
+  record.innovation.row(1) *= 2.0;
+  ASSERT_EQ(codes(record), (Codes{"b innovation_large", "b innovation_correlated"}));
+  EXPECT_EQ(innovation_reasons(record).back().state, VerdictState::unusable);
+}
+
+// Noise that is stated too large to make up for what the model misses: the deviations are honest, the noise is not.
+TEST(InnovationChecks, WeighCorrelationAgainstNoiseThatIsStatedTooLarge) {
+  auto record = consistent(4);
+  correlate(0.96, record);
+  record.innovation.row(1) /= 10.0;
+  EXPECT_EQ(codes(record), Codes{"b noise_too_large"});
 }
 
 // Wrong by three where it is loud, and right where it is quiet, which is most of the time.

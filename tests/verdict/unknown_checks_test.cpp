@@ -21,7 +21,7 @@ EstimatedUnknown sound(const std::string& name) {
 
 Codes codes(const std::vector<EstimatedUnknown>& unknowns, const MatrixXd& correlation, double nis_ratio = 1.0) {
   Codes found;
-  for (const auto& reason : unknown_reasons(unknowns, correlation, nis_ratio))
+  for (const auto& reason : unknown_reasons(unknowns, correlation, 4.0 * nis_ratio, 4.0))
     found.push_back(reason.subject + " " + reason.code);
   return found;
 }
@@ -37,8 +37,8 @@ TEST(UnknownChecks, NoticeAnEstimateFarFromItsPrior) {
   unknown.moved = 4.5;
   EXPECT_EQ(codes(unknown), Codes{"k far_from_prior"});
   const MatrixXd alone = MatrixXd::Ones(1, 1);
-  EXPECT_EQ(unknown_reasons({unknown}, alone, 1.1).front().state, VerdictState::suspicious);
-  EXPECT_EQ(unknown_reasons({unknown}, alone, 1.3).front().state, VerdictState::unusable);
+  EXPECT_EQ(unknown_reasons({unknown}, alone, 4.4, 4.0).front().state, VerdictState::suspicious);
+  EXPECT_EQ(unknown_reasons({unknown}, alone, 5.2, 4.0).front().state, VerdictState::unusable);
   unknown.drifts = true;
   EXPECT_EQ(codes(unknown), Codes{});
 }

@@ -120,6 +120,21 @@ int samples_between_deviations(double sample_rate) {
   return std::max(1, static_cast<int>(std::lround(sample_rate / 100.0)));
 }
 
+/// Deviations that hold where innovations are correlated, from the course of the unknowns.
+void set_robust_deviations(EstimationOutcome& outcome) {
+  const auto& history = outcome.result.unknowns_history;
+  const auto& unknowns = outcome.augmented_model->options().unknowns;
+  outcome.robust_deviation.setConstant(static_cast<Index>(unknowns.size()), std::numeric_limits<double>::quiet_NaN());
+  if (outcome.result.failure || history.empty()) return;
+  outcome.robust = robust_covariance(history);
+  for (std::size_t i = 0; i < history.unknowns.size(); ++i) {
+    const Index unknown = history.unknowns[i], place = static_cast<Index>(i);
+    const auto& transform = unknowns[static_cast<std::size_t>(unknown)].transform;
+    outcome.robust_deviation[unknown] =
+        transform.slope(history.mean.back()[place]) * std::sqrt(outcome.robust.covariance(place, place));
+  }
+}
+
 }  // namespace
 
 // Runs the filter over the record, then evaluates its result: consistency of the innovations after settling, and each
@@ -137,6 +152,7 @@ EstimationOutcome run_estimation(const Study& study, const AugmentedModelSetup& 
                                   .passes = given.passes,
                                   .state_deviations = false,
                                   .deviation_stride = samples_between_deviations(study.sample_rate()),
+                                  .keep_unknowns = true,
                                   .monitored = make_outputs(*setup.model, monitored),
                                   .progress = progress};
   FilteredRecord filtered = run_filter(study.problem, setup, record, options);
@@ -154,6 +170,7 @@ EstimationOutcome run_estimation(const Study& study, const AugmentedModelSetup& 
   outcome.band = study.excitation_band;
   outcome.consistency = summarise_consistency(outcome.result.nis, outcome.result.measured, outcome.result.innovation,
                                               outcome.measurements.noise(), outcome.settled);
+  set_robust_deviations(outcome);
   for (std::size_t i = 0; i < monitored.size(); ++i) {
     const auto row = static_cast<Index>(i);
     PointQuantity quantity{monitored[i].name,
@@ -172,42 +189,6 @@ EstimationOutcome run_estimation(const Study& study, const AugmentedModelSetup& 
     simulate_open_loop(study, setup, outcome);
   outcome.seconds = watch.seconds();
   return outcome;
-}
-
-namespace {
-
-constexpr double far = 4.0;         ///< prior standard deviations
-constexpr double nis_factor = 1.2;  ///< mean NIS divided by its expected value
-
-std::string remedy(double estimate) {
-  return fmt::format("start again from about {:.2g}, increase its std, or set transform: log", estimate);
-}
-
-}  // namespace
-
-PriorConflicts prior_conflicts(const EstimationOutcome& outcome) {
-  PriorConflicts conflicts;
-  const double nis = outcome.consistency.mean_nis, expected = outcome.consistency.expected_nis;
-  const auto& layout = outcome.augmented_model->layout();
-  const Index last = outcome.result.state.mean.cols() - 1;
-  for (Index i = 0; i < layout.unknowns; ++i) {
-    const auto& unknown = outcome.augmented_model->options().unknowns[static_cast<std::size_t>(i)];
-    const double start = unknown.transform.to_state(unknown.initial);
-    const double deviation = unknown.deviation / unknown.transform.slope(start);
-    const double moved = std::abs(outcome.result.state.mean(layout.unknown() + i, last) - start) / deviation;
-    if (!(moved > far) || unknown.random_walk > 0.0) continue;
-    const double estimate = outcome.result.unknowns.mean(i, last);
-    const auto text =
-        fmt::format("unknown '{}' ended at {:.4g} {}, {:.3g} prior standard deviations from its initial value {:.4g}",
-                    unknown.name, estimate, unknown.unit, moved, unknown.initial);
-    if (nis > nis_factor * expected)
-      conflicts.failures.push_back(
-          fmt::format("{}, and the mean NIS is {:.3g} (expected {:.3g}): do not trust the estimates; {}", text, nis,
-                      expected, remedy(estimate)));
-    else
-      conflicts.warnings.push_back(fmt::format("{}; {}", text, remedy(estimate)));
-  }
-  return conflicts;
 }
 
 }  // namespace kalfem

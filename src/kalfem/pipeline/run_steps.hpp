@@ -17,18 +17,6 @@ EstimationOutcome run_estimation(const Study& study, const AugmentedModelSetup& 
 PredictionOutcome run_prediction(const Study& study, const CoupledModel& model, const StudyResults& results,
                                  const Progress& progress);
 
-/// Estimates that contradict their priors, one sentence each.
-struct PriorConflicts {
-  std::vector<std::string> warnings;  ///< the estimate may still hold
-  std::vector<std::string> failures;  ///< it cannot be trusted
-};
-
-/// Finds the unknowns whose estimates end more than four prior standard deviations from their initial values. The
-/// filter linearises about its estimate, so such an estimate may be wrong by many of its stated deviations. If the mean
-/// NIS is also more than 20 % above its expected value, the estimate cannot be trusted. Unknowns with a random walk are
-/// left out.
-PriorConflicts prior_conflicts(const EstimationOutcome& outcome);
-
 /// Collects the displacement of the pictured substructure while a simulation runs.
 class FieldCollector {
 public:

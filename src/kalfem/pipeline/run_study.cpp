@@ -10,6 +10,7 @@
 #include "kalfem/pipeline/reported_quantities.hpp"
 #include "kalfem/pipeline/run_steps.hpp"
 #include "kalfem/pipeline/run_updating.hpp"
+#include "kalfem/pipeline/run_verdict.hpp"
 #include "kalfem/study/record_source.hpp"
 #include "kalfem/study/study_elements.hpp"
 
@@ -193,6 +194,13 @@ std::optional<UpdatedParameters> updated_parameters(const StudyResults& results)
   return UpdatedParameters{results.updating->values, results.updating->statistics};
 }
 
+/// Suspicions become warnings.
+void judge(StudyResults& results) {
+  results.verdict = verdict_of(results);
+  for (const auto& reason : results.verdict.reasons())
+    if (reason.state == VerdictState::suspicious) results.warnings.push_back(reason.text + "; " + reason.remedy);
+}
+
 }  // namespace
 
 const Record& record_of(const Study& study, const StudyResults& results) {
@@ -209,34 +217,39 @@ StudyResults run_study(const Study& study, Step last, const RunOptions& options)
   if (last >= Step::simulate && study.simulation)
     results.simulation = run_simulation(study, options.progress, results.fields, results.failure);
   std::optional<Updated> updated;
-  if (results.usable() && updates) {
+  if (results.complete() && updates) {
     results.updating = run_updating(study, results, options, results.failure);
-    if (study.augmented_model && results.usable()) {
+    if (study.augmented_model && results.complete()) {
       results.updating->unknowns_before = unknowns_at_start(study, results);
       updated.emplace(updated_structure(study, *results.updating));
     }
   }
-  PriorConflicts conflicts;
   std::optional<AugmentedModelSetup> augmented_model = updated ? updated->augmented_model : study.augmented_model;
-  if (results.usable() && last >= Step::estimate && augmented_model) {
+  if (results.complete() && last >= Step::estimate && augmented_model) {
     results.estimation =
         estimate_in_bases_of_estimates(study, *augmented_model, results, options.progress, results.failure);
-    if (results.usable()) conflicts = prior_conflicts(*results.estimation);
     if (!updated && augmented_model->linear_unknowns.bindings
                         .empty())  // otherwise the pictures have another basis than the augmented model
       if (auto series = estimated_fields(study, *results.estimation)) results.fields.push_back(std::move(*series));
   }
-  if (results.usable() && last >= Step::predict && study.prediction) {
+  if (results.complete() && last >= Step::predict && study.prediction) {
     const auto estimated = estimated_model(study, *augmented_model, updated, *results.estimation, results.failure);
-    if (results.usable())
+    if (results.complete())
       results.prediction = run_prediction(study, estimated ? *estimated : *study.model, results, options.progress);
   }
-  if (results.usable() && last >= Step::predict)
+  if (results.complete() && last >= Step::predict)
     results.modifications = predict_modifications(study, updated_parameters(results));
-  results.warnings = std::move(conflicts.warnings);
-  for (const auto& text : conflicts.failures) results.failure += (results.usable() ? "" : "; ") + text;
+  judge(results);
   results.total_seconds = study.reduce_seconds + watch.seconds();
   return results;
+}
+
+std::string StudyResults::why_unusable() const {
+  std::string why = failure;
+  for (const auto& reason : verdict.reasons())
+    if (complete() && reason.state == VerdictState::unusable)
+      why += (why.empty() ? "" : ". ") + reason.text + "; " + reason.remedy;
+  return why;
 }
 
 }  // namespace kalfem

@@ -16,6 +16,7 @@
 #include "kalfem/updating/modal_residual.hpp"
 #include "kalfem/updating/parameter_statistics.hpp"
 #include "kalfem/updating/sensitivity_check.hpp"
+#include "kalfem/verdict/verdict.hpp"
 
 namespace kalfem {
 
@@ -62,6 +63,8 @@ struct EstimationOutcome {
   EstimationResult result;
   Record measurements;  ///< of the sensors that the augmented model uses
   ConsistencySummary consistency;
+  RobustCovariance robust;           ///< of the unknowns that do not drift, in the filter's state
+  Eigen::VectorXd robust_deviation;  ///< one per unknown [its unit]; NaN if it drifts, or after a failure
   std::vector<PointQuantity>
       points;                ///< displacement, velocity, acceleration of points; deformation, rate, force of connectors
   Eigen::Index settled = 0;  ///< first sample of the error and consistency figures
@@ -137,10 +140,16 @@ struct StudyResults {
   std::optional<UpdatingOutcome> updating;
   std::vector<StructuralModificationResult> modifications;
   std::vector<std::string> warnings;  ///< about the results, in addition to those of the study
-  std::string failure;                ///< why the numbers are not usable, in words; empty if they are
+  Verdict verdict;
+  std::string failure;  ///< why a step failed, in words; empty if all ran to their end
   double total_seconds = 0.0;
 
-  [[nodiscard]] bool usable() const { return failure.empty(); }
+  /// Whether every step ran to its end.
+  [[nodiscard]] bool complete() const { return failure.empty(); }
+  /// Whether the numbers can be used as well: nothing in them contradicts itself.
+  [[nodiscard]] bool usable() const { return complete() && verdict.state() != VerdictState::unusable; }
+  /// Why they cannot, in words: the failure, or the worst reasons of the verdict. Empty if they can.
+  [[nodiscard]] std::string why_unusable() const;
 };
 
 enum class Step { modes, simulate, estimate, predict, update };

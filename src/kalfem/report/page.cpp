@@ -161,9 +161,11 @@ public:
 
 private:
   static std::string header(const Page& page) {
-    const bool ok = page.status == PageStatus::ok;
-    const std::string badge = element("span", ok ? "class=\"badge ok\"" : "class=\"badge unusable\"",
-                                      ok ? "\u2713 Results usable" : "\u2717 Results not usable");
+    const std::string state = to_string(page.status);
+    const std::string sign = page.status == VerdictState::consistent   ? "\u2713 "
+                             : page.status == VerdictState::suspicious ? "! "
+                                                                       : "\u2717 ";
+    const std::string badge = element("span", "class=\"badge " + state + "\"", sign + "Results " + state);
     return element(
         "header", "",
         text_element("h1", "", page.title) + text_element("p", "class=\"subtitle\"", page.subtitle) +

@@ -8,6 +8,8 @@
 #include <variant>
 #include <vector>
 
+#include "kalfem/verdict/verdict.hpp"
+
 namespace kalfem {
 
 /// What a curve stands for; decides its colour and stroke, the same on every chart of the page.
@@ -72,12 +74,10 @@ struct Section {
   std::vector<std::variant<Chart, Table, Picture>> items = {};
 };
 
-enum class PageStatus { ok, unusable };
-
 struct Page {
   std::string title = {};
   std::string subtitle = {};
-  PageStatus status = PageStatus::ok;
+  VerdictState status = VerdictState::consistent;
   std::string summary = {};  ///< the answer in a sentence or two, beside the status
   std::vector<Section> sections = {};
   std::string run = {};  ///< identity of the run, see run_identity(); empty: not shown

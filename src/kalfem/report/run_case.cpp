@@ -47,7 +47,7 @@ CaseResult run_case(const std::filesystem::path& case_file, const std::filesyste
   if (results.updating) result.updated = updated_values(*study.updating, *results.updating);
   result.warnings = study.warnings;
   result.warnings.insert(result.warnings.end(), results.warnings.begin(), results.warnings.end());
-  result.failure = results.failure;
+  result.failure = results.why_unusable();
   return result;
 }
 

@@ -227,7 +227,7 @@ Section open_loop_section(const EstimationOutcome& outcome) {
 }
 
 std::string answer(const StudyResults& results) {
-  if (!results.usable()) return results.failure;
+  if (!results.usable()) return results.why_unusable();
   const std::string updated =
       results.updating
           ? fmt::format(
@@ -293,7 +293,7 @@ Page make_page(const Study& study, const StudyResults& results) {
   Page page{.title = study.title.empty() ? "kalfem" : study.title,
             .subtitle = fmt::format("{} degrees of freedom, {} connectors", dofs_of_all(results),
                                     study.model->system().connector_count()),
-            .status = results.usable() ? PageStatus::ok : PageStatus::unusable,
+            .status = results.verdict.state(),
             .summary = answer(results),
             .sections = {}};
   if (const auto words = record_words(study, results); !words.empty()) page.sections.push_back({"Record", words, {}});
@@ -315,7 +315,7 @@ Page make_page(const Study& study, const StudyResults& results) {
       page.sections.push_back(std::move(section));
     if (results.prediction) page.sections.push_back(prediction_section(study, outcome, *results.prediction));
     page.sections.push_back(consistency_section(outcome));
-  } else if (results.simulation && results.usable()) {
+  } else if (results.simulation && results.complete()) {
     page.sections.push_back(simulation_section(*results.simulation));
   }
   if (!study.structure->finite_elements.empty()) page.sections.push_back(model_section(study, results));

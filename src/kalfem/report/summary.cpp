@@ -9,10 +9,12 @@
 #include <fmt/format.h>
 
 #include "kalfem/base/version.hpp"
+#include "kalfem/pipeline/run_verdict.hpp"
 #include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/study/structural_modifications.hpp"
 #include "kalfem/study/study.hpp"
+#include "kalfem/verdict/checks.hpp"
 
 namespace kalfem {
 namespace {
@@ -110,6 +112,7 @@ Json parameters_summary(const Study& study, const EstimationOutcome& outcome) {
                                 {"initial", number(unknown.initial)},
                                 {"estimate", number(outcome.result.unknowns.mean(i, last))},
                                 {"std", number(outcome.result.unknowns.deviation(i, last))},
+                                {"std_robust", number(outcome.robust_deviation[i])},
                                 {"interval_95", {number(interval.lower), number(interval.upper)}},
                                 {"unit", unknown.unit}};
   }
@@ -158,11 +161,18 @@ Json open_loop_summary(const EstimationOutcome& outcome) {
   return sensors;
 }
 
+constexpr const char* robust_method =
+    "sandwich of the information and the long-run covariance of the scores (Parzen kernel, Andrews' bandwidth)";
+
 Json estimation_summary(const EstimationOutcome& outcome) {
   Json ratios = Json::object();
   for (std::size_t i = 0; i < outcome.measurements.channels.size(); ++i)
     ratios[outcome.measurements.channels[i].name] =
         number(outcome.consistency.innovation_to_noise[static_cast<Eigen::Index>(i)]);
+  Json correlations = Json::object();
+  const auto sensors = sensor_consistency(innovations_of(outcome));
+  for (std::size_t i = 0; i < sensors.size(); ++i)
+    correlations[outcome.measurements.channels[i].name] = number(sensors[i].lag_one.value);
   Json summary = {{"filter", to_string(outcome.filter)},
                   {"filter_reason", outcome.filter_reason},
                   {"steps", outcome.measurements.samples()},
@@ -172,7 +182,14 @@ Json estimation_summary(const EstimationOutcome& outcome) {
                    {{"mean", number(outcome.consistency.mean_nis)},
                     {"expected", number(outcome.consistency.expected_nis)},
                     {"fraction_in_95", number(outcome.consistency.fraction_in_95)}}},
-                  {"innovation_to_noise", ratios}};
+                  {"innovation_to_noise", ratios},
+                  {"innovation_correlation", correlations}};
+  if (outcome.robust.rank > 0)
+    summary["robust"] = {
+        {"method", robust_method},
+        {"bandwidth_samples", number(outcome.robust.bandwidth * outcome.result.unknowns_history.stride)},
+        {"rank", outcome.robust.rank},
+        {"condition", number(outcome.robust.condition)}};
   if (outcome.reductions > 0 || outcome.result.linearisations > 0)
     summary["linear_unknowns"] = {{"linearisations", outcome.result.linearisations},
                                   {"reductions", outcome.reductions}};
@@ -227,6 +244,14 @@ Json last_change(const Study& study, const ConvergedSolution& reference) {
   return study.simulation->has_fixed_step() ? Json() : number(reference.last_change);
 }
 
+Json verdict_summary(const Verdict& verdict) {
+  Json reasons = Json::array();
+  for (const auto& reason : verdict.reasons())
+    reasons.push_back(
+        {{"code", reason.code}, {"subject", reason.subject}, {"text", reason.text}, {"remedy", reason.remedy}});
+  return {{"state", to_string(verdict.state())}, {"reasons", reasons}};
+}
+
 }  // namespace
 
 Json summarise(const Study& study, const StudyResults& results) {
@@ -235,7 +260,8 @@ Json summarise(const Study& study, const StudyResults& results) {
                   {"case", std::filesystem::path(study.file).filename().string()},
                   {"title", study.title},
                   {"status", results.usable() ? "ok" : "unusable"},
-                  {"message", results.failure},
+                  {"message", results.why_unusable()},
+                  {"verdict", verdict_summary(results.verdict)},
                   {"model", model_summary(study, results)}};
   std::vector<std::string> warnings = study.warnings;
   warnings.insert(warnings.end(), results.warnings.begin(), results.warnings.end());

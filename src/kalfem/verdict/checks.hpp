@@ -29,7 +29,7 @@ struct SensorConsistency {
 
   /// Samples that are worth as much and independent: N (1 - rho^2) / (1 + rho^2) for second moments.
   [[nodiscard]] double independent_samples() const;
-  /// Factor by which deviations are too small because of size and correlation together.
+  /// Factor by which deviations of parameters are too small because of size and correlation together, about.
   [[nodiscard]] double widening() const;
 };
 
@@ -60,9 +60,10 @@ struct EstimatedUnknown {
 /// ("far_from_prior"), with the other sign ("sign_changed"), one that the record says nothing about ("not_identified"),
 /// two that it cannot tell apart ("correlated"), and deviations that are too small because innovations are correlated
 /// ("deviation_too_small").
-/// `correlation`: of the unknowns at the end, p x p. `nis_ratio`: mean NIS over the expected one. The filter linearises
-/// about its estimate: one that travelled far while the innovations are a fifth too large is not to be trusted.
+/// `correlation`: of the unknowns at the end, p x p. The filter linearises about its estimate: one that travelled far
+/// while the mean NIS is more than a fifth above the expected one is not to be trusted.
 std::vector<Reason> unknown_reasons(const std::vector<EstimatedUnknown>& unknowns,
-                                    const Eigen::Ref<const Eigen::MatrixXd>& correlation, double nis_ratio);
+                                    const Eigen::Ref<const Eigen::MatrixXd>& correlation, double mean_nis,
+                                    double expected_nis);
 
 }  // namespace kalfem

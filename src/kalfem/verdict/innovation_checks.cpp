@@ -125,19 +125,24 @@ private:
          VerdictState::suspicious, found_.largest_part});
   }
 
+  /// Correlation matters as far as it makes deviations too small: noise that is stated too large may outweigh it. By
+  /// itself it is a suspicion, as robust deviations allow for it; with innovations that are too large as well, the
+  /// model neither explains the record nor says how much it misses.
   void check_correlation() {
     const auto& lag = found_.lag_one;
-    const double widening = lag.widening();
-    if (std::abs(lag.value) < significant / 1.96 * lag.band || widening < suspicious_widening) return;
+    const VerdictState state = state_of(found_.widening());
+    if (std::abs(lag.value) < significant / 1.96 * lag.band || state_of(lag.widening()) == VerdictState::consistent ||
+        state == VerdictState::consistent)
+      return;
     reasons_.push_back(
         {"innovation_correlated", name_,
          fmt::format("successive innovations of '{}' are correlated by {:.2g} (expected 0 +- {:.2g}): the model misses "
                      "part of the motion, and deviations of parameters are up to {:.2g} times too small",
-                     name_, lag.value, lag.band, widening),
+                     name_, lag.value, lag.band, found_.widening()),
          fmt::format("look for a wrong fixed parameter, a missing mode or another law near '{}', and for a wrong sign, "
                      "unit or clock of a channel; rely on std_robust in the place of std",
                      name_),
-         state_of(widening * std::max(1.0, found_.ratio)), widening * std::max(1.0, found_.ratio)});
+         state_of(found_.ratio) == VerdictState::consistent ? VerdictState::suspicious : state, found_.widening()});
   }
 
   void check_outliers() {
@@ -180,7 +185,7 @@ double SensorConsistency::independent_samples() const {
   return static_cast<double>(samples) * (1.0 - square) / (1.0 + square);
 }
 
-double SensorConsistency::widening() const { return std::max(1.0, ratio) * lag_one.widening(); }
+double SensorConsistency::widening() const { return ratio * lag_one.widening(); }
 
 std::vector<SensorConsistency> sensor_consistency(const InnovationRecord& record) {
   std::vector<SensorConsistency> sensors;

@@ -20,16 +20,15 @@ std::string value_of(double value, const std::string& unit) {
   return fmt::format("{:.4g}{}{}", value, unit.empty() ? "" : " ", unit);
 }
 
-void check_prior(const EstimatedUnknown& unknown, double nis_ratio, std::vector<Reason>& reasons) {
+void check_prior(const EstimatedUnknown& unknown, double mean_nis, double expected_nis, std::vector<Reason>& reasons) {
   if (unknown.drifts || !(unknown.moved > far)) return;
-  const bool conflict = nis_ratio > conflicting_nis;
+  const bool conflict = mean_nis > conflicting_nis * expected_nis;
   reasons.push_back(
       {"far_from_prior", unknown.name,
        fmt::format("unknown '{}' ended at {}, {:.3g} prior standard deviations from its initial value {:.4g}{}",
                    unknown.name, value_of(unknown.estimate, unknown.unit), unknown.moved, unknown.initial,
-                   conflict ? fmt::format(", and the mean NIS is {:.3g} times the expected one: do not trust the "
-                                          "estimates",
-                                          nis_ratio)
+                   conflict ? fmt::format(", and the mean NIS is {:.3g} (expected {:.3g}): do not trust the estimates",
+                                          mean_nis, expected_nis)
                             : ""),
        fmt::format("start again from about {:.2g}, increase its std, or set transform: log", unknown.estimate),
        conflict ? VerdictState::unusable : VerdictState::suspicious, unknown.moved});
@@ -70,10 +69,11 @@ void check_widening(const EstimatedUnknown& unknown, std::vector<Reason>& reason
 }  // namespace
 
 std::vector<Reason> unknown_reasons(const std::vector<EstimatedUnknown>& unknowns,
-                                    const Eigen::Ref<const Eigen::MatrixXd>& correlation, double nis_ratio) {
+                                    const Eigen::Ref<const Eigen::MatrixXd>& correlation, double mean_nis,
+                                    double expected_nis) {
   std::vector<Reason> reasons;
   for (const auto& unknown : unknowns) {
-    check_prior(unknown, nis_ratio, reasons);
+    check_prior(unknown, mean_nis, expected_nis, reasons);
     check_sign(unknown, reasons);
     check_information(unknown, reasons);
     check_widening(unknown, reasons);
