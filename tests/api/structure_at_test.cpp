@@ -20,7 +20,8 @@ Structure beam_on_spring(double youngs_modulus = 210e9, double ratio = 0.01) {
 /// The tip's motion after a push: frequency and damping of the beam are in it.
 Eigen::VectorXd tip_of(const Structure& s) {
   return simulate(s, {.sensors = {{"tip", displacement("beam.tip.z")}}, .duration = 0.5, .sample_rate = 100.0})
-      .record.values.row(0).transpose();
+      .record.values.row(0)
+      .transpose();
 }
 
 TEST(StructureAt, SetsAMaterialOfFiniteElements) {

@@ -302,8 +302,7 @@ void parts_of_an_interval() {
   near(options_of(study).step, 0.01);
   EXPECT_EQ(options_of(with_estimate(stiffness_unknown)).substeps, 4);
   const auto results = run(study, Step::simulate);
-  EXPECT_EQ(make_filter_run(study.problem, *study.augmented_model, record_of(study, results)).input.inputs.cols(),
-            351);
+  EXPECT_EQ(make_filter_run(study.problem, *study.augmented_model, record_of(study, results)).input.inputs.cols(), 351);
 }
 
 void threads() {

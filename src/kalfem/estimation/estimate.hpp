@@ -26,7 +26,7 @@ struct EstimationOptions {
   int deviation_stride = 1;
   bool keep_gains = false;     ///< of every sample in the result, see run_with_gains()
   bool keep_unknowns = false;  ///< their history in the result, for deviations that hold where the model is not exact
-  OutputMap monitored = {};  ///< further quantities to estimate at every sample, without measurement chains
+  OutputMap monitored = {};    ///< further quantities to estimate at every sample, without measurement chains
   Progress progress = {};
 };
 

@@ -48,8 +48,8 @@ public:
   /// Runs the filter at the first parameters for the deviations of its innovations, and to measure epsilon once more
   /// per parameter. Throws InvalidInput where the substructure cannot be driven. Where the filter fails there,
   /// evaluate() gives nothing at these parameters either.
-  RecordResidual(EstimationProblemPtr problem, Record record,
-                 std::shared_ptr<const ParameterisedStructure> structure, UpdatingSetup updating, Options options);
+  RecordResidual(EstimationProblemPtr problem, Record record, std::shared_ptr<const ParameterisedStructure> structure,
+                 UpdatingSetup updating, Options options);
 
   [[nodiscard]] std::string name() const override { return options_.name; }
   [[nodiscard]] Eigen::Index size() const override { return deviation_.size(); }
