@@ -241,8 +241,18 @@ std::string answer(const StudyResults& results) {
   std::string text = updated + fmt::format("{} unknown parameters estimated; mean NIS {:.2f} (expected {:.2f}).",
                                            results.estimation->augmented_model->layout().unknowns, consistency.mean_nis,
                                            consistency.expected_nis);
-  for (const auto& warning : results.warnings) text += " Warning: " + warning + ".";
+  if (const auto reasons = results.verdict.reasons(); !reasons.empty())
+    text += fmt::format(" {} for doubt, the worst: {}.",
+                        reasons.size() == 1 ? "One reason" : fmt::format("{} reasons", reasons.size()),
+                        reasons.front().text);
   return text;
+}
+
+/// Every reason that the verdict has, worst first, with what to do.
+Section verdict_section(const Verdict& verdict) {
+  Table table{"Reasons, worst first", {"of", "found", "to do"}, {}, {}};
+  for (const auto& reason : verdict.reasons()) table.rows.push_back({reason.subject, reason.text, reason.remedy});
+  return {"Reasons for doubt", "", {table}};
 }
 
 Section simulation_section(const SimulationOutcome& outcome) {
@@ -296,6 +306,8 @@ Page make_page(const Study& study, const StudyResults& results) {
             .status = results.verdict.state(),
             .summary = answer(results),
             .sections = {}};
+  if (results.complete() && results.verdict.state() != VerdictState::consistent)
+    page.sections.push_back(verdict_section(results.verdict));
   if (const auto words = record_words(study, results); !words.empty()) page.sections.push_back({"Record", words, {}});
   if (results.updating) page.sections.push_back(updating_section(study, results));
   if (!results.modifications.empty())
