@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <chrono>
-
+#include "base/processor_time.hpp"
 #include "casefile/sample_case.hpp"
 #include "kalfem/base/random.hpp"
 
@@ -85,9 +84,9 @@ TEST(HostileInput, AliasesThatMultiply) {
 TEST(HostileInput, ManyKeysAreReadInReasonableTime) {
   std::string masses;
   for (int i = 0; i < 100000; ++i) masses += "    m" + std::to_string(i) + ": 1\n";
-  const auto begin = std::chrono::steady_clock::now();
+  const double begin = processor_seconds();
   EXPECT_EQ(read("substructures:\n  a:\n   masses:\n" + masses).substructures[0].second.masses.size(), 100000U);
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));  // a quadratic look-up takes minutes
+  EXPECT_LT(processor_seconds() - begin, 20.0);  // a quadratic look-up takes minutes
 }
 
 }  // namespace

@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cmath>
 #include <numbers>
 
+#include "base/processor_time.hpp"
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/random.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
@@ -87,7 +87,7 @@ TEST(LineSeries, RefusesWhatIsNoSeries) {
 }
 
 double seconds_of(double duration, bool road) {
-  const auto begin = std::chrono::steady_clock::now();
+  const double begin = processor_seconds();
   const auto signal = road ? make_road_profile({.speed = 10.0, .duration = duration})
                            : make_random({.lower = 0.5, .upper = 30.0, .duration = duration});
   double size = 0.0;
@@ -96,7 +96,7 @@ double seconds_of(double duration, bool road) {
   for (Eigen::Index first = 0; first < count; first += block)
     size += signal->sample(double(first) / rate, 1.0 / rate, block).abs().maxCoeff();
   EXPECT_TRUE(std::isfinite(size));
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return processor_seconds() - begin;
 }
 
 TEST(LineSeries, LongRandomSignalsCostWithTheirDuration) {
