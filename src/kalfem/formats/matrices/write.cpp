@@ -27,7 +27,7 @@ std::string large_field(double value) {
     const std::string text = fmt::format("{:.{}e}", value, digits);
     const std::size_t at = text.find('e');
     const int exponent = std::stoi(text.substr(at + 1));
-    const std::string field = text.substr(0, at) + fmt::format("{:+d}", exponent);
+    std::string field = text.substr(0, at) + fmt::format("{:+d}", exponent);
     if (field.size() <= 16) return field;
   }
   return "0.0";
@@ -315,7 +315,7 @@ std::vector<ForeignMatrix> matrices_of(const LinearModel& model) {
         damping_force(model.modal_damping, model.mass, Eigen::MatrixXd::Identity(model.size(), model.size()))
             .sparseView());
   std::vector<ForeignMatrix> matrices{{"K", model.stiffness, dofs, true}, {"M", model.mass, dofs, true}};
-  if (damping.nonZeros() > 0) matrices.push_back({"C", std::move(damping), dofs, true});
+  if (damping.nonZeros() > 0) matrices.push_back({"C", damping, dofs, true});
   return matrices;
 }
 

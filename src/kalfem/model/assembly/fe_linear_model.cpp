@@ -127,7 +127,7 @@ std::vector<AffineTerm> projected(const std::vector<AffineTerm>& terms, const st
     small.push_back({term.powers, Eigen::MatrixXd(0.5 * (product + product.transpose())).sparseView()});
     constant = SparseMatrix(constant - affine_factor(term, values) * small.back().matrix);
   }
-  small.push_back({{}, std::move(constant)});
+  small.push_back({{}, constant});
   return small;
 }
 
