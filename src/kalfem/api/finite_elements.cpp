@@ -212,7 +212,7 @@ FiniteElements& FiniteElements::rayleigh_damping(double alpha, double beta) {
 }
 
 FiniteElements& FiniteElements::reduce(ReductionRequest request, std::vector<std::string> boundary) {
-  reduction_ = std::move(request);
+  reduction_ = request;
   boundary_ = std::move(boundary);
   return *this;
 }

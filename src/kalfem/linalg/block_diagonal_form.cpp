@@ -250,7 +250,7 @@ Eigen::Matrix<bool, -1, -1> reachability(const MatrixXd& A, const Groups& groups
 Groups separable_groups(const MatrixXd& A) {
   MatrixXd pattern = A;
   for (;;) {
-    const Groups groups = strong_components(pattern);
+    Groups groups = strong_components(pattern);
     const auto reach = reachability(pattern, groups);
     std::vector<VectorXcd> eigenvalues;
     double largest = 0.0;
