@@ -32,7 +32,8 @@ ALLOWED["identification"] = CORE
 ALLOWED["api"] = CORE | {"identification"}
 ALLOWED["casefile"] = LIBRARY | {"identification", "yaml"}
 ALLOWED["study"] = ALLOWED["casefile"] | {"casefile"}
-ALLOWED["pipeline"] = LIBRARY | {"identification", "study"}
+ALLOWED["diagnosis"] = CORE | {"identification", "verdict"}
+ALLOWED["pipeline"] = LIBRARY | {"identification", "diagnosis", "study"}
 ALLOWED["report"] = ALLOWED["pipeline"] | {"pipeline"}
 INCLUDE = re.compile(r'#include "kalfem/(\w+)/')
 

@@ -1,5 +1,6 @@
 #include "kalfem/pipeline/run_study.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "kalfem/base/random.hpp"
@@ -194,6 +195,19 @@ std::optional<UpdatedParameters> updated_parameters(const StudyResults& results)
   return UpdatedParameters{results.updating->values, results.updating->statistics};
 }
 
+/// What only says that the record holds little about an unknown has no cause to look for.
+bool has_a_cause(const Reason& reason) { return reason.code != "not_identified" && reason.code != "correlated"; }
+
+/// Where the filter stopped or its numbers contradict themselves, looks for the mistake that explains it.
+void look_for_cause(const Study& study, const StructureParts& parts, StudyResults& results) {
+  auto& estimation = *results.estimation;
+  if (!estimation.result.failure && std::ranges::none_of(verdict_of(estimation).reasons(), has_a_cause)) return;
+  estimation.diagnosis = diagnose({.problem = study.problem,
+                                   .parts = parts,
+                                   .record = record_of(study, results),
+                                   .options = {.unscented = study.problem->settings.unscented}});
+}
+
 /// Suspicions become warnings.
 void judge(StudyResults& results) {
   results.verdict = verdict_of(results);
@@ -228,6 +242,7 @@ StudyResults run_study(const Study& study, Step last, const RunOptions& options)
   if (results.complete() && last >= Step::estimate && augmented_model) {
     results.estimation =
         estimate_in_bases_of_estimates(study, *augmented_model, results, options.progress, results.failure);
+    look_for_cause(study, updated ? updated->parts : study.structure->parts, results);
     if (!updated && augmented_model->linear_unknowns.bindings
                         .empty())  // otherwise the pictures have another basis than the augmented model
       if (auto series = estimated_fields(study, *results.estimation)) results.fields.push_back(std::move(*series));

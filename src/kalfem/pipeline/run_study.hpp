@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "kalfem/base/progress.hpp"
+#include "kalfem/diagnosis/diagnose.hpp"
 #include "kalfem/dynamics/converged_solution.hpp"
 #include "kalfem/estimation/consistency.hpp"
 #include "kalfem/estimation/estimate.hpp"
@@ -69,6 +70,7 @@ struct EstimationOutcome {
       points;                ///< displacement, velocity, acceleration of points; deformation, rate, force of connectors
   Eigen::Index settled = 0;  ///< first sample of the error and consistency figures
   std::optional<FrequencyBand> band;  ///< of the excitation, if it has one
+  std::optional<Diagnosis> diagnosis;  ///< where the numbers contradict themselves: which mistake explains it
   double seconds = 0.0;
   int reductions =
       0;  ///< repeated reductions of the finite elements at the estimated parameters, each with a run over the record

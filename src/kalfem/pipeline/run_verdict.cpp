@@ -90,16 +90,24 @@ InnovationRecord innovations_of(const EstimationOutcome& outcome) {
   return record;
 }
 
+Verdict verdict_of(const EstimationOutcome& outcome) {
+  Verdict verdict;
+  judge_estimation(outcome, verdict);
+  return verdict;
+}
+
 // Reasons come from each step that ran. A step that failed is the reason, and what it left is not judged: it would only
 // say again that there is nothing.
 Verdict verdict_of(const StudyResults& results) {
   Verdict verdict;
   if (!results.complete()) {
     verdict.add({"failed", "", results.failure, "", VerdictState::unusable, unusable_widening});
-    return verdict;
+  } else {
+    if (results.updating) judge_updating(*results.updating, verdict);
+    if (results.estimation) judge_estimation(*results.estimation, verdict);
   }
-  if (results.updating) judge_updating(*results.updating, verdict);
-  if (results.estimation) judge_estimation(*results.estimation, verdict);
+  if (results.estimation && results.estimation->diagnosis)
+    verdict.add(reasons_of(*results.estimation->diagnosis, verdict.state()));
   return verdict;
 }
 

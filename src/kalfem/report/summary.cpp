@@ -252,6 +252,20 @@ Json verdict_summary(const Verdict& verdict) {
   return {{"state", to_string(verdict.state())}, {"reasons", reasons}};
 }
 
+/// Every mistake that was tested, best explanation first.
+Json diagnosis_summary(const Diagnosis& diagnosis) {
+  Json tested = Json::array();
+  for (const auto& each : diagnosis.tested)
+    tested.push_back({{"code", each.code},
+                      {"subject", each.subject},
+                      {"text", each.words},
+                      {"value", number(each.value)},
+                      {"failed", each.failed},
+                      {"log_likelihood_gain", each.failed ? Json(nullptr) : number(each.gain)},
+                      {"mean_nis", each.failed ? Json(nullptr) : number(each.mean_nis)}});
+  return {{"duration", number(diagnosis.duration)}, {"tested", tested}};
+}
+
 }  // namespace
 
 Json summarise(const Study& study, const StudyResults& results) {
@@ -275,6 +289,7 @@ Json summarise(const Study& study, const StudyResults& results) {
   if (results.estimation) {
     summary["parameters"] = parameters_summary(study, *results.estimation);
     summary["estimation"] = estimation_summary(*results.estimation);
+    if (const auto& diagnosis = results.estimation->diagnosis) summary["diagnosis"] = diagnosis_summary(*diagnosis);
   }
   if (results.prediction || !results.modifications.empty()) summary["prediction"] = prediction_summary(results);
   if (results.updating) summary["updating"] = updating_summary(study, *results.updating);

@@ -1,0 +1,271 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "kalfem/diagnosis/candidates.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+constexpr double like_a_unit = 0.15;      ///< relative distance of a gain from a mistake of units
+constexpr double worth_a_gain = 0.03;     ///< relative
+constexpr double worth_a_delay = 0.15;    ///< correlation at its lag
+constexpr double clipped_samples = 2e-3;  ///< of all, at the channel's extremes
+constexpr Index most_swapped = 6;         ///< sensors that are exchanged in pairs
+
+/// Samples of a channel that are there.
+Index present(const Eigen::Ref<const VectorXd>& channel) { return channel.array().isFinite().count(); }
+
+/// Changes of one channel of a run.
+class ChannelHypotheses {
+public:
+  ChannelHypotheses(const FilterRun& base, Index channel, const Likeness& likeness)
+      : base_(base),
+        i_(channel),
+        name_(base.input.measured.channels[static_cast<std::size_t>(channel)].name),
+        unit_(base.input.measured.channels[static_cast<std::size_t>(channel)].unit),
+        likeness_(likeness),
+        recorded_(base.input.measured.values.row(channel).transpose()) {}
+
+  std::vector<Hypothesis> all() {
+    add_sign();
+    add_gain();
+    add_delay();
+    add_offset();
+    add_saturation();
+    add_noise();
+    return std::move(found_);
+  }
+
+private:
+  /// The run with another record of the channel.
+  [[nodiscard]] CorrectedRun with(VectorXd channel, double log_jacobian = 0.0) const {
+    CorrectedRun corrected{base_, log_jacobian};
+    corrected.run.input.measured.values.row(i_) = channel.transpose();
+    return corrected;
+  }
+
+  void add_sign() {
+    found_.push_back(
+        {.code = "sensor_sign",
+         .subject = name_,
+         .correct = [*this](double) { return with(-recorded_); },
+         .words = [name = name_](double, const auto&) { return fmt::format("'{}' has the wrong sign", name); },
+         .remedy = "turn the direction of '" + name_ + "' in the case (a point such as -body.3)"});
+  }
+
+  void add_gain() {
+    if (!likeness_.known) return;
+    const double gain = std::abs(likeness_.gain), turned = likeness_.gain < 0.0 ? -1.0 : 1.0;
+    const auto correct = [*this, turned](double factor) {
+      const double log_factor = std::log(std::abs(factor));
+      return with(recorded_ / (turned * factor), -static_cast<double>(present(recorded_)) * log_factor);
+    };
+    if (const auto unit = nearest_unit_factor(gain, like_a_unit))
+      found_.push_back({.code = "sensor_unit",
+                        .subject = name_,
+                        .starts = {*unit},
+                        .correct = correct,
+                        .words =
+                            [name = name_](double factor, const auto&) {
+                              return fmt::format("the unit of '{}' is wrong by {}: {}", name, in_words(factor),
+                                                 unit_mistake(factor).value_or(""));
+                            },
+                        .remedy = "correct the unit of the channel '" + name_ + "' in the record or in the case"});
+    if (gain > 0.0 && std::abs(std::log(gain)) > worth_a_gain)
+      found_.push_back({.code = "sensor_gain",
+                        .subject = name_,
+                        .starts = {gain},
+                        .search = Search::factor,
+                        .step = 0.05,
+                        .fitted = 1,
+                        .correct = correct,
+                        .words =
+                            [name = name_](double factor, const auto&) {
+                              return fmt::format("'{}' is {} times as large as it should be", name, in_words(factor));
+                            },
+                        .remedy = "check the sensitivity and the unit of '" + name_ + "'"});
+  }
+
+  void add_delay() {
+    if (!likeness_.known || likeness_.lag == 0 || std::abs(likeness_.correlation) < worth_a_delay) return;
+    const double rate = base_.input.measured.sample_rate;
+    found_.push_back({.code = "sensor_delay",
+                      .subject = name_,
+                      .starts = {static_cast<double>(likeness_.lag)},
+                      .search = Search::samples,
+                      .step = 1.0,
+                      .fitted = 1,
+                      .correct = [*this](double lag) { return with(earlier(static_cast<Index>(std::lround(lag)))); },
+                      .words =
+                          [name = name_, rate](double lag, const auto&) {
+                            return fmt::format("'{}' is {} ms {}", name, in_words(1e3 * std::abs(lag) / rate),
+                                               lag > 0.0 ? "late" : "early");
+                          },
+                      .remedy = "align the clock of '" + name_ + "' with the others before the estimation"});
+  }
+
+  /// The channel moved to earlier times; what comes from beyond its ends is missing.
+  [[nodiscard]] VectorXd earlier(Index lag) const {
+    VectorXd moved = VectorXd::Constant(recorded_.size(), not_a_number);
+    const Index count = recorded_.size() - std::abs(lag);
+    if (count > 0) moved.segment(std::max<Index>(-lag, 0), count) = recorded_.segment(std::max<Index>(lag, 0), count);
+    return moved;
+  }
+
+  void add_offset() {
+    const double noise = std::sqrt(base_.input.noise(i_, i_));
+    if (!likeness_.known || std::abs(likeness_.offset) < 0.2 * noise) return;
+    found_.push_back({.code = "sensor_offset",
+                      .subject = name_,
+                      .starts = {likeness_.offset},
+                      .search = Search::offset,
+                      .step = 0.1 * noise,
+                      .fitted = 1,
+                      .correct = [*this](double offset) { return with((recorded_.array() - offset).matrix()); },
+                      .words =
+                          [name = name_, unit = unit_](double offset, const auto&) {
+                            return fmt::format("'{}' has an offset of {} {}", name, in_words(offset), unit);
+                          },
+                      .remedy = "remove the offset of '" + name_ + "' from the record"});
+  }
+
+  /// Samples at the largest or smallest value, where these repeat, are taken for missing.
+  void add_saturation() {
+    const auto there = recorded_.array().isFinite();
+    const double high = there.select(recorded_.array(), -1e300).maxCoeff();
+    const double low = there.select(recorded_.array(), 1e300).minCoeff();
+    const double near = 1e-6 * (high - low);
+    const Eigen::Array<bool, Eigen::Dynamic, 1> clipped =
+        there && (recorded_.array() > high - near || recorded_.array() < low + near);
+    const double part =
+        static_cast<double>(clipped.count()) / static_cast<double>(std::max<Index>(1, present(recorded_)));
+    if (part < clipped_samples || !(high > low)) return;
+    found_.push_back({.code = "sensor_saturated",
+                      .subject = name_,
+                      .correct = [*this, clipped](double) { return with(clipped.select(not_a_number, recorded_)); },
+                      .words =
+                          [name = name_, unit = unit_, high, low, part](double, const auto&) {
+                            return fmt::format("'{}' is cut off at {} and {} {} ({:.2g} % of its samples)", name,
+                                               in_words(low), in_words(high), unit, 100.0 * part);
+                          },
+                      .remedy = "measure '" + name_ +
+                                "' with a larger range, or leave these samples empty with "
+                                "record.skip_missing"});
+  }
+
+  void add_noise() {
+    found_.push_back({.code = "sensor_noise",
+                      .subject = name_,
+                      .starts = {0.5, 1.5, 5.0},
+                      .search = Search::factor,
+                      .step = 0.4,
+                      .fitted = 2,
+                      .correct =
+                          [*this](double factor) {
+                            CorrectedRun corrected{base_, 0.0};
+                            corrected.run.input.noise(i_, i_) *= factor * factor;
+                            return corrected;
+                          },
+                      .words =
+                          [name = name_](double factor, const auto&) {
+                            return factor > 1.0 ? fmt::format(
+                                                      "'{}' does not fit the others: its deviation is {} times the "
+                                                      "stated noise",
+                                                      name, in_words(factor))
+                                                : fmt::format("the noise of '{}' is {} times the stated one", name,
+                                                              in_words(factor));
+                          },
+                      .remedy = "state the noise of '" + name_ + "' as it is, or leave the sensor out"});
+  }
+
+  const FilterRun& base_;
+  Index i_;
+  std::string name_, unit_;
+  Likeness likeness_;
+  VectorXd recorded_;
+  std::vector<Hypothesis> found_;
+};
+
+Hypothesis swapped(const FilterRun& base, Index i, Index j) {
+  const auto& channels = base.input.measured.channels;
+  const std::string one = channels[static_cast<std::size_t>(i)].name,
+                    other = channels[static_cast<std::size_t>(j)].name;
+  return {.code = "sensors_swapped",
+          .subject = one + ", " + other,
+          .correct =
+              [&base, i, j](double) {
+                CorrectedRun corrected{base, 0.0};
+                MatrixXd& values = corrected.run.input.measured.values;
+                values.row(i).swap(values.row(j));
+                return corrected;
+              },
+          .words = [one, other](double, const auto&) { return fmt::format("'{}' and '{}' are exchanged", one, other); },
+          .remedy = "exchange the channels of '" + one + "' and '" + other + "'"};
+}
+
+/// Pairs of sensors of one unit, of those that fit the others worst.
+void add_swapped(const FilterRun& base, const std::vector<Likeness>& likeness, std::vector<Hypothesis>& found) {
+  const auto& channels = base.input.measured.channels;
+  std::vector<Index> worst(channels.size());
+  for (std::size_t i = 0; i < worst.size(); ++i) worst[i] = static_cast<Index>(i);
+  std::ranges::stable_sort(worst, {}, [&](Index i) {
+    const auto& of = likeness[static_cast<std::size_t>(i)];
+    return of.known ? -std::abs(of.gain - 1.0) : 0.0;
+  });
+  if (static_cast<Index>(worst.size()) > most_swapped) worst.resize(most_swapped);
+  for (std::size_t a = 0; a < worst.size(); ++a)
+    for (std::size_t b = a + 1; b < worst.size(); ++b) {
+      const Index i = std::min(worst[a], worst[b]), j = std::max(worst[a], worst[b]);
+      if (channels[static_cast<std::size_t>(i)].unit == channels[static_cast<std::size_t>(j)].unit)
+        found.push_back(swapped(base, i, j));
+    }
+}
+
+/// A factor of every channel alike: a record in other units.
+void add_gain_of_all(const FilterRun& base, const Likeness& of_all, std::vector<Hypothesis>& found) {
+  const double gain = std::abs(of_all.gain);
+  if (!of_all.known || base.input.measured.values.rows() < 2 || !(gain > 0.0)) return;
+  const auto unit = nearest_unit_factor(gain, 2.0 * like_a_unit);
+  if (!unit) return;
+  found.push_back({.code = "record_unit",
+                   .subject = "all sensors",
+                   .starts = {*unit},
+                   .correct =
+                       [&base](double factor) {
+                         const auto count = base.input.measured.values.array().isFinite().count();
+                         CorrectedRun corrected{base, -static_cast<double>(count) * std::log(factor)};
+                         corrected.run.input.measured.values /= factor;
+                         return corrected;
+                       },
+                   .words =
+                       [](double factor, const auto&) {
+                         return fmt::format("the unit of the whole record is wrong by {}: {}", in_words(factor),
+                                            unit_mistake(factor).value_or(""));
+                       },
+                   .remedy = "correct the units of the record's channels"});
+}
+
+}  // namespace
+
+std::vector<Hypothesis> sensor_hypotheses(const FilterRun& base, const std::vector<Likeness>& likeness,
+                                          const Likeness& of_all) {
+  std::vector<Hypothesis> found;
+  for (std::size_t i = 0; i < likeness.size(); ++i) {
+    auto own = ChannelHypotheses(base, static_cast<Index>(i), likeness[i]).all();
+    found.insert(found.end(), std::make_move_iterator(own.begin()), std::make_move_iterator(own.end()));
+  }
+  add_swapped(base, likeness, found);
+  add_gain_of_all(base, of_all, found);
+  return found;
+}
+
+}  // namespace kalfem
