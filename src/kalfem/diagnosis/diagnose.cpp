@@ -24,9 +24,10 @@ constexpr double most_work = 2e11;      ///< operations of all trials, about: de
 constexpr Index fewest_samples = 2000;  ///< of the record, where it has as many
 constexpr double longest_delay = 0.15;  ///< [s]
 constexpr std::size_t refined = 8;      ///< best hypotheses whose number is searched
-constexpr int most_steps = 12;          ///< of such a search
+constexpr double worth_refining = 0.2;  ///< part of the best's rise
+constexpr int most_steps = 10;          ///< of such a search
 constexpr double significant = 20.0;    ///< rise of the log-likelihood
-constexpr double as_good = 0.01;        ///< part of the rise by which equal explanations differ
+constexpr double as_good = 0.002;       ///< log-likelihood per measured value by which equal explanations differ
 
 /// How well a run fits its record.
 struct Score {
@@ -274,8 +275,11 @@ private:
 
   void refine_the_best(const Score& given) {
     std::vector<std::size_t> chosen;
-    for (const std::size_t h : best_first(given))
-      if (hypotheses_[h].search != Search::none && chosen.size() < refined) chosen.push_back(h);
+    const auto order = best_first(given);
+    const double least = std::max(0.0, worth_refining * gain(order.front(), given));
+    for (const std::size_t h : order)
+      if (hypotheses_[h].search != Search::none && chosen.size() < refined && gain(h, given) >= least)
+        chosen.push_back(h);
     std::atomic<std::size_t> next = 0;
     const auto serve = [&] {
       for (std::size_t c = next++; c < chosen.size(); c = next++) refine(chosen[c], given);
@@ -319,14 +323,14 @@ private:
                                   .mean_nis = score.mean_nis,
                                   .widening = score.widening});
     }
-    prefer_the_simplest(diagnosis);
+    prefer_the_simplest(std::max(significant, as_good * static_cast<double>(given.samples.sum())), diagnosis);
   }
 
   /// Of those that explain as much as the best, the one that takes the fewest numbers from the record stands first.
-  static void prefer_the_simplest(Diagnosis& diagnosis) {
+  static void prefer_the_simplest(double tolerance, Diagnosis& diagnosis) {
     auto& tested = diagnosis.tested;
     if (tested.empty() || tested.front().failed) return;
-    const double least = tested.front().gain - std::max(significant, as_good * tested.front().gain);
+    const double least = tested.front().gain - tolerance;
     const auto end = std::ranges::find_if(tested, [&](const auto& each) { return each.failed || each.gain < least; });
     std::stable_sort(tested.begin(), end, [](const auto& a, const auto& b) { return a.fitted < b.fitted; });
     for (auto other = tested.begin() + 1; other < end; ++other)

@@ -248,11 +248,35 @@ std::string answer(const StudyResults& results) {
   return text;
 }
 
-/// Every reason that the verdict has, worst first, with what to do.
-Section verdict_section(const Verdict& verdict) {
+/// The mistakes that were tested, best explanation first; the page shows as many as somebody reads.
+Table tested_table(const Diagnosis& diagnosis) {
+  constexpr std::size_t shown = 12;
+  Table table{"Mistakes that were undone to see whether they explain it",
+              {"if", "log-likelihood rises by", "mean NIS then"},
+              {},
+              {}};
+  for (const auto& each : diagnosis.tested)
+    if (!each.failed && table.rows.size() < shown)
+      table.rows.push_back({each.words, fmt::format("{:.0f}", each.gain), fmt::format("{:.2f}", each.mean_nis)});
+  return table;
+}
+
+/// Every reason that the verdict has, worst first, with what to do, and which causes were tested.
+Section verdict_section(const StudyResults& results) {
   Table table{"Reasons, worst first", {"of", "found", "to do"}, {}, {}};
-  for (const auto& reason : verdict.reasons()) table.rows.push_back({reason.subject, reason.text, reason.remedy});
-  return {"Reasons for doubt", "", {table}};
+  for (const auto& reason : results.verdict.reasons())
+    table.rows.push_back({reason.subject, reason.text, reason.remedy});
+  Section section{"Reasons for doubt", "", {table}};
+  if (results.estimation && results.estimation->diagnosis) {
+    const auto& diagnosis = *results.estimation->diagnosis;
+    section.text = fmt::format(
+        "{} mistakes were tested one at a time on the first {:.4g} s of the record: the filter ran again with each of "
+        "them "
+        "undone. The one under which the record is most likely is the cause, if it explains the record far better.",
+        diagnosis.tested.size(), diagnosis.duration);
+    section.items.emplace_back(tested_table(diagnosis));
+  }
+  return section;
 }
 
 Section simulation_section(const SimulationOutcome& outcome) {
@@ -306,8 +330,7 @@ Page make_page(const Study& study, const StudyResults& results) {
             .status = results.verdict.state(),
             .summary = answer(results),
             .sections = {}};
-  if (results.complete() && results.verdict.state() != VerdictState::consistent)
-    page.sections.push_back(verdict_section(results.verdict));
+  if (results.verdict.state() != VerdictState::consistent) page.sections.push_back(verdict_section(results));
   if (const auto words = record_words(study, results); !words.empty()) page.sections.push_back({"Record", words, {}});
   if (results.updating) page.sections.push_back(updating_section(study, results));
   if (!results.modifications.empty())
