@@ -103,6 +103,24 @@ TEST(BlockDiagonalForm, EqualPartsBehindAStiffOne) {
   EXPECT_LT(form.basis.cwiseAbs().maxCoeff(), 2e4);  // found 1.8e3, of the size of coupling over frequency
 }
 
+/// Sensors follow the structure and do not act on it: their states have no part in the structure's coordinates. A part
+/// of 1e-16 would give a structure that rests for certain a variance that is rounding.
+TEST(BlockDiagonalForm, KeepsTheZerosOfItsInverse) {
+  const Index modes = 4, n = 2 * modes + 4;
+  MatrixXd A = MatrixXd::Zero(n, n);
+  A.topLeftCorner(2 * modes, 2 * modes) =
+      oscillators(Eigen::VectorXd::LinSpaced(modes, 50.0, 900.0), full_damping(5, modes, 0.5));
+  for (Index s = 0; s < 2; ++s) {
+    const Index row = 2 * modes + 2 * s;
+    A.block(row, row, 2, 2) << 0.0, 1.0, -600.0 * 600.0, -1.4 * 600.0;
+    A.block(row + 1, 0, 1, 2 * modes) = 1e6 * random_matrix(7 + std::uint64_t(s), 1, 2 * modes);
+  }
+  const auto form = block_diagonal_form(A);
+  expect_form(A, form);
+  EXPECT_TRUE(form.inverse.topRightCorner(2 * modes, 4).isZero(0.0));
+  EXPECT_TRUE(form.basis.topRightCorner(2 * modes, 4).isZero(0.0));
+}
+
 TEST(BlockDiagonalForm, RigidBodyModesAndIntegratedInputsStayPairs) {
   MatrixXd A = MatrixXd::Zero(8, 8);  // two free bodies, one oscillator
   A(0, 1) = A(2, 3) = 1.0;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace kalfem {
 namespace {
@@ -161,6 +162,21 @@ TEST(Lumped, WithoutMassesItIsAPlaceForGrounds) {
   EXPECT_EQ(model.size(), 0);
   EXPECT_EQ(model.grounds.size(), 2u);
   EXPECT_EQ(model.grounds[1].stiffness.size(), 0);
+}
+
+/// Two free masses whose stiffness is a little off, as the reduction of a large model leaves it. The root of 5e-14
+/// would damp the free motion at a rate of 1e-4, and a damped free motion is no longer a mode of its own.
+TEST(NormalModes, WhatRoundingLeavesOfAFreeMotionIsNotDamped) {
+  SparseMatrix mass(2, 2), stiffness(2, 2);
+  mass.setIdentity();
+  for (const double off : {5e-14, -5e-14}) {
+    stiffness = Eigen::MatrixXd{{5e7 * (1.0 + 2.0 * off), -5e7}, {-5e7, 5e7}}.sparseView();
+    const auto modes = normal_modes(mass, stiffness);
+    EXPECT_EQ(modes.frequencies[0], 0.0);
+    EXPECT_LT((modal_damping(mass, modes, {0.01}) * Eigen::Vector2d::Ones()).norm(), 1e-10);
+  }
+  stiffness.coeffRef(0, 0) = 5e7 + 1.0;  // a soft spring to the ground is no rounding
+  EXPECT_NEAR(normal_modes(mass, stiffness).frequencies[0], std::sqrt(0.5) / (2.0 * std::numbers::pi), 1e-6);
 }
 
 TEST(NormalModes, MasslessDegreeOfFreedomIsRefused) {

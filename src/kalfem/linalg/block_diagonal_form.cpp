@@ -337,6 +337,20 @@ MatrixXd decouple(const MatrixXd& actions, const BlockDiagonalForm& form) {
   return x;
 }
 
+/// X^-1 V^-1, factor by factor. Its zeros are exact, as those of a general inverse are not: a state that does not act
+/// on another has no part in the other's coordinates, however large it is.
+MatrixXd inverse_of(const MatrixXd& basis, const Groups& groups, const MatrixXd& decoupling) {
+  MatrixXd inverse = MatrixXd::Zero(basis.rows(), basis.cols());
+  Index begin = 0;
+  for (const auto& group : groups) {
+    const auto own = Eigen::seqN(begin, static_cast<Index>(group.size()));
+    const MatrixXd of_group = MatrixXd(basis(group, own)).inverse();
+    inverse(own, group) = of_group;
+    begin += static_cast<Index>(group.size());
+  }
+  return decoupling.triangularView<Eigen::UnitLower>().solve(inverse);
+}
+
 }  // namespace
 
 Index BlockDiagonalForm::largest_block() const {
@@ -351,8 +365,9 @@ BlockDiagonalForm block_diagonal_form(const MatrixXd& A) {
   BlockDiagonalForm form{MatrixXd::Zero(n, n), {}, MatrixXd::Zero(n, n), {}};
   const Groups groups = separable_groups(A);
   split_groups(A, groups, form);
-  form.basis = form.basis * decouple(actions_between(A, groups, form.basis), form);
-  form.inverse = form.basis.inverse();
+  const MatrixXd decoupling = decouple(actions_between(A, groups, form.basis), form);
+  form.inverse = inverse_of(form.basis, groups, decoupling);
+  form.basis = form.basis * decoupling;
   return form;
 }
 

@@ -10,17 +10,24 @@
 
 namespace kalfem {
 
+namespace {
+
+/// Of the largest eigenvalue: what rounding leaves of the zero of a rigid-body mode. The reduction of a large model
+/// leaves more than its own arithmetic, found 1e-14. Modal damping takes the root, which makes much of little.
+constexpr double rounding_of_squares = 1e-13;
+
+}  // namespace
+
 NormalModes normal_modes(const SparseMatrix& mass, const SparseMatrix& stiffness) {
   const Eigen::MatrixXd dense_mass(mass);
   if (Eigen::LLT<Eigen::MatrixXd>(dense_mass).info() != Eigen::Success)
     throw InvalidInput("the mass matrix is not positive definite", "modes need a mass at every degree of freedom",
                        "give every degree of freedom a mass");
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(Eigen::MatrixXd(stiffness), dense_mass);
-  NormalModes modes{solver.eigenvalues().cwiseMax(0.0).cwiseSqrt(), solver.eigenvectors()};
-  // Rounding leaves rigid-body modes at sqrt(eps) of the highest frequency: they are zero.
-  const double threshold = 1e-7 * modes.frequencies.maxCoeff();
-  modes.frequencies = (modes.frequencies.array() < threshold).select(0.0, modes.frequencies) / (2.0 * std::numbers::pi);
-  return modes;
+  const Eigen::VectorXd& squares = solver.eigenvalues();
+  const double rigid = rounding_of_squares * squares.cwiseAbs().maxCoeff();
+  const Eigen::VectorXd frequencies = (squares.array() <= rigid).select(0.0, squares).cwiseSqrt();
+  return {frequencies / (2.0 * std::numbers::pi), solver.eigenvectors()};
 }
 
 Eigen::MatrixXd damping_force(const ModalDamping& damping, const SparseMatrix& mass,

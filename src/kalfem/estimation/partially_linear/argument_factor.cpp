@@ -10,6 +10,8 @@ using Eigen::MatrixXd;
 namespace {
 
 constexpr double pivot_floor = 1e-12;  ///< of an argument's variance; its root is far above rounding
+/// Of the largest square that a covariance can have beside its two variances: beyond it they are rounding.
+constexpr double impossible = 1.01;
 
 }  // namespace
 
@@ -28,11 +30,14 @@ bool argument_factor(const MatrixXd& covariance, MatrixXd& factor) {
     }
     factor(j, j) = std::sqrt(pivot);
     const double inverse = 1.0 / factor(j, j);
+    bool possible = true;
     for (Index i = j + 1; i < q; ++i) {
       double value = covariance(i, j);
       for (Index k = 0; k < j; ++k) value -= factor(i, k) * factor(j, k);
       factor(i, j) = value * inverse;
+      possible = possible && !(factor(i, j) * factor(i, j) > impossible * covariance(i, i));
     }
+    if (!possible) factor.col(j).tail(q - j - 1).setZero();
   }
   return factor.allFinite();
 }
