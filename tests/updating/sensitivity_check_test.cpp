@@ -94,5 +94,17 @@ TEST(SensitivityCheck, SaysWhenDifferencesScatterOrAreMissing) {
   EXPECT_EQ(check_sensitivities(narrow, free_parameters(vector({1.0})), vector({1.0}))[0].verdict, Verdict::agrees);
 }
 
+TEST(SensitivityCheck, TellsWhyASearchStalled) {
+  using Comparisons = std::vector<SensitivityComparison>;
+  const SensitivityComparison right{.parameter = "k"},
+      wrong{.parameter = "m", .deviation = 0.12, .verdict = Verdict::deviates},
+      rough{.parameter = "c", .verdict = Verdict::undecided};
+  EXPECT_NE(explain_stall(Comparisons{right, wrong, rough}).find("by 'm' differ from finite differences by up to 12 %"),
+            std::string::npos);
+  EXPECT_NE(explain_stall(Comparisons{right, rough}).find("by 'c' scatter: the residual is not smooth"),
+            std::string::npos);
+  EXPECT_NE(explain_stall(Comparisons{right}).find("agree with finite differences"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace kalfem

@@ -5,7 +5,7 @@
 
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/identification/initial_state.hpp"
-#include "kalfem/updating/residual.hpp"
+#include "kalfem/updating/difference_jacobian.hpp"
 
 namespace kalfem {
 
@@ -65,22 +65,16 @@ std::optional<VectorXd> SimulationResidual::values(const StructureParts& parts) 
   return residual;
 }
 
-// The Jacobian is a one-sided difference: one simulation per parameter, in parallel, with the finite elements in the
-// bases of `parameters`.
+// The Jacobian is by differences: two simulations per parameter, in parallel, with the finite elements in the bases of
+// `parameters`.
 std::optional<ResidualValue> SimulationResidual::evaluate(const VectorXd& parameters, bool with_jacobian) const try {
   const StructureAtParameters here = structure_->at(parameters);
   auto residual = values(here.parts);
   if (!residual) return std::nullopt;
   ResidualValue value{std::move(*residual), {}};
   if (!with_jacobian) return value;
-  auto jacobian =
-      parallel_columns(value.values.size(), parameters.size(), processors(), [&](Index i) -> std::optional<VectorXd> {
-        const double step = options_.relative_step * parameters_[static_cast<std::size_t>(i)].scale();
-        const VectorXd moved = parameters + step * VectorXd::Unit(parameters.size(), i);
-        auto beside = values(structure_->near(here, moved));
-        if (beside) *beside = (*beside - value.values) / step;
-        return beside;
-      });
+  auto jacobian = difference_jacobian(parameters_, parameters, value.values, options_.relative_step, processors(),
+                                      [&](const VectorXd& beside) { return values(structure_->near(here, beside)); });
   if (!jacobian) return std::nullopt;
   value.jacobian = std::move(*jacobian);
   return value;

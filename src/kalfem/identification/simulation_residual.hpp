@@ -13,8 +13,10 @@ namespace kalfem {
 
 /// The record of some sensors against the simulation of the whole structure under its known excitation, from rest or
 /// from a given start: r = (simulated - measured) / noise at every sample after settling. Connectors
-/// are as the structure has them. Each column of the Jacobian is a simulation more, with the finite elements in the
-/// basis of the point.
+/// are as the structure has them. Each column of the Jacobian is a central difference (difference_jacobian()) of two
+/// simulations, with the finite elements in the basis of the point. A one-sided difference would not do: the phase of a
+/// lightly damped response changes by some tens of radians per change of a stiffness by itself, so that a step of 1e-4
+/// leaves an error of a per cent, and where the residual is large the search then ends off the minimum or finds none.
 class SimulationResidual final : public Residual {
 public:
   struct Options {
@@ -28,6 +30,9 @@ public:
   SimulationResidual(StructurePtr given, std::vector<Sensor> measured, const Record& record,
                      std::shared_ptr<const ParameterisedStructure> structure, std::vector<UpdatingParameter> parameters,
                      Options options);
+
+  /// Relative error of the Jacobian's columns that its differences may leave.
+  static constexpr double derivative_error = 1e-3;
 
   [[nodiscard]] std::string name() const override { return options_.name; }
   [[nodiscard]] Eigen::Index size() const override { return measured_.size(); }

@@ -14,6 +14,7 @@
 #include "kalfem/records/spectrum.hpp"
 #include "kalfem/study/structural_modifications.hpp"
 #include "kalfem/study/study.hpp"
+#include "kalfem/updating/gauss_newton.hpp"
 #include "kalfem/updating/modal_residual.hpp"
 #include "kalfem/updating/parameter_statistics.hpp"
 #include "kalfem/updating/sensitivity_check.hpp"
@@ -121,6 +122,7 @@ struct UpdatingOutcome {
   Eigen::VectorXd values;  ///< one per parameter
   ParameterStatistics statistics;
   std::vector<std::string> remarks;  ///< parameters that the data cannot identify, one sentence each
+  std::optional<Termination> end;    ///< of the least-squares search; nothing if there was none
   std::string termination;           ///< why it stopped, in words
   bool converged = false;
   double residual_initial = 0.0, residual_final = 0.0;  ///< rms of the weighted residual

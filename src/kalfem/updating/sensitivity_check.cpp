@@ -5,6 +5,8 @@
 #include <limits>
 #include <optional>
 
+#include <fmt/format.h>
+
 namespace kalfem {
 namespace {
 
@@ -125,6 +127,31 @@ std::string explain(Verdict verdict) {
       return "not checked: the model has no response beside the point";
   }
   return {};
+}
+
+namespace {
+
+std::string listed(const std::vector<SensitivityComparison>& comparisons, std::initializer_list<Verdict> wanted) {
+  std::string names;
+  for (const auto& each : comparisons)
+    if (std::ranges::find(wanted, each.verdict) != wanted.end())
+      names += (names.empty() ? "'" : ", '") + each.parameter + "'";
+  return names;
+}
+
+}  // namespace
+
+std::string explain_stall(const std::vector<SensitivityComparison>& comparisons) {
+  if (const auto wrong = listed(comparisons, {Verdict::deviates}); !wrong.empty()) {
+    double largest = 0.0;
+    for (const auto& each : comparisons)
+      if (each.verdict == Verdict::deviates) largest = std::max(largest, each.deviation);
+    return fmt::format("there, the derivatives by {} differ from finite differences by up to {:.2g} %", wrong,
+                       100.0 * largest);
+  }
+  if (const auto rough = listed(comparisons, {Verdict::undecided, Verdict::no_response}); !rough.empty())
+    return "there, finite differences by " + rough + " scatter: the residual is not smooth";
+  return "there, the derivatives agree with finite differences: the residual is not smooth over short steps";
 }
 
 // A deviation counts only beyond the differences' own estimated error; where that error exceeds the tolerance, nothing

@@ -30,6 +30,10 @@ struct SensitivityComparison {
 };
 [[nodiscard]] std::string explain(SensitivityComparison::Verdict verdict);
 
+/// Why a search found no lower cost where it ended, from the comparisons there: a derivative that is wrong, a residual
+/// that is not smooth, or neither. One clause, to follow explain(Termination::no_progress).
+[[nodiscard]] std::string explain_stall(const std::vector<SensitivityComparison>& comparisons);
+
 /// Compares the analytic Jacobian at `values` with central differences, extrapolated to step zero from steps halved in
 /// turn; the extrapolation of least estimated error counts [Rid82]. Steps keep within the bounds; at a bound the inward
 /// one-sided difference of second order serves. Parameters with equal bounds are left out. Empty where the model has no
