@@ -68,7 +68,14 @@ TEST(Updating, EveryMethodFindsTheSame) {
     const auto outcome =
         run_command("update " + written(folder, other).string() + " --out " + folder.path().string(), folder);
     ASSERT_EQ(outcome.code, 0) << outcome.errors;
-    const auto parameters = read_summary(folder)["updating"]["parameters"];
+    const auto updating = read_summary(folder)["updating"];
+    const auto& parameters = updating["parameters"];
+    if (method == "starts: 5") {
+      ASSERT_EQ(updating["minima"].size(), 1U) << updating["minima"];
+      EXPECT_EQ(updating["minima"][0]["starts"], 5);
+      EXPECT_EQ(updating["minima"][0]["parameters"]["frame.s2.stiffness"],
+                parameters["frame.s2.stiffness"]["estimate"]);
+    }
     for (const auto& [name, parameter] : parameters.items())
       // found 6e-6 of it: where the generations end
       EXPECT_NEAR(parameter["estimate"].get<double>(), 1000.0, 0.01) << method << " " << name;

@@ -98,6 +98,15 @@ struct UpdatingStep {
   double seconds = 0.0;
 };
 
+/// A point at which searches from several starts ended.
+struct FoundMinimum {
+  Eigen::VectorXd parameters;
+  double residual = 0.0;  ///< rms of the weighted residual
+  double cost = 0.0;      ///< half the sum of squares, with the priors' share: the lowest one is the result
+  int reached = 0;        ///< by so many starts
+  bool converged = false;
+};
+
 /// Magnitude of one frequency response.
 struct FrfCurve {
   std::string name;                                ///< "2 per force at 1"
@@ -129,6 +138,7 @@ struct UpdatingOutcome {
   int evaluations = 0, iterations = 0;
   int resumed_at = 0;  ///< evaluations that an earlier run had made
   std::vector<UpdatingStep> trace;
+  std::vector<FoundMinimum> minima;                  ///< of several starts, lowest cost first; otherwise empty
   std::vector<SensitivityComparison> sensitivities;  ///< if the case asks for them
   Eigen::VectorXd unknowns_before;  ///< last estimates of the filter before the updating; empty: no filter
   double seconds = 0.0;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/pipeline/updating_checkpoint.hpp"
@@ -122,18 +124,26 @@ LastResidual search_from_one_start(const Study& study, const std::vector<Compari
   return last;
 }
 
-LastResidual search_from_many_starts(const Study& study, const ResidualSum& residual, UpdatingOutcome& updating) {
+LastResidual search_from_many_starts(const Study& study, const std::vector<ComparisonResidual>& comparisons,
+                                     UpdatingOutcome& updating) {
   const UpdatingPlan& plan = *study.updating_plan;
+  std::vector<ResidualSum> steps;
+  for (std::size_t step = 0; step < continuation_steps_of(comparisons); ++step)
+    steps.push_back(sum_of(comparisons, step));
   MultiStartOptions options{.starts = plan.starts, .seed = plan.seed, .search = {}};
   options.search.search = plan.search;
-  const auto outcome = minimise_from_many(residual, study.updating->parameters, options);
+  for (std::size_t step = 0; step + 1 < steps.size(); ++step) options.continuation.push_back(&steps[step]);
+  const auto outcome = minimise_from_many(steps.back(), study.updating->parameters, options);
   updating.values = outcome.best.parameters;
   end_with(outcome.best.termination, outcome.best.reason(), updating);
   updating.evaluations = outcome.evaluations;
   updating.iterations = outcome.best.iterations;
-  updating.method = "Gauss-Newton in a trust region from " + std::to_string(plan.starts) + " starts, of which " +
-                    std::to_string(outcome.converged) + " converged, to " + std::to_string(outcome.minima.size()) +
-                    (outcome.minima.size() == 1 ? " minimum" : " different minima");
+  updating.method = fmt::format(
+      "Gauss-Newton in a trust region from {} starts, of which {} converged; they ended at {} {}", plan.starts,
+      outcome.converged, outcome.minima.size(), outcome.minima.size() == 1 ? "point" : "different points");
+  for (const auto& minimum : outcome.minima)
+    updating.minima.push_back({minimum.parameters, rms_of(minimum.residual_cost, steps.back().size()), minimum.cost,
+                               minimum.reached, minimum.converged});
   return outcome.best.residual;
 }
 
@@ -328,7 +338,7 @@ UpdatingOutcome run_updating(const Study& study, const StudyResults& results, co
     updating.sensitivities = check_sensitivities(residual, parameters, updating.values, check_options(comparisons));
 
   LastResidual last = plan.method == UpdatingMethod::evolution ? search_by_evolution(study, residual, updating)
-                      : plan.starts > 1                        ? search_from_many_starts(study, residual, updating)
+                      : plan.starts > 1                        ? search_from_many_starts(study, comparisons, updating)
                                         : search_from_one_start(study, comparisons, *first, options, updating);
   explain_end(study, comparisons, residual, updating);
   if (!last || last->jacobian.size() == 0) last = residual.evaluate(updating.values, true);

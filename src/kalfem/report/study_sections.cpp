@@ -231,6 +231,7 @@ Section updating_section(const Study& study, const StudyResults& results) {
     section.items.emplace_back(std::move(table));
   for (const auto& comparison : outcome.comparisons)
     if (!comparison.modes_final.empty()) section.items.emplace_back(paired_mode_table(comparison));
+  if (!outcome.minima.empty()) section.items.emplace_back(minima_table(study, outcome));
   if (outcome.statistics.correlation.rows() > 1) section.items.emplace_back(correlation_table(study, outcome));
   if (!outcome.sensitivities.empty()) section.items.emplace_back(sensitivity_table(outcome));
   if (outcome.trace.size() > 1) {

@@ -165,6 +165,21 @@ Json trace_of(const UpdatingOutcome& outcome) {
   return list;
 }
 
+Json minima_of(const Study& study, const UpdatingOutcome& outcome) {
+  Json list = Json::array();
+  for (const auto& minimum : outcome.minima) {
+    Json values = Json::object();
+    for (std::size_t i = 0; i < study.updating->parameters.size(); ++i)
+      values[study.updating->parameters[i].name] = number(minimum.parameters[static_cast<Index>(i)]);
+    list.push_back({{"cost", number(minimum.cost)},
+                    {"residual", number(minimum.residual)},
+                    {"starts", minimum.reached},
+                    {"converged", minimum.converged},
+                    {"parameters", values}});
+  }
+  return list;
+}
+
 Json sensitivities_of(const UpdatingOutcome& outcome) {
   Json all = Json::object();
   for (const auto& each : outcome.sensitivities)
@@ -197,6 +212,7 @@ Json updating_summary(const Study& study, const UpdatingOutcome& outcome) {
   summary["correlation"] = correlation;
   summary["covariance"] = covariance;
   summary["stages"] = trace_of(outcome);
+  if (!outcome.minima.empty()) summary["minima"] = minima_of(study, outcome);
   if (outcome.resumed_at > 0) summary["resumed_at"] = outcome.resumed_at;
   if (!outcome.sensitivities.empty()) summary["sensitivities"] = sensitivities_of(outcome);
   if (outcome.unknowns_before.size() > 0) {

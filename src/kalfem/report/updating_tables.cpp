@@ -88,6 +88,20 @@ Table updating_trace_table(const Study& study, const UpdatingOutcome& outcome) {
   return table;
 }
 
+Table minima_table(const Study& study, const UpdatingOutcome& outcome) {
+  constexpr std::size_t most = 20;
+  Table table{"Ends of the searches from all starts", {"cost", "residual", "starts", "converged"}, {}, {}};
+  for (const auto& parameter : study.updating->parameters)
+    table.columns.push_back(parameter.name + " [" + parameter.unit + "]");
+  for (std::size_t k = 0; k < std::min(most, outcome.minima.size()); ++k) {
+    const auto& minimum = outcome.minima[k];
+    table.rows.push_back({finite(minimum.cost), finite(minimum.residual), std::to_string(minimum.reached),
+                          minimum.converged ? "yes" : "no"});
+    for (const double value : minimum.parameters) table.rows.back().push_back(four_digits(value));
+  }
+  return table;
+}
+
 Table correlation_table(const Study& study, const UpdatingOutcome& outcome) {
   Table table{"Correlation of the parameters", {""}, {}, {}};
   const auto& correlation = outcome.statistics.correlation;
@@ -174,6 +188,7 @@ std::string console_updating(const Study& study, const StudyResults& results) {
                                   per_cent(mean_frequency_error(each.modes_initial)),
                                   per_cent(mean_frequency_error(each.modes_final))),
                       paired_mode_table(each));
+  text += section("Ends of the searches from all starts", minima_table(study, outcome));
   text += section("Derivatives against finite differences", sensitivity_table(outcome));
   text += section("Unknowns of the filter before and after the updating", before_and_after_table(study, results));
   return text;

@@ -15,6 +15,8 @@ Table comparison_table(const UpdatingOutcome& outcome);
 Table paired_mode_table(const ComparisonResult& comparison);
 /// Every evaluation with the parameters that it tried.
 Table updating_trace_table(const Study& study, const UpdatingOutcome& outcome);
+/// Where the searches from several starts ended, lowest cost first; without rows where there was one start.
+Table minima_table(const Study& study, const UpdatingOutcome& outcome);
 Table correlation_table(const Study& study, const UpdatingOutcome& outcome);
 Table sensitivity_table(const UpdatingOutcome& outcome);
 /// Natural frequencies of each modification.

@@ -177,6 +177,42 @@ std::vector<int> shuffled(int count, RandomStream& random) {
   return order;
 }
 
+/// The prime that follows.
+int prime_after(int number) {
+  const auto is_prime = [](int candidate) {
+    for (int divisor = 2; divisor * divisor <= candidate; ++divisor)
+      if (candidate % divisor == 0) return false;
+    return true;
+  };
+  do ++number;
+  while (!is_prime(number));
+  return number;
+}
+
+/// Numbers 0, 1, ... mirrored at the point in a base, each digit permuted at random: in [0, 1).
+class PermutedDigits {
+public:
+  PermutedDigits(int base, RandomStream& random) : base_(base) {
+    for (double rest = 1.0; rest > smallest; rest /= base) permutations_.push_back(shuffled(base, random));
+  }
+
+  [[nodiscard]] double operator()(int number) const {
+    double value = 0.0, weight = 1.0;
+    for (const auto& permutation : permutations_) {
+      weight /= base_;
+      value += weight * permutation[static_cast<std::size_t>(number % base_)];
+      number /= base_;
+    }
+    return value;
+  }
+
+private:
+  static constexpr double smallest = 1e-12;
+
+  int base_;
+  std::vector<std::vector<int>> permutations_;  ///< of each digit
+};
+
 /// Runs the searches; what one throws is thrown once all have ended.
 std::vector<LeastSquaresOutcome> run_searches(const Residual& residual,
                                               const std::vector<UpdatingParameter>& parameters,
@@ -189,7 +225,14 @@ std::vector<LeastSquaresOutcome> run_searches(const Residual& residual,
     auto search = options.search;
     search.start = starts[i];
     try {
+      int earlier = 0;
+      for (const Residual* smoothed : options.continuation) {
+        const auto outcome = minimise(*smoothed, parameters, search);
+        search.start = outcome.parameters;
+        earlier += outcome.evaluations;
+      }
       outcomes[i] = minimise(residual, parameters, search);
+      outcomes[i].evaluations += earlier;
     } catch (...) {
       thrown[i] = std::current_exception();
     }
@@ -205,36 +248,36 @@ bool is_same(const VectorXd& a, const VectorXd& b, const std::vector<UpdatingPar
   return true;
 }
 
-/// Usable outcomes first, then by cost; one that found no response comes last.
+/// By cost, whatever ended the search: a limit reached at a lower cost is nearer to the answer than convergence at
+/// a higher one. One that found no response comes last.
 bool is_better(const LeastSquaresOutcome& a, const LeastSquaresOutcome& b) {
-  const auto rank = [](const LeastSquaresOutcome& o) {
-    return o.usable() ? 0 : o.termination != Termination::no_response ? 1 : 2;
-  };
-  return rank(a) != rank(b) ? rank(a) < rank(b) : a.cost_final < b.cost_final;
+  const auto has_response = [](const LeastSquaresOutcome& o) { return o.termination != Termination::no_response; };
+  return has_response(a) != has_response(b) ? has_response(a) : a.cost_final < b.cost_final;
 }
 
 void add_minimum(std::vector<Minimum>& minima, const LeastSquaresOutcome& outcome,
                  const std::vector<UpdatingParameter>& parameters, double within) {
-  const auto known = std::find_if(minima.begin(), minima.end(), [&](const Minimum& minimum) {
+  auto known = std::find_if(minima.begin(), minima.end(), [&](const Minimum& minimum) {
     return is_same(minimum.parameters, outcome.parameters, parameters, within);
   });
-  if (known != minima.end())
-    ++known->reached;
-  else
-    minima.push_back({outcome.parameters, outcome.cost_final, 1});
+  if (known == minima.end())
+    known = minima.insert(known, {outcome.parameters, outcome.cost_final, outcome.residual_cost_final});
+  ++known->reached;
+  known->converged = known->converged || outcome.usable();
 }
 
 }  // namespace
 
 std::vector<VectorXd> spread_starts(const std::vector<UpdatingParameter>& parameters, int count, std::uint64_t seed) {
-  const int others = std::max(count - 1, 0);
-  std::vector<VectorXd> starts(static_cast<std::size_t>(others) + 1, initial_values(parameters));
+  std::vector<VectorXd> starts(static_cast<std::size_t>(std::max(count, 1)), initial_values(parameters));
+  int base = 1;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     RandomStream random(seed, "start of " + parameters[i].name);
     const auto [lower, upper] = range_of(parameters[i]);
-    const auto strips = shuffled(others, random);
-    for (std::size_t k = 0; k < strips.size(); ++k)
-      starts[k + 1][static_cast<Index>(i)] = lower + (upper - lower) * (strips[k] + random.uniform()) / others;
+    base = prime_after(base);
+    const PermutedDigits digits(base, random);
+    for (std::size_t k = 1; k < starts.size(); ++k)
+      starts[k][static_cast<Index>(i)] = lower + (upper - lower) * digits(static_cast<int>(k) - 1);
   }
   return starts;
 }
@@ -248,9 +291,9 @@ MultiStartOutcome minimise_from_many(const Residual& residual, const std::vector
   std::stable_sort(searches.begin(), searches.end(), is_better);
   for (const auto& search : searches) {
     outcome.evaluations += search.evaluations;
-    if (!search.usable()) continue;
-    ++outcome.converged;
-    add_minimum(outcome.minima, search, parameters, options.same_within);
+    if (search.usable()) ++outcome.converged;
+    if (search.termination != Termination::no_response)
+      add_minimum(outcome.minima, search, parameters, options.same_within);
   }
   outcome.best = std::move(searches.front());
   return outcome;

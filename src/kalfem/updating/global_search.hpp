@@ -54,26 +54,32 @@ struct MultiStartOptions {
   int threads = 1;            ///< searches at the same time
   double same_within = 1e-3;  ///< two ends are one minimum where each parameter differs by less, in parts of its scale
   LeastSquaresOptions search{};  ///< `start` is not used; `watch` is called from several threads
+  /// Smoothed forms of the residual that each search minimises first, in turn, each from where the last one ended.
+  std::vector<const Residual*> continuation{};
 };
 
 /// A place at which searches ended.
 struct Minimum {
   Eigen::VectorXd parameters;  ///< of the search that ended lowest there
   double cost = 0.0;           ///< F there: |r|^2 / 2 and the prior's share
+  double residual_cost = 0.0;  ///< |r|^2 / 2
   int reached = 0;             ///< by so many searches
+  bool converged = false;      ///< one of them converged there; otherwise the cost falls further
 };
 
 struct MultiStartOutcome {
-  LeastSquaresOutcome best;     ///< of the lowest cost among those that converged, or among all where none did
-  std::vector<Minimum> minima;  ///< of the searches that converged, lowest first
+  LeastSquaresOutcome best;     ///< of the lowest cost, whatever ended it
+  std::vector<Minimum> minima;  ///< all ends of searches with a response, lowest first
   std::vector<Eigen::VectorXd> starts;
   int converged = 0;    ///< searches
   int evaluations = 0;  ///< of the residual, in all searches
 };
 
-/// Starting points, the initial values first and the others a Latin hypercube [MBC79]: along each parameter they fall
-/// into as many equal strips, one into each. They fill the bounds; where one is infinite, the initial value's
-/// surrounding of two prior deviations, or of half its scale where there is no prior.
+/// Starting points, the initial values first and the others a Halton sequence [Hal60] with randomly permuted digits
+/// [Owe17]. Point k does not depend on `count`: more starts are the same ones and others, so the best of them is never
+/// worse. Along parameter i, each run of b points falls into b equal strips, one into each, with the i-th prime b. They
+/// fill the bounds; where one is infinite, the initial value's surrounding of two prior deviations, or of half its
+/// scale where there is no prior.
 std::vector<Eigen::VectorXd> spread_starts(const std::vector<UpdatingParameter>& parameters, int count,
                                            std::uint64_t seed);
 
