@@ -5,6 +5,7 @@
 #include "casefile/probes.hpp"
 #include "kalfem/estimation/consistency.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
+#include "kalfem/pipeline/stated_interval.hpp"
 #include "kalfem/report/result_set.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/statistics/quantiles.hpp"
@@ -67,10 +68,44 @@ TEST(Summary, HoldsTheParametersOfTheFilter) {
     const double mean = outcome.result.state.mean(first + i, last),
                  deviation = outcome.result.state.deviation(first + i, last);
     const auto value = [&](double x) { return i == 0 ? std::exp(x) : x; };
-    near(own["interval_95"][0].get<double>(), value(mean - 1.959963984540054 * deviation), many_roundings);
-    near(own["interval_95"][1].get<double>(), value(mean + 1.959963984540054 * deviation), many_roundings);
+    const double widening = outcome.robust_deviation[i] / outcome.result.unknowns.deviation(i, last);
+    const double half = 1.959963984540054 * deviation * std::max(1.0, widening);
+    near(own["interval_95"][0].get<double>(), value(mean - half), many_roundings);
+    near(own["interval_95"][1].get<double>(), value(mean + half), many_roundings);
+    EXPECT_EQ(own["interval_95_from"], widening > 1.0 ? "std_robust" : "std");
     near(own["std"].get<double>(), deviation * (i == 0 ? std::exp(mean) : 1.0), many_roundings);
   }
+}
+
+/// c.k is in the filter's state by its logarithm, c.c as it is.
+TEST(StatedInterval, ComesFromTheLargerOfTheTwoDeviations) {
+  EstimationOutcome outcome = *everything().results.estimation;
+  const Index last = outcome.result.unknowns.mean.cols() - 1, first = outcome.augmented_model->layout().unknown();
+  const VectorXd stated = outcome.result.unknowns.deviation.col(last), mean = outcome.result.unknowns.mean.col(last);
+  outcome.robust_deviation = VectorXd{{3.0 * stated[0], 0.5 * stated[1]}};
+  const auto wider = stated_interval(outcome, 0), usual = stated_interval(outcome, 1);
+  EXPECT_TRUE(wider.robust);
+  EXPECT_FALSE(usual.robust);
+  const double factor = std::exp(3.0 * 1.959963984540054 * outcome.result.state.deviation(first, last));
+  near(wider.upper, mean[0] * factor, many_roundings);
+  near(wider.lower, mean[0] / factor, many_roundings);
+  near(usual.upper, mean[1] + 1.959963984540054 * stated[1], many_roundings);
+  near(usual.lower, mean[1] - 1.959963984540054 * stated[1], many_roundings);
+  const auto table = parameter_table(everything().study, outcome);
+  EXPECT_EQ(table.columns[4], "95 % interval");
+  EXPECT_EQ(table.rows[0][4], four_digits(wider.lower) + " to " + four_digits(wider.upper));
+  EXPECT_EQ(table.rows[0][5], "robust std");
+  EXPECT_EQ(table.rows[1][5], "std");
+}
+
+TEST(StatedInterval, IsTheFiltersWhereThereIsNoRobustDeviation) {
+  EstimationOutcome outcome = *everything().results.estimation;
+  outcome.robust_deviation.setConstant(std::numeric_limits<double>::quiet_NaN());
+  const auto interval = stated_interval(outcome, 1);
+  EXPECT_FALSE(interval.robust);
+  const Index last = outcome.result.unknowns.mean.cols() - 1;
+  near(interval.upper - interval.lower, 2.0 * 1.959963984540054 * outcome.result.unknowns.deviation(1, last),
+       many_roundings);
 }
 
 TEST(Summary, HoldsTheConsistencyOfTheFilter) {

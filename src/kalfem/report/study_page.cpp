@@ -35,7 +35,10 @@ Series with_band(const std::string& label, const VectorXd& mean, const VectorXd&
 }
 
 Section parameters_section(const Study& study, const EstimationOutcome& outcome) {
-  Section section{"Parameters", "Estimates over time with their 95 % bands.", {parameter_table(study, outcome)}};
+  Section section{"Parameters",
+                  "The 95 % interval in the table comes from the larger of the two standard deviations; `from` names "
+                  "it. The charts show the estimates over time with the 95 % bands that the filter states (std).",
+                  {parameter_table(study, outcome)}};
   const auto& layout = outcome.augmented_model->layout();
   for (Index i = 0; i < layout.unknowns; ++i) {
     const auto index = static_cast<std::size_t>(i);

@@ -10,6 +10,7 @@
 
 #include "kalfem/base/version.hpp"
 #include "kalfem/pipeline/run_verdict.hpp"
+#include "kalfem/pipeline/stated_interval.hpp"
 #include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/study/structural_modifications.hpp"
@@ -106,14 +107,14 @@ Json parameters_summary(const Study& study, const EstimationOutcome& outcome) {
   for (Eigen::Index i = 0; i < layout.unknowns; ++i) {
     const auto index = static_cast<std::size_t>(i);
     const auto& unknown = outcome.augmented_model->options().unknowns[index];
-    const auto interval = confidence_interval(unknown.transform, outcome.result.state.mean(layout.unknown() + i, last),
-                                              outcome.result.state.deviation(layout.unknown() + i, last));
+    const auto interval = stated_interval(outcome, i);
     parameters[unknown.name] = {{"true", number(study.augmented_model->true_parameters[index])},
                                 {"initial", number(unknown.initial)},
                                 {"estimate", number(outcome.result.unknowns.mean(i, last))},
                                 {"std", number(outcome.result.unknowns.deviation(i, last))},
                                 {"std_robust", number(outcome.robust_deviation[i])},
                                 {"interval_95", {number(interval.lower), number(interval.upper)}},
+                                {"interval_95_from", interval.robust ? "std_robust" : "std"},
                                 {"unit", unknown.unit}};
   }
   return parameters;

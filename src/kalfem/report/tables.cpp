@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "kalfem/pipeline/stated_interval.hpp"
 #include "kalfem/records/record.hpp"
 #include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/updating_tables.hpp"
@@ -82,15 +83,20 @@ Table modes_table(const Study& study, const StudyResults& results) {
 
 Table parameter_table(const Study& study, const EstimationOutcome& outcome) {
   Table table{
-      "Parameters", {"parameter", "unit", "initial", "estimate", "std", "robust std", "truth", "error"}, {}, {}};
+      "Parameters",
+      {"parameter", "unit", "initial", "estimate", "95 % interval", "from", "std", "robust std", "truth", "error"},
+      {},
+      {}};
   const auto last = outcome.result.unknowns.mean.cols() - 1;
   for (std::size_t i = 0; i < outcome.augmented_model->options().unknowns.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     const auto& unknown = outcome.augmented_model->options().unknowns[i];
     const auto& truth = study.augmented_model->true_parameters[i];
     const double estimate = outcome.result.unknowns.mean(row, last);
+    const auto interval = stated_interval(outcome, row);
     table.rows.push_back(
         {unknown.name, unknown.unit, four_digits(unknown.initial), four_digits(estimate),
+         four_digits(interval.lower) + " to " + four_digits(interval.upper), interval.robust ? "robust std" : "std",
          four_digits(outcome.result.unknowns.deviation(row, last)),
          std::isfinite(outcome.robust_deviation[row]) ? four_digits(outcome.robust_deviation[row]) : "-",
          truth ? four_digits(*truth) : "-", truth && *truth != 0.0 ? per_cent(estimate / *truth - 1.0) : "-"});

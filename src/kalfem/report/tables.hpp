@@ -11,7 +11,8 @@ namespace kalfem {
 
 /// Modes of the finite-element substructures, and how the reduced ones compare.
 Table modes_table(const Study& study, const StudyResults& results);
-/// Unknowns with initial value, estimate, standard deviation, truth and deviation from it.
+/// Unknowns with initial value, estimate, 95 % interval from the larger standard deviation and which one that is, both
+/// standard deviations, truth and deviation from it.
 Table parameter_table(const Study& study, const EstimationOutcome& outcome);
 /// Everything of lumped parts and connectors; of finite elements the points that the case wants shown, if it names
 /// some.
