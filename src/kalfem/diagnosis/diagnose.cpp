@@ -20,7 +20,9 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double most_work = 2e11;      ///< operations of all trials, about: decides how much of the record they see
+constexpr double most_work = 2e11;  ///< operations of all trials, about: decides how much of the record they see
+constexpr double usual_trials = 100.0;
+constexpr double telling_part = 0.3;    ///< of the sum of NIS that the trials should see
 constexpr Index fewest_samples = 2000;  ///< of the record, where it has as many
 constexpr double longest_delay = 0.15;  ///< [s]
 constexpr std::size_t refined = 8;      ///< best hypotheses whose number is searched
@@ -97,12 +99,26 @@ double work_of_step(const FilterRun& run) {
   return partially_linear ? 50.0 * n * n : 10.0 * n * n * n;
 }
 
-/// The first part of the record that so many trials may see.
-Record part_for(const Record& record, const FilterRun& run, double trials) {
+/// Samples until the sum of NIS has reached a good part of its whole; twice as many as there are until the filter
+/// stopped.
+Index telling_samples(const VectorXd& nis) {
+  const VectorXd known = nis.array().isFinite().select(nis, 0.0);
+  const double wanted = telling_part * known.sum();
+  Index last = known.size() - 1;
+  while (last > 0 && known[last] == 0.0) --last;
+  double sum = 0.0;
+  for (Index k = 0; k < known.size(); ++k)
+    if ((sum += known[k]) >= wanted) return last + 1 < known.size() ? 2 * (last + 1) : k + 1;
+  return known.size();
+}
+
+/// The first part of the record: long enough to tell what is wrong, and no longer than so many trials can afford.
+Record part_for(const DiagnosisInput& input, const FilterRun& run, double trials) {
   const auto affordable = static_cast<Index>(most_work / (trials * work_of_step(run)));
-  const Index samples = std::min(record.samples(), std::max(fewest_samples, affordable));
-  Record part = record;
-  part.values = record.values.leftCols(samples).eval();
+  const Index wanted = std::max(fewest_samples, std::min(affordable, telling_samples(input.nis)));
+  const Index samples = std::min(input.record.samples(), wanted);
+  Record part = input.record;
+  part.values = input.record.values.leftCols(samples).eval();
   if (part.used) part.used = std::min(*part.used, samples);
   return part;
 }
@@ -110,8 +126,7 @@ Record part_for(const Record& record, const FilterRun& run, double trials) {
 class Trials {
 public:
   explicit Trials(const DiagnosisInput& input) : input_(input), base_(input_.run_of(input_.problem, input_.parts)) {
-    const double trials = 40.0;
-    input_.record = part_for(input_.record, base_, trials);
+    input_.record = part_for(input_, base_, usual_trials);
     base_ = input_.run_of(input_.problem, input_.parts);
     options_ = {.filter = base_.choice.filter, .unscented = input_.options.unscented, .state_deviations = false};
   }

@@ -205,7 +205,8 @@ void look_for_cause(const Study& study, const StructureParts& parts, StudyResult
   estimation.diagnosis = diagnose({.problem = study.problem,
                                    .parts = parts,
                                    .record = record_of(study, results),
-                                   .options = {.unscented = study.problem->settings.unscented}});
+                                   .options = {.unscented = study.problem->settings.unscented},
+                                   .nis = estimation.result.nis});
 }
 
 /// Suspicions become warnings.
