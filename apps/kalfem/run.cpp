@@ -68,6 +68,9 @@ ExitCode run(const std::string& case_file, Step last, const std::string& folder_
   const ResultSet set = write_result_set(folder, study, results, watch);
   print_text(console_report(study, results));
   print_files(folder.path(), set);
+  if (results.identified && !results.identified->notes.empty())
+    print("case.identified.yaml: {} of its values have no place in `substructures`; its first lines name them\n",
+          results.identified->notes.size());
   print_verdict(results);
   require_output();
   const bool suspicious = results.verdict.state() == VerdictState::suspicious;

@@ -7,12 +7,12 @@
 namespace kalfem::test {
 namespace {
 
-/// Runs an example and returns its summary; the folder holds the four files of the contract.
+/// Runs an example and returns its summary; the folder holds the five files of the contract.
 nlohmann::json run_example(const std::string& name, const std::filesystem::path& folder) {
   const auto outcome = run_command("run " + example(name) + " --out " + (folder / "out").string(), folder);
   EXPECT_EQ(outcome.code, 0) << outcome.errors;
   EXPECT_EQ(outcome.errors, "");
-  for (const char* file : {"summary.json", "results.h5", "report.html", "case.resolved.yaml"})
+  for (const char* file : {"summary.json", "results.h5", "report.html", "case.resolved.yaml", "case.identified.yaml"})
     EXPECT_TRUE(std::filesystem::exists(folder / "out" / file)) << file;
   return read_summary(folder / "out");
 }

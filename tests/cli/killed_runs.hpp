@@ -81,8 +81,8 @@ inline KilledRuns kill_runs(int moments) {
   // The next run clears up behind all of them.
   EXPECT_EQ(wait_for(start(run(0))), 0);
   EXPECT_EQ(identity_of(out), identities[0]);
-  EXPECT_EQ(files_of(out),
-            (std::set<std::string>{"case.resolved.yaml", "notes.txt", "report.html", "results.h5", "summary.json"}));
+  EXPECT_EQ(files_of(out), (std::set<std::string>{"case.identified.yaml", "case.resolved.yaml", "notes.txt",
+                                                  "report.html", "results.h5", "summary.json"}));
   return counts;
 }
 

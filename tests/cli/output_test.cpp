@@ -53,8 +53,8 @@ TEST(Output, OfTwoRunsAtOnceTheResultsAreThoseOfOne) {
                        outcome.output.find("codes 0 2") != std::string::npos;
     EXPECT_TRUE(known) << outcome.output;
     EXPECT_EQ(identity_of(folder / "out").size(), 16U) << identity_of(folder / "out");
-    EXPECT_EQ(files_of(folder / "out"),
-              (std::set<std::string>{"case.resolved.yaml", "report.html", "results.h5", "summary.json"}));
+    EXPECT_EQ(files_of(folder / "out"), (std::set<std::string>{"case.identified.yaml", "case.resolved.yaml",
+                                                               "report.html", "results.h5", "summary.json"}));
   }
 }
 
@@ -83,7 +83,7 @@ TEST(Output, NothingOfAFormerRunStaysBesideTheNewOne) {
   EXPECT_NE(outcome.output.find("Results in " + out + ": report.html, summary.json, case.resolved.yaml\n"),
             std::string::npos)
       << outcome.output;
-  EXPECT_NE(outcome.output.find("earlier run): results.h5"), std::string::npos) << outcome.output;
+  EXPECT_NE(outcome.output.find("earlier run): case.identified.yaml, results.h5"), std::string::npos) << outcome.output;
   EXPECT_EQ(files_of(folder / "out"), (std::set<std::string>{"case.resolved.yaml", "notes.txt", "report.html",
                                                              "summary.json", "update.checkpoint.json"}));
 }
@@ -228,8 +228,8 @@ update:
   const auto after = through_pipe(line);
   EXPECT_EQ(after.code, 0) << after.output;
   EXPECT_EQ(after.output.find("update.checkpoint.json"), std::string::npos) << after.output;
-  EXPECT_EQ(files_of(folder / "out"),
-            (std::set<std::string>{"case.resolved.yaml", "report.html", "results.h5", "summary.json"}));
+  EXPECT_EQ(files_of(folder / "out"), (std::set<std::string>{"case.identified.yaml", "case.resolved.yaml",
+                                                             "report.html", "results.h5", "summary.json"}));
 }
 
 TEST(Output, APlaceThatCannotBeWrittenIsFoundBeforeTheComputation) {

@@ -54,6 +54,9 @@ inline std::string identity_of(const std::filesystem::path& folder) {
   const std::string run = summary.value("run", "");
   if (identity_behind(read(folder / "report.html"), "name=\"kalfem-run\" content=\"") != run) return "another page";
   if (identity_behind(read(folder / "case.resolved.yaml"), "# run ") != run) return "another case";
+  const bool identified = std::filesystem::exists(folder / "case.identified.yaml");
+  if (identified && identity_behind(read(folder / "case.identified.yaml"), "# run ") != run)
+    return "another identified case";
   const bool has_series = std::filesystem::exists(folder / "results.h5");
   if (has_series && Hdf5File::open((folder / "results.h5").string()).text_attribute("/", "run") != run)
     return "other series";

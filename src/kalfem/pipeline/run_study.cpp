@@ -9,6 +9,7 @@
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/identification/initial_state.hpp"
 #include "kalfem/pipeline/reported_quantities.hpp"
+#include "kalfem/pipeline/run_identified_case.hpp"
 #include "kalfem/pipeline/run_steps.hpp"
 #include "kalfem/pipeline/run_updating.hpp"
 #include "kalfem/pipeline/run_verdict.hpp"
@@ -268,4 +269,5 @@ std::string StudyResults::why_unusable() const {
   return why;
 }
 
+  results.identified = identified_case_of(study, results);
 }  // namespace kalfem

@@ -13,6 +13,7 @@
 #include "kalfem/prediction/base_driven.hpp"
 #include "kalfem/records/spectrum.hpp"
 #include "kalfem/study/structural_modifications.hpp"
+#include "kalfem/study/identified_case.hpp"
 #include "kalfem/study/study.hpp"
 #include "kalfem/updating/gauss_newton.hpp"
 #include "kalfem/updating/modal_residual.hpp"
@@ -155,7 +156,8 @@ struct StudyResults {
   std::vector<StructuralModificationResult> modifications;
   std::vector<std::string> warnings;  ///< about the results, in addition to those of the study
   Verdict verdict;
-  std::string failure;  ///< why a step failed, in words; empty if all ran to their end
+  std::optional<IdentifiedCase> identified;  ///< of a usable run with an estimation or an updating
+  std::string failure;                       ///< why a step failed, in words; empty if all ran to their end
   double total_seconds = 0.0;
 
   /// Whether every step ran to its end.

@@ -66,7 +66,8 @@ using Json = nlohmann::ordered_json;
 using Names = std::vector<std::string>;
 
 /// In the order in which they are of interest.
-constexpr std::array main_files{"report.html", "summary.json", "results.h5", "case.resolved.yaml"};
+constexpr std::array main_files{"report.html", "summary.json", "results.h5", "case.resolved.yaml",
+                                "case.identified.yaml"};
 
 bool is_main_file(const std::string& name) { return std::ranges::find(main_files, name) != main_files.end(); }
 
@@ -130,6 +131,10 @@ std::string resolved_case(const Study& study, const std::string& run) {
   return "# run " + run + "\n" + study.resolved_case;
 }
 
+std::string identified_case(const IdentifiedCase& identified, const std::string& run) {
+  return "# run " + run + ", with the values that it found in the places of its parameters\n" + identified.yaml;
+}
+
 /// Writes all files of the run into the staging folder; their names.
 Names write_files(const fs::path& staging, const Study& study, const StudyResults& results, const Stopwatch& run) {
   Json summary = summarise(study, results);
@@ -138,6 +143,8 @@ Names write_files(const fs::path& staging, const Study& study, const StudyResult
   write_fields(staging.string(), study, results);
   write_superelements(staging, study);
   write_file_atomically(staging / "case.resolved.yaml", resolved_case(study, identity));
+  if (results.identified)
+    write_file_atomically(staging / "case.identified.yaml", identified_case(*results.identified, identity));
   Page page = make_page(study, results);
   page.run = identity;
   write_file_atomically(staging / "report.html", render_html(page));

@@ -41,10 +41,11 @@ struct ResultSet {
   std::vector<std::string> removed;  ///< of a former run, which this one did not write anew
 };
 
-/// Writes report.html, summary.json, results.h5, case.resolved.yaml, the pictures and the superelements, and switches
-/// the folder to them in one step: of a former run nothing is left, files of others stay. Each of the four carries
-/// run_identity(); `files` of summary.json lists them all. `run` runs since the start: timing.total_s.
-/// Throws as OutputFolder does, and leaves the former set in its place then.
+/// Writes report.html, summary.json, results.h5, case.resolved.yaml, case.identified.yaml if the run identified
+/// something and is usable, the pictures and the superelements, and switches the folder to them in one step: of a
+/// former run nothing is left, files of others stay. Each of the first five carries run_identity(); `files` of
+/// summary.json lists them all. `run` runs since the start: timing.total_s. Throws as OutputFolder does, and leaves the
+/// former set in its place then.
 ResultSet write_result_set(OutputFolder& folder, const Study& study, const StudyResults& results, const Stopwatch& run);
 
 /// Throws InvalidInput where a folder stands in the place of a file of the results: found before anything is computed.

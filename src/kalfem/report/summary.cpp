@@ -300,3 +300,5 @@ Json summarise(const Study& study, const StudyResults& results) {
 }
 
 }  // namespace kalfem
+  if (results.identified)
+    summary["identified"] = {{"file", "case.identified.yaml"}, {"notes", results.identified->notes}};

@@ -92,6 +92,7 @@ public:
     raise_in_line_order(steps_.issues());
     add_warnings();
     return std::move(study_);  // without the case
+    study_.description = std::make_shared<const d::Case>(study_.given);
   }
 
 private:

@@ -12,6 +12,10 @@
 namespace kalfem {
 
 /// Notes of the reader on the deck of a finite-element substructure.
+namespace description {
+struct Case;
+}
+
 struct ElementNotes {
   std::string substructure;
   std::vector<DeckNote> notes;  ///< cards that kalfem ignores, and choices that it made
@@ -20,7 +24,8 @@ struct ElementNotes {
 /// A case that has been read and checked. Holds all that the steps of a run need, as types of the library. Immutable.
 struct Study {
   std::string title, file;
-  std::string resolved_case;  ///< the case with all its defaults, as YAML
+  std::string resolved_case;                             ///< the case with all its defaults, as YAML
+  std::shared_ptr<const description::Case> description;  ///< the case as it was read
   StructurePtr structure;
   std::vector<ElementNotes> element_notes;  ///< one per finite-element substructure
   double reduce_seconds = 0.0;

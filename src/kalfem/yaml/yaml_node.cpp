@@ -145,6 +145,26 @@ std::string to_string(const YamlNode& node) {
   return "'" + node.text.substr(0, 80) + (node.text.size() > 80 ? "..." : "") + "'";
 }
 
+// Goes down the three trees together. Lists of the same length correspond item by item.
+YamlNodePtr as_given(const YamlNodePtr& written, const YamlNodePtr& before, const YamlNodePtr& source) {
+  if (!source || !before || source->kind != written->kind || before->kind != written->kind) return written;
+  YamlNode kept = *written;
+  if (written->kind == YamlNode::Kind::map) {
+    kept.entries.clear();
+    for (const auto& entry : written->entries) {
+      const auto *own = source->find(entry.key), *former = before->find(entry.key);
+      const bool changed = !former || to_yaml(*former->value) != to_yaml(*entry.value);
+      const YamlNodePtr part = own && former ? as_given(entry.value, former->value, own->value) : entry.value;
+      if (own || changed) kept.entries.push_back({entry.key, 0, part});
+    }
+  }
+  const auto items = written->items.size();
+  if (items == source->items.size() && items == before->items.size())
+    for (std::size_t i = 0; i < items; ++i)
+      kept.items[i] = as_given(written->items[i], before->items[i], source->items[i]);
+  return std::make_shared<YamlNode>(std::move(kept));
+}
+
 std::string to_yaml(const YamlNode& root) { return block(root, ""); }
 
 SourceLocation CaseSource::at(const std::vector<std::string>& path) const {

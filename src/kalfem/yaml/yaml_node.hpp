@@ -45,6 +45,10 @@ YamlNodePtr yaml_map(std::vector<YamlEntry> entries);
 /// "a map", "a list", "nothing" or the scalar in quotes, for messages.
 std::string to_string(const YamlNode& node);
 
+/// A document that was written with all its defaults, without the keys that neither the user's `source` gives nor
+/// changed since `before`, the same document as it was read. Whole if there is no source.
+YamlNodePtr as_given(const YamlNodePtr& written, const YamlNodePtr& before, const YamlNodePtr& source);
+
 /// The document as YAML text: maps as blocks, lists of scalars on one line, comments after the values.
 std::string to_yaml(const YamlNode& root);
 
@@ -61,6 +65,8 @@ public:
   [[nodiscard]] bool gives(const std::vector<std::string>& path) const;
   /// Whether the case was not read from a file.
   [[nodiscard]] bool empty() const { return !root_; }
+  /// The document that the file holds; null if there is none.
+  [[nodiscard]] const YamlNodePtr& root() const { return root_; }
   /// The top-level keys with an issue at one of their lines.
   [[nodiscard]] std::set<std::string> sections_of(const std::vector<Issue>& issues) const;
 

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "kalfem/study/study.hpp"
+
+namespace kalfem {
+
+/// What a run found.
+struct IdentifiedValues {
+  std::vector<double> unknowns;  ///< one per unknown of the filter, in the order of the case; empty: not estimated
+  std::vector<double> updated;   ///< one per updated parameter, likewise
+};
+
+/// A case file with identified values in it.
+struct IdentifiedCase {
+  std::string yaml;
+  std::vector<std::string> notes;  ///< a sentence for each value that has no place among the substructures
+};
+
+/// The case of the study with each value in the place of its parameter: parameters of connectors, springs, masses,
+/// damping, materials and regions. Initial values of unknowns and updated parameters become the values found, so that
+/// a further run starts there; priors in per cent stay so, others stay as wide as they were in the filter's state. A
+/// `chain` whose springs or masses are identified becomes `masses` and `springs`. Keys that the user's file does not
+/// give are left out unless they changed. Files have absolute paths, numbers all their digits.
+IdentifiedCase identified_case(const Study& study, const IdentifiedValues& values);
+
+}  // namespace kalfem
