@@ -18,7 +18,8 @@ TEST(IdentifiedCaseOfARun, ChecksAndSimulatesWithTheEstimates) {
   EXPECT_EQ(checked.code, 0) << checked.errors;
   const auto again = run_command("run " + identified + " --out " + (folder / "again").string(), folder);
   EXPECT_EQ(again.code, 0) << again.errors;
-  const auto& parameter = read_summary(folder / "again")["parameters"]["suspension.k"];
+  const auto second = read_summary(folder / "again");
+  const auto& parameter = second["parameters"]["suspension.k"];
   EXPECT_EQ(parameter["true"].get<double>(), estimate);
   EXPECT_EQ(parameter["initial"].get<double>(), estimate);
 }

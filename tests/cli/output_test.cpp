@@ -83,7 +83,7 @@ TEST(Output, NothingOfAFormerRunStaysBesideTheNewOne) {
   EXPECT_NE(outcome.output.find("Results in " + out + ": report.html, summary.json, case.resolved.yaml\n"),
             std::string::npos)
       << outcome.output;
-  EXPECT_NE(outcome.output.find("earlier run): case.identified.yaml, results.h5"), std::string::npos) << outcome.output;
+  EXPECT_NE(outcome.output.find("earlier run): results.h5, case.identified.yaml"), std::string::npos) << outcome.output;
   EXPECT_EQ(files_of(folder / "out"), (std::set<std::string>{"case.resolved.yaml", "notes.txt", "report.html",
                                                              "summary.json", "update.checkpoint.json"}));
 }
