@@ -257,6 +257,7 @@ StudyResults run_study(const Study& study, Step last, const RunOptions& options)
   if (results.complete() && last >= Step::predict)
     results.modifications = predict_modifications(study, updated_parameters(results));
   judge(results);
+  results.identified = identified_case_of(study, results);
   results.total_seconds = study.reduce_seconds + watch.seconds();
   return results;
 }
@@ -269,5 +270,4 @@ std::string StudyResults::why_unusable() const {
   return why;
 }
 
-  results.identified = identified_case_of(study, results);
 }  // namespace kalfem
