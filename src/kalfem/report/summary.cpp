@@ -294,11 +294,11 @@ Json summarise(const Study& study, const StudyResults& results) {
   }
   if (results.prediction || !results.modifications.empty()) summary["prediction"] = prediction_summary(results);
   if (results.updating) summary["updating"] = updating_summary(study, *results.updating);
+  if (results.identified)
+    summary["identified"] = {{"file", "case.identified.yaml"}, {"notes", results.identified->notes}};
   summary["run"] = run_identity(study, summary);
   summary["timing"] = timing_summary(study, results);
   return summary;
 }
 
 }  // namespace kalfem
-  if (results.identified)
-    summary["identified"] = {{"file", "case.identified.yaml"}, {"notes", results.identified->notes}};
