@@ -58,6 +58,7 @@ estimate:
   passes: 2
   substeps: 2
   threads: 1
+  diagnose: false
 predict: {substructure: body, substeps: 2}
 report: {displacements: [body.2], zoom: 0.2 s}
 )";

@@ -305,6 +305,11 @@ void parts_of_an_interval() {
   EXPECT_EQ(make_filter_run(study.problem, *study.augmented_model, record_of(study, results)).input.inputs.cols(), 351);
 }
 
+void diagnosis() {
+  EXPECT_TRUE(with_estimate(stiffness_unknown).problem->settings.diagnose);
+  EXPECT_FALSE(with_estimate(stiffness_unknown + ", diagnose: false").problem->settings.diagnose);
+}
+
 void threads() {
   EXPECT_EQ(filter_threads(with_estimate(stiffness_unknown + ", threads: 3").problem->settings), 3);
   EXPECT_EQ(filter_threads(with_estimate(stiffness_unknown + ", threads: 0").problem->settings), processors());
@@ -393,6 +398,7 @@ KeyChecks estimation_keys() {
   add(at, {"settle"}, sums_begin_after_settling);
   add(at, {"substeps"}, parts_of_an_interval);
   add(at, {"threads"}, threads);
+  add(at, {"diagnose"}, diagnosis);
   add("predict.", {"substructure"}, predictions);
   add("predict.", {"substeps"}, prediction_steps);
   return keys;

@@ -204,6 +204,7 @@ struct Estimation {
   int passes = 1;
   int substeps = 4;
   int threads = 0;  ///< 0: one per processor
+  bool diagnose = true;
 };
 
 struct Prediction {

@@ -118,7 +118,11 @@ Schema<Estimation> estimation() {
                     "number of parts of a sample interval within which connector forces and inputs vary linearly")
           .optional("passes", &Estimation::passes, integer(1, 100), "number of runs over the record")
           .optional("threads", &Estimation::threads, integer(0, 64),
-                    "number of threads for large covariances, 0 for one per processor; results do not depend on it"));
+                    "number of threads for large covariances, 0 for one per processor; results do not depend on it")
+          .optional(
+              "diagnose", &Estimation::diagnose, boolean(),
+              "where the results contradict themselves, repeat the run with single mistakes undone, to name the one "
+              "that explains it"));
 }
 
 }  // namespace kalfem::description

@@ -88,6 +88,7 @@ struct EstimationSettings {
   int passes = 1;                       ///< over the record, each from the estimate of the one before
   int substeps = 4;                     ///< of a sample interval, for the connectors' forces
   int threads = 0;                      ///< 0: one per processor
+  bool diagnose = true;                 ///< look for the mistake that explains a run which contradicts itself
 };
 
 /// A structure, its sensors, and the unknowns to estimate from its record. Immutable; models made from it share it.

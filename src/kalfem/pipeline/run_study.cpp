@@ -202,6 +202,7 @@ bool has_a_cause(const Reason& reason) { return reason.code != "not_identified" 
 /// Where the filter stopped or its numbers contradict themselves, looks for the mistake that explains it.
 void look_for_cause(const Study& study, const StructureParts& parts, StudyResults& results) {
   auto& estimation = *results.estimation;
+  if (!study.problem->settings.diagnose) return;
   if (!estimation.result.failure && std::ranges::none_of(verdict_of(estimation).reasons(), has_a_cause)) return;
   estimation.diagnosis = diagnose({.problem = study.problem,
                                    .parts = parts,

@@ -224,7 +224,8 @@ EstimationProblem make_estimation_problem(const CaseStudy& study, IssueList& iss
                       .estimate_initial_state = given.estimate_initial_state,
                       .passes = given.passes,
                       .substeps = given.substeps,
-                      .threads = given.threads};
+                      .threads = given.threads,
+                      .diagnose = given.diagnose};
   const StructureModel held = held_structure(study, issues);
   if (!issues.empty()) return problem;
   UnknownReader reader(study, held, issues);
