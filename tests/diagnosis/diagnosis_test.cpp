@@ -111,8 +111,9 @@ TEST(Likeness, FindsLagSignAndGain) {
 TEST(UnitMistakes, AreNamed) {
   EXPECT_EQ(unit_mistake(1.0 / 9.80665), "it is in g, not in m/s^2");
   EXPECT_EQ(unit_mistake(1.3), std::nullopt);
-  EXPECT_EQ(nearest_unit_factor(-1020.0, 0.1), 1000.0);
-  EXPECT_EQ(nearest_unit_factor(2.0, 0.1), std::nullopt);
+  EXPECT_EQ(unit_factors_near(-1020.0, 0.1), std::vector<double>{1000.0});
+  EXPECT_EQ(unit_factors_near(2.0, 0.1), std::vector<double>{});
+  EXPECT_EQ(unit_factors_near(std::nullopt, 0.1).front(), 1000.0);
 }
 
 }  // namespace

@@ -133,7 +133,8 @@ public:
 
   Diagnosis run() {
     const Stopwatch watch;
-    const Score given = score_of({base_, 0.0}, options_, {});
+    Score given = score_of({base_, 0.0}, options_, {});
+    given.samples = measured_samples();  // also of a run that stopped
     Diagnosis diagnosis{.duration = static_cast<double>(input_.record.samples()) / input_.record.sample_rate,
                         .failed = !std::isfinite(given.log_likelihood),
                         .mean_nis = given.mean_nis,
@@ -185,6 +186,12 @@ private:
     append(excitation_hypotheses(base_, sources(), likeness_of_excitations()));
     append(model_hypotheses(input_, motion_of_connectors()));
     return all;
+  }
+
+  /// Of each channel, in the part of the record that the filter learns from.
+  [[nodiscard]] Eigen::VectorXi measured_samples() const {
+    const auto& measured = base_.input.measured;
+    return measured.values.leftCols(measured.samples_used()).array().isFinite().rowwise().count().cast<int>();
   }
 
   [[nodiscard]] Index longest_lag() const {
@@ -336,6 +343,7 @@ private:
                                   .failed = failed,
                                   .gain = failed ? 0.0 : gain(h, given),
                                   .mean_nis = score.mean_nis,
+                                  .expected_nis = score.expected_nis,
                                   .widening = score.widening});
     }
     prefer_the_simplest(std::max(significant, as_good * static_cast<double>(given.samples.sum())), diagnosis);
@@ -365,8 +373,9 @@ private:
 std::optional<TestedHypothesis> Diagnosis::cause() const {
   if (tested.empty() || tested.front().failed || !(tested.front().gain > significant)) return std::nullopt;
   const auto& best = tested.front();
-  const double excess = std::abs(mean_nis - expected_nis), left = std::abs(best.mean_nis - expected_nis);
-  const bool explains = failed || left < 0.7 * excess || best.widening < 0.8 * widening;
+  const double excess = std::abs(mean_nis - expected_nis), left = std::abs(best.mean_nis - best.expected_nis);
+  const bool explains = (failed && best.widening < unusable_widening) ||
+                        (!failed && (left < 0.7 * excess || best.widening < 0.8 * widening));
   return explains ? std::optional(best) : std::nullopt;
 }
 
@@ -383,7 +392,7 @@ std::vector<Reason> reasons_of(const Diagnosis& diagnosis, VerdictState state) {
   return {{.code = cause->code,
            .subject = cause->subject,
            .text = fmt::format("{}: with this undone the mean NIS is {:.3g} (expected {:.3g}), as given {}{}{}",
-                               cause->words, cause->mean_nis, diagnosis.expected_nis, before, remainder, others),
+                               cause->words, cause->mean_nis, cause->expected_nis, before, remainder, others),
            .remedy = cause->remedy,
            .state = state,
            .weight = std::numeric_limits<double>::infinity()}};

@@ -20,8 +20,8 @@ struct TestedHypothesis {
   /// By how much the log-likelihood rises, less (fitted / 2) log N for its numbers (Schwarz 1978, Ann. Stat. 6,
   /// 461-464).
   double gain = 0.0;
-  double mean_nis = 0.0;  ///< afterwards
-  double widening = 1.0;  ///< of the worst sensor afterwards, see SensorConsistency
+  double mean_nis = 0.0, expected_nis = 0.0;  ///< afterwards
+  double widening = 1.0;                      ///< of the worst sensor afterwards, see SensorConsistency
 };
 
 /// Which single mistake explains a run that contradicts itself.

@@ -13,7 +13,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double like_a_unit = 0.3, worth_a_gain = 0.03, worth_a_delay = 0.1;
+constexpr double like_a_unit = 0.3, roughly_a_unit = 1.5, worth_a_gain = 0.03, worth_a_delay = 0.1;
 /// Recorded seconds over true ones: other rates of the file, powers of two for a thousand.
 constexpr double time_scales[] = {0.1, 0.2, 0.5, 0.8, 1.0 / 1.024, 1.024, 1.25, 2.0, 5.0, 10.0};
 
@@ -57,13 +57,14 @@ private:
 
   /// The gain of the response is that of the excitation's true size over the given one.
   void add_gain() {
-    const double gain = std::abs(likeness_.gain), turned = likeness_.gain < 0.0 ? -1.0 : 1.0;
-    if (!likeness_.known || !(gain > 0.0)) return;
+    const double gain = std::abs(likeness_.gain), turned = likeness_.known && likeness_.gain < 0.0 ? -1.0 : 1.0;
     const auto correct = [*this, turned](double given) { return scaled(turned / given); };
-    if (const auto unit = nearest_unit_factor(1.0 / gain, like_a_unit))
+    const bool known = likeness_.known && gain > 0.0;
+    const double tolerance = std::abs(std::log(gain)) > 1.0 ? roughly_a_unit : like_a_unit;
+    for (const double unit : unit_factors_near(known ? std::optional(1.0 / gain) : std::nullopt, tolerance))
       found_.push_back({.code = "excitation_unit",
                         .subject = name_,
-                        .starts = {*unit},
+                        .starts = {unit},
                         .correct = correct,
                         .words =
                             [name = name_](double factor, const auto&) {
@@ -71,7 +72,7 @@ private:
                                                  in_words(factor), unit_mistake(factor).value_or(""));
                             },
                         .remedy = "correct the unit of '" + name_ + "'"});
-    if (std::abs(std::log(gain)) > worth_a_gain)
+    if (known && std::abs(std::log(gain)) > worth_a_gain)
       found_.push_back({.code = "excitation_gain",
                         .subject = name_,
                         .starts = {1.0 / gain},

@@ -1,5 +1,6 @@
 #include "kalfem/diagnosis/hypothesis.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -50,10 +51,14 @@ std::optional<std::string> unit_mistake(double factor) {
   return std::nullopt;
 }
 
-std::optional<double> nearest_unit_factor(double factor, double tolerance) {
+std::vector<double> unit_factors_near(std::optional<double> factor, double tolerance) {
+  if (!factor) return {1e3, 1e-3, 1e2, 1e-2, 9.80665, 1.0 / 9.80665};
+  const auto distance = [&](double other) { return std::abs(std::log(std::abs(*factor) / other)); };
+  std::vector<double> near;
   for (const auto& mistake : unit_mistakes)
-    if (std::abs(std::log(std::abs(factor) / mistake.factor)) < tolerance) return mistake.factor;
-  return std::nullopt;
+    if (distance(mistake.factor) < tolerance) near.push_back(mistake.factor);
+  std::ranges::sort(near, {}, distance);
+  return near;
 }
 
 }  // namespace kalfem

@@ -54,7 +54,8 @@ std::string in_words(double value);
 /// A factor in the units that people mix up, or nothing: 9.81 is "g in the place of m/s^2".
 std::optional<std::string> unit_mistake(double factor);
 
-/// The factor of such a mistake next to `factor`, if it lies within `tolerance` (relative).
-std::optional<double> nearest_unit_factor(double factor, double tolerance);
+/// The factors of such mistakes within `tolerance` (of their logarithm) of a factor, nearest first; the usual ones
+/// where the factor is not known.
+std::vector<double> unit_factors_near(std::optional<double> factor, double tolerance);
 
 }  // namespace kalfem

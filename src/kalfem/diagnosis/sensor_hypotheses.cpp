@@ -63,16 +63,16 @@ private:
   }
 
   void add_gain() {
-    if (!likeness_.known) return;
-    const double gain = std::abs(likeness_.gain), turned = likeness_.gain < 0.0 ? -1.0 : 1.0;
+    const bool known = likeness_.known && likeness_.gain != 0.0;
+    const double gain = std::abs(likeness_.gain), turned = known && likeness_.gain < 0.0 ? -1.0 : 1.0;
     const auto correct = [*this, turned](double factor) {
       const double log_factor = std::log(std::abs(factor));
       return with(recorded_ / (turned * factor), -static_cast<double>(present(recorded_)) * log_factor);
     };
-    if (const auto unit = nearest_unit_factor(gain, like_a_unit))
+    for (const double unit : unit_factors_near(known ? std::optional(gain) : std::nullopt, like_a_unit))
       found_.push_back({.code = "sensor_unit",
                         .subject = name_,
-                        .starts = {*unit},
+                        .starts = {unit},
                         .correct = correct,
                         .words =
                             [name = name_](double factor, const auto&) {
@@ -80,7 +80,7 @@ private:
                                                  unit_mistake(factor).value_or(""));
                             },
                         .remedy = "correct the unit of the channel '" + name_ + "' in the record or in the case"});
-    if (gain > 0.0 && std::abs(std::log(gain)) > worth_a_gain)
+    if (known && std::abs(std::log(gain)) > worth_a_gain)
       found_.push_back({.code = "sensor_gain",
                         .subject = name_,
                         .starts = {gain},
@@ -232,26 +232,25 @@ void add_swapped(const FilterRun& base, const std::vector<Likeness>& likeness, s
 
 /// A factor of every channel alike: a record in other units.
 void add_gain_of_all(const FilterRun& base, const Likeness& of_all, std::vector<Hypothesis>& found) {
-  const double gain = std::abs(of_all.gain);
-  if (!of_all.known || base.input.measured.values.rows() < 2 || !(gain > 0.0)) return;
-  const auto unit = nearest_unit_factor(gain, 2.0 * like_a_unit);
-  if (!unit) return;
-  found.push_back({.code = "record_unit",
-                   .subject = "all sensors",
-                   .starts = {*unit},
-                   .correct =
-                       [&base](double factor) {
-                         const auto count = base.input.measured.values.array().isFinite().count();
-                         CorrectedRun corrected{base, -static_cast<double>(count) * std::log(factor)};
-                         corrected.run.input.measured.values /= factor;
-                         return corrected;
-                       },
-                   .words =
-                       [](double factor, const auto&) {
-                         return fmt::format("the unit of the whole record is wrong by {}: {}", in_words(factor),
-                                            unit_mistake(factor).value_or(""));
-                       },
-                   .remedy = "correct the units of the record's channels"});
+  const bool known = of_all.known && of_all.gain != 0.0;
+  if (base.input.measured.values.rows() < 2) return;
+  for (const double unit : unit_factors_near(known ? std::optional(of_all.gain) : std::nullopt, 2.0 * like_a_unit))
+    found.push_back({.code = "record_unit",
+                     .subject = "all sensors",
+                     .starts = {unit},
+                     .correct =
+                         [&base](double factor) {
+                           const auto count = base.input.measured.values.array().isFinite().count();
+                           CorrectedRun corrected{base, -static_cast<double>(count) * std::log(factor)};
+                           corrected.run.input.measured.values /= factor;
+                           return corrected;
+                         },
+                     .words =
+                         [](double factor, const auto&) {
+                           return fmt::format("the unit of the whole record is wrong by {}: {}", in_words(factor),
+                                              unit_mistake(factor).value_or(""));
+                         },
+                     .remedy = "correct the units of the record's channels"});
 }
 
 }  // namespace

@@ -91,8 +91,8 @@ public:
     make_estimation();
     raise_in_line_order(steps_.issues());
     add_warnings();
-    return std::move(study_);  // without the case
     study_.description = std::make_shared<const d::Case>(study_.given);
+    return std::move(study_);  // without the rest that only the making needs
   }
 
 private:

@@ -11,11 +11,11 @@
 
 namespace kalfem {
 
-/// Notes of the reader on the deck of a finite-element substructure.
 namespace description {
 struct Case;
 }
 
+/// Notes of the reader on the deck of a finite-element substructure.
 struct ElementNotes {
   std::string substructure;
   std::vector<DeckNote> notes;  ///< cards that kalfem ignores, and choices that it made
