@@ -120,6 +120,7 @@ CaseFamily half_car_family() {
       .structure = R"(substructures:
   car:
     masses: {heave: 430, pitch: 82, uL: 56, uR: 56}
+    grounds: [groundL, groundR]
     points:
       LH: {heave: 1, pitch: -0.75}
       RH: {heave: 1, pitch: 0.75}
