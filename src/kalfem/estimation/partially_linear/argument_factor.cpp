@@ -42,6 +42,42 @@ bool argument_factor(const MatrixXd& covariance, MatrixXd& factor) {
   return factor.allFinite();
 }
 
+bool independent_argument_factor(const MatrixXd& covariance, MatrixXd& factor, std::vector<Index>& independent) {
+  const Index q = covariance.rows();
+  factor.setZero(q, q);
+  independent.clear();
+  for (Index j = 0; j < q; ++j) {
+    const double variance = covariance(j, j);
+    if (!(variance >= 0.0) || !std::isfinite(variance)) return false;
+    const auto found = static_cast<Index>(independent.size());
+    double pivot = variance;
+    for (Index k = 0; k < found; ++k) pivot -= factor(j, k) * factor(j, k);
+    if (!(pivot > pivot_floor * variance)) continue;  // what is left of its covariances with others is rounding
+    auto column = factor.col(found).tail(q - j);
+    column = covariance.col(j).tail(q - j);
+    for (Index k = 0; k < found; ++k) column -= factor(j, k) * factor.col(k).tail(q - j);
+    column /= std::sqrt(pivot);
+    column[0] = std::sqrt(pivot);
+    independent.push_back(j);
+  }
+  return factor.allFinite();
+}
+
+void solve_independent_transposed(const MatrixXd& factor, const std::vector<Index>& independent, const MatrixXd& b,
+                                  MatrixXd& f) {
+  const auto count = static_cast<Index>(independent.size());
+  f.setZero(factor.rows(), b.cols());
+  for (Index i = count - 1; i >= 0; --i) {
+    const Index row = independent[static_cast<std::size_t>(i)];
+    f.row(row) = b.row(i);
+    for (Index k = i + 1; k < count; ++k) {
+      const Index later = independent[static_cast<std::size_t>(k)];
+      f.row(row) -= factor(later, i) * f.row(later);
+    }
+    f.row(row) /= factor(row, i);
+  }
+}
+
 void solve_arguments(const MatrixXd& factor, MatrixXd& b) {
   const Index q = factor.rows();
   for (Index column = 0; column < b.cols(); ++column)
@@ -54,16 +90,6 @@ void solve_arguments(const MatrixXd& factor, MatrixXd& b) {
       for (Index k = 0; k < i; ++k) value -= factor(i, k) * b(k, column);
       b(i, column) = value / factor(i, i);
     }
-}
-
-void solve_arguments_transposed(const MatrixXd& factor, MatrixXd& b) {
-  for (Index i = factor.rows() - 1; i >= 0; --i) {
-    const double inverse = factor(i, i) == 0.0 ? 0.0 : 1.0 / factor(i, i);
-    for (Index column = 0; column < b.cols(); ++column) {
-      const double value = b(i, column) *= inverse;
-      for (Index k = 0; k < i; ++k) b(k, column) -= factor(i, k) * value;
-    }
-  }
 }
 
 }  // namespace kalfem

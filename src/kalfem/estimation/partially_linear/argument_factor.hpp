@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <vector>
 
 namespace kalfem {
 
@@ -12,10 +13,18 @@ namespace kalfem {
 /// not finite.
 bool argument_factor(const Eigen::MatrixXd& covariance, Eigen::MatrixXd& factor);
 
+/// The same without the columns that would be raised or zero: as many columns as arguments vary independently, whose
+/// places are in `independent` in rising order; the rest of the q x q factor is zero. Motions at the ends of many short
+/// intervals are many arguments, but together vary in no more directions than the state.
+bool independent_argument_factor(const Eigen::MatrixXd& covariance, Eigen::MatrixXd& factor,
+                                 std::vector<Eigen::Index>& independent);
+
+/// F with P_ww F = L B in the rows of the arguments, L and `independent` as above: zero for arguments that depend on
+/// others. B: the first of at least as many rows as are independent; F: q x columns of B.
+void solve_independent_transposed(const Eigen::MatrixXd& factor, const std::vector<Eigen::Index>& independent,
+                                  const Eigen::MatrixXd& b, Eigen::MatrixXd& f);
+
 /// B <- L^-1 B, with rows of zeros for arguments without variance. B: q x any.
 void solve_arguments(const Eigen::MatrixXd& factor, Eigen::MatrixXd& b);
-
-/// B <- L^-T B, with rows of zeros for arguments without variance. B: q x any.
-void solve_arguments_transposed(const Eigen::MatrixXd& factor, Eigen::MatrixXd& b);
 
 }  // namespace kalfem

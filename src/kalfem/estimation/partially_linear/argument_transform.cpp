@@ -19,12 +19,12 @@ constexpr double linearisation_spread = 1e-4;  ///< in standard deviations: diff
 // Points stand in pairs about the centre, one direction a pair. Sums and differences of each pair's values are formed
 // once: differences give the slopes delta, sums the mean and the scatter Sigma, in which only curvature is left. The
 // linearised transform uses the same code with a small spread and no scatter.
-UnscentedWeights::UnscentedWeights(const UnscentedOptions& options, Index dimension) {
+UnscentedWeights::UnscentedWeights(const UnscentedOptions& options, Index dimension, Index directions) {
   const auto n = static_cast<double>(dimension);
   const double kappa = options.kappa.value_or(options.points == SigmaPoints::of_arguments ? 3.0 - n : 0.0);
   const double c = options.alpha * options.alpha * (n + kappa);
   spread = std::sqrt(c);
-  mean_centre = (c - n) / c;
+  mean_centre = (c - static_cast<double>(directions)) / c;
   covariance_centre = mean_centre + 1.0 - options.alpha * options.alpha + options.beta;
   other = 0.5 / c;
 }
@@ -35,8 +35,9 @@ ArgumentTransform ArgumentTransform::linearised() {
   return transform;
 }
 
-bool ArgumentTransform::apply(PartiallyLinearMap& map, const VectorXd& centre, const MatrixXd& directions) {
-  UnscentedWeights weights(options_, directions.cols());
+bool ArgumentTransform::apply(PartiallyLinearMap& map, const VectorXd& centre,
+                              const Eigen::Ref<const MatrixXd>& directions, Index dimension) {
+  UnscentedWeights weights(options_, dimension, directions.cols());
   if (linearised_) weights.spread = linearisation_spread, weights.mean_centre = 1.0, weights.other = 0.0;
   place_points(centre, directions, weights.spread);
   out_.resize(in_.rows(), map.gain().cols());
@@ -46,7 +47,8 @@ bool ArgumentTransform::apply(PartiallyLinearMap& map, const VectorXd& centre, c
 }
 
 /// w at the centre and on both sides of it along each direction, one point a row.
-void ArgumentTransform::place_points(const VectorXd& centre, const MatrixXd& directions, double spread) {
+void ArgumentTransform::place_points(const VectorXd& centre, const Eigen::Ref<const MatrixXd>& directions,
+                                     double spread) {
   const Index k = directions.cols(), q = directions.rows();
   in_.resize(2 * k + 1, q);
   for (Index j = 0; j < q; ++j) {

@@ -26,7 +26,11 @@ struct UnscentedOptions {
 };
 
 struct UnscentedWeights {
-  UnscentedWeights(const UnscentedOptions& options, Eigen::Index dimension);
+  /// For `dimension` variables that points spread in so many `directions` only, others having no variance: the pairs
+  /// that would stand at the centre are counted with it.
+  UnscentedWeights(const UnscentedOptions& options, Eigen::Index dimension, Eigen::Index directions);
+  UnscentedWeights(const UnscentedOptions& options, Eigen::Index dimension)
+      : UnscentedWeights(options, dimension, dimension) {}
   double spread;             ///< sqrt(c)
   double mean_centre;        ///< W_m0
   double covariance_centre;  ///< W_c0
@@ -46,9 +50,14 @@ public:
   /// The first-order transform: the spread goes to zero, delta is phi' s_i and Sigma = 0.
   static ArgumentTransform linearised();
 
-  /// `centre` is the mean of w, q; `directions` has the s_i as its columns, q x k. False where the map could not be
-  /// evaluated at some point.
-  [[nodiscard]] bool apply(PartiallyLinearMap& map, const Eigen::VectorXd& centre, const Eigen::MatrixXd& directions);
+  /// `centre` is the mean of w, q; `directions` has the s_i as its columns, q x k. `dimension`: variables that the
+  /// points stand for, of which only k have variance. False where the map could not be evaluated at some point.
+  [[nodiscard]] bool apply(PartiallyLinearMap& map, const Eigen::VectorXd& centre,
+                           const Eigen::Ref<const Eigen::MatrixXd>& directions, Eigen::Index dimension);
+  [[nodiscard]] bool apply(PartiallyLinearMap& map, const Eigen::VectorXd& centre,
+                           const Eigen::Ref<const Eigen::MatrixXd>& directions) {
+    return apply(map, centre, directions, directions.cols());
+  }
 
   [[nodiscard]] const Eigen::VectorXd& mean() const { return mean_; }        ///< mean(phi), p
   [[nodiscard]] const Eigen::MatrixXd& delta() const { return delta_; }      ///< delta_i as rows, k x p
@@ -57,7 +66,7 @@ public:
   [[nodiscard]] const UnscentedOptions& options() const { return options_; }
 
 private:
-  void place_points(const Eigen::VectorXd& centre, const Eigen::MatrixXd& directions, double spread);
+  void place_points(const Eigen::VectorXd& centre, const Eigen::Ref<const Eigen::MatrixXd>& directions, double spread);
   void gather(const UnscentedWeights& weights);
 
   UnscentedOptions options_;

@@ -1,5 +1,7 @@
 #include "kalfem/estimation/partially_linear/projected_map.hpp"
 
+#include <algorithm>
+
 #include "kalfem/estimation/partially_linear/argument_factor.hpp"
 
 namespace kalfem {
@@ -42,19 +44,20 @@ bool ProjectedMap::spread(const MatrixXd& gram) {
     for (Index i = j; i < q; ++i) covariance_(i, j) = gram(place(i), place(j));
     centre_[j] = gram(place(j), rows_) + map_.input_offset()[j];
   }
-  covariance_usable_ = argument_factor(covariance_, factor_);
-  if (!covariance_usable_ || !transform_.apply(map_, centre_, factor_)) return false;
+  covariance_usable_ = independent_argument_factor(covariance_, factor_, independent_);
+  // Directions that have vanished since stay as points at the centre: their number changes nothing but array sizes.
+  directions_ = std::max(directions_, static_cast<Index>(independent_.size()));
+  if (!covariance_usable_ || !transform_.apply(map_, centre_, factor_.leftCols(directions_), q)) return false;
 
   nonlinear_mean_ = transform_.mean();
   const MatrixXd& delta = transform_.delta();
-  argument_slopes_ = delta;
-  solve_arguments_transposed(factor_, argument_slopes_);
+  solve_independent_transposed(factor_, independent_, delta, argument_slopes_);
   slopes_.setZero();
   half_covariance_ = 0.5 * transform_.scatter();
   for (Index j = 0; j < p; ++j) {
     for (Index k = 0; k < q; ++k) slopes_(place(k), j) += argument_slopes_(k, j);
     for (Index i = 0; i < p; ++i)
-      for (Index k = 0; k < q; ++k) half_covariance_(i, j) += 0.5 * delta(k, i) * delta(k, j);
+      for (Index k = 0; k < delta.rows(); ++k) half_covariance_(i, j) += 0.5 * delta(k, i) * delta(k, j);
   }
   return true;
 }

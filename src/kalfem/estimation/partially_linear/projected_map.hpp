@@ -45,7 +45,9 @@ private:
 
   ArgumentTransform transform_;
   Eigen::VectorXd centre_, nonlinear_mean_;
-  Eigen::MatrixXd covariance_, factor_, argument_slopes_;  ///< P_ww, L, L^-T delta
+  Eigen::MatrixXd covariance_, factor_, argument_slopes_;  ///< P_ww, L, F of the arguments
+  std::vector<Eigen::Index> independent_;                  ///< arguments of the columns of L
+  Eigen::Index directions_ = 0;                            ///< the most columns of L until now
   Eigen::MatrixXd slopes_, half_covariance_, output_force_;
   std::vector<Eigen::Index> places_;  ///< of the selected channels' rows of A
   Eigen::MatrixXd gain_;              ///< G of these, l x p
