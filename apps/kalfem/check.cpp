@@ -157,6 +157,7 @@ ExitCode check(const std::string& case_file, const std::string& page_file) {
   print_table(connector_table(study));
   print_table(sensor_table(study));
   if (study.record) print("{}\n", record_words(study, {}));
+  if (study.validation) print("{}\n\n", validation_part_words(*study.validation));
   if (study.augmented_model) print_table(unknown_table(*study.augmented_model));
   if (study.updating) print_table(updating_table(*study.updating));
   check_parts(study, page_file);

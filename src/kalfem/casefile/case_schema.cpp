@@ -184,6 +184,27 @@ Schema<Record> record() {
                     "measure from that position"));
 }
 
+Schema<Validation> validation() {
+  return mapping(
+      Fields<Validation>()
+          .optional("record", &Validation::record, record(),
+                    "another measured record of the same sensors; default: another part of the case's own")
+          .optional("start", &Validation::start, number("s", plausible::clock()),
+                    "time in the file of the first sample used")
+          .optional("end", &Validation::end, number("s", plausible::clock()),
+                    "time in the file of the last sample used")
+          .optional("lead_in", &Validation::lead_in, number("s", plausible::time()),
+                    "first part of it, which does not count: the initial state is estimated from it with the "
+                    "parameters held; default: a tenth of the part")
+          .optional("initial", &Validation::from_rest,
+                    choice<bool>({{"unknown", false, "estimated from the lead-in"},
+                                  {"rest", true, "at rest at zero; there is no lead-in"}}),
+                    "state at the first sample")
+          .optional("excitation", &Validation::excitation, named(located(path())),
+                    "files of measured inputs during another record, by the names of the inputs; default: an input in "
+                    "the file of the case's record is read from the file of this one"));
+}
+
 Schema<Simulation> simulation() {
   const auto start =
       Fields<PointStart>()
@@ -280,6 +301,9 @@ Schema<Case> case_schema() {
           .optional("record", &Case::record, record(), "read the record from a file")
           .optional("estimate", &Case::estimate, estimation(),
                     "estimate the states and unknown parameters from the record")
+          .optional("validate", &Case::validate, located(validation()),
+                    "try the estimates on data that they were not found from: open-loop simulation of another part of "
+                    "the record, or of another record")
           .optional("predict", &Case::predict, mapping(prediction), "predict the response of a linear substructure")
           .optional("update", &Case::update, updating(),
                     "update parameters of the linear substructures from measurements")

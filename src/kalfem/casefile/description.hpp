@@ -169,6 +169,15 @@ struct Record {
   std::optional<FreeResponse> free_response;
 };
 
+/// Data that the estimates are tried on: another part of the record, or another record.
+struct Validation {
+  std::optional<Record> record;  ///< if empty, the case's own
+  std::optional<double> start, end;
+  std::optional<double> lead_in;  ///< the initial state is estimated from it; if empty, a tenth of the part [s]
+  bool from_rest = false;         ///< instead, the structure is at rest at first
+  Named<Located<std::filesystem::path>> excitation;  ///< files of inputs that are not in the record's own file
+};
+
 struct Simulation {
   double duration = 10.0, sample_rate = 1000.0;
   Integrator integrator = Integrator::newmark;
@@ -234,6 +243,7 @@ struct Case {
   std::optional<Simulation> simulate;
   std::optional<Record> record;
   std::optional<Estimation> estimate;
+  std::optional<Located<Validation>> validate;
   std::optional<Prediction> predict;
   std::optional<Updating> update;
   Named<Located<Modification>> modifications;

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "kalfem/base/stopwatch.hpp"
-#include "kalfem/dynamics/converged_solution.hpp"
 #include "kalfem/identification/filter_run.hpp"
+#include "kalfem/pipeline/open_loop.hpp"
 #include "kalfem/pipeline/reported_quantities.hpp"
 #include "kalfem/pipeline/run_steps.hpp"
 #include "kalfem/study/study_elements.hpp"
@@ -33,13 +33,6 @@ LocallyNonlinearSystem estimated_system(const EstimationOutcome& outcome) {
   return system;
 }
 
-/// The case's excitation with the record's first sample at time 0.
-std::vector<SignalPtr> signals_from(const Study& study, double start) {
-  std::vector<SignalPtr> signals;
-  for (const auto& signal : study.structure->signals) signals.push_back(delayed(signal, -start));
-  return signals;
-}
-
 /// Simulates the record from the estimated parameters and initial state, without any correction by measurements. Adds
 /// the offsets that the sensors show in addition to the motion.
 ConvergedSolution simulate_record_again(const Study& study, const AugmentedModelSetup& setup,
@@ -48,44 +41,16 @@ ConvergedSolution simulate_record_again(const Study& study, const AugmentedModel
   const Index last = outcome.result.state.mean.cols() - 1;
   const VectorXd start = outcome.result.state.mean.col(last).segment(layout.initial_state(), layout.linear);
   const VectorXd states = outcome.result.state.mean.col(last).tail(layout.connector_states);
-  std::vector<OutputDescription> outputs;
-  std::vector<MeasurementChain> chains;
-  for (const auto& sensor : setup.sensors) {
-    outputs.push_back(sensor.output);
-    chains.push_back(sensor.chain);
-  }
-  SimulationOptions options;
-  options.integrator = Integrator::exact;
-  options.duration = static_cast<double>(last) / study.sample_rate();
-  ConvergedSolution reference = simulate_converged(
-      estimated_system(outcome), signals_from(study, outcome.measurements.start),
-      {start.head(layout.dofs), start.segment(layout.dofs, layout.dofs), states}, make_outputs(*setup.model, outputs),
-      chains, options, {.sample_rate = study.sample_rate(), .first_substeps = 1, .max_substeps = 64});
+  const LocallyNonlinearSystem system = estimated_system(outcome);
+  ConvergedSolution reference = simulate_open_loop(
+      {system, *setup.model, setup.sensors, study.structure->signals},
+      {start.head(layout.dofs), start.segment(layout.dofs, layout.dofs), states}, outcome.measurements);
   if (reference.sensors.size() == 0) return reference;
   const auto& unknowns = outcome.augmented_model->options().unknowns;
   for (std::size_t i = 0; i < unknowns.size(); ++i)
     for (const Index sensor : unknowns[i].sensors)
       reference.sensors.row(sensor).array() += outcome.result.unknowns.mean(static_cast<Index>(i), last);
   return reference;
-}
-
-/// A simulation this many times larger than the record has diverged.
-constexpr double diverged = 1e6;
-
-/// States why the simulation cannot be compared with the record; empty if it can.
-std::string failure_of(const ConvergedSolution& reference, const Record& measured) {
-  if (const auto& failure = reference.simulation.failure)
-    return "the simulation with the estimates stopped at " + shortest(measured.start + failure->time) +
-           " s: " + failure->reason;
-  for (Index j = 0; j < reference.sensors.rows(); ++j) {
-    const double simulated = reference.sensors.row(j).cwiseAbs().maxCoeff();
-    const auto record = measured.values.row(j).array();
-    const double recorded = record.isFinite().select(record.abs(), 0.0).maxCoeff();
-    if (!reference.sensors.row(j).allFinite() || simulated > diverged * std::max(recorded, 1e-300))
-      return "the simulation with the estimates exceeds a million times the record of '" +
-             measured.channels[static_cast<std::size_t>(j)].name + "': the estimated structure is unstable";
-  }
-  return "";
 }
 
 void compare_open_loop(const MatrixXd& simulated, EstimationOutcome& outcome) {
@@ -106,9 +71,9 @@ void compare_open_loop(const MatrixXd& simulated, EstimationOutcome& outcome) {
 
 /// Compares the record with its simulation. A diverging simulation is a result: the estimates do not describe the
 /// structure.
-void simulate_open_loop(const Study& study, const AugmentedModelSetup& setup, EstimationOutcome& outcome) {
+void set_open_loop(const Study& study, const AugmentedModelSetup& setup, EstimationOutcome& outcome) {
   ConvergedSolution reference = simulate_record_again(study, setup, outcome);
-  outcome.open_loop_failure = failure_of(reference, outcome.measurements);
+  outcome.open_loop_failure = open_loop_failure(reference, outcome.measurements, "the simulation with the estimates");
   if (!outcome.open_loop_failure.empty()) return;
   outcome.open_loop = std::move(reference.simulation);
   outcome.open_loop_sensors = std::move(reference.sensors);
@@ -185,8 +150,7 @@ EstimationOutcome run_estimation(const Study& study, const AugmentedModelSetup& 
         compare(quantity, truth->mean, {outcome.settled, study.sample_rate(), outcome.band});
     outcome.points.push_back(std::move(quantity));
   }
-  if (given.estimate_initial_state && !outcome.result.failure && !given.local)
-    simulate_open_loop(study, setup, outcome);
+  if (given.estimate_initial_state && !outcome.result.failure && !given.local) set_open_loop(study, setup, outcome);
   outcome.seconds = watch.seconds();
   return outcome;
 }

@@ -12,6 +12,7 @@
 #include "kalfem/pipeline/run_identified_case.hpp"
 #include "kalfem/pipeline/run_steps.hpp"
 #include "kalfem/pipeline/run_updating.hpp"
+#include "kalfem/pipeline/run_validation.hpp"
 #include "kalfem/pipeline/run_verdict.hpp"
 #include "kalfem/study/record_source.hpp"
 #include "kalfem/study/study_elements.hpp"
@@ -151,6 +152,15 @@ std::optional<CoupledModel> estimated_model(const Study& study, const AugmentedM
   return std::nullopt;
 }
 
+/// The parts that hold what the updating and the filter found, without the unknowns that connectors carry.
+StructureParts parts_for_validation(const Study& study, const std::optional<AugmentedModelSetup>& augmented_model,
+                                    const StudyResults& results) {
+  if (results.updating) return study.updating_plan->structure->at(results.updating->values).parts;
+  const auto& linear = augmented_model->linear_unknowns;
+  return linear.bindings.empty() ? study.structure->parts
+                                 : parts_at(*study.problem, linear, linear_estimates(*results.estimation));
+}
+
 /// Largest relative distance of the linear unknowns from the values at which the finite elements were reduced. Only
 /// unknowns on which the bases depend count.
 double distance(const LinearUnknowns& unknowns, const VectorXd& values) {
@@ -250,6 +260,8 @@ StudyResults run_study(const Study& study, Step last, const RunOptions& options)
                         .empty())  // otherwise the pictures have another basis than the augmented model
       if (auto series = estimated_fields(study, *results.estimation)) results.fields.push_back(std::move(*series));
   }
+  if (results.complete() && study.validation && (results.estimation || results.updating))
+    results.validation = run_validation(study, parts_for_validation(study, augmented_model, results), results);
   if (results.complete() && last >= Step::predict && study.prediction) {
     const auto estimated = estimated_model(study, *augmented_model, updated, *results.estimation, results.failure);
     if (results.complete())

@@ -10,10 +10,11 @@
 #include "kalfem/estimation/consistency.hpp"
 #include "kalfem/estimation/estimate.hpp"
 #include "kalfem/identification/filter_run.hpp"
+#include "kalfem/pipeline/validation_outcome.hpp"
 #include "kalfem/prediction/base_driven.hpp"
 #include "kalfem/records/spectrum.hpp"
-#include "kalfem/study/structural_modifications.hpp"
 #include "kalfem/study/identified_case.hpp"
+#include "kalfem/study/structural_modifications.hpp"
 #include "kalfem/study/study.hpp"
 #include "kalfem/updating/gauss_newton.hpp"
 #include "kalfem/updating/modal_residual.hpp"
@@ -153,6 +154,7 @@ struct StudyResults {
   std::optional<EstimationOutcome> estimation;
   std::optional<PredictionOutcome> prediction;
   std::optional<UpdatingOutcome> updating;
+  std::optional<ValidationOutcome> validation;
   std::vector<StructuralModificationResult> modifications;
   std::vector<std::string> warnings;  ///< about the results, in addition to those of the study
   Verdict verdict;

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "kalfem/verdict/validation_checks.hpp"
+
 namespace kalfem {
 
 using Eigen::Index;
@@ -74,6 +76,23 @@ void judge_updating(const UpdatingOutcome& outcome, Verdict& verdict) {
                    VerdictState::suspicious, comparison.rms_final});
 }
 
+void judge_validation(const ValidationOutcome& outcome, Verdict& verdict) {
+  const auto& [held_back, own] = outcome;
+  if (!held_back.failure.empty())
+    verdict.add({"validation_failed", "", "the validation gave no comparison: " + held_back.failure,
+                 "the estimates do not describe the structure by themselves: check the priors, the laws and the inputs",
+                 VerdictState::suspicious, unusable_widening});
+  std::vector<ValidatedSensor> sensors;
+  for (std::size_t j = 0; j < held_back.nrmse.size(); ++j) {
+    sensors.push_back(
+        {.name = held_back.measured.channels[j].name, .error = held_back.nrmse[j], .noise = held_back.noise[j]});
+    if (own.nrmse.empty()) continue;
+    sensors.back().own_error = own.nrmse[j];
+    sensors.back().own_noise = own.noise[j];
+  }
+  verdict.add(validation_reasons(sensors));
+}
+
 }  // namespace
 
 InnovationRecord innovations_of(const EstimationOutcome& outcome) {
@@ -106,6 +125,7 @@ Verdict verdict_of(const StudyResults& results) {
     if (results.updating) judge_updating(*results.updating, verdict);
     if (results.estimation) judge_estimation(*results.estimation, verdict);
   }
+  if (results.validation) judge_validation(*results.validation, verdict);
   if (results.estimation && results.estimation->diagnosis)
     verdict.add(reasons_of(*results.estimation->diagnosis, verdict.state()));
   return verdict;

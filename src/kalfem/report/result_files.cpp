@@ -100,6 +100,21 @@ void write_estimate(SeriesFile& file, const EstimationOutcome& outcome) {
   file.write("/innovation/nis", outcome.result.nis, "-");
 }
 
+/// Both columns over the time of the validation part, which has its own sampling rate.
+void write_validation(SeriesFile& file, const OpenLoopComparison& comparison) {
+  const auto& measured = comparison.measured;
+  Eigen::VectorXd time(measured.samples());
+  for (Eigen::Index k = 0; k < time.size(); ++k) time[k] = measured.time(k);
+  file.write_column("/validation/time", time, "s");
+  for (std::size_t j = 0; j < measured.channels.size(); ++j) {
+    const auto row = static_cast<Eigen::Index>(j);
+    const std::string name = "/validation/" + measured.channels[j].name;
+    file.write_column(name + "/measured", measured.values.row(row).transpose(), measured.channels[j].unit);
+    if (comparison.simulated.size() > 0)
+      file.write_column(name + "/simulated", comparison.simulated.row(row).transpose(), measured.channels[j].unit);
+  }
+}
+
 /// Every iteration: the residual, the parameters tried, the parameters accepted last. Then the compared responses.
 void write_updating(SeriesFile& file, const Study& study, const UpdatingOutcome& outcome) {
   const auto iterations = static_cast<Eigen::Index>(outcome.trace.size());
@@ -137,6 +152,7 @@ void write_results(const std::string& path, const Study& study, const StudyResul
   if (!record && !results.updating) return;
   SeriesFile file(path, study.sample_rate(), run);
   if (results.updating) write_updating(file, study, *results.updating);
+  if (results.validation) write_validation(file, results.validation->held_back);
   if (!record) {
     file.close();
     return;

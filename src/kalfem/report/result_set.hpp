@@ -21,7 +21,8 @@ nlohmann::ordered_json summarise(const Study& study, const StudyResults& results
 
 /// Writes every time series with names, units and sampling rate into an HDF5 file:
 /// /time, /measurements/<sensor>, /truth/<point>/<quantity>, /estimate/<point>/<quantity>{,_std},
-/// /estimate/parameters/<name>{,_std}, /innovation/{value,deviation,nis}, /prediction/<point>/<quantity>.
+/// /estimate/parameters/<name>{,_std}, /innovation/{value,deviation,nis}, /prediction/<point>/<quantity>,
+/// /validation/time, /validation/<sensor>/{measured,simulated}.
 /// No file where there are none. Throws InvalidInput where the file cannot be written, WriteFailure where the disk is
 /// full.
 /// `run`: the identity that the file carries as the attribute `run` of its root, see run_identity().

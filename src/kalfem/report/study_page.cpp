@@ -229,6 +229,35 @@ Section open_loop_section(const EstimationOutcome& outcome) {
   return section;
 }
 
+/// The part with each sensor as a whole, and zoomed behind the lead-in.
+Section validation_section(const Study& study, const ValidationOutcome& outcome) {
+  const auto& [measured, simulated, first, nrmse, noise, failure] = outcome.held_back;
+  Section section{"Validation", validation_words(study, outcome) + ".", {}};
+  if (!failure.empty()) return section;
+  section.items.emplace_back(validation_table(outcome));
+  for (std::size_t j = 0; j < measured.channels.size(); ++j) {
+    const auto row = static_cast<Index>(j);
+    const auto& channel = measured.channels[j];
+    Chart chart{
+        .id = "validation-" + channel.name,
+        .title = channel.name,
+        .caption = fmt::format("NRMSE {}.", four_digits(nrmse[j])),
+        .x_label = "time [s]",
+        .y_label = "[" + channel.unit + "]",
+        .x = times(measured),
+        .series = {
+            {.label = "measured", .y = series_values(measured.values.row(row).transpose()), .role = Role::measured},
+            {.label = "simulated", .y = series_values(simulated.row(row).transpose()), .role = Role::predicted}}};
+    section.items.emplace_back(chart);
+    chart.id += "-zoom";
+    chart.title += ", zoomed";
+    chart.x_window =
+        AxisRange{measured.time(first), std::min(measured.time(first) + study.report.zoom, measured.end())};
+    section.items.emplace_back(std::move(chart));
+  }
+  return section;
+}
+
 std::string answer(const StudyResults& results) {
   if (!results.usable()) return results.why_unusable();
   const std::string updated =
@@ -341,6 +370,7 @@ Page make_page(const Study& study, const StudyResults& results) {
                              std::string("Natural frequencies predicted without further updating. ") +
                                  (results.updating ? deviations_leave_out : ""),
                              {modification_table(results.modifications)}});
+  if (results.validation) page.sections.push_back(validation_section(study, *results.validation));
   if (results.estimation) {
     const auto& outcome = *results.estimation;
     if (outcome.augmented_model->layout().unknowns > 0) page.sections.push_back(parameters_section(study, outcome));

@@ -221,6 +221,33 @@ Json prediction_summary(const StudyResults& results) {
   return summary;
 }
 
+Json validation_summary(const ValidationOutcome& outcome) {
+  Json sensors = Json::object();
+  const auto& [held_back, own] = outcome;
+  for (std::size_t j = 0; j < held_back.nrmse.size(); ++j)
+    sensors[held_back.measured.channels[j].name] = {
+        {"nrmse", number(held_back.nrmse[j])},
+        {"nrmse_estimated_part", j < own.nrmse.size() ? number(own.nrmse[j]) : Json(nullptr)},
+        {"noise", number(held_back.noise[j])}};
+  return sensors;
+}
+
+Json validation_record_summary(const ValidationPlan& plan, const OpenLoopComparison& comparison) {
+  const auto& record = plan.record.record;
+  Json summary = {{"file", std::filesystem::path(plan.file).filename().string()},
+                  {"start_s", number(record.start)},
+                  {"end_s", number(record.end())},
+                  {"samples", record.samples()},
+                  {"sample_rate_hz", number(record.sample_rate)},
+                  {"initial", plan.from_rest ? "rest" : "unknown"}};
+  if (!plan.record.preparation.empty()) summary["preparation"] = plan.record.preparation;
+  if (comparison.failure.empty())
+    summary["compared_from_s"] = number(record.time(comparison.first));
+  else
+    summary["failure"] = comparison.failure;
+  return summary;
+}
+
 Json timing_summary(const Study& study, const StudyResults& results) {
   Json timing = {{"total_s", number(results.total_seconds)}};
   if (!study.structure->finite_elements.empty()) timing["reduce_s"] = number(study.reduce_seconds);
@@ -291,6 +318,10 @@ Json summarise(const Study& study, const StudyResults& results) {
     summary["parameters"] = parameters_summary(study, *results.estimation);
     summary["estimation"] = estimation_summary(*results.estimation);
     if (const auto& diagnosis = results.estimation->diagnosis) summary["diagnosis"] = diagnosis_summary(*diagnosis);
+  }
+  if (results.validation) {
+    summary["validation"] = validation_summary(*results.validation);
+    summary["validation_record"] = validation_record_summary(*study.validation, results.validation->held_back);
   }
   if (results.prediction || !results.modifications.empty()) summary["prediction"] = prediction_summary(results);
   if (results.updating) summary["updating"] = updating_summary(study, *results.updating);

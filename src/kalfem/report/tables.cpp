@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
 
 #include "kalfem/pipeline/stated_interval.hpp"
@@ -143,6 +144,30 @@ Table open_loop_table(const EstimationOutcome& outcome) {
   return table;
 }
 
+Table validation_table(const ValidationOutcome& outcome) {
+  const auto& [held_back, own] = outcome;
+  Table table{"Open loop on the validation part", {"sensor", "NRMSE", "on the estimated part", "noise / rms"}, {}, {}};
+  for (std::size_t j = 0; j < held_back.nrmse.size(); ++j)
+    table.rows.push_back({held_back.measured.channels[j].name, four_digits(held_back.nrmse[j]),
+                          j < own.nrmse.size() ? four_digits(own.nrmse[j]) : "-", four_digits(held_back.noise[j])});
+  return table;
+}
+
+std::string validation_part_words(const ValidationPlan& plan) {
+  return fmt::format("Validation: {} s to {} s of {}", four_digits(plan.record.record.start),
+                     four_digits(plan.record.record.end()), std::filesystem::path(plan.file).filename().string());
+}
+
+std::string validation_words(const Study& study, const ValidationOutcome& outcome) {
+  const auto& [measured, simulated, first, nrmse, noise, failure] = outcome.held_back;
+  const std::string part = validation_part_words(*study.validation);
+  if (!failure.empty()) return part + "; no comparison: " + failure;
+  if (study.validation->from_rest) return part + ", open loop from rest";
+  return part +
+         fmt::format(", open loop; the initial state is estimated from the samples before {} s, which do not count",
+                     four_digits(measured.time(first)));
+}
+
 std::string to_text(const Table& table) {
   std::vector<std::size_t> widths;
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
@@ -235,6 +260,11 @@ std::string console_report(const Study& study, const StudyResults& results) {
     if (outcome.open_loop)
       text += "Open-loop simulation from the estimated parameters and initial state\n" +
               to_text(open_loop_table(outcome)) + "\n";
+  }
+  if (results.validation) {
+    text += validation_words(study, *results.validation) + "\n";
+    if (results.validation->held_back.failure.empty()) text += to_text(validation_table(*results.validation));
+    text += "\n";
   }
   if (results.prediction)
     if (const auto table = error_table("", study, results.prediction->points, results.estimation->settled);

@@ -21,6 +21,12 @@ bool shown(const Study& study, const std::string& point);
 /// Of finite-element substructures only the points that the case wants shown, where it names some.
 Table error_table(const std::string& title, const Study& study, const std::vector<PointQuantity>& points,
                   Eigen::Index settled);
+/// Open-loop errors on the validation part, beside those on the part that is estimated from, and the noise.
+Table validation_table(const ValidationOutcome& outcome);
+/// "Validation: 2 s to 4 s of record.csv".
+std::string validation_part_words(const ValidationPlan& plan);
+/// The same, with how the simulation starts, or why there is none.
+std::string validation_words(const Study& study, const ValidationOutcome& outcome);
 /// Open-loop re-simulation against the record.
 Table open_loop_table(const EstimationOutcome& outcome);
 

@@ -11,7 +11,7 @@ namespace kalfem {
 
 StudyItem section_with_key(const std::string& key) {
   using enum StudyItem;
-  static constexpr std::array<std::pair<std::string_view, StudyItem>, 14> sections{{{"kalfem", version},
+  static constexpr std::array<std::pair<std::string_view, StudyItem>, 15> sections{{{"kalfem", version},
                                                                                     {"title", title},
                                                                                     {"substructures", substructures},
                                                                                     {"connectors", connectors},
@@ -21,6 +21,7 @@ StudyItem section_with_key(const std::string& key) {
                                                                                     {"simulate", simulate},
                                                                                     {"record", record},
                                                                                     {"estimate", estimate},
+                                                                                    {"validate", validate},
                                                                                     {"predict", predict},
                                                                                     {"update", update},
                                                                                     {"modifications", modifications},

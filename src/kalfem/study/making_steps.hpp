@@ -23,6 +23,7 @@ enum class StudyItem {
   simulate,
   record,
   estimate,
+  validate,
   predict,
   update,
   modifications,
@@ -44,7 +45,8 @@ enum class StudyItem {
   augmented_model,
   filter,
   driven_substructure,
-  driven_comparisons
+  driven_comparisons,
+  validation
 };
 using StudyItems = std::vector<StudyItem>;
 

@@ -151,8 +151,7 @@ void check_noise(const Study& study, const Record& record, const std::string& ch
   issues.raise();
 }
 
-void set_noise(Study& study) {
-  Record& record = study.record->record;
+void set_noise(const Study& study, Record& record) {
   for (std::size_t i = 0; i < study.sensors.size(); ++i) {
     const double size = rms_of_present(record.values.row(static_cast<Eigen::Index>(i)).transpose());
     record.channels[i].unit = study.sensors[i].unit;
@@ -160,5 +159,7 @@ void set_noise(Study& study) {
   }
   check_noise(study, record, "its channel");
 }
+
+void set_noise(Study& study) { set_noise(study, study.record->record); }
 
 }  // namespace kalfem

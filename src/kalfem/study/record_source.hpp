@@ -19,6 +19,9 @@ PreparedRecord read_measured_record(const description::Case& given);
 /// of a channel that is 0 throughout are no noise.
 void set_noise(Study& study);
 
+/// The same for another record of the study's sensors.
+void set_noise(const Study& study, Record& record);
+
 /// Throws the same for a record with one channel a sensor; `channel` names one in the message.
 void check_noise(const Study& study, const Record& record, const std::string& channel);
 

@@ -89,6 +89,7 @@ public:
     read_record();
     make_updating();
     make_estimation();
+    make_validation();
     raise_in_line_order(steps_.issues());
     add_warnings();
     study_.description = std::make_shared<const d::Case>(study_.given);
@@ -160,6 +161,17 @@ private:
     step(driven_comparisons, {augmented_model, record, simulate, estimate, update, excitation}, {"update", "compare"},
          [&](IssueList& issues) {
            if (study_.given.update && start_) check_driven_histories(study_, *start_, issues);
+         });
+  }
+
+  void make_validation() {
+    step(validate, {sensors, simulate, record, estimate, update, validate}, {"validate"}, [&](IssueList& issues) {
+      if (study_.given.validate) check_validation(study_, issues);
+    });
+    step(validation,
+         {agreement_of_sections, parts, placed_sensors, signals, record, record_noise, excitation, validate},
+         {"validate"}, [&](IssueList& issues) {
+           if (study_.given.validate) study_.validation = make_validation_plan(study_, issues);
          });
   }
 

@@ -8,6 +8,7 @@
 #include "kalfem/records/record_preparation.hpp"
 #include "kalfem/records/spectrum.hpp"
 #include "kalfem/study/run_plan.hpp"
+#include "kalfem/study/validation_plan.hpp"
 
 namespace kalfem {
 
@@ -38,6 +39,7 @@ struct Study {
   std::optional<UpdatingPlan> updating_plan;           ///< likewise
   EstimationProblemPtr problem;                        ///< if the case has `estimate`
   std::optional<AugmentedModelSetup> augmented_model;  ///< likewise; at the initial values of the updating
+  std::optional<ValidationPlan> validation;            ///< if the case has `validate`
   std::optional<PredictionPlan> prediction;            ///< if the case has `predict`
   std::vector<StructuralModification> modifications;
   ReportPlan report;

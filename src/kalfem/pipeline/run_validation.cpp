@@ -1,0 +1,206 @@
+#include "kalfem/pipeline/run_validation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "kalfem/identification/filter_run.hpp"
+#include "kalfem/identification/released_elements.hpp"
+#include "kalfem/pipeline/open_loop.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+/// How a motion lies about its mean: [z; z'; internal states], each row over the samples of a record.
+struct MotionRange {
+  VectorXd mean, reach;  ///< reach: the largest distance from the mean
+  Index dofs = 0;
+};
+
+MotionRange range_of(const MatrixXd& motion, Index dofs) {
+  const VectorXd mean = motion.rowwise().mean();
+  return {mean, (motion.colwise() - mean).cwiseAbs().rowwise().maxCoeff(), dofs};
+}
+
+/// The structure at the estimates, as library objects.
+struct EstimatedStructure {
+  StructureParts parts;
+  std::vector<Sensor> sensors;
+  EstimationSettings settings;  ///< of the filter, without unknowns
+};
+
+EstimatedStructure structure_at_estimates(const Study& study, StructureParts parts, const StudyResults& results) {
+  EstimatedStructure structure{std::move(parts), study.sensors, {}};
+  if (!study.problem || !results.estimation) return structure;
+  structure.settings = study.problem->settings;
+  const auto unknowns = std::exchange(structure.settings.unknowns, {});
+  const VectorXd estimates = results.estimation->result.unknowns.mean.rightCols(1);
+  for (std::size_t i = 0; i < unknowns.size(); ++i)
+    for (const auto& target : unknowns[i].targets)
+      if (can_be_released(study.structure->parts, target))  // others are in the parts already
+        set_parameter(structure.parts, target, estimates[static_cast<Index>(i)]);
+  return structure;
+}
+
+/// A filter's problem on the lead-in: the parameters are known, the initial state is not.
+EstimationProblemPtr lead_in_problem(const Study& study, const EstimatedStructure& structure,
+                                     const PreparedRecord& record, const std::vector<SignalPtr>& signals) {
+  auto excited = std::make_shared<StructureModel>(*study.structure);
+  excited->signals = signals;
+  EstimationProblem problem{excited, structure.sensors, {}, record.record.sample_rate, structure.settings};
+  problem.settings.initial_state.clear();
+  problem.settings.initial_connector_states.clear();
+  problem.settings.initial_state_from_record = false;
+  problem.settings.estimate_initial_state = true;
+  problem.settings.passes = 1;
+  if (record.free_response && record.free_response->rest_is_unknown())
+    for (const auto& sensor : structure.sensors)
+      problem.rest_positions.push_back({sensor.name, record.free_response->deviation[record.record.find(sensor.name)]});
+  return std::make_shared<const EstimationProblem>(std::move(problem));
+}
+
+void set_prior(const MotionRange& range, StatePrior& prior) {
+  const Index states = range.mean.size() - 2 * range.dofs;
+  prior.mean = {range.mean.head(range.dofs), range.mean.segment(range.dofs, range.dofs), range.mean.tail(states)};
+  prior.displacement_deviation = range.reach.head(range.dofs);
+  prior.velocity_deviation = range.reach.segment(range.dofs, range.dofs);
+  prior.connector_state_deviation = range.reach.tail(states);
+}
+
+struct Start {
+  InitialState state;
+  VectorXd rest;  ///< offset of each sensor
+  std::string failure;
+};
+
+/// The initial state that the filter finds from the first samples of the record: a fixed-point smoother over them.
+Start estimated_start(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, Record record,
+                      Index samples) {
+  record.values.conservativeResize(Eigen::NoChange, samples);
+  record.used.reset();
+  const auto filtered = run_filter(problem, setup, record,
+                                   {.unscented = problem->settings.unscented,
+                                    .threads = filter_threads(problem->settings),
+                                    .state_deviations = false});
+  Start start{.rest = VectorXd::Zero(static_cast<Index>(setup.sensors.size()))};
+  if (filtered.result.failure) start.failure = filtered.result.failure->reason;
+  const auto& layout = filtered.augmented_model()->layout();
+  const VectorXd last = filtered.result.state.mean.col(samples - 1);
+  start.state = {last.segment(layout.initial_state(), layout.dofs),
+                 last.segment(layout.initial_state() + layout.dofs, layout.dofs), last.tail(layout.connector_states)};
+  const auto& unknowns = filtered.augmented_model()->options().unknowns;
+  for (std::size_t i = 0; i < unknowns.size(); ++i)
+    for (const Index sensor : unknowns[i].sensors)
+      start.rest[sensor] += filtered.result.unknowns.mean(static_cast<Index>(i), samples - 1);
+  return start;
+}
+
+/// Error and noise of each sensor over the samples that count, relative to its motion about its mean.
+void set_errors(OpenLoopComparison& comparison) {
+  const Index count = std::max<Index>(0, comparison.measured.samples_used() - comparison.first);
+  for (Index j = 0; j < comparison.simulated.rows(); ++j) {
+    const VectorXd measured = comparison.measured.values.row(j).segment(comparison.first, count);
+    const VectorXd simulated = comparison.simulated.row(j).segment(comparison.first, count);
+    const auto known = measured.array().isFinite();
+    const double samples = std::max<double>(1.0, static_cast<double>(known.count()));
+    const double mean = known.select(measured.array(), 0.0).sum() / samples;
+    const double size = std::sqrt(known.select((measured.array() - mean).square(), 0.0).sum() / samples);
+    const double error = std::sqrt(known.select((simulated - measured).array().square(), 0.0).sum() / samples);
+    const auto relative = [&](double part) {
+      return size > 0.0 ? part / size : std::numeric_limits<double>::infinity();
+    };
+    comparison.nrmse.push_back(relative(error));
+    comparison.noise.push_back(relative(comparison.measured.channels[static_cast<std::size_t>(j)].noise));
+  }
+}
+
+/// Samples of a lead-in [s]; two at least, as of every record.
+Index lead_in_samples(double lead_in, const Record& record) {
+  return std::clamp<Index>(std::llround(lead_in * record.sample_rate), 2, record.samples() - 1);
+}
+
+/// Simulates the record from the state that its first samples show. `lead_in` [s]; nothing: from rest.
+OpenLoopComparison compare_open_loop(const Study& study, const EstimatedStructure& structure,
+                                     const PreparedRecord& record, const std::vector<SignalPtr>& signals,
+                                     std::optional<double> lead_in, const MotionRange& range) try {
+  const auto problem = lead_in_problem(study, structure, record, signals);
+  IssueList issues;
+  AugmentedModelSetup setup = make_augmented_model_setup(*problem, structure.parts, {}, issues);
+  issues.raise();
+  std::vector<std::string> names;
+  for (const auto& sensor : setup.sensors) names.push_back(sensor.name);
+  OpenLoopComparison comparison{.measured = select_channels(record.record, names)};
+  const auto& system = setup.model->system();
+  Start start{at_rest(system.size(), system.connector_states()), VectorXd::Zero(std::ssize(names)), ""};
+  if (lead_in) {
+    set_prior(range, setup.options.prior);
+    comparison.first = lead_in_samples(*lead_in, comparison.measured);
+    start = estimated_start(problem, setup, record.record, comparison.first);
+  }
+  if (!start.failure.empty()) {
+    comparison.failure = "the initial state was not found in the lead-in: " + start.failure;
+    return comparison;
+  }
+  ConvergedSolution simulated =
+      simulate_open_loop({system, *setup.model, setup.sensors, signals}, start.state, comparison.measured);
+  comparison.failure = open_loop_failure(simulated, comparison.measured, "the simulation with the estimates");
+  if (!comparison.failure.empty()) return comparison;
+  comparison.simulated = simulated.sensors.colwise() + start.rest;
+  set_errors(comparison);
+  return comparison;
+} catch (const InvalidInput& error) {
+  return {.failure = "the estimates make no structure: " + error.issues().front().what};
+}
+
+/// The motion that the filter estimated; without a filter, that of the structure from rest under its excitation.
+MotionRange usual_motion(const Study& study, const EstimatedStructure& structure, const StudyResults& results) {
+  if (results.estimation) {
+    const auto& layout = results.estimation->augmented_model->layout();
+    const auto& mean = results.estimation->result.state.mean;
+    MatrixXd motion(2 * layout.dofs + layout.connector_states, mean.cols());
+    motion << mean.topRows(2 * layout.dofs), mean.middleRows(layout.connector_state(), layout.connector_states);
+    return range_of(motion, layout.dofs);
+  }
+  const CoupledModel model = couple(structure.parts);
+  const Index dofs = model.system().size();
+  const auto& plan = *study.validation;
+  const auto simulated = simulate_open_loop({model.system(), model, structure.sensors, plan.signals},
+                                            at_rest(dofs, model.system().connector_states()), plan.record.record);
+  const auto& motion = simulated.simulation.trajectory;
+  MatrixXd all(2 * dofs + motion.connector_states.rows(), motion.displacement.cols());
+  all << motion.displacement, motion.velocity, motion.connector_states;
+  return range_of(all, dofs);
+}
+
+}  // namespace
+
+// The same for both parts: the state at the first sample is estimated from a short lead-in with the parameters held,
+// then the whole part is simulated, and what lies behind the lead-in counts.
+ValidationOutcome run_validation(const Study& study, const StructureParts& base, const StudyResults& results) {
+  const auto& plan = *study.validation;
+  const EstimatedStructure structure = structure_at_estimates(study, base, results);
+  const std::optional<double> lead_in = plan.from_rest ? std::nullopt : std::optional(plan.lead_in);
+  MotionRange range;
+  try {
+    if (lead_in) range = usual_motion(study, structure, results);
+  } catch (const InvalidInput& error) {
+    ValidationOutcome outcome;
+    outcome.held_back.failure = "the estimates make no structure: " + error.issues().front().what;
+    return outcome;
+  }
+  ValidationOutcome outcome{.held_back =
+                                compare_open_loop(study, structure, plan.record, plan.signals, lead_in, range)};
+  if (!study.record) return outcome;
+  const Record& own = study.record->record;
+  const auto own_lead_in = lead_in ? std::optional(std::min(*lead_in, 0.5 * (own.end() - own.start))) : std::nullopt;
+  outcome.own = compare_open_loop(study, structure, *study.record, study.structure->signals, own_lead_in, range);
+  return outcome;
+}
+
+}  // namespace kalfem
