@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <iostream>
 #include <limits>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -46,25 +47,27 @@ std::vector<Fault> sensor_faults(const CaseFamily& family) {
     faults.push_back({name + " in thousandths", {"sensor_unit", "sensor_gain"}, name, scaled(1000.0)});
     for (const double gain : {0.5, 0.75, 1.4, 2.0})
       faults.push_back({fmt::format("{} gain {}", name, gain), {"sensor_gain"}, name, scaled(gain)});
-    for (const double delay : {0.0, 5e-3, 30e-3, 100e-3}) {
-      const auto samples = std::max<Index>(1, std::llround(delay * family.sample_rate));
+    std::set<Index> delays;
+    for (const double delay : {0.0, 5e-3, 30e-3, 100e-3})
+      delays.insert(std::max<Index>(1, std::llround(delay * family.sample_rate)));
+    for (const Index samples : delays)
       faults.push_back(
           {fmt::format("{} late by {} samples", name, samples), {"sensor_delay"}, name, [row, samples](Measurement& m) {
              shift(m.sensors, row, samples);
            }});
-    }
-    faults.push_back({name + " saturated", {"sensor_saturated"}, name, [row](Measurement& m) {
-                        auto channel = m.sensors.values.row(row).array();
-                        const double limit = 1.2 * std::sqrt(channel.square().mean());
-                        channel = channel.min(limit).max(-limit).eval();
-                      }});
-    if (i > 0 && family.sensors[i].unit == family.sensors[i - 1].unit)
-      faults.push_back(
-          {name + " exchanged with " + family.sensors[i - 1].name, {"sensors_swapped"}, name, [row](Measurement& m) {
-             m.sensors.values.row(row).swap(m.sensors.values.row(row - 1));
-           }});
   }
-  return faults;
+  faults.push_back({name + " saturated", {"sensor_saturated"}, name, [row](Measurement& m) {
+                      auto channel = m.sensors.values.row(row).array();
+                      const double limit = 1.2 * std::sqrt(channel.square().mean());
+                      channel = channel.min(limit).max(-limit).eval();
+                    }});
+  if (i > 0 && family.sensors[i].unit == family.sensors[i - 1].unit)
+    faults.push_back(
+        {name + " exchanged with " + family.sensors[i - 1].name, {"sensors_swapped"}, name, [row](Measurement& m) {
+           m.sensors.values.row(row).swap(m.sensors.values.row(row - 1));
+         }});
+}
+return faults;
 }
 
 std::vector<Fault> excitation_faults(const CaseFamily& family) {
