@@ -48,7 +48,8 @@ TEST(EstimateStructure, GivesTheEstimatesOfTheSameProblemInTheLibrarysOwnTypes) 
   ASSERT_TRUE(issues.empty());
   const auto expected = run_filter(problem, setup, chain_record(), {.state_deviations = false}).result;
 
-  const auto result = estimate(driven_chain(), chain_record(), {.sensors = chain_sensors(), .unknowns = unknowns});
+  const auto result =
+      estimate(driven_chain(), chain_record(), {.sensors = chain_sensors(), .unknowns = unknowns, .substeps = 4});
 
   ASSERT_TRUE(result.usable());
   for (Eigen::Index i = 0; i < 2; ++i) {

@@ -50,8 +50,10 @@ TEST(FirstProgram, FindsTheParameterOfTheSuspension) {
   for (const auto& p : result.parameters) out << p.name << ' ' << p.mean << " +- " << p.std << '\n';
 
   EXPECT_THAT(out.str(), HasSubstr("suspension.mu_k1 "));
-  EXPECT_NEAR(result.parameters[0].mean, 20.0, 0.1);  // found .05: the sampling of the road, as noise is next to none
-  EXPECT_LT(result.parameters[0].std, 0.1);
+  // Four substeps are 13 deviations off: noise is next to none, and the road has but 17 samples in its shortest wave.
+  EXPECT_NEAR(result.parameters[0].mean, 20.0, 3.0 * result.parameters[0].std);
+  EXPECT_LT(result.parameters[0].std, 0.01);
+  EXPECT_GT(result.substeps, 4);
 }
 
 /// A spring with a term of third order and exact tangents.
@@ -88,7 +90,7 @@ TEST(FirstProgram, EstimatesAnUnknownOfALawThatIsAClassOfTheUsers) {
   const auto result = estimate(s, record, options);
   ASSERT_TRUE(result.usable());
   EXPECT_EQ(result.parameters[0].unit, "N/m^3");
-  EXPECT_NEAR(result.parameters[0].mean, 5e7, 2e5);  // found 8e4: as above
+  EXPECT_NEAR(result.parameters[0].mean, 5e7, 3.0 * result.parameters[0].std);
   EXPECT_LT(result.parameters[0].std, 5e6);
   // The library's law of the same force gives the same.
   Structure same;

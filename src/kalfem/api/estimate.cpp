@@ -5,7 +5,7 @@
 
 #include "kalfem/api/filter_problem.hpp"
 #include "kalfem/api/structure_description.hpp"
-#include "kalfem/identification/filter_run.hpp"
+#include "kalfem/identification/refined_filter.hpp"
 
 namespace kalfem {
 
@@ -127,7 +127,8 @@ EstimateResult estimate(const Structure& structure, const Record& record, const 
                                     .state_deviations = false,
                                     .monitored = make_outputs(*made.setup.model, made.monitored),
                                     .progress = options.progress};
-  const auto filtered = run_filter(made.problem, made.setup, of_sensors(record, options.sensors), of_filter);
+  const auto [filtered, substeps] =
+      run_refined_filter(made.problem, made.setup, of_sensors(record, options.sensors), of_filter);
   EstimateResult estimate;
   estimate.parameters = parameters_of(made.setup, filtered.result);
   set_quantities(made, options, filtered, estimate);
@@ -135,6 +136,9 @@ EstimateResult estimate(const Structure& structure, const Record& record, const 
   estimate.nis = filtered.result.nis;
   estimate.log_likelihood = filtered.result.log_likelihood;
   estimate.filter = to_string(filtered.run.choice.filter) + ": " + filtered.run.choice.reason;
+  estimate.substeps = substeps.substeps;
+  estimate.substep_bias = substeps.bias;
+  estimate.start = explain(filtered.run.start);
   estimate.sample_rate = record.sample_rate;
   if (const auto& failure = filtered.result.failure)
     estimate.failure = FilterStop{record.start + failure->time, failure->reason};

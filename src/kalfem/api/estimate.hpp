@@ -41,8 +41,11 @@ struct EstimateOptions {
   std::vector<std::pair<std::string, PointPrior>> initial_state = {};
   double process_noise = 0.0;             ///< white acceleration on every degree of freedom [m/s^2/sqrt(Hz)]
   std::optional<FilterKind> filter = {};  ///< if empty, the structure decides
-  int substeps = 4;                       ///< of a sample interval, for the connectors' forces
-  int threads = 0;                        ///< 0: one per processor; results do not depend on it
+  /// Of a sample interval, for the connectors' forces. Empty: estimate() takes as many as the estimates need, which
+  /// costs a second run over the record; an OnlineFilter, which has no record, takes 4. EstimateResult::substeps of a
+  /// recorded piece is the number for it.
+  std::optional<int> substeps = {};
+  int threads = 0;  ///< 0: one per processor; results do not depend on it
 
   // Of a whole record; an OnlineFilter refuses them.
   bool initial_state_from_record = false;  ///< displacements and velocities from the displacement sensors
@@ -80,6 +83,11 @@ struct EstimateResult {
   double log_likelihood = 0.0;
   std::string filter;                 ///< its name, and the reason for its choice
   std::optional<FilterStop> failure;  ///< empty if the filter ran to the end
+  int substeps = 0;                   ///< of a sample interval
+  /// |bias| that the substeps leave in each parameter, in its standard deviations; empty: not measured, as they were
+  /// given.
+  Eigen::VectorXd substep_bias;
+  std::string start;  ///< what was assumed of the motion at the first sample, in words
 
   [[nodiscard]] bool usable() const { return !failure; }
   /// Mean of the NIS from a time after the record's start [s]: about the number of sensors if model and noise are

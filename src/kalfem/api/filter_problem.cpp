@@ -201,8 +201,8 @@ FilterProblem make_filter_problem(const Structure& structure, double sample_rate
   if (!(sample_rate > 0.0) || !std::isfinite(sample_rate))
     throw InvalidInput("the sampling rate is " + shortest(sample_rate) + " Hz", "it must be > 0",
                        "give the record's rate");
-  if (options.substeps < 1)
-    throw InvalidInput("substeps: " + std::to_string(options.substeps), "a sample interval has at least one", "");
+  if (options.substeps && *options.substeps < 1)
+    throw InvalidInput("substeps: " + std::to_string(*options.substeps), "a sample interval has at least one", "");
   return ProblemMaker(structure, sample_rate, options).make();
 }
 

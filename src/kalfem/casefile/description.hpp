@@ -211,8 +211,8 @@ struct Estimation {
   std::optional<LocalModelOptions> local;
   bool estimate_initial_state = false;
   int passes = 1;
-  int substeps = 4;
-  int threads = 0;  ///< 0: one per processor
+  std::optional<int> substeps;  ///< if empty, the estimates decide
+  int threads = 0;              ///< 0: one per processor
   bool diagnose = true;
 };
 

@@ -29,6 +29,20 @@ Schema<Unknown> unknown() {
           .optional("applies_to", &Unknown::applies_to, list(name()), "several parameters that share this value"));
 }
 
+/// `auto`, or a whole number.
+Schema<std::optional<int>> substeps() {
+  const auto number = integer(1, 128);
+  const auto word = one_of_words({"auto"}, {"as many as the estimates need"});
+  const auto read = [=](const CaseNode& node, std::optional<int>& value) {
+    value.reset();
+    std::size_t chosen = 0;
+    if (node.yaml().kind == YamlNode::Kind::scalar && node.yaml().text == "auto") return word.read(node, chosen);
+    return number.read(node, value.emplace());
+  };
+  const auto write = [=](const std::optional<int>& value) { return value ? number.write(*value) : word.write(0); };
+  return make_schema<std::optional<int>>(read, write, either_schema(word.json_schema(), number.json_schema()));
+}
+
 Schema<LocalModelOptions> local_model() {
   const auto acceleration = Fields<InterfaceAcceleration>()
                                 .required("sensor", &InterfaceAcceleration::sensor, name(),
@@ -114,8 +128,10 @@ Schema<Estimation> estimation() {
                     "estimate with a local model: only a part of the structure")
           .optional("estimate_initial_state", &Estimation::estimate_initial_state, boolean(),
                     "also estimate the initial state (fixed-point smoother)")
-          .optional("substeps", &Estimation::substeps, integer(1, 64),
-                    "number of parts of a sample interval within which connector forces and inputs vary linearly")
+          .optional(
+              "substeps", &Estimation::substeps, substeps(),
+              "number of parts of a sample interval within which connector forces and inputs vary linearly; auto: "
+              "from 4 on, doubled until their bias is below 0.2 standard deviations of every unknown")
           .optional("passes", &Estimation::passes, integer(1, 100), "number of runs over the record")
           .optional("threads", &Estimation::threads, integer(0, 64),
                     "number of threads for large covariances, 0 for one per processor; results do not depend on it")

@@ -160,12 +160,15 @@ void AugmentedModel::check() const {
   const bool fits = prior.mean.displacement.size() == n && prior.mean.velocity.size() == n &&
                     prior.mean.connector_states.size() == s && prior.displacement_deviation.size() == n &&
                     prior.velocity_deviation.size() == n && prior.connector_state_deviation.size() == s &&
+                    (prior.motion_covariance.size() == 0 ||
+                     (prior.motion_covariance.rows() == 2 * n && prior.motion_covariance.cols() == 2 * n)) &&
                     prior.input_deviation.size() == u && prior.input_rate_deviation.size() == u &&
                     noise.acceleration.size() == n && noise.input.size() == u && noise.connector_states.size() == s;
   if (!fits) issues.add({}, "prior or process noise does not fit the system's size", "it needs one value per state");
   check_finite(prior.mean.displacement, "initial displacement", issues);
   check_finite(prior.mean.velocity, "initial velocity", issues);
   check_finite(prior.mean.connector_states, "initial internal state of a connector", issues);
+  check_finite(prior.motion_covariance.reshaped(), "prior covariance of the motion", issues);
   check_deviation(prior.displacement_deviation, "prior standard deviation of a displacement", issues);
   check_deviation(prior.velocity_deviation, "prior standard deviation of a velocity", issues);
   check_deviation(prior.connector_state_deviation, "prior standard deviation of a connector's internal state", issues);
@@ -202,6 +205,7 @@ void AugmentedModel::set_prior() {
     deviation[layout_.unknown() + i] = unknown.deviation / unknown.transform.slope(unknowns[i]);
   }
   prior_.covariance = deviation.cwiseAbs2().asDiagonal();
+  if (prior.motion_covariance.size() > 0) prior_.covariance.topLeftCorner(2 * n, 2 * n) += prior.motion_covariance;
   if (layout_.keeps_initial_state) {  // x(0) is the same random variable as x at the start
     const Index begin = layout_.initial_state(), count = layout_.size() - begin;
     const MatrixXd start = prior_.covariance.topLeftCorner(count, count);

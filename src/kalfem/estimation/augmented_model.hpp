@@ -52,6 +52,8 @@ struct StatePrior {
   Eigen::VectorXd input_deviation;            ///< value of an input that is a state, n_u
   Eigen::VectorXd input_rate_deviation;       ///< rate of an integrated input, n_u
   double sensor_state_deviation = 0.0;        ///< of the measurement chains' states, in the sensor's unit
+  /// Further covariance of [displacements; velocities], which may be correlated, 2n x 2n; empty: none.
+  Eigen::MatrixXd motion_covariance = {};
 };
 
 /// Options of an augmented model, in addition to the system and its sensors.

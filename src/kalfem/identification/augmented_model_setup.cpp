@@ -185,6 +185,12 @@ void set_zero_prior(const LocallyNonlinearSystem& system, AugmentedModelOptions&
 
 }  // namespace
 
+Index SubstepChoice::largest() const {
+  Index unknown = -1;
+  if (bias.size() > 0) bias.maxCoeff(&unknown);
+  return unknown;
+}
+
 StructureParts parts_at(const EstimationProblem& problem, const LinearUnknowns& unknowns, const VectorXd& values) {
   if (unknowns.bindings.empty()) return *unknowns.parts;
   return ParameterisedStructure(problem.structure, unknowns.bindings, values.size()).near(*unknowns.structure, values);
@@ -262,7 +268,7 @@ AugmentedModelSetup make_augmented_model_setup(const EstimationProblem& problem,
   if (local) local->set_priors(setup);
   options.keep_initial_state = settings.estimate_initial_state;
   options.step = 1.0 / problem.sample_rate;
-  options.substeps = settings.substeps;
+  options.substeps = settings.substeps.value_or(SubstepChoice{}.substeps);
   setup.sensors = sensors_of(problem, setup, issues);
   add_rest_positions(problem, setup);
   return setup;

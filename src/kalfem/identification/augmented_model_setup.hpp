@@ -29,6 +29,19 @@ struct LinearUnknowns {
   [[nodiscard]] bool empty() const { return names.empty(); }
 };
 
+/// How finely a filter's model divides a sample interval, and what the division leaves in the estimates.
+struct SubstepChoice {
+  int substeps = 4;
+  bool chosen = false;  ///< by the program, from the estimates; otherwise the caller gave it
+  /// |bias| of each unknown's estimate that is left, in its standard deviations; empty: not measured.
+  Eigen::VectorXd bias = {};
+  bool limited = false;    ///< more are needed, but a limit was reached
+  std::string words = {};  ///< how they were chosen
+
+  /// The unknown with the largest bias; -1 where none was measured.
+  [[nodiscard]] Eigen::Index largest() const;
+};
+
 /// Parts of the filter's model: its coupled model, which may be a part of the structure and holds initial values of
 /// unknowns in its linear part, and the sensors that it uses.
 struct AugmentedModelSetup {
@@ -38,6 +51,8 @@ struct AugmentedModelSetup {
   std::vector<std::string> input_sources;  ///< name of the excitation of each input, or of a sensor ("@name")
   std::vector<std::optional<double>> true_parameters;  ///< one per unknown
   LinearUnknowns linear_unknowns;
+  std::optional<SubstepChoice> substeps = {};  ///< decided before; otherwise run_refined_filter() decides
+  std::optional<bool> starts_at_rest = {};     ///< decided before; otherwise the record tells, see make_filter_run()
 };
 
 /// Makes the filter's model of a problem from `parts`: the structure's own, or updated ones. Values in `present`

@@ -86,9 +86,10 @@ struct EstimationSettings {
   double settle = 0.0;                  ///< time before errors and consistency count [s]
   bool estimate_initial_state = false;  ///< keep the initial state in the state vector and update it with every sample
   int passes = 1;                       ///< over the record, each from the estimate of the one before
-  int substeps = 4;                     ///< of a sample interval, for the connectors' forces
-  int threads = 0;                      ///< 0: one per processor
-  bool diagnose = true;                 ///< look for the mistake that explains a run which contradicts itself
+  /// Of a sample interval, for the connectors' forces; empty: as many as the estimates need, see run_refined_filter().
+  std::optional<int> substeps = {};
+  int threads = 0;  ///< 0: one per processor
+  bool diagnose = true;  ///< look for the mistake that explains a run which contradicts itself
 };
 
 /// A structure, its sensors, and the unknowns to estimate from its record. Immutable; models made from it share it.

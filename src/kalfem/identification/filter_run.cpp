@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
+#include <sstream>
 #include <thread>
 
 #include "kalfem/records/local_polynomial.hpp"
@@ -98,9 +100,9 @@ void set_start_from_record(const AugmentedModelSetup& setup, const Record& recor
 }
 
 /// The augmented model's options with what only the record tells: the noise of accelerations that drive it, sensor
-/// states. `inputs`: of the augmented model at the first sample.
+/// states, the size of a motion that is there at the first sample. `inputs`: of the augmented model at the samples.
 AugmentedModelOptions completed_options(const EstimationProblem& problem, const AugmentedModelSetup& setup,
-                                        const Record& record, const VectorXd& inputs) {
+                                        const Record& record, const MatrixXd& inputs, bool moving) {
   AugmentedModelOptions options = setup.options;
   for (std::size_t i = 0; i < setup.input_sources.size(); ++i) {
     const std::string& source = setup.input_sources[i];
@@ -112,21 +114,22 @@ AugmentedModelOptions completed_options(const EstimationProblem& problem, const 
   double largest = 0.0;
   for (Index j = 0; j < record.values.rows(); ++j)
     largest = std::max(largest, rms_of_present(record.values.row(j).transpose()));
-  options.prior.sensor_state_deviation = 0.1 * largest;
-  if (problem.settings.initial_state_from_record) set_start_from_record(setup, record, inputs, options.prior);
+  options.prior.sensor_state_deviation = moving ? largest : 0.1 * largest;
+  if (problem.settings.initial_state_from_record) set_start_from_record(setup, record, inputs.col(0), options.prior);
+  if (moving) set_moving_start(setup, record, inputs, options.prior);
   return options;
 }
 
-/// `first_inputs`: of the augmented model at the first sample.
+/// `inputs`: of the augmented model at the samples.
 FilterChoice choose(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
-                    const VectorXd& first_inputs, std::optional<StateCoordinates> coordinates) {
+                    const MatrixXd& inputs, bool moving, std::optional<StateCoordinates> coordinates) {
   std::vector<OutputDescription> outputs;
   std::vector<MeasurementChain> chains;
   for (const auto& sensor : setup.sensors) {
     outputs.push_back(sensor.output);
     chains.push_back(sensor.chain);
   }
-  AugmentedModelOptions options = completed_options(*problem, setup, record, first_inputs);
+  AugmentedModelOptions options = completed_options(*problem, setup, record, inputs, moving);
   options.system_at = system_of_linear_unknowns(problem, setup);
   const OutputMap map = make_outputs(*setup.model, outputs);
   if (!coordinates)
@@ -137,9 +140,57 @@ FilterChoice choose(const EstimationProblemPtr& problem, const AugmentedModelSet
   return choice;
 }
 
+/// Of the prior's displacements and velocities, at a typical point.
+void set_largest_deviations(const CoupledModel& model, FilterRun& run) {
+  const auto& covariance = run.choice.augmented_model->options().prior.motion_covariance;
+  const Index n = model.system().size();
+  if (covariance.size() == 0) return;
+  const VectorXd deviation = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  const VectorXd scale = model.coordinate_scale().cwiseAbs().cwiseMax(1e-300);
+  run.start.displacement = deviation.head(n).cwiseQuotient(scale).maxCoeff();
+  run.start.velocity = deviation.tail(n).cwiseQuotient(scale).maxCoeff();
+}
+
+std::string four_digits(double value) {
+  std::ostringstream text;
+  text << std::setprecision(4) << value;
+  return text.str();
+}
+
+/// Whether the structure moves at the first sample, as far as is known without the samples.
+std::optional<RecordStart> known_start(const EstimationSettings& settings, const AugmentedModelSetup& setup,
+                                       const Record& record) {
+  if (states_initial_motion(settings)) return RecordStart{.reason = "the initial state is as stated"};
+  if (record.start > 0.0 && record.samples() > 1)
+    return RecordStart{.moving = true, .reason = "the record starts at " + four_digits(record.start) + " s"};
+  const std::string rest = "the structure is at rest at the first sample";
+  if (setup.starts_at_rest && *setup.starts_at_rest) return RecordStart{.reason = rest};
+  if (setup.starts_at_rest) return RecordStart{.moving = true, .reason = "its first samples are not those of rest"};
+  return std::nullopt;
+}
+
+/// The filter's model with the prior that the record's start asks for.
+void choose_with_start(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
+                       std::optional<StateCoordinates> coordinates, FilterRun& run) {
+  const auto parts = static_cast<Index>(setup.options.substeps);
+  const MatrixXd inputs = run.input.inputs(Eigen::all, Eigen::seq(0, Eigen::last, parts));
+  const auto choose_for = [&](const RecordStart& start) {
+    run.start = start;
+    run.choice = choose(problem, setup, record, inputs, start.moving, coordinates);
+    if (start.moving) set_largest_deviations(*setup.model, run);
+  };
+  if (const auto known = known_start(problem->settings, setup, record)) return choose_for(*known);
+  choose_for({.reason = "the structure is at rest at the first sample"});
+  const EstimationOptions options{.filter = run.choice.filter, .unscented = problem->settings.unscented};
+  if (!rests_at_first_sample(*run.choice.augmented_model, run.input, options))
+    choose_for({.moving = true, .reason = "its first samples are not those of rest"});
+}
+
 bool loses_sign_in_modal_coordinates(const FilteredRecord& filtered) {
   const auto& failure = filtered.result.failure;
-  return failure && failure->outcome == FilterOutcome::covariance_not_positive_definite &&
+  const auto lost = [&](FilterOutcome outcome) { return failure && failure->outcome == outcome; };
+  return (lost(FilterOutcome::covariance_not_positive_definite) ||
+          lost(FilterOutcome::innovation_not_positive_definite)) &&
          filtered.run.choice.augmented_model->options().coordinates == StateCoordinates::modal;
 }
 
@@ -151,7 +202,7 @@ FilterRun make_filter_run(const EstimationProblemPtr& problem, const AugmentedMo
   run.input.measured = select_channels(record, names_of(setup.sensors));
   run.input.inputs = inputs_of(*problem, setup, record);
   run.input.noise = run.input.measured.noise().cwiseAbs2().asDiagonal();
-  run.choice = choose(problem, setup, record, run.input.inputs.col(0), coordinates);
+  choose_with_start(problem, setup, record, coordinates, run);
   return run;
 }
 

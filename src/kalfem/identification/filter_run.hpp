@@ -3,6 +3,7 @@
 #include "kalfem/estimation/estimate.hpp"
 #include "kalfem/estimation/filter_choice.hpp"
 #include "kalfem/identification/augmented_model_setup.hpp"
+#include "kalfem/identification/record_start.hpp"
 #include "kalfem/records/record.hpp"
 
 namespace kalfem {
@@ -14,11 +15,16 @@ constexpr Eigen::Index samples_at_start = 4;
 struct FilterRun {
   FilterChoice choice;
   FilterInput input;
+  RecordStart start;
 };
 
 /// The rows of the record that are the sensors of the filter's model, in its order, with their noise; a channel of the
 /// record is found by the sensor's name. `coordinates`: of the filter's model; chosen by what suits the filter where
 /// they are not given.
+///
+/// A structure starts at rest where the record's time is zero and its first samples allow it, or where the setup says
+/// that this was decided before. Otherwise its initial state is unknown (set_moving_start()), unless the settings state
+/// it.
 FilterRun make_filter_run(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
                           std::optional<StateCoordinates> coordinates = std::nullopt);
 
@@ -34,8 +40,8 @@ struct FilteredRecord {
 
 /// Runs the filter that suits the problem over the record; the options' kind of filter is chosen here, and `monitored`
 /// are outputs of the setup's model. Modal coordinates of close poles are an ill-conditioned basis: where the
-/// covariance loses its sign there, the run is made again in physical coordinates, where a step costs more. A failure
-/// is in the result. Throws InvalidInput as make_filter_run() and estimate() do.
+/// covariance, or that of the innovations, loses its sign there, the run is made again in physical coordinates, where a
+/// step costs more. A failure is in the result. Throws InvalidInput as make_filter_run() and estimate() do.
 FilteredRecord run_filter(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
                           EstimationOptions options);
 

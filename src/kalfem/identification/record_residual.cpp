@@ -6,6 +6,7 @@
 #include <limits>
 #include <sstream>
 
+#include "kalfem/identification/refined_filter.hpp"
 #include "kalfem/updating/residual.hpp"
 
 namespace kalfem {
@@ -110,7 +111,24 @@ RecordResidual::RecordResidual(EstimationProblemPtr problem, Record record,
   const double none = std::numeric_limits<double>::infinity();
   const auto counted = samples - settled_;
   deviation_ = MatrixXd::Constant(counted, measured_.cols(), none);
-  choose_derivatives(structure_->at(start), start);
+  const StructureAtParameters here = structure_->at(start);
+  choose_substeps_and_start(here, start);
+  choose_derivatives(here, start);
+}
+
+void RecordResidual::choose_substeps_and_start(const StructureAtParameters& here, const VectorXd& start) {
+  if (const auto given = problem_->settings.substeps) {
+    starts_at_rest_ = !make_filter_run(problem_, augmented_model_at(here.parts, start), record_).start.moving;
+    substeps_ = {.substeps = *given, .words = "given"};
+    return;
+  }
+  const auto refined = run_refined_filter(problem_, augmented_model_at(here.parts, start), record_,
+                                          {.unscented = problem_->settings.unscented,
+                                           .threads = filter_threads(problem_->settings),
+                                           .passes = problem_->settings.passes,
+                                           .state_deviations = false});
+  substeps_ = refined.substeps;
+  starts_at_rest_ = !refined.filtered.run.start.moving;
 }
 
 /// The first filter pass: the deviations, and what the gains that it leaves are worth.
@@ -159,6 +177,8 @@ AugmentedModelSetup RecordResidual::augmented_model_at(const StructureParts& par
   AugmentedModelSetup setup =
       make_augmented_model_setup(*problem_, parts, present_values(updating_, parameters), issues);
   issues.raise();
+  setup.starts_at_rest = starts_at_rest_;
+  if (substeps_) setup.options.substeps = substeps_->substeps;
   return setup;
 }
 

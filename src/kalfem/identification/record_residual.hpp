@@ -56,6 +56,8 @@ public:
   [[nodiscard]] std::optional<ResidualValue> evaluate(const Eigen::VectorXd& parameters,
                                                       bool with_jacobian) const override;
   [[nodiscard]] bool holds_gains() const { return hold_gains_; }
+  /// Of a sample interval in the filter's model, at all parameters.
+  [[nodiscard]] int substeps() const { return substeps_ ? substeps_->substeps : 0; }
   /// Which derivatives are used, and why: "held gains: ...".
   [[nodiscard]] const std::string& derivatives() const { return explanation_; }
 
@@ -96,6 +98,7 @@ private:
                                                            const Eigen::VectorXd& values, const Gains& gains) const;
   /// Memory of the gains of one pass [byte].
   [[nodiscard]] double gain_memory(const StructureParts& parts, const Eigen::VectorXd& parameters) const;
+  void choose_substeps_and_start(const StructureAtParameters& here, const Eigen::VectorXd& start);
   void choose_derivatives(const StructureAtParameters& here, const Eigen::VectorXd& start);
   void check_held_gains(const StructureAtParameters& here, const Eigen::VectorXd& start, const Estimate& first);
   [[nodiscard]] Eigen::VectorXd weighted(const Eigen::MatrixXd& sensors) const;
@@ -104,6 +107,9 @@ private:
   Record record_;
   std::shared_ptr<const ParameterisedStructure> structure_;
   Options options_;
+  /// Decided at the first parameters, so that all evaluations are of the same model.
+  std::optional<SubstepChoice> substeps_;
+  std::optional<bool> starts_at_rest_;
   bool hold_gains_ = false;
   std::string explanation_;
   UpdatingSetup updating_;

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "kalfem/base/stopwatch.hpp"
-#include "kalfem/identification/filter_run.hpp"
+#include "kalfem/identification/refined_filter.hpp"
 #include "kalfem/pipeline/open_loop.hpp"
 #include "kalfem/pipeline/reported_quantities.hpp"
 #include "kalfem/pipeline/run_steps.hpp"
@@ -120,12 +120,14 @@ EstimationOutcome run_estimation(const Study& study, const AugmentedModelSetup& 
                                   .keep_unknowns = true,
                                   .monitored = make_outputs(*setup.model, monitored),
                                   .progress = progress};
-  FilteredRecord filtered = run_filter(study.problem, setup, record, options);
+  auto [filtered, substeps] = run_refined_filter(study.problem, setup, record, options);
   outcome.augmented_model = filtered.augmented_model();
   outcome.result = std::move(filtered.result);
   outcome.measurements = std::move(filtered.run.input.measured);
   outcome.filter = filtered.run.choice.filter;
   outcome.filter_reason = filtered.run.choice.reason;
+  outcome.substeps = std::move(substeps);
+  outcome.start = filtered.run.start;
   if (outcome.result.failure)
     failure = "the filter stopped at " + shortest(outcome.measurements.start + outcome.result.failure->time) +
               " s: " + outcome.result.failure->reason;

@@ -187,6 +187,7 @@ EstimationOutcome estimate_in_bases_of_estimates(const Study& study, AugmentedMo
     IssueList issues;
     setup = make_augmented_model_setup(*study.problem, study.structure->parts, {}, issues, values);
     issues.raise();
+    setup.substeps = outcome.substeps;
     const int reductions = outcome.reductions + 1;
     outcome = run_estimation(study, setup, results, progress, failure);
     outcome.reductions = reductions;

@@ -63,6 +63,8 @@ struct FieldSeries {
 struct EstimationOutcome {
   FilterKind filter = FilterKind::unscented;
   std::string filter_reason;  ///< why this filter was chosen, in a sentence
+  SubstepChoice substeps;     ///< of a sample interval in the filter's model
+  RecordStart start;          ///< what the filter assumed of the motion at the first sample
   std::shared_ptr<const AugmentedModel> augmented_model;
   EstimationResult result;
   Record measurements;  ///< of the sensors that the augmented model uses

@@ -43,8 +43,26 @@ MatrixXd correlation_of_unknowns(const EstimationOutcome& outcome) {
   return scale.asDiagonal() * covariance * scale.asDiagonal();
 }
 
+/// A bias above half a deviation matters: below it 95 % intervals still hold the truth in 92 % of all records.
+constexpr double large_bias = 0.5;
+
+void judge_substeps(const EstimationOutcome& outcome, Verdict& verdict) {
+  const auto& choice = outcome.substeps;
+  const Index largest = choice.largest();
+  if (largest < 0 || choice.bias[largest] <= large_bias) return;
+  const double bias = choice.bias[largest];
+  const std::string& name = outcome.augmented_model->options().unknowns[static_cast<std::size_t>(largest)].name;
+  verdict.add({"step_too_coarse", name,
+               fmt::format("with {} substeps per sample, the most that are tried, the filter's model biases '{}' by "
+                           "{:.2g} of its standard deviations",
+                           choice.substeps, name, bias),
+               "sample the record faster; the bias falls with the square of the sampling rate",
+               state_of(std::max(suspicious_widening, bias)), bias});
+}
+
 void judge_estimation(const EstimationOutcome& outcome, Verdict& verdict) {
   verdict.add(innovation_reasons(innovations_of(outcome)));
+  judge_substeps(outcome, verdict);
   std::vector<EstimatedUnknown> unknowns;
   for (Index i = 0; i < outcome.augmented_model->layout().unknowns; ++i)
     unknowns.push_back(estimated_unknown(outcome, i));

@@ -16,4 +16,22 @@ struct FrequencyBand {
 double nrmse_in_band(const Eigen::VectorXd& estimate, const Eigen::VectorXd& reference, double sample_rate,
                      const FrequencyBand& band);
 
+/// Mean square of a signal below any frequency, by the discrete Fourier transform of the Hann-windowed signal. A sample
+/// that is not a number counts as the mean.
+class CumulativeSpectrum {
+public:
+  enum class Mean { removed, kept };  ///< kept: the square of the mean counts at frequency zero
+
+  /// `derivatives`: times that the signal is differentiated first, a factor of (2 pi f)^2 each in the mean square.
+  CumulativeSpectrum(Eigen::VectorXd signal, double sample_rate, int derivatives = 0, Mean mean = Mean::removed);
+
+  /// [unit^2 of the derivative]; `frequency` in Hz.
+  [[nodiscard]] double mean_square_below(double frequency) const;
+
+private:
+  double spacing_;  ///< of the lines [Hz]
+  double of_mean_ = 0.0;
+  Eigen::VectorXd up_to_;  ///< mean square up to and with each line
+};
+
 }  // namespace kalfem

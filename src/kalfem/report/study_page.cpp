@@ -184,7 +184,9 @@ Section consistency_section(const EstimationOutcome& outcome) {
   Section section{"Innovations",
                   fmt::format("Mean NIS {:.3f} (expected {:.3f}); {:.1f} % of the samples are in the 95 % band.",
                               outcome.consistency.mean_nis, outcome.consistency.expected_nis,
-                              100.0 * outcome.consistency.fraction_in_95),
+                              100.0 * outcome.consistency.fraction_in_95) +
+                      "\n\nThe filter takes " + substep_words(outcome) + "." +
+                      (outcome.start.moving ? "\n\nAt the start, " + explain(outcome.start) + "." : ""),
                   {nis_chart(outcome)}};
   for (std::size_t i = 0; i < outcome.measurements.channels.size(); ++i) {
     const auto row = static_cast<Index>(i);

@@ -162,6 +162,15 @@ Json open_loop_summary(const EstimationOutcome& outcome) {
   return sensors;
 }
 
+/// In standard deviations, by unknown.
+Json substep_biases(const EstimationOutcome& outcome) {
+  Json biases = Json::object();
+  for (Eigen::Index i = 0; i < outcome.substeps.bias.size(); ++i)
+    biases[outcome.augmented_model->options().unknowns[static_cast<std::size_t>(i)].name] =
+        number(outcome.substeps.bias[i]);
+  return biases;
+}
+
 constexpr const char* robust_method =
     "sandwich of the information and the long-run covariance of the scores (Parzen kernel, Andrews' bandwidth)";
 
@@ -185,6 +194,14 @@ Json estimation_summary(const EstimationOutcome& outcome) {
                     {"fraction_in_95", number(outcome.consistency.fraction_in_95)}}},
                   {"innovation_to_noise", ratios},
                   {"innovation_correlation", correlations}};
+  summary["substeps"] = outcome.substeps.substeps;
+  summary["substeps_chosen"] = outcome.substeps.chosen;
+  if (outcome.substeps.bias.size() > 0) summary["substep_bias"] = substep_biases(outcome);
+  summary["start"] = {{"moving", outcome.start.moving}, {"reason", explain(outcome.start)}};
+  if (outcome.start.moving) {
+    summary["start"]["displacement_std"] = number(outcome.start.displacement);
+    summary["start"]["velocity_std"] = number(outcome.start.velocity);
+  }
   if (outcome.robust.rank > 0)
     summary["robust"] = {
         {"method", robust_method},

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -197,10 +198,28 @@ std::string linearisation_words(const EstimationOutcome& outcome) {
                          : "");
 }
 
+std::string substep_words(const EstimationOutcome& outcome) {
+  const auto& choice = outcome.substeps;
+  const std::string number = fmt::format("{} substep{} per sample", choice.substeps, choice.substeps == 1 ? "" : "s");
+  if (!choice.chosen) return number + ", as stated; their bias was not measured";
+  const Eigen::Index largest = choice.largest();
+  if (largest < 0) return number + ": " + choice.words;
+  const auto& unknown = outcome.augmented_model->options().unknowns[static_cast<std::size_t>(largest)];
+  return fmt::format("{}, chosen {}: they bias the estimates by at most {:.2g} standard deviations ('{}'){}", number,
+                     choice.words, choice.bias[largest], unknown.name,
+                     choice.limited ? "; more substeps would be needed, but the limit is reached" : "");
+}
+
 /// Of a filter, by the time of the record over that of its computation.
 std::string speed_in_words(double ratio) {
   return ratio >= 1.0 ? fmt::format("{:.3g} times faster than real time", ratio)
                       : fmt::format("{:.3g} times slower than real time", 1.0 / ratio);
+}
+
+/// A line that starts with a capital.
+std::string sentence(std::string words) {
+  if (!words.empty()) words[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(words[0])));
+  return words + "\n";
 }
 
 std::string mass_text(const FiniteElementPart& part) {
@@ -247,11 +266,13 @@ std::string console_report(const Study& study, const StudyResults& results) {
     text += "Estimated parameters\n" + to_text(parameter_table(study, outcome)) + "\n";
     text += fmt::format("NIS {:.2f} (expected {:.2f}); {} of samples in the 95 % band\n", outcome.consistency.mean_nis,
                         outcome.consistency.expected_nis, per_cent(outcome.consistency.fraction_in_95));
-    text += fmt::format("{} states, {} steps, {:.2g} us per step: {}\nFilter {}: {}\n{}\n",
-                        outcome.augmented_model->layout().size(), outcome.measurements.samples(),
-                        1e6 * time.filter() / samples,
-                        speed_in_words(samples / outcome.measurements.sample_rate / time.filter()),
-                        to_string(outcome.filter), outcome.filter_reason, linearisation_words(outcome));
+    text += fmt::format(
+        "{} states, {} steps, {:.2g} us per step: {}\nFilter {}: {}\n{}\n", outcome.augmented_model->layout().size(),
+        outcome.measurements.samples(), 1e6 * time.filter() / samples,
+        speed_in_words(samples / outcome.measurements.sample_rate / time.filter()), to_string(outcome.filter),
+        outcome.filter_reason,
+        sentence(substep_words(outcome)) + (outcome.start.moving ? sentence(explain(outcome.start)) : "") +
+            linearisation_words(outcome));
     if (const auto table = error_table("", study, outcome.points, outcome.settled); !table.rows.empty())
       text += fmt::format("Estimated motion, NRMSE after {} s{}\n", four_digits(study.problem->settings.settle),
                           band_words(outcome)) +

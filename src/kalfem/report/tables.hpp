@@ -30,6 +30,9 @@ std::string validation_words(const Study& study, const ValidationOutcome& outcom
 /// Open-loop re-simulation against the record.
 Table open_loop_table(const EstimationOutcome& outcome);
 
+/// Into how many parts the filter's model divides a sample interval, and the bias that they leave in the estimates.
+std::string substep_words(const EstimationOutcome& outcome);
+
 /// Parameters, consistency and errors as a person reads them on a terminal.
 std::string console_report(const Study& study, const StudyResults& results);
 

@@ -1,0 +1,164 @@
+#include "kalfem/identification/refined_filter.hpp"
+
+#include <cmath>
+#include <optional>
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+/// A filter that fails with the first substeps is tried once with so many times more.
+constexpr int rescue = 4;
+
+/// What of a run the choice of substeps needs.
+struct Estimates {
+  int substeps = 0;
+  MatrixXd mean;       ///< unknowns x samples, or the last sample alone
+  VectorXd deviation;  ///< at the end
+};
+
+bool any_drifts(const AugmentedModelSetup& setup) {
+  return std::ranges::any_of(setup.options.unknowns, [](const auto& unknown) { return unknown.random_walk > 0.0; });
+}
+
+Estimates estimates_of(const AugmentedModelSetup& setup, const EstimationResult& result, int substeps) {
+  const auto& [mean, deviation] = result.unknowns;
+  return {substeps, any_drifts(setup) ? mean : MatrixXd(mean.rightCols(1)), deviation.rightCols(1)};
+}
+
+/// |difference| of two runs per unknown, in standard deviations of the finer one.
+VectorXd distance(const AugmentedModelSetup& setup, const Estimates& one, const Estimates& other) {
+  VectorXd distance(one.mean.rows());
+  for (Index i = 0; i < distance.size(); ++i) {
+    const VectorXd difference = (one.mean.row(i) - other.mean.row(i)).transpose();
+    const bool drifts = setup.options.unknowns[static_cast<std::size_t>(i)].random_walk > 0.0;
+    const double size = drifts ? difference.norm() / std::sqrt(static_cast<double>(difference.size()))
+                               : std::abs(difference[difference.size() - 1]);
+    distance[i] = size / std::max(other.deviation[i], 1e-300);
+  }
+  return distance;
+}
+
+double square_of_ratio(int finer, int coarser) {
+  const double ratio = static_cast<double>(finer) / coarser;
+  return ratio * ratio;
+}
+
+/// Runs the filter with more and more substeps until the bias is small.
+class SubstepSearch {
+public:
+  SubstepSearch(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
+                const EstimationOptions& options, const SubstepOptions& substeps)
+      : problem_(problem), setup_(setup), record_(record), options_(options), substeps_(substeps) {
+    options_.monitored = {};
+    options_.keep_unknowns = options_.keep_gains = options_.state_deviations = false;
+  }
+
+  SubstepChoice from(const EstimationResult& first) {
+    SubstepChoice choice{.substeps = substeps_.first, .chosen = true};
+    if (setup_.options.unknowns.empty()) {
+      choice.words = "there is no unknown whose estimate they could bias";
+      return choice;
+    }
+    Estimates coarse = estimates_of(setup_, first, substeps_.first);
+    for (int next = 2 * substeps_.first;; next = enough(choice)) {
+      if (next > most()) {
+        choice.limited = choice.bias.size() == 0 || choice.bias.maxCoeff() > substeps_.largest_bias;
+        break;
+      }
+      const auto fine = run_with(next);
+      if (!fine) {
+        choice.words = "because the filter failed with " + std::to_string(next);
+        return choice;
+      }
+      const VectorXd change = distance(setup_, coarse, *fine) / (square_of_ratio(next, coarse.substeps) - 1.0);
+      const VectorXd of_coarse = change * square_of_ratio(next, coarse.substeps);
+      if (coarse.substeps == substeps_.first && of_coarse.maxCoeff() <= substeps_.largest_bias) {
+        choice.bias = of_coarse;
+        break;
+      }
+      choice.bias = change;
+      choice.substeps = next;
+      if (change.maxCoeff() <= substeps_.largest_bias) break;
+      coarse = *fine;
+    }
+    choice.words = "from the change of the estimates with the substeps";
+    return choice;
+  }
+
+private:
+  /// The most substeps for which the inputs at all of them can be held.
+  [[nodiscard]] int most() const {
+    const auto values = 3.0 * static_cast<double>(std::max<std::size_t>(1, setup_.input_sources.size())) *
+                        static_cast<double>(record_.samples());
+    return static_cast<int>(std::min<double>(substeps_.most, substeps_.most_input_values / values));
+  }
+
+  /// Doubled as often as the bias asks for, which falls with the square; no further than the limit.
+  [[nodiscard]] int enough(const SubstepChoice& choice) const {
+    int next = 2 * choice.substeps;
+    while (choice.bias.maxCoeff() / square_of_ratio(next, choice.substeps) > substeps_.largest_bias &&
+           2 * next <= most())
+      next *= 2;
+    return next;
+  }
+
+  [[nodiscard]] std::optional<Estimates> run_with(int substeps) const {
+    AugmentedModelSetup setup = setup_;
+    setup.options.substeps = substeps;
+    const auto filtered = run_filter(problem_, setup, record_, options_);
+    if (filtered.result.failure) return std::nullopt;
+    return estimates_of(setup_, filtered.result, substeps);
+  }
+
+  const EstimationProblemPtr& problem_;
+  const AugmentedModelSetup& setup_;
+  const Record& record_;
+  EstimationOptions options_;
+  SubstepOptions substeps_;
+};
+
+RefinedFilter run_with(const EstimationProblemPtr& problem, AugmentedModelSetup& setup, const Record& record,
+                       const EstimationOptions& options, SubstepChoice choice) {
+  setup.options.substeps = choice.substeps;
+  return {run_filter(problem, setup, record, options), std::move(choice)};
+}
+
+}  // namespace
+
+SubstepChoice choose_substeps(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
+                              const Record& record, const EstimationOptions& options, const EstimationResult& first,
+                              const SubstepOptions& substeps) {
+  return SubstepSearch(problem, setup, record, options, substeps).from(first);
+}
+
+RefinedFilter run_refined_filter(const EstimationProblemPtr& problem, AugmentedModelSetup setup, const Record& record,
+                                 const EstimationOptions& options, const SubstepOptions& substeps) {
+  if (const auto given = problem->settings.substeps)
+    return run_with(problem, setup, record, options, {.substeps = *given, .words = "given"});
+  if (setup.substeps) return run_with(problem, setup, record, options, *setup.substeps);
+  auto first = run_with(problem, setup, record, options, {.substeps = substeps.first, .chosen = true});
+  if (first.filtered.result.failure) {
+    auto finer = run_with(problem, setup, record, options, {.substeps = rescue * substeps.first, .chosen = true});
+    if (finer.filtered.result.failure) return first;
+    SubstepOptions from_there = substeps;
+    from_there.first = rescue * substeps.first;
+    return run_refined_filter(problem, std::move(setup), record, options, from_there);
+  }
+  setup.starts_at_rest = !first.filtered.run.start.moving;
+  auto choice = choose_substeps(problem, setup, record, options, first.filtered.result, substeps);
+  if (choice.substeps == first.substeps.substeps) return {std::move(first.filtered), std::move(choice)};
+  auto last = run_with(problem, setup, record, options, choice);
+  if (!last.filtered.result.failure) return last;
+  choice.words = "because the filter failed with " + std::to_string(choice.substeps);
+  choice.bias *= square_of_ratio(choice.substeps, first.substeps.substeps);
+  choice.substeps = first.substeps.substeps;
+  choice.limited = true;
+  return {std::move(first.filtered), std::move(choice)};
+}
+
+}  // namespace kalfem

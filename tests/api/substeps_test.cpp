@@ -1,0 +1,114 @@
+#include <array>
+
+#include "chain.hpp"
+#include "kalfem/base/random.hpp"
+
+// How many parts of a sample interval the estimates need, found by the library itself.
+
+namespace kalfem {
+namespace {
+
+using testing::HasSubstr;
+
+/// A hardening oscillator of 71 Hz with 2 % damping, nine samples a period.
+constexpr double rate = 640.0, stiffness = 2e5, cubic = 4e9, damping = 20.0, mass = 1.0, noise = 3e-6;
+constexpr Eigen::Index samples = 640;
+
+SignalPtr drive() {
+  return make_random({.rms = 60.0, .lower = 1.0, .upper = 150.0, .duration = 4.0, .fade_in = 0.1, .seed = 3});
+}
+
+Structure oscillator(double k, double k3, double c, double m) {
+  Structure s;
+  s.add(lumped("circuit").mass("m", m));
+  s.connect("spring", "circuit.m", "ground", law("cubic", {{"k", k}, {"k3", k3}, {"c", c}}));
+  s.force("drive", "circuit.m", drive());
+  return s;
+}
+
+/// Displacements by the classical Runge-Kutta method of fourth order, 64 steps a sample: nothing of it is the filter's.
+Record reference() {
+  constexpr Eigen::Index steps = 64, halves = 2 * steps;
+  const Eigen::VectorXd force = drive()->sample(0.0, 1.0 / (rate * halves), samples * halves + 1).col(0).matrix();
+  const double h = 1.0 / (rate * steps);
+  using State = Eigen::Array2d;
+  const auto slope = [](const State& x, double f) {
+    return State(x[1], (f - stiffness * x[0] - cubic * x[0] * x[0] * x[0] - damping * x[1]) / mass);
+  };
+  State x = State::Zero();
+  Eigen::VectorXd values(samples);
+  RandomStream random(5, "x");
+  for (Eigen::Index step = 0; step < samples * steps; ++step) {
+    if (step % steps == 0) values[step / steps] = x[0] + noise * random.normal();
+    const double begin = force[2 * step], middle = force[2 * step + 1], end = force[2 * step + 2];
+    const State a = slope(x, begin), b = slope(x + 0.5 * h * a, middle), c = slope(x + 0.5 * h * b, middle),
+                d = slope(x + h * c, end);
+    x += h / 6.0 * (a + 2.0 * b + 2.0 * c + d);
+  }
+  return make_record(rate, {{"x", values}});
+}
+
+EstimateResult estimate_with(std::optional<int> substeps) {
+  return estimate(oscillator(1.5e5, 2e9, 30.0, 0.8), reference(),
+                  {.sensors = {{"x", displacement("circuit.m"), noise}},
+                   .unknowns = {{"spring.k", {.std = 5e4}},
+                                {"spring.k3", {.std = 2e9}},
+                                {"spring.c", {.std = 15.0}},
+                                {"circuit.m.mass", {.std = 0.25}}},
+                   .substeps = substeps});
+}
+
+/// Errors in standard deviations.
+Eigen::Array4d errors_of(const EstimateResult& result) {
+  const Eigen::Array4d truth(stiffness, cubic, damping, mass);
+  Eigen::Array4d errors;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto& parameter = result.parameters[i];
+    errors[static_cast<Eigen::Index>(i)] =
+        std::abs(parameter.mean - truth[static_cast<Eigen::Index>(i)]) / parameter.std;
+  }
+  return errors;
+}
+
+TEST(Substeps, FourBiasALightlyDampedOscillatorByManyDeviationsAtNineSamplesAPeriod) {
+  const auto result = estimate_with(4);
+  ASSERT_TRUE(result.usable());
+  EXPECT_EQ(result.substeps, 4);
+  EXPECT_EQ(result.substep_bias.size(), 0);  // a number that is given is not checked
+  EXPECT_GT(errors_of(result).maxCoeff(), 10.0) << errors_of(result).transpose();
+  EXPECT_LT(result.mean_nis(0.2), 1.2);  // which the NIS does not show
+}
+
+TEST(Substeps, AreAsManyAsTheEstimatesNeed) {
+  const auto result = estimate_with({});
+  ASSERT_TRUE(result.usable());
+  EXPECT_GE(result.substeps, 16);
+  ASSERT_EQ(result.substep_bias.size(), 4);
+  EXPECT_LE(result.substep_bias.maxCoeff(), 0.2);
+  EXPECT_LT(errors_of(result).maxCoeff(), 3.0) << errors_of(result).transpose();
+}
+
+TEST(Substeps, StayAtFourWhereTheseAreEnough) {
+  const std::vector<SensorDescription> sensors = {{"a3", acceleration("body.2"), 2.0},
+                                                  {"a5", acceleration("body.4"), 2.0}};
+  const auto record =
+      simulate(driven_chain(), {.sensors = sensors, .duration = 2.0, .sample_rate = 1000.0, .seed = 1}).record;
+  const EstimateOptions options{.sensors = sensors, .unknowns = {{"suspension.mu_k1", {.initial = 15, .std = 5}}}};
+  const auto chosen = estimate(driven_chain(), record, options);
+  EXPECT_EQ(chosen.substeps, 4);
+  ASSERT_EQ(chosen.substep_bias.size(), 1);
+  EXPECT_LE(chosen.substep_bias[0], 0.2);
+  auto given = options;
+  given.substeps = 4;
+  EXPECT_EQ(estimate(driven_chain(), record, given).parameters[0].mean, chosen.parameters[0].mean);
+}
+
+/// Without an unknown nothing is there whose bias could be measured.
+TEST(Substeps, AreFourWithoutUnknowns) {
+  const auto result = estimate(driven_chain(), chain_record(), {.sensors = chain_sensors()});
+  EXPECT_EQ(result.substeps, 4);
+  EXPECT_EQ(result.substep_bias.size(), 0);
+}
+
+}  // namespace
+}  // namespace kalfem
