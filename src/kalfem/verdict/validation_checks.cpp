@@ -28,17 +28,16 @@ Reason poor_prediction(const ValidatedSensor& sensor, double error) {
       error};
 }
 
-Reason worse_prediction(const ValidatedSensor& sensor, double error, double own) {
-  return {
-      "validation_worse",
-      sensor.name,
-      fmt::format("the simulation of '{}' has an error of {:.2g} of its motion on the validation part, but {:.2g} on "
-                  "the part that is estimated from",
-                  sensor.name, error, own),
-      "the estimates fit one record only: estimate fewer parameters or from a longer record, and check that the "
-      "structure and the size of its motion are the same",
-      VerdictState::suspicious,
-      error};
+Reason worse_prediction(const ValidatedSensor& sensor, double error) {
+  return {"validation_worse",
+          sensor.name,
+          fmt::format("the simulation of '{}' has an NRMSE of {:.2g} on the validation part, but of {:.2g} on the part "
+                      "that is estimated from",
+                      sensor.name, sensor.error, *sensor.own_error),
+          "the estimates fit one record only: estimate fewer parameters or from a longer record, and check that the "
+          "structure and the size of its motion are the same",
+          VerdictState::suspicious,
+          error};
 }
 
 }  // namespace
@@ -56,7 +55,7 @@ std::vector<Reason> validation_reasons(const std::vector<ValidatedSensor>& senso
     const auto own = sensor.own_error ? motion_error(*sensor.own_error, sensor.own_noise) : std::nullopt;
     if (error && *error >= poor) reasons.push_back(poor_prediction(sensor, *error));
     if (error && own && *error >= noticeable && *error > worse * *own)
-      reasons.push_back(worse_prediction(sensor, *error, *own));
+      reasons.push_back(worse_prediction(sensor, *error));
   }
   return reasons;
 }
