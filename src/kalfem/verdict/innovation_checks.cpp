@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -14,12 +16,17 @@ using Eigen::VectorXd;
 
 namespace {
 
+constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 constexpr double chance = 3.2e-5;      ///< of a normal variable beyond four deviations on one side
 constexpr double significant = 4.0;    ///< standard deviations beyond chance
 constexpr Index parts = 20;            ///< of a record
 constexpr Index shortest_part = 50;    ///< samples
 constexpr double gate = 5.0;           ///< standard deviations: white noise gets there once in two million samples
-constexpr double few_outliers = 0.01;  ///< of the samples: beyond it the sensor is wrong as a whole
+constexpr double few_outliers = 0.05;  ///< of the samples: beyond it the sensor is wrong as a whole
+const double half_gate = std::sqrt(0.5) * gate;
+constexpr double often = 0.05;  ///< of the time over half the gate: the limit of PX4's checks after a flight
+constexpr Index enough = 20;    ///< samples over half the gate that are no chance
+constexpr double beyond_half_gate = 4.07e-4;  ///< part of a normal variable there
 
 /// Root mean square of the values that are there, and their number.
 struct Size {
@@ -60,6 +67,23 @@ void find_largest_part(const InnovationRecord& record, const VectorXd& e, Sensor
   }
 }
 
+/// Part of the values that are there for which `over` holds.
+template <class Over>
+double part_over(const VectorXd& values, const Over& over) {
+  Index count = 0, all = 0;
+  for (Index k = 0; k < values.size(); ++k)
+    if (std::isfinite(values[k])) {
+      ++all;
+      count += over(k) ? 1 : 0;
+    }
+  return all > 0 ? static_cast<double>(count) / static_cast<double>(all) : 0.0;
+}
+
+/// Over half the gate for longer than single events take.
+bool often_over(double part, Index samples) {
+  return part > often && part * static_cast<double>(samples) > static_cast<double>(enough);
+}
+
 /// Whether the mean of e^2 differs from one by more than chance gives.
 bool differs(double ratio, double independent_samples) {
   const double n = std::max(1.0, independent_samples), sum = n * ratio * ratio;
@@ -79,6 +103,7 @@ public:
     if (found_.samples < 2) return {};
     check_size();
     check_part();
+    check_time();
     check_correlation();
     check_outliers();
     return std::move(reasons_);
@@ -101,8 +126,8 @@ private:
     if (state_of(1.0 / found_.ratio) != VerdictState::consistent)
       reasons_.push_back(
           {"noise_too_large", name_,
-           fmt::format("the innovations of '{}' are {:.3g} times smaller than the filter expects, so that "
-                       "stated deviations are too large",
+           fmt::format("the noise of '{}' is stated {:.2g} times too large: its innovations are smaller than "
+                       "expected by as much, and deviations of estimates that rest on it are too wide by up to as much",
                        name_, 1.0 / found_.ratio),
            fmt::format("state the noise of '{}' as about {}, not {}, or less process noise", name_,
                        noise_text(record_, i_, noise * found_.ratio), noise_text(record_, i_, noise)),
@@ -123,6 +148,20 @@ private:
          fmt::format("look at the record there: saturation, a loose cable, or motion that the model does "
                      "not follow when it is large"),
          VerdictState::suspicious, found_.largest_part});
+  }
+
+  /// Neither the whole nor one part is too large, and yet the sensor is far off for much of the time.
+  void check_time() {
+    if (!reasons_.empty() || !often_over(found_.beyond_half_gate, found_.samples)) return;
+    reasons_.push_back(
+        {"innovation_large_often", name_,
+         fmt::format("'{}' lies more than {:.2g} expected deviations from its prediction in {:.2g} % of the time "
+                     "(expected 0.04 %)",
+                     name_, half_gate, 100.0 * found_.beyond_half_gate),
+         fmt::format("look at where '{}' leaves its band on the page: impacts, a loose cable, or motion that the model "
+                     "does not follow",
+                     name_),
+         VerdictState::suspicious, suspicious_widening});
   }
 
   /// Correlation matters as far as it makes deviations too small: noise that is stated too large may outweigh it. By
@@ -196,11 +235,85 @@ std::vector<SensorConsistency> sensor_consistency(const InnovationRecord& record
     found.ratio = whole.rms;
     found.samples = whole.count;
     found.lag_one = autocorrelation(e);
+    found.beyond_half_gate = part_over(e, [&](Index k) { return std::abs(e[k]) > half_gate; });
     find_largest_part(record, e, found);
     sensors.push_back(found);
   }
   return sensors;
 }
+
+// Sums over the samples from the first one on; samples without a measurement are left out. The spread of a sum of NIS
+// is that of as many independent samples as its autocorrelation leaves.
+NisConsistency nis_consistency(const InnovationRecord& record) {
+  NisConsistency found;
+  const Index count = std::max<Index>(0, record.nis.size() - record.first);
+  const VectorXd nis = record.nis.tail(count), degrees = record.measured.tail(count).cast<double>();
+  const auto there = nis.array().isFinite() && degrees.array() > 0.0;
+  const VectorXd value = there.select(nis, 0.0), freedom = there.select(degrees, 0.0);
+  found.samples = there.count();
+  if (found.samples == 0) return found;
+  found.mean_degrees = freedom.sum() / static_cast<double>(found.samples);
+  found.ratio = found.largest_part = value.sum() / freedom.sum();
+  const VectorXd excess = there.select((nis - degrees).cwiseQuotient((2.0 * degrees).cwiseSqrt()), missing);
+  const double rho = std::clamp(autocorrelation(excess).value, 0.0, 0.9999);
+  found.independent_samples = static_cast<double>(found.samples) * (1.0 - rho) / (1.0 + rho);
+  std::map<double, double> limits;
+  found.beyond_half_gate = part_over(excess, [&](Index k) {
+    const auto [limit, added] = limits.try_emplace(degrees[k]);
+    if (added) limit->second = chi_squared_quantile(1.0 - beyond_half_gate, degrees[k]);
+    return nis[k] > limit->second;
+  });
+  const Index length = std::max(shortest_part, count / parts);
+  const auto time = [&](Index k) { return record.start + static_cast<double>(record.first + k) / record.sample_rate; };
+  for (Index begin = 0; begin + length <= count; begin += length) {
+    const auto part = Eigen::seqN(begin, length);
+    if (there(part).count() < length / 2) continue;
+    const double ratio = value(part).sum() / freedom(part).sum();
+    if (ratio <= found.largest_part) continue;
+    found.largest_part = ratio;
+    found.part_begin = time(begin);
+    found.part_end = time(begin + length);
+  }
+  return found;
+}
+
+namespace {
+
+/// Whether a mean of NIS over this part of the samples is larger than expected by more than chance.
+bool exceeds_chance(const NisConsistency& found, double ratio, double part) {
+  const double freedom = part * found.independent_samples * found.mean_degrees;
+  return freedom > 0.0 && (ratio - 1.0) > significant * std::sqrt(2.0 / freedom);
+}
+
+/// What all sensors together say where none does by itself.
+void add_nis_reason(const InnovationRecord& record, std::vector<Reason>& reasons) {
+  const auto found = nis_consistency(record);
+  if (found.samples < 2) return;
+  const double whole = std::sqrt(found.ratio), part = std::sqrt(found.largest_part);
+  const bool large = state_of(whole) != VerdictState::consistent && exceeds_chance(found, found.ratio, 1.0);
+  const double share = std::max(1.0 / static_cast<double>(parts),
+                                std::min(1.0, static_cast<double>(shortest_part) / static_cast<double>(found.samples)));
+  const std::string remedy =
+      "look at the innovations of all sensors on the page: a wrong excitation, clock or parameter moves several at "
+      "once";
+  if (large || often_over(found.beyond_half_gate, found.samples))
+    reasons.push_back(
+        {"nis_large", "all sensors",
+         fmt::format("the mean NIS is {:.3g} (expected {:.3g}), and {:.2g} % of the samples lie beyond half "
+                     "the gate (expected 0.04 %): the sensors together contradict the model, though none "
+                     "does by itself",
+                     found.ratio * found.mean_degrees, found.mean_degrees, 100.0 * found.beyond_half_gate),
+         remedy, large ? state_of(whole) : VerdictState::suspicious, std::max(1.0, whole)});
+  else if (state_of(part) != VerdictState::consistent && exceeds_chance(found, found.largest_part, share))
+    reasons.push_back(
+        {"nis_large_in_part", "all sensors",
+         fmt::format("from {:.4g} to {:.4g} s the mean NIS is {:.3g} (expected {:.3g}), though no sensor by "
+                     "itself is too large there",
+                     found.part_begin, found.part_end, found.largest_part * found.mean_degrees, found.mean_degrees),
+         remedy, VerdictState::suspicious, part});
+}
+
+}  // namespace
 
 std::vector<Reason> innovation_reasons(const InnovationRecord& record) {
   std::vector<Reason> reasons;
@@ -209,6 +322,10 @@ std::vector<Reason> innovation_reasons(const InnovationRecord& record) {
     const auto found = SensorReasons(record, static_cast<Index>(i), sensors[i]).reasons();
     reasons.insert(reasons.end(), found.begin(), found.end());
   }
+  const bool told = std::ranges::any_of(reasons, [](const Reason& reason) {
+    return reason.code.starts_with("innovation_large") || reason.code == "outliers";
+  });
+  if (!told) add_nis_reason(record, reasons);
   return reasons;
 }
 

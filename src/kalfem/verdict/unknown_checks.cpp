@@ -1,12 +1,15 @@
 #include "kalfem/verdict/checks.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace kalfem {
 
 using Eigen::Index;
+using Eigen::MatrixXd;
 
 namespace {
 
@@ -14,7 +17,12 @@ constexpr double far = 4.0;              ///< prior standard deviations
 constexpr double conflicting_nis = 1.2;  ///< mean NIS over the expected one
 constexpr double hardly_shrunk = 0.9;    ///< posterior over prior deviation
 constexpr double high_correlation = 0.99;
-constexpr double certain = 4.0;  ///< deviations from zero of an estimate of the other sign
+constexpr double at_bound = 0.01;      ///< of the range between the bounds
+constexpr double at_bound_move = 2.0;  ///< prior deviations: a first guess that stood there is no finding
+constexpr double redundant = 0.02;     ///< eigenvalue of the correlation matrix: known 50 times better than its parts
+constexpr double member = 0.3;         ///< of the largest part of a direction
+constexpr double still_wide = 0.3;     ///< posterior over prior deviation: below it, each is known well enough
+constexpr double certain = 4.0;        ///< deviations from zero of an estimate of the other sign
 
 std::string value_of(double value, const std::string& unit) {
   return fmt::format("{:.4g}{}{}", value, unit.empty() ? "" : " ", unit);
@@ -34,7 +42,41 @@ void check_prior(const EstimatedUnknown& unknown, double mean_nis, double expect
        conflict ? VerdictState::unusable : VerdictState::suspicious, unknown.moved});
 }
 
+/// A value that its nature forbids, and by more than its deviation explains: the model is another one than it says.
+bool is_out_of_range(const EstimatedUnknown& unknown) {
+  return unknown.estimate < unknown.least - certain * unknown.deviation ||
+         unknown.estimate > unknown.greatest + certain * unknown.deviation;
+}
+
+void check_range(const EstimatedUnknown& unknown, std::vector<Reason>& reasons) {
+  if (!is_out_of_range(unknown)) return;
+  const bool below = unknown.estimate < unknown.least;
+  const double limit = below ? unknown.least : unknown.greatest, away = std::abs(unknown.estimate - limit);
+  reasons.push_back({"out_of_range", unknown.name,
+                     fmt::format("unknown '{}' ended at {}, and by its nature it must be {} {:.3g}", unknown.name,
+                                 value_of(unknown.estimate, unknown.unit), below ? ">=" : "<=", limit),
+                     "check signs and units of the record and of the excitation and the values that are held fixed; "
+                     "transform: log or "
+                     "bounds keep it in its range, but do not mend the cause",
+                     VerdictState::unusable,
+                     std::max(unusable_widening, away / std::max(unknown.deviation, 1e-3 * away))});
+}
+
+void check_bounds(const EstimatedUnknown& unknown, std::vector<Reason>& reasons) {
+  const double range = unknown.upper_bound - unknown.lower_bound;
+  if (!std::isfinite(range) || !(unknown.moved > at_bound_move)) return;
+  const double below = (unknown.estimate - unknown.lower_bound) / range;
+  if (below > at_bound && below < 1.0 - at_bound) return;
+  reasons.push_back({"at_bound", unknown.name,
+                     fmt::format("unknown '{}' ended at {}, which is its {} bound {:.4g}", unknown.name,
+                                 value_of(unknown.estimate, unknown.unit), below <= at_bound ? "lower" : "upper",
+                                 below <= at_bound ? unknown.lower_bound : unknown.upper_bound),
+                     "widen its bounds; where these are right, the model or the record is wrong",
+                     VerdictState::suspicious, suspicious_widening});
+}
+
 void check_sign(const EstimatedUnknown& unknown, std::vector<Reason>& reasons) {
+  if (is_out_of_range(unknown)) return;
   if (unknown.initial * unknown.estimate >= 0.0 || !(std::abs(unknown.estimate) > certain * unknown.deviation)) return;
   reasons.push_back({"sign_changed", unknown.name,
                      fmt::format("unknown '{}' ended at {}, with the other sign than its initial value {:.4g}",
@@ -66,18 +108,8 @@ void check_widening(const EstimatedUnknown& unknown, std::vector<Reason>& reason
                      VerdictState::suspicious, unknown.widening});
 }
 
-}  // namespace
-
-std::vector<Reason> unknown_reasons(const std::vector<EstimatedUnknown>& unknowns,
-                                    const Eigen::Ref<const Eigen::MatrixXd>& correlation, double mean_nis,
-                                    double expected_nis) {
-  std::vector<Reason> reasons;
-  for (const auto& unknown : unknowns) {
-    check_prior(unknown, mean_nis, expected_nis, reasons);
-    check_sign(unknown, reasons);
-    check_information(unknown, reasons);
-    check_widening(unknown, reasons);
-  }
+void check_pairs(const std::vector<EstimatedUnknown>& unknowns, const Eigen::Ref<const MatrixXd>& correlation,
+                 std::vector<Reason>& reasons) {
   for (Index i = 0; i < correlation.rows(); ++i)
     for (Index j = 0; j < i; ++j) {
       if (!(std::abs(correlation(i, j)) > high_correlation)) continue;
@@ -88,6 +120,65 @@ std::vector<Reason> unknown_reasons(const std::vector<EstimatedUnknown>& unknown
                          "hold one of them at its value, or excite the structure so that they act differently",
                          VerdictState::suspicious, 1.0});
     }
+}
+
+/// "'a', 'b' and 'c'"
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    text += (i == 0 ? "'" : i + 1 == names.size() ? " and '" : ", '") + names[i] + "'";
+  return text;
+}
+
+/// Three and more of which no two are highly correlated can still depend on each other: an eigenvector of the
+/// correlation matrix with a small eigenvalue is a combination that the record knows far better than its members
+/// (Belsley, Kuh and Welsch 1980, chapter 3).
+void check_combinations(const std::vector<EstimatedUnknown>& unknowns, const Eigen::Ref<const MatrixXd>& correlation,
+                        std::vector<Reason>& reasons) {
+  if (correlation.rows() < 3 || !correlation.allFinite()) return;
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(correlation);
+  for (Index k = 0; k < correlation.rows() && eigen.eigenvalues()[k] < redundant; ++k) {
+    const Eigen::VectorXd direction = eigen.eigenvectors().col(k).cwiseAbs();
+    std::vector<std::string> names;
+    double widest = 0.0;
+    bool paired = false;
+    for (Index i = 0; i < direction.size(); ++i) {
+      if (direction[i] < member * direction.maxCoeff()) continue;
+      const auto& unknown = unknowns[static_cast<std::size_t>(i)];
+      names.push_back(unknown.name);
+      widest = std::max(widest, unknown.shrinkage);
+      for (Index j = 0; j < i; ++j)
+        paired =
+            paired || (direction[j] >= member * direction.maxCoeff() && std::abs(correlation(i, j)) > high_correlation);
+    }
+    if (names.size() < 3 || paired || widest < still_wide) continue;
+    const double known = 1.0 / std::sqrt(std::max(eigen.eigenvalues()[k], 1e-12));
+    reasons.push_back(
+        {"combination", fmt::format("{}", fmt::join(names, ", ")),
+         fmt::format("the record cannot tell unknowns {} apart: it knows a combination of them {:.2g} times "
+                     "better than each",
+                     listed(names), known),
+         "hold one of them at its value, give it a narrow prior, or add a sensor that separates them",
+         VerdictState::suspicious, 1.0});
+  }
+}
+
+}  // namespace
+
+std::vector<Reason> unknown_reasons(const std::vector<EstimatedUnknown>& unknowns,
+                                    const Eigen::Ref<const Eigen::MatrixXd>& correlation, double mean_nis,
+                                    double expected_nis) {
+  std::vector<Reason> reasons;
+  for (const auto& unknown : unknowns) {
+    check_prior(unknown, mean_nis, expected_nis, reasons);
+    check_range(unknown, reasons);
+    check_sign(unknown, reasons);
+    check_bounds(unknown, reasons);
+    check_information(unknown, reasons);
+    check_widening(unknown, reasons);
+  }
+  check_pairs(unknowns, correlation, reasons);
+  check_combinations(unknowns, correlation, reasons);
   return reasons;
 }
 
