@@ -55,19 +55,18 @@ std::vector<Fault> sensor_faults(const CaseFamily& family) {
           {fmt::format("{} late by {} samples", name, samples), {"sensor_delay"}, name, [row, samples](Measurement& m) {
              shift(m.sensors, row, samples);
            }});
+    faults.push_back({name + " saturated", {"sensor_saturated"}, name, [row](Measurement& m) {
+                        auto channel = m.sensors.values.row(row).array();
+                        const double limit = 1.2 * std::sqrt(channel.square().mean());
+                        channel = channel.min(limit).max(-limit).eval();
+                      }});
+    if (i > 0 && family.sensors[i].unit == family.sensors[i - 1].unit)
+      faults.push_back(
+          {name + " exchanged with " + family.sensors[i - 1].name, {"sensors_swapped"}, name, [row](Measurement& m) {
+             m.sensors.values.row(row).swap(m.sensors.values.row(row - 1));
+           }});
   }
-  faults.push_back({name + " saturated", {"sensor_saturated"}, name, [row](Measurement& m) {
-                      auto channel = m.sensors.values.row(row).array();
-                      const double limit = 1.2 * std::sqrt(channel.square().mean());
-                      channel = channel.min(limit).max(-limit).eval();
-                    }});
-  if (i > 0 && family.sensors[i].unit == family.sensors[i - 1].unit)
-    faults.push_back(
-        {name + " exchanged with " + family.sensors[i - 1].name, {"sensors_swapped"}, name, [row](Measurement& m) {
-           m.sensors.values.row(row).swap(m.sensors.values.row(row - 1));
-         }});
-}
-return faults;
+  return faults;
 }
 
 std::vector<Fault> excitation_faults(const CaseFamily& family) {

@@ -215,7 +215,9 @@ void look_for_cause(const Study& study, const StructureParts& parts, StudyResult
   auto& estimation = *results.estimation;
   if (!study.problem->settings.diagnose) return;
   if (!estimation.result.failure && std::ranges::none_of(verdict_of(estimation).reasons(), has_a_cause)) return;
-  estimation.diagnosis = diagnose({.problem = study.problem,
+  auto as_run = std::make_shared<EstimationProblem>(*study.problem);
+  as_run->settings.substeps = estimation.augmented_model->options().substeps;
+  estimation.diagnosis = diagnose({.problem = std::move(as_run),
                                    .parts = parts,
                                    .record = record_of(study, results),
                                    .options = {.unscented = study.problem->settings.unscented},
