@@ -2,51 +2,83 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <limits>
+#include "kalfem/estimation/partially_linear/argument_transform.hpp"
 
 namespace kalfem {
 namespace {
 
+using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
-MatrixXd factor_of(const MatrixXd& covariance) {
+/// Covariance of eight arguments of three variables, one argument without variance.
+MatrixXd dependent_covariance() {
+  std::srand(7);
+  MatrixXd of_variables = MatrixXd::Random(8, 3);
+  of_variables.row(4).setZero();
+  return of_variables * of_variables.transpose();
+}
+
+TEST(IndependentArguments, AreAsManyAsTheVariablesBehindThem) {
+  const MatrixXd covariance = dependent_covariance();
   MatrixXd factor;
-  EXPECT_TRUE(argument_factor(covariance, factor));
-  return factor;
+  std::vector<Index> independent;
+  ASSERT_TRUE(independent_argument_factor(covariance, factor, independent));
+  EXPECT_EQ(independent, (std::vector<Index>{0, 1, 2}));
+  EXPECT_TRUE(factor.rightCols(5).isZero(0.0));
+  EXPECT_TRUE((factor * factor.transpose()).isApprox(covariance, 1e-12));
 }
 
-TEST(ArgumentFactor, IsTheCholeskyFactorOfAGoodCovariance) {
-  MatrixXd covariance(3, 3);
-  covariance << 4e-12, 1e-9, -2e-7, 1e-9, 1e-6, 3e-5, -2e-7, 3e-5, 9.0;
-  const MatrixXd factor = factor_of(covariance);
-  EXPECT_TRUE((factor * factor.transpose()).isApprox(covariance, 1e-14));
+TEST(IndependentArguments, SolveForTheSameCombinationsOfTheColumns) {
+  const MatrixXd covariance = dependent_covariance(), b = MatrixXd::Random(8, 2);
+  MatrixXd factor, solution;
+  std::vector<Index> independent;
+  ASSERT_TRUE(independent_argument_factor(covariance, factor, independent));
+  solve_independent_transposed(factor, independent, b, solution);
+  EXPECT_TRUE((covariance * solution).isApprox(factor.leftCols(3) * b.topRows(3), 1e-12));
+  EXPECT_TRUE(solution.bottomRows(5).isZero(0.0));
 }
 
-TEST(ArgumentFactor, SpreadsAlongArgumentsThatDependOnEachOther) {
-  MatrixXd covariance(2, 2);
-  covariance << 1.0, 2.0, 2.0, 4.0;
-  const MatrixXd factor = factor_of(covariance);
-  EXPECT_TRUE((factor * factor.transpose()).isApprox(covariance, 1e-11));
-  EXPECT_GT(factor(1, 1), 0.0);
+TEST(IndependentArguments, RefuseWhatIsNoCovariance) {
+  MatrixXd factor, covariance = dependent_covariance();
+  std::vector<Index> independent;
+  covariance(3, 3) = -1.0;
+  EXPECT_FALSE(independent_argument_factor(covariance, factor, independent));
+  covariance(3, 3) = std::nan("");
+  EXPECT_FALSE(independent_argument_factor(covariance, factor, independent));
 }
 
-/// What rounding left of a certain argument, 1e-33 beside covariances of 1e-20, must not grow into slopes of 1e+13.
-TEST(ArgumentFactor, DrawsNothingFromAVarianceThatIsRounding) {
-  MatrixXd covariance(2, 2);
-  covariance << 1e-33, 1e-20, 1e-20, 1e-10;
-  const MatrixXd factor = factor_of(covariance);
-  EXPECT_EQ(factor(1, 0), 0.0);
-  EXPECT_NEAR(factor(1, 1), 1e-5, 1e-15);
-  EXPECT_GT(factor(0, 0), 0.0);
-}
+/// phi = squares and a product of the arguments.
+class Squares final : public PartiallyLinearMap {
+public:
+  Squares() {
+    gain_ = MatrixXd::Identity(3, 3);
+    selection_ = MatrixXd::Zero(8, 3);
+  }
+  bool evaluate(const Eigen::ArrayXXd& in, Eigen::ArrayXXd& out) override {
+    out.col(0) = in.col(0).square();
+    out.col(1) = in.col(3) * in.col(5);
+    out.col(2) = in.col(7).cube();
+    return true;
+  }
+};
 
-TEST(ArgumentFactor, RefusesWhatIsNoCovariance) {
+/// Points that would stand at the centre change no moment, whatever the spread.
+TEST(IndependentArguments, GiveTheMomentsOfAllPoints) {
   MatrixXd factor;
-  EXPECT_FALSE(argument_factor(MatrixXd::Constant(1, 1, -1e-3), factor));
-  EXPECT_FALSE(argument_factor(MatrixXd::Constant(1, 1, std::numeric_limits<double>::quiet_NaN()), factor));
-  EXPECT_TRUE(argument_factor(MatrixXd::Zero(1, 1), factor));
-  EXPECT_EQ(factor(0, 0), 0.0);
+  std::vector<Index> independent;
+  ASSERT_TRUE(independent_argument_factor(dependent_covariance(), factor, independent));
+  const VectorXd centre = VectorXd::Random(8);
+  for (const std::optional<double> kappa : {std::optional<double>(), std::optional<double>(1.5)}) {
+    const UnscentedOptions options{.kappa = kappa, .points = SigmaPoints::of_arguments};
+    Squares map;
+    ArgumentTransform all(options), few(options);
+    ASSERT_TRUE(all.apply(map, centre, factor));
+    ASSERT_TRUE(few.apply(map, centre, factor.leftCols(3), 8));
+    EXPECT_TRUE(few.mean().isApprox(all.mean(), 1e-12));
+    EXPECT_TRUE(few.scatter().isApprox(all.scatter(), 1e-10));
+    EXPECT_TRUE(few.delta().isApprox(all.delta().topRows(3), 1e-12));
+  }
 }
 
 }  // namespace
