@@ -300,7 +300,10 @@ void parts_of_an_interval() {
   const auto study = with_estimate(stiffness_unknown + ", substeps: 7");
   EXPECT_EQ(options_of(study).substeps, 7);
   near(options_of(study).step, 0.01);
-  EXPECT_EQ(options_of(with_estimate(stiffness_unknown)).substeps, 4);
+  EXPECT_EQ(study.problem->settings.substeps, 7);
+  EXPECT_EQ(options_of(with_estimate(stiffness_unknown)).substeps, 4);  // to begin with
+  for (const std::string text : {"", ", substeps: auto"})
+    EXPECT_FALSE(with_estimate(stiffness_unknown + text).problem->settings.substeps);
   const auto results = run(study, Step::simulate);
   EXPECT_EQ(make_filter_run(study.problem, *study.augmented_model, record_of(study, results)).input.inputs.cols(), 351);
 }
