@@ -110,10 +110,20 @@ void other_stages() {
 
 // --- records ---------------------------------------------------------------------------------------------------------
 
+/// Whether `with_record` reads the record of a validation in the place of the case's own.
+bool of_validation = false;
+
 Study with_record(const std::string& text, const Sections& more = {}) {
   Sections sections{{"simulate", ""}, {"record", "{" + text + "}"}};
+  if (of_validation)
+    sections = {{"simulate", ""},
+                {"excitation", ""},
+                {"update", "{parameters: {s.a.mass: {}}, compare: {f: {modes: s, frequencies: [3]}}}"},
+                {"validate", "{record: {" + text + "}}"}};
   for (const auto& [key, value] : more) sections[key] = value;
-  return study_of(lumped_case(sections));
+  Study study = study_of(lumped_case(sections));
+  if (of_validation) study.record = study.validation->record;
+  return study;
 }
 
 const std::vector<double> ramp{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}, fall{9, 8, 7, 6, 5, 4, 3, 2, 1, 0};
@@ -282,6 +292,50 @@ void unknown_rest_positions() {
   near(deviation("rest_std: 2 mm")[0], deviation("")[0]);  // of displacements alone
 }
 
+/// The same check of the record of a validation.
+std::function<void()> in_validation(void (*check)()) {
+  return [check] {
+    of_validation = true;
+    check();
+    of_validation = false;
+  };
+}
+
+Study with_validation(const std::string& text) {
+  std::vector<double> rising(40), falling(40);
+  for (std::size_t k = 0; k < 40; ++k) rising[k] = double(k), falling[k] = 39.0 - double(k);
+  write_file("record.csv", csv_of(10.0, {{"y", rising}, {"f", falling}}));
+  write_file("other.csv", csv_of(10.0, {{"y", falling}}));
+  write_file("input.csv", csv_of(10.0, {{"f", rising}}));
+  return study_of(lumped_case({{"simulate", ""},
+                               {"record", "{file: record.csv, end: 0.3 s}"},
+                               {"excitation", "{f: {force: s.a, file: record.csv, channel: f}}"},
+                               {"estimate", "{unknown: {c.k: {initial: 400, std: 80}}}"},
+                               {"validate", "{" + text + "}"}}));
+}
+
+void parts_of_validations() {
+  const auto study = with_validation("start: 0.5 s, end: 1.8 s");
+  near(study.validation->record.record.values.row(0).transpose(), Eigen::VectorXd::LinSpaced(14, 5, 18));
+  near(study.validation->record.record.start, 0.5);
+  near(with_validation("start: 0.5 s").validation->record.record.end(), 3.9);
+  near(study.validation->signals.at(0)->sample(0.5, 1.0, 1)(0, 0), 34.0);
+}
+
+void starts_of_validations() {
+  near(with_validation("start: 0.9 s").validation->lead_in, 0.3, many_roundings);  // a tenth
+  near(with_validation("start: 0.9 s, lead_in: 0.2 s").validation->lead_in, 0.2);
+  EXPECT_FALSE(with_validation("start: 0.9 s, initial: unknown").validation->from_rest);
+  EXPECT_TRUE(with_validation("start: 0.9 s, initial: rest").validation->from_rest);
+}
+
+void inputs_of_validations() {
+  const auto study = with_validation("record: {file: other.csv}, excitation: {f: input.csv}");
+  near(study.validation->record.record.values(0, 2), 37.0);
+  near(study.validation->signals.at(0)->sample(0.2, 1.0, 1)(0, 0), 2.0);
+  near(study.structure->signals.at(0)->sample(0.2, 1.0, 1)(0, 0), 37.0);
+}
+
 }  // namespace
 
 KeyChecks sensor_and_record_keys() {
@@ -307,6 +361,13 @@ KeyChecks sensor_and_record_keys() {
   add("record.", {"repair_splice"}, splices_are_repaired);
   add("record.free_response.", {"delay", "threshold", "margin"}, free_responses);
   add("record.free_response.", {"rest_std"}, unknown_rest_positions);
+  KeyChecks of_records;
+  for (const auto& [key, check] : keys)
+    if (key.starts_with("record.")) of_records["validate." + key] = in_validation(*check.target<void (*)()>());
+  keys.merge(of_records);
+  add("validate.", {"start", "end"}, parts_of_validations);
+  add("validate.", {"lead_in", "initial"}, starts_of_validations);
+  add("validate.", {"excitation"}, inputs_of_validations);
   return keys;
 }
 
