@@ -170,6 +170,15 @@ estimate:
   initial_state_from_record: true
   initial_state: {car.u: {displacement_std: 1 mm, velocity_std: 0.1 m/s}}
   settle: 0.1 s
+validate:
+  record:
+    file: again.csv
+    unit: m
+    skip_missing: true
+    free_response: {delay: 0.05 s, threshold: 0.1 mm, margin: 0.2 s}
+  start: 0.1 s
+  end: 5.4 s
+  lead_in: 0.5 s
 )";
 
 const std::string updating = R"(kalfem: 1
@@ -361,7 +370,7 @@ std::vector<BaseCase> base_cases() {
 }
 
 void write_case_files(const std::filesystem::path& folder) {
-  write_release(std::ofstream(folder / "release.csv"));
+  for (const char* name : {"release.csv", "again.csv"}) write_release(std::ofstream(folder / name));
   std::ofstream input(folder / "input.csv");
   input << "t,f\n";
   for (int k = 0; k <= 200; ++k) input << k / sample_rate << ',' << std::sin(0.1 * k) << '\n';
