@@ -141,7 +141,7 @@ EstimateResult estimate(const Structure& structure, const Record& record, const 
   estimate.start = explain(filtered.run.start);
   estimate.sample_rate = record.sample_rate;
   if (const auto& failure = filtered.result.failure)
-    estimate.failure = FilterStop{record.start + failure->time, failure->reason};
+    estimate.failure = FilterStop{record.start + failure->time, failure->reason + "; " + failure->remedy};
   return estimate;
 }
 

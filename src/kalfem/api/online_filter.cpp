@@ -6,6 +6,7 @@
 
 #include "kalfem/api/filter_problem.hpp"
 #include "kalfem/api/structure_description.hpp"
+#include "kalfem/estimation/failure.hpp"
 #include "kalfem/estimation/filter_setup.hpp"
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/system/signals/sampled.hpp"
@@ -221,7 +222,8 @@ private:
   }
 
   bool stop_unless_usable(FilterOutcome outcome) {
-    if (outcome != FilterOutcome::usable) failure_ = FilterStop{time(), to_string(outcome)};
+    if (outcome != FilterOutcome::usable)
+      failure_ = FilterStop{time(), to_string(outcome) + "; " + remedy_of(outcome, options_.filter)};
     return !failure_;
   }
 

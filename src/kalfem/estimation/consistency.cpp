@@ -29,12 +29,11 @@ ConsistencySummary summarise_consistency(const Eigen::VectorXd& nis, const Eigen
         summary.innovation_to_noise[i] += innovation(i, k) * innovation(i, k);
       }
   }
-  const double scale = 1.0 / std::max(samples, 1.0);
+  const double scale = 1.0 / samples;  // without samples nothing is computed: not a number, rather than zero
   summary.mean_nis *= scale;
   summary.expected_nis *= scale;
   summary.fraction_in_95 *= scale;
-  summary.innovation_to_noise =
-      (summary.innovation_to_noise.array() / counts.array().max(1.0)).sqrt() / noise_deviation.array();
+  summary.innovation_to_noise = (summary.innovation_to_noise.array() / counts.array()).sqrt() / noise_deviation.array();
   return summary;
 }
 

@@ -13,7 +13,8 @@ struct ConsistencySummary {
   Eigen::VectorXd innovation_to_noise;  ///< rms of each channel's innovation / its noise standard deviation
 };
 
-/// Over the samples from `first` on. Samples without measurements (NaN) are left out.
+/// Over the samples from `first` on. Samples without measurements (NaN) are left out; a figure that no sample gives is
+/// not a number.
 ConsistencySummary summarise_consistency(const Eigen::VectorXd& nis, const Eigen::VectorXi& measured,
                                          const Eigen::MatrixXd& innovation, const Eigen::VectorXd& noise_deviation,
                                          Eigen::Index first);

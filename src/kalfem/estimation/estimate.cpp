@@ -5,7 +5,7 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/stopwatch.hpp"
-#include "kalfem/estimation/consistency.hpp"
+#include "kalfem/estimation/failure.hpp"
 #include "kalfem/estimation/filter_setup.hpp"
 #include "kalfem/statistics/quantiles.hpp"
 
@@ -105,8 +105,17 @@ private:
     // The tangent along the linear part's unknowns holds near the point of linearisation only.
     if (outcome == FilterOutcome::usable) outcome = charged(relinearise_where_it_moved(k), time.predict);
     if (outcome == FilterOutcome::usable) return true;
-    result_.failure = {outcome, static_cast<double>(k) * augmented_model_.options().step, to_string(outcome)};
+    stop(k, outcome);
     return false;
+  }
+
+  /// The result holds the samples before the one that failed, and this one too where only the linearisation about it
+  /// was impossible.
+  void stop(Index k, FilterOutcome outcome) {
+    FailureTrace trace{.outcome = outcome, .sample = k, .computed = k, .connector = {}};
+    if (outcome == FilterOutcome::linear_part_impossible) trace.computed = k + 1;
+    if (outcome == FilterOutcome::model_not_evaluable) trace.connector = setup_->failed_connector();
+    result_.failure = explain_failure(trace, augmented_model_, input_, options_, result_);
   }
 
   void report_progress(Index k, Index samples) const {

@@ -53,8 +53,12 @@ struct EstimatedSeries {
 /// Why a run ended early.
 struct EstimationFailure {
   FilterOutcome outcome = FilterOutcome::usable;
-  double time = 0.0;   ///< [s]
-  std::string reason;  ///< in words
+  double time = 0.0;          ///< from the first sample [s]
+  std::string reason;         ///< in words: the outcome and its likeliest cause
+  std::string subject = {};   ///< the channel, unknown or connector that it comes from, where one stands out
+  std::string cause = {};     ///< in words, from the samples before
+  std::string remedy = {};    ///< in words, without what the run does already
+  Eigen::Index computed = 0;  ///< samples that the result holds
 };
 
 /// Wall time of the last run over the record [s].

@@ -31,16 +31,13 @@ std::string to_string(FilterOutcome outcome) {
     case FilterOutcome::usable:
       return "usable";
     case FilterOutcome::model_not_evaluable:
-      return "a connector force was not finite or did not converge at a sigma point: bound the unknown parameters "
-             "(transform: log, or bounds) or narrow their prior";
+      return "a connector force was not finite or did not converge at a sigma point";
     case FilterOutcome::linear_part_impossible:
-      return "an unknown of the linear part reached a value that is physically impossible: bound it (transform: log, "
-             "or bounds) or narrow its prior";
+      return "an unknown of the linear part reached a value that is physically impossible";
     case FilterOutcome::covariance_not_positive_definite:
-      return "the covariance of the state is no longer positive definite: use filter: ukf_square_root, add process "
-             "noise or narrow the prior";
+      return "the covariance of the state is no longer positive definite";
     case FilterOutcome::innovation_not_positive_definite:
-      return "the covariance of the innovations is singular: give every sensor noise";
+      return "the covariance of the innovations is singular";
   }
   return {};
 }

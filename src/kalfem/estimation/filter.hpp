@@ -21,7 +21,7 @@ enum class FilterOutcome {
   innovation_not_positive_definite   ///< the innovation's covariance did, or is singular: a sensor without noise
 };
 
-/// In words, with what to do.
+/// In words.
 std::string to_string(FilterOutcome outcome);
 
 /// Input of a filter. Everything here stays unchanged while the filter lives; the maps outlive the filter. The

@@ -32,6 +32,12 @@ FilterSetup::FilterSetup(std::shared_ptr<const AugmentedModel> of, const MatrixX
                           .monitored = monitored ? &*monitored : nullptr},
                          options.unscented, options.threads)) {}
 
+std::optional<Index> FilterSetup::failed_connector() const {
+  if (const auto failed = transition.failed_connector()) return failed;
+  if (const auto failed = measurement.failed_connector()) return failed;
+  return monitored ? monitored->failed_connector() : std::nullopt;
+}
+
 bool LinearEstimate::outdates(const LinearEstimate& there) const {
   for (Index i = 0; i < values.size(); ++i) {
     const double scale = std::max(std::abs(values[i]), deviations[i]);

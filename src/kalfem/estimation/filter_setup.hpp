@@ -17,6 +17,9 @@ struct FilterSetup {
   FilterSetup(const FilterSetup&) = delete;  // the filter works on the maps here
   FilterSetup& operator=(const FilterSetup&) = delete;
 
+  /// The connector whose force the last evaluation of a map could not compute; nothing where all could.
+  [[nodiscard]] std::optional<Eigen::Index> failed_connector() const;
+
   std::shared_ptr<const AugmentedModel> augmented_model;
   ProcessModel transition;
   MeasurementModel measurement;

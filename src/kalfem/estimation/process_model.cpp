@@ -53,6 +53,16 @@ bool solve_instant(const AugmentedModel& augmented_model, const ArrayXXd& in, In
   return outcome.finite && outcome.converged;
 }
 
+/// After a solve that failed: the connector with a force that is not finite, otherwise the one with the largest force.
+Index worst_connector(ConnectorForces& forces) {
+  Index worst = 0;
+  const ArrayXXd& force = forces.force();
+  for (Index j = 0; j < force.cols(); ++j)
+    if (!force.col(j).isFinite().all()) return j;
+  force.abs().colwise().maxCoeff().maxCoeff(&worst);
+  return worst;
+}
+
 /// Weights of a column of instants for values that are linear from the first to the last.
 MatrixXd between_ends(const MatrixXd& weights, Index instants) {
   const Index width = weights.cols() / instants;
@@ -143,10 +153,17 @@ void ProcessModel::set_mean(const VectorXd& mean) {
   if (derivatives_usable_) gain_.rightCols(moving_gain_) = augmented_model_->own(derivatives_);
 }
 
+bool ProcessModel::evaluate(const ArrayXXd& in, ArrayXXd& out) {
+  failed_connector_.reset();
+  if (!derivatives_usable_) return false;
+  if (solve_interval(in, out)) return true;
+  failed_connector_ = worst_connector(forces_);
+  return false;
+}
+
 /// Forces at the first instant from the motion there, then of each part's end from those before, with the connectors'
 /// internal states going along.
-bool ProcessModel::evaluate(const ArrayXXd& in, ArrayXXd& out) {
-  if (!derivatives_usable_) return false;
+bool ProcessModel::solve_interval(const ArrayXXd& in, ArrayXXd& out) {
   const auto& layout = augmented_model_->layout();
   const Index m = forces_.force().cols();
   fit_points(forces_, in.rows());
@@ -224,10 +241,14 @@ void MeasurementModel::set_inputs(const Ref<const VectorXd>& inputs) {
 }
 
 bool MeasurementModel::evaluate(const ArrayXXd& in, ArrayXXd& out) {
+  failed_connector_.reset();
   if (!derivatives_usable_) return false;
   fit_points(forces_, in.rows());
   set_unknowns(*augmented_model_, in, forces_);
-  if (!solve_instant(*augmented_model_, in, motion_, forces_)) return false;
+  if (!solve_instant(*augmented_model_, in, motion_, forces_)) {
+    failed_connector_ = worst_connector(forces_);
+    return false;
+  }
   out.leftCols(forces_.force().cols()) = forces_.force();
   tangent_.set_outputs(in, augmented_model_->layout().connector_states, out);
   return true;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -96,8 +97,11 @@ public:
   /// The mean about which the unknowns of the linear part act, after the inputs.
   void set_mean(const Eigen::VectorXd& mean);
   bool evaluate(const Eigen::ArrayXXd& in, Eigen::ArrayXXd& out) override;
+  /// The connector whose force the last evaluation could not compute; nothing where it could.
+  [[nodiscard]] std::optional<Eigen::Index> failed_connector() const { return failed_connector_; }
 
 private:
+  bool solve_interval(const Eigen::ArrayXXd& in, Eigen::ArrayXXd& out);
   bool solve_part(Eigen::Index part, const Eigen::ArrayXXd& in, const Eigen::ArrayXXd& out);
 
   const AugmentedModel* augmented_model_;
@@ -112,6 +116,7 @@ private:
   ParameterTangent<ProcessModel> tangent_;
   Eigen::MatrixXd derivatives_;
   bool derivatives_usable_ = true;
+  std::optional<Eigen::Index> failed_connector_;
 };
 
 /// Outputs of an augmented model: of its system, and what its unknowns add to them.
@@ -137,6 +142,8 @@ public:
   /// The mean about which the unknowns of the linear part act, after the inputs.
   void set_mean(const Eigen::VectorXd& mean);
   bool evaluate(const Eigen::ArrayXXd& in, Eigen::ArrayXXd& out) override;
+  /// The connector whose force the last evaluation could not compute; nothing where it could.
+  [[nodiscard]] std::optional<Eigen::Index> failed_connector() const { return failed_connector_; }
 
 private:
   const AugmentedModel* augmented_model_;
@@ -146,6 +153,7 @@ private:
   ParameterTangent<MeasurementModel> tangent_;
   Eigen::MatrixXd derivatives_;
   bool derivatives_usable_ = true;
+  std::optional<Eigen::Index> failed_connector_;
 };
 
 }  // namespace kalfem

@@ -186,12 +186,41 @@ void choose_with_start(const EstimationProblemPtr& problem, const AugmentedModel
     choose_for({.moving = true, .reason = "its first samples are not those of rest"});
 }
 
-bool loses_sign_in_modal_coordinates(const FilteredRecord& filtered) {
-  const auto& failure = filtered.result.failure;
-  const auto lost = [&](FilterOutcome outcome) { return failure && failure->outcome == outcome; };
-  return (lost(FilterOutcome::covariance_not_positive_definite) ||
-          lost(FilterOutcome::innovation_not_positive_definite)) &&
-         filtered.run.choice.augmented_model->options().coordinates == StateCoordinates::modal;
+FilterAttempt attempt_of(const FilteredRecord& filtered) {
+  return {filtered.run.choice.filter, filtered.run.choice.augmented_model->options().coordinates,
+          filtered.result.failure};
+}
+
+/// The choice of `first` in another form, and why.
+std::string reason_for(const FilterAttempt& attempt, const FilterAttempt& failed) {
+  if (attempt.filter == failed.filter)
+    return "in physical coordinates, because rounding errors in modal ones made the covariance indefinite";
+  return "with the covariance carried as a triangular factor, because rounding errors made it indefinite";
+}
+
+/// The same record through another form of the filter.
+FilteredRecord run_again(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
+                         EstimationOptions options, const FilterAttempt& attempt) {
+  FilteredRecord again{make_filter_run(problem, setup, record, attempt.coordinates), {}, {}};
+  again.run.choice.filter = options.filter = attempt.filter;
+  again.result = estimate(*again.run.choice.augmented_model, again.run.input, options);
+  return again;
+}
+
+/// Whether the filter that would be chosen runs over the record, which costs less than the one that was asked for; the
+/// remedy says so.
+void try_chosen_filter(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
+                       const EstimationOptions& options, FilteredRecord& failed) {
+  auto chosen = std::make_shared<EstimationProblem>(*problem);
+  chosen->settings.filter.reset();
+  EstimationOptions silent = options;
+  silent.monitored = {};
+  silent.keep_unknowns = false;
+  const FilteredRecord other = run_filter(chosen, setup, record, silent);
+  failed.attempts.insert(failed.attempts.end(), other.attempts.begin(), other.attempts.end());
+  if (other.result.failure) return;
+  std::string& remedy = failed.result.failure->remedy;
+  remedy = "use filter: auto, which runs to the end of this record" + (remedy.empty() ? "" : ", or " + remedy);
 }
 
 }  // namespace
@@ -206,19 +235,37 @@ FilterRun make_filter_run(const EstimationProblemPtr& problem, const AugmentedMo
   return run;
 }
 
+std::vector<FilterAttempt> attempts_after(const FilterAttempt& failed, bool kind_is_given) {
+  std::vector<FilterAttempt> next;
+  const bool tiled = failed.filter == FilterKind::partially_linear;
+  const bool sign_lost = failed.failure && (failed.failure->outcome == FilterOutcome::covariance_not_positive_definite ||
+                                            failed.failure->outcome == FilterOutcome::innovation_not_positive_definite);
+  if (!sign_lost || !tiled) return next;
+  if (failed.coordinates == StateCoordinates::modal)
+    next.push_back({FilterKind::partially_linear, StateCoordinates::physical, {}});
+  if (!kind_is_given) next.push_back({FilterKind::partially_linear_square_root, StateCoordinates::physical, {}});
+  return next;
+}
+
 FilteredRecord run_filter(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
                           EstimationOptions options) {
-  FilteredRecord filtered{make_filter_run(problem, setup, record), {}};
-  options.filter = filtered.run.choice.filter;
-  filtered.result = estimate(*filtered.run.choice.augmented_model, filtered.run.input, options);
-  if (!loses_sign_in_modal_coordinates(filtered)) return filtered;
-  const std::string reason = filtered.run.choice.reason;
-  filtered.run = make_filter_run(problem, setup, record, StateCoordinates::physical);
-  filtered.run.choice.filter = options.filter;
-  filtered.run.choice.reason =
-      reason + "; in physical coordinates, because rounding errors in modal ones made the covariance indefinite";
-  filtered.result = estimate(*filtered.run.choice.augmented_model, filtered.run.input, options);
-  return filtered;
+  const auto given = problem->settings.filter;
+  FilteredRecord first{make_filter_run(problem, setup, record), {}, {}};
+  options.filter = first.run.choice.filter;
+  first.result = estimate(*first.run.choice.augmented_model, first.run.input, options);
+  first.attempts = {attempt_of(first)};
+  if (!first.result.failure) return first;
+  const FilterAttempt failed = first.attempts.front();
+  for (const auto& attempt : attempts_after(failed, given.has_value())) {
+    FilteredRecord again = run_again(problem, setup, record, options, attempt);
+    first.attempts.push_back(attempt_of(again));
+    if (again.result.failure) continue;
+    again.attempts = first.attempts;
+    again.run.choice.reason = first.run.choice.reason + "; " + reason_for(attempt, failed);
+    return again;
+  }
+  if (given && given != FilterKind::partially_linear) try_chosen_filter(problem, setup, record, options, first);
+  return first;
 }
 
 int processors() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }

@@ -28,20 +28,34 @@ struct FilterRun {
 FilterRun make_filter_run(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
                           std::optional<StateCoordinates> coordinates = std::nullopt);
 
+/// One of several filters that were tried over a record.
+struct FilterAttempt {
+  FilterKind filter = FilterKind::unscented;
+  StateCoordinates coordinates = StateCoordinates::physical;
+  std::optional<EstimationFailure> failure;  ///< nothing: it ran to the end
+};
+
 /// Result of a filter over a record, with that filter and its model.
 struct FilteredRecord {
   FilterRun run;
   EstimationResult result;
+  std::vector<FilterAttempt> attempts = {};  ///< in the order in which they were made, the result's the last
   /// The model at the end, linearised about the final values of the unknowns of its linear part.
   [[nodiscard]] std::shared_ptr<const AugmentedModel> augmented_model() const {
     return result.augmented_model ? result.augmented_model : run.choice.augmented_model;
   }
 };
 
+/// What to try after a filter that stopped with this outcome: forms of the same filter that lose fewer digits, the
+/// cheapest first. A covariance that lost its sign in modal coordinates, the partially linear filter in physical ones,
+/// where a step costs more; then, unless the kind of filter was asked for, with its covariance as a triangular factor.
+/// Nothing where no such form helps.
+std::vector<FilterAttempt> attempts_after(const FilterAttempt& failed, bool kind_is_given);
+
 /// Runs the filter that suits the problem over the record; the options' kind of filter is chosen here, and `monitored`
-/// are outputs of the setup's model. Modal coordinates of close poles are an ill-conditioned basis: where the
-/// covariance, or that of the innovations, loses its sign there, the run is made again in physical coordinates, where a
-/// step costs more. A failure is in the result. Throws InvalidInput as make_filter_run() and estimate() do.
+/// are outputs of the setup's model. Where it stops, tries attempts_after() it; if none runs to the end, the result is
+/// that of the first. Where the kind was asked for and stops, the remedy says whether filter: auto runs to the end,
+/// which was tried. A failure is in the result. Throws InvalidInput as make_filter_run() and estimate() do.
 FilteredRecord run_filter(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
                           EstimationOptions options);
 
