@@ -20,10 +20,10 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double most_work = 2e11;  ///< operations of all trials, about: decides how much of the record they see
+constexpr double most_work = 6e10;  ///< operations of all trials, about: decides how much of the record they see
 constexpr double usual_trials = 100.0;
 constexpr double telling_part = 0.3;    ///< of the sum of NIS that the trials should see
-constexpr Index fewest_samples = 2000;  ///< of the record, where it has as many
+constexpr Index fewest_samples = 1500;  ///< of the record, where it has as many
 constexpr double longest_delay = 0.15;  ///< [s]
 constexpr std::size_t refined = 8;      ///< best hypotheses whose number is searched
 constexpr double worth_refining = 0.2;  ///< part of the best's rise
@@ -99,23 +99,23 @@ double work_of_step(const FilterRun& run) {
   return partially_linear ? 50.0 * n * n : 10.0 * n * n * n;
 }
 
-/// Samples until the sum of NIS has reached a good part of its whole; twice as many as there are until the filter
-/// stopped.
-Index telling_samples(const VectorXd& nis) {
+/// Samples until the sum of NIS has reached a good part of its whole; where the filter stopped before the end, twice as
+/// many as it reached.
+Index telling_samples(const VectorXd& nis, Index samples) {
+  if (nis.size() < samples) return 2 * nis.size();
   const VectorXd known = nis.array().isFinite().select(nis, 0.0);
   const double wanted = telling_part * known.sum();
-  Index last = known.size() - 1;
-  while (last > 0 && known[last] == 0.0) --last;
   double sum = 0.0;
-  for (Index k = 0; k < known.size(); ++k)
-    if ((sum += known[k]) >= wanted) return last + 1 < known.size() ? 2 * (last + 1) : k + 1;
-  return known.size();
+  for (Index k = 0; k < samples; ++k)
+    if ((sum += known[k]) >= wanted) return k + 1;
+  return samples;
 }
 
 /// The first part of the record: long enough to tell what is wrong, and no longer than so many trials can afford.
 Record part_for(const DiagnosisInput& input, const FilterRun& run, double trials) {
   const auto affordable = static_cast<Index>(most_work / (trials * work_of_step(run)));
-  const Index wanted = std::max(fewest_samples, std::min(affordable, telling_samples(input.nis)));
+  const Index wanted =
+      std::max(fewest_samples, std::min(affordable, telling_samples(input.nis, input.record.samples_used())));
   const Index samples = std::min(input.record.samples(), wanted);
   Record part = input.record;
   part.values = input.record.values.leftCols(samples).eval();

@@ -16,7 +16,7 @@ struct DiagnosisInput {
   StructureParts parts;
   Record record;
   EstimationOptions options = {};
-  Eigen::VectorXd nis = {};  ///< of the run that is to be explained, per sample; not a number where it has none
+  Eigen::VectorXd nis = {};  ///< of the run that is to be explained, up to where it stopped
 
   /// The filter's run over the record for this problem or a changed one.
   [[nodiscard]] FilterRun run_of(const EstimationProblemPtr& changed, const StructureParts& changed_parts) const;

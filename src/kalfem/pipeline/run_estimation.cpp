@@ -85,6 +85,32 @@ int samples_between_deviations(double sample_rate) {
   return std::max(1, static_cast<int>(std::lround(sample_rate / 100.0)));
 }
 
+/// What was computed before a failure: the rest would be drawn as nothing and averaged as zero. At least one sample
+/// stays, which holds no number where none was computed.
+void keep_computed(EstimationOutcome& outcome) {
+  auto& result = outcome.result;
+  if (!result.failure) return;
+  const Index count = std::max<Index>(1, result.failure->computed);
+  const auto cut = [&](MatrixXd& series) { series = series.leftCols(std::min(count, series.cols())).eval(); };
+  for (auto* series : {&result.state, &result.unknowns, &result.monitored}) {
+    cut(series->mean);
+    cut(series->deviation);
+  }
+  for (auto* series : {&result.innovation, &result.innovation_deviation, &outcome.measurements.values}) cut(*series);
+  result.nis = result.nis.head(count).eval();
+  result.measured = result.measured.head(count).eval();
+  if (outcome.measurements.used) outcome.measurements.used = std::min(*outcome.measurements.used, count);
+}
+
+/// Samples before the first one of the error and consistency figures. A run that failed while it settled is judged from
+/// its start.
+Index settled_samples(const EstimationOutcome& outcome, double settle) {
+  const Index samples = outcome.measurements.samples();
+  const auto settled = static_cast<Index>(std::llround(settle * outcome.measurements.sample_rate));
+  if (outcome.result.failure && settled >= samples) return 0;
+  return std::min(settled, samples - 1);
+}
+
 /// Deviations that hold where innovations are correlated, from the course of the unknowns.
 void set_robust_deviations(EstimationOutcome& outcome) {
   const auto& history = outcome.result.unknowns_history;
@@ -128,12 +154,12 @@ EstimationOutcome run_estimation(const Study& study, const AugmentedModelSetup& 
   outcome.filter_reason = filtered.run.choice.reason;
   outcome.substeps = std::move(substeps);
   outcome.start = filtered.run.start;
+  outcome.attempts = std::move(filtered.attempts);
   if (outcome.result.failure)
     failure = "the filter stopped at " + shortest(outcome.measurements.start + outcome.result.failure->time) +
               " s: " + outcome.result.failure->reason;
-
-  outcome.settled = std::min<Index>(static_cast<Index>(std::llround(given.settle * study.sample_rate())),
-                                    outcome.measurements.samples() - 1);
+  keep_computed(outcome);
+  outcome.settled = settled_samples(outcome, given.settle);
   outcome.band = study.excitation_band;
   outcome.consistency = summarise_consistency(outcome.result.nis, outcome.result.measured, outcome.result.innovation,
                                               outcome.measurements.noise(), outcome.settled);
@@ -149,7 +175,8 @@ EstimationOutcome run_estimation(const Study& study, const AugmentedModelSetup& 
                            {}};
     if (results.simulation)
       if (const auto* truth = find_quantity(results.simulation->points, quantity.point, quantity.quantity))
-        compare(quantity, truth->mean, {outcome.settled, study.sample_rate(), outcome.band});
+        compare(quantity, truth->mean.head(outcome.measurements.samples()),
+                {outcome.settled, study.sample_rate(), outcome.band});
     outcome.points.push_back(std::move(quantity));
   }
   if (given.estimate_initial_state && !outcome.result.failure && !given.local) set_open_loop(study, setup, outcome);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string>
 
 #include "kalfem/base/random.hpp"
 #include "kalfem/base/stopwatch.hpp"
@@ -207,14 +209,21 @@ std::optional<UpdatedParameters> updated_parameters(const StudyResults& results)
   return UpdatedParameters{results.updating->values, results.updating->statistics};
 }
 
-/// What only says that the record holds little about an unknown has no cause to look for.
-bool has_a_cause(const Reason& reason) { return reason.code != "not_identified" && reason.code != "correlated"; }
+/// Whether a mistake may be behind a reason. None is where the record holds little about an unknown, nor where noise is
+/// stated too large, which the reason says itself.
+bool has_a_cause(const Reason& reason) {
+  static const std::set<std::string> by_themselves{"not_identified",  "correlated", "combination",
+                                                   "noise_too_large", "at_bound",   "step_too_coarse"};
+  return !by_themselves.contains(reason.code);
+}
 
 /// Where the filter stopped or its numbers contradict themselves, looks for the mistake that explains it.
 void look_for_cause(const Study& study, const StructureParts& parts, StudyResults& results) {
   auto& estimation = *results.estimation;
   if (!study.problem->settings.diagnose) return;
-  if (!estimation.result.failure && std::ranges::none_of(verdict_of(estimation).reasons(), has_a_cause)) return;
+  const bool overstated_noise = estimation.consistency.mean_nis < 0.5 * estimation.consistency.expected_nis;
+  const bool doubtful = !overstated_noise && std::ranges::any_of(verdict_of(estimation).reasons(), has_a_cause);
+  if (!estimation.result.failure && !doubtful) return;
   auto as_run = std::make_shared<EstimationProblem>(*study.problem);
   as_run->settings.substeps = estimation.augmented_model->options().substeps;
   estimation.diagnosis = diagnose({.problem = std::move(as_run),
@@ -259,8 +268,9 @@ StudyResults run_study(const Study& study, Step last, const RunOptions& options)
     results.estimation =
         estimate_in_bases_of_estimates(study, *augmented_model, results, options.progress, results.failure);
     look_for_cause(study, updated ? updated->parts : study.structure->parts, results);
-    if (!updated && augmented_model->linear_unknowns.bindings
-                        .empty())  // otherwise the pictures have another basis than the augmented model
+    if (results.complete() && !updated &&
+        augmented_model->linear_unknowns.bindings
+            .empty())  // otherwise the pictures have another basis than the augmented model
       if (auto series = estimated_fields(study, *results.estimation)) results.fields.push_back(std::move(*series));
   }
   if (results.complete() && study.validation && (results.estimation || results.updating))
@@ -279,11 +289,11 @@ StudyResults run_study(const Study& study, Step last, const RunOptions& options)
 }
 
 std::string StudyResults::why_unusable() const {
-  std::string why = failure;
+  std::string why;
   for (const auto& reason : verdict.reasons())
-    if (complete() && reason.state == VerdictState::unusable)
-      why += (why.empty() ? "" : ". ") + reason.text + "; " + reason.remedy;
-  return why;
+    if (reason.state == VerdictState::unusable)
+      why += (why.empty() ? "" : ". ") + reason.text + (reason.remedy.empty() ? "" : "; " + reason.remedy);
+  return why.empty() ? failure : why;
 }
 
 }  // namespace kalfem

@@ -62,19 +62,20 @@ struct FieldSeries {
 
 struct EstimationOutcome {
   FilterKind filter = FilterKind::unscented;
-  std::string filter_reason;  ///< why this filter was chosen, in a sentence
-  SubstepChoice substeps;     ///< of a sample interval in the filter's model
-  RecordStart start;          ///< what the filter assumed of the motion at the first sample
+  std::string filter_reason;            ///< why this filter was chosen, in a sentence
+  std::vector<FilterAttempt> attempts;  ///< every filter that was tried, the one that is used among them
+  SubstepChoice substeps;               ///< of a sample interval in the filter's model
+  RecordStart start;                    ///< what the filter assumed of the motion at the first sample
   std::shared_ptr<const AugmentedModel> augmented_model;
-  EstimationResult result;
-  Record measurements;  ///< of the sensors that the augmented model uses
+  EstimationResult result;  ///< up to the failure, where there is one
+  Record measurements;      ///< of the sensors that the augmented model uses, as far as the result goes
   ConsistencySummary consistency;
   RobustCovariance robust;           ///< of the unknowns that do not drift, in the filter's state
   Eigen::VectorXd robust_deviation;  ///< one per unknown [its unit]; NaN if it drifts, or after a failure
   std::vector<PointQuantity>
       points;                ///< displacement, velocity, acceleration of points; deformation, rate, force of connectors
   Eigen::Index settled = 0;  ///< first sample of the error and consistency figures
-  std::optional<FrequencyBand> band;  ///< of the excitation, if it has one
+  std::optional<FrequencyBand> band;   ///< of the excitation, if it has one
   std::optional<Diagnosis> diagnosis;  ///< where the numbers contradict themselves: which mistake explains it
   double seconds = 0.0;
   int reductions =
@@ -85,6 +86,9 @@ struct EstimationOutcome {
   Eigen::MatrixXd open_loop_sensors;  ///< sensors x samples
   std::vector<double> open_loop_nrmse;       ///< per sensor, about the channel's rest
   std::vector<double> open_loop_rest_error;  ///< last value against the channel's, per sensor
+
+  /// Whether the filter computed any sample: without one there is nothing to tell or to draw.
+  [[nodiscard]] bool has_samples() const { return !result.failure || result.failure->computed > 0; }
 };
 
 struct PredictionOutcome {

@@ -16,6 +16,38 @@ namespace {
 
 constexpr double poor_open_loop = 0.9;  ///< NRMSE: hardly better than no motion at all
 
+struct Limits {
+  double least = -infinity, greatest = infinity;
+};
+
+Limits limits_of(Range range) {
+  switch (range) {
+    case Range::nonnegative:
+    case Range::positive:
+      return {0.0, infinity};
+    case Range::fraction:
+      return {0.0, 1.0};
+    case Range::at_least_one:
+      return {1.0, infinity};
+    case Range::any:
+      break;
+  }
+  return {};
+}
+
+/// Values that nature allows: those of the law's parameter, and none below zero of what a linear part is made of.
+Limits natural_limits(const UnknownParameter& unknown, const LocallyNonlinearSystem& system) {
+  for (const char* positive : {".mass", ".stiffness", ".damping", ".youngs_modulus", ".density", ".thickness"})
+    if (unknown.name.ends_with(positive)) return {0.0, infinity};
+  Limits limits;
+  for (const auto& target : unknown.targets) {
+    const auto& law = *system.connectors[static_cast<std::size_t>(target.connector)].law;
+    const Limits own = limits_of(law.parameters()[static_cast<std::size_t>(target.parameter)].range);
+    limits = {std::max(limits.least, own.least), std::min(limits.greatest, own.greatest)};
+  }
+  return limits;
+}
+
 /// One unknown beside its prior. Distances are those of the filter's state, in which the prior is normal.
 EstimatedUnknown estimated_unknown(const EstimationOutcome& outcome, Index i) {
   const auto& unknown = outcome.augmented_model->options().unknowns[static_cast<std::size_t>(i)];
@@ -23,6 +55,7 @@ EstimatedUnknown estimated_unknown(const EstimationOutcome& outcome, Index i) {
   const double start = unknown.transform.to_state(unknown.initial);
   const double prior = unknown.deviation / unknown.transform.slope(start);
   const double deviation = outcome.result.unknowns.deviation(i, last), robust = outcome.robust_deviation[i];
+  const Limits allowed = natural_limits(unknown, outcome.augmented_model->system());
   return {.name = unknown.name,
           .unit = unknown.unit,
           .initial = unknown.initial,
@@ -31,7 +64,11 @@ EstimatedUnknown estimated_unknown(const EstimationOutcome& outcome, Index i) {
           .shrinkage = outcome.result.state.deviation(row, last) / prior,
           .deviation = std::isfinite(robust) ? std::max(robust, deviation) : deviation,
           .widening = std::isfinite(robust) && deviation > 0.0 ? robust / deviation : 1.0,
-          .drifts = unknown.random_walk > 0.0};
+          .drifts = unknown.random_walk > 0.0,
+          .least = allowed.least,
+          .greatest = allowed.greatest,
+          .lower_bound = unknown.transform.kind == TransformKind::logit ? unknown.transform.lower : -infinity,
+          .upper_bound = unknown.transform.kind == TransformKind::logit ? unknown.transform.upper : infinity};
 }
 
 /// Of the unknowns among each other after the last sample.
@@ -119,7 +156,9 @@ InnovationRecord innovations_of(const EstimationOutcome& outcome) {
                           .deviation = outcome.result.innovation_deviation,
                           .sample_rate = outcome.measurements.sample_rate,
                           .start = outcome.measurements.start,
-                          .first = outcome.settled};
+                          .first = outcome.settled,
+                          .nis = outcome.result.nis,
+                          .measured = outcome.result.measured};
   for (const auto& channel : outcome.measurements.channels) {
     record.sensors.push_back(channel.name);
     record.units.push_back(channel.unit);
@@ -138,7 +177,12 @@ Verdict verdict_of(const EstimationOutcome& outcome) {
 Verdict verdict_of(const StudyResults& results) {
   Verdict verdict;
   if (!results.complete()) {
-    verdict.add({"failed", "", results.failure, "", VerdictState::unusable, unusable_widening});
+    Reason failed{"failed", "", results.failure, "", VerdictState::unusable, unusable_widening};
+    if (results.estimation && results.estimation->result.failure) {
+      failed.subject = results.estimation->result.failure->subject;
+      failed.remedy = results.estimation->result.failure->remedy;
+    }
+    verdict.add(failed);
   } else {
     if (results.updating) judge_updating(*results.updating, verdict);
     if (results.estimation) judge_estimation(*results.estimation, verdict);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "kalfem/report/sections.hpp"
 #include "kalfem/report/summary_parts.hpp"
@@ -181,21 +182,26 @@ Chart nis_chart(const EstimationOutcome& outcome) {
 }
 
 Section consistency_section(const EstimationOutcome& outcome) {
-  Section section{"Innovations",
-                  fmt::format("Mean NIS {:.3f} (expected {:.3f}); {:.1f} % of the samples are in the 95 % band.",
-                              outcome.consistency.mean_nis, outcome.consistency.expected_nis,
-                              100.0 * outcome.consistency.fraction_in_95) +
-                      "\n\nThe filter takes " + substep_words(outcome) + "." +
-                      (outcome.start.moving ? "\n\nAt the start, " + explain(outcome.start) + "." : ""),
-                  {nis_chart(outcome)}};
+  Section section{"Innovations", "", {}};
+  if (std::isfinite(outcome.consistency.mean_nis)) {
+    section.text = fmt::format("Mean NIS {:.3f} (expected {:.3f}); {:.1f} % of the samples are in the 95 % band.",
+                               outcome.consistency.mean_nis, outcome.consistency.expected_nis,
+                               100.0 * outcome.consistency.fraction_in_95);
+    section.items.emplace_back(nis_chart(outcome));
+  }
+  section.text += "\n\nThe filter takes " + substep_words(outcome) + "." +
+                  (outcome.start.moving ? "\n\nAt the start, " + explain(outcome.start) + "." : "");
   for (std::size_t i = 0; i < outcome.measurements.channels.size(); ++i) {
     const auto row = static_cast<Index>(i);
     const auto& channel = outcome.measurements.channels[i];
+    if (outcome.result.innovation.row(row).array().isNaN().all()) continue;
     const VectorXd zero = VectorXd::Zero(outcome.result.innovation.cols());
     section.items.emplace_back(
         Chart{.id = "innovation-" + channel.name,
               .title = "Innovation of " + channel.name,
-              .caption = fmt::format("RMS / noise = {:.3f}.", outcome.consistency.innovation_to_noise[row]),
+              .caption = std::isfinite(outcome.consistency.innovation_to_noise[row])
+                             ? fmt::format("RMS / noise = {:.3f}.", outcome.consistency.innovation_to_noise[row])
+                             : "",
               .x_label = "time [s]",
               .y_label = "innovation [" + channel.unit + "]",
               .x = times(outcome.measurements),
@@ -272,9 +278,11 @@ std::string answer(const StudyResults& results) {
   if (!results.estimation)
     return updated + (results.simulation ? "The simulation is complete." : updated.empty() ? "Modes computed." : "");
   const auto& consistency = results.estimation->consistency;
-  std::string text = updated + fmt::format("{} unknown parameters estimated; mean NIS {:.2f} (expected {:.2f}).",
-                                           results.estimation->augmented_model->layout().unknowns, consistency.mean_nis,
-                                           consistency.expected_nis);
+  std::string text =
+      updated + fmt::format("{} unknown parameters estimated", results.estimation->augmented_model->layout().unknowns);
+  text += std::isfinite(consistency.mean_nis)
+              ? fmt::format("; mean NIS {:.2f} (expected {:.2f}).", consistency.mean_nis, consistency.expected_nis)
+              : "; nothing was measured after settling.";
   if (const auto reasons = results.verdict.reasons(); !reasons.empty())
     text += fmt::format(" {} for doubt, the worst: {}.",
                         reasons.size() == 1 ? "One reason" : fmt::format("{} reasons", reasons.size()),
@@ -373,7 +381,7 @@ Page make_page(const Study& study, const StudyResults& results) {
                                  (results.updating ? deviations_leave_out : ""),
                              {modification_table(results.modifications)}});
   if (results.validation) page.sections.push_back(validation_section(study, *results.validation));
-  if (results.estimation) {
+  if (results.estimation && results.estimation->has_samples()) {
     const auto& outcome = *results.estimation;
     if (outcome.augmented_model->layout().unknowns > 0) page.sections.push_back(parameters_section(study, outcome));
     if (outcome.open_loop) page.sections.push_back(open_loop_section(outcome));
@@ -385,7 +393,7 @@ Page make_page(const Study& study, const StudyResults& results) {
       page.sections.push_back(std::move(section));
     if (results.prediction) page.sections.push_back(prediction_section(study, outcome, *results.prediction));
     page.sections.push_back(consistency_section(outcome));
-  } else if (results.simulation && results.complete()) {
+  } else if (results.simulation && results.simulation->measurements.samples() > 0) {
     page.sections.push_back(simulation_section(*results.simulation));
   }
   if (!study.structure->finite_elements.empty()) page.sections.push_back(model_section(study, results));

@@ -174,6 +174,56 @@ Json substep_biases(const EstimationOutcome& outcome) {
 constexpr const char* robust_method =
     "sandwich of the information and the long-run covariance of the scores (Parzen kernel, Andrews' bandwidth)";
 
+/// Filters that were tried, in order, and how each ended.
+Json attempts_summary(const EstimationOutcome& outcome) {
+  Json attempts = Json::array();
+  for (const auto& [filter, coordinates, failure] : outcome.attempts) {
+    Json attempt = {{"filter", to_string(filter)},
+                    {"coordinates", coordinates == StateCoordinates::modal ? "modal" : "physical"},
+                    {"usable", !failure}};
+    if (failure) {
+      attempt["stopped_s"] = number(outcome.measurements.start + failure->time);
+      attempt["reason"] = failure->reason;
+    }
+    attempts.push_back(std::move(attempt));
+  }
+  return attempts;
+}
+
+/// NIS over the whole record and in its loudest part. What was not computed is null.
+Json nis_summary(const EstimationOutcome& outcome) {
+  const auto& consistency = outcome.consistency;
+  Json summary = {{"mean", number(consistency.mean_nis)},
+                  {"expected", number(consistency.expected_nis)},
+                  {"fraction_in_95", number(consistency.fraction_in_95)}};
+  const auto found = nis_consistency(innovations_of(outcome));
+  if (found.samples == 0) return summary;
+  summary["beyond_half_gate"] = number(found.beyond_half_gate);
+  summary["largest_part"] = {{"mean", number(found.largest_part * found.mean_degrees)},
+                             {"from_s", number(found.part_begin)},
+                             {"to_s", number(found.part_end)}};
+  return summary;
+}
+
+/// What the verdict looks at, sensor by sensor, each with its sentence.
+Json innovations_summary(const EstimationOutcome& outcome, const std::vector<SensorConsistency>& sensors) {
+  Json summary = Json::object();
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    const auto& found = sensors[i];
+    if (found.samples == 0) continue;
+    summary[outcome.measurements.channels[i].name] = {
+        {"rms_over_expected", number(found.ratio)},
+        {"largest_part", number(found.largest_part)},
+        {"correlation", number(found.lag_one.value)},
+        {"beyond_half_gate", number(found.beyond_half_gate)},
+        {"text", fmt::format("{:.3g} times as large as expected over {} samples, {:.3g} times in the loudest part; "
+                             "successive ones correlate by {:.2g}; {:.2g} % lie beyond half the gate",
+                             found.ratio, found.samples, found.largest_part, found.lag_one.value,
+                             100.0 * found.beyond_half_gate)}};
+  }
+  return summary;
+}
+
 Json estimation_summary(const EstimationOutcome& outcome) {
   Json ratios = Json::object();
   for (std::size_t i = 0; i < outcome.measurements.channels.size(); ++i)
@@ -188,12 +238,10 @@ Json estimation_summary(const EstimationOutcome& outcome) {
                   {"steps", outcome.measurements.samples()},
                   {"state_dimension", outcome.augmented_model->layout().size()},
                   {"log_likelihood", number(outcome.result.log_likelihood)},
-                  {"nis",
-                   {{"mean", number(outcome.consistency.mean_nis)},
-                    {"expected", number(outcome.consistency.expected_nis)},
-                    {"fraction_in_95", number(outcome.consistency.fraction_in_95)}}},
+                  {"nis", nis_summary(outcome)},
                   {"innovation_to_noise", ratios},
-                  {"innovation_correlation", correlations}};
+                  {"innovation_correlation", correlations},
+                  {"innovations", innovations_summary(outcome, sensors)}};
   summary["substeps"] = outcome.substeps.substeps;
   summary["substeps_chosen"] = outcome.substeps.chosen;
   if (outcome.substeps.bias.size() > 0) summary["substep_bias"] = substep_biases(outcome);
@@ -202,6 +250,14 @@ Json estimation_summary(const EstimationOutcome& outcome) {
     summary["start"]["displacement_std"] = number(outcome.start.displacement);
     summary["start"]["velocity_std"] = number(outcome.start.velocity);
   }
+  if (outcome.attempts.size() > 1) summary["attempts"] = attempts_summary(outcome);
+  if (const auto& failure = outcome.result.failure)
+    summary["failure"] = {{"time_s", number(outcome.measurements.start + failure->time)},
+                          {"outcome", to_string(failure->outcome)},
+                          {"cause", failure->cause},
+                          {"subject", failure->subject},
+                          {"remedy", failure->remedy},
+                          {"samples", failure->computed}};
   if (outcome.robust.rank > 0)
     summary["robust"] = {
         {"method", robust_method},

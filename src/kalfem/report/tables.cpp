@@ -263,16 +263,25 @@ std::string console_report(const Study& study, const StudyResults& results) {
     const auto& outcome = *results.estimation;
     const auto& time = outcome.result.time;
     const auto samples = static_cast<double>(outcome.measurements.samples());
-    text += "Estimated parameters\n" + to_text(parameter_table(study, outcome)) + "\n";
-    text += fmt::format("NIS {:.2f} (expected {:.2f}); {} of samples in the 95 % band\n", outcome.consistency.mean_nis,
-                        outcome.consistency.expected_nis, per_cent(outcome.consistency.fraction_in_95));
-    text += fmt::format(
-        "{} states, {} steps, {:.2g} us per step: {}\nFilter {}: {}\n{}\n", outcome.augmented_model->layout().size(),
-        outcome.measurements.samples(), 1e6 * time.filter() / samples,
-        speed_in_words(samples / outcome.measurements.sample_rate / time.filter()), to_string(outcome.filter),
-        outcome.filter_reason,
-        sentence(substep_words(outcome)) + (outcome.start.moving ? sentence(explain(outcome.start)) : "") +
-            linearisation_words(outcome));
+    if (outcome.has_samples())
+      text += (outcome.result.failure ? fmt::format("Parameters at {} s, before the filter stopped\n",
+                                                    four_digits(outcome.measurements.end()))
+                                      : std::string("Estimated parameters\n")) +
+              to_text(parameter_table(study, outcome)) + "\n";
+    if (std::isfinite(outcome.consistency.mean_nis))
+      text +=
+          fmt::format("NIS {:.2f} (expected {:.2f}); {} of samples in the 95 % band\n", outcome.consistency.mean_nis,
+                      outcome.consistency.expected_nis, per_cent(outcome.consistency.fraction_in_95));
+    if (!outcome.has_samples())
+      text += fmt::format("Filter {}: it stopped before it computed a sample\n\n", to_string(outcome.filter));
+    else
+      text += fmt::format(
+          "{} states, {} steps, {:.2g} us per step: {}\nFilter {}: {}\n{}\n", outcome.augmented_model->layout().size(),
+          outcome.measurements.samples(), 1e6 * time.filter() / samples,
+          speed_in_words(samples / outcome.measurements.sample_rate / time.filter()), to_string(outcome.filter),
+          outcome.filter_reason,
+          sentence(substep_words(outcome)) + (outcome.start.moving ? sentence(explain(outcome.start)) : "") +
+              linearisation_words(outcome));
     if (const auto table = error_table("", study, outcome.points, outcome.settled); !table.rows.empty())
       text += fmt::format("Estimated motion, NRMSE after {} s{}\n", four_digits(study.problem->settings.settle),
                           band_words(outcome)) +
