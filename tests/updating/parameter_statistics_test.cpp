@@ -231,7 +231,8 @@ TEST(ParameterStatistics, ReportsWeakPriorsCorrelationBoundsAndLargeResiduals) {
   VectorXd residual = 2.0 * normals(random, 50);
   residual -= jacobian.col(3) * 0.01 + jacobian.col(0) * 0.01;
   const auto statistics = parameter_statistics(parameters, values, {residual, jacobian});
-  EXPECT_EQ(statistics.seen, (std::vector{Seen::well, Seen::well, Seen::poorly, Seen::well}));
+  EXPECT_EQ(statistics.seen, (std::vector{Seen::well, Seen::well, Seen::poorly, Seen::held}));
+  EXPECT_TRUE(std::isnan(statistics.deviations[3]));
   ASSERT_EQ(statistics.correlated.size(), 1U);
   // the columns are not quite at right angles
   EXPECT_NEAR(statistics.correlated[0].correlation, -1.0 / std::sqrt(1.0 + 0.05 * 0.05), 1.5e-4);

@@ -53,6 +53,7 @@ public:
 
   [[nodiscard]] std::string name() const override { return options_.name; }
   [[nodiscard]] Eigen::Index size() const override { return deviation_.size(); }
+  [[nodiscard]] RowLayout layout() const override { return layout_of_series(deviation_.rows(), deviation_.cols()); }
   [[nodiscard]] std::optional<ResidualValue> evaluate(const Eigen::VectorXd& parameters,
                                                       bool with_jacobian) const override;
   [[nodiscard]] bool holds_gains() const { return hold_gains_; }

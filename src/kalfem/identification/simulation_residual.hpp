@@ -36,6 +36,7 @@ public:
 
   [[nodiscard]] std::string name() const override { return options_.name; }
   [[nodiscard]] Eigen::Index size() const override { return measured_.size(); }
+  [[nodiscard]] RowLayout layout() const override { return layout_of_series(measured_.cols(), measured_.rows()); }
   [[nodiscard]] std::optional<ResidualValue> evaluate(const Eigen::VectorXd& parameters,
                                                       bool with_jacobian) const override;
 

@@ -19,6 +19,7 @@
 #include "kalfem/updating/gauss_newton.hpp"
 #include "kalfem/updating/modal_residual.hpp"
 #include "kalfem/updating/parameter_statistics.hpp"
+#include "kalfem/updating/robust_statistics.hpp"
 #include "kalfem/updating/sensitivity_check.hpp"
 #include "kalfem/verdict/verdict.hpp"
 
@@ -138,6 +139,7 @@ struct UpdatingOutcome {
   std::vector<ComparisonResult> comparisons;
   Eigen::VectorXd values;  ///< one per parameter
   ParameterStatistics statistics;
+  RobustStatistics robust;
   std::vector<std::string> remarks;  ///< parameters that the data cannot identify, one sentence each
   std::optional<Termination> end;    ///< of the least-squares search; nothing if there was none
   std::string termination;           ///< why it stopped, in words

@@ -185,6 +185,18 @@ std::vector<FrfCurve> curves(const FrfResidual& residual, const VectorXd& start,
   return all;
 }
 
+/// The rows of each comparison in the sum, as sum_of() puts them.
+std::vector<ResidualBlock> blocks_of(const std::vector<ComparisonResidual>& comparisons) {
+  std::vector<ResidualBlock> blocks;
+  Index first = 0;
+  for (const auto& comparison : comparisons) {
+    const auto& residual = *comparison.continuation_steps.back();
+    blocks.push_back({comparison.name, first, residual.size(), residual.layout()});
+    first += residual.size();
+  }
+  return blocks;
+}
+
 /// Rms of each comparison at the start and at the end, with its modes or frequency lines if it has any.
 void compare(const Study& study, const std::vector<ComparisonResidual>& comparisons, const ResidualValue& first,
              const ResidualValue& last, UpdatingOutcome& updating) {
@@ -346,6 +358,7 @@ UpdatingOutcome run_updating(const Study& study, const StudyResults& results, co
   failure = unusable(updating, last);
   if (failure.empty()) {
     updating.statistics = parameter_statistics(parameters, updating.values, *last);
+    updating.robust = robust_statistics(parameters, *last, blocks_of(comparisons), updating.statistics);
     updating.remarks = parameter_findings(parameters, updating.values, updating.statistics);
     compare(study, comparisons, *first, *last, updating);
   }

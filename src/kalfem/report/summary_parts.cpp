@@ -107,6 +107,7 @@ Json parameters_of(const Study& study, const UpdatingOutcome& outcome) {
   Json all = Json::object();
   const auto& [deviations, covariance, correlation, to_prior, freedom, chi, variance_inflation, seen, unidentifiable,
                pairs, at_bound] = outcome.statistics;
+  const auto& robust = outcome.robust.deviations;
   for (std::size_t i = 0; i < study.updating->parameters.size(); ++i) {
     const auto& parameter = study.updating->parameters[i];
     const auto index = static_cast<Index>(i);
@@ -115,6 +116,7 @@ Json parameters_of(const Study& study, const UpdatingOutcome& outcome) {
            {"initial", number(parameter.initial)},
            {"estimate", number(outcome.values[index])},
            {"std", index < deviations.size() ? number(deviations[index]) : Json(nullptr)},
+           {"std_robust", index < robust.size() ? number(robust[index]) : Json(nullptr)},
            {"unit", parameter.unit},
            {"lower", number(parameter.lower)},
            {"upper", number(parameter.upper)},
@@ -123,6 +125,16 @@ Json parameters_of(const Study& study, const UpdatingOutcome& outcome) {
     if (i < at_bound.size() && at_bound[i]) own["at_bound"] = true;
   }
   return all;
+}
+
+Json robust_of(const RobustStatistics& robust) {
+  if (!robust.exist()) return {{"method", "none: " + robust.none}};
+  return {{"method", robust.method},
+          {"degrees_of_freedom", number(robust.degrees_of_freedom)},
+          {"bandwidth_steps", number(robust.bandwidth)},
+          {"clusters", robust.parts},
+          {"rank", robust.rank},
+          {"condition", number(robust.condition)}};
 }
 
 Json modes_of(const std::vector<PairedMode>& modes) {
@@ -204,6 +216,7 @@ Json updating_summary(const Study& study, const UpdatingOutcome& outcome) {
                   {"comparisons", comparisons_of(outcome)}};
   if (outcome.statistics.reduced_chi_squared)
     summary["reduced_chi_squared"] = number(*outcome.statistics.reduced_chi_squared);
+  if (outcome.robust.deviations.size() > 0) summary["robust"] = robust_of(outcome.robust);
   Json correlation = Json::array(), covariance = Json::array();
   for (Index i = 0; i < outcome.statistics.correlation.rows(); ++i) {
     correlation.push_back(numbers(outcome.statistics.correlation.row(i).transpose()));

@@ -35,17 +35,24 @@ double mean_frequency_error(const std::vector<PairedMode>& modes) {
   return count > 0 ? sum / count : std::nan("");
 }
 
+static std::string deviation_of(const Eigen::VectorXd& deviations, const UpdatingOutcome& outcome, std::size_t i) {
+  if (i < outcome.statistics.at_bound.size() && outcome.statistics.at_bound[i]) return "at its bound";
+  return static_cast<Index>(i) < deviations.size() ? finite(deviations[static_cast<Index>(i)]) : "-";
+}
+
 Table updated_parameter_table(const Study& study, const UpdatingOutcome& outcome) {
-  Table table{
-      "Updated parameters", {"parameter", "unit", "initial", "updated", "change", "std", "truth", "error"}, {}, {}};
+  Table table{"Updated parameters",
+              {"parameter", "unit", "initial", "updated", "change", "std", "robust std", "truth", "error"},
+              {},
+              {}};
   for (std::size_t i = 0; i < study.updating->parameters.size(); ++i) {
     const auto& parameter = study.updating->parameters[i];
     const auto& truth = study.updating->true_parameters[i];
     const double value = outcome.values[static_cast<Index>(i)];
     table.rows.push_back({parameter.name, parameter.unit, four_digits(parameter.initial), four_digits(value),
                           parameter.initial != 0.0 ? signed_per_cent(value / parameter.initial - 1.0) : "-",
-                          finite(outcome.statistics.deviations[static_cast<Index>(i)]),
-                          truth ? four_digits(*truth) : "-",
+                          deviation_of(outcome.statistics.deviations, outcome, i),
+                          deviation_of(outcome.robust.deviations, outcome, i), truth ? four_digits(*truth) : "-",
                           truth && *truth != 0.0 ? signed_per_cent(value / *truth - 1.0) : "-"});
   }
   return table;

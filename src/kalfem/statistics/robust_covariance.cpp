@@ -129,6 +129,11 @@ Bread inverse_of(const Eigen::Ref<const MatrixXd>& information) {
 
 }  // namespace
 
+RobustCovariance sandwich(const Eigen::Ref<const MatrixXd>& information, const Eigen::Ref<const MatrixXd>& of_sum) {
+  const Bread bread = inverse_of(information);
+  return {.covariance = bread.inverse * of_sum * bread.inverse, .rank = bread.rank, .condition = bread.condition};
+}
+
 RobustCovariance robust_covariance(const Eigen::Ref<const MatrixXd>& information,
                                    const Eigen::Ref<const MatrixXd>& prior_information,
                                    const Eigen::Ref<const MatrixXd>& scores) {

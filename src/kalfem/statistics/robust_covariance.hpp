@@ -36,6 +36,10 @@ struct RobustCovariance {
   double condition = 1.0;      ///< its largest over its smallest eigenvalue that counts
 };
 
+/// A^+ B A^+ with the information A and the covariance B of the scores' sum, p x p; rank and condition are those of A.
+RobustCovariance sandwich(const Eigen::Ref<const Eigen::MatrixXd>& information,
+                          const Eigen::Ref<const Eigen::MatrixXd>& of_sum);
+
 /// The sandwich estimator of a quasi-maximum-likelihood estimate,
 ///     V = A^+ (B + A_0) A^+,    A = A_0 + information of the data,   B = Cov(sum_k s_k),
 /// with the scores s_k = d ln p(y_k | y_1 .. y_{k-1}) / d theta at the estimate, p x samples, and the information A_0

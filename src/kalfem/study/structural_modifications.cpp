@@ -86,7 +86,8 @@ MatrixXd frequency_derivatives(const ModeRange& range, const std::vector<ModelDe
   return slopes;
 }
 
-/// sqrt(g^T S g) for each row g. A parameter without a finite deviation counts only where the row depends on it.
+/// sqrt(g^T S g) for each row g. A parameter without a finite deviation counts only where the row depends on it; one at
+/// its bound counts as known.
 VectorXd propagated_deviations(const MatrixXd& slopes, const ParameterStatistics& statistics) {
   const MatrixXd covariance = statistics.covariance.unaryExpr([](double c) { return std::isfinite(c) ? c : 0.0; });
   VectorXd deviations(slopes.rows());
@@ -94,7 +95,7 @@ VectorXd propagated_deviations(const MatrixXd& slopes, const ParameterStatistics
     VectorXd known = slopes.row(j);
     bool unknown = false;
     for (Index p = 0; p < known.size(); ++p) {
-      if (std::isfinite(statistics.deviations[p])) continue;
+      if (std::isfinite(statistics.deviations[p]) || statistics.at_bound[static_cast<std::size_t>(p)]) continue;
       unknown = unknown || known[p] != 0.0;
       known[p] = 0.0;
     }

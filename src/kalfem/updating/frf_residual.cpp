@@ -239,6 +239,23 @@ std::optional<ResidualValue> FrfResidual::evaluate(const VectorXd& parameters, b
   return std::nullopt;  // no structure, or none that holds itself
 }
 
+RowLayout FrfResidual::layout() const {
+  std::vector<double> lines;
+  for (const auto& compared : compared_) lines.insert(lines.end(), compared.lines.begin(), compared.lines.end());
+  std::ranges::sort(lines);
+  const auto repeated = std::ranges::unique(lines);
+  lines.erase(repeated.begin(), repeated.end());
+  RowLayout layout{.ordered = true, .steps = "frequency lines", .parts = compared_.size() > 1 ? "inputs" : "outputs"};
+  const Index values = options_.form == FrfForm::log_magnitude ? 1 : 2;
+  for (std::size_t i = 0; i < compared_.size(); ++i)
+    for (const double line : compared_[i].lines)
+      for (Index j = 0; j < values * compared_[i].values.cols(); ++j) {
+        layout.step.push_back(std::ranges::lower_bound(lines, line) - lines.begin());
+        layout.part.push_back(compared_.size() > 1 ? static_cast<Index>(i) : j / values);
+      }
+  return layout;
+}
+
 std::vector<double> smoothing_widths(double widest, double narrowest) {
   std::vector<double> widths;
   for (double width = widest; width >= narrowest * (1.0 - 1e-12) && width > 0.0; width /= reduction)

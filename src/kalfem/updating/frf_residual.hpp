@@ -74,6 +74,8 @@ public:
 
   [[nodiscard]] std::string name() const override { return "frequency responses"; }
   [[nodiscard]] Eigen::Index size() const override { return size_; }
+  /// Steps are frequency lines, over all inputs and outputs together; parts are inputs, or outputs of a single input.
+  [[nodiscard]] RowLayout layout() const override;
   [[nodiscard]] std::optional<ResidualValue> evaluate(const Eigen::VectorXd& parameters,
                                                       bool with_jacobian) const override;
 

@@ -354,6 +354,16 @@ std::optional<ResidualValue> ModalResidual::evaluate(const VectorXd& parameters,
   }
 }
 
+RowLayout ModalResidual::layout() const {
+  RowLayout layout{.steps = "modes"};
+  const auto modes = std::ssize(measured_);
+  for (Index i = 0; i < modes; ++i) layout.step.push_back(i);
+  for (Index i = 0; i < modes; ++i)
+    layout.step.insert(layout.step.end(), static_cast<std::size_t>(measured_[static_cast<std::size_t>(i)].shape.size()),
+                       i);
+  return layout;
+}
+
 VectorXd ModalResidual::values(const std::vector<Place>& places) const {
   VectorXd values(size_);
   auto row = static_cast<Index>(places.size());

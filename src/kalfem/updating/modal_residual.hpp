@@ -62,6 +62,8 @@ public:
 
   [[nodiscard]] std::string name() const override { return "modes"; }
   [[nodiscard]] Eigen::Index size() const override { return size_; }
+  /// Steps are modes: a frequency and its shape together.
+  [[nodiscard]] RowLayout layout() const override;
   [[nodiscard]] std::optional<ResidualValue> evaluate(const Eigen::VectorXd& parameters,
                                                       bool with_jacobian) const override;
 

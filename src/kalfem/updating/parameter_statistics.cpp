@@ -29,14 +29,15 @@ constexpr double part_unidentifiable = 0.1;  // of the greatest change: a smalle
 //   4. Each parameter is judged: seen well, poorly (its deviation against the prior's), not at all, or held.
 /// The linearised problem of the free parameters in parts of their scales: |r + R d|^2 + |P d|^2.
 struct Linearised {
-  std::vector<Index> free;   ///< parameters without equal bounds
+  std::vector<Index> free;   ///< parameters without equal bounds, and not at one
   VectorXd scale, prior;     ///< of the free ones; P = scale / deviation
   MatrixXd factor;           ///< R of the Jacobian
   std::vector<bool> unseen;  ///< column of zeros
 
-  Linearised(const std::vector<UpdatingParameter>& parameters, const MatrixXd& jacobian) {
+  Linearised(const std::vector<UpdatingParameter>& parameters, const std::vector<bool>& at_bound,
+             const MatrixXd& jacobian) {
     for (std::size_t i = 0; i < parameters.size(); ++i)
-      if (parameters[i].lower < parameters[i].upper) free.push_back(static_cast<Index>(i));
+      if (parameters[i].lower < parameters[i].upper && !at_bound[i]) free.push_back(static_cast<Index>(i));
     const auto count = static_cast<Index>(free.size());
     scale.resize(count);
     prior.resize(count);
@@ -170,20 +171,30 @@ void fill_covariance(ParameterStatistics& statistics, const Linearised& problem,
         statistics.covariance(i, j) = std::numeric_limits<double>::infinity();
     }
   statistics.deviations = statistics.covariance.diagonal().cwiseSqrt();
+  for (std::size_t i = 0; i < statistics.at_bound.size(); ++i)
+    if (statistics.at_bound[i]) statistics.deviations[static_cast<Index>(i)] = std::nan("");
 }
 
-// A parameter counts as at its bound only where the gradient of cost and prior pulls it outwards; standing there by
-// chance is no finding.
-void judge_parameters(ParameterStatistics& statistics, const std::vector<UpdatingParameter>& parameters,
-                      const VectorXd& values, const VectorXd& gradient, const ParameterStatisticsOptions& options) {
+/// Whether the gradient of cost and prior pulls a parameter beyond a bound that it stands at; standing there by chance
+/// is no finding.
+std::vector<bool> held_by_bounds(const std::vector<UpdatingParameter>& parameters, const VectorXd& values,
+                                 const VectorXd& gradient) {
+  std::vector<bool> held;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const auto at = static_cast<Index>(i);
     const auto& [name, unit, initial, lower, upper, prior] = parameters[i];
     const double pull = gradient[at] + (values[at] - initial) / (prior * prior);
-    statistics.at_bound.push_back(lower < upper &&
-                                  ((values[at] == lower && pull > 0.0) || (values[at] == upper && pull < 0.0)));
+    held.push_back(lower < upper && ((values[at] == lower && pull > 0.0) || (values[at] == upper && pull < 0.0)));
+  }
+  return held;
+}
+
+void judge_parameters(ParameterStatistics& statistics, const std::vector<UpdatingParameter>& parameters,
+                      const ParameterStatisticsOptions& options) {
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const auto at = static_cast<Index>(i);
     if (statistics.seen[i] == Seen::held) continue;
-    const double deviation = statistics.deviations[at];
+    const double deviation = statistics.deviations[at], prior = parameters[i].deviation;
     if (std::isfinite(prior)) statistics.to_prior[at] = deviation / prior;
     const bool poorly = std::isfinite(prior) ? statistics.to_prior[at] > options.poor_ratio
                                              : deviation > options.poor_deviation * parameters[i].scale();
@@ -205,9 +216,10 @@ ParameterStatistics parameter_statistics(const std::vector<UpdatingParameter>& p
                                          const ResidualValue& value, const ParameterStatisticsOptions& options) {
   const auto count = static_cast<Index>(parameters.size());
   assert(value.jacobian.cols() == count && value.jacobian.rows() == value.values.size());
-  const Linearised problem(parameters, value.jacobian);
-  const Inverse inverse(problem, options.rank_tolerance);
   ParameterStatistics statistics;
+  statistics.at_bound = held_by_bounds(parameters, values, value.jacobian.transpose() * value.values);
+  const Linearised problem(parameters, statistics.at_bound, value.jacobian);
+  const Inverse inverse(problem, options.rank_tolerance);
   statistics.covariance = statistics.correlation = MatrixXd::Zero(count, count);
   statistics.to_prior = VectorXd::Zero(count);
   statistics.seen.assign(parameters.size(), Seen::held);
@@ -223,7 +235,7 @@ ParameterStatistics parameter_statistics(const std::vector<UpdatingParameter>& p
                   inverse.undetermined);
   const MatrixXd unidentifiable = unidentifiable_directions(problem, statistics.variance_inflation, options);
   for (Index k = 0; k < unidentifiable.cols(); ++k) add_unidentifiable(statistics, problem, unidentifiable.col(k));
-  judge_parameters(statistics, parameters, values, value.jacobian.transpose() * value.values, options);
+  judge_parameters(statistics, parameters, options);
   for (std::size_t k = 0; k < problem.free.size(); ++k)
     if (problem.unseen[k]) statistics.seen[static_cast<std::size_t>(problem.free[k])] = Seen::not_at_all;
   find_correlated(statistics, options.high_correlation);
@@ -288,8 +300,8 @@ std::string poorly_in_words(const UpdatingParameter& p, const ParameterStatistic
 
 std::string bound_in_words(const UpdatingParameter& p, double value) {
   return fmt::format(
-      "{} ended at its {} bound, {:g} {}: the residual would be smaller beyond it; the standard deviation ignores the "
-      "bound",
+      "{} ended at its {} bound, {:g} {}: the residual would be smaller beyond it; it has no standard deviation, and "
+      "those of the others hold with it there",
       p.name, value == p.lower ? "lower" : "upper", value, p.unit);
 }
 

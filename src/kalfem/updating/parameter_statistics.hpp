@@ -17,7 +17,7 @@ struct ParameterStatisticsOptions {
 };
 
 /// How well the residual determines a parameter.
-enum class Seen { well, poorly, not_at_all, held };  ///< held: equal bounds
+enum class Seen { well, poorly, not_at_all, held };  ///< held: equal bounds, or a bound that it ended at
 
 /// A direction in the space of parameters along which the residual hardly changes.
 struct UnidentifiableCombination {
@@ -32,7 +32,8 @@ struct CorrelatedPair {
 
 /// What a residual tells about parameters at the minimum.
 struct ParameterStatistics {
-  Eigen::VectorXd deviations;   ///< standard deviations; infinite where neither residual nor prior determines one
+  /// Standard deviations; infinite where neither residual nor prior determines one, not a number at a bound.
+  Eigen::VectorXd deviations;
   Eigen::MatrixXd covariance;   ///< p x p; of a parameter with infinite deviation only the diagonal is not zero
   Eigen::MatrixXd correlation;  ///< p x p; of undetermined parameters too: +-1 between two that cannot be told apart
   Eigen::VectorXd to_prior;     ///< deviation / that of the prior; 0 where there is no prior
@@ -50,9 +51,10 @@ struct ParameterStatistics {
 ///   kappa = max(1, |r|^2 / (N - trace(J^T J H^-1))).
 /// Residuals that are larger than their stated deviations show that these were too small or that the model cannot
 /// follow the measurement: kappa widens the residual's part of the covariance by as much. Smaller ones narrow nothing.
-/// Without priors it is the covariance kappa (J^T J)^-1 of nonlinear regression [SW89]; with them, H^-1 where kappa is
-/// 1, and else that of the error of this estimate, which weighted the residual by its stated deviations.
-/// `value.jacobian` is N x p.
+/// A parameter that the cost pulls beyond its bound has no distribution about its estimate: it has no deviation, and
+/// the statistics of the others are those with it held. Without priors it is the covariance kappa (J^T J)^-1 of
+/// nonlinear regression [SW89]; with them, H^-1 where kappa is 1, and else that of the error of this estimate, which
+/// weighted the residual by its stated deviations. `value.jacobian` is N x p.
 ParameterStatistics parameter_statistics(const std::vector<UpdatingParameter>& parameters,
                                          const Eigen::VectorXd& values, const ResidualValue& value,
                                          const ParameterStatisticsOptions& options = {});

@@ -18,6 +18,21 @@ Eigen::VectorXd initial_values(const std::vector<UpdatingParameter>& parameters)
 
 using Eigen::Index;
 
+RowLayout Residual::layout() const {
+  RowLayout layout{.steps = "values"};
+  for (Index row = 0; row < size(); ++row) layout.step.push_back(row);
+  return layout;
+}
+
+RowLayout layout_of_series(Index samples, Index series) {
+  RowLayout layout{.ordered = true, .steps = "samples", .parts = "sensors"};
+  for (Index row = 0; row < samples * series; ++row) {
+    layout.step.push_back(row % samples);
+    layout.part.push_back(row / samples);
+  }
+  return layout;
+}
+
 Index ResidualSum::size() const {
   Index sum = 0;
   for (const auto& term : terms_) sum += term.residual->size();

@@ -36,6 +36,17 @@ struct ResidualValue {
   Eigen::MatrixXd jacobian;  ///< dr/dtheta in the parameters' own units, size x parameters; 0 x 0 where not asked for
 };
 
+/// Which rows of a residual may have errors in common, for statistics that do not take rows as independent.
+struct RowLayout {
+  /// By row, from 0: rows of one step (an instant, a frequency line, a mode) are taken together.
+  std::vector<Eigen::Index> step;
+  bool ordered = false;  ///< neighbouring steps are correlated too: along time or frequency
+  /// By row, from 0: parts of the measurement that repeat it under other conditions (sensors, places of the force);
+  /// empty where there are none.
+  std::vector<Eigen::Index> part;
+  std::string steps, parts;  ///< in words, plural: "samples", "sensors"
+};
+
 /// A comparison of a model with measurements, as a function of the parameters. Evaluations may run in several threads.
 class Residual {
 public:
@@ -44,11 +55,16 @@ public:
   [[nodiscard]] virtual std::string name() const = 0;
   /// Length of r, the same everywhere.
   [[nodiscard]] virtual Eigen::Index size() const = 0;
+  /// Unless a residual knows better, every row is a step of its own, without order.
+  [[nodiscard]] virtual RowLayout layout() const;
   /// Nothing where the model has no response there (a negative stiffness): an optimiser then takes a shorter step.
   [[nodiscard]] virtual std::optional<ResidualValue> evaluate(const Eigen::VectorXd& parameters,
                                                               bool with_jacobian) const = 0;
 };
 using ResidualPtr = std::shared_ptr<const Residual>;
+
+/// Rows in equal series one after the other, one a sensor, with a sample in each step.
+RowLayout layout_of_series(Eigen::Index samples, Eigen::Index series);
 
 /// Several residuals of one set of parameters, r = [sqrt(w_1) r_1; sqrt(w_2) r_2; ...].
 class ResidualSum final : public Residual {
