@@ -37,7 +37,7 @@ TEST(PriorConflicts, AnEstimateWithinItsPriorIsNoConflict) {
   for (const char* prior : {"mu_k1: {initial: 10 N, std: 50 %}", "mu_k1: {initial: 2 N, std: 18 N, transform: log}"}) {
     const StudyResults results = results_of(prior);
     EXPECT_TRUE(results.usable()) << results.why_unusable();
-    EXPECT_TRUE(results.warnings.empty());
+    EXPECT_EQ(results.warnings, std::vector<std::string>{});
   }
 }
 

@@ -23,7 +23,7 @@ TEST(IndependentArguments, AreAsManyAsTheVariablesBehindThem) {
   const MatrixXd covariance = dependent_covariance();
   MatrixXd factor;
   std::vector<Index> independent;
-  ASSERT_TRUE(independent_argument_factor(covariance, factor, independent));
+  ASSERT_TRUE(independent_argument_factor(covariance, Dependent::left_out, factor, independent));
   EXPECT_EQ(independent, (std::vector<Index>{0, 1, 2}));
   EXPECT_TRUE(factor.rightCols(5).isZero(0.0));
   EXPECT_TRUE((factor * factor.transpose()).isApprox(covariance, 1e-12));
@@ -33,7 +33,7 @@ TEST(IndependentArguments, SolveForTheSameCombinationsOfTheColumns) {
   const MatrixXd covariance = dependent_covariance(), b = MatrixXd::Random(8, 2);
   MatrixXd factor, solution;
   std::vector<Index> independent;
-  ASSERT_TRUE(independent_argument_factor(covariance, factor, independent));
+  ASSERT_TRUE(independent_argument_factor(covariance, Dependent::left_out, factor, independent));
   solve_independent_transposed(factor, independent, b, solution);
   EXPECT_TRUE((covariance * solution).isApprox(factor.leftCols(3) * b.topRows(3), 1e-12));
   EXPECT_TRUE(solution.bottomRows(5).isZero(0.0));
@@ -43,9 +43,9 @@ TEST(IndependentArguments, RefuseWhatIsNoCovariance) {
   MatrixXd factor, covariance = dependent_covariance();
   std::vector<Index> independent;
   covariance(3, 3) = -1.0;
-  EXPECT_FALSE(independent_argument_factor(covariance, factor, independent));
+  EXPECT_FALSE(independent_argument_factor(covariance, Dependent::left_out, factor, independent));
   covariance(3, 3) = std::nan("");
-  EXPECT_FALSE(independent_argument_factor(covariance, factor, independent));
+  EXPECT_FALSE(independent_argument_factor(covariance, Dependent::left_out, factor, independent));
 }
 
 /// phi = squares and a product of the arguments.
@@ -67,7 +67,7 @@ public:
 TEST(IndependentArguments, GiveTheMomentsOfAllPoints) {
   MatrixXd factor;
   std::vector<Index> independent;
-  ASSERT_TRUE(independent_argument_factor(dependent_covariance(), factor, independent));
+  ASSERT_TRUE(independent_argument_factor(dependent_covariance(), Dependent::left_out, factor, independent));
   const VectorXd centre = VectorXd::Random(8);
   for (const std::optional<double> kappa : {std::optional<double>(), std::optional<double>(1.5)}) {
     const UnscentedOptions options{.kappa = kappa, .points = SigmaPoints::of_arguments};

@@ -35,8 +35,7 @@ TEST(FilterAttempts, KeepTheKindThatWasAskedFor) {
 }
 
 TEST(FilterAttempts, AreNotMadeWhereNoFormHelps) {
-  for (const auto outcome : {FilterOutcome::model_not_evaluable, FilterOutcome::linear_part_impossible,
-                             FilterOutcome::innovation_not_positive_definite})
+  for (const auto outcome : {FilterOutcome::model_not_evaluable, FilterOutcome::linear_part_impossible})
     EXPECT_EQ(forms(attempts_after(failed(FilterKind::partially_linear, StateCoordinates::modal, outcome), false)),
               Forms{});
   EXPECT_EQ(forms(attempts_after({FilterKind::partially_linear, StateCoordinates::modal, {}}, false)), Forms{});

@@ -28,17 +28,30 @@ std::shared_ptr<EstimationProblem> released(const EstimationProblem& problem, st
   return changed;
 }
 
+/// The value of a parameter in the parts of this run, which an updating may have changed.
+double present_value(const StructureParts& parts, const Parameter& parameter) {
+  if (const auto* of_law = std::get_if<ConnectorParameter>(&parameter.where)) {
+    const auto found = std::ranges::find(parts.connectors, parameter.owner, &ConnectorDescription::name);
+    return found == parts.connectors.end() ? parameter.value : found->parameters[of_law->position];
+  }
+  const auto* lumped = std::get_if<LumpedParameter>(&parameter.where);
+  const auto found = std::ranges::find(parts.substructures, parameter.owner, &LumpedSubstructure::name);
+  return lumped && found != parts.substructures.end() ? value_of(*found, *lumped) : parameter.value;
+}
+
 /// Parameters that the filter holds fixed at a value other than zero.
-std::vector<Parameter> fixed_parameters(const EstimationProblem& problem) {
+std::vector<Parameter> fixed_parameters(const DiagnosisInput& input) {
+  const EstimationProblem& problem = *input.problem;
   std::set<std::string> estimated;
   for (const auto& unknown : problem.settings.unknowns)
     for (const auto& target : unknown.targets) estimated.insert(target.name);
   const ParameterSet all(*problem.structure);
   std::vector<Parameter> fixed;
   for (const auto& name : all.names())
-    if (const auto parameter = all.find(name))
-      if (!estimated.contains(name) && std::isfinite(parameter->value) && parameter->value != 0.0)
-        fixed.push_back(*parameter);
+    if (auto parameter = all.find(name); parameter && !estimated.contains(name)) {
+      parameter->value = present_value(input.parts, *parameter);
+      if (std::isfinite(parameter->value) && parameter->value != 0.0) fixed.push_back(*parameter);
+    }
   return fixed;
 }
 
@@ -54,8 +67,8 @@ std::string joined(const std::vector<Parameter>& parameters) {
 
 /// Single parameters, then those of one kind and value that a case states in one place: the springs of a chain, the
 /// same parameter of equal suspensions.
-std::vector<std::vector<Parameter>> candidates_of(const EstimationProblem& problem) {
-  const auto fixed = fixed_parameters(problem);
+std::vector<std::vector<Parameter>> candidates_of(const DiagnosisInput& input) {
+  const auto fixed = fixed_parameters(input);
   std::vector<std::vector<Parameter>> candidates;
   std::map<std::tuple<std::string, std::string, double>, std::vector<Parameter>> alike;
   for (const auto& parameter : fixed) {
@@ -228,7 +241,7 @@ Hypothesis missing_modes(const DiagnosisInput& input, const FiniteElementSubstru
 
 std::vector<Hypothesis> model_hypotheses(const DiagnosisInput& input, const std::vector<ConnectorMotion>& motion) {
   std::vector<Hypothesis> found;
-  for (auto& parameters : candidates_of(*input.problem)) found.push_back(wrong_parameter(input, std::move(parameters)));
+  for (auto& parameters : candidates_of(input)) found.push_back(wrong_parameter(input, std::move(parameters)));
   const auto& connectors = input.parts.connectors;
   for (std::size_t j = 0; j < connectors.size() && j < motion.size(); ++j)
     if (motion[j].deformation > 0.0 && motion[j].rate > 0.0 && motion[j].force > 0.0)

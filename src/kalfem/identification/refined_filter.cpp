@@ -81,6 +81,13 @@ public:
         choice.bias = of_coarse;
         break;
       }
+      const bool falls = choice.bias.size() == 0 || change.maxCoeff() < choice.bias.maxCoeff();
+      if (!falls)
+        return {
+            .substeps = substeps_.first,
+            .chosen = true,
+            .words =
+                "as more do not settle the estimates: these depend on the way from their priors more than on the step"};
       choice.bias = change;
       choice.substeps = next;
       if (change.maxCoeff() <= substeps_.largest_bias) break;

@@ -42,7 +42,8 @@ bool argument_factor(const MatrixXd& covariance, MatrixXd& factor) {
   return factor.allFinite();
 }
 
-bool independent_argument_factor(const MatrixXd& covariance, MatrixXd& factor, std::vector<Index>& independent) {
+bool independent_argument_factor(const MatrixXd& covariance, Dependent dependent, MatrixXd& factor,
+                                 std::vector<Index>& independent) {
   const Index q = covariance.rows();
   factor.setZero(q, q);
   independent.clear();
@@ -52,12 +53,20 @@ bool independent_argument_factor(const MatrixXd& covariance, MatrixXd& factor, s
     const auto found = static_cast<Index>(independent.size());
     double pivot = variance;
     for (Index k = 0; k < found; ++k) pivot -= factor(j, k) * factor(j, k);
-    if (!(pivot > pivot_floor * variance)) continue;  // what is left of its covariances with others is rounding
+    if (!(pivot > pivot_floor * variance)) {  // what is left of its covariances with others is rounding
+      if (dependent == Dependent::left_out || variance == 0.0) continue;
+      factor(j, found) = std::sqrt(pivot_floor * variance);
+      independent.push_back(j);
+      continue;
+    }
     auto column = factor.col(found).tail(q - j);
     column = covariance.col(j).tail(q - j);
     for (Index k = 0; k < found; ++k) column -= factor(j, k) * factor.col(k).tail(q - j);
     column /= std::sqrt(pivot);
     column[0] = std::sqrt(pivot);
+    const auto variances = covariance.diagonal().tail(q - j).array();
+    if ((column.array().square().tail(q - j - 1) > impossible * variances.tail(q - j - 1)).any())
+      column.tail(q - j - 1).setZero();
     independent.push_back(j);
   }
   return factor.allFinite();

@@ -13,10 +13,14 @@ namespace kalfem {
 /// not finite.
 bool argument_factor(const Eigen::MatrixXd& covariance, Eigen::MatrixXd& factor);
 
-/// The same without the columns that would be raised or zero: as many columns as arguments vary independently, whose
-/// places are in `independent` in rising order; the rest of the q x q factor is zero. Motions at the ends of many short
-/// intervals are many arguments, but together vary in no more directions than the state.
-bool independent_argument_factor(const Eigen::MatrixXd& covariance, Eigen::MatrixXd& factor,
+/// What becomes of arguments that depend on others.
+enum class Dependent { raised, left_out };
+
+/// The same without the columns that would be zero, and where dependent arguments are left out without those that would
+/// be raised: the places of the others are in `independent` in rising order; the rest of the q x q factor is zero.
+/// Motions at the ends of many short intervals are many arguments, but together vary in no more directions than the
+/// state; leaving the others out costs slopes along directions below 1e-6 of a deviation.
+bool independent_argument_factor(const Eigen::MatrixXd& covariance, Dependent dependent, Eigen::MatrixXd& factor,
                                  std::vector<Eigen::Index>& independent);
 
 /// F with P_ww F = L B in the rows of the arguments, L and `independent` as above: zero for arguments that depend on

@@ -6,6 +6,12 @@
 
 namespace kalfem {
 
+namespace {
+
+constexpr Eigen::Index many_arguments = 100;  ///< from here on the cost of points along dependent ones counts
+
+}  // namespace
+
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -44,7 +50,8 @@ bool ProjectedMap::spread(const MatrixXd& gram) {
     for (Index i = j; i < q; ++i) covariance_(i, j) = gram(place(i), place(j));
     centre_[j] = gram(place(j), rows_) + map_.input_offset()[j];
   }
-  covariance_usable_ = independent_argument_factor(covariance_, factor_, independent_);
+  const auto dependent = q > many_arguments ? Dependent::left_out : Dependent::raised;
+  covariance_usable_ = independent_argument_factor(covariance_, dependent, factor_, independent_);
   // Directions that have vanished since stay as points at the centre: their number changes nothing but array sizes.
   directions_ = std::max(directions_, static_cast<Index>(independent_.size()));
   if (!covariance_usable_ || !transform_.apply(map_, centre_, factor_.leftCols(directions_), q)) return false;
