@@ -19,15 +19,29 @@ struct Estimates {
   int substeps = 0;
   MatrixXd mean;       ///< unknowns x samples, or the last sample alone
   VectorXd deviation;  ///< at the end
+  double nis = 0.0;    ///< mean over its expected value
 };
 
 bool any_drifts(const AugmentedModelSetup& setup) {
   return std::ranges::any_of(setup.options.unknowns, [](const auto& unknown) { return unknown.random_walk > 0.0; });
 }
 
+double relative_nis(const EstimationResult& result) {
+  const auto there = result.nis.array().isFinite();
+  return there.select(result.nis.array(), 0.0).sum() / std::max(1.0, static_cast<double>(result.measured.sum()));
+}
+
+/// Whether the model contradicts the record, and more substeps change nothing of it: what they change of the estimates
+/// then says nothing about the step.
+bool contradicts_anyway(const Estimates& coarse, const Estimates& fine) {
+  constexpr double contradiction = 2.0, same = 0.2;
+  return coarse.nis > contradiction && std::abs(fine.nis / coarse.nis - 1.0) < same;
+}
+
 Estimates estimates_of(const AugmentedModelSetup& setup, const EstimationResult& result, int substeps) {
   const auto& [mean, deviation] = result.unknowns;
-  return {substeps, any_drifts(setup) ? mean : MatrixXd(mean.rightCols(1)), deviation.rightCols(1)};
+  return {substeps, any_drifts(setup) ? mean : MatrixXd(mean.rightCols(1)), deviation.rightCols(1),
+          relative_nis(result)};
 }
 
 /// |difference| of two runs per unknown, in standard deviations of the finer one.
@@ -75,6 +89,10 @@ public:
         choice.words = "because the filter failed with " + std::to_string(next);
         return choice;
       }
+      if (contradicts_anyway(coarse, *fine))
+        return {.substeps = substeps_.first,
+                .chosen = true,
+                .words = "as more change nothing of how the model contradicts the record"};
       const VectorXd change = distance(setup_, coarse, *fine) / (square_of_ratio(next, coarse.substeps) - 1.0);
       const VectorXd of_coarse = change * square_of_ratio(next, coarse.substeps);
       if (coarse.substeps == substeps_.first && of_coarse.maxCoeff() <= substeps_.largest_bias) {

@@ -217,6 +217,9 @@ bool has_a_cause(const Reason& reason) {
   return !by_themselves.contains(reason.code);
 }
 
+/// Of a sample interval in the trials of a diagnosis: mistakes are larger than what finer steps add.
+constexpr int most_trial_substeps = 8;
+
 /// Where the filter stopped or its numbers contradict themselves, looks for the mistake that explains it.
 void look_for_cause(const Study& study, const StructureParts& parts, StudyResults& results) {
   auto& estimation = *results.estimation;
@@ -225,7 +228,7 @@ void look_for_cause(const Study& study, const StructureParts& parts, StudyResult
   const bool doubtful = !overstated_noise && std::ranges::any_of(verdict_of(estimation).reasons(), has_a_cause);
   if (!estimation.result.failure && !doubtful) return;
   auto as_run = std::make_shared<EstimationProblem>(*study.problem);
-  as_run->settings.substeps = estimation.augmented_model->options().substeps;
+  as_run->settings.substeps = std::min(most_trial_substeps, estimation.augmented_model->options().substeps);
   estimation.diagnosis = diagnose({.problem = std::move(as_run),
                                    .parts = parts,
                                    .record = record_of(study, results),
