@@ -238,8 +238,9 @@ FilterRun make_filter_run(const EstimationProblemPtr& problem, const AugmentedMo
 std::vector<FilterAttempt> attempts_after(const FilterAttempt& failed, bool kind_is_given) {
   std::vector<FilterAttempt> next;
   const bool tiled = failed.filter == FilterKind::partially_linear;
-  const bool sign_lost = failed.failure && (failed.failure->outcome == FilterOutcome::covariance_not_positive_definite ||
-                                            failed.failure->outcome == FilterOutcome::innovation_not_positive_definite);
+  const bool sign_lost =
+      failed.failure && (failed.failure->outcome == FilterOutcome::covariance_not_positive_definite ||
+                         failed.failure->outcome == FilterOutcome::innovation_not_positive_definite);
   if (!sign_lost || !tiled) return next;
   if (failed.coordinates == StateCoordinates::modal)
     next.push_back({FilterKind::partially_linear, StateCoordinates::physical, {}});

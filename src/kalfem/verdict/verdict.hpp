@@ -17,8 +17,8 @@ struct Reason {
   std::string text;     ///< one sentence with the figure that was found and the one that was expected
   std::string remedy;   ///< one sentence: what to look at or to change
   VerdictState state = VerdictState::suspicious;  ///< that this reason alone leads to
-  /// How far the deviations are wrong because of it, as a factor: orders the reasons of one state. Infinite for a cause,
-  /// which stands before its symptoms.
+  /// How far the deviations are wrong because of it, as a factor: orders the reasons of one state. Infinite for a
+  /// cause, which stands before its symptoms.
   double weight = 1.0;
 };
 
