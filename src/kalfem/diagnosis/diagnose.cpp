@@ -106,8 +106,10 @@ Index telling_samples(const VectorXd& nis, Index samples) {
   const VectorXd known = nis.array().isFinite().select(nis, 0.0);
   const double wanted = telling_part * known.sum();
   double sum = 0.0;
-  for (Index k = 0; k < samples; ++k)
-    if ((sum += known[k]) >= wanted) return k + 1;
+  for (Index k = 0; k < samples; ++k) {
+    sum += known[k];
+    if (sum >= wanted) return k + 1;
+  }
   return samples;
 }
 
