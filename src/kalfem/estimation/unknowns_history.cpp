@@ -18,21 +18,30 @@ MatrixXd inverse_of(const MatrixXd& covariance) {
 
 }  // namespace
 
-MatrixXd scores_of(const UnknownsHistory& history) {
+Scores scores_of(const UnknownsHistory& history) {
   const VectorXd& last = history.mean.back();
-  MatrixXd scores(last.size(), static_cast<Index>(history.mean.size()) - 1);
-  VectorXd before;
+  const MatrixXd& covariance = history.covariance.back();
+  const Index samples = static_cast<Index>(history.mean.size()) - 1;
+  Scores scores{MatrixXd(last.size(), samples), MatrixXd(last.size(), samples)};
+  VectorXd weighed_before, known_before;
   for (std::size_t k = 0; k < history.mean.size(); ++k) {
-    VectorXd weighed = inverse_of(history.covariance[k]) * (history.mean[k] - last);
-    if (k > 0) scores.col(static_cast<Index>(k) - 1) = weighed - before;
-    before = std::move(weighed);
+    const MatrixXd information = inverse_of(history.covariance[k]);
+    VectorXd weighed = information * (history.mean[k] - last);
+    VectorXd known = (covariance * information).cwiseProduct(covariance).rowwise().sum();
+    if (k > 0) {
+      scores.value.col(static_cast<Index>(k) - 1) = weighed - weighed_before;
+      scores.share.col(static_cast<Index>(k) - 1) = (known - known_before).cwiseQuotient(covariance.diagonal());
+    }
+    weighed_before = std::move(weighed);
+    known_before = std::move(known);
   }
   return scores;
 }
 
 RobustCovariance robust_covariance(const UnknownsHistory& history) {
-  return robust_covariance(inverse_of(history.covariance.back()), inverse_of(history.covariance.front()),
-                           scores_of(history));
+  const Scores scores = scores_of(history);
+  return robust_covariance(inverse_of(history.covariance.back()), inverse_of(history.covariance.front()), scores.value,
+                           scores.share);
 }
 
 }  // namespace kalfem

@@ -17,7 +17,13 @@ struct UnknownsHistory {
   [[nodiscard]] bool empty() const { return unknowns.empty() || mean.size() < 2; }
 };
 
-/// Scores of the constant unknowns at their last estimate, c x points.
+/// What each point of a history tells of the constant unknowns.
+struct Scores {
+  Eigen::MatrixXd value;  ///< gradient of its log-density at the last estimate, c x points
+  Eigen::MatrixXd share;  ///< of the last variance of each unknown, about 0 to 1, c x points
+};
+
+/// Scores of the constant unknowns at their last estimate.
 ///
 /// With the estimate and the covariance P_k after sample k, a filter of joint state and parameters weighs what it saw
 /// so far as u_k = P_k^-1 (theta_k - theta_N): the gradient, at the last estimate theta_N, of the log-density of the
@@ -25,8 +31,9 @@ struct UnknownsHistory {
 ///     s_k = u_k - u_{k-1}.
 /// This is exact where the parameters enter linearly: then the estimate of a constant beside states is recursive least
 /// squares on the innovations of the filter that knows it (Friedland 1969, IEEE Trans. Automatic Control 14, 359-367).
-/// No further run over the record is needed.
-Eigen::MatrixXd scores_of(const UnknownsHistory& history);
+/// No further run over the record is needed. Its share of the variance of unknown i, by the information P_k^-1 that it
+/// added, is (P_N (P_k^-1 - P_{k-1}^-1) P_N)_ii / (P_N)_ii.
+Scores scores_of(const UnknownsHistory& history);
 
 /// Covariance of the constant unknowns that allows for innovations that are correlated in time, in the filter's state:
 /// the sandwich of the information P_N^-1, the prior's P_0^-1 and these scores.

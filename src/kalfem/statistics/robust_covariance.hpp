@@ -19,13 +19,22 @@ struct LongRunCovariance {
 /// sum sigma^4 / (1 - rho)^4 (Andrews 1991, Econometrica 59, equations 6.2 and 6.4). A fixed dozen of lags would
 /// miss half of the deviation on vibration records, which are sampled many times a period.
 ///
-/// The first-order model misses slow parts under fast ones. So each variance is checked against the scatter of the
-/// sums over 25 batches: where the batches' is larger by more than chance gives once in a hundred times, it holds, and
-/// the correlations between series stay.
+/// The first-order model misses slow parts under fast ones, such as those of scores that oscillate at twice a natural
+/// frequency and drift over the memory of a lightly damped mode. So the plug-in is also applied to sums over 2, 4, 8
+/// ... neighbours, wherever these are correlated beyond chance, and the longest bandwidth holds.
+///
+/// Scores at an estimate sum to zero: the score of a sample with the share p_k of the information has lost p_k times
+/// the sum. Each variance is divided by 1 - sum_kl w((k - l) / S) p_k p_l, which makes up for it (for equal shares:
+/// Kiefer and Vogelsang 2005, Econometric Theory 21, 1130-1164; without correlation: Bell and McCaffrey 2002, Survey
+/// Methodology 28, 169-181). `information`: of each sample about each series, p x samples in any unit; equal if empty.
+///
+/// Each variance is checked against the scatter of the sums over 25 batches: where the batches' is larger by more than
+/// chance gives once in a hundred times, it holds, and the correlations between series stay.
 ///
 /// Long bandwidths are reached by adding up neighbouring samples first, which leaves the covariance of the sum as it
 /// is. Zero for fewer than two samples.
-LongRunCovariance long_run_covariance(const Eigen::Ref<const Eigen::MatrixXd>& series);
+LongRunCovariance long_run_covariance(const Eigen::Ref<const Eigen::MatrixXd>& series,
+                                      const Eigen::Ref<const Eigen::MatrixXd>& information = Eigen::MatrixXd());
 
 /// Covariance of estimated parameters that holds where the model is not the truth.
 struct RobustCovariance {
@@ -47,10 +56,13 @@ RobustCovariance sandwich(const Eigen::Ref<const Eigen::MatrixXd>& information,
 /// time (long_run_covariance()); with a true model B = A - A_0 and V = A^-1. Directions that the information does not
 /// see (eigenvalues below 1e-12 of the largest) have variance 0 in V; `rank` tells how many there are. White (1982),
 /// Econometrica 50, theorem 3.2; White (1994), Estimation, Inference and Specification Analysis, section 8.3.
-/// `information` and `prior_information`: A and A_0, symmetric p x p.
+/// B is found from A^+ s_k, by which each sample moved each parameter.
+/// `information` and `prior_information`: A and A_0, symmetric p x p. `shares`: the part of every parameter's variance
+/// that each sample accounts for, p x samples; equal if empty.
 RobustCovariance robust_covariance(const Eigen::Ref<const Eigen::MatrixXd>& information,
                                    const Eigen::Ref<const Eigen::MatrixXd>& prior_information,
-                                   const Eigen::Ref<const Eigen::MatrixXd>& scores);
+                                   const Eigen::Ref<const Eigen::MatrixXd>& scores,
+                                   const Eigen::Ref<const Eigen::MatrixXd>& shares = Eigen::MatrixXd());
 
 /// The same with scores that are independent in time, B = sum_k s_k s_k^T, and no prior.
 Eigen::MatrixXd white_robust_covariance(const Eigen::Ref<const Eigen::MatrixXd>& information,
