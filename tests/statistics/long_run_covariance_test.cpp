@@ -92,8 +92,8 @@ TEST(LongRunCovariance, SeesASlowPartUnderAFastOne) {
   EXPECT_LE(ratios[20], 1.1);
 }
 
-/// First-order autoregression with a carrier of 2.3 rad per sample beside a slow one of the same size, as products of
-/// two narrow-band motions are: scores of a lightly damped mode.
+// First-order autoregression with a carrier of 2.3 rad per sample beside a slow one of the same size, as products of
+// two narrow-band motions are: scores of a lightly damped mode.
 TEST(LongRunCovariance, SeesTheSlowPartOfScoresThatOscillate) {
   const Index samples = 4000;
   std::vector<double> ratios;

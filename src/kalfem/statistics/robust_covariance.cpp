@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kalfem/statistics/quantiles.hpp"
-
 namespace kalfem {
 
 using Eigen::Index;
@@ -19,7 +17,8 @@ constexpr double largest_autocorrelation = 0.9999;
 /// Bandwidth in sums of neighbouring samples from which these are added up further.
 constexpr double fine_bandwidth = 100.0;
 constexpr Index batches = 25;
-constexpr double rare = 0.01;  ///< probability by which chance alone passes the check by batches
+/// 99 % quantile of chi-squared with 24 degrees of freedom, per degree.
+constexpr double batch_excess = 42.98 / 24.0;
 /// Sums over neighbours tell a slow part if there are so many, and if neighbours are correlated beyond chance.
 constexpr Index fewest_sums = 32;
 constexpr double significant = 2.33;  ///< 99 % quantile of a normal variable
@@ -95,21 +94,14 @@ double bandwidth_of(const MatrixXd& series) {
   return std::min(longest, std::max(1.0, static_cast<double>(series.cols()) / 2.0));
 }
 
-/// Variance of each series' sum from the scatter of its sums over batches, and by how much chance exceeds it.
-struct BatchMeans {
-  VectorXd variance, excess;
-};
-
-BatchMeans batch_means(const MatrixXd& series, const MatrixXd& shares) {
-  const Index length = (series.cols() + batches - 1) / batches;
-  const MatrixXd sums = added_up(series, length), part = added_up(shares, length);
-  BatchMeans found{VectorXd(series.rows()), VectorXd(series.rows())};
-  for (Index i = 0; i < series.rows(); ++i) {
-    const double together = part.row(i).squaredNorm(), freedom = std::max(1.0, 1.0 / together - 1.0);
-    found.variance[i] = (sums.row(i) - sums.row(i).sum() * part.row(i)).squaredNorm() / std::max(1.0 - together, 1e-6);
-    found.excess[i] = chi_squared_quantile(1.0 - rare, freedom) / freedom;
-  }
-  return found;
+/// Variance of each series' sum from the scatter of its sums over batches.
+VectorXd batch_variances(const MatrixXd& series) {
+  const Index length = series.cols() / batches, used = length * batches;
+  const MatrixXd sums = added_up(series.leftCols(used), length);
+  const VectorXd mean = sums.rowwise().mean();
+  const double scale = static_cast<double>(series.cols()) / static_cast<double>(used);
+  return scale * static_cast<double>(batches) / static_cast<double>(batches - 1) *
+         (sums.colwise() - mean).rowwise().squaredNorm();
 }
 
 /// Share of each variance that is lost because the scores sum to zero at the estimate, sum_kl w(k - l) p_k p_l: the
@@ -145,10 +137,10 @@ LongRunCovariance long_run_covariance(const Eigen::Ref<const MatrixXd>& series,
   found.of_sum = kernel_sum(added_up(scaled, neighbours), bandwidth);
   VectorXd widening = (1.0 - lost_to_centring(added_up(shares, neighbours), bandwidth).array()).rsqrt();
   if (series.cols() >= 4 * batches) {
-    const auto [of_batches, excess] = batch_means(scaled, shares);
+    const VectorXd of_batches = batch_variances(scaled);
     for (Index i = 0; i < series.rows(); ++i) {
       const double variance = widening[i] * widening[i] * found.of_sum(i, i);
-      if (!(of_batches[i] > excess[i] * variance) || variance <= 0.0) continue;
+      if (!(of_batches[i] > batch_excess * variance) || variance <= 0.0) continue;
       widening[i] *= std::sqrt(of_batches[i] / variance);
       found.batch_means = true;
     }
