@@ -59,7 +59,7 @@ TEST(SubstepsOfACase, TooFewAreAReasonForDoubt) {
   const auto state_with = [&](double bias) {
     results.estimation->substeps = {
         .substeps = 128, .chosen = true, .bias = Eigen::VectorXd::Constant(1, bias), .limited = bias > 0.2};
-    const Verdict verdict = verdict_of(results);
+    const Verdict verdict = verdict_of(study, results);
     for (const auto& reason : verdict.reasons())
       if (reason.code == "step_too_coarse") {
         EXPECT_EQ(reason.subject, "c.k3");

@@ -237,8 +237,8 @@ void look_for_cause(const Study& study, const StructureParts& parts, StudyResult
 }
 
 /// Suspicions become warnings.
-void judge(StudyResults& results) {
-  results.verdict = verdict_of(results);
+void judge(const Study& study, StudyResults& results) {
+  results.verdict = verdict_of(study, results);
   for (const auto& reason : results.verdict.reasons())
     if (reason.state == VerdictState::suspicious) results.warnings.push_back(reason.text + "; " + reason.remedy);
 }
@@ -285,7 +285,7 @@ StudyResults run_study(const Study& study, Step last, const RunOptions& options)
   }
   if (results.complete() && last >= Step::predict)
     results.modifications = predict_modifications(study, updated_parameters(results));
-  judge(results);
+  judge(study, results);
   results.identified = identified_case_of(study, results);
   results.total_seconds = study.reduce_seconds + watch.seconds();
   return results;

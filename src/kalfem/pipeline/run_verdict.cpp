@@ -1,10 +1,12 @@
 #include "kalfem/pipeline/run_verdict.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "kalfem/verdict/updating_checks.hpp"
 #include "kalfem/verdict/validation_checks.hpp"
 
 namespace kalfem {
@@ -117,18 +119,71 @@ void judge_estimation(const EstimationOutcome& outcome, Verdict& verdict) {
                    VerdictState::suspicious, outcome.open_loop_nrmse[j]});
 }
 
-void judge_updating(const UpdatingOutcome& outcome, Verdict& verdict) {
-  if (!outcome.converged)
-    verdict.add({"not_converged", "update", "the updating did not converge: " + outcome.termination,
-                 "start nearer, refine fewer parameters, or allow more iterations"});
+/// Values less the parameters' share of them, which is taken as the same for every comparison.
+double degrees_of_freedom(const ComparisonResult& comparison, const UpdatingOutcome& outcome) {
+  double values = 0.0;
+  for (const auto& each : outcome.comparisons) values += static_cast<double>(each.size);
+  return static_cast<double>(comparison.size) * outcome.statistics.degrees_of_freedom / std::max(1.0, values);
+}
+
+ComparedMeasurement compared_measurement(const ComparisonResult& comparison, const UpdatingOutcome& outcome) {
+  constexpr double least_mac = 0.5;
+  ComparedMeasurement compared{.name = comparison.name,
+                               .rms = comparison.rms_final,
+                               .degrees_of_freedom = degrees_of_freedom(comparison, outcome),
+                               .predicted = !comparison.derivatives.empty()};
+  for (const auto& mode : comparison.modes_final)
+    if (!mode.model_mode || mode.mac < least_mac)
+      compared.poor_pairs.push_back(fmt::format("{:.4g} Hz (MAC {:.2f})", mode.measured_frequency, mode.mac));
+  return compared;
+}
+
+bool is_positive_by_nature(const std::string& name) {
+  constexpr std::array endings = {".stiffness", ".mass", ".thickness", ".youngs_modulus", ".density"};
+  return std::ranges::any_of(endings, [&](const char* ending) { return name.ends_with(ending); });
+}
+
+UpdatedValue updated_value(const UpdatingParameter& parameter, Index i, const UpdatingOutcome& outcome) {
+  const double stated = outcome.statistics.deviations[i], robust = outcome.robust.deviations[i];
+  UpdatedValue value{.name = parameter.name,
+                     .unit = parameter.unit,
+                     .initial = parameter.initial,
+                     .value = outcome.values[i],
+                     .at_bound = outcome.statistics.at_bound[static_cast<std::size_t>(i)],
+                     .positive_by_nature = is_positive_by_nature(parameter.name)};
+  if (std::isfinite(parameter.deviation)) value.prior_deviation = parameter.deviation;
+  if (std::isfinite(robust) && stated > 0.0 && std::isfinite(stated)) value.widening = robust / stated;
+  value.widening_freedom = outcome.robust.degrees_of_freedom;
+  return value;
+}
+
+/// Names of what the data do not determine: combinations and pairs, and single parameters that are in none of them.
+void add_identifiability(const std::vector<UpdatingParameter>& parameters, const ParameterStatistics& statistics,
+                         UpdatingRecord& record) {
+  const auto name = [&](Index i) { return parameters[static_cast<std::size_t>(i)].name; };
+  std::vector<bool> named(parameters.size(), false);
+  for (const auto& combination : statistics.unidentifiable) {
+    auto& names = record.not_told_apart.emplace_back();
+    for (const Index i : combination.parameters) {
+      names.push_back(name(i));
+      named[static_cast<std::size_t>(i)] = true;
+    }
+  }
+  for (const auto& pair : statistics.correlated) record.not_told_apart.push_back({name(pair.first), name(pair.second)});
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+    if (!named[i] && (statistics.seen[i] == Seen::poorly || statistics.seen[i] == Seen::not_at_all))
+      record.not_identified.push_back(parameters[i].name);
+}
+
+void judge_updating(const std::vector<UpdatingParameter>& parameters, const UpdatingOutcome& outcome,
+                    Verdict& verdict) {
+  UpdatingRecord record{.converged = outcome.converged, .termination = outcome.termination};
   for (const auto& comparison : outcome.comparisons)
-    if (state_of(comparison.rms_final) != VerdictState::consistent)
-      verdict.add({"residual_large", comparison.name,
-                   fmt::format("after the updating, comparison '{}' still differs by {:.3g} of its stated standard "
-                               "deviations",
-                               comparison.name, comparison.rms_final),
-                   "the model cannot follow the measurement, or its stated deviations are too small",
-                   VerdictState::suspicious, comparison.rms_final});
+    record.comparisons.push_back(compared_measurement(comparison, outcome));
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+    record.parameters.push_back(updated_value(parameters[i], static_cast<Index>(i), outcome));
+  add_identifiability(parameters, outcome.statistics, record);
+  verdict.add(updating_reasons(record));
 }
 
 void judge_validation(const ValidationOutcome& outcome, Verdict& verdict) {
@@ -174,7 +229,7 @@ Verdict verdict_of(const EstimationOutcome& outcome) {
 
 // Reasons come from each step that ran. A step that failed is the reason, and what it left is not judged: it would only
 // say again that there is nothing.
-Verdict verdict_of(const StudyResults& results) {
+Verdict verdict_of(const Study& study, const StudyResults& results) {
   Verdict verdict;
   if (!results.complete()) {
     Reason failed{"failed", "", results.failure, "", VerdictState::unusable, unusable_widening};
@@ -184,7 +239,7 @@ Verdict verdict_of(const StudyResults& results) {
     }
     verdict.add(failed);
   } else {
-    if (results.updating) judge_updating(*results.updating, verdict);
+    if (results.updating) judge_updating(study.updating->parameters, *results.updating, verdict);
     if (results.estimation) judge_estimation(*results.estimation, verdict);
   }
   if (results.validation) judge_validation(*results.validation, verdict);

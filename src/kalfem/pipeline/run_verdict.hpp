@@ -12,6 +12,6 @@ InnovationRecord innovations_of(const EstimationOutcome& outcome);
 Verdict verdict_of(const EstimationOutcome& outcome);
 
 /// What the numbers of a run say about themselves: the reasons of every step that ran, or why one of them failed.
-Verdict verdict_of(const StudyResults& results);
+Verdict verdict_of(const Study& study, const StudyResults& results);
 
 }  // namespace kalfem
