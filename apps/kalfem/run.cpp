@@ -45,8 +45,11 @@ void require_section(const Study& study, Step asked) {
 /// The state, and every reason for it, worst first.
 void print_verdict(const StudyResults& results) {
   print("Verdict: {}\n", to_string(results.verdict.state()));
-  for (const auto& warning : results.warnings) print_error("warning: {}\n", warning);
   if (!results.usable()) print_error("the numbers are not usable: {}\n", results.why_unusable());
+  const auto reasons = results.verdict.reasons();
+  for (std::size_t i = 1; i < reasons.size() && reasons[i].state == VerdictState::unusable; ++i)
+    print_error("and: {}\n", sentence_of(reasons[i]));
+  for (const auto& warning : results.warnings) print_error("warning: {}\n", warning);
 }
 
 }  // namespace

@@ -82,6 +82,22 @@ TEST(Updating, EveryMethodFindsTheSame) {
   }
 }
 
+/// A displacement that was read in another place: no springs give it together with the frequencies.
+TEST(Updating, ThatContradictsTheStatedDeviationsIsUnusable) {
+  const ScratchFolder folder("update-contradiction");
+  std::string text = modal_case;
+  text.replace(text.find("3: 30 mm"), 8, "3: 20 mm");
+  const auto outcome =
+      run_command("update " + written(folder, text).string() + " --out " + folder.path().string(), folder);
+  EXPECT_EQ(outcome.code, 3) << outcome.errors;
+  EXPECT_NE(outcome.errors.find("comparison 'push' still differs"), std::string::npos) << outcome.errors;
+  const auto summary = read_summary(folder);
+  EXPECT_EQ(summary["verdict"]["state"], "unusable");
+  const auto& reason = summary["verdict"]["reasons"][0];
+  EXPECT_EQ(reason["code"], "residual_large");
+  EXPECT_EQ(summary["message"], reason["text"].get<std::string>() + "; " + reason["remedy"].get<std::string>());
+}
+
 struct UpdateMistake {
   const char* name;
   std::string from, to;

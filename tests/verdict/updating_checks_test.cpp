@@ -71,9 +71,11 @@ TEST(UpdatingChecks, ABoundAPriorAndASignAreNamed) {
   EXPECT_TRUE(updating_reasons(record).empty());
 }
 
-TEST(UpdatingChecks, ADeviationThatIsTooSmallIsNamedWhereTheRobustOneIsSure) {
+TEST(UpdatingChecks, ADeviationThatIsTooSmallIsNamedWhereTheModelDoesNotFollowAndTheRobustOneIsSure) {
   auto record = sound();
   record.parameters[0].widening = 3.0;
+  EXPECT_TRUE(updating_reasons(record).empty()) << "the interval is that of the robust one";
+  record.comparisons[1].rms = 1.6;
   EXPECT_TRUE(has(record, "deviation_too_small"));
   record.parameters[0].widening_freedom = 1.0;
   EXPECT_FALSE(has(record, "deviation_too_small"));

@@ -240,7 +240,7 @@ void look_for_cause(const Study& study, const StructureParts& parts, StudyResult
 void judge(const Study& study, StudyResults& results) {
   results.verdict = verdict_of(study, results);
   for (const auto& reason : results.verdict.reasons())
-    if (reason.state == VerdictState::suspicious) results.warnings.push_back(reason.text + "; " + reason.remedy);
+    if (reason.state == VerdictState::suspicious) results.warnings.push_back(sentence_of(reason));
 }
 
 }  // namespace
@@ -292,11 +292,9 @@ StudyResults run_study(const Study& study, Step last, const RunOptions& options)
 }
 
 std::string StudyResults::why_unusable() const {
-  std::string why;
-  for (const auto& reason : verdict.reasons())
-    if (reason.state == VerdictState::unusable)
-      why += (why.empty() ? "" : ". ") + reason.text + (reason.remedy.empty() ? "" : "; " + reason.remedy);
-  return why.empty() ? failure : why;
+  const auto reasons = verdict.reasons();
+  if (reasons.empty() || reasons.front().state != VerdictState::unusable) return failure;
+  return sentence_of(reasons.front());
 }
 
 }  // namespace kalfem

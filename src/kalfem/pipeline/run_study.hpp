@@ -174,7 +174,7 @@ struct StudyResults {
   [[nodiscard]] bool complete() const { return failure.empty(); }
   /// Whether the numbers can be used as well: nothing in them contradicts itself.
   [[nodiscard]] bool usable() const { return complete() && verdict.state() != VerdictState::unusable; }
-  /// Why they cannot, in words: the failure, or the worst reasons of the verdict. Empty if they can.
+  /// Why they cannot, in words: the failure, or the worst reason of the verdict. Empty if they can.
   [[nodiscard]] std::string why_unusable() const;
 };
 

@@ -6,6 +6,7 @@
 
 #include "kalfem/report/tables.hpp"
 #include "kalfem/report/updating_tables.hpp"
+#include "kalfem/updating/parameter_interval.hpp"
 
 namespace kalfem {
 
@@ -117,10 +118,16 @@ Json parameters_of(const Study& study, const UpdatingOutcome& outcome) {
            {"estimate", number(outcome.values[index])},
            {"std", index < deviations.size() ? number(deviations[index]) : Json(nullptr)},
            {"std_robust", index < robust.size() ? number(robust[index]) : Json(nullptr)},
+           {"interval_95", nullptr},
            {"unit", parameter.unit},
            {"lower", number(parameter.lower)},
            {"upper", number(parameter.upper)},
            {"prior_std", number(parameter.deviation)}};
+    if (const auto interval =
+            parameter_interval(parameter, index, outcome.values[index], outcome.statistics, outcome.robust)) {
+      own["interval_95"] = {number(interval->lower), number(interval->upper)};
+      own["interval_95_from"] = interval->robust ? "std_robust" : "std";
+    }
     if (i < seen.size()) own["informed"] = to_string(seen[i]);
     if (i < at_bound.size() && at_bound[i]) own["at_bound"] = true;
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "kalfem/report/tables.hpp"
+#include "kalfem/updating/parameter_interval.hpp"
 
 namespace kalfem {
 
@@ -42,14 +43,21 @@ static std::string deviation_of(const Eigen::VectorXd& deviations, const Updatin
 
 Table updated_parameter_table(const Study& study, const UpdatingOutcome& outcome) {
   Table table{"Updated parameters",
-              {"parameter", "unit", "initial", "updated", "change", "std", "robust std", "truth", "error"},
+              {"parameter", "unit", "initial", "updated", "95 % interval", "from", "change", "std", "robust std", "truth",
+               "error"},
               {},
               {}};
   for (std::size_t i = 0; i < study.updating->parameters.size(); ++i) {
     const auto& parameter = study.updating->parameters[i];
     const auto& truth = study.updating->true_parameters[i];
     const double value = outcome.values[static_cast<Index>(i)];
+    const auto interval =
+        parameter_interval(parameter, static_cast<Index>(i), value, outcome.statistics, outcome.robust);
     table.rows.push_back({parameter.name, parameter.unit, four_digits(parameter.initial), four_digits(value),
+                          interval ? four_digits(interval->lower) + " to " + four_digits(interval->upper) : "-",
+                          !interval          ? "-"
+                          : interval->robust ? "robust std"
+                                             : "std",
                           parameter.initial != 0.0 ? signed_per_cent(value / parameter.initial - 1.0) : "-",
                           deviation_of(outcome.statistics.deviations, outcome, i),
                           deviation_of(outcome.robust.deviations, outcome, i), truth ? four_digits(*truth) : "-",

@@ -96,6 +96,8 @@ void check_sign(const UpdatedValue& parameter, std::vector<Reason>& reasons) {
                      VerdictState::unusable, unusable_widening});
 }
 
+/// Where the model follows the measurement, robust deviations allow for correlated residuals, and the interval that a
+/// reader sees first is theirs. Where it does not, they allow for its errors on this measurement only.
 void check_widening(const UpdatedValue& parameter, std::vector<Reason>& reasons) {
   if (state_of(parameter.widening) == VerdictState::consistent ||
       !is_above(parameter.widening, parameter.widening_freedom))
@@ -133,11 +135,13 @@ std::vector<Reason> updating_reasons(const UpdatingRecord& record) {
     check_size(comparison, reasons);
     check_pairs(comparison, reasons);
   }
+  const bool followed = std::ranges::all_of(
+      record.comparisons, [](const auto& each) { return state_of(each.rms) == VerdictState::consistent; });
   for (const auto& parameter : record.parameters) {
     check_bound(parameter, reasons);
     check_prior(parameter, reasons);
     check_sign(parameter, reasons);
-    check_widening(parameter, reasons);
+    if (!followed) check_widening(parameter, reasons);
   }
   check_information(record, reasons);
   return reasons;

@@ -17,6 +17,10 @@ std::string to_string(VerdictState state) {
   return "";
 }
 
+std::string sentence_of(const Reason& reason) {
+  return reason.remedy.empty() ? reason.text : reason.text + "; " + reason.remedy;
+}
+
 VerdictState Verdict::state() const {
   VerdictState worst = VerdictState::consistent;
   for (const auto& reason : reasons_) worst = std::max(worst, reason.state);

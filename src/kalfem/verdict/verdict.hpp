@@ -22,6 +22,9 @@ struct Reason {
   double weight = 1.0;
 };
 
+/// Text and remedy in one sentence.
+std::string sentence_of(const Reason& reason);
+
 /// What the numbers say about themselves. Consistent without any reason.
 class Verdict {
 public:
