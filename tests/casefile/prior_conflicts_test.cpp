@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "kalfem/pipeline/run_steps.hpp"
 
 #include "casefile/damping_of_unknowns.hpp"
@@ -20,17 +22,24 @@ bool holds(const std::string& text, const std::string& piece) { return text.find
 TEST(PriorConflicts, AFirstGuessOfOnePerCentOfTheTruthIsNotTrusted) {
   const StudyResults results = results_of("mu_k1: {initial: 0.2 N, std: 50 %}");
   ASSERT_FALSE(results.usable());
-  for (const char* piece : {"'suspension.mu_k1'", "prior standard deviations from its initial value 0.2",
-                            "(expected 4): do not trust the estimates", "transform: log"})
+  const auto reasons = results.verdict.reasons();
+  EXPECT_EQ(reasons[0].code + " " + reasons[0].subject, "first_guess suspension.mu_k1") << reasons[0].text;
+  for (const char* piece : {"the first guess of 'suspension.mu_k1', 0.2 N, is too far off", "transform: log"})
     EXPECT_TRUE(holds(results.why_unusable(), piece)) << piece << " in: " << results.why_unusable();
+  const auto far = std::ranges::find(reasons, "far_from_prior", &Reason::code);
+  ASSERT_NE(far, reasons.end());
+  EXPECT_TRUE(holds(far->text, "prior standard deviations from its initial value 0.2")) << far->text;
 }
 
 /// A tenth of the truth: found all the same, but the prior was wrong.
 TEST(PriorConflicts, AnEstimateFarFromItsPriorWithARightNisIsNamedOnly) {
   const StudyResults results = results_of("mu_k1: {initial: 2 N, std: 50 %}");
   EXPECT_TRUE(results.usable()) << results.why_unusable();
-  ASSERT_EQ(results.warnings.size(), 1u);
-  EXPECT_TRUE(holds(results.warnings[0], "prior standard deviations from its initial value 2")) << results.warnings[0];
+  EXPECT_EQ(results.verdict.state(), VerdictState::suspicious);
+  ASSERT_EQ(results.warnings.size(), 2u);
+  EXPECT_TRUE(holds(results.warnings[0], "the first guess of 'suspension.mu_k1', 2 N, is too far off"))
+      << results.warnings[0];
+  EXPECT_TRUE(holds(results.warnings[1], "prior standard deviations from its initial value 2")) << results.warnings[1];
 }
 
 TEST(PriorConflicts, AnEstimateWithinItsPriorIsNoConflict) {

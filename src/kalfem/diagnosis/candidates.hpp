@@ -23,8 +23,8 @@ struct ConnectorMotion {
   double deformation = 0.0, rate = 0.0, force = 0.0;  ///< rms [m], [m/s], [N]
 };
 
-/// What the model may have against it: each parameter that is held fixed, a law that a connector does not follow, modes
-/// that the reduction left out. `motion`: of each connector of the parts.
+/// What the model may have against it: each parameter that is held fixed, the first guess of each unknown, a law that a
+/// connector does not follow, modes that the reduction left out. `motion`: of each connector of the parts.
 std::vector<Hypothesis> model_hypotheses(const DiagnosisInput& input, const std::vector<ConnectorMotion>& motion);
 
 }  // namespace kalfem

@@ -127,6 +127,41 @@ Hypothesis wrong_parameter(const DiagnosisInput& input, std::vector<Parameter> p
           .remedy = "correct '" + names + "', or estimate it: add it to estimate.unknown"};
 }
 
+/// The same relative prior about another first guess. Where that is far off, a filter may end far off as well, as its
+/// deviations shrink before the estimate has arrived.
+Hypothesis wrong_first_guess(const DiagnosisInput& input, std::size_t i) {
+  const Unknown& unknown = input.problem->settings.unknowns[i];
+  return {.code = "first_guess",
+          .subject = unknown.name,
+          .starts = {0.1, 0.3, 3.0, 10.0, 100.0},
+          .search = Search::factor,
+          .step = 0.7,
+          .fitted = 1,
+          .correct =
+              [&input, i](double factor) {
+                auto changed = std::make_shared<EstimationProblem>(*input.problem);
+                auto& moved = changed->settings.unknowns[i];
+                moved.initial *= factor;
+                moved.deviation *= factor;
+                return CorrectedRun{input.run_of(changed, input.parts), 0.0};
+              },
+          .words =
+              [unknown, i](double, const VectorXd& estimates) {
+                return fmt::format(
+                    "the first guess of '{}', {:.4g} {}, is too far off: the record asks for about "
+                    "{:.3g}",
+                    unknown.name, unknown.initial, unknown.unit(), estimates[static_cast<Index>(i)]);
+              },
+          .remedy =
+              "begin near that value, or widen the prior; with `transform: log` a positive value is found over "
+              "several powers of ten"};
+}
+
+/// Whether another first guess is possible. Between bounds the guess says little.
+bool has_other_guesses(const Unknown& unknown) {
+  return unknown.initial != 0.0 && unknown.transform.kind != TransformKind::logit;
+}
+
 /// Further terms of a connector: cubic and quadratic stiffness, cubic damping, and friction, beside its law.
 struct FurtherTerms {
   StructureParts parts;
@@ -242,6 +277,9 @@ Hypothesis missing_modes(const DiagnosisInput& input, const FiniteElementSubstru
 std::vector<Hypothesis> model_hypotheses(const DiagnosisInput& input, const std::vector<ConnectorMotion>& motion) {
   std::vector<Hypothesis> found;
   for (auto& parameters : candidates_of(input)) found.push_back(wrong_parameter(input, std::move(parameters)));
+  const auto& unknowns = input.problem->settings.unknowns;
+  for (std::size_t i = 0; i < unknowns.size() && i < most_parameters; ++i)
+    if (has_other_guesses(unknowns[i])) found.push_back(wrong_first_guess(input, i));
   const auto& connectors = input.parts.connectors;
   for (std::size_t j = 0; j < connectors.size() && j < motion.size(); ++j)
     if (motion[j].deformation > 0.0 && motion[j].rate > 0.0 && motion[j].force > 0.0)

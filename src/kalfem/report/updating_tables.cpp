@@ -43,8 +43,8 @@ static std::string deviation_of(const Eigen::VectorXd& deviations, const Updatin
 
 Table updated_parameter_table(const Study& study, const UpdatingOutcome& outcome) {
   Table table{"Updated parameters",
-              {"parameter", "unit", "initial", "updated", "95 % interval", "from", "change", "std", "robust std", "truth",
-               "error"},
+              {"parameter", "unit", "initial", "updated", "95 % interval", "from", "change", "std", "robust std",
+               "truth", "error"},
               {},
               {}};
   for (std::size_t i = 0; i < study.updating->parameters.size(); ++i) {

@@ -45,8 +45,9 @@ struct UpdatingRecord {
 /// that did not end at a minimum ("not_converged"), modes that pair with nothing or poorly ("poor_pairs"), parameters
 /// at a bound ("at_bound"), beyond four prior deviations from their first guess ("far_from_prior"), below zero though
 /// positive by nature ("unphysical_sign"), that the data do not determine ("not_identified") or cannot tell apart
-/// ("correlated"), and, where a residual is large, deviations that are too small ("deviation_too_small"). A size counts where it is both beyond
-/// chance by four standard deviations, with as many values as are independent, and beyond the limits of state_of().
+/// ("correlated"), and, where a residual is large, deviations that are too small ("deviation_too_small"). A size counts
+/// where it is both beyond chance by four standard deviations, with as many values as are independent, and beyond the
+/// limits of state_of().
 std::vector<Reason> updating_reasons(const UpdatingRecord& record);
 
 }  // namespace kalfem
