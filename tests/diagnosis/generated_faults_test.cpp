@@ -140,6 +140,15 @@ bool wanted(const std::string& name) {
   return !only || name.find(only) != std::string::npos;
 }
 
+/// The explanations that were tested, best first, where the cause is not the first reason.
+void print_tested(const StudyResults& results) {
+  if (!results.estimation || !results.estimation->diagnosis) return;
+  const auto& tested = results.estimation->diagnosis->tested;
+  for (std::size_t i = 0; i < std::min<std::size_t>(tested.size(), 6); ++i)
+    std::cout << fmt::format("      {} {}: {:.4g}, gain {:.5g}, NIS {:.3g}\n", tested[i].code, tested[i].subject,
+                             tested[i].value, tested[i].gain, tested[i].mean_nis);
+}
+
 Tally run(const CaseFamily& family, const std::vector<Fault>& faults) {
   const ScratchFolder folder("faults");
   const Measurement clean = measure(family, {}, 1, folder);
@@ -170,6 +179,7 @@ Tally run(const CaseFamily& family, const std::vector<Fault>& faults) {
                              : named         ? reasons.front().subject
                                              : reasons.front().text)
               << std::flush;
+    if (!named && !consistent) print_tested(results);
   }
   std::cout << fmt::format(
       "{}: {} faults, {} seen, {} named, {} consistent with a parameter off by more than 4 deviations\n", family.name,

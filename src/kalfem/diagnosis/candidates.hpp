@@ -10,8 +10,8 @@ namespace kalfem {
 /// What single sensors may have against them: sign, unit, gain, delay, offset, saturation, noise; two that are
 /// exchanged; a unit or gain of all.
 /// `likeness`: of every sensor to its prediction by the others; `of_all`: of all to what the excitation alone gives.
-std::vector<Hypothesis> sensor_hypotheses(const FilterRun& base, const std::vector<Likeness>& likeness,
-                                          const Likeness& of_all);
+std::vector<Hypothesis> sensor_hypotheses(const DiagnosisInput& input, const FilterRun& base,
+                                          const std::vector<Likeness>& likeness, const Likeness& of_all);
 
 /// What the excitations may have against them: sign, unit, gain, delay of each, another rate of all.
 /// `likeness`: of the sensors to what each excitation gives, less what the others give.

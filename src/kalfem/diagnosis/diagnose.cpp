@@ -181,7 +181,7 @@ private:
   }
 
   std::vector<Hypothesis> all_hypotheses() const {
-    std::vector<Hypothesis> all = sensor_hypotheses(base_, likeness_of_sensors(), likeness_of_all());
+    std::vector<Hypothesis> all = sensor_hypotheses(input_, base_, likeness_of_sensors(), likeness_of_all());
     const auto append = [&](std::vector<Hypothesis> further) {
       all.insert(all.end(), std::make_move_iterator(further.begin()), std::make_move_iterator(further.end()));
     };
@@ -211,14 +211,14 @@ private:
     const auto& values = base_.input.measured.values;
     std::vector<Likeness> found;
     for (Index i = 0; i < values.rows(); ++i) {
-      const MatrixXd predicted = predicted_without(base_, options_, {i});
+      const MatrixXd predicted = predicted_without(input_, base_, options_, {i});
       found.push_back(predicted.size() == 0 ? Likeness{} : likeness(values.row(i), predicted.row(i), longest_lag()));
     }
     return found;
   }
 
   [[nodiscard]] Likeness likeness_of_all() const {
-    const MatrixXd predicted = predicted_without(base_, options_, all_sensors());
+    const MatrixXd predicted = predicted_without(input_, base_, options_, all_sensors());
     return predicted.size() == 0 ? Likeness{} : likeness(base_.input.measured.values, predicted, longest_lag());
   }
 
@@ -238,7 +238,7 @@ private:
         if (j != i)
           for (Index derivative = 0; derivative < 3; ++derivative)
             alone.input.inputs.row(derivative * n_u + j).setZero();
-      response.push_back(predicted_without(alone, options_, all_sensors()));
+      response.push_back(predicted_without(input_, alone, options_, all_sensors()));
       if (response.back().size() == 0) return std::vector<Likeness>(static_cast<std::size_t>(n_u));
     }
     std::vector<Likeness> found;

@@ -20,6 +20,8 @@ struct DiagnosisInput {
 
   /// The filter's run over the record for this problem or a changed one.
   [[nodiscard]] FilterRun run_of(const EstimationProblemPtr& changed, const StructureParts& changed_parts) const;
+  /// The filter's run over a changed record, with the start that this one asks for.
+  [[nodiscard]] FilterRun run_over(const Record& changed) const;
 };
 
 /// A run in which a mistake is undone.

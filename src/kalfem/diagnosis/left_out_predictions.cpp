@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace kalfem {
 
@@ -11,8 +12,9 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double not_listened_to = 1e3;  ///< times the stated noise
+constexpr double not_listened_to = 1e3;  ///< times the stated noise, or the recorded signal where this is larger
 constexpr Index fewest_samples = 30;
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 /// Rows about their means, scaled to a mean square of one, zero where nothing is there.
 MatrixXd centred(const Eigen::Ref<const MatrixXd>& values, VectorXd& scale) {
@@ -29,6 +31,12 @@ MatrixXd centred(const Eigen::Ref<const MatrixXd>& values, VectorXd& scale) {
   return result;
 }
 
+double mean_square(const Eigen::Ref<const Eigen::RowVectorXd>& values) {
+  const auto there = values.array().isFinite();
+  const double count = std::max(1.0, static_cast<double>(there.count()));
+  return there.select(values.array(), 0.0).square().sum() / count;
+}
+
 /// sum over rows and samples of one(k) other(k - lag).
 double product(const MatrixXd& one, const MatrixXd& other, Index lag) {
   const Index count = one.cols() - std::abs(lag);
@@ -39,13 +47,19 @@ double product(const MatrixXd& one, const MatrixXd& other, Index lag) {
 
 }  // namespace
 
-MatrixXd predicted_without(const FilterRun& run, const EstimationOptions& options, const std::vector<Index>& left_out) {
-  FilterInput input = run.input;
-  const double factor = not_listened_to * not_listened_to;
-  for (const Index i : left_out) input.noise(i, i) *= factor;
-  const auto result = estimate(*run.choice.augmented_model, input, options);
+MatrixXd predicted_without(const DiagnosisInput& input, const FilterRun& run, const EstimationOptions& options,
+                           const std::vector<Index>& left_out) {
+  const auto& measured = run.input.measured;
+  FilterInput heard = run.input;
+  Record others = input.record;
+  for (const Index i : left_out) {
+    heard.noise(i, i) =
+        not_listened_to * not_listened_to * std::max(heard.noise(i, i), mean_square(measured.values.row(i)));
+    others.values.row(others.find(measured.channels[static_cast<std::size_t>(i)].name)).setConstant(not_a_number);
+  }
+  const auto result = estimate(*input.run_over(others).choice.augmented_model, heard, options);
   if (result.failure) return {};
-  return input.measured.values - result.innovation;
+  return measured.values - result.innovation;
 }
 
 Likeness likeness(const Eigen::Ref<const MatrixXd>& recorded, const Eigen::Ref<const MatrixXd>& predicted, Index most) {

@@ -4,15 +4,15 @@
 #include <optional>
 #include <vector>
 
-#include "kalfem/estimation/estimate.hpp"
-#include "kalfem/identification/filter_run.hpp"
+#include "kalfem/diagnosis/hypothesis.hpp"
 
 namespace kalfem {
 
 /// What a filter expects a sensor to show when it does not listen to it: the run is repeated with that sensor's noise a
-/// thousand times as large. Channels x samples, not a number where nothing was measured; empty where the filter failed.
-/// With all sensors left out it is the motion that the excitation alone gives.
-Eigen::MatrixXd predicted_without(const FilterRun& run, const EstimationOptions& options,
+/// thousand times as large, or its signal where this is larger, and starts as the other sensors ask for. Channels x
+/// samples, not a number where nothing was measured; empty where the filter failed. With all sensors left out it is the
+/// motion that the excitation alone gives. `run`: that of the input, or one with other excitations.
+Eigen::MatrixXd predicted_without(const DiagnosisInput& input, const FilterRun& run, const EstimationOptions& options,
                                   const std::vector<Eigen::Index>& left_out);
 
 /// How a channel follows its prediction, y(k) = gain prediction(k - lag).

@@ -27,8 +27,9 @@ Index present(const Eigen::Ref<const VectorXd>& channel) { return channel.array(
 /// Changes of one channel of a run.
 class ChannelHypotheses {
 public:
-  ChannelHypotheses(const FilterRun& base, Index channel, const Likeness& likeness)
-      : base_(base),
+  ChannelHypotheses(const DiagnosisInput& input, const FilterRun& base, Index channel, const Likeness& likeness)
+      : input_(input),
+        base_(base),
         i_(channel),
         name_(base.input.measured.channels[static_cast<std::size_t>(channel)].name),
         unit_(base.input.measured.channels[static_cast<std::size_t>(channel)].unit),
@@ -48,9 +49,9 @@ public:
 private:
   /// The run with another record of the channel.
   [[nodiscard]] CorrectedRun with(VectorXd channel, double log_jacobian = 0.0) const {
-    CorrectedRun corrected{base_, log_jacobian};
-    corrected.run.input.measured.values.row(i_) = channel.transpose();
-    return corrected;
+    Record corrected = input_.record;
+    corrected.values.row(corrected.find(name_)) = channel.transpose();
+    return {input_.run_over(corrected), log_jacobian};
   }
 
   void add_sign() {
@@ -187,6 +188,7 @@ private:
                       .remedy = "state the noise of '" + name_ + "' as it is, or leave the sensor out"});
   }
 
+  const DiagnosisInput& input_;
   const FilterRun& base_;
   Index i_;
   std::string name_, unit_;
@@ -195,25 +197,22 @@ private:
   std::vector<Hypothesis> found_;
 };
 
-Hypothesis swapped(const FilterRun& base, Index i, Index j) {
-  const auto& channels = base.input.measured.channels;
-  const std::string one = channels[static_cast<std::size_t>(i)].name,
-                    other = channels[static_cast<std::size_t>(j)].name;
+Hypothesis swapped(const DiagnosisInput& input, const std::string& one, const std::string& other) {
   return {.code = "sensors_swapped",
           .subject = one + ", " + other,
           .correct =
-              [&base, i, j](double) {
-                CorrectedRun corrected{base, 0.0};
-                MatrixXd& values = corrected.run.input.measured.values;
-                values.row(i).swap(values.row(j));
-                return corrected;
+              [&input, one, other](double) {
+                Record corrected = input.record;
+                corrected.values.row(corrected.find(one)).swap(corrected.values.row(corrected.find(other)));
+                return CorrectedRun{input.run_over(corrected), 0.0};
               },
           .words = [one, other](double, const auto&) { return fmt::format("'{}' and '{}' are exchanged", one, other); },
           .remedy = "exchange the channels of '" + one + "' and '" + other + "'"};
 }
 
 /// Pairs of sensors of one unit, of those that fit the others worst.
-void add_swapped(const FilterRun& base, const std::vector<Likeness>& likeness, std::vector<Hypothesis>& found) {
+void add_swapped(const DiagnosisInput& input, const FilterRun& base, const std::vector<Likeness>& likeness,
+                 std::vector<Hypothesis>& found) {
   const auto& channels = base.input.measured.channels;
   std::vector<Index> worst(channels.size());
   for (std::size_t i = 0; i < worst.size(); ++i) worst[i] = static_cast<Index>(i);
@@ -224,46 +223,49 @@ void add_swapped(const FilterRun& base, const std::vector<Likeness>& likeness, s
   if (static_cast<Index>(worst.size()) > most_swapped) worst.resize(most_swapped);
   for (std::size_t a = 0; a < worst.size(); ++a)
     for (std::size_t b = a + 1; b < worst.size(); ++b) {
-      const Index i = std::min(worst[a], worst[b]), j = std::max(worst[a], worst[b]);
-      if (channels[static_cast<std::size_t>(i)].unit == channels[static_cast<std::size_t>(j)].unit)
-        found.push_back(swapped(base, i, j));
+      const auto& one = channels[static_cast<std::size_t>(std::min(worst[a], worst[b]))];
+      const auto& other = channels[static_cast<std::size_t>(std::max(worst[a], worst[b]))];
+      if (one.unit == other.unit) found.push_back(swapped(input, one.name, other.name));
     }
 }
 
 /// A factor of every channel alike: a record in other units.
-void add_gain_of_all(const FilterRun& base, const Likeness& of_all, std::vector<Hypothesis>& found) {
+void add_gain_of_all(const DiagnosisInput& input, const FilterRun& base, const Likeness& of_all,
+                     std::vector<Hypothesis>& found) {
   const bool known = of_all.known && of_all.gain != 0.0;
   if (base.input.measured.values.rows() < 2) return;
   for (const double unit : unit_factors_near(known ? std::optional(of_all.gain) : std::nullopt, 2.0 * like_a_unit))
-    found.push_back({.code = "record_unit",
-                     .subject = "all sensors",
-                     .starts = {unit},
-                     .correct =
-                         [&base](double factor) {
-                           const auto count = base.input.measured.values.array().isFinite().count();
-                           CorrectedRun corrected{base, -static_cast<double>(count) * std::log(factor)};
-                           corrected.run.input.measured.values /= factor;
-                           return corrected;
-                         },
-                     .words =
-                         [](double factor, const auto&) {
-                           return fmt::format("the unit of the whole record is wrong by {}: {}", in_words(factor),
-                                              unit_mistake(factor).value_or(""));
-                         },
-                     .remedy = "correct the units of the record's channels"});
+    found.push_back(
+        {.code = "record_unit",
+         .subject = "all sensors",
+         .starts = {unit},
+         .correct =
+             [&input, &base](double factor) {
+               const auto& channels = base.input.measured.channels;
+               const auto count = base.input.measured.values.array().isFinite().count();
+               Record corrected = input.record;
+               for (const auto& channel : channels) corrected.values.row(corrected.find(channel.name)) /= factor;
+               return CorrectedRun{input.run_over(corrected), -static_cast<double>(count) * std::log(factor)};
+             },
+         .words =
+             [](double factor, const auto&) {
+               return fmt::format("the unit of the whole record is wrong by {}: {}", in_words(factor),
+                                  unit_mistake(factor).value_or(""));
+             },
+         .remedy = "correct the units of the record's channels"});
 }
 
 }  // namespace
 
-std::vector<Hypothesis> sensor_hypotheses(const FilterRun& base, const std::vector<Likeness>& likeness,
-                                          const Likeness& of_all) {
+std::vector<Hypothesis> sensor_hypotheses(const DiagnosisInput& input, const FilterRun& base,
+                                          const std::vector<Likeness>& likeness, const Likeness& of_all) {
   std::vector<Hypothesis> found;
   for (std::size_t i = 0; i < likeness.size(); ++i) {
-    auto own = ChannelHypotheses(base, static_cast<Index>(i), likeness[i]).all();
+    auto own = ChannelHypotheses(input, base, static_cast<Index>(i), likeness[i]).all();
     found.insert(found.end(), std::make_move_iterator(own.begin()), std::make_move_iterator(own.end()));
   }
-  add_swapped(base, likeness, found);
-  add_gain_of_all(base, of_all, found);
+  add_swapped(input, base, likeness, found);
+  add_gain_of_all(input, base, of_all, found);
   return found;
 }
 
