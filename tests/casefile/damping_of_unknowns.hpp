@@ -8,7 +8,7 @@
 
 #include "kalfem/base/random.hpp"
 #include "kalfem/casefile/case_schema.hpp"
-#include "kalfem/pipeline/run_steps.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 #include "kalfem/study/case_study.hpp"
 #include "kalfem/yaml/case_reader.hpp"
 
@@ -57,9 +57,8 @@ struct LastEstimates {
 };
 
 inline LastEstimates estimates_of(const Study& study, const StudyResults& record) {
-  std::string failure;
-  const auto outcome = run_estimation(study, *study.augmented_model, record, {}, failure);
-  EXPECT_EQ(failure, "");
+  const auto outcome = estimate_record(study.problem, *study.augmented_model, record_of(study, record));
+  EXPECT_EQ(outcome.failure(), "");
   return {outcome.result.unknowns.mean.rightCols(1), outcome.result.unknowns.deviation.rightCols(1),
           outcome.consistency.mean_nis, outcome.result.linearisations};
 }

@@ -5,7 +5,7 @@
 #include "casefile/probes.hpp"
 #include "kalfem/estimation/consistency.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
-#include "kalfem/pipeline/stated_interval.hpp"
+#include "kalfem/identification/stated_interval.hpp"
 #include "kalfem/report/result_set.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/statistics/quantiles.hpp"

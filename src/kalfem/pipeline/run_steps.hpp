@@ -7,10 +7,10 @@
 
 namespace kalfem {
 
-/// Runs an augmented model of the case over the simulated or measured record. `failure` states why the numbers are not
-/// usable.
-EstimationOutcome run_estimation(const Study& study, const AugmentedModelSetup& setup, const StudyResults& results,
-                                 const Progress& progress, std::string& failure);
+/// Runs an augmented model of the case over the simulated or measured record, in bases of finite elements that suit the
+/// estimates: `setup` is replaced where they need others.
+EstimationOutcome run_estimation(const Study& study, AugmentedModelSetup& setup, const StudyResults& results,
+                                 const Progress& progress);
 
 /// Drives the case's substructure, as `model` holds it, by the estimated motion of its boundary and compares with the
 /// reference.

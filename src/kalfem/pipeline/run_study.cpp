@@ -123,16 +123,6 @@ Updated updated_structure(const Study& study, const UpdatingOutcome& updating) {
   return {std::move(augmented_model), parts, updating.values};
 }
 
-/// The finite elements are reduced again if the linear unknowns moved further than this, relative: the error of a fixed
-/// basis is about its square. The second constant limits the repetitions.
-constexpr double reduction_reach = 0.02;
-constexpr int most_reductions = 3;
-
-/// The last estimates of the filter's linear unknowns.
-VectorXd linear_estimates(const EstimationOutcome& estimation) {
-  return estimation.result.unknowns.mean.rightCols(1)(linear_unknowns(estimation.augmented_model->options()), 0);
-}
-
 /// The structure for the prediction, at the estimates of the filter's unknowns. Nothing if it is the case's own, or if
 /// the estimates are not admissible.
 std::optional<CoupledModel> estimated_model(const Study& study, const AugmentedModelSetup& augmented_model,
@@ -163,45 +153,10 @@ StructureParts parts_for_validation(const Study& study, const std::optional<Augm
                                  : parts_at(*study.problem, linear, linear_estimates(*results.estimation));
 }
 
-/// Largest relative distance of the linear unknowns from the values at which the finite elements were reduced. Only
-/// unknowns on which the bases depend count.
-double distance(const LinearUnknowns& unknowns, const VectorXd& values) {
-  double largest = 0.0;
-  for (const auto& [index, parameter] : unknowns.bindings) {
-    const auto* target = std::get_if<FiniteElementParameter>(&parameter.where);
-    if (!target || target->kind != FiniteElementParameter::Kind::matrix) continue;
-    const double before = unknowns.reduced_at[index];
-    if (before != 0.0) largest = std::max(largest, std::abs(values[index] / before - 1.0));
-  }
-  return largest;
-}
-
-/// Estimates with the augmented model of `setup`. If linear unknowns end far from the values at which the finite
-/// elements were reduced, reduces these at the estimates, replaces `setup`, and filters the record again.
-EstimationOutcome estimate_in_bases_of_estimates(const Study& study, AugmentedModelSetup& setup,
-                                                 const StudyResults& results, const Progress& progress,
-                                                 std::string& failure) {
-  auto outcome = run_estimation(study, setup, results, progress, failure);
-  if (setup.linear_unknowns.bindings.empty()) return outcome;
-  for (outcome.reductions = 1; outcome.reductions < most_reductions && failure.empty();) {
-    const VectorXd values = linear_estimates(outcome);
-    if (distance(setup.linear_unknowns, values) < reduction_reach) break;
-    IssueList issues;
-    setup = make_augmented_model_setup(*study.problem, study.structure->parts, {}, issues, values);
-    issues.raise();
-    setup.substeps = outcome.substeps;
-    const int reductions = outcome.reductions + 1;
-    outcome = run_estimation(study, setup, results, progress, failure);
-    outcome.reductions = reductions;
-  }
-  return outcome;
-}
-
 /// Final estimates of the filter's unknowns before the updating.
 VectorXd unknowns_at_start(const Study& study, const StudyResults& results) {
-  std::string failure;
-  const auto before = run_estimation(study, *study.augmented_model, results, {}, failure);
-  return failure.empty() ? VectorXd(before.result.unknowns.mean.rightCols(1)) : VectorXd();
+  const auto before = estimate_record(study.problem, *study.augmented_model, record_of(study, results));
+  return before.result.failure ? VectorXd() : VectorXd(before.result.unknowns.mean.rightCols(1));
 }
 
 std::optional<UpdatedParameters> updated_parameters(const StudyResults& results) {
@@ -268,8 +223,8 @@ StudyResults run_study(const Study& study, Step last, const RunOptions& options)
   }
   std::optional<AugmentedModelSetup> augmented_model = updated ? updated->augmented_model : study.augmented_model;
   if (results.complete() && last >= Step::estimate && augmented_model) {
-    results.estimation =
-        estimate_in_bases_of_estimates(study, *augmented_model, results, options.progress, results.failure);
+    results.estimation = run_estimation(study, *augmented_model, results, options.progress);
+    results.failure = results.estimation->failure();
     look_for_cause(study, updated ? updated->parts : study.structure->parts, results);
     if (results.complete() && !updated &&
         augmented_model->linear_unknowns.bindings

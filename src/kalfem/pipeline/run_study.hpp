@@ -7,9 +7,7 @@
 #include "kalfem/base/progress.hpp"
 #include "kalfem/diagnosis/diagnose.hpp"
 #include "kalfem/dynamics/converged_solution.hpp"
-#include "kalfem/estimation/consistency.hpp"
-#include "kalfem/estimation/estimate.hpp"
-#include "kalfem/identification/filter_run.hpp"
+#include "kalfem/identification/record_estimate.hpp"
 #include "kalfem/pipeline/validation_outcome.hpp"
 #include "kalfem/prediction/base_driven.hpp"
 #include "kalfem/records/spectrum.hpp"
@@ -61,35 +59,13 @@ struct FieldSeries {
   Eigen::MatrixXd displacement;  ///< dofs of the full model x times
 };
 
-struct EstimationOutcome {
-  FilterKind filter = FilterKind::unscented;
-  std::string filter_reason;            ///< why this filter was chosen, in a sentence
-  std::vector<FilterAttempt> attempts;  ///< every filter that was tried, the one that is used among them
-  SubstepChoice substeps;               ///< of a sample interval in the filter's model
-  RecordStart start;                    ///< what the filter assumed of the motion at the first sample
-  std::shared_ptr<const AugmentedModel> augmented_model;
-  EstimationResult result;  ///< up to the failure, where there is one
-  Record measurements;      ///< of the sensors that the augmented model uses, as far as the result goes
-  ConsistencySummary consistency;
-  RobustCovariance robust;           ///< of the unknowns that do not drift, in the filter's state
-  Eigen::VectorXd robust_deviation;  ///< one per unknown [its unit]; NaN if it drifts, or after a failure
-  std::vector<PointQuantity>
-      points;                ///< displacement, velocity, acceleration of points; deformation, rate, force of connectors
-  Eigen::Index settled = 0;  ///< first sample of the error and consistency figures
+/// The estimation with what a run reports of it. After a failure its series end with the last sample that was computed.
+struct EstimationOutcome : RecordEstimate {
+  /// Displacement, velocity, acceleration of points; deformation, rate, force of connectors.
+  std::vector<PointQuantity> points;
   std::optional<FrequencyBand> band;   ///< of the excitation, if it has one
   std::optional<Diagnosis> diagnosis;  ///< where the numbers contradict themselves: which mistake explains it
   double seconds = 0.0;
-  int reductions =
-      0;  ///< repeated reductions of the finite elements at the estimated parameters, each with a run over the record
-  std::optional<SimulationResult>
-      open_loop;                      ///< the record again from the estimated parameters and initial state alone
-  std::string open_loop_failure;      ///< in words, where that simulation failed; the members beside it are empty then
-  Eigen::MatrixXd open_loop_sensors;  ///< sensors x samples
-  std::vector<double> open_loop_nrmse;       ///< per sensor, about the channel's rest
-  std::vector<double> open_loop_rest_error;  ///< last value against the channel's, per sensor
-
-  /// Whether the filter computed any sample: without one there is nothing to tell or to draw.
-  [[nodiscard]] bool has_samples() const { return !result.failure || result.failure->computed > 0; }
 };
 
 struct PredictionOutcome {

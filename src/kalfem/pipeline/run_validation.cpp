@@ -7,7 +7,7 @@
 
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/identification/released_elements.hpp"
-#include "kalfem/pipeline/open_loop.hpp"
+#include "kalfem/identification/open_loop.hpp"
 
 namespace kalfem {
 

@@ -10,7 +10,7 @@
 
 #include "kalfem/base/version.hpp"
 #include "kalfem/pipeline/run_verdict.hpp"
-#include "kalfem/pipeline/stated_interval.hpp"
+#include "kalfem/identification/stated_interval.hpp"
 #include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/study/structural_modifications.hpp"

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <map>
 
-#include "kalfem/pipeline/stated_interval.hpp"
+#include "kalfem/identification/stated_interval.hpp"
 #include "kalfem/records/record.hpp"
 #include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/updating_tables.hpp"

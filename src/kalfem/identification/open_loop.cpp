@@ -1,4 +1,4 @@
-#include "kalfem/pipeline/open_loop.hpp"
+#include "kalfem/identification/open_loop.hpp"
 
 #include <algorithm>
 

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/identification/record_estimate.hpp"
 
 namespace kalfem {
 
-/// The 95 % interval of an unknown that a run states.
+/// The 95 % interval of an unknown that an estimation states.
 struct StatedInterval {
   double lower = 0.0, upper = 0.0;  ///< [unit of the unknown]
   bool robust = false;              ///< it comes from the robust standard deviation, which is the larger one
@@ -13,6 +13,6 @@ struct StatedInterval {
 /// Interval of unknown `i` after the last sample from the larger of its two standard deviations, the filter's and the
 /// robust one. It is symmetric in the filter's state, which is the parameter or its transform:
 ///     x -+ 1.96 s max(1, robust / stated)
-StatedInterval stated_interval(const EstimationOutcome& outcome, Eigen::Index i);
+StatedInterval stated_interval(const RecordEstimate& estimate, Eigen::Index i);
 
 }  // namespace kalfem

@@ -1,0 +1,183 @@
+#include "kalfem/identification/record_estimate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kalfem/base/units.hpp"
+#include "kalfem/identification/open_loop.hpp"
+#include "kalfem/identification/refined_filter.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+/// The augmented model's system at the estimated parameters.
+LocallyNonlinearSystem estimated_system(const RecordEstimate& estimate) {
+  const auto& options = estimate.augmented_model->options();
+  const VectorXd estimates = estimate.result.unknowns.mean.rightCols(1);
+  const auto linear = linear_unknowns(options);
+  LocallyNonlinearSystem system =
+      linear.empty() ? estimate.augmented_model->system() : options.system_at(estimates(linear));
+  const auto& unknowns = options.unknowns;
+  for (std::size_t i = 0; i < unknowns.size(); ++i)
+    for (const auto& target : unknowns[i].targets)
+      system.connectors[static_cast<std::size_t>(target.connector)].parameters[target.parameter] =
+          estimates[static_cast<Index>(i)];
+  return system;
+}
+
+/// Simulates the record from the estimated parameters and initial state, without any correction by measurements. Adds
+/// the offsets that the sensors show in addition to the motion.
+ConvergedSolution simulate_record_again(const EstimationProblem& problem, const AugmentedModelSetup& setup,
+                                        const RecordEstimate& estimate) {
+  const auto& layout = estimate.augmented_model->layout();
+  const Index last = estimate.result.state.mean.cols() - 1;
+  const VectorXd start = estimate.result.state.mean.col(last).segment(layout.initial_state(), layout.linear);
+  const VectorXd states = estimate.result.state.mean.col(last).tail(layout.connector_states);
+  const LocallyNonlinearSystem system = estimated_system(estimate);
+  ConvergedSolution reference = simulate_open_loop(
+      {system, *setup.model, setup.sensors, problem.structure->signals},
+      {start.head(layout.dofs), start.segment(layout.dofs, layout.dofs), states}, estimate.measurements);
+  if (reference.sensors.size() == 0) return reference;
+  const auto& unknowns = estimate.augmented_model->options().unknowns;
+  for (std::size_t i = 0; i < unknowns.size(); ++i)
+    for (const Index sensor : unknowns[i].sensors)
+      reference.sensors.row(sensor).array() += estimate.result.unknowns.mean(static_cast<Index>(i), last);
+  return reference;
+}
+
+void compare_open_loop(const MatrixXd& simulated, RecordEstimate& estimate) {
+  const Index samples = estimate.measurements.samples();
+  const Index tail = std::max<Index>(1, samples / 20);  // where the structure rests at the end
+  for (Index j = 0; j < simulated.rows(); ++j) {
+    const VectorXd measured = estimate.measurements.values.row(j);
+    const auto missing = measured.array().isNaN();
+    const VectorXd end = measured.tail(tail), known = end.array().isNaN().select(0.0, end);
+    const double rest = known.sum() / std::max(1.0, static_cast<double>((!end.array().isNaN()).count()));
+    const VectorXd error = missing.select(0.0, simulated.row(j).transpose() - measured);
+    const VectorXd about_rest = missing.select(0.0, measured.array() - rest);
+    const double scale = rms(about_rest);
+    estimate.open_loop_nrmse.push_back(scale > 0.0 ? rms(error) / scale : std::numeric_limits<double>::infinity());
+    estimate.open_loop_rest_error.push_back(simulated.row(j).tail(tail).mean() - rest);
+  }
+}
+
+/// Compares the record with its simulation. A diverging simulation is a result: the estimates do not describe the
+/// structure.
+void set_open_loop(const EstimationProblem& problem, const AugmentedModelSetup& setup, RecordEstimate& estimate) {
+  ConvergedSolution reference = simulate_record_again(problem, setup, estimate);
+  estimate.open_loop_failure = open_loop_failure(reference, estimate.measurements, "the simulation with the estimates");
+  if (!estimate.open_loop_failure.empty()) return;
+  estimate.open_loop = std::move(reference.simulation);
+  estimate.open_loop_sensors = std::move(reference.sensors);
+  compare_open_loop(estimate.open_loop_sensors, estimate);
+}
+
+/// Samples before the first one of the error and consistency figures. A run that failed while it settled is judged from
+/// its start.
+Index settled_samples(const RecordEstimate& estimate, double settle) {
+  const auto& failure = estimate.result.failure;
+  const Index samples = failure ? std::max<Index>(1, failure->computed) : estimate.measurements.samples();
+  const auto settled = static_cast<Index>(std::llround(settle * estimate.measurements.sample_rate));
+  return failure && settled >= samples ? 0 : std::min(settled, samples - 1);
+}
+
+/// Deviations that hold where innovations are correlated, from the course of the unknowns.
+void set_robust_deviations(RecordEstimate& estimate) {
+  const auto& history = estimate.result.unknowns_history;
+  const auto& unknowns = estimate.augmented_model->options().unknowns;
+  estimate.robust_deviation.setConstant(static_cast<Index>(unknowns.size()), std::numeric_limits<double>::quiet_NaN());
+  if (estimate.result.failure || history.empty()) return;
+  estimate.robust = robust_covariance(history);
+  for (std::size_t i = 0; i < history.unknowns.size(); ++i) {
+    const Index unknown = history.unknowns[i], place = static_cast<Index>(i);
+    const auto& transform = unknowns[static_cast<std::size_t>(unknown)].transform;
+    estimate.robust_deviation[unknown] =
+        transform.slope(history.mean.back()[place]) * std::sqrt(estimate.robust.covariance(place, place));
+  }
+}
+
+/// The finite elements are reduced again if the linear unknowns moved further than this, relative: the error of a fixed
+/// basis is about its square. The second constant limits the repetitions.
+constexpr double reduction_reach = 0.02;
+constexpr int most_reductions = 3;
+
+/// Largest relative distance of the linear unknowns from the values at which the finite elements were reduced. Only
+/// unknowns on which the bases depend count.
+double distance(const LinearUnknowns& unknowns, const VectorXd& values) {
+  double largest = 0.0;
+  for (const auto& [index, parameter] : unknowns.bindings) {
+    const auto* target = std::get_if<FiniteElementParameter>(&parameter.where);
+    if (!target || target->kind != FiniteElementParameter::Kind::matrix) continue;
+    const double before = unknowns.reduced_at[index];
+    if (before != 0.0) largest = std::max(largest, std::abs(values[index] / before - 1.0));
+  }
+  return largest;
+}
+
+}  // namespace
+
+std::string RecordEstimate::failure() const {
+  if (!result.failure) return "";
+  return "the filter stopped at " + shortest(measurements.start + result.failure->time) +
+         " s: " + result.failure->reason;
+}
+
+VectorXd linear_estimates(const RecordEstimate& estimate) {
+  return estimate.result.unknowns.mean.rightCols(1)(linear_unknowns(estimate.augmented_model->options()), 0);
+}
+
+RecordEstimate estimate_record(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
+                               const Record& record, const RecordEstimateOptions& options) {
+  const auto& settings = problem->settings;
+  auto [filtered, substeps] = run_refined_filter(problem, setup, record,
+                                                 {.unscented = settings.unscented,
+                                                  .threads = filter_threads(settings),
+                                                  .passes = settings.passes,
+                                                  .state_deviations = false,
+                                                  .deviation_stride = options.deviation_stride,
+                                                  .keep_unknowns = true,
+                                                  .monitored = make_outputs(*setup.model, options.monitored),
+                                                  .progress = options.progress});
+  RecordEstimate estimate{.filter = filtered.run.choice.filter,
+                          .filter_reason = filtered.run.choice.reason,
+                          .attempts = std::move(filtered.attempts),
+                          .substeps = std::move(substeps),
+                          .start = filtered.run.start,
+                          .augmented_model = filtered.augmented_model(),
+                          .result = std::move(filtered.result),
+                          .measurements = std::move(filtered.run.input.measured)};
+  estimate.settled = settled_samples(estimate, settings.settle);
+  estimate.consistency =
+      summarise_consistency(estimate.result.nis, estimate.result.measured, estimate.result.innovation,
+                            estimate.measurements.noise(), estimate.settled);
+  set_robust_deviations(estimate);
+  if (settings.estimate_initial_state && !estimate.result.failure && !settings.local)
+    set_open_loop(*problem, setup, estimate);
+  return estimate;
+}
+
+RecordEstimate estimate_record_in_bases_of_estimates(const EstimationProblemPtr& problem, AugmentedModelSetup& setup,
+                                                     const Record& record, const RecordEstimateOptions& options) {
+  auto estimate = estimate_record(problem, setup, record, options);
+  if (setup.linear_unknowns.bindings.empty()) return estimate;
+  for (estimate.reductions = 1; estimate.reductions < most_reductions && !estimate.result.failure;) {
+    const VectorXd values = linear_estimates(estimate);
+    if (distance(setup.linear_unknowns, values) < reduction_reach) break;
+    IssueList issues;
+    setup = make_augmented_model_setup(*problem, problem->structure->parts, {}, issues, values);
+    issues.raise();
+    setup.substeps = estimate.substeps;
+    const int reductions = estimate.reductions + 1;
+    estimate = estimate_record(problem, setup, record, options);
+    estimate.reductions = reductions;
+  }
+  return estimate;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "kalfem/base/progress.hpp"
+#include "kalfem/dynamics/simulate.hpp"
+#include "kalfem/estimation/consistency.hpp"
+#include "kalfem/identification/filter_run.hpp"
+
+namespace kalfem {
+
+/// What a filter's run over a record gives: the estimates with both their deviations, whether the innovations are
+/// consistent, and the record again from the estimates alone.
+struct RecordEstimate {
+  FilterKind filter = FilterKind::unscented;
+  std::string filter_reason;            ///< why this filter was chosen, in a sentence
+  std::vector<FilterAttempt> attempts;  ///< every filter that was tried, the one that is used among them
+  SubstepChoice substeps;               ///< of a sample interval in the filter's model
+  RecordStart start;                    ///< what the filter assumed of the motion at the first sample
+  std::shared_ptr<const AugmentedModel> augmented_model;
+  EstimationResult result;
+  Record measurements;       ///< of the sensors that the augmented model uses
+  Eigen::Index settled = 0;  ///< first sample of the error and consistency figures
+  ConsistencySummary consistency;
+  RobustCovariance robust;           ///< of the unknowns that do not drift, in the filter's state
+  Eigen::VectorXd robust_deviation;  ///< one per unknown [its unit]; NaN if it drifts, or after a failure
+  int reductions =
+      0;  ///< repeated reductions of the finite elements at the estimated parameters, each with a run over the record
+  std::optional<SimulationResult>
+      open_loop;                      ///< the record again from the estimated parameters and initial state alone
+  std::string open_loop_failure;      ///< in words, where that simulation failed; the members beside it are empty then
+  Eigen::MatrixXd open_loop_sensors;  ///< sensors x samples
+  std::vector<double> open_loop_nrmse;       ///< per sensor, about the channel's rest
+  std::vector<double> open_loop_rest_error;  ///< last value against the channel's, per sensor
+
+  /// Whether the filter computed any sample: without one there is nothing to tell or to draw.
+  [[nodiscard]] bool has_samples() const { return !result.failure || result.failure->computed > 0; }
+  /// When and why the filter stopped, in words; empty if it ran to the end.
+  [[nodiscard]] std::string failure() const;
+};
+
+/// Settings of an estimation that do not change its estimates.
+struct RecordEstimateOptions {
+  std::vector<OutputDescription> monitored = {};  ///< further quantities to estimate at every sample
+  int deviation_stride = 1;                       ///< see EstimationOptions
+  Progress progress = {};
+};
+
+/// Runs the filter over the record (run_refined_filter()) and evaluates its result: consistency after settling, robust
+/// deviations, and, if the initial state was estimated too, the simulation from the estimates alone (open loop).
+RecordEstimate estimate_record(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
+                               const Record& record, const RecordEstimateOptions& options = {});
+
+/// The same. If linear unknowns end far from the values at which the finite elements were reduced, reduces these at the
+/// estimates, replaces `setup`, and runs over the record again. Throws InvalidInput if a reduction fails.
+RecordEstimate estimate_record_in_bases_of_estimates(const EstimationProblemPtr& problem, AugmentedModelSetup& setup,
+                                                     const Record& record, const RecordEstimateOptions& options = {});
+
+/// The last estimates of the unknowns in the linear part of the filter's model.
+Eigen::VectorXd linear_estimates(const RecordEstimate& estimate);
+
+}  // namespace kalfem
