@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <string>
 
 #include "kalfem/base/random.hpp"
 #include "kalfem/base/stopwatch.hpp"
+#include "kalfem/diagnosis/look_for_cause.hpp"
 #include "kalfem/identification/augmented_model_setup.hpp"
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/identification/initial_state.hpp"
@@ -164,33 +164,6 @@ std::optional<UpdatedParameters> updated_parameters(const StudyResults& results)
   return UpdatedParameters{results.updating->values, results.updating->statistics};
 }
 
-/// Whether a mistake may be behind a reason. None is where the record holds little about an unknown, nor where noise is
-/// stated too large, which the reason says itself.
-bool has_a_cause(const Reason& reason) {
-  static const std::set<std::string> by_themselves{"not_identified",  "correlated", "combination",
-                                                   "noise_too_large", "at_bound",   "step_too_coarse"};
-  return !by_themselves.contains(reason.code);
-}
-
-/// Of a sample interval in the trials of a diagnosis: mistakes are larger than what finer steps add.
-constexpr int most_trial_substeps = 8;
-
-/// Where the filter stopped or its numbers contradict themselves, looks for the mistake that explains it.
-void look_for_cause(const Study& study, const StructureParts& parts, StudyResults& results) {
-  auto& estimation = *results.estimation;
-  if (!study.problem->settings.diagnose) return;
-  const bool overstated_noise = estimation.consistency.mean_nis < 0.5 * estimation.consistency.expected_nis;
-  const bool doubtful = !overstated_noise && std::ranges::any_of(verdict_of(estimation).reasons(), has_a_cause);
-  if (!estimation.result.failure && !doubtful) return;
-  auto as_run = std::make_shared<EstimationProblem>(*study.problem);
-  as_run->settings.substeps = std::min(most_trial_substeps, estimation.augmented_model->options().substeps);
-  estimation.diagnosis = diagnose({.problem = std::move(as_run),
-                                   .parts = parts,
-                                   .record = record_of(study, results),
-                                   .options = {.unscented = study.problem->settings.unscented},
-                                   .nis = estimation.result.nis});
-}
-
 /// Suspicions become warnings.
 void judge(const Study& study, StudyResults& results) {
   results.verdict = verdict_of(study, results);
@@ -225,7 +198,8 @@ StudyResults run_study(const Study& study, Step last, const RunOptions& options)
   if (results.complete() && last >= Step::estimate && augmented_model) {
     results.estimation = run_estimation(study, *augmented_model, results, options.progress);
     results.failure = results.estimation->failure();
-    look_for_cause(study, updated ? updated->parts : study.structure->parts, results);
+    results.estimation->diagnosis = look_for_cause(*study.problem, updated ? updated->parts : study.structure->parts,
+                                                   record_of(study, results), *results.estimation);
     if (results.complete() && !updated &&
         augmented_model->linear_unknowns.bindings
             .empty())  // otherwise the pictures have another basis than the augmented model

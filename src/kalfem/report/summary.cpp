@@ -9,13 +9,12 @@
 #include <fmt/format.h>
 
 #include "kalfem/base/version.hpp"
-#include "kalfem/pipeline/run_verdict.hpp"
+#include "kalfem/diagnosis/judge_estimation.hpp"
 #include "kalfem/identification/stated_interval.hpp"
 #include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/study/structural_modifications.hpp"
 #include "kalfem/study/study.hpp"
-#include "kalfem/verdict/checks.hpp"
 
 namespace kalfem {
 namespace {

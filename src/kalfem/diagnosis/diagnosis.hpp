@@ -1,0 +1,37 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace kalfem {
+
+/// A mistake that was undone, and how well the record fits then.
+struct TestedHypothesis {
+  std::string code, subject;
+  std::string words;  ///< the mistake, with the numbers that fit best
+  std::string remedy;
+  double value = 0.0;  ///< its number: a factor, a delay in samples, an offset
+  int fitted = 0;
+  bool failed = false;  ///< whether the corrected filter stopped
+  /// By how much the log-likelihood rises, less (fitted / 2) log N for its numbers (Schwarz 1978, Ann. Stat. 6,
+  /// 461-464).
+  double gain = 0.0;
+  double mean_nis = 0.0, expected_nis = 0.0;  ///< afterwards
+  double widening = 1.0;                      ///< of the worst sensor afterwards, see SensorConsistency
+};
+
+/// Which single mistake explains a run that contradicts itself.
+struct Diagnosis {
+  double duration = 0.0;  ///< of the part of the record that was used, from its start [s]
+  bool failed = false;    ///< whether the filter stopped in that part as it was given
+  double mean_nis = 0.0, expected_nis = 0.0, widening = 1.0;  ///< as it was given
+  std::vector<TestedHypothesis> tested;                       ///< best first
+  std::vector<std::string> also;                              ///< others that explain as much as the best, in words
+  double seconds = 0.0;
+
+  /// The best, if it explains the record far better than what was given.
+  [[nodiscard]] std::optional<TestedHypothesis> cause() const;
+};
+
+}  // namespace kalfem

@@ -1,0 +1,157 @@
+#include "kalfem/diagnosis/judge_estimation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+namespace {
+
+constexpr double poor_open_loop = 0.9;  ///< NRMSE: hardly better than no motion at all
+
+struct Limits {
+  double least = -infinity, greatest = infinity;
+};
+
+Limits limits_of(Range range) {
+  switch (range) {
+    case Range::nonnegative:
+    case Range::positive:
+      return {0.0, infinity};
+    case Range::fraction:
+      return {0.0, 1.0};
+    case Range::at_least_one:
+      return {1.0, infinity};
+    case Range::any:
+      break;
+  }
+  return {};
+}
+
+/// Values that nature allows: those of the law's parameter, and none below zero of what a linear part is made of.
+Limits natural_limits(const UnknownParameter& unknown, const LocallyNonlinearSystem& system) {
+  for (const char* positive : {".mass", ".stiffness", ".damping", ".youngs_modulus", ".density", ".thickness"})
+    if (unknown.name.ends_with(positive)) return {0.0, infinity};
+  Limits limits;
+  for (const auto& target : unknown.targets) {
+    const auto& law = *system.connectors[static_cast<std::size_t>(target.connector)].law;
+    const Limits own = limits_of(law.parameters()[static_cast<std::size_t>(target.parameter)].range);
+    limits = {std::max(limits.least, own.least), std::min(limits.greatest, own.greatest)};
+  }
+  return limits;
+}
+
+/// One unknown beside its prior. Distances are those of the filter's state, in which the prior is normal.
+EstimatedUnknown estimated_unknown(const RecordEstimate& estimate, Index i) {
+  const auto& unknown = estimate.augmented_model->options().unknowns[static_cast<std::size_t>(i)];
+  const Index last = estimate.result.state.mean.cols() - 1, row = estimate.augmented_model->layout().unknown() + i;
+  const double start = unknown.transform.to_state(unknown.initial);
+  const double prior = unknown.deviation / unknown.transform.slope(start);
+  const double deviation = estimate.result.unknowns.deviation(i, last), robust = estimate.robust_deviation[i];
+  const Limits allowed = natural_limits(unknown, estimate.augmented_model->system());
+  return {.name = unknown.name,
+          .unit = unknown.unit,
+          .initial = unknown.initial,
+          .estimate = estimate.result.unknowns.mean(i, last),
+          .moved = std::abs(estimate.result.state.mean(row, last) - start) / prior,
+          .shrinkage = estimate.result.state.deviation(row, last) / prior,
+          .deviation = std::isfinite(robust) ? std::max(robust, deviation) : deviation,
+          .widening = std::isfinite(robust) && deviation > 0.0 ? robust / deviation : 1.0,
+          .drifts = unknown.random_walk > 0.0,
+          .least = allowed.least,
+          .greatest = allowed.greatest,
+          .lower_bound = unknown.transform.kind == TransformKind::logit ? unknown.transform.lower : -infinity,
+          .upper_bound = unknown.transform.kind == TransformKind::logit ? unknown.transform.upper : infinity};
+}
+
+/// Of the unknowns among each other after the last sample.
+MatrixXd correlation_of_unknowns(const RecordEstimate& estimate) {
+  const auto& layout = estimate.augmented_model->layout();
+  const MatrixXd covariance =
+      estimate.result.final_covariance.block(layout.unknown(), layout.unknown(), layout.unknowns, layout.unknowns);
+  const Eigen::VectorXd scale = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  return scale.asDiagonal() * covariance * scale.asDiagonal();
+}
+
+std::vector<Reason> reasons_of_unknowns(const RecordEstimate& estimate) {
+  std::vector<EstimatedUnknown> unknowns;
+  for (Index i = 0; i < estimate.augmented_model->layout().unknowns; ++i)
+    unknowns.push_back(estimated_unknown(estimate, i));
+  return unknown_reasons(unknowns, correlation_of_unknowns(estimate), estimate.consistency.mean_nis,
+                         estimate.consistency.expected_nis);
+}
+
+/// A bias above half a deviation matters: below it 95 % intervals still hold the truth in 92 % of all records.
+constexpr double large_bias = 0.5;
+
+std::vector<Reason> reasons_of_substeps(const RecordEstimate& estimate) {
+  const auto& choice = estimate.substeps;
+  const Index largest = choice.largest();
+  if (largest < 0 || choice.bias[largest] <= large_bias) return {};
+  const double bias = choice.bias[largest];
+  const std::string& name = estimate.augmented_model->options().unknowns[static_cast<std::size_t>(largest)].name;
+  return {{"step_too_coarse", name,
+           fmt::format("with {} substeps per sample, the most that are tried, the filter's model biases '{}' by "
+                       "{:.2g} of its standard deviations",
+                       choice.substeps, name, bias),
+           "sample the record faster; the bias falls with the square of the sampling rate",
+           state_of(std::max(suspicious_widening, bias)), bias}};
+}
+
+std::vector<Reason> reasons_of_open_loop(const RecordEstimate& estimate) {
+  std::vector<Reason> reasons;
+  if (!estimate.open_loop_failure.empty())
+    reasons.push_back({"open_loop_failed", "", estimate.open_loop_failure,
+                       "the estimates do not describe the structure by themselves: check the priors and the laws"});
+  for (std::size_t j = 0; j < estimate.open_loop_nrmse.size(); ++j) {
+    const std::string& sensor = estimate.measurements.channels[j].name;
+    const double error = estimate.open_loop_nrmse[j];
+    if (error > poor_open_loop)
+      reasons.push_back(
+          {"open_loop_error", sensor,
+           fmt::format("simulated with the estimates alone, '{}' has an error of {:.2g} of the record's size", sensor,
+                       error),
+           "the filter follows the record, but its model does not: look for a wrong law or a missing part",
+           VerdictState::suspicious, error});
+  }
+  return reasons;
+}
+
+}  // namespace
+
+InnovationRecord innovations_of(const RecordEstimate& estimate) {
+  InnovationRecord record{.noise = estimate.measurements.noise(),
+                          .innovation = estimate.result.innovation,
+                          .deviation = estimate.result.innovation_deviation,
+                          .sample_rate = estimate.measurements.sample_rate,
+                          .start = estimate.measurements.start,
+                          .first = estimate.settled,
+                          .nis = estimate.result.nis,
+                          .measured = estimate.result.measured};
+  for (const auto& channel : estimate.measurements.channels) {
+    record.sensors.push_back(channel.name);
+    record.units.push_back(channel.unit);
+  }
+  return record;
+}
+
+Verdict verdict_of(const RecordEstimate& estimate) {
+  Verdict verdict;
+  if (const auto& failure = estimate.result.failure) {
+    verdict.add(
+        {"failed", failure->subject, estimate.failure(), failure->remedy, VerdictState::unusable, unusable_widening});
+    return verdict;
+  }
+  verdict.add(innovation_reasons(innovations_of(estimate)));
+  verdict.add(reasons_of_substeps(estimate));
+  verdict.add(reasons_of_unknowns(estimate));
+  verdict.add(reasons_of_open_loop(estimate));
+  return verdict;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "kalfem/identification/record_estimate.hpp"
+#include "kalfem/verdict/checks.hpp"
+#include "kalfem/verdict/verdict.hpp"
+
+namespace kalfem {
+
+/// The innovations of an estimation as its verdict sees them: after settling.
+InnovationRecord innovations_of(const RecordEstimate& estimate);
+
+/// What the numbers of an estimation say about themselves, without the cause: what innovations, substeps, unknowns and
+/// the open loop contradict. Of a filter that stopped only that, as "failed": what it left would say again that there
+/// is nothing.
+Verdict verdict_of(const RecordEstimate& estimate);
+
+}  // namespace kalfem

@@ -1,0 +1,48 @@
+#include "kalfem/diagnosis/look_for_cause.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "kalfem/diagnosis/judge_estimation.hpp"
+
+namespace kalfem {
+
+namespace {
+
+/// Whether a mistake may be behind a reason. None is where the record holds little about an unknown, nor where noise is
+/// stated too large, which the reason says itself.
+bool has_a_cause(const Reason& reason) {
+  static const std::set<std::string> by_themselves{"not_identified",  "correlated", "combination",
+                                                   "noise_too_large", "at_bound",   "step_too_coarse"};
+  return !by_themselves.contains(reason.code);
+}
+
+/// Of a sample interval in the trials of a diagnosis: mistakes are larger than what finer steps add.
+constexpr int most_trial_substeps = 8;
+
+bool is_doubtful(const RecordEstimate& estimate) {
+  const bool overstated_noise = estimate.consistency.mean_nis < 0.5 * estimate.consistency.expected_nis;
+  return !overstated_noise && std::ranges::any_of(verdict_of(estimate).reasons(), has_a_cause);
+}
+
+/// The NIS of every sample that the filter computed.
+Eigen::VectorXd computed_nis(const EstimationResult& result) {
+  return result.failure ? result.nis.head(std::min(result.failure->computed, result.nis.size())) : result.nis;
+}
+
+}  // namespace
+
+std::optional<Diagnosis> look_for_cause(const EstimationProblem& problem, const StructureParts& parts,
+                                        const Record& record, const RecordEstimate& estimate) {
+  if (!problem.settings.diagnose) return std::nullopt;
+  if (!estimate.result.failure && !is_doubtful(estimate)) return std::nullopt;
+  auto as_run = std::make_shared<EstimationProblem>(problem);
+  as_run->settings.substeps = std::min(most_trial_substeps, estimate.augmented_model->options().substeps);
+  return diagnose({.problem = std::move(as_run),
+                   .parts = parts,
+                   .record = record,
+                   .options = {.unscented = problem.settings.unscented},
+                   .nis = computed_nis(estimate.result)});
+}
+
+}  // namespace kalfem
