@@ -7,6 +7,7 @@ set(KALFEM_CORE_HEADERS
     api/structure.hpp api/update.hpp
     # what these are described by
     base/invalid_input.hpp base/progress.hpp
+    diagnosis/diagnosis.hpp verdict/verdict.hpp
     estimation/filter_kind.hpp estimation/parameter_transform.hpp identification/point_prior.hpp
     linalg/sparse_factor.hpp
     model/finite_element_model.hpp model/linear_model.hpp model/lumped.hpp model/unit_system.hpp

@@ -23,9 +23,11 @@ int main(int, char** argv) try {
     std::cout << "measured " << f.measured << " Hz, model " << f.before << " Hz, updated " << f.after << " Hz\n";
   const auto& modulus = result.parameters[0];
   std::cout << modulus.name << ' ' << modulus.value << " +- " << modulus.std << ' ' << modulus.unit << '\n';
+  std::cout << "verdict: " << to_string(result.verdict.state()) << '\n';
+  for (const auto& reason : result.verdict.reasons()) std::cout << reason.text << "; " << reason.remedy << '\n';
 
   // The frame that was measured has 210 GPa.
-  return result.converged && std::abs(modulus.value - 210e9) < 3 * modulus.std ? 0 : 1;
+  return result.usable() && std::abs(modulus.value - 210e9) < 3 * modulus.std ? 0 : 1;
 } catch (const InvalidInput& error) {
   std::cerr << error.what() << '\n';
   return 1;

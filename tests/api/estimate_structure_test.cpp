@@ -95,6 +95,9 @@ TEST(EstimateStructure, AFilterThatStopsIsAValue) {
   ASSERT_FALSE(result.usable());
   EXPECT_GT(result.failure->time, 0.0);
   EXPECT_THAT(result.failure->reason, HasSubstr("force"));
+  EXPECT_EQ(result.verdict.state(), VerdictState::unusable);
+  const auto reasons = result.verdict.reasons();
+  ASSERT_TRUE(std::ranges::any_of(reasons, [](const Reason& each) { return each.code == "failed"; }));
 }
 
 TEST(EstimateArguments, AreNamedByTheirPlaceWhereTheyAreWrong) {

@@ -5,7 +5,10 @@
 
 #include "kalfem/api/filter_problem.hpp"
 #include "kalfem/api/structure_description.hpp"
-#include "kalfem/identification/refined_filter.hpp"
+#include "kalfem/diagnosis/judge_estimation.hpp"
+#include "kalfem/diagnosis/look_for_cause.hpp"
+#include "kalfem/identification/record_estimate.hpp"
+#include "kalfem/identification/stated_interval.hpp"
 
 namespace kalfem {
 
@@ -46,23 +49,42 @@ Record of_sensors(const Record& record, const std::vector<SensorDescription>& se
   return selected;
 }
 
-std::vector<ParameterEstimate> parameters_of(const AugmentedModelSetup& setup, const EstimationResult& result) {
+std::vector<ParameterEstimate> parameters_of(const RecordEstimate& estimated) {
   std::vector<ParameterEstimate> parameters;
-  for (std::size_t i = 0; i < setup.options.unknowns.size(); ++i) {
-    const auto& unknown = setup.options.unknowns[i];
+  const auto& unknowns = estimated.augmented_model->options().unknowns;
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
     const auto row = static_cast<Index>(i);
-    const VectorXd mean = result.unknowns.mean.row(row).transpose();
-    const VectorXd std = result.unknowns.deviation.row(row).transpose();
-    parameters.push_back({unknown.name, unknown.unit, mean[mean.size() - 1], std[std.size() - 1], mean, std});
+    const VectorXd mean = estimated.result.unknowns.mean.row(row).transpose();
+    const VectorXd std = estimated.result.unknowns.deviation.row(row).transpose();
+    const auto interval = stated_interval(estimated, row);
+    parameters.push_back({.name = unknowns[i].name,
+                          .unit = unknowns[i].unit,
+                          .mean = mean[mean.size() - 1],
+                          .std = std[std.size() - 1],
+                          .std_robust = estimated.robust_deviation[row],
+                          .interval_95 = {interval.lower, interval.upper},
+                          .mean_history = mean,
+                          .std_history = std});
   }
   return parameters;
 }
 
+std::vector<NormalisedInnovations> innovations_by_sensor(const RecordEstimate& estimated) {
+  std::vector<NormalisedInnovations> sensors;
+  for (const auto& found : sensor_consistency(innovations_of(estimated)))
+    sensors.push_back({.sensor = estimated.measurements.channels[sensors.size()].name,
+                       .rms = found.ratio,
+                       .largest_part = found.largest_part,
+                       .correlation = found.lag_one.value,
+                       .beyond_half_gate = found.beyond_half_gate});
+  return sensors;
+}
+
 /// Splits the monitored quantities: motion of points and internal states of connectors go to `states`, requested
 /// outputs to `outputs`.
-void set_quantities(const FilterProblem& made, const EstimateOptions& options, const FilteredRecord& filtered,
+void set_quantities(const FilterProblem& made, const EstimateOptions& options, const RecordEstimate& estimated,
                     EstimateResult& estimate) {
-  const auto& result = filtered.result;
+  const auto& result = estimated.result;
   const std::size_t motions = made.monitored.size() - options.outputs.size();
   for (std::size_t i = 0; i < made.monitored.size(); ++i) {
     const auto row = static_cast<Index>(i);
@@ -70,7 +92,7 @@ void set_quantities(const FilterProblem& made, const EstimateOptions& options, c
     list.push_back({made.monitored[i].name, unit_of(made.monitored[i]), result.monitored.mean.row(row).transpose(),
                     result.monitored.deviation.row(row).transpose()});
   }
-  Index row = filtered.run.choice.augmented_model->layout().connector_state();
+  Index row = estimated.augmented_model->layout().connector_state();
   for (const auto& connector : made.setup.model->system().connectors)
     for (const auto& state : connector.law->states()) {
       estimate.states.push_back({connector.name + "." + state.name, state.unit, result.state.mean.row(row).transpose(),
@@ -121,27 +143,28 @@ const EstimatedQuantity& EstimateResult::output(const std::string& name) const {
 EstimateResult estimate(const Structure& structure, const Record& record, const EstimateOptions& options) {
   require_signals(structure.description());
   require_channels(record, options.sensors);
-  const FilterProblem made = make_filter_problem(structure, record.sample_rate, options);
-  const EstimationOptions of_filter{.threads = filter_threads(made.problem->settings),
-                                    .passes = options.passes,
-                                    .state_deviations = false,
-                                    .monitored = make_outputs(*made.setup.model, made.monitored),
-                                    .progress = options.progress};
-  const auto [filtered, substeps] =
-      run_refined_filter(made.problem, made.setup, of_sensors(record, options.sensors), of_filter);
+  FilterProblem made = make_filter_problem(structure, record.sample_rate, options);
+  const Record measured = of_sensors(record, options.sensors);
+  const auto estimated = estimate_record_in_bases_of_estimates(
+      made.problem, made.setup, measured, {.monitored = made.monitored, .progress = options.progress});
+  const auto& filtered = estimated.result;
   EstimateResult estimate;
-  estimate.parameters = parameters_of(made.setup, filtered.result);
-  set_quantities(made, options, filtered, estimate);
-  estimate.innovation = filtered.result.innovation;
-  estimate.nis = filtered.result.nis;
-  estimate.log_likelihood = filtered.result.log_likelihood;
-  estimate.filter = to_string(filtered.run.choice.filter) + ": " + filtered.run.choice.reason;
-  estimate.substeps = substeps.substeps;
-  estimate.substep_bias = substeps.bias;
-  estimate.start = explain(filtered.run.start);
+  estimate.parameters = parameters_of(estimated);
+  set_quantities(made, options, estimated, estimate);
+  estimate.innovation = filtered.innovation;
+  estimate.nis = filtered.nis;
+  estimate.log_likelihood = filtered.log_likelihood;
+  estimate.filter = to_string(estimated.filter) + ": " + estimated.filter_reason;
+  estimate.substeps = estimated.substeps.substeps;
+  estimate.substep_bias = estimated.substeps.bias;
+  estimate.start = explain(estimated.start);
   estimate.sample_rate = record.sample_rate;
-  if (const auto& failure = filtered.result.failure)
+  if (const auto& failure = filtered.failure)
     estimate.failure = FilterStop{record.start + failure->time, failure->reason + "; " + failure->remedy};
+  estimate.sensors = innovations_by_sensor(estimated);
+  estimate.verdict = verdict_of(estimated);
+  estimate.diagnosis = look_for_cause(*made.problem, made.problem->structure->parts, measured, estimated);
+  if (estimate.diagnosis) estimate.verdict.add(reasons_of(*estimate.diagnosis, estimate.verdict.state()));
   return estimate;
 }
 

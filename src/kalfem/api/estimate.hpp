@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -9,9 +10,11 @@
 #include "kalfem/api/sensors.hpp"
 #include "kalfem/api/structure.hpp"
 #include "kalfem/base/progress.hpp"
+#include "kalfem/diagnosis/diagnosis.hpp"
 #include "kalfem/estimation/filter_kind.hpp"
 #include "kalfem/estimation/parameter_transform.hpp"
 #include "kalfem/identification/point_prior.hpp"
+#include "kalfem/verdict/verdict.hpp"
 
 namespace kalfem {
 
@@ -51,14 +54,36 @@ struct EstimateOptions {
   bool initial_state_from_record = false;  ///< displacements and velocities from the displacement sensors
   bool estimate_initial_state = false;  ///< keep the initial state in the state vector and update it with every sample
   int passes = 1;                       ///< over the record; more than one needs estimate_initial_state
+  double settle = 0.0;                  ///< time from which on innovations count in the verdict [s]
   Progress progress = {};
+  /// Look for the mistake that explains numbers which contradict themselves. It costs about a hundred runs over a part
+  /// of the record, and only where something is wrong. An OnlineFilter never looks.
+  bool diagnose = true;
 };
 
 /// A parameter, estimated at the end of the record.
 struct ParameterEstimate {
+  struct Interval {
+    double lower = 0.0, upper = 0.0;
+  };
+
   std::string name, unit;
   double mean = 0.0, std = 0.0;
+  /// Holds where the model is not exact and innovations are correlated; with a right model it is about `std`. Not a
+  /// number for a parameter with a random walk, after a stop, and from an OnlineFilter.
+  double std_robust = std::numeric_limits<double>::quiet_NaN();
+  Interval interval_95 = {};                            ///< from the larger of both deviations
   Eigen::VectorXd mean_history = {}, std_history = {};  ///< one per sample
+};
+
+/// A sensor's innovations after settling, each over the deviation that the filter expects of it: with the right model
+/// and noise they are white and of size one.
+struct NormalisedInnovations {
+  std::string sensor;
+  double rms = 0.0;
+  double largest_part = 0.0;      ///< rms in the loudest twentieth of the record
+  double correlation = 0.0;       ///< of successive ones
+  double beyond_half_gate = 0.0;  ///< part of them with a square above 12.5, expected 0.0004
 };
 
 /// A quantity at every sample.
@@ -87,9 +112,14 @@ struct EstimateResult {
   /// |bias| that the substeps leave in each parameter, in its standard deviations; empty: not measured, as they were
   /// given.
   Eigen::VectorXd substep_bias;
-  std::string start;  ///< what was assumed of the motion at the first sample, in words
+  std::string start;                           ///< what was assumed of the motion at the first sample, in words
+  std::vector<NormalisedInnovations> sensors;  ///< in the order of the sensors
+  /// Whether the numbers agree with each other and with what was stated about them. A filter that stopped is unusable.
+  Verdict verdict;
+  std::optional<Diagnosis> diagnosis;  ///< every mistake that was tested; empty: there was no reason to look for one
 
-  [[nodiscard]] bool usable() const { return !failure; }
+  /// Whether the filter ran to the end and nothing in its numbers makes them worthless.
+  [[nodiscard]] bool usable() const { return verdict.state() != VerdictState::unusable; }
   /// Mean of the NIS from a time after the record's start [s]: about the number of sensors if model and noise are
   /// right.
   [[nodiscard]] double mean_nis(double settle = 0.0) const;
@@ -103,7 +133,9 @@ struct EstimateResult {
 
 /// Estimates states and unknown parameters of a structure from a record, whose channels have the sensors' names, in SI
 /// units. Missing samples are not a number. Throws InvalidInput with every argument that is wrong, by its place:
-/// "unknowns[0] 'suspension.mu_k9': there is no parameter of that name". What the numbers do is in the result.
+/// "unknowns[0] 'suspension.mu_k9': there is no parameter of that name". What the numbers do is in the result. It is
+/// what a case file of the same structure gives: filters that lose fewer digits are tried where one stops, finite
+/// elements are reduced again at estimates that moved far, and the verdict follows the same rules.
 EstimateResult estimate(const Structure& structure, const Record& record, const EstimateOptions& options);
 
 }  // namespace kalfem

@@ -167,6 +167,8 @@ private:
     settings.process_noise.acceleration = options_.process_noise;
     settings.estimate_initial_state = options_.estimate_initial_state;
     settings.passes = options_.passes;
+    settings.settle = options_.settle;
+    settings.diagnose = options_.diagnose;
     settings.substeps = options_.substeps;
     settings.threads = options_.threads;
     for (std::size_t i = 0; i < options_.initial_state.size(); ++i) {

@@ -42,6 +42,7 @@ void require_online(const EstimateOptions& options) {
   };
   refuse(options.initial_state_from_record, "initial_state_from_record");
   refuse(options.passes > 1, "passes");
+  refuse(options.settle > 0.0, "settle");
   issues.raise();
 }
 
@@ -149,9 +150,13 @@ public:
   [[nodiscard]] ParameterEstimate parameter(std::size_t i) const {
     const auto& unknown = model_->options().unknowns[i];
     const Index row = model_->layout().unknown() + static_cast<Index>(i);
-    const double state = setup_->filter->mean()[row];
-    return {unknown.name, unknown.unit, unknown.transform.to_parameter(state),
-            unknown.transform.slope(state) * setup_->filter->standard_deviation()[row]};
+    const double state = setup_->filter->mean()[row], deviation = setup_->filter->standard_deviation()[row];
+    const auto interval = confidence_interval(unknown.transform, state, deviation);
+    return {.name = unknown.name,
+            .unit = unknown.unit,
+            .mean = unknown.transform.to_parameter(state),
+            .std = unknown.transform.slope(state) * deviation,
+            .interval_95 = {interval.lower, interval.upper}};
   }
 
   [[nodiscard]] PresentEstimate observe(const std::string& name) {

@@ -5,10 +5,12 @@
 
 #include "kalfem/api/structure_description.hpp"
 #include "kalfem/base/units.hpp"
+#include "kalfem/diagnosis/judge_updating.hpp"
 #include "kalfem/identification/parameterised_structure.hpp"
 #include "kalfem/updating/gauss_newton.hpp"
 #include "kalfem/updating/modal_residual.hpp"
 #include "kalfem/updating/parameter_statistics.hpp"
+#include "kalfem/updating/robust_statistics.hpp"
 
 namespace kalfem {
 
@@ -85,6 +87,33 @@ std::vector<std::string> names_of_parameters(const UpdateOptions& options) {
   return names;
 }
 
+/// Both kinds of deviations at the end of a search, and what they say with the residual about the numbers.
+void judge(const ModalResidual& residual, const std::vector<UpdatingParameter>& parameters,
+           const LeastSquaresOutcome& outcome, const std::vector<PairedMode>& pairs, UpdateResult& result) {
+  const auto& value = outcome.residual;
+  if (value.jacobian.size() == 0) {
+    result.verdict.add({"failed", "", "the updating has no deviations: " + outcome.reason(),
+                        "change the initial values or the bounds", VerdictState::unusable, unusable_widening});
+    return;
+  }
+  const std::string name = "frequencies";
+  const auto statistics = parameter_statistics(parameters, outcome.parameters, value);
+  const auto robust = robust_statistics(parameters, value, {{name, 0, residual.size(), residual.layout()}}, statistics);
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    result.parameters[i].std = statistics.deviations[static_cast<Index>(i)];
+    result.parameters[i].std_robust = robust.deviations[static_cast<Index>(i)];
+  }
+  const double size = static_cast<double>(residual.size());
+  result.verdict.add(updating_reasons(
+      {.parameters = parameters,
+       .values = outcome.parameters,
+       .statistics = statistics,
+       .robust = robust,
+       .comparisons = {{name, residual.size(), std::sqrt(value.values.squaredNorm() / size), false, pairs}},
+       .converged = outcome.usable(),
+       .termination = outcome.reason()}));
+}
+
 }  // namespace
 
 UpdateResult update(const Structure& structure, const UpdateOptions& options) {
@@ -103,15 +132,15 @@ UpdateResult update(const Structure& structure, const UpdateOptions& options) {
   const auto before = residual.compare(start), after = residual.compare(outcome.parameters);
   for (std::size_t i = 0; i < before.size(); ++i)
     result.frequencies.push_back({before[i].measured_frequency, before[i].model_frequency, after[i].model_frequency});
-  const bool has_derivatives = outcome.residual.jacobian.size() > 0;
-  const VectorXd unknown = VectorXd::Constant(start.size(), std::numeric_limits<double>::infinity());
-  const VectorXd deviations =
-      has_derivatives ? parameter_statistics(parameters, outcome.parameters, outcome.residual).deviations : unknown;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const auto at = static_cast<Index>(i);
-    result.parameters.push_back(
-        {parameters[i].name, parameters[i].unit, start[at], outcome.parameters[at], deviations[at]});
+    result.parameters.push_back({.name = parameters[i].name,
+                                 .unit = parameters[i].unit,
+                                 .initial = start[at],
+                                 .value = outcome.parameters[at],
+                                 .std = std::numeric_limits<double>::infinity()});
   }
+  judge(residual, parameters, outcome, after, result);
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kalfem/api/structure.hpp"
+#include "kalfem/verdict/verdict.hpp"
 
 namespace kalfem {
 
@@ -45,12 +46,19 @@ struct UpdateResult {
   struct Parameter {
     std::string name, unit;
     double initial = 0.0, value = 0.0;
-    double std = 0.0;  ///< infinite if neither frequencies nor prior determine it
+    double std = 0.0;  ///< infinite if neither frequencies nor prior determine it, not a number at a bound
+    /// From the scatter of the frequencies' residuals; not a number if none is left or `std` is none. With a right
+    /// model it is about `std`.
+    double std_robust = std::numeric_limits<double>::quiet_NaN();
   };
   std::vector<Parameter> parameters;
   std::vector<FrequencyComparison> frequencies;
   bool converged = false;
   std::string reason;  ///< why it ended, in words
+  Verdict verdict;     ///< whether the numbers agree with each other and with what was stated about them
+
+  /// Whether nothing in the numbers makes them worthless.
+  [[nodiscard]] bool usable() const { return verdict.state() != VerdictState::unusable; }
 };
 
 /// Refines parameters of a substructure by natural frequencies: minimises
