@@ -4,8 +4,9 @@
 
 namespace kalfem {
 
-/// A slender steel beam along x, 1 m long, of ten elements: nodes 1 (held at the root) to 11.
-inline FiniteElements cantilever(double youngs_modulus = 210e9) {
+/// The mesh of a beam along x, 1 m long, of ten elements: nodes 1 to 11. Elements from `outer` on are the region
+/// "outer", the others "bar".
+inline FiniteElementModel beam_mesh(Eigen::Index outer = 10) {
   FiniteElementModel model;
   model.mesh.nodes.resize(3, 11);
   for (Eigen::Index i = 0; i < 11; ++i) {
@@ -14,8 +15,14 @@ inline FiniteElements cantilever(double youngs_modulus = 210e9) {
   }
   for (Eigen::Index i = 0; i < 10; ++i) {
     const std::array<Eigen::Index, 2> nodes = {i, i + 1};
-    model.mesh.regions["bar"].push_back(model.mesh.add_cell(CellShape::line2, i + 1, nodes));
+    model.mesh.regions[i < outer ? "bar" : "outer"].push_back(model.mesh.add_cell(CellShape::line2, i + 1, nodes));
   }
+  return model;
+}
+
+/// A slender steel beam of that mesh, held at its root.
+inline FiniteElements cantilever(double youngs_modulus = 210e9) {
+  FiniteElementModel model = beam_mesh();
   model.materials["steel"] = {youngs_modulus, 0.3, 7850.0};
   BeamSection section = rectangular_section(0.02, 0.01);
   section.shear_factor_y = section.shear_factor_z = 0.0;
