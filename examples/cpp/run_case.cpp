@@ -1,5 +1,6 @@
 // Runs a case file as the command does, and reads its results.
 // Usage: run_case chain.yaml results
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -16,7 +17,8 @@ int main(int, char** argv) try {
     return 1;
   }
   for (const auto& p : result.estimated)
-    std::cout << p.name << " = " << p.mean << " +- " << p.std << ' ' << p.unit << '\n';
+    std::cout << p.name << " = " << p.mean << " +- " << std::max(p.std, p.std_robust) << ' ' << p.unit << '\n';
+  std::cout << "verdict: " << to_string(result.verdict.state()) << '\n';
   for (const auto& file : result.files) std::cout << "wrote " << (folder / file).string() << '\n';
 
   // The case simulates its record with mu_k1 = 20 N.

@@ -4,6 +4,7 @@
 #include "chain.hpp"
 #include "diagnosis/case_family.hpp"
 #include "kalfem/report/result_set.hpp"
+#include "kalfem/report/run_case.hpp"
 
 // Whether the numbers of an estimation can be trusted: the library says the same as the command does of the same
 // record.
@@ -17,7 +18,17 @@ std::vector<std::string> codes_of(const Verdict& verdict) {
   return codes;
 }
 
-/// The chain of the examples, its record and what drives it as the command reads them, and what the command says.
+/// The case of a measured chain.
+std::filesystem::path case_of_chain(double sign_of_a7, const std::filesystem::path& folder) {
+  CaseFamily family = chain_family();
+  family.duration = 2.0;
+  family.noise = 0.05;
+  auto measured = measure(family, {}, 1, folder);
+  measured.sensors.values.row(2) *= sign_of_a7;
+  return write_case(family, measured, {}, folder);
+}
+
+/// The chain, its record and what drives it as the command reads them, and what the command says.
 struct Command {
   Study study;
   StudyResults results;
@@ -29,13 +40,8 @@ struct Command {
 
 private:
   static Study study_of_chain(double sign_of_a7) {
-    CaseFamily family = chain_family();
-    family.duration = 2.0;
-    family.noise = 0.05;
     const ScratchFolder folder("api-verdict");
-    auto measured = measure(family, {}, 1, folder);
-    measured.sensors.values.row(2) *= sign_of_a7;
-    return load_study(write_case(family, measured, {}, folder).string());
+    return load_study(case_of_chain(sign_of_a7, folder).string());
   }
 };
 
@@ -144,6 +150,15 @@ TEST(EstimateVerdict, AnOnlineFilterHasNoTimeToSettle) {
   const auto refused = refusal_of(
       [] { return OnlineFilter(driven_chain(), 500.0, {.sensors = chain_sensors(), .settle = 1.0}).time(); });
   EXPECT_THAT(refused, testing::HasSubstr("settle needs a whole record"));
+}
+
+TEST(CaseVerdict, IsInTheResultOfACaseThatAProgramRuns) {
+  const ScratchFolder folder("case-verdict");
+  const auto result = run_case(case_of_chain(-1.0, folder), folder / "results");
+  EXPECT_FALSE(result.usable());
+  EXPECT_EQ(result.verdict.state(), VerdictState::unusable);
+  EXPECT_EQ(codes_of(result.verdict), codes_of(with_wrong_sign().results.verdict));
+  EXPECT_EQ(result.estimated.at(0).std_robust, with_wrong_sign().results.estimation->robust_deviation[0]);
 }
 
 }  // namespace

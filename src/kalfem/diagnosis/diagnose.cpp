@@ -10,7 +10,7 @@
 
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/diagnosis/candidates.hpp"
-#include "kalfem/verdict/checks.hpp"
+#include "kalfem/diagnosis/judge_estimation.hpp"
 
 namespace kalfem {
 
@@ -54,17 +54,10 @@ double mean_log_density(const EstimationResult& result, Index channel) {
 }
 
 double largest_widening(const FilterRun& run, const EstimationResult& result) {
-  InnovationRecord record{.noise = run.input.measured.noise(),
-                          .innovation = result.innovation,
-                          .deviation = result.innovation_deviation,
-                          .sample_rate = run.input.measured.sample_rate,
-                          .first = result.innovation.cols() / 20};
-  for (const auto& channel : run.input.measured.channels) {
-    record.sensors.push_back(channel.name);
-    record.units.push_back(channel.unit);
-  }
+  const Index settled = result.innovation.cols() / 20;
   double largest = 1.0;
-  for (const auto& sensor : sensor_consistency(record)) largest = std::max(largest, sensor.widening());
+  for (const auto& sensor : sensor_consistency(innovations_of(run.input.measured, result, settled)))
+    largest = std::max(largest, sensor.widening());
   return largest;
 }
 

@@ -124,20 +124,24 @@ std::vector<Reason> reasons_of_open_loop(const RecordEstimate& estimate) {
 
 }  // namespace
 
-InnovationRecord innovations_of(const RecordEstimate& estimate) {
-  InnovationRecord record{.noise = estimate.measurements.noise(),
-                          .innovation = estimate.result.innovation,
-                          .deviation = estimate.result.innovation_deviation,
-                          .sample_rate = estimate.measurements.sample_rate,
-                          .start = estimate.measurements.start,
-                          .first = estimate.settled,
-                          .nis = estimate.result.nis,
-                          .measured = estimate.result.measured};
-  for (const auto& channel : estimate.measurements.channels) {
+InnovationRecord innovations_of(const Record& measured, const EstimationResult& result, Index first) {
+  InnovationRecord record{.noise = measured.noise(),
+                          .innovation = result.innovation,
+                          .deviation = result.innovation_deviation,
+                          .sample_rate = measured.sample_rate,
+                          .start = measured.start,
+                          .first = first,
+                          .nis = result.nis,
+                          .measured = result.measured};
+  for (const auto& channel : measured.channels) {
     record.sensors.push_back(channel.name);
     record.units.push_back(channel.unit);
   }
   return record;
+}
+
+InnovationRecord innovations_of(const RecordEstimate& estimate) {
+  return innovations_of(estimate.measurements, estimate.result, estimate.settled);
 }
 
 Verdict verdict_of(const RecordEstimate& estimate) {

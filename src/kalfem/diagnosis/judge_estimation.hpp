@@ -6,7 +6,9 @@
 
 namespace kalfem {
 
-/// The innovations of an estimation as its verdict sees them: after settling.
+/// The innovations of a run of the filter over what the sensors measured, those before sample `first` not counting.
+InnovationRecord innovations_of(const Record& measured, const EstimationResult& result, Eigen::Index first);
+/// Those of an estimation: after settling.
 InnovationRecord innovations_of(const RecordEstimate& estimate);
 
 /// What the numbers of an estimation say about themselves, without the cause: what innovations, substeps, unknowns and

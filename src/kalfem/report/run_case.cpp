@@ -1,5 +1,7 @@
 #include "kalfem/report/run_case.hpp"
 
+#include <limits>
+
 #include "kalfem/report/result_set.hpp"
 
 namespace kalfem {
@@ -14,9 +16,15 @@ std::vector<CaseValue> estimated_values(const EstimationOutcome& estimation) {
   const auto& [mean, deviation] = estimation.result.unknowns;
   for (std::size_t i = 0; i < unknowns.size(); ++i) {
     const auto row = static_cast<Index>(i);
-    values.push_back({unknowns[i].name, unknowns[i].unit, mean(row, mean.cols() - 1), deviation(row, mean.cols() - 1)});
+    values.push_back({unknowns[i].name, unknowns[i].unit, mean(row, mean.cols() - 1), deviation(row, mean.cols() - 1),
+                      estimation.robust_deviation[row]});
   }
   return values;
+}
+
+/// Of an updating that failed there are no deviations.
+double deviation_of(const Eigen::VectorXd& deviations, Index parameter) {
+  return parameter < deviations.size() ? deviations[parameter] : std::numeric_limits<double>::quiet_NaN();
 }
 
 std::vector<CaseValue> updated_values(const UpdatingSetup& setup, const UpdatingOutcome& updating) {
@@ -24,7 +32,8 @@ std::vector<CaseValue> updated_values(const UpdatingSetup& setup, const Updating
   for (std::size_t i = 0; i < setup.parameters.size(); ++i) {
     const auto row = static_cast<Index>(i);
     values.push_back({setup.parameters[i].name, setup.parameters[i].unit, updating.values[row],
-                      updating.statistics.deviations[row]});
+                      deviation_of(updating.statistics.deviations, row),
+                      deviation_of(updating.robust.deviations, row)});
   }
   return values;
 }
@@ -47,6 +56,7 @@ CaseResult run_case(const std::filesystem::path& case_file, const std::filesyste
   if (results.updating) result.updated = updated_values(*study.updating, *results.updating);
   result.warnings = study.warnings;
   result.warnings.insert(result.warnings.end(), results.warnings.begin(), results.warnings.end());
+  result.verdict = results.verdict;
   result.failure = results.why_unusable();
   return result;
 }

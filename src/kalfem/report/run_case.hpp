@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "kalfem/base/progress.hpp"
+#include "kalfem/verdict/verdict.hpp"
 
 namespace kalfem {
 
@@ -12,6 +13,7 @@ namespace kalfem {
 struct CaseValue {
   std::string name, unit;
   double mean = 0.0, std = 0.0;
+  double std_robust = 0.0;  ///< holds where the model is not exact; not a number if there is none
 };
 
 /// What a run of a case file gives, beside the files that it writes.
@@ -21,6 +23,7 @@ struct CaseResult {
   double mean_nis = 0.0;              ///< after settling, 0 where nothing was estimated
   std::vector<std::string> files;     ///< in the folder: summary.json, results.h5, report.html, ...
   std::vector<std::string> warnings;  ///< of the case and of the results
+  Verdict verdict;                    ///< whether the numbers agree with each other and with what was stated about them
   std::string failure;                ///< in words, where the numbers are not usable
 
   [[nodiscard]] bool usable() const { return failure.empty(); }
