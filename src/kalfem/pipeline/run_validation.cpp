@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "kalfem/identification/filter_run.hpp"
-#include "kalfem/identification/released_elements.hpp"
 #include "kalfem/identification/open_loop.hpp"
+#include "kalfem/identification/released_elements.hpp"
 
 namespace kalfem {
 
