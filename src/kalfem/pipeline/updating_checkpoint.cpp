@@ -36,6 +36,9 @@ Json to_json(const GaussNewtonState& state) {
           {"residual_cost", state.residual_cost},
           {"jacobian_factor", to_json(state.jacobian_factor)},
           {"projected_residual", to_json(state.projected_residual)},
+          {"factored_at", to_json(state.factored_at)},
+          {"second_order", to_json(state.second_order)},
+          {"with_second_order", state.with_second_order},
           {"evaluations", state.evaluations},
           {"iterations", state.iterations},
           {"without_response", state.without_response},
@@ -50,6 +53,9 @@ GaussNewtonState state_from(const Json& json) {
   state.residual_cost = json.at("residual_cost");
   state.jacobian_factor = matrix_from(json.at("jacobian_factor"));
   state.projected_residual = matrix_from(json.at("projected_residual"));
+  state.factored_at = matrix_from(json.at("factored_at"));
+  state.second_order = matrix_from(json.at("second_order"));
+  state.with_second_order = json.at("with_second_order");
   state.evaluations = json.at("evaluations");
   state.iterations = json.at("iterations");
   state.without_response = json.at("without_response");
@@ -64,16 +70,19 @@ bool is_known(GaussNewtonState::Known known) {
 // A file that parses can still be damaged. The state must have the sizes of this problem, finite numbers, and counters
 // and radii that a search can reach; otherwise the search would continue from an invalid state.
 void require_whole(const GaussNewtonState& state, Index parameters) {
-  const bool has_derivatives = state.known == GaussNewtonState::Known::derivatives;
-  const bool sized =
-      state.parameters.size() == parameters &&
-      (!has_derivatives || (state.jacobian_factor.rows() == parameters && state.jacobian_factor.cols() == parameters &&
-                            state.projected_residual.size() == parameters));
+  const auto is_square = [&](const Eigen::MatrixXd& matrix) {
+    return matrix.rows() == parameters && matrix.cols() == parameters;
+  };
+  const bool has_factor = state.known == GaussNewtonState::Known::derivatives || state.factored_at.size() > 0;
+  const bool sized = state.parameters.size() == parameters &&
+                     (!has_factor || (is_square(state.jacobian_factor) && state.factored_at.size() == parameters &&
+                                      state.projected_residual.size() == parameters)) &&
+                     (state.second_order.size() == 0 || is_square(state.second_order));
   const bool counted =
       state.evaluations >= 0 && state.iterations >= 0 && state.without_response >= 0 && state.refused >= 0;
   if (!sized || !counted || !is_known(state.known) || !state.parameters.allFinite() ||
-      !state.jacobian_factor.allFinite() || !state.projected_residual.allFinite() || !(state.radius > 0.0) ||
-      !(state.residual_cost >= 0.0))
+      !state.jacobian_factor.allFinite() || !state.projected_residual.allFinite() || !state.factored_at.allFinite() ||
+      !state.second_order.allFinite() || !(state.radius > 0.0) || !(state.residual_cost >= 0.0))
     throw Damaged();
 }
 

@@ -132,10 +132,11 @@ bool GaussNewton::tell(const std::optional<ResidualValue>& value) {
 
 // The search is a machine that asks and is told: proposal() names a point, tell() takes the residual there. In between
 // its whole state is GaussNewtonState, so a search can be stopped, written to a file and resumed. A turn:
-//   1. linearise(): J diag(scale) = Q R. R and Q^T r replace J and r, whatever their number of rows.
-//   2. plan(): minimise |R d + Q^T r|^2 with the prior's rows, within the bounds and within |d_i| <= radius [SP95]; the
-//      minimum without the trust region serves the tests of convergence.
-//   3. try_step(): rho = true reduction of the cost / reduction that the linear model promises ([NW06], section 4.1).
+//   1. linearise(): J diag(scale) = Q R. R and Q^T r replace J and r, whatever their number of rows. Their change since
+//      the last point updates S, the second-order part of the Hessian [DGW81].
+//   2. plan(): minimise |R d + Q^T r|^2 with the prior's rows, plus d^T S d if S predicted better at the last trial,
+//      within the bounds and the trust region [SP95]; the minimum without S and region serves the tests of convergence.
+//   3. try_step(): rho = true reduction of the cost / reduction that the model promises ([NW06], section 4.1).
 //      A poor rho shrinks the region to a part of the step, a good one of a step that the region limited doubles it.
 //   4. A trial with rho above a small threshold is accepted; a refused one is planned again with the smaller radius.
 /// Judges the trial at proposal().
@@ -145,6 +146,7 @@ bool GaussNewton::try_step(const std::optional<ResidualValue>& value) {
   if (is_response(value) && step_.reduction > 0.0) {
     const double trial_cost = 0.5 * value->values.squaredNorm() + prior_cost(parameters_, trial);
     ratio = (cost() - trial_cost) / step_.reduction;
+    choose_model(cost() - trial_cost);
   }
   adapt_radius(ratio);
   if (!(ratio > least_ratio)) {
@@ -158,9 +160,34 @@ bool GaussNewton::try_step(const std::optional<ResidualValue>& value) {
   return true;
 }
 
+/// The next step follows the model that would have predicted the trial's cost better.
+void GaussNewton::choose_model(double actual_reduction) {
+  if (state_.second_order.size() == 0) return;
+  const VectorXd& change = step_.change;
+  const double without = linearised_.reduction(change), with = without - 0.5 * change.dot(state_.second_order * change);
+  state_.with_second_order = std::abs(with - actual_reduction) < std::abs(without - actual_reduction);
+}
+
+/// |J_i| / max_j |J_j|, the prior's rows counted in.
+VectorXd GaussNewton::sensitivities() const {
+  const VectorXd lengths = linearised_.matrix.colwise().norm().transpose();
+  const double longest = lengths.size() > 0 ? lengths.maxCoeff() : 0.0;
+  return longest > 0.0 ? VectorXd(lengths / longest) : VectorXd(VectorXd::Ones(lengths.size()));
+}
+
+/// Half the widths of the trust region, in parts of the scales.
+VectorXd GaussNewton::widths() const {
+  const double most = std::max(state_.radius, options_.initial_radius);
+  VectorXd widths = most * state_.parameters.cwiseAbs().cwiseQuotient(scale_).cwiseMax(1.0);
+  const VectorXd sensitivity = sensitivities();
+  for (Index i = 0; i < widths.size(); ++i)
+    if (sensitivity[i] * widths[i] > state_.radius) widths[i] = state_.radius / sensitivity[i];
+  return widths;
+}
+
 void GaussNewton::adapt_radius(double ratio) {
   if (!(ratio >= poor_ratio))
-    state_.radius = shrinking * step_.size;
+    state_.radius = shrinking * step_.change.cwiseProduct(sensitivities()).lpNorm<Eigen::Infinity>();
   else if (ratio > good_ratio && limited_)
     state_.radius *= growth;
 }
@@ -174,37 +201,51 @@ void GaussNewton::accept(const VectorXd& parameters, const ResidualValue& value)
   plan();
 }
 
-/// Keeps of the residual and its Jacobian what the linearised problem needs: R and Q^T r.
+/// Keeps of the residual and its Jacobian what the linearised problem needs: R and Q^T r. What they are more than at
+/// the point before goes into S.
 void GaussNewton::linearise(const ResidualValue& value) {
   const Index count = scale_.size(), rows = std::min(count, value.values.size());
+  const SecantEnd before{state_.jacobian_factor, state_.projected_residual};
+  const VectorXd step = state_.factored_at.size() > 0
+                            ? (state_.parameters - state_.factored_at).cwiseQuotient(scale_).eval()
+                            : VectorXd();
   Eigen::HouseholderQR<MatrixXd> qr(value.jacobian * scale_.asDiagonal());
   state_.jacobian_factor = MatrixXd::Zero(count, count);
   state_.jacobian_factor.topRows(rows) = qr.matrixQR().topRows(rows).triangularView<Eigen::Upper>();
   const VectorXd rotated = qr.householderQ().adjoint() * value.values;
   state_.projected_residual = VectorXd::Zero(count);
   state_.projected_residual.head(rows) = rotated.head(rows);
+  state_.factored_at = state_.parameters;
+  if (step.size() > 0)
+    state_.second_order =
+        updated_second_order(state_.second_order, step, before, {state_.jacobian_factor, state_.projected_residual});
 }
 
-/// Poses the linearised problem at the accepted point and solves it within the bounds, with and without the trust
-/// region.
+/// Poses the linearised problem at the accepted point and solves it within the bounds; then, with S if that is the
+/// better model, within the trust region too.
 void GaussNewton::plan() {
   const Index count = scale_.size();
   const VectorXd deviation = collected(parameters_, [](const auto& p) { return p.deviation; });
-  matrix_.resize(2 * count, count);
-  offset_.resize(2 * count);
-  matrix_ << state_.jacobian_factor, MatrixXd(scale_.cwiseQuotient(deviation).asDiagonal());
-  offset_ << state_.projected_residual, (state_.parameters - initial_values(parameters_)).cwiseQuotient(deviation);
+  linearised_.matrix.resize(2 * count, count);
+  linearised_.offset.resize(2 * count);
+  linearised_.matrix << state_.jacobian_factor, MatrixXd(scale_.cwiseQuotient(deviation).asDiagonal());
+  linearised_.offset << state_.projected_residual,
+      (state_.parameters - initial_values(parameters_)).cwiseQuotient(deviation);
   const VectorXd lower = (lower_ - state_.parameters).cwiseQuotient(scale_);
   const VectorXd upper = (upper_ - state_.parameters).cwiseQuotient(scale_);
-  whole_ = step_within(lower, upper);
-  limited_ = whole_.size > state_.radius;
-  step_ = limited_ ? step_within(lower.cwiseMax(-state_.radius), upper.cwiseMin(state_.radius)) : whole_;
+  whole_ = step_within(linearised_, lower, upper);
+  const auto augmented = state_.with_second_order ? with_second_order(linearised_, state_.second_order) : std::nullopt;
+  const QuadraticModel& model = augmented ? *augmented : linearised_;
+  const VectorXd width = widths();
+  step_ = augmented ? step_within(model, lower, upper) : whole_;
+  limited_ = (step_.change.array().abs() > width.array()).any();
+  if (limited_) step_ = step_within(model, lower.cwiseMax(-width), upper.cwiseMin(width));
 }
 
-GaussNewton::Step GaussNewton::step_within(const VectorXd& lower, const VectorXd& upper) const {
-  Step step{bounded_least_squares(matrix_, offset_, lower, upper, options_.rank_tolerance)};
-  const VectorXd effect = matrix_ * step.change;
-  step.reduction = -effect.dot(offset_ + 0.5 * effect);
+GaussNewton::Step GaussNewton::step_within(const QuadraticModel& model, const VectorXd& lower,
+                                           const VectorXd& upper) const {
+  Step step{bounded_least_squares(model.matrix, model.offset, lower, upper, options_.rank_tolerance)};
+  step.reduction = model.reduction(step.change);
   step.size = step.change.size() > 0 ? step.change.lpNorm<Eigen::Infinity>() : 0.0;
   return step;
 }
@@ -213,22 +254,23 @@ GaussNewton::Step GaussNewton::step_within(const VectorXd& lower, const VectorXd
 /// the residual, both with the prior, is small.
 bool GaussNewton::is_stationary() const {
   const double length = std::sqrt(2.0 * cost());
-  const VectorXd gradient = matrix_.transpose() * offset_;
+  const VectorXd gradient = linearised_.gradient();
   for (Index i = 0; i < gradient.size(); ++i) {
     const bool blocked = gradient[i] > 0.0 ? state_.parameters[i] == lower_[i] : state_.parameters[i] == upper_[i];
-    if (!blocked && std::abs(gradient[i]) > options_.gradient_tolerance * matrix_.col(i).norm() * length) return false;
+    if (!blocked && std::abs(gradient[i]) > options_.gradient_tolerance * linearised_.matrix.col(i).norm() * length)
+      return false;
   }
   return true;
 }
 
-/// The tests of convergence use the step without the trust region: a small region must not pass for convergence, and a
-/// region that has shrunk to nothing after refusals is a failure.
+/// The tests of convergence use the step of the linearised problem without the trust region: a small region or a large
+/// S must not pass for convergence, and a region that has shrunk to nothing after refusals is a failure.
 std::optional<Termination> GaussNewton::judge_point() const {
   if (is_stationary()) return Termination::converged_gradient;
   if (whole_.size <= options_.step_tolerance) return Termination::converged_step;
   const double least = std::max(options_.cost_floor, std::max(options_.cost_tolerance, cost_rounding) * cost());
   if (whole_.reduction <= least) return Termination::converged_cost;
-  if (limited_ && state_.radius <= options_.step_tolerance)
+  if (limited_ && step_.size <= options_.step_tolerance)
     return state_.refused > 0 ? Termination::no_progress : Termination::converged_step;
   return std::nullopt;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kalfem/updating/residual.hpp"
+#include "kalfem/updating/second_order_term.hpp"
 
 namespace kalfem {
 
@@ -28,7 +29,8 @@ struct GaussNewtonOptions {
   /// ... or |J_i^T r| <= gradient_tolerance |J_i| |r| for all i that no bound holds, the prior's rows counted in.
   double cost_floor = 0.0;  ///< or <= this: 1e-6 is a step of 1/700 standard deviation
   double gradient_tolerance = 1e-8;
-  double initial_radius = 0.5;   ///< the first step changes no parameter by more than initial_radius scale_i
+  /// The first step changes no parameter by more than initial_radius scale_i.
+  double initial_radius = 0.5;
   double rank_tolerance = 1e-7;  ///< singular values of J below this part of the largest count as zero
 };
 
@@ -52,11 +54,14 @@ struct GaussNewtonState {
   enum class Known { nothing, cost, derivatives, no_response, no_derivatives };
 
   Eigen::VectorXd parameters;          ///< theta accepted last; before the first evaluation the start
-  double radius = 0.0;                 ///< of the trust region, in parts of the scales
+  double radius = 0.0;                 ///< of the trust region, in parts of the scale of the most sensitive parameter
   Known known = Known::nothing;        ///< about the residual at `parameters`
   double residual_cost = 0.0;          ///< |r|^2 / 2, without the prior
   Eigen::MatrixXd jacobian_factor;     ///< R of J diag(scale) = Q R, p x p; R^T R is the normal matrix
   Eigen::VectorXd projected_residual;  ///< Q^T r, p; R^T Q^T r is the gradient
+  Eigen::VectorXd factored_at;         ///< theta that both belong to; `parameters` may be one step ahead
+  Eigen::MatrixXd second_order;        ///< S, p x p, in parts of the scales; 0 x 0 before the second Jacobian
+  bool with_second_order = false;      ///< S predicted the last trial's cost better than Gauss-Newton did
   int evaluations = 0;
   int iterations = 0;        ///< accepted steps
   int without_response = 0;  ///< evaluations at which the model had none
@@ -76,11 +81,17 @@ void require_startable(const std::vector<UpdatingParameter>& parameters);
 /// Bounded Gauss-Newton method with a trust region: minimises
 ///   F(theta) = |r(theta)|^2 / 2 + sum_i (theta_i - initial_i)^2 / (2 deviation_i^2),   lower <= theta <= upper,
 /// in the variables theta_i / scale_i. Each step minimises the linearised problem
-///   |r + J d|^2 + |prior + its derivative d|^2   over the bounds and |d_i| <= radius scale_i
+///   |r + J d|^2 + |prior + its derivative d|^2   over the bounds and |d_i| <= width_i
 /// exactly (`bounded_least_squares`), so a bound redirects a step instead of cutting it, and combinations of parameters
 /// that neither r nor a prior determines stay unchanged. The radius follows the ratio of actual to predicted reduction,
 /// algorithm 4.1 of [NW06]. The region is a box, as in [CGT00, ch. 13]: an engineer can judge "no parameter changes by
-/// more than half", and its intersection with the bounds is again a box.
+/// more than half", and its intersection with the bounds is again a box. Its widths are
+///   width_i = min(radius max_j |J_j| / |J_i|, max(radius, initial_radius) max(1, |theta_i| / scale_i)),
+/// so that refused steps shorten those of sensitive parameters first [Mor78].
+///
+/// Where the model leaves a large residual, J^T J alone is far from the Hessian. A secant approximation S of the rest,
+/// sum_k r_k d2 r_k, is then added as in NL2SOL [DGW81] (`updated_second_order()`): wherever it predicted the cost of
+/// the last trial better than the linearised problem did, and leaves the Hessian positive definite.
 ///
 /// The caller owns the loop: the search proposes points and is told their residuals. In updating with records, one
 /// evaluation is a reduction and a whole filter pass, and a killed run must continue from a file after each iteration.
@@ -122,8 +133,12 @@ private:
   void accept(const Eigen::VectorXd& parameters, const ResidualValue& value);
   void linearise(const ResidualValue& value);
   void plan();
+  void choose_model(double actual_reduction);
   void adapt_radius(double ratio);
-  [[nodiscard]] Step step_within(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) const;
+  [[nodiscard]] Eigen::VectorXd sensitivities() const;
+  [[nodiscard]] Eigen::VectorXd widths() const;
+  [[nodiscard]] Step step_within(const QuadraticModel& model, const Eigen::VectorXd& lower,
+                                 const Eigen::VectorXd& upper) const;
   [[nodiscard]] bool is_stationary() const;
   [[nodiscard]] std::optional<Termination> judge_point() const;
 
@@ -131,10 +146,9 @@ private:
   GaussNewtonOptions options_;
   Eigen::VectorXd scale_, lower_, upper_;
   GaussNewtonState state_;
-  // What follows from the state, once derivatives are known: the linearised problem |A d + b|^2, its solution within
-  // the bounds alone, by which convergence is judged, and the step proposed, within the trust region too.
-  Eigen::MatrixXd matrix_;
-  Eigen::VectorXd offset_;
+  // What follows from the state, once derivatives are known: the linearised problem, its solution within the bounds
+  // alone, by which convergence is judged, and the step proposed, with S or without, within the trust region too.
+  QuadraticModel linearised_;
   Step whole_, step_;
   bool limited_ = false;  ///< the trust region cuts the step
 };
