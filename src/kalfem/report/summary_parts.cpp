@@ -154,7 +154,16 @@ Json modes_of(const std::vector<PairedMode>& modes) {
   return list;
 }
 
-Json comparisons_of(const UpdatingOutcome& outcome) {
+/// Steps per sample of a simulation of the record; nothing for other comparisons.
+std::optional<Index> substeps_of(const Study& study, const std::string& comparison) {
+  for (const auto& each : study.updating_plan->record_comparisons)
+    if (const auto* simulated = std::get_if<RecordComparison::OfSimulation>(&each.what);
+        simulated && each.name == comparison)
+      return simulated->options.substeps;
+  return std::nullopt;
+}
+
+Json comparisons_of(const Study& study, const UpdatingOutcome& outcome) {
   Json all = Json::object();
   for (const auto& each : outcome.comparisons) {
     Json& own = all[each.name];
@@ -164,6 +173,7 @@ Json comparisons_of(const UpdatingOutcome& outcome) {
            {"rms_initial", number(each.rms_initial)},
            {"rms_final", number(each.rms_final)}};
     if (!each.derivatives.empty()) own["derivatives"] = each.derivatives;
+    if (const auto substeps = substeps_of(study, each.name)) own["substeps"] = *substeps;
     for (const auto& response : each.responses)
       if (response.scale) own["scales"][response.name] = number(*response.scale);
     if (each.modes_final.empty()) continue;
@@ -220,7 +230,7 @@ Json updating_summary(const Study& study, const UpdatingOutcome& outcome) {
                   {"termination", outcome.termination},
                   {"method", outcome.method},
                   {"remarks", outcome.remarks},
-                  {"comparisons", comparisons_of(outcome)}};
+                  {"comparisons", comparisons_of(study, outcome)}};
   if (outcome.statistics.reduced_chi_squared)
     summary["reduced_chi_squared"] = number(*outcome.statistics.reduced_chi_squared);
   if (outcome.robust.deviations.size() > 0) summary["robust"] = robust_of(outcome.robust);

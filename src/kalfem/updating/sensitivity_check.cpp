@@ -99,6 +99,10 @@ std::optional<Derivative> derivative(const Line& line, double first_step, int ha
   return best.value.size() > 0 ? std::optional(std::move(best)) : std::nullopt;
 }
 
+/// Differences known to less than this say nothing about a derivative: where a residual is rough, two tableaus may
+/// differ by more than their estimated error.
+constexpr double most_uncertainty = 0.1;
+
 SensitivityComparison compare(const VectorXd& column, const std::optional<Derivative>& differences, double tolerance) {
   SensitivityComparison comparison;
   comparison.verdict = Verdict::no_response;
@@ -106,7 +110,9 @@ SensitivityComparison compare(const VectorXd& column, const std::optional<Deriva
   const double largest = differences->value.lpNorm<Eigen::Infinity>(), reference = largest > 0.0 ? largest : 1.0;
   comparison.deviation = (column - differences->value).cwiseAbs().maxCoeff(&comparison.row) / reference;
   comparison.uncertainty = differences->error / reference;
-  if (!std::isfinite(comparison.deviation) || comparison.deviation > tolerance + comparison.uncertainty)
+  if (std::isfinite(comparison.deviation) && comparison.uncertainty > std::max(tolerance, most_uncertainty))
+    comparison.verdict = Verdict::undecided;
+  else if (!std::isfinite(comparison.deviation) || comparison.deviation > tolerance + comparison.uncertainty)
     comparison.verdict = Verdict::deviates;
   else
     comparison.verdict = comparison.uncertainty > tolerance ? Verdict::undecided : Verdict::agrees;
