@@ -1,0 +1,92 @@
+#include <gtest/gtest.h>
+
+#include "kalfem/formats/hdf5/hdf5_file.hpp"
+#include "updating_case.hpp"
+
+// Runs whose filter stops in the middle of the record.
+
+namespace kalfem::test {
+namespace {
+
+/// The first value of the cubic stiffness is 5000 times too large.
+std::string stiff_case(const std::string& filter) {
+  return R"(kalfem: 1
+substructures:
+  s: {masses: {m: 2 kg}, springs: [{name: k, from: ground, to: m, stiffness: 4 kN/m, damping: 3 N s/m}]}
+connectors:
+  c: {from: s.m, to: s.ground, law: cubic, parameters: {k: 100 N/m, k3: 2e7}}
+excitation:
+  f: {force: s.m, random: {rms: 10 N, band: [1, 15 Hz], fade_in: 0.2 s, seed: 2}}
+sensors:
+  x: {displacement: s.m, noise: 2 %}
+simulate: {duration: 2 s, sample_rate: 200 Hz, tolerance: 1e-4, seed: 3}
+estimate:
+  filter: )" +
+         filter + R"(
+  unknown: {c.k3: {initial: 1e11, std: 500 %}}
+  substeps: 1
+  settle: 0.02 s
+  diagnose: false
+)";
+}
+
+/// A run that fails: what it wrote, and to the terminal.
+struct FailedRun {
+  explicit FailedRun(const std::string& filter) : folder("failed-" + filter) {
+    outcome =
+        run_command("run " + written(folder, stiff_case(filter)).string() + " --out " + folder.path().string(), folder);
+    summary = read_summary(folder);
+  }
+
+  ScratchFolder folder;
+  Outcome outcome;
+  nlohmann::json summary;
+};
+
+TEST(FailedRun, NamesTimeConnectorAndRemedy) {
+  const FailedRun run("ukf");
+  EXPECT_EQ(run.outcome.code, 3);
+  for (const std::string part :
+       {"the filter stopped at 0.07 s", "it is the force of connector 'c'", "estimate.substeps"})
+    EXPECT_NE(run.outcome.errors.find(part), std::string::npos) << run.outcome.errors;
+  const auto& reason = run.summary["verdict"]["reasons"][0];
+  EXPECT_EQ(run.summary["status"], "unusable");
+  EXPECT_EQ(reason["code"], "failed");
+  EXPECT_EQ(reason["subject"], "c");
+  EXPECT_EQ(run.summary["estimation"]["failure"]["subject"], "c");
+}
+
+TEST(FailedRun, ShowsWhatItComputedUpToTheFailureAndNoMore) {
+  const FailedRun run("ukf");
+  const auto& estimation = run.summary["estimation"];
+  EXPECT_EQ(estimation["failure"]["samples"], 14);
+  EXPECT_EQ(estimation["steps"], 14);
+  EXPECT_DOUBLE_EQ(estimation["failure"]["time_s"].get<double>(), 0.07);
+  const auto file = Hdf5File::open((run.folder / "results.h5").string());
+  const auto series = file.read_matrix("/estimate/parameters/c.k3");
+  EXPECT_EQ(series.rows(), 14);
+  EXPECT_TRUE(series.allFinite());
+  const std::string page = read(run.folder / "report.html");
+  for (const std::string part : {"NIS 0.00", "nan", "NaN"}) {
+    EXPECT_EQ(page.find(part), std::string::npos) << part;
+    EXPECT_EQ(run.outcome.output.find(part), std::string::npos) << run.outcome.output;
+  }
+  EXPECT_NE(page.find("the filter stopped at 0.07 s"), std::string::npos);
+}
+
+TEST(FailedRun, ListsTheFormsThatAutoTried) {
+  const FailedRun run("auto");
+  EXPECT_EQ(run.outcome.code, 3);
+  const auto& attempts = run.summary["estimation"]["attempts"];
+  ASSERT_EQ(attempts.size(), 3U);
+  const std::string tried[] = {"partially_linear_ukf", "partially_linear_ukf", "partially_linear_ukf_square_root"};
+  for (std::size_t i = 0; i < attempts.size(); ++i) {
+    EXPECT_EQ(attempts[i]["filter"], tried[i]);
+    EXPECT_EQ(attempts[i]["usable"], false);
+    EXPECT_NEAR(attempts[i]["stopped_s"].get<double>(), 0.07, 1e-12);
+    EXPECT_FALSE(attempts[i]["reason"].get<std::string>().empty());
+  }
+}
+
+}  // namespace
+}  // namespace kalfem::test
