@@ -28,7 +28,7 @@ ALLOWED = {
 }
 LIBRARY = set(ALLOWED) - {"yaml"}
 CORE = LIBRARY - {"formats", "verdict"}
-ALLOWED["identification"] = CORE
+ALLOWED["identification"] = CORE | {"verdict"}
 ALLOWED["casefile"] = LIBRARY | {"identification", "yaml"}
 ALLOWED["study"] = ALLOWED["casefile"] | {"casefile"}
 ALLOWED["diagnosis"] = CORE | {"identification", "verdict"}

@@ -46,6 +46,15 @@ Limits natural_limits(const UnknownParameter& unknown, const LocallyNonlinearSys
   return limits;
 }
 
+/// The robust deviation along time alone: what frequency bands contradict each other by must not excuse an estimate
+/// that its nature forbids. Not a number where there is none.
+double deviation_along_time(const RecordEstimate& estimate, Index i) {
+  const auto& widening = estimate.robust.widening_by_bands;
+  const auto& constants = estimate.result.unknowns_history.unknowns;
+  const auto place = std::ranges::find(constants, i) - constants.begin();
+  return estimate.robust_deviation[i] / (place < widening.size() ? widening[place] : 1.0);
+}
+
 /// One unknown beside its prior. Distances are those of the filter's state, in which the prior is normal.
 EstimatedUnknown estimated_unknown(const RecordEstimate& estimate, Index i) {
   const auto& unknown = estimate.augmented_model->options().unknowns[static_cast<std::size_t>(i)];
@@ -53,6 +62,7 @@ EstimatedUnknown estimated_unknown(const RecordEstimate& estimate, Index i) {
   const double start = unknown.transform.to_state(unknown.initial);
   const double prior = unknown.deviation / unknown.transform.slope(start);
   const double deviation = estimate.result.unknowns.deviation(i, last), robust = estimate.robust_deviation[i];
+  const double along_time = deviation_along_time(estimate, i);
   const Limits allowed = natural_limits(unknown, estimate.augmented_model->system());
   return {.name = unknown.name,
           .unit = unknown.unit,
@@ -60,7 +70,7 @@ EstimatedUnknown estimated_unknown(const RecordEstimate& estimate, Index i) {
           .estimate = estimate.result.unknowns.mean(i, last),
           .moved = std::abs(estimate.result.state.mean(row, last) - start) / prior,
           .shrinkage = estimate.result.state.deviation(row, last) / prior,
-          .deviation = std::isfinite(robust) ? std::max(robust, deviation) : deviation,
+          .deviation = std::isfinite(along_time) ? std::max(along_time, deviation) : deviation,
           .widening = std::isfinite(robust) && deviation > 0.0 ? robust / deviation : 1.0,
           .drifts = unknown.random_walk > 0.0,
           .least = allowed.least,
@@ -123,26 +133,6 @@ std::vector<Reason> reasons_of_open_loop(const RecordEstimate& estimate) {
 }
 
 }  // namespace
-
-InnovationRecord innovations_of(const Record& measured, const EstimationResult& result, Index first) {
-  InnovationRecord record{.noise = measured.noise(),
-                          .innovation = result.innovation,
-                          .deviation = result.innovation_deviation,
-                          .sample_rate = measured.sample_rate,
-                          .start = measured.start,
-                          .first = first,
-                          .nis = result.nis,
-                          .measured = result.measured};
-  for (const auto& channel : measured.channels) {
-    record.sensors.push_back(channel.name);
-    record.units.push_back(channel.unit);
-  }
-  return record;
-}
-
-InnovationRecord innovations_of(const RecordEstimate& estimate) {
-  return innovations_of(estimate.measurements, estimate.result, estimate.settled);
-}
 
 Verdict verdict_of(const RecordEstimate& estimate) {
   Verdict verdict;

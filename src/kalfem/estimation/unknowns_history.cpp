@@ -38,6 +38,11 @@ Scores scores_of(const UnknownsHistory& history) {
   return scores;
 }
 
+ScoreCluster prior_score(const UnknownsHistory& history) {
+  const MatrixXd information = inverse_of(history.covariance.front());
+  return {information * (history.mean.front() - history.mean.back()), information};
+}
+
 RobustCovariance robust_covariance(const UnknownsHistory& history) {
   const Scores scores = scores_of(history);
   return robust_covariance(inverse_of(history.covariance.back()), inverse_of(history.covariance.front()), scores.value,

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <vector>
 
+#include "kalfem/statistics/band_clusters.hpp"
 #include "kalfem/statistics/robust_covariance.hpp"
 
 namespace kalfem {
@@ -34,6 +35,9 @@ struct Scores {
 /// No further run over the record is needed. Its share of the variance of unknown i, by the information P_k^-1 that it
 /// added, is (P_N (P_k^-1 - P_{k-1}^-1) P_N)_ii / (P_N)_ii.
 Scores scores_of(const UnknownsHistory& history);
+
+/// What the prior tells of them: its information and score at the last estimate, P_0^-1 (theta_0 - theta_N).
+ScoreCluster prior_score(const UnknownsHistory& history);
 
 /// Covariance of the constant unknowns that allows for innovations that are correlated in time, in the filter's state:
 /// the sandwich of the information P_N^-1, the prior's P_0^-1 and these scores.

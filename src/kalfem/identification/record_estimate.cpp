@@ -7,6 +7,7 @@
 #include "kalfem/base/units.hpp"
 #include "kalfem/identification/open_loop.hpp"
 #include "kalfem/identification/refined_filter.hpp"
+#include "kalfem/identification/robust_deviations.hpp"
 
 namespace kalfem {
 
@@ -87,21 +88,6 @@ Index settled_samples(const RecordEstimate& estimate, double settle) {
   return failure && settled >= samples ? 0 : std::min(settled, samples - 1);
 }
 
-/// Deviations that hold where innovations are correlated, from the course of the unknowns.
-void set_robust_deviations(RecordEstimate& estimate) {
-  const auto& history = estimate.result.unknowns_history;
-  const auto& unknowns = estimate.augmented_model->options().unknowns;
-  estimate.robust_deviation.setConstant(static_cast<Index>(unknowns.size()), std::numeric_limits<double>::quiet_NaN());
-  if (estimate.result.failure || history.empty()) return;
-  estimate.robust = robust_covariance(history);
-  for (std::size_t i = 0; i < history.unknowns.size(); ++i) {
-    const Index unknown = history.unknowns[i], place = static_cast<Index>(i);
-    const auto& transform = unknowns[static_cast<std::size_t>(unknown)].transform;
-    estimate.robust_deviation[unknown] =
-        transform.slope(history.mean.back()[place]) * std::sqrt(estimate.robust.covariance(place, place));
-  }
-}
-
 /// The finite elements are reduced again if the linear unknowns moved further than this, relative: the error of a fixed
 /// basis is about its square. The second constant limits the repetitions.
 constexpr double reduction_reach = 0.02;
@@ -135,15 +121,15 @@ VectorXd linear_estimates(const RecordEstimate& estimate) {
 RecordEstimate estimate_record(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
                                const Record& record, const RecordEstimateOptions& options) {
   const auto& settings = problem->settings;
-  auto [filtered, substeps] = run_refined_filter(problem, setup, record,
-                                                 {.unscented = settings.unscented,
-                                                  .threads = filter_threads(settings),
-                                                  .passes = settings.passes,
-                                                  .state_deviations = false,
-                                                  .deviation_stride = options.deviation_stride,
-                                                  .keep_unknowns = true,
-                                                  .monitored = make_outputs(*setup.model, options.monitored),
-                                                  .progress = options.progress});
+  const EstimationOptions of_filter{.unscented = settings.unscented,
+                                    .threads = filter_threads(settings),
+                                    .passes = settings.passes,
+                                    .state_deviations = false,
+                                    .deviation_stride = options.deviation_stride,
+                                    .keep_unknowns = true,
+                                    .monitored = make_outputs(*setup.model, options.monitored),
+                                    .progress = options.progress};
+  auto [filtered, substeps] = run_refined_filter(problem, setup, record, of_filter);
   RecordEstimate estimate{.filter = filtered.run.choice.filter,
                           .filter_reason = filtered.run.choice.reason,
                           .attempts = std::move(filtered.attempts),
@@ -151,12 +137,12 @@ RecordEstimate estimate_record(const EstimationProblemPtr& problem, const Augmen
                           .start = filtered.run.start,
                           .augmented_model = filtered.augmented_model(),
                           .result = std::move(filtered.result),
-                          .measurements = std::move(filtered.run.input.measured)};
+                          .measurements = filtered.run.input.measured};
   estimate.settled = settled_samples(estimate, settings.settle);
   estimate.consistency =
       summarise_consistency(estimate.result.nis, estimate.result.measured, estimate.result.innovation,
                             estimate.measurements.noise(), estimate.settled);
-  set_robust_deviations(estimate);
+  set_robust_deviations(filtered.run.input, of_filter, estimate);
   if (settings.estimate_initial_state && !estimate.result.failure && !settings.local)
     set_open_loop(*problem, setup, estimate);
   return estimate;

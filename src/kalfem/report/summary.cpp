@@ -170,8 +170,19 @@ Json substep_biases(const EstimationOutcome& outcome) {
   return biases;
 }
 
-constexpr const char* robust_method =
-    "sandwich of the information and the long-run covariance of the scores (Parzen kernel, Andrews' bandwidth)";
+/// What the robust deviations were found by.
+std::string robust_method(const RobustCovariance& robust) {
+  std::string method =
+      "sandwich of the information and the long-run covariance of the scores (Parzen kernel; Andrews' plug-in "
+      "bandwidth, the longest of those of the scores and of their sums over 2, 4, 8 ... neighbours; variances made up "
+      "for the scores' sum of zero, Kiefer and Vogelsang 2005, Bell and McCaffrey 2002)";
+  if (robust.batch_means) method += "; for some parameters the larger scatter of the means of 25 batches";
+  if ((robust.widening_by_bands.array() > 1.0).any())
+    method +=
+        "; for some parameters the larger contradiction between frequency bands (clusters of one octave, of all "
+        "sensors or of each; CR2, Bell and McCaffrey 2002)";
+  return method;
+}
 
 /// Filters that were tried, in order, and how each ended.
 Json attempts_summary(const EstimationOutcome& outcome) {
@@ -259,7 +270,7 @@ Json estimation_summary(const EstimationOutcome& outcome) {
                           {"samples", failure->computed}};
   if (outcome.robust.rank > 0)
     summary["robust"] = {
-        {"method", robust_method},
+        {"method", robust_method(outcome.robust)},
         {"bandwidth_samples", number(outcome.robust.bandwidth * outcome.result.unknowns_history.stride)},
         {"rank", outcome.robust.rank},
         {"condition", number(outcome.robust.condition)}};

@@ -190,8 +190,21 @@ RobustCovariance robust_covariance(const Eigen::Ref<const MatrixXd>& information
   const Bread bread = inverse_of(information);
   // What each sample moved every parameter by: a parameter may be slow where its score, which others share, is not.
   const LongRunCovariance moved = long_run_covariance(bread.inverse * scores, shares);
-  return {moved.of_sum + bread.inverse * prior_information * bread.inverse, moved.bandwidth, moved.batch_means,
-          bread.rank, bread.condition};
+  return {.covariance = moved.of_sum + bread.inverse * prior_information * bread.inverse,
+          .bandwidth = moved.bandwidth,
+          .batch_means = moved.batch_means,
+          .rank = bread.rank,
+          .condition = bread.condition};
+}
+
+void widen(RobustCovariance& robust, const Eigen::Ref<const VectorXd>& variances) {
+  VectorXd& widening = robust.widening_by_bands;
+  widening.setOnes(variances.size());
+  for (Index i = 0; i < variances.size(); ++i) {
+    const double own = robust.covariance(i, i);
+    if (own > 0.0 && variances[i] > own) widening[i] = std::sqrt(variances[i] / own);
+  }
+  robust.covariance = widening.asDiagonal() * robust.covariance * widening.asDiagonal();
 }
 
 MatrixXd white_robust_covariance(const Eigen::Ref<const MatrixXd>& information,

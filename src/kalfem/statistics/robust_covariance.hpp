@@ -41,8 +41,10 @@ struct RobustCovariance {
   Eigen::MatrixXd covariance;  ///< p x p
   double bandwidth = 1.0;      ///< of the scores' correlation in time [samples]
   bool batch_means = false;    ///< see LongRunCovariance
-  Eigen::Index rank = 0;       ///< of the information, with every parameter in units of its own standard deviation
-  double condition = 1.0;      ///< its largest over its smallest eigenvalue that counts
+  /// Of each deviation by contradictions between frequency bands, 1 where they widen nothing; empty: not looked at.
+  Eigen::VectorXd widening_by_bands = {};
+  Eigen::Index rank = 0;   ///< of the information, with every parameter in units of its own standard deviation
+  double condition = 1.0;  ///< its largest over its smallest eigenvalue that counts
 };
 
 /// A^+ B A^+ with the information A and the covariance B of the scores' sum, p x p; rank and condition are those of A.
@@ -63,6 +65,9 @@ RobustCovariance robust_covariance(const Eigen::Ref<const Eigen::MatrixXd>& info
                                    const Eigen::Ref<const Eigen::MatrixXd>& prior_information,
                                    const Eigen::Ref<const Eigen::MatrixXd>& scores,
                                    const Eigen::Ref<const Eigen::MatrixXd>& shares = Eigen::MatrixXd());
+
+/// Replaces each variance by the other one where that is larger; correlations stay.
+void widen(RobustCovariance& robust, const Eigen::Ref<const Eigen::VectorXd>& variances);
 
 /// The same with scores that are independent in time, B = sum_k s_k s_k^T, and no prior.
 Eigen::MatrixXd white_robust_covariance(const Eigen::Ref<const Eigen::MatrixXd>& information,

@@ -1,0 +1,73 @@
+#include "kalfem/identification/robust_deviations.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kalfem/estimation/innovation_sensitivity.hpp"
+#include "kalfem/verdict/verdict.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+
+namespace {
+
+/// Whether the innovations contradict the model, or widen a deviation along time already.
+bool contradicts_model(const RecordEstimate& estimate) {
+  const auto& stated = estimate.result.unknowns_history.covariance.back();
+  for (Index i = 0; i < stated.rows(); ++i)
+    if (estimate.robust.covariance(i, i) > suspicious_widening * suspicious_widening * stated(i, i)) return true;
+  return std::ranges::any_of(innovation_reasons(innovations_of(estimate)), [](const Reason& reason) {
+    return reason.code.starts_with("innovation_") || reason.code.starts_with("nis_");
+  });
+}
+
+/// A run whose numbers agree with its model is spared the further runs.
+void widen_by_bands(const FilterInput& input, EstimationOptions options, RecordEstimate& estimate) {
+  if (!contradicts_model(estimate)) return;
+  options.filter = estimate.filter;
+  const auto& history = estimate.result.unknowns_history;
+  const auto innovations =
+      innovation_sensitivity(*estimate.augmented_model, input, std::move(options), history, estimate.settled);
+  if (innovations) widen(estimate.robust, band_variances(*innovations, prior_score(history)));
+}
+
+}  // namespace
+
+InnovationRecord innovations_of(const Record& measured, const EstimationResult& result, Index first) {
+  InnovationRecord record{.noise = measured.noise(),
+                          .innovation = result.innovation,
+                          .deviation = result.innovation_deviation,
+                          .sample_rate = measured.sample_rate,
+                          .start = measured.start,
+                          .first = first,
+                          .nis = result.nis,
+                          .measured = result.measured};
+  for (const auto& channel : measured.channels) {
+    record.sensors.push_back(channel.name);
+    record.units.push_back(channel.unit);
+  }
+  return record;
+}
+
+InnovationRecord innovations_of(const RecordEstimate& estimate) {
+  return innovations_of(estimate.measurements, estimate.result, estimate.settled);
+}
+
+void set_robust_deviations(const FilterInput& input, EstimationOptions options, RecordEstimate& estimate) {
+  const auto& history = estimate.result.unknowns_history;
+  const auto& unknowns = estimate.augmented_model->options().unknowns;
+  estimate.robust_deviation.setConstant(static_cast<Index>(unknowns.size()), std::numeric_limits<double>::quiet_NaN());
+  if (estimate.result.failure || history.empty()) return;
+  estimate.robust = robust_covariance(history);
+  widen_by_bands(input, std::move(options), estimate);
+  for (std::size_t i = 0; i < history.unknowns.size(); ++i) {
+    const Index unknown = history.unknowns[i], place = static_cast<Index>(i);
+    const auto& transform = unknowns[static_cast<std::size_t>(unknown)].transform;
+    estimate.robust_deviation[unknown] =
+        transform.slope(history.mean.back()[place]) * std::sqrt(estimate.robust.covariance(place, place));
+  }
+}
+
+}  // namespace kalfem

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "kalfem/identification/record_estimate.hpp"
+#include "kalfem/verdict/checks.hpp"
+
+namespace kalfem {
+
+/// The innovations of a run of the filter over what the sensors measured, those before sample `first` not counting.
+InnovationRecord innovations_of(const Record& measured, const EstimationResult& result, Eigen::Index first);
+/// Those of an estimation: after settling.
+InnovationRecord innovations_of(const RecordEstimate& estimate);
+
+/// Sets the deviations of the unknowns that hold where the model is not the truth, from their course (scores along
+/// time). Where the innovations contradict the model, also from what frequency bands contradict each other by
+/// (band_variances()), the larger one of each; that takes a run for every unknown and one more over `input`.
+void set_robust_deviations(const FilterInput& input, EstimationOptions options, RecordEstimate& estimate);
+
+}  // namespace kalfem
