@@ -121,17 +121,6 @@ AugmentedModel AugmentedModel::about(const VectorXd& values, const VectorXd& dev
   return other;
 }
 
-AugmentedModel AugmentedModel::with_priors(const VectorXd& values, const VectorXd& deviations) const {
-  AugmentedModelOptions options = options_;
-  for (std::size_t i = 0; i < options.unknowns.size(); ++i) {
-    options.unknowns[i].initial = values[static_cast<Index>(i)];
-    options.unknowns[i].deviation = deviations[static_cast<Index>(i)];
-  }
-  const auto linear = linear_unknowns(options_);
-  const auto system = linear.empty() ? system_ : options_.system_at(values(linear));
-  return {system, sensors_, chains_, std::move(options)};
-}
-
 /// s = sqrt(3) deviations, where sigma points along the unknown would stand, but never so far that the structure
 /// changes its nature.
 void AugmentedModel::set_neighbours(const VectorXd& values, const VectorXd& deviations) {

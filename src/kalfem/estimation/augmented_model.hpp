@@ -114,9 +114,6 @@ public:
   /// stand sqrt(3) deviations away, a quarter of the value at most. Process noise over a step stays as it is. Throws
   /// InvalidInput if the values are not admissible.
   [[nodiscard]] AugmentedModel about(const Eigen::VectorXd& values, const Eigen::VectorXd& deviations) const;
-  /// The same augmented model with other priors of the unknowns: one value and one standard deviation per unknown, in
-  /// its unit. It is linearised about the values of those of the linear part.
-  [[nodiscard]] AugmentedModel with_priors(const Eigen::VectorXd& values, const Eigen::VectorXd& deviations) const;
 
   [[nodiscard]] const StateLayout& layout() const { return layout_; }
   [[nodiscard]] const FirstOrderForm& form() const { return form_.first_order; }

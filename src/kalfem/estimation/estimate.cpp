@@ -207,10 +207,34 @@ private:
     for (const Index i : history.unknowns) constant_states_.push_back(augmented_model_.layout().unknown() + i);
     history.mean.emplace_back(prior.mean(constant_states_));
     history.covariance.emplace_back(prior.covariance(constant_states_, constant_states_));
+    const Index l = input_.measured.values.rows(), samples = input_.measured.samples();
+    keeps_slopes_ = count > 0 && samples * l * count <= largest_history;
+    if (!keeps_slopes_) return;
+    history.at_prior = history.deviation = MatrixXd::Constant(l, samples, not_a_number);
+    history.slope.reserve(static_cast<std::size_t>(samples));
+  }
+
+  /// What a filter that knows the constants would see, from the gain K of the update just made: P_theta,y = K S.
+  void store_slope(Index k) {
+    auto& history = result_.unknowns_history;
+    const auto& channels = innovation_.channels;
+    MatrixXd& slope =
+        history.slope.emplace_back(MatrixXd::Zero(std::ssize(constant_states_), input_.measured.values.rows()));
+    if (channels.empty()) return;
+    const MatrixXd gain = setup_->filter->gain()(constant_states_, Eigen::all);
+    const MatrixXd cross = gain * innovation_.covariance.selfadjointView<Eigen::Lower>();
+    const MatrixXd before = setup_->filter->covariance_of(constant_states_) + gain * cross.transpose();
+    const MatrixXd own = before.ldlt().solve(cross);
+    slope(Eigen::all, channels) = own;
+    const VectorXd moved = setup_->filter->mean()(constant_states_) - gain * innovation_.value - history.mean.front();
+    const VectorXd known = innovation_.covariance.diagonal() - own.cwiseProduct(cross).colwise().sum().transpose();
+    history.at_prior(channels, k) = innovation_.value + own.transpose() * moved;
+    history.deviation(channels, k) = known.cwiseMax(0.0).cwiseSqrt();
   }
 
   void store_unknowns(Index k) {
     auto& history = result_.unknowns_history;
+    if (keeps_slopes_) store_slope(k);
     if ((k + 1) % history.stride != 0 && k + 1 < input_.measured.samples()) return;
     history.mean.emplace_back(setup_->filter->mean()(constant_states_));
     history.covariance.push_back(setup_->filter->covariance_of(constant_states_));
@@ -285,6 +309,7 @@ private:
   std::unique_ptr<FilterSetup> setup_;
   std::vector<Index> linear_unknowns_;
   std::vector<Index> constant_states_;  ///< places of the unknowns without random walk in the state
+  bool keeps_slopes_ = false;
   LinearEstimate linearised_about_;
   Innovation innovation_;
   VectorXd measured_, output_mean_, output_deviation_;

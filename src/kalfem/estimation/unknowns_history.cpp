@@ -38,6 +38,24 @@ Scores scores_of(const UnknownsHistory& history) {
   return scores;
 }
 
+SensitiveInnovations sensitive_innovations(const UnknownsHistory& history, Index first) {
+  SensitiveInnovations found;
+  const Index count = static_cast<Index>(history.slope.size()) - first;
+  if (count < 1) return found;
+  const VectorXd moved = history.mean.back() - history.mean.front();
+  const MatrixXd deviation = history.deviation.middleCols(first, count);
+  found.value = history.at_prior.middleCols(first, count);
+  found.derivative.assign(history.unknowns.size(), MatrixXd(deviation.rows(), count));
+  for (Index k = 0; k < count; ++k) {
+    const MatrixXd& slope = history.slope[static_cast<std::size_t>(first + k)];
+    found.value.col(k) -= slope.transpose() * moved;
+    for (std::size_t i = 0; i < found.derivative.size(); ++i)
+      found.derivative[i].col(k) = -slope.row(static_cast<Index>(i)).transpose().cwiseQuotient(deviation.col(k));
+  }
+  found.value = found.value.cwiseQuotient(deviation);
+  return found;
+}
+
 ScoreCluster prior_score(const UnknownsHistory& history) {
   const MatrixXd information = inverse_of(history.covariance.front());
   return {information * (history.mean.front() - history.mean.back()), information};

@@ -15,6 +15,11 @@ struct UnknownsHistory {
   std::vector<Eigen::VectorXd> mean;   ///< of the prior and then of every point, in the filter's state, c
   std::vector<Eigen::MatrixXd> covariance;  ///< beside each, c x c
 
+  // Of every sample, unless the record is too long for it.
+  std::vector<Eigen::MatrixXd> slope;  ///< derivative of the predicted measurement by the constants, c x l
+  Eigen::MatrixXd at_prior;            ///< innovation of a filter that knows them to be the prior's mean, l x samples
+  Eigen::MatrixXd deviation;           ///< of the innovation of a filter that knows them, l x samples
+
   [[nodiscard]] bool empty() const { return unknowns.empty() || mean.size() < 2; }
 };
 
@@ -35,6 +40,13 @@ struct Scores {
 /// No further run over the record is needed. Its share of the variance of unknown i, by the information P_k^-1 that it
 /// added, is (P_N (P_k^-1 - P_{k-1}^-1) P_N)_ii / (P_N)_ii.
 Scores scores_of(const UnknownsHistory& history);
+
+/// Innovations of the filter that knows the constants to be their last estimates, over their deviations, and their
+/// derivatives by the constants, from the run that estimates them. With what stands before sample k,
+///     D = P_theta^-1 P_theta,y,    e(theta) = e_k - D^T (theta - theta_{k-1}),    S = S_k - D^T P_theta D,
+/// which is exact where the parameters enter linearly (Friedland 1969). Samples before `first` do not count. Empty
+/// where the history does not hold it.
+SensitiveInnovations sensitive_innovations(const UnknownsHistory& history, Eigen::Index first);
 
 /// What the prior tells of them: its information and score at the last estimate, P_0^-1 (theta_0 - theta_N).
 ScoreCluster prior_score(const UnknownsHistory& history);

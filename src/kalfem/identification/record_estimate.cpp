@@ -121,15 +121,15 @@ VectorXd linear_estimates(const RecordEstimate& estimate) {
 RecordEstimate estimate_record(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
                                const Record& record, const RecordEstimateOptions& options) {
   const auto& settings = problem->settings;
-  const EstimationOptions of_filter{.unscented = settings.unscented,
-                                    .threads = filter_threads(settings),
-                                    .passes = settings.passes,
-                                    .state_deviations = false,
-                                    .deviation_stride = options.deviation_stride,
-                                    .keep_unknowns = true,
-                                    .monitored = make_outputs(*setup.model, options.monitored),
-                                    .progress = options.progress};
-  auto [filtered, substeps] = run_refined_filter(problem, setup, record, of_filter);
+  auto [filtered, substeps] = run_refined_filter(problem, setup, record,
+                                                 {.unscented = settings.unscented,
+                                                  .threads = filter_threads(settings),
+                                                  .passes = settings.passes,
+                                                  .state_deviations = false,
+                                                  .deviation_stride = options.deviation_stride,
+                                                  .keep_unknowns = true,
+                                                  .monitored = make_outputs(*setup.model, options.monitored),
+                                                  .progress = options.progress});
   RecordEstimate estimate{.filter = filtered.run.choice.filter,
                           .filter_reason = filtered.run.choice.reason,
                           .attempts = std::move(filtered.attempts),
@@ -137,12 +137,12 @@ RecordEstimate estimate_record(const EstimationProblemPtr& problem, const Augmen
                           .start = filtered.run.start,
                           .augmented_model = filtered.augmented_model(),
                           .result = std::move(filtered.result),
-                          .measurements = filtered.run.input.measured};
+                          .measurements = std::move(filtered.run.input.measured)};
   estimate.settled = settled_samples(estimate, settings.settle);
   estimate.consistency =
       summarise_consistency(estimate.result.nis, estimate.result.measured, estimate.result.innovation,
                             estimate.measurements.noise(), estimate.settled);
-  set_robust_deviations(filtered.run.input, of_filter, estimate);
+  set_robust_deviations(estimate);
   if (settings.estimate_initial_state && !estimate.result.failure && !settings.local)
     set_open_loop(*problem, setup, estimate);
   return estimate;

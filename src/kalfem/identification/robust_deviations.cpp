@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "kalfem/estimation/innovation_sensitivity.hpp"
 #include "kalfem/verdict/verdict.hpp"
 
 namespace kalfem {
@@ -23,14 +22,12 @@ bool contradicts_model(const RecordEstimate& estimate) {
   });
 }
 
-/// A run whose numbers agree with its model is spared the further runs.
-void widen_by_bands(const FilterInput& input, EstimationOptions options, RecordEstimate& estimate) {
+/// Frequency bands of a run whose numbers agree with its model contradict each other by chance only.
+void widen_by_bands(RecordEstimate& estimate) {
   if (!contradicts_model(estimate)) return;
-  options.filter = estimate.filter;
   const auto& history = estimate.result.unknowns_history;
-  const auto innovations =
-      innovation_sensitivity(*estimate.augmented_model, input, std::move(options), history, estimate.settled);
-  if (innovations) widen(estimate.robust, band_variances(*innovations, prior_score(history)));
+  const auto innovations = sensitive_innovations(history, estimate.settled);
+  if (!innovations.derivative.empty()) widen(estimate.robust, band_variances(innovations, prior_score(history)));
 }
 
 }  // namespace
@@ -55,13 +52,13 @@ InnovationRecord innovations_of(const RecordEstimate& estimate) {
   return innovations_of(estimate.measurements, estimate.result, estimate.settled);
 }
 
-void set_robust_deviations(const FilterInput& input, EstimationOptions options, RecordEstimate& estimate) {
+void set_robust_deviations(RecordEstimate& estimate) {
   const auto& history = estimate.result.unknowns_history;
   const auto& unknowns = estimate.augmented_model->options().unknowns;
   estimate.robust_deviation.setConstant(static_cast<Index>(unknowns.size()), std::numeric_limits<double>::quiet_NaN());
   if (estimate.result.failure || history.empty()) return;
   estimate.robust = robust_covariance(history);
-  widen_by_bands(input, std::move(options), estimate);
+  widen_by_bands(estimate);
   for (std::size_t i = 0; i < history.unknowns.size(); ++i) {
     const Index unknown = history.unknowns[i], place = static_cast<Index>(i);
     const auto& transform = unknowns[static_cast<std::size_t>(unknown)].transform;

@@ -12,7 +12,7 @@ InnovationRecord innovations_of(const RecordEstimate& estimate);
 
 /// Sets the deviations of the unknowns that hold where the model is not the truth, from their course (scores along
 /// time). Where the innovations contradict the model, also from what frequency bands contradict each other by
-/// (band_variances()), the larger one of each; that takes a run for every unknown and one more over `input`.
-void set_robust_deviations(const FilterInput& input, EstimationOptions options, RecordEstimate& estimate);
+/// (band_variances()), the larger one of each.
+void set_robust_deviations(RecordEstimate& estimate);
 
 }  // namespace kalfem
