@@ -28,6 +28,9 @@ protected:
     state.residual_cost = 12.5 + 1e-15;
     state.jacobian_factor = Eigen::Matrix2d{{3.0, 0.1}, {0.0, 7.0 / 9.0}};
     state.projected_residual = vector({0.25, -11.0});
+    state.factored_at = vector({0.3, -3e-7});
+    state.second_order = Eigen::Matrix2d{{1.5, -0.2}, {-0.2, 4.0 / 7.0}};
+    state.with_second_order = true;
     state.evaluations = 9;
     state.iterations = 5;
     state.without_response = 3;
@@ -63,6 +66,9 @@ TEST_F(Checkpoint, ReadsBackEveryFieldToTheLastBit) {
   EXPECT_EQ(a.residual_cost, b.residual_cost);
   EXPECT_EQ(a.jacobian_factor, b.jacobian_factor);
   EXPECT_EQ(a.projected_residual, b.projected_residual);
+  EXPECT_EQ(a.factored_at, b.factored_at);
+  EXPECT_EQ(a.second_order, b.second_order);
+  EXPECT_EQ(a.with_second_order, b.with_second_order);
   EXPECT_EQ(a.evaluations, b.evaluations);
   EXPECT_EQ(a.iterations, b.iterations);
   EXPECT_EQ(a.without_response, b.without_response);
@@ -86,6 +92,7 @@ TEST_F(Checkpoint, OfEveryStateOfTheSearchIsTaken) {
     if (known != GaussNewtonState::Known::derivatives) {
       each.state.jacobian_factor.resize(0, 0);
       each.state.projected_residual.resize(0);
+      each.state.factored_at.resize(0);
     }
     checkpoint.write(each);
     const auto found = checkpoint.read();
@@ -110,6 +117,8 @@ TEST_F(Checkpoint, OfWrongSizesOrValuesIsNotTaken) {
   EXPECT_FALSE(taken_after([&](Json& json) { json["state"]["parameters"] = three; }));
   EXPECT_FALSE(taken_after([&](Json& json) { json["state"]["projected_residual"] = three; }));
   EXPECT_FALSE(taken_after([&](Json& json) { json["state"]["jacobian_factor"] = three; }));
+  EXPECT_FALSE(taken_after([&](Json& json) { json["state"]["factored_at"] = three; }));
+  EXPECT_FALSE(taken_after([&](Json& json) { json["state"]["second_order"] = three; }));
   EXPECT_FALSE(taken_after([&](Json& json) { json["state"]["jacobian_factor"] = wide; }));
   for (const int columns : {1, 3}) {
     const Json of_two{{"rows", 2}, {"values", std::vector<double>(std::size_t(2 * columns), 1.0)}};

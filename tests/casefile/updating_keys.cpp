@@ -486,7 +486,7 @@ ResidualSum sum_of(const Study& study) { return ResidualSum({{residuals_of(study
 
 GaussNewtonOptions usual_search() {
   GaussNewtonOptions options;
-  options.max_evaluations = 30;
+  options.max_evaluations = 100;
   options.step_tolerance = 1e-5;
   options.cost_floor = 1e-6;
   return options;
@@ -507,7 +507,7 @@ void numbers_of_stages() {
 }
 
 void tolerances() {
-  EXPECT_LT(search(", tolerance: 0.1").evaluations, search(", tolerance: 1e-8").evaluations);
+  EXPECT_LT(search(", tolerance: 0.5").evaluations, search(", tolerance: 1e-8").evaluations);
   EXPECT_EQ(search("").evaluations, search(", tolerance: 1e-5").evaluations);
 }
 

@@ -124,7 +124,7 @@ struct Updating {
   Named<Located<Comparison>> comparisons;
   UpdatingMethod method = UpdatingMethod::least_squares;
   int starts = 1;
-  int stages = 30;
+  int stages = 100;
   double tolerance = 1e-5;  ///< the updating stops once every parameter changes by less than this, relative
   Evolution evolution;
   bool check_sensitivities = false;
