@@ -73,6 +73,8 @@ void expect_same(const UpdateResult& found, const StudyResults& expected) {
   EXPECT_NEAR(found.parameters[0].value, outcome.values[0], 1e-3 * found.parameters[0].std);
   EXPECT_NEAR(found.parameters[0].std, outcome.statistics.deviations[0], 1e-3 * found.parameters[0].std);
   EXPECT_NEAR(found.parameters[0].std_robust, outcome.robust.deviations[0], 1e-3 * found.parameters[0].std);
+  EXPECT_LE(found.parameters[0].interval_95.lower, found.parameters[0].value - 1.95 * found.parameters[0].std);
+  EXPECT_GE(found.parameters[0].interval_95.upper, found.parameters[0].value + 1.95 * found.parameters[0].std_robust);
 }
 
 TEST(UpdateVerdict, IsConsistentWhereFrequenciesScatterAsStated) {

@@ -9,6 +9,7 @@
 #include "kalfem/identification/parameterised_structure.hpp"
 #include "kalfem/updating/gauss_newton.hpp"
 #include "kalfem/updating/modal_residual.hpp"
+#include "kalfem/updating/parameter_interval.hpp"
 #include "kalfem/updating/parameter_statistics.hpp"
 #include "kalfem/updating/robust_statistics.hpp"
 
@@ -100,8 +101,11 @@ void judge(const ModalResidual& residual, const std::vector<UpdatingParameter>& 
   const auto statistics = parameter_statistics(parameters, outcome.parameters, value);
   const auto robust = robust_statistics(parameters, value, {{name, 0, residual.size(), residual.layout()}}, statistics);
   for (std::size_t i = 0; i < parameters.size(); ++i) {
-    result.parameters[i].std = statistics.deviations[static_cast<Index>(i)];
-    result.parameters[i].std_robust = robust.deviations[static_cast<Index>(i)];
+    const auto at = static_cast<Index>(i);
+    result.parameters[i].std = statistics.deviations[at];
+    result.parameters[i].std_robust = robust.deviations[at];
+    if (const auto interval = parameter_interval(parameters[i], at, outcome.parameters[at], statistics, robust))
+      result.parameters[i].interval_95 = {interval->lower, interval->upper};
   }
   const double size = static_cast<double>(residual.size());
   result.verdict.add(updating_reasons(

@@ -50,6 +50,10 @@ struct UpdateResult {
     /// From the scatter of the frequencies' residuals; not a number if none is left or `std` is none. With a right
     /// model it is about `std`.
     double std_robust = std::numeric_limits<double>::quiet_NaN();
+    /// From the deviation whose interval is the wider one, cut at the bounds; not a number if `std` is none.
+    struct Interval {
+      double lower = std::numeric_limits<double>::quiet_NaN(), upper = lower;
+    } interval_95 = {};
   };
   std::vector<Parameter> parameters;
   std::vector<FrequencyComparison> frequencies;
