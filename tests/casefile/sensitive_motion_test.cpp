@@ -1,22 +1,16 @@
 #include <cmath>
 
 #include "casefile/case_run.hpp"
+#include "casefile/small_cases.hpp"
 
 // Motion that no finer step brings together: a mass that rattles between stops.
 
 namespace kalfem::test {
 namespace {
 
-const std::string rattle = R"(kalfem: 1
-substructures:
-  body: {masses: {x: 1 kg}, springs: [{from: ground, to: x, stiffness: 10 N/m, damping: 0.05}]}
-connectors:
-  stop: {from: body.ground, to: body.x, law: gap, parameters: {k_stop: 1e5, c_stop: 2, gap_upper: 1 mm, gap_lower: 1 mm}}
-excitation:
-  f: {force: body.x, sine: {amplitude: 1 N, frequency: 1.7}}
-sensors:
-  a: {displacement: body.x, noise: 1 %}
-simulate: {duration: 60 s, sample_rate: 100 Hz, integrator: newmark, first_substeps: 8, max_substeps: 128}
+const std::string rattle =
+    rattling_mass +
+    R"(simulate: {duration: 60 s, sample_rate: 100 Hz, integrator: newmark, first_substeps: 8, max_substeps: 128}
 )";
 
 TEST(SensitiveMotion, IsSaidWhereHalvingTheStepDoesNotHelp) {

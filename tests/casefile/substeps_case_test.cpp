@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "casefile/case_run.hpp"
+#include "casefile/small_cases.hpp"
 #include "kalfem/pipeline/run_verdict.hpp"
 #include "kalfem/report/result_set.hpp"
 #include "kalfem/report/tables.hpp"
@@ -10,17 +11,7 @@
 namespace kalfem::test {
 namespace {
 
-const std::string oscillator = R"(kalfem: 1
-substructures:
-  s: {masses: {m: 2 kg}, springs: [{name: k, from: ground, to: m, stiffness: 4 kN/m, damping: 3 N s/m}]}
-connectors:
-  c: {from: s.m, to: s.ground, law: cubic, parameters: {k: 100 N/m, k3: 2e7}}
-excitation:
-  f: {force: s.m, random: {rms: 10 N, band: [1, 15 Hz], fade_in: 0.2 s, seed: 2}}
-sensors:
-  x: {displacement: s.m, noise: 2 %}
-simulate: {duration: 2 s, sample_rate: 200 Hz, tolerance: 1e-4, seed: 3}
-estimate:
+const std::string oscillator = cubic_oscillator + R"(estimate:
   unknown: {c.k3: {initial: 1e7, std: 50 %}}
   settle: 0.2 s
 )";

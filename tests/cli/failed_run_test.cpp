@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "casefile/small_cases.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
 #include "updating_case.hpp"
 
@@ -10,17 +11,7 @@ namespace {
 
 /// The first value of the cubic stiffness is 5000 times too large.
 std::string stiff_case(const std::string& filter) {
-  return R"(kalfem: 1
-substructures:
-  s: {masses: {m: 2 kg}, springs: [{name: k, from: ground, to: m, stiffness: 4 kN/m, damping: 3 N s/m}]}
-connectors:
-  c: {from: s.m, to: s.ground, law: cubic, parameters: {k: 100 N/m, k3: 2e7}}
-excitation:
-  f: {force: s.m, random: {rms: 10 N, band: [1, 15 Hz], fade_in: 0.2 s, seed: 2}}
-sensors:
-  x: {displacement: s.m, noise: 2 %}
-simulate: {duration: 2 s, sample_rate: 200 Hz, tolerance: 1e-4, seed: 3}
-estimate:
+  return cubic_oscillator + R"(estimate:
   filter: )" +
          filter + R"(
   unknown: {c.k3: {initial: 1e11, std: 500 %}}

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "casefile/small_cases.hpp"
 #include "updating_case.hpp"
 
 // Updatings by a simulation that is not smooth in its parameters.
@@ -7,17 +8,8 @@
 namespace kalfem::test {
 namespace {
 
-/// A mass that rattles between stops: a change of stiffness in the tenth digit moves the impacts.
-const std::string rattle = R"(kalfem: 1
-substructures:
-  body: {masses: {x: 1 kg}, springs: [{name: k, from: ground, to: x, stiffness: 10 N/m, damping: 0.05}]}
-connectors:
-  stop: {from: body.ground, to: body.x, law: gap, parameters: {k_stop: 1e5, c_stop: 2, gap_upper: 1 mm, gap_lower: 1 mm}}
-excitation:
-  f: {force: body.x, sine: {amplitude: 1 N, frequency: 1.7}}
-sensors:
-  a: {displacement: body.x, noise: 1 %}
-simulate: {duration: 5 s, sample_rate: 100 Hz, integrator: newmark, substeps: 16}
+const std::string rattle =
+    rattling_mass + R"(simulate: {duration: 5 s, sample_rate: 100 Hz, integrator: newmark, substeps: 16}
 update:
   parameters: {body.k.stiffness: {initial: 12 N/m}}
   compare: {record: {simulation: all}}
