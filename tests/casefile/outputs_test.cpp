@@ -74,6 +74,11 @@ TEST(Summary, HoldsTheParametersOfTheFilter) {
     near(own["interval_95"][1].get<double>(), value(mean + half), many_roundings);
     EXPECT_EQ(own["interval_95_from"], widening > 1.0 ? "std_robust" : "std");
     near(own["std"].get<double>(), deviation * (i == 0 ? std::exp(mean) : 1.0), many_roundings);
+    const double prior = i == 0 ? 80.0 : 1.0, prior_in_state = i == 0 ? prior / initial[i] : prior;
+    near(own["prior_std"].get<double>(), prior, many_roundings);
+    near(own["shrinkage"].get<double>(), deviation / prior_in_state, many_roundings);
+    near(own["moved_prior_std"].get<double>(),
+         std::abs(mean - (i == 0 ? std::log(initial[i]) : initial[i])) / prior_in_state, many_roundings);
   }
 }
 

@@ -14,24 +14,24 @@ namespace {
 using Eigen::Index;
 
 /// theta = [stiffness of body.3-4; stiffness of body.7-8; modal damping], 10 to 30 % off.
-UpdatingSetup three_parameters(const StructureData& structure) {
+UpdatingSetup three_parameters(const StructureData& structure, double first_stiffness) {
   UpdatingSetup setup;
-  for (const auto& [name, start] : {std::pair{"body.3-4.stiffness", 33e3}, std::pair{"body.7-8.stiffness", 27e3},
-                                    std::pair{"body.damping.modal", 0.0013}}) {
+  for (const auto& [name, start] : {std::pair{"body.3-4.stiffness", first_stiffness},
+                                    std::pair{"body.7-8.stiffness", 27e3}, std::pair{"body.damping.modal", 0.0013}}) {
     setup.bindings.push_back({std::ssize(setup.parameters), parameter(structure, name)});
     setup.parameters.push_back({.name = name, .initial = start, .lower = 0.0});
   }
   return setup;
 }
 
-/// The record of a chain with 0.1 % of damping against a chain whose wheel is softer by a tenth: no theta explains it.
+/// The record of a chain with 0.1 % of damping against a chain whose wheel is softer: no theta explains it.
 class OfAnotherWheel {
 public:
-  OfAnotherWheel() {
+  OfAnotherWheel(double wheel_factor, double first_stiffness) {
     auto problem = chain_problem();
     problem.structure = lightly_damped(wheel_stiffness);
-    const auto structure = lightly_damped(0.9 * wheel_stiffness);
-    const auto setup = three_parameters(*structure);
+    const auto structure = lightly_damped(wheel_factor * wheel_stiffness);
+    const auto setup = three_parameters(*structure, first_stiffness);
     parameters = setup.parameters;
     residual = std::make_shared<SimulationResidual>(
         structure, problem.sensors, chain_record(problem, 3.0),
@@ -52,14 +52,15 @@ private:
 };
 
 TEST(SimulationSearch, ConvergesWhereTheModelIsWrong) {
-  const OfAnotherWheel chain;
-  const auto outcome = minimise(*chain.residual, chain.parameters, {.search = {.max_evaluations = 60}});
+  const OfAnotherWheel chain(0.7, 36e3);
+  // 21 evaluations; 37 where J^T J alone stands for the curvature although the residual is large.
+  const auto outcome = minimise(*chain.residual, chain.parameters, {.search = {.max_evaluations = 28}});
   EXPECT_TRUE(outcome.usable()) << outcome.reason();
   EXPECT_GT(outcome.residual.values.norm(), 2.0 * std::sqrt(static_cast<double>(chain.residual->size())));
 }
 
 TEST(SimulationSearch, DerivativesAreRightWhereTheResponseRings) {
-  const OfAnotherWheel chain;
+  const OfAnotherWheel chain(0.9, 33e3);
   for (const auto& each : check_sensitivities(*chain.residual, chain.parameters, initial_values(chain.parameters))) {
     EXPECT_EQ(each.verdict, SensitivityComparison::Verdict::agrees) << each.parameter;
     EXPECT_LT(each.deviation, 0.1 * SimulationResidual::derivative_error) << each.parameter;

@@ -89,10 +89,7 @@ MatrixXd correlation_of_unknowns(const RecordEstimate& estimate) {
 }
 
 std::vector<Reason> reasons_of_unknowns(const RecordEstimate& estimate) {
-  std::vector<EstimatedUnknown> unknowns;
-  for (Index i = 0; i < estimate.augmented_model->layout().unknowns; ++i)
-    unknowns.push_back(estimated_unknown(estimate, i));
-  return unknown_reasons(unknowns, correlation_of_unknowns(estimate), estimate.consistency.mean_nis,
+  return unknown_reasons(estimated_unknowns(estimate), correlation_of_unknowns(estimate), estimate.consistency.mean_nis,
                          estimate.consistency.expected_nis);
 }
 
@@ -133,6 +130,13 @@ std::vector<Reason> reasons_of_open_loop(const RecordEstimate& estimate) {
 }
 
 }  // namespace
+
+std::vector<EstimatedUnknown> estimated_unknowns(const RecordEstimate& estimate) {
+  std::vector<EstimatedUnknown> unknowns;
+  for (Index i = 0; i < estimate.augmented_model->layout().unknowns; ++i)
+    unknowns.push_back(estimated_unknown(estimate, i));
+  return unknowns;
+}
 
 Verdict verdict_of(const RecordEstimate& estimate) {
   Verdict verdict;

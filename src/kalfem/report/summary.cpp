@@ -103,10 +103,12 @@ Json parameters_summary(const Study& study, const EstimationOutcome& outcome) {
   Json parameters = Json::object();
   const auto last = outcome.result.unknowns.mean.cols() - 1;
   const auto& layout = outcome.augmented_model->layout();
+  const auto against_priors = estimated_unknowns(outcome);
   for (Eigen::Index i = 0; i < layout.unknowns; ++i) {
     const auto index = static_cast<std::size_t>(i);
     const auto& unknown = outcome.augmented_model->options().unknowns[index];
     const auto interval = stated_interval(outcome, i);
+    const auto& beside_prior = against_priors[index];
     parameters[unknown.name] = {{"true", number(study.augmented_model->true_parameters[index])},
                                 {"initial", number(unknown.initial)},
                                 {"estimate", number(outcome.result.unknowns.mean(i, last))},
@@ -114,6 +116,9 @@ Json parameters_summary(const Study& study, const EstimationOutcome& outcome) {
                                 {"std_robust", number(outcome.robust_deviation[i])},
                                 {"interval_95", {number(interval.lower), number(interval.upper)}},
                                 {"interval_95_from", interval.robust ? "std_robust" : "std"},
+                                {"prior_std", number(unknown.deviation)},
+                                {"moved_prior_std", number(beside_prior.moved)},
+                                {"shrinkage", number(beside_prior.shrinkage)},
                                 {"unit", unknown.unit}};
   }
   return parameters;

@@ -57,6 +57,8 @@ void find_largest_part(const InnovationRecord& record, const VectorXd& e, Sensor
   const auto time = [&](Index k) { return record.start + static_cast<double>(record.first + k) / record.sample_rate; };
   double largest = size_of(clipped).rms;
   found.largest_part = std::min(found.ratio, largest);
+  found.part_begin = time(0);
+  found.part_end = time(e.size());
   for (Index begin = 0; begin + length <= e.size(); begin += length) {
     const Size part = size_of(clipped.segment(begin, length));
     if (part.count < length / 2 || part.rms <= largest) continue;
@@ -265,6 +267,8 @@ NisConsistency nis_consistency(const InnovationRecord& record) {
   });
   const Index length = std::max(shortest_part, count / parts);
   const auto time = [&](Index k) { return record.start + static_cast<double>(record.first + k) / record.sample_rate; };
+  found.part_begin = time(0);
+  found.part_end = time(count);
   for (Index begin = 0; begin + length <= count; begin += length) {
     const auto part = Eigen::seqN(begin, length);
     if (there(part).count() < length / 2) continue;
