@@ -143,6 +143,7 @@ private:
     result_.monitored = series(options_.monitored.size());
     result_.innovation = result_.innovation_deviation = MatrixXd::Constant(l, samples, not_a_number);
     result_.nis = VectorXd::Constant(samples, not_a_number);
+    result_.log_density = VectorXd::Zero(samples);
     result_.measured = Eigen::VectorXi::Zero(samples);
   }
 
@@ -179,6 +180,7 @@ private:
     result_.innovation(channels, k) = innovation_.value;
     result_.innovation_deviation(channels, k) = innovation_.covariance.diagonal().cwiseSqrt();
     result_.nis[k] = innovation_.nis;
+    result_.log_density[k] = innovation_.log_likelihood;
     result_.log_likelihood += innovation_.log_likelihood;
     result_.measured[k] = static_cast<int>(channels.size());
   }

@@ -79,7 +79,8 @@ struct EstimationResult {
   Eigen::MatrixXd innovation_deviation;  ///< l x samples
   Eigen::VectorXd nis;                   ///< per sample, NaN if nothing was measured
   Eigen::VectorXi measured;              ///< channels measured per sample
-  double log_likelihood = 0.0;
+  Eigen::VectorXd log_density;           ///< of each sample given those before, 0 if nothing was measured
+  double log_likelihood = 0.0;           ///< their sum
   Gains gains;                       ///< where they are asked for
   UnknownsHistory unknowns_history;  ///< where it is asked for
   Eigen::MatrixXd final_covariance;  ///< of the augmented state
