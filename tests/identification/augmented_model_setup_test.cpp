@@ -111,7 +111,7 @@ TEST(AugmentedModelSetup, RefusesANonPositiveGuessOfWhatDampingIsMadeOf) {
 
 TEST(AugmentedModelSetup, AddsARestPositionForTheSensorsThatAreUsed) {
   auto problem = chain_problem();
-  problem.rest_positions = {{"a6", 0.1}, {"elsewhere", 0.2}};
+  problem.offsets = {rest_position("a6", 0.1), rest_position("elsewhere", 0.2)};
   const auto setup = setup_of(problem);
   ASSERT_EQ(setup.options.unknowns.size(), 3u);
   EXPECT_EQ(setup.options.unknowns[2].name, "rest.a6");

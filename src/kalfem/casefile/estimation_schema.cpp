@@ -112,7 +112,8 @@ Schema<Estimation> estimation() {
           .optional("unknown", &Estimation::unknown, named(unknown(), NameRule::dotted),
                     "unknown parameters: connector.parameter, substructure.spring.stiffness, ....damping, "
                     "substructure.mass.mass, any other parameter of a linear substructure that `update` accepts, or a "
-                    "name of your own with applies_to with applies_to")
+                    "name of your own with applies_to; of the measurement: sensors.NAME.offset, which may drift, and "
+                    "sensors.NAME.gain, .delay or .noise and process_noise, which are found by maximum likelihood")
           .optional("initial_state", &Estimation::initial_state, named(located(mapping(prior)), NameRule::dotted),
                     "prior of degrees of freedom that may not start at rest at zero; `all` for every one")
           .optional("initial_state_from_record", &Estimation::initial_state_from_record, boolean(),

@@ -110,6 +110,28 @@ std::vector<Reason> reasons_of_substeps(const RecordEstimate& estimate) {
            state_of(std::max(suspicious_widening, bias)), bias}};
 }
 
+/// Unknowns of the measurement that the record does not show, or that were not found.
+std::vector<Reason> reasons_of_likelihood(const RecordEstimate& estimate) {
+  std::vector<Reason> reasons;
+  if (!estimate.likelihood) return reasons;
+  const auto& found = *estimate.likelihood;
+  for (std::size_t i = 0; i < found.unknowns.size(); ++i) {
+    const std::string& name = found.unknowns[i].name;
+    const auto index = static_cast<Index>(i);
+    if (!found.visible[i])
+      reasons.push_back({"not_identified", name,
+                         fmt::format("'{}' is not visible in the record: its standard deviation, {:.2g} {}, is that of "
+                                     "its prior",
+                                     name, found.deviation[index], found.unknowns[i].unit),
+                         "hold it fixed, or use a record in which its sensor moves more", VerdictState::suspicious});
+  }
+  if (!found.converged)
+    reasons.push_back({"likelihood_not_converged", found.unknowns.front().name,
+                       "the search for the most likely gains, delays and noise did not converge",
+                       "start it closer, or estimate fewer of them at once", VerdictState::suspicious});
+  return reasons;
+}
+
 std::vector<Reason> reasons_of_open_loop(const RecordEstimate& estimate) {
   std::vector<Reason> reasons;
   if (!estimate.open_loop_failure.empty())
@@ -148,6 +170,7 @@ Verdict verdict_of(const RecordEstimate& estimate) {
   verdict.add(innovation_reasons(innovations_of(estimate)));
   verdict.add(reasons_of_substeps(estimate));
   verdict.add(reasons_of_unknowns(estimate));
+  verdict.add(reasons_of_likelihood(estimate));
   verdict.add(reasons_of_open_loop(estimate));
   return verdict;
 }

@@ -36,11 +36,12 @@ std::optional<Diagnosis> look_for_cause(const EstimationProblem& problem, const 
                                         const Record& record, const RecordEstimate& estimate) {
   if (!problem.settings.diagnose) return std::nullopt;
   if (!estimate.result.failure && !is_doubtful(estimate)) return std::nullopt;
-  auto as_run = std::make_shared<EstimationProblem>(problem);
+  const auto& likelihood = estimate.likelihood;
+  auto as_run = std::make_shared<EstimationProblem>(likelihood ? *likelihood->corrected.problem : problem);
   as_run->settings.substeps = std::min(most_trial_substeps, estimate.augmented_model->options().substeps);
   return diagnose({.problem = std::move(as_run),
                    .parts = parts,
-                   .record = record,
+                   .record = likelihood ? likelihood->corrected.record : record,
                    .options = {.unscented = problem.settings.unscented},
                    .nis = computed_nis(estimate.result)});
 }

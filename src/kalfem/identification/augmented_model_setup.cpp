@@ -86,17 +86,19 @@ std::vector<Sensor> sensors_of(const EstimationProblem& problem, const Augmented
   return sensors;
 }
 
-void add_rest_positions(const EstimationProblem& problem, AugmentedModelSetup& setup) {
-  for (const auto& [name, deviation] : problem.rest_positions) {
-    const auto sensor = std::ranges::find(setup.sensors, name, &Sensor::name);
+void add_offsets(const EstimationProblem& problem, AugmentedModelSetup& setup) {
+  for (const auto& offset : problem.offsets) {
+    const auto sensor = std::ranges::find(setup.sensors, offset.sensor, &Sensor::name);
     if (sensor == setup.sensors.end()) continue;
-    UnknownParameter rest;
-    rest.name = "rest." + name;
-    rest.unit = sensor->unit;
-    rest.deviation = deviation;
-    rest.sensors = {sensor - setup.sensors.begin()};
-    setup.options.unknowns.push_back(rest);
-    setup.true_parameters.emplace_back();
+    setup.options.unknowns.push_back({.name = offset.name,
+                                      .unit = sensor->unit,
+                                      .targets = {},
+                                      .transform = {},
+                                      .initial = offset.initial,
+                                      .deviation = offset.deviation,
+                                      .random_walk = offset.random_walk,
+                                      .sensors = {sensor - setup.sensors.begin()}});
+    setup.true_parameters.push_back(offset.truth);
   }
 }
 
@@ -231,7 +233,7 @@ std::function<LocallyNonlinearSystem(const VectorXd&)> system_of_linear_unknowns
 // 2. If the linear part depends on unknowns without a connector, evaluate the parts at their initial values and release
 //    again from the new parts.
 // 3. Couple the parts, and set prior and process noise by degree of freedom.
-// 4. Select the sensors of the model. Each unknown rest position becomes an unknown that adds to its sensor.
+// 4. Select the sensors of the model. Each offset becomes an unknown that adds to its sensor.
 AugmentedModelSetup make_augmented_model_setup(const EstimationProblem& problem, StructureParts parts,
                                                const PresentValues& present, IssueList& issues,
                                                const std::optional<VectorXd>& reduced_at) {
@@ -270,7 +272,7 @@ AugmentedModelSetup make_augmented_model_setup(const EstimationProblem& problem,
   options.step = 1.0 / problem.sample_rate;
   options.substeps = settings.substeps.value_or(SubstepChoice{}.substeps);
   setup.sensors = sensors_of(problem, setup, issues);
-  add_rest_positions(problem, setup);
+  add_offsets(problem, setup);
   return setup;
 }
 

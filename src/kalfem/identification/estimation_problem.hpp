@@ -67,10 +67,36 @@ struct LocalModelOptions {
   Named<Located<Interface>> interface;
 };
 
-/// The rest position of a sensor, which its record does not show.
-struct RestPosition {
+/// A constant, or slowly drifting, offset of a sensor that the filter estimates: a zero that is not known, or the rest
+/// position, which a record that ends too early does not show.
+struct SensorOffset {
+  std::string name;  ///< of the unknown
   std::string sensor;
-  double deviation = 0.0;  ///< prior standard deviation about the record's zero
+  double deviation = 0.0;  ///< prior standard deviation
+  double initial = 0.0;
+  double random_walk = 0.0;  ///< drift [unit/sqrt(s)]
+  std::optional<double> truth = {};
+};
+
+/// The unknown "rest.SENSOR".
+inline SensorOffset rest_position(const std::string& sensor, double deviation) {
+  return {"rest." + sensor, sensor, deviation};
+}
+
+/// Whether the offset belongs to one record, whose sensor does not show its rest.
+inline bool is_rest_position(const SensorOffset& offset) { return offset.name == "rest." + offset.sensor; }
+
+enum class LikelihoodUnknownKind { sensor_delay, sensor_gain, sensor_noise, process_noise };
+
+/// An unknown of the measurement or of the noise, for which the filter has no state. It is found by maximum likelihood.
+struct LikelihoodUnknown {
+  std::string name;
+  LikelihoodUnknownKind kind = LikelihoodUnknownKind::sensor_delay;
+  std::string sensor = {};  ///< empty for process noise
+  std::string unit = {};
+  double initial = 0.0;    ///< prior mean (median of gains and noise)
+  double deviation = 0.0;  ///< prior standard deviation
+  std::optional<double> truth = {};
 };
 
 /// Settings of the filter.
@@ -78,6 +104,7 @@ struct EstimationSettings {
   std::optional<FilterKind> filter = {};  ///< if empty, the system decides
   UnscentedOptions unscented = {};
   std::vector<Unknown> unknowns = {};
+  std::vector<LikelihoodUnknown> likelihood_unknowns = {};
   Named<Located<PointPrior>> initial_state = {};  ///< by degree of freedom; "all" for those without an entry
   bool initial_state_from_record = false;         ///< displacements and velocities from the displacement sensors
   Named<Located<ConnectorStatePrior>> initial_connector_states = {};
@@ -96,7 +123,7 @@ struct EstimationSettings {
 struct EstimationProblem {
   StructurePtr structure;
   std::vector<Sensor> sensors = {};
-  std::vector<RestPosition> rest_positions = {};
+  std::vector<SensorOffset> offsets = {};
   double sample_rate = 0.0;  ///< of the record [Hz]
   EstimationSettings settings = {};
 };

@@ -118,8 +118,32 @@ VectorXd linear_estimates(const RecordEstimate& estimate) {
   return estimate.result.unknowns.mean.rightCols(1)(linear_unknowns(estimate.augmented_model->options()), 0);
 }
 
-RecordEstimate estimate_record(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
-                               const Record& record, const RecordEstimateOptions& options) {
+namespace {
+
+/// The deviations of the filter's unknowns with what those of the likelihood unknowns add.
+void add_uncertainty(const LikelihoodEstimate& likelihood, RecordEstimate& estimate) {
+  auto& result = estimate.result;
+  const Index first = estimate.augmented_model->layout().unknown(), count = likelihood.added_covariance.rows();
+  if (result.failure || count == 0) return;
+  result.final_covariance.block(first, first, count, count) += likelihood.added_covariance;
+  for (Index i = 0; i < count; ++i) {
+    const auto& transform = estimate.augmented_model->options().unknowns[static_cast<std::size_t>(i)].transform;
+    const auto widened = [](double deviation, double added) { return std::sqrt(deviation * deviation + added); };
+    for (Index k = 0; k < result.unknowns.mean.cols(); ++k) {
+      const double slope = transform.slope(result.state.mean(first + i, k));
+      result.state.deviation(first + i, k) =
+          widened(result.state.deviation(first + i, k), likelihood.added_covariance(i, i));
+      result.unknowns.deviation(i, k) = slope * result.state.deviation(first + i, k);
+    }
+    const double slope = transform.slope(result.state.mean(first + i, result.state.mean.cols() - 1));
+    estimate.robust_deviation[i] =
+        widened(estimate.robust_deviation[i], slope * slope * likelihood.added_covariance(i, i));
+  }
+}
+
+/// The estimation of a problem without likelihood unknowns.
+RecordEstimate estimate_by_filter(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
+                                  const Record& record, const RecordEstimateOptions& options) {
   const auto& settings = problem->settings;
   auto [filtered, substeps] = run_refined_filter(problem, setup, record,
                                                  {.unscented = settings.unscented,
@@ -145,6 +169,30 @@ RecordEstimate estimate_record(const EstimationProblemPtr& problem, const Augmen
   set_robust_deviations(estimate);
   if (settings.estimate_initial_state && !estimate.result.failure && !settings.local)
     set_open_loop(*problem, setup, estimate);
+  return estimate;
+}
+
+/// Where the filter fails with the likelihood unknowns at their first guesses: its failure.
+RecordEstimate estimate_at_first_guesses(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
+                                         const Record& record, const RecordEstimateOptions& options) {
+  const auto& unknowns = problem->settings.likelihood_unknowns;
+  VectorXd values(static_cast<Index>(unknowns.size()));
+  for (Index i = 0; i < values.size(); ++i) values[i] = unknowns[static_cast<std::size_t>(i)].initial;
+  const auto at = corrected(problem, setup, record, values);
+  return estimate_by_filter(at.problem, at.setup, at.record, options);
+}
+
+}  // namespace
+
+RecordEstimate estimate_record(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
+                               const Record& record, const RecordEstimateOptions& options) {
+  if (problem->settings.likelihood_unknowns.empty()) return estimate_by_filter(problem, setup, record, options);
+  auto likelihood = estimate_likelihood_unknowns(problem, setup, record, {.unscented = problem->settings.unscented});
+  if (!likelihood) return estimate_at_first_guesses(problem, setup, record, options);
+  const auto& [corrected_problem, corrected_setup, corrected_record, log_jacobian] = likelihood->corrected;
+  RecordEstimate estimate = estimate_by_filter(corrected_problem, corrected_setup, corrected_record, options);
+  add_uncertainty(*likelihood, estimate);
+  estimate.likelihood = std::move(likelihood);
   return estimate;
 }
 

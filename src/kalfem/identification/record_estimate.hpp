@@ -8,6 +8,7 @@
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/estimation/consistency.hpp"
 #include "kalfem/identification/filter_run.hpp"
+#include "kalfem/identification/likelihood_unknowns.hpp"
 
 namespace kalfem {
 
@@ -21,7 +22,9 @@ struct RecordEstimate {
   RecordStart start;                    ///< what the filter assumed of the motion at the first sample
   std::shared_ptr<const AugmentedModel> augmented_model;
   EstimationResult result;
-  Record measurements;       ///< of the sensors that the augmented model uses
+  /// Gains, delays and noise that were found by maximum likelihood, if any were unknown.
+  std::optional<LikelihoodEstimate> likelihood;
+  Record measurements;       ///< of the sensors that the augmented model uses, without their gains and delays
   Eigen::Index settled = 0;  ///< first sample of the error and consistency figures
   ConsistencySummary consistency;
   RobustCovariance robust;           ///< of the unknowns that do not drift, in the filter's state
@@ -48,7 +51,8 @@ struct RecordEstimateOptions {
   Progress progress = {};
 };
 
-/// Runs the filter over the record (run_refined_filter()) and evaluates its result: consistency after settling, robust
+/// Finds the likelihood unknowns (estimate_likelihood_unknowns()), runs the filter over the corrected record
+/// (run_refined_filter()) and evaluates its result: consistency after settling, robust
 /// deviations, and, if the initial state was estimated too, the simulation from the estimates alone (open loop).
 RecordEstimate estimate_record(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
                                const Record& record, const RecordEstimateOptions& options = {});

@@ -32,12 +32,29 @@ MotionRange range_of(const MatrixXd& motion, Index dofs) {
 struct EstimatedStructure {
   StructureParts parts;
   std::vector<Sensor> sensors;
-  EstimationSettings settings;  ///< of the filter, without unknowns
+  EstimationSettings settings;        ///< of the filter, without unknowns
+  std::vector<SensorOffset> offsets;  ///< about the values that were found
 };
 
+/// The sensors' offsets of a problem, each about its estimate. Rest positions belong to a record.
+std::vector<SensorOffset> found_offsets(const EstimationProblem& problem, const RecordEstimate& estimate) {
+  std::vector<SensorOffset> offsets;
+  const auto& unknowns = estimate.augmented_model->options().unknowns;
+  const Index last = estimate.result.unknowns.mean.cols() - 1;
+  for (SensorOffset offset : problem.offsets) {
+    const auto found = std::ranges::find(unknowns, offset.name, &UnknownParameter::name);
+    if (found == unknowns.end() || is_rest_position(offset)) continue;
+    offset.initial = estimate.result.unknowns.mean(found - unknowns.begin(), last);
+    offset.deviation = estimate.result.unknowns.deviation(found - unknowns.begin(), last);
+    offsets.push_back(std::move(offset));
+  }
+  return offsets;
+}
+
 EstimatedStructure structure_at_estimates(const Study& study, StructureParts parts, const StudyResults& results) {
-  EstimatedStructure structure{std::move(parts), study.sensors, {}};
+  EstimatedStructure structure{std::move(parts), study.sensors, {}, {}};
   if (!study.problem || !results.estimation) return structure;
+  structure.offsets = found_offsets(*study.problem, *results.estimation);
   structure.settings = study.problem->settings;
   const auto unknowns = std::exchange(structure.settings.unknowns, {});
   const VectorXd estimates = results.estimation->result.unknowns.mean.rightCols(1);
@@ -59,9 +76,11 @@ EstimationProblemPtr lead_in_problem(const Study& study, const EstimatedStructur
   problem.settings.initial_state_from_record = false;
   problem.settings.estimate_initial_state = true;
   problem.settings.passes = 1;
+  problem.offsets = structure.offsets;
   if (record.free_response && record.free_response->rest_is_unknown())
     for (const auto& sensor : structure.sensors)
-      problem.rest_positions.push_back({sensor.name, record.free_response->deviation[record.record.find(sensor.name)]});
+      problem.offsets.push_back(
+          rest_position(sensor.name, record.free_response->deviation[record.record.find(sensor.name)]));
   return std::make_shared<const EstimationProblem>(std::move(problem));
 }
 
@@ -158,6 +177,14 @@ OpenLoopComparison compare_open_loop(const Study& study, const EstimatedStructur
   return {.failure = "the estimates make no structure: " + error.issues().front().what};
 }
 
+/// The record without the gains and delays that were found.
+PreparedRecord corrected(PreparedRecord prepared, const StudyResults& results) {
+  if (!results.estimation || !results.estimation->likelihood) return prepared;
+  const auto& found = *results.estimation->likelihood;
+  prepared.record = corrected_record(found.unknowns, found.values, std::move(prepared.record));
+  return prepared;
+}
+
 /// The motion that the filter estimated; without a filter, that of the structure from rest under its excitation.
 MotionRange usual_motion(const Study& study, const EstimatedStructure& structure, const StudyResults& results) {
   if (results.estimation) {
@@ -194,12 +221,13 @@ ValidationOutcome run_validation(const Study& study, const StructureParts& base,
     outcome.held_back.failure = "the estimates make no structure: " + error.issues().front().what;
     return outcome;
   }
-  ValidationOutcome outcome{.held_back =
-                                compare_open_loop(study, structure, plan.record, plan.signals, lead_in, range)};
+  ValidationOutcome outcome{
+      .held_back = compare_open_loop(study, structure, corrected(plan.record, results), plan.signals, lead_in, range)};
   if (!study.record) return outcome;
   const Record& own = study.record->record;
   const auto own_lead_in = lead_in ? std::optional(std::min(*lead_in, 0.5 * (own.end() - own.start))) : std::nullopt;
-  outcome.own = compare_open_loop(study, structure, *study.record, study.structure->signals, own_lead_in, range);
+  outcome.own = compare_open_loop(study, structure, corrected(*study.record, results), study.structure->signals,
+                                  own_lead_in, range);
   return outcome;
 }
 

@@ -99,6 +99,25 @@ Json model_summary(const Study& study, const StudyResults& results) {
           {"substructures", parts}};
 }
 
+void add_likelihood_unknowns(const LikelihoodEstimate& likelihood, Json& parameters) {
+  for (std::size_t i = 0; i < likelihood.unknowns.size(); ++i) {
+    const auto& unknown = likelihood.unknowns[i];
+    const auto index = static_cast<Eigen::Index>(i);
+    const auto interval = likelihood.interval(index);
+    parameters[unknown.name] = {{"true", number(unknown.truth)},
+                                {"initial", number(unknown.initial)},
+                                {"estimate", number(likelihood.values[index])},
+                                {"std", number(likelihood.deviation[index])},
+                                {"std_robust", number(likelihood.robust_deviation[index])},
+                                {"interval_95", {number(interval.lower), number(interval.upper)}},
+                                {"interval_95_from", interval.robust ? "std_robust" : "std"},
+                                {"prior_std", number(unknown.deviation)},
+                                {"found_by", "maximum likelihood"},
+                                {"visible", bool(likelihood.visible[i])},
+                                {"unit", unknown.unit}};
+  }
+}
+
 Json parameters_summary(const Study& study, const EstimationOutcome& outcome) {
   Json parameters = Json::object();
   const auto last = outcome.result.unknowns.mean.cols() - 1;
@@ -121,6 +140,7 @@ Json parameters_summary(const Study& study, const EstimationOutcome& outcome) {
                                 {"shrinkage", number(beside_prior.shrinkage)},
                                 {"unit", unknown.unit}};
   }
+  if (outcome.likelihood) add_likelihood_unknowns(*outcome.likelihood, parameters);
   return parameters;
 }
 

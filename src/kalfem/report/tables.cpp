@@ -83,6 +83,24 @@ Table modes_table(const Study& study, const StudyResults& results) {
   return table;
 }
 
+namespace {
+
+void add_likelihood_unknowns(const LikelihoodEstimate& likelihood, Table& table) {
+  for (std::size_t i = 0; i < likelihood.unknowns.size(); ++i) {
+    const auto& [name, kind, sensor, unit, initial, deviation, truth] = likelihood.unknowns[i];
+    const auto row = static_cast<Eigen::Index>(i);
+    const double estimate = likelihood.values[row];
+    const auto interval = likelihood.interval(row);
+    table.rows.push_back({name, unit, four_digits(initial), four_digits(estimate),
+                          four_digits(interval.lower) + " to " + four_digits(interval.upper),
+                          interval.robust ? "robust std" : "std", four_digits(likelihood.deviation[row]),
+                          four_digits(likelihood.robust_deviation[row]), truth ? four_digits(*truth) : "-",
+                          truth && *truth != 0.0 ? per_cent(estimate / *truth - 1.0) : "-"});
+  }
+}
+
+}  // namespace
+
 Table parameter_table(const Study& study, const EstimationOutcome& outcome) {
   Table table{
       "Parameters",
@@ -103,6 +121,7 @@ Table parameter_table(const Study& study, const EstimationOutcome& outcome) {
          std::isfinite(outcome.robust_deviation[row]) ? four_digits(outcome.robust_deviation[row]) : "-",
          truth ? four_digits(*truth) : "-", truth && *truth != 0.0 ? per_cent(estimate / *truth - 1.0) : "-"});
   }
+  if (outcome.likelihood) add_likelihood_unknowns(*outcome.likelihood, table);
   return table;
 }
 

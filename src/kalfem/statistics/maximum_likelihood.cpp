@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <thread>
+#include <utility>
 
 namespace kalfem {
 
@@ -37,11 +38,14 @@ public:
   }
 
   // Each iteration plans a Newton step in the trust region. A step that raises the likelihood as far as the quadratic
-  // model promises is taken, another one is planned again in a smaller region.
+  // model promises is taken, another one is planned again in a smaller region. The mixed second derivatives cost most:
+  // the correlations of the scores stand for them until the search would end.
   std::optional<MaximumLikelihood> run() {
     VectorXd x(size());
     for (Index i = 0; i < size(); ++i) x[i] = parameter(i).start;
-    auto here = around(x);
+    if (size() == 0) return MaximumLikelihood{.estimate = x, .converged = true};
+    bool exact = size() == 1;
+    auto here = around(x, exact);
     if (!here) return std::nullopt;
     double radius = first_radius;
     bool converged = false;
@@ -49,25 +53,27 @@ public:
       const VectorXd step = newton_step(*here, x, radius);
       const double predicted = step.dot(here->gradient) - 0.5 * step.dot(here->curvature * step);
       const bool limited = step.cwiseAbs().maxCoeff() > 0.999 * radius;
-      if (!limited && predicted < options_.decrement) converged = true;
-      if (converged || radius < smallest_radius) break;
+      if ((!limited && predicted < options_.decrement) || radius < smallest_radius) {
+        if (exact) converged = true;
+        if (!std::exchange(exact, true)) here = around(x, exact);
+        if (!here) return std::nullopt;
+        continue;
+      }
       const VectorXd next = x + step.cwiseProduct(step_);
       const auto densities = evaluate({next}).front();
       const double rise = densities ? densities->sum() + log_prior(next) - here->value : -1.0;
-      if (rise < acceptable * predicted) {
-        radius = 0.25 * std::min(radius, step.cwiseAbs().maxCoeff());
-        continue;
-      }
-      const auto there = around(next);
+      const auto there = rise < acceptable * predicted ? std::nullopt : around(next, exact);
       if (!there) {
-        radius *= 0.25;
+        radius = 0.25 * std::min(radius, step.cwiseAbs().maxCoeff());
         continue;
       }
       x = next;
       here = there;
       if (limited && rise > 0.5 * predicted) radius *= 2.0;
     }
-    return result(x, *here, converged || radius < smallest_radius);
+    if (!exact) here = around(x, true);
+    if (!here) return std::nullopt;
+    return result(x, *here, converged);
   }
 
 private:
@@ -103,7 +109,7 @@ private:
   }
 
   // Points 0: x; 1 + 2 i and 2 + 2 i: x +- step i; then, for each pair i < j, both steps forwards and both backwards.
-  std::optional<Surroundings> around(const VectorXd& x) {
+  std::optional<Surroundings> around(const VectorXd& x, bool exact) {
     std::vector<VectorXd> points{x};
     const auto moved = [&](VectorXd from, Index i, double sign) {
       from[i] += sign * step_[i];
@@ -111,7 +117,7 @@ private:
     };
     for (Index i = 0; i < size(); ++i)
       for (const double sign : {1.0, -1.0}) points.push_back(moved(x, i, sign));
-    for (Index i = 0; i < size(); ++i)
+    for (Index i = 0; i < size() && exact; ++i)
       for (Index j = i + 1; j < size(); ++j)
         for (const double sign : {1.0, -1.0}) points.push_back(moved(moved(x, i, sign), j, sign));
     const auto found = evaluate(points);
@@ -132,11 +138,16 @@ private:
       const double information = std::pow(step_[i] / parameter(i).prior_deviation, 2);
       here.gradient[i] = here.scores.row(i).sum() - information * (x[i] - parameter(i).prior_mean) / step_[i];
       here.curvature(i, i) = 2.0 * sum(0) - sum(1 + 2 * i) - sum(2 + 2 * i) + information;
+    }
+    const bool exact = std::ssize(found) > 1 + 2 * p;
+    const MatrixXd outer = here.scores * here.scores.transpose();
+    for (Index i = 0; i < p; ++i)
       for (Index j = i + 1; j < p; ++j, pair += 2)
         here.curvature(i, j) = here.curvature(j, i) =
-            -0.5 * (sum(pair) + sum(pair + 1) + 2.0 * sum(0) - sum(1 + 2 * i) - sum(2 + 2 * i) - sum(1 + 2 * j) -
-                    sum(2 + 2 * j));
-    }
+            exact ? -0.5 * (sum(pair) + sum(pair + 1) + 2.0 * sum(0) - sum(1 + 2 * i) - sum(2 + 2 * i) -
+                            sum(1 + 2 * j) - sum(2 + 2 * j))
+                  : outer(i, j) * std::sqrt(std::abs(here.curvature(i, i) * here.curvature(j, j)) /
+                                            std::max(outer(i, i) * outer(j, j), 1e-300));
     return here;
   }
 

@@ -42,8 +42,8 @@ struct MaximumLikelihood {
 /// Maximises sum_k ln p(y_k; psi) + ln p(psi) by Newton's method with central differences, in a trust region. The
 /// observed information, the negative second derivative at the estimate, gives `covariance`; with the scores, the first
 /// derivatives of each sample, it gives `robust` (robust_covariance()). Where the curvature has the wrong sign, its
-/// size counts. One iteration over p parameters takes p (p + 1) + 1 evaluations. Nothing where the start cannot be
-/// evaluated.
+/// size counts. An iteration over p parameters takes 2 p + 2 evaluations, the last one p (p + 1) + 1. Nothing where the
+/// start cannot be evaluated.
 std::optional<MaximumLikelihood> maximise_likelihood(const LogDensities& log_densities,
                                                      const std::vector<LikelihoodParameter>& parameters,
                                                      const LikelihoodOptions& options = {});

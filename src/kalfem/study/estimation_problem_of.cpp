@@ -6,6 +6,7 @@
 
 #include "kalfem/identification/local_model.hpp"
 #include "kalfem/identification/released_elements.hpp"
+#include "kalfem/study/sensor_unknowns.hpp"
 #include "kalfem/yaml/bounds.hpp"
 
 namespace kalfem {
@@ -199,11 +200,12 @@ private:
   std::set<std::string> linear_;  ///< names that no connector carries
 };
 
-std::vector<RestPosition> rest_positions(const CaseStudy& study) {
+std::vector<SensorOffset> rest_positions(const CaseStudy& study) {
   if (!study.record || !study.record->free_response || !study.record->free_response->rest_is_unknown()) return {};
-  std::vector<RestPosition> rests;
+  std::vector<SensorOffset> rests;
   for (const auto& sensor : study.sensors)
-    rests.push_back({sensor.name, study.record->free_response->deviation[study.record->record.find(sensor.name)]});
+    rests.push_back(
+        rest_position(sensor.name, study.record->free_response->deviation[study.record->record.find(sensor.name)]));
   return rests;
 }
 
@@ -229,8 +231,17 @@ EstimationProblem make_estimation_problem(const CaseStudy& study, IssueList& iss
   const StructureModel held = held_structure(study, issues);
   if (!issues.empty()) return problem;
   UnknownReader reader(study, held, issues);
-  for (const auto& [name, unknown] : given.unknown)
-    if (auto read = reader.read(name, unknown)) problem.settings.unknowns.push_back(std::move(*read));
+  for (const auto& [name, unknown] : given.unknown) {
+    if (!is_measurement_unknown(name)) {
+      if (auto read = reader.read(name, unknown)) problem.settings.unknowns.push_back(std::move(*read));
+      continue;
+    }
+    try {
+      add_measurement_unknown(study, name, unknown, problem);
+    } catch (const InvalidInput& error) {
+      issues.add(error, unknown.initial.location);
+    }
+  }
   return problem;
 }
 

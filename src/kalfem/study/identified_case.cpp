@@ -6,6 +6,7 @@
 
 #include "kalfem/casefile/case_schema.hpp"
 #include "kalfem/study/assembly.hpp"
+#include "kalfem/study/sensor_unknowns.hpp"
 
 namespace kalfem {
 namespace {
@@ -221,6 +222,13 @@ public:
     }
   }
 
+  void put_of_measurement(const std::vector<std::pair<std::string, double>>& values) {
+    for (const auto& [name, value] : values) {
+      auto& given = *find(given_.estimate->unknown, name);
+      given.initial = value_in(value, measurement_unit(study_.sensors, name));
+    }
+  }
+
   [[nodiscard]] IdentifiedCase finish() const {
     const auto schema = d::case_schema();
     const auto written =
@@ -243,6 +251,7 @@ IdentifiedCase identified_case(const Study& study, const IdentifiedValues& value
   Identification identification(study);
   if (!values.updated.empty()) identification.put_updated(values.updated);
   if (!values.unknowns.empty()) identification.put_estimated(values.unknowns);
+  identification.put_of_measurement(values.of_measurement);
   return identification.finish();
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "kalfem/study/study.hpp"
@@ -11,6 +12,8 @@ namespace kalfem {
 struct IdentifiedValues {
   std::vector<double> unknowns;  ///< one per unknown of the filter, in the order of the case; empty: not estimated
   std::vector<double> updated;   ///< one per updated parameter, likewise
+  /// Initial values of further unknowns, by name: those of the measurement and of the noise.
+  std::vector<std::pair<std::string, double>> of_measurement;
 };
 
 /// A case file with identified values in it.

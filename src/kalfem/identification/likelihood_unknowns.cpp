@@ -1,0 +1,282 @@
+#include "kalfem/identification/likelihood_unknowns.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kalfem/records/fractional_shift.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+using Kind = LikelihoodUnknownKind;
+
+constexpr double reach_of_delays = 4.0;   ///< prior standard deviations
+constexpr int tried_delays = 41;          ///< over that reach
+constexpr double step_of_delays = 0.05;   ///< of the differences [samples]
+constexpr double step_of_factors = 0.01;  ///< relative
+constexpr double by_chance = 5.0;         ///< standard deviations
+constexpr double told = 0.9;              ///< a deviation below this part of the prior's is told by the record
+
+/// Samples at either end of a record that a delay within its bounds may need.
+Index reach_of(const LikelihoodUnknown& unknown, double sample_rate) {
+  const double furthest = std::abs(unknown.initial) + reach_of_delays * unknown.deviation;
+  return static_cast<Index>(std::ceil(furthest * sample_rate)) + 1;
+}
+
+VectorXd without_delay(const VectorXd& channel, double samples, Index reach) {
+  VectorXd moved = shifted(channel, samples);
+  const Index cut = std::min(reach, moved.size());
+  moved.head(cut).setConstant(std::numeric_limits<double>::quiet_NaN());
+  moved.tail(cut).setConstant(std::numeric_limits<double>::quiet_NaN());
+  return moved;
+}
+
+/// The coordinate in which an unknown is searched: a delay in samples, the logarithm of everything else.
+struct Coordinate {
+  const LikelihoodUnknown& unknown;
+  Index place;  ///< among all
+  double sample_rate;
+  double sign;  ///< of a gain
+
+  [[nodiscard]] bool is_delay() const { return unknown.kind == Kind::sensor_delay; }
+  [[nodiscard]] double of(double value) const { return is_delay() ? value * sample_rate : std::log(std::abs(value)); }
+  [[nodiscard]] double value(double x) const { return is_delay() ? x / sample_rate : sign * std::exp(x); }
+  /// |d value / d x|
+  [[nodiscard]] double slope(double x) const { return is_delay() ? 1.0 / sample_rate : std::exp(x); }
+  [[nodiscard]] double prior_deviation() const { return unknown.deviation / slope(of(unknown.initial)); }
+  [[nodiscard]] LikelihoodParameter parameter(double start) const {
+    const double mean = of(unknown.initial), deviation = prior_deviation();
+    LikelihoodParameter own{.start = of(start), .prior_mean = mean, .prior_deviation = deviation};
+    own.step = is_delay() ? step_of_delays : step_of_factors;
+    if (!is_delay()) return own;
+    own.lower = mean - reach_of_delays * deviation;
+    own.upper = mean + reach_of_delays * deviation;
+    return own;
+  }
+};
+
+/// Searches the likelihood unknowns of a problem.
+class LikelihoodUnknownSearch {
+public:
+  LikelihoodUnknownSearch(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
+                          const EstimationOptions& options)
+      : problem_(problem),
+        setup_(setup),
+        record_(record),
+        options_{.unscented = options.unscented, .state_deviations = false},
+        threads_(filter_threads(problem->settings)),
+        unknowns_(problem->settings.likelihood_unknowns),
+        values_(static_cast<Index>(unknowns_.size())) {
+    for (Index i = 0; i < values_.size(); ++i) values_[i] = unknown(i).initial;
+  }
+
+  std::optional<LikelihoodEstimate> run() {
+    const auto at_first = corrected(problem_, setup_, record_, values_);
+    setup_.starts_at_rest = !make_filter_run(at_first.problem, at_first.setup, at_first.record).start.moving;
+    for (Index i = 0; i < values_.size(); ++i)
+      if (try_starts(i)) searched_.push_back(coordinate(i));
+    std::vector<LikelihoodParameter> parameters;
+    for (const auto& each : searched_) parameters.push_back(each.parameter(values_[each.place]));
+    const auto found = maximise_likelihood([&](const VectorXd& x) { return log_densities(values_at(x)); }, parameters,
+                                           {.threads = threads_});
+    if (!found) return std::nullopt;
+    values_ = values_at(found->estimate);
+    return estimate_from(*found, parameters);
+  }
+
+private:
+  [[nodiscard]] const LikelihoodUnknown& unknown(Index i) const { return unknowns_[static_cast<std::size_t>(i)]; }
+
+  [[nodiscard]] Coordinate coordinate(Index i) const {
+    return {unknown(i), i, record_.sample_rate, values_[i] < 0.0 ? -1.0 : 1.0};
+  }
+
+  /// All values, those that are searched at x.
+  [[nodiscard]] VectorXd values_at(const VectorXd& x) const {
+    VectorXd values = values_;
+    for (Index i = 0; i < x.size(); ++i) {
+      const auto& own = searched_[static_cast<std::size_t>(i)];
+      values[own.place] = own.value(x[i]);
+    }
+    return values;
+  }
+
+  [[nodiscard]] LikelihoodEstimate estimate_from(const MaximumLikelihood& found,
+                                                 const std::vector<LikelihoodParameter>& parameters) const {
+    LikelihoodEstimate estimate{.unknowns = unknowns_,
+                                .values = values_,
+                                .visible = std::vector<bool>(unknowns_.size(), false),
+                                .converged = found.converged,
+                                .runs = found.evaluations,
+                                .corrected = corrected(problem_, setup_, record_, values_)};
+    estimate.deviation.resize(values_.size());
+    for (Index i = 0; i < values_.size(); ++i) estimate.deviation[i] = unknown(i).deviation;
+    estimate.robust_deviation = estimate.deviation;
+    for (Index i = 0; i < found.estimate.size(); ++i) {
+      const auto& own = searched_[static_cast<std::size_t>(i)];
+      const double slope = own.slope(found.estimate[i]), deviation = std::sqrt(found.covariance(i, i));
+      estimate.deviation[own.place] = slope * deviation;
+      estimate.robust_deviation[own.place] = slope * std::sqrt(found.robust.covariance(i, i));
+      estimate.visible[static_cast<std::size_t>(own.place)] = deviation < told * own.prior_deviation();
+    }
+    const MatrixXd slopes = slopes_of_unknowns(found.estimate, parameters);
+    estimate.added_covariance = slopes * found.covariance * slopes.transpose();
+    return estimate;
+  }
+
+  [[nodiscard]] std::optional<EstimationResult> run_at(const VectorXd& values, VectorXd* log_jacobian) const {
+    const auto here = corrected(problem_, setup_, record_, values);
+    const auto filtered = run_filter(here.problem, here.setup, here.record, options_);
+    if (filtered.result.failure) return std::nullopt;
+    if (log_jacobian) *log_jacobian = here.log_jacobian;
+    return filtered.result;
+  }
+
+  [[nodiscard]] std::optional<VectorXd> log_densities(const VectorXd& values) const {
+    VectorXd log_jacobian;
+    const auto result = run_at(values, &log_jacobian);
+    if (!result) return std::nullopt;
+    return VectorXd(result->log_density + log_jacobian);
+  }
+
+  /// Moves value i to the most likely of its possible starts: either sign of a gain, delays over their reach. Whether
+  /// it is worth a search: not a delay over whose reach the likelihood changes by no more than what the samples that
+  /// move over the ends of the record make of it by chance, with the standard deviation sqrt(samples).
+  bool try_starts(Index i) {
+    const bool is_delay = unknown(i).kind == Kind::sensor_delay;
+    std::vector<double> starts{values_[i]};
+    if (unknown(i).kind == Kind::sensor_gain) starts.push_back(-values_[i]);
+    for (int k = 0; k < tried_delays && is_delay; ++k)
+      starts.push_back(unknown(i).initial +
+                       reach_of_delays * unknown(i).deviation * (2.0 * k / (tried_delays - 1.0) - 1.0));
+    if (starts.size() < 2) return true;
+    const double infinity = std::numeric_limits<double>::infinity(), first = values_[i];
+    double best = -infinity, worst = infinity;
+    for (const double start : starts) {
+      VectorXd values = values_;
+      values[i] = start;
+      const auto densities = log_densities(values);
+      if (!densities) continue;
+      worst = std::min(worst, densities->sum());
+      if (!(densities->sum() > best)) continue;
+      best = densities->sum();
+      values_[i] = start;
+    }
+    const double moved = 2.0 * static_cast<double>(reach_of(unknown(i), record_.sample_rate));
+    if (!is_delay || best - worst > by_chance * std::sqrt(moved)) return true;
+    values_[i] = first;
+    return false;
+  }
+
+  /// d theta / d x of the filter's unknowns, in its state, by central differences.
+  [[nodiscard]] MatrixXd slopes_of_unknowns(const VectorXd& x,
+                                            const std::vector<LikelihoodParameter>& parameters) const {
+    const auto count = static_cast<Index>(setup_.options.unknowns.size());
+    MatrixXd slopes = MatrixXd::Zero(count, x.size());
+    for (Index i = 0; i < x.size() && count > 0; ++i) {
+      const double step = parameters[static_cast<std::size_t>(i)].step;
+      std::optional<VectorXd> ends[2];
+      for (const int side : {0, 1}) {
+        VectorXd moved = x;
+        moved[i] += side == 0 ? step : -step;
+        if (const auto result = run_at(values_at(moved), nullptr))
+          ends[side] = result->state.mean.col(result->state.mean.cols() - 1)
+                           .segment(result->state.mean.rows() - count_behind(*result), count);
+      }
+      if (ends[0] && ends[1]) slopes.col(i) = (*ends[0] - *ends[1]) / (2.0 * step);
+    }
+    return slopes;
+  }
+
+  /// Rows of the augmented state from the first unknown on.
+  [[nodiscard]] Index count_behind(const EstimationResult& result) const {
+    const auto count = static_cast<Index>(setup_.options.unknowns.size());
+    if (!setup_.options.keep_initial_state) return count;
+    return (result.state.mean.rows() - count) / 2 + count;
+  }
+
+  const EstimationProblemPtr& problem_;
+  AugmentedModelSetup setup_;
+  const Record& record_;
+  EstimationOptions options_;
+  int threads_;
+  const std::vector<LikelihoodUnknown>& unknowns_;
+  VectorXd values_;
+  std::vector<Coordinate> searched_;
+};
+
+}  // namespace
+
+LikelihoodInterval LikelihoodEstimate::interval(Index i) const {
+  constexpr double two_sided_95 = 1.959963984540054;
+  const auto& unknown = unknowns[static_cast<std::size_t>(i)];
+  const double half = two_sided_95 * std::fmax(deviation[i], robust_deviation[i]);
+  const bool robust = robust_deviation[i] > deviation[i];
+  if (unknown.kind == Kind::sensor_delay) return {values[i] - half, values[i] + half, robust};
+  const double factor = std::exp(half / std::abs(values[i]));
+  const auto [lower, upper] = std::minmax({values[i] / factor, values[i] * factor});
+  return {lower, upper, robust};
+}
+
+Record corrected_record(const std::vector<LikelihoodUnknown>& unknowns, const VectorXd& values, Record record) {
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+    const LikelihoodUnknown& unknown = unknowns[i];
+    const double value = values[static_cast<Index>(i)];
+    const Index row = record.find(unknown.sensor);
+    if (row < 0) continue;
+    Channel& channel = record.channels[static_cast<std::size_t>(row)];
+    switch (unknown.kind) {
+      case Kind::sensor_delay:
+        record.values.row(row) = without_delay(record.values.row(row).transpose(), value * record.sample_rate,
+                                               reach_of(unknown, record.sample_rate))
+                                     .transpose();
+        break;
+      case Kind::sensor_gain:
+        record.values.row(row) /= value;
+        channel.noise /= std::abs(value);
+        break;
+      case Kind::sensor_noise:
+        channel.noise = value;
+        break;
+      case Kind::process_noise:
+        break;
+    }
+  }
+  return record;
+}
+
+CorrectedProblem corrected(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
+                           const VectorXd& values) {
+  const auto& unknowns = problem->settings.likelihood_unknowns;
+  auto own = std::make_shared<EstimationProblem>(*problem);
+  own->settings.likelihood_unknowns.clear();
+  CorrectedProblem result{.setup = setup, .record = corrected_record(unknowns, values, record)};
+  result.log_jacobian = VectorXd::Zero(record.samples());
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+    const double value = values[static_cast<Index>(i)];
+    if (unknowns[i].kind == Kind::process_noise) {
+      own->settings.process_noise.acceleration = value;
+      result.setup.options.process_noise.acceleration = value * setup.model->coordinate_scale();
+    }
+    const Index row = record.find(unknowns[i].sensor);
+    if (unknowns[i].kind != Kind::sensor_gain || row < 0) continue;
+    const auto present = result.record.values.row(row).transpose().array().isFinite();
+    result.log_jacobian.array() -= present.cast<double>() * std::log(std::abs(value));
+  }
+  result.problem = std::move(own);
+  return result;
+}
+
+std::optional<LikelihoodEstimate> estimate_likelihood_unknowns(const EstimationProblemPtr& problem,
+                                                               const AugmentedModelSetup& setup, const Record& record,
+                                                               const EstimationOptions& options) {
+  return LikelihoodUnknownSearch(problem, setup, record, options).run();
+}
+
+}  // namespace kalfem

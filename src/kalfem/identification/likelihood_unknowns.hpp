@@ -1,0 +1,70 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kalfem/identification/filter_run.hpp"
+#include "kalfem/statistics/maximum_likelihood.hpp"
+
+namespace kalfem {
+
+/// A problem with its likelihood unknowns at some values: the filter's model, and the record as sensors without gain
+/// and delay would have recorded it.
+struct CorrectedProblem {
+  EstimationProblemPtr problem;  ///< without likelihood unknowns
+  AugmentedModelSetup setup;
+  Record record;
+  Eigen::VectorXd log_jacobian;  ///< ln |d corrected / d recorded| of each sample, summed over its channels
+};
+
+/// `values`: of the problem's likelihood unknowns, in their own units. A recorded channel is
+///     recorded(t) = gain signal(t - delay) + noise,
+/// so the corrected one is recorded(t + delay) / gain with its noise / |gain|, missing within the delay's reach of
+/// either end of the record.
+CorrectedProblem corrected(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
+                           const Eigen::VectorXd& values);
+
+/// A record of the same sensors corrected alike.
+Record corrected_record(const std::vector<LikelihoodUnknown>& unknowns, const Eigen::VectorXd& values, Record record);
+
+/// The 95 % interval from the larger of the two deviations, symmetric in the coordinate of the search.
+struct LikelihoodInterval {
+  double lower = 0.0, upper = 0.0;
+  bool robust = false;
+};
+
+/// What the record tells of the likelihood unknowns.
+struct LikelihoodEstimate {
+  std::vector<LikelihoodUnknown> unknowns;
+  Eigen::VectorXd values;
+  Eigen::VectorXd deviation, robust_deviation;  ///< [the unknowns' units]
+  /// Whether the record tells of it: its deviation is well below the prior's.
+  std::vector<bool> visible;
+  /// What their uncertainty adds to the covariance of the filter's unknowns, in the filter's state.
+  Eigen::MatrixXd added_covariance;
+  bool converged = false;
+  int runs = 0;  ///< of the filter over the record
+  CorrectedProblem corrected;
+
+  [[nodiscard]] LikelihoodInterval interval(Eigen::Index i) const;
+};
+
+/// Finds the likelihood unknowns of a problem: those values at which the record is most likely, the filter's unknowns
+/// and states integrated out. No state of the filter stands for them, so a delay costs nothing but the search, and is
+/// exact at every frequency.
+///
+/// 1. Gains are tried with either sign; delays over the range of their prior, one after another. A delay that changes
+///    the likelihood by no more than chance keeps its prior.
+/// 2. Newton's method, maximise_likelihood(), in delay / sample interval, ln |gain|, ln noise. Bounds: 4 prior
+///    deviations of a delay.
+/// 3. Their covariance Psi widens that of the filter's unknowns theta by J Psi J^T, J = d theta / d psi from central
+///    differences: the law of total covariance.
+///
+/// Nothing where the filter fails at the first guess, as the run itself will say.
+std::optional<LikelihoodEstimate> estimate_likelihood_unknowns(const EstimationProblemPtr& problem,
+                                                               const AugmentedModelSetup& setup, const Record& record,
+                                                               const EstimationOptions& options);
+
+}  // namespace kalfem

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <Eigen/Dense>
+
+namespace kalfem {
+
+/// The samples of an equally sampled signal at other times, y(k) = x(k + lead), for a lead of any number of samples.
+/// The shift is a pure phase at every frequency, so white noise stays white and as large: an interpolation between
+/// neighbours would smooth it, and a likelihood would take that for a better fit.
+///
+/// A missing sample (not a number) is missing at the nearest new time, and so are times beyond the ends; for its
+/// neighbours' sake it is bridged by a straight line. Within some ten samples of an end the signal's continuation,
+/// which nobody knows, shows.
+Eigen::VectorXd shifted(const Eigen::Ref<const Eigen::VectorXd>& signal, double lead);
+
+}  // namespace kalfem
