@@ -10,6 +10,7 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
+#include "kalfem/formats/measured_file_reader.hpp"
 #include "kalfem/formats/tables/csv.hpp"
 #include "kalfem/formats/tables/lvm.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
@@ -213,6 +214,7 @@ RawRecord read_hdf5(const std::string& path, const std::vector<WantedChannel>& w
 RawRecord read_raw(const std::filesystem::path& file, const std::vector<WantedChannel>& wanted,
                    const RecordFileOptions& options) {
   const std::string path = file.string(), ending = file.extension().string();
+  measured_format(file);  // refuses a file of another kind
   if (ending == ".h5" || ending == ".hdf5") return read_hdf5(path, wanted, options);
   if (ending == ".lvm") return selected(read_lvm(file, options.missing), wanted, {path, 0});
   CsvOptions csv;

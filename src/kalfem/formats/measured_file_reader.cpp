@@ -1,0 +1,124 @@
+#include "kalfem/formats/measured_file_reader.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <fstream>
+
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/text.hpp"
+#include "kalfem/formats/tables/csv.hpp"
+#include "kalfem/formats/tables/lvm.hpp"
+#include "kalfem/formats/universal/universal.hpp"
+
+namespace kalfem {
+namespace {
+
+using Eigen::Index;
+
+constexpr std::size_t head_length = 4096;  ///< bytes of a file that tell its format
+
+/// The channels of a table that one time axis serves.
+MeasuredFile measured_file_of(Record record, std::string format) {
+  MeasuredFile file{.format = std::move(format)};
+  for (Index j = 0; j < record.values.rows(); ++j) {
+    const Channel& channel = record.channels[static_cast<std::size_t>(j)];
+    file.channels.push_back({.name = channel.name,
+                             .unit = channel.unit,
+                             .start = record.start,
+                             .interval = 1.0 / record.sample_rate,
+                             .values = record.values.row(j).transpose()});
+  }
+  return file;
+}
+
+MeasuredFile read_lvm_file(const std::filesystem::path& file) {
+  return measured_file_of(read_lvm(file, true), "LabVIEW measurement file");
+}
+
+bool begins_lvm(std::string_view head) { return head.starts_with("LabVIEW Measurement"); }
+
+/// A kind of file that programs write and that holds no measured data in a form that is read.
+struct ForeignKind {
+  std::string_view first_bytes;
+  std::string_view name;
+};
+
+// The archive of a .docx begins like that of a .xlsx: the ending says which one it is.
+constexpr std::array foreign_kinds = {
+    ForeignKind{"PK\x03\x04", "a ZIP archive, as .xlsx, .docx and .ods files are"},
+    ForeignKind{"\xD0\xCF\x11\xE0", "a document of an older Office program (.xls, .doc)"},
+    ForeignKind{"\x89PNG", "a PNG picture"},
+    ForeignKind{"\xFF\xD8\xFF", "a JPEG picture"},
+    ForeignKind{"GIF8", "a GIF picture"},
+    ForeignKind{"%PDF", "a PDF document"},
+    ForeignKind{"\x1f\x8b", "compressed by gzip"},
+    ForeignKind{"7z\xBC\xAF", "a 7-Zip archive"},
+    ForeignKind{"Rar!", "a RAR archive"},
+    ForeignKind{"BZh", "compressed by bzip2"},
+    ForeignKind{"SQLite format 3", "an SQLite database"},
+    ForeignKind{"{\\rtf", "an RTF document"},
+    ForeignKind{"<!DOCTYPE", "a web page"},
+    ForeignKind{"<html", "a web page"},
+};
+
+std::string formats_in_words() {
+  std::string text;
+  for (const auto& format : measured_formats()) {
+    text += std::string(format.name) + " (";
+    for (std::size_t i = 0; i < format.endings.size(); ++i)
+      text += (i > 0 ? ", " : "") + std::string(format.endings[i]);
+    text += "), ";
+  }
+  return text + "table of text (.csv, .tsv, .txt, .dat), HDF5 (.h5, .hdf5)";
+}
+
+void refuse_foreign(const std::filesystem::path& file, std::string_view head) {
+  const auto kind =
+      std::ranges::find_if(foreign_kinds, [&](const auto& each) { return head.starts_with(each.first_bytes); });
+  if (kind == foreign_kinds.end()) return;
+  throw InvalidInput(Issue{{file.string(), 0},
+                           "the file is " + std::string(kind->name),
+                           "measured data are read from: " + formats_in_words(),
+                           "export the data to one of these formats"});
+}
+
+std::string read_head(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream || std::filesystem::is_directory(file))
+    throw InvalidInput(
+        Issue{{file.string(), 0}, "the file cannot be read", "it does not exist or is not readable", "check the path"});
+  std::string head(head_length, '\0');
+  stream.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(stream.gcount()));
+  return head;
+}
+
+}  // namespace
+
+const std::vector<MeasuredFormat>& measured_formats() {
+  static const std::vector<MeasuredFormat> formats = {
+      {"universal file", {".unv", ".uff", ".uf", ".uf58", ".58", ".bunv"}, begins_universal, read_universal},
+      {"LabVIEW measurement file", {".lvm"}, begins_lvm, read_lvm_file},
+  };
+  return formats;
+}
+
+// Content decides, because files are renamed; a file without the usual beginning still says by its ending what it was
+// meant to be, and then its reader names what is wrong.
+const MeasuredFormat* measured_format(const std::filesystem::path& file) {
+  const std::string head = read_head(file), ending = lower_case(file.extension().string());
+  for (const auto& format : measured_formats())
+    if (format.begins != nullptr && format.begins(head)) return &format;
+  refuse_foreign(file, head);
+  for (const auto& format : measured_formats())
+    if (std::ranges::find(format.endings, ending) != format.endings.end()) return &format;
+  return nullptr;
+}
+
+MeasuredFile read_measured_file(const std::filesystem::path& file) {
+  if (const MeasuredFormat* format = measured_format(file)) return format->read(file);
+  return measured_file_of(read_csv(file, {.missing = true}), "table of text");
+}
+
+}  // namespace kalfem
