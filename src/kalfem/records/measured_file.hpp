@@ -25,6 +25,7 @@ struct MeasuredChannel {
   double interval = 0.0;       ///< between samples [s]; 0: not known, or the times are given
   Eigen::VectorXd times = {};  ///< of each sample [s], where they are uneven; empty: even
   Eigen::VectorXd values = {};
+  std::vector<std::string> other_names = {};  ///< by which it can be asked for too
 };
 
 /// What a complex function of frequency is.
@@ -40,6 +41,7 @@ struct MeasuredFunction {
   MeasuredPlace reference = {};
   Eigen::VectorXd lines = {};  ///< [Hz]
   Eigen::VectorXcd values = {};
+  std::vector<std::string> other_names = {};  ///< by which it can be asked for too
 };
 
 /// A measured mode, or a static shape, at nodes.
@@ -57,6 +59,14 @@ struct MeasuredNode {
   std::array<double, 3> position = {};
 };
 
+/// Which points of the test's geometry an element or a line of a picture joins, in order.
+struct MeasuredLine {
+  long number = 0;
+  std::string name = {};
+  int kind = 0;  ///< of an element, by the numbers of its format; 0: a line to draw
+  std::vector<long> nodes = {};
+};
+
 /// Everything that a file of a test bench holds, whatever its format, before anything is chosen or converted.
 struct MeasuredFile {
   std::string format;  ///< "Universal file", "TDMS", ...
@@ -64,6 +74,8 @@ struct MeasuredFile {
   std::vector<MeasuredFunction> functions = {};
   std::vector<MeasuredShape> shapes = {};
   std::vector<MeasuredNode> nodes = {};
+  std::vector<MeasuredLine> lines = {};
+  std::string description = {};
   std::vector<std::string> skipped = {};  ///< parts that are not read: what and where, a sentence each
 };
 

@@ -1,4 +1,4 @@
-// Inside of the readers of matrices only.
+// Inside of the readers of matrices and of universal files only.
 
 // Inside of the readers of binary files only.
 

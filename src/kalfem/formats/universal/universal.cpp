@@ -1,57 +1,191 @@
 #include "kalfem/formats/universal/universal.hpp"
 
-#include <charconv>
+#include <algorithm>
+#include <functional>
 #include <map>
+#include <set>
 #include <vector>
 
-#include "kalfem/base/invalid_input.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
+#include "kalfem/formats/universal/dataset_readers.hpp"
+#include "kalfem/formats/universal/fields.hpp"
+#include "kalfem/formats/universal/function_header.hpp"
 
 namespace kalfem {
 namespace {
 
-bool is_mark(std::string_view line) { return trimmed(line) == "-1"; }
-
-/// The number in a dataset's first line, -1 where it holds none.
-int number_of(std::string_view line) {
-  const std::string_view text = trimmed(line);
-  int number = -1;
-  return std::from_chars(text.data(), text.data() + text.size(), number).ec == std::errc() ? number : -1;
+/// The number of a dataset's identifier "    58" or "    58b ...", 0 where it is none.
+int dataset_number(std::string_view line) {
+  const auto words = words_of(line);
+  if (words.empty() || words.front().size() > 7) return 0;
+  std::string_view digits = words.front();
+  if (digits.ends_with('b') || digits.ends_with('B')) digits.remove_suffix(1);
+  if (digits.empty() || digits.find_first_not_of("0123456789") != std::string_view::npos) return 0;
+  return static_cast<int>(*universal_integer(digits));
 }
+
+/// How datasets are read, by their numbers.
+const std::map<int, void (*)(UniversalReading&)>& readers() {
+  static const std::map<int, void (*)(UniversalReading&)> all = {
+      {15, read_nodes_15},     {55, read_data_at_nodes}, {58, read_function},        {82, read_trace_line},
+      {151, read_header},      {164, read_units},        {780, read_elements},       {781, read_nodes_2411},
+      {2411, read_nodes_2411}, {2412, read_elements},    {2414, read_analysis_data},
+  };
+  return all;
+}
+
+/// Passes over the rest of the dataset. The bytes of an unknown binary one are counted in its identifier.
+void pass_over(UniversalReading& reading) {
+  if (is_binary(reading.identifier)) {
+    const BinaryForm form = binary_form(reading.identifier);
+    for (long line = 0; line < std::clamp(form.text_lines, 0L, 100L); ++line) reading.line("a line of text");
+    if (form.bytes <= reading.source.bytes_left()) reading.source.take(form.bytes);
+  }
+  while (reading.next_line() != nullptr) continue;
+}
+
+/// The datasets of a file, in their order. Problems are gathered, and reading goes on after the next mark, but not
+/// after damaged bytes, among which marks cannot be told.
+class UniversalReader {
+public:
+  explicit UniversalReader(const std::filesystem::path& path)
+      : source_(path), problems_(path.string()), reading_{.source = source_, .file = file_} {
+    file_.format = "universal file";
+  }
+
+  MeasuredFile read() {
+    while (source_.next()) {
+      const std::string_view text = trimmed(source_.line());
+      if (text.empty()) continue;
+      if (!is_universal_mark(source_.line()) && text != "-1")
+        note_outside();
+      else if (!read_dataset())
+        break;
+    }
+    finish();
+    return std::move(file_);
+  }
+
+private:
+  /// From the mark on. False where the file cannot be read further.
+  bool read_dataset() {
+    int number = 0;
+    bool ended = true;
+    while (source_.next()) {  // a further mark closes a dataset and opens the next
+      if (trimmed(source_.line()).empty() || is_universal_mark(source_.line())) continue;
+      number = dataset_number(source_.line());
+      ended = false;
+      break;
+    }
+    if (ended) return true;
+    if (number == 0) {
+      note_outside();
+      return true;
+    }
+    ++datasets_;
+    reading_.identifier = source_.line();
+    reading_.begin = source_.number();
+    return read_known(number);
+  }
+
+  bool read_known(int number) try {
+    const auto reader = readers().find(number);
+    if (reader != readers().end()) {
+      reader->second(reading_);
+      return true;
+    }
+    ++skipped_[number];
+    pass_over(reading_);
+    return true;
+  } catch (const InvalidInput& error) {
+    for (const auto& issue : error.issues())
+      problems_.add(
+          issue.location.line,
+          "dataset " + std::to_string(number) + " (from line " + std::to_string(reading_.begin) + "): " + issue.what,
+          issue.why, issue.fix);
+    if (is_binary(reading_.identifier)) return false;
+    while (source_.next())
+      if (is_universal_mark(source_.line())) break;
+    return true;
+  }
+
+  void note_outside() {
+    if (outside_++ == 0) first_outside_ = source_.number();
+  }
+
+  void finish() {
+    if (datasets_ == 0)
+      problems_.add(1, "this is not a universal file",
+                    "it must hold datasets, each between two lines '    -1' and with its number first",
+                    "export it again");
+    problems_.raise();
+    for (const auto& [number, count] : skipped_)
+      file_.skipped.push_back("dataset " + std::to_string(number) + " is not read" +
+                              (count > 1 ? " (" + std::to_string(count) + " times)" : ""));
+    if (outside_ > 0)
+      file_.skipped.push_back("line " + std::to_string(first_outside_) + ": " + std::to_string(outside_) +
+                              " lines outside of datasets are not read");
+    if (reading_.local_axes)
+      file_.skipped.push_back(
+          "local axes of nodes are not used: the directions of functions and shapes at such nodes are those of the "
+          "file");
+    if (!reading_.contradicts.empty())
+      file_.skipped.push_back("the units of dataset 164 are not used where a label names another one, as that of '" +
+                              reading_.contradicts + "'");
+    make_unique(file_.channels);
+    make_unique(file_.functions);
+  }
+
+  /// Repeated names get a number: "12:+Z", "12:+Z #2".
+  template <typename Measured>
+  static void make_unique(std::vector<Measured>& all) {
+    std::map<std::string, int> used;
+    std::set<std::string> names;
+    for (const auto& each : all) names.insert(each.name);
+    for (auto& each : all) {
+      int& count = used[each.name];
+      if (++count == 1) continue;
+      std::string numbered = each.name + " #" + std::to_string(count);
+      while (!names.insert(numbered).second) numbered = each.name + " #" + std::to_string(++count);
+      each.other_names.insert(each.other_names.begin(), each.name);
+      each.name = numbered;
+    }
+  }
+
+  UniversalSource source_;
+  MeasuredFile file_;
+  FileProblems problems_;
+  UniversalReading reading_;
+  std::map<int, int> skipped_;
+  int datasets_ = 0, outside_ = 0, first_outside_ = 0;
+};
 
 }  // namespace
 
-bool begins_universal(std::string_view head) {
-  const auto lines = content_lines(head);
-  return lines.size() > 1 && lines[0].text.starts_with("    -1") && is_mark(lines[0].text) &&
-         number_of(lines[1].text) > 0;
+const std::string& UniversalReading::line(const std::string& wanted) {
+  if (!source.next())
+    throw source.problem("the file ends before " + wanted, "it is truncated", "copy or export it again");
+  if (is_universal_mark(source.line())) {
+    source.put_back();
+    throw source.problem("the dataset ends before " + wanted, "it is incomplete", "export the file again");
+  }
+  return source.line();
 }
 
-MeasuredFile read_universal(const std::filesystem::path& file) {
-  const std::string text = read_text(file);
-  const auto lines = content_lines(text);
-  if (lines.size() < 2 || !is_mark(lines[0].text) || number_of(lines[1].text) <= 0)
-    throw InvalidInput(Issue{{file.string(), 1},
-                             "this is not a universal file",
-                             "it must begin with a line '    -1' and a line with the number of a dataset",
-                             "export it again"});
-  MeasuredFile measured{.format = "universal file"};
-  std::map<int, int> skipped;
-  bool inside = false;
-  int number = -1;
-  for (const auto& line : lines) {
-    if (is_mark(line.text)) {
-      if (inside) ++skipped[number];
-      inside = !inside;
-      number = -1;
-    } else if (inside && number < 0) {
-      number = number_of(line.text);
-    }
-  }
-  for (const auto& [dataset, count] : skipped)
-    measured.skipped.push_back("dataset " + std::to_string(dataset) + " (" + std::to_string(count) +
-                               " times) is not read");
-  return measured;
+const std::string* UniversalReading::next_line() {
+  if (!source.next())
+    throw source.problem("the file ends within the dataset", "no end mark '    -1' closes it: the file is truncated",
+                         "copy or export it again");
+  return is_universal_mark(source.line()) ? nullptr : &source.line();
 }
+
+bool begins_universal(std::string_view head) {
+  const auto lines = split_lines(head);
+  const auto first = std::ranges::find_if(lines, [](const TextLine& line) { return !trimmed(line.text).empty(); });
+  if (first == lines.end() || first + 1 == lines.end()) return false;
+  return first->text.starts_with("    -1") && is_universal_mark(first->text) && dataset_number((first + 1)->text) > 0;
+}
+
+MeasuredFile read_universal(const std::filesystem::path& file) { return UniversalReader(file).read(); }
 
 }  // namespace kalfem

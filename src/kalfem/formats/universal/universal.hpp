@@ -12,10 +12,24 @@ namespace kalfem {
 /// dataset.
 bool begins_universal(std::string_view head);
 
-/// Reads a universal file (UFF, UNV): a sequence of datasets, each between two lines "    -1", the first of whose lines
-/// holds its number. Datasets that are not read are listed in `skipped` by their number.
+/// Reads a universal file (UFF, UNV): datasets between lines "    -1", the first of whose lines holds their number.
 ///
-/// Throws InvalidInput with file and line for what is no universal file and for datasets that are damaged.
+///   15, 781, 2411   nodes                              -> nodes [m]
+///   780, 2412, 82   elements, trace lines              -> lines
+///   55, 2414        normal and complex modes, static   -> shapes
+///   58, 58b         functions at degrees of freedom    -> channels (time responses), functions (of frequency)
+///   151, 164        header, units                      -> description, units of what follows
+///
+/// A channel is named by its node and direction, "12:+Z"; the name of its component, the first line of its text and, of
+/// a channel without a node, the label of its ordinate are other names. Its unit is its label; without a label SI, into
+/// which the numbers are converted by dataset 164. Texts are UTF-8, otherwise read as Latin-1.
+///
+/// As programs write them: numbers in columns or between blanks, that touch, with D or no exponent letter; records whose
+/// columns are shifted; a missing end mark before the next dataset or at the end of the file; bytes (58b) found by the
+/// count of the identifier, with or without a line break behind them, and by the end mark where the count is wrong.
+///
+/// Other datasets, kinds of functions and of shapes are listed in `skipped`. Throws InvalidInput with all problems,
+/// their lines and both counts where a dataset is incomplete: a header that declares more samples than there are.
 MeasuredFile read_universal(const std::filesystem::path& file);
 
 }  // namespace kalfem
