@@ -116,6 +116,7 @@ TEST_F(UniversalFunctions, BytesAreFoundByTheirCountWhateverTheyHold) {
     }
   const auto two = read(single.with_bytes(bytes_of(floats)) + single.with_bytes(bytes_of(floats), false, "\n"));
   ASSERT_EQ(two.channels.size(), 2u);
+  EXPECT_EQ(two.channels[0].name, "12:+Z #1");
   EXPECT_EQ(two.channels[1].name, "12:+Z #2");
   EXPECT_EQ(two.channels[1].values, two.channels[0].values);
 }

@@ -11,6 +11,7 @@
 #include "kalfem/base/units.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
 #include "kalfem/formats/measured_file_reader.hpp"
+#include "kalfem/formats/measured_selection.hpp"
 #include "kalfem/formats/tables/csv.hpp"
 #include "kalfem/formats/tables/lvm.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
@@ -214,7 +215,6 @@ RawRecord read_hdf5(const std::string& path, const std::vector<WantedChannel>& w
 RawRecord read_raw(const std::filesystem::path& file, const std::vector<WantedChannel>& wanted,
                    const RecordFileOptions& options) {
   const std::string path = file.string(), ending = file.extension().string();
-  measured_format(file);  // refuses a file of another kind
   if (ending == ".h5" || ending == ".hdf5") return read_hdf5(path, wanted, options);
   if (ending == ".lvm") return selected(read_lvm(file, options.missing), wanted, {path, 0});
   CsvOptions csv;
@@ -227,9 +227,12 @@ RawRecord read_raw(const std::filesystem::path& file, const std::vector<WantedCh
 
 }  // namespace
 
-// Reads the table in its own units, then scales each row to SI.
+// Files that hold many things are read as a whole, and the channels are chosen from them. Tables are read in their own
+// units, and each row is scaled to SI.
 Record read_record_file(const std::filesystem::path& file, const std::vector<WantedChannel>& wanted,
                         const RecordFileOptions& options) {
+  const MeasuredFormat* format = measured_format(file);
+  if (format != nullptr && file.extension() != ".lvm") return select_record(format->read(file), wanted, options, file);
   auto [record, titles] = read_raw(file, wanted, options);
   IssueList issues;
   Eigen::VectorXd factors(record.values.rows());

@@ -35,10 +35,11 @@ struct RecordFileOptions {
 };
 
 /// The wanted columns of a file as a record, in that order and in SI: .csv (also .txt, .dat, .tsv), .lvm, .h5 (also
-/// .hdf5; `dataset` is samples x channels with an attribute or a number as channel name "0", "1", ...). Here, and only
-/// here, the columns of a file become the rows of a record. Units are those that are stated, of the columns' titles, of
-/// Y_Unit_Label, or of the dataset's attribute `unit` (one for all columns, or one each). Throws InvalidInput where the
-/// file, a channel or the sampling rate is missing and where units do not fit.
+/// .hdf5; `dataset` is samples x channels with an attribute or a number as channel name "0", "1", ...), and the formats
+/// of measured_formats(), from which select_record() chooses the channels. Here, and only here, the columns of a file
+/// become the rows of a record. Units are those that are stated, of the columns' titles, of Y_Unit_Label, or of the
+/// dataset's attribute `unit` (one for all columns, or one each). Throws InvalidInput where the file, a channel or the
+/// sampling rate is missing and where units do not fit.
 Record read_record_file(const std::filesystem::path& file, const std::vector<WantedChannel>& wanted,
                         const RecordFileOptions& options);
 

@@ -6,9 +6,9 @@
 #include <stdexcept>
 
 #include "kalfem/casefile/update_description.hpp"
+#include "kalfem/formats/frequency_response_file.hpp"
 #include "kalfem/formats/record_file.hpp"
 #include "kalfem/formats/tables/csv.hpp"
-#include "kalfem/formats/tables/frf_table.hpp"
 #include "kalfem/updating/frf_residual.hpp"
 #include "kalfem/updating/modal_residual.hpp"
 #include "kalfem/updating/static_residual.hpp"
@@ -155,7 +155,8 @@ private:
                                                                            : ResponseQuantity::acceleration;
     if (const auto* table = std::get_if<d::FrfFile>(&input.source)) {
       measured.name = table->file.value.string();
-      measured.response = read_frf_table(table->file.value, {.outputs = input.columns, .content = table->values});
+      measured.response =
+          read_frequency_responses(table->file.value, {.outputs = input.columns, .content = table->values});
       convert_to_si(measured.response, unit_of(given.quantity), input, table->file.value.string());
       return measured;
     }

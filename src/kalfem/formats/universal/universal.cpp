@@ -1,9 +1,7 @@
 #include "kalfem/formats/universal/universal.hpp"
 
 #include <algorithm>
-#include <functional>
 #include <map>
-#include <set>
 #include <vector>
 
 #include "kalfem/formats/tables/text_table.hpp"
@@ -136,19 +134,15 @@ private:
     make_unique(file_.functions);
   }
 
-  /// Repeated names get a number: "12:+Z", "12:+Z #2".
+  /// Repeated names get numbers, "12:+Z #1", "12:+Z #2", so that the name alone chooses none of them.
   template <typename Measured>
   static void make_unique(std::vector<Measured>& all) {
-    std::map<std::string, int> used;
-    std::set<std::string> names;
-    for (const auto& each : all) names.insert(each.name);
+    std::map<std::string, int> total, used;
+    for (const auto& each : all) ++total[each.name];
     for (auto& each : all) {
-      int& count = used[each.name];
-      if (++count == 1) continue;
-      std::string numbered = each.name + " #" + std::to_string(count);
-      while (!names.insert(numbered).second) numbered = each.name + " #" + std::to_string(++count);
+      if (total[each.name] == 1) continue;
       each.other_names.insert(each.other_names.begin(), each.name);
-      each.name = numbered;
+      each.name += " #" + std::to_string(++used[each.name]);
     }
   }
 
