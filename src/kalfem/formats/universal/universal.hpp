@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "kalfem/model/mesh/mesh.hpp"
 #include "kalfem/records/measured_file.hpp"
 
 namespace kalfem {
@@ -24,12 +25,31 @@ bool begins_universal(std::string_view head);
 /// a channel without a node, the label of its ordinate are other names. Its unit is its label; without a label SI, into
 /// which the numbers are converted by dataset 164. Texts are UTF-8, otherwise read as Latin-1.
 ///
-/// As programs write them: numbers in columns or between blanks, that touch, with D or no exponent letter; records whose
-/// columns are shifted; a missing end mark before the next dataset or at the end of the file; bytes (58b) found by the
-/// count of the identifier, with or without a line break behind them, and by the end mark where the count is wrong.
+/// As programs write them: numbers in columns or between blanks, that touch, with D or no exponent letter; records
+/// whose columns are shifted; a missing end mark before the next dataset or at the end of the file; bytes (58b) found
+/// by the count of the identifier, with or without a line break behind them, and by the end mark where the count is
+/// wrong.
 ///
 /// Other datasets, kinds of functions and of shapes are listed in `skipped`. Throws InvalidInput with all problems,
 /// their lines and both counts where a dataset is incomplete: a header that declares more samples than there are.
 MeasuredFile read_universal(const std::filesystem::path& file);
+
+struct UniversalWriteOptions {
+  bool binary = true;  ///< functions as bytes (58b), which keep all digits; otherwise as text
+};
+
+/// Writes a measured file as a universal file in SI: 151, 164, then nodes (2411), elements (2412), lines to draw (82),
+/// shapes (55) and functions at degrees of freedom (58b, or 58).
+///
+/// Samples and uneven times keep all digits as bytes. As text they have those of the format: 13 of a sample, 6 of an
+/// uneven time, and 6 of shapes in any case. A step that its column cannot hold is written as uneven times in 58b.
+/// Throws InvalidInput for what the format cannot hold: infinite values, labels of units of more than 20 bytes, arrays
+/// of other lengths than their times, lines or nodes. Throws as write_file_atomically() does.
+void write_universal(const std::filesystem::path& path, const MeasuredFile& file,
+                     const UniversalWriteOptions& options = {});
+
+/// Nodes and elements of a mesh, for a universal file. Nodes are ordered as the elements of dataset 2412 order them:
+/// the middle of a side between its corners.
+MeasuredFile geometry_of(const Mesh& mesh);
 
 }  // namespace kalfem

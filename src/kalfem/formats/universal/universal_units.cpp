@@ -140,6 +140,14 @@ std::string quantity_of(const UniversalAxis& axis, int direction, const std::str
   return {};
 }
 
+int data_type_of(const std::string& quantity, const std::string& unit) {
+  const std::string name = quantity.empty() ? quantity_of({}, 0, unit) : quantity;
+  constexpr int reaction = 9;  // a measured force is an excitation force, 13
+  for (const auto& type : data_types)
+    if (type.number != reaction && (type.quantity == name || type.rotation == name)) return type.number;
+  return 0;
+}
+
 AxisUnit unit_of(const UniversalAxis& axis, int direction, const UniversalUnits& units) {
   const auto si = si_of(axis, direction, units);
   if (axis.unit.empty()) return si.value_or(AxisUnit{});

@@ -42,6 +42,10 @@ AxisUnit unit_of(const UniversalAxis& axis, int direction, const UniversalUnits&
 AxisUnit unit_of_quotient(const UniversalAxis& numerator, int response, const UniversalAxis& denominator, int reference,
                           const UniversalUnits& units);
 
+/// The specific data type of a quantity, as quantity_of() names it, or of a unit where the quantity is empty; 0 where
+/// there is none.
+int data_type_of(const std::string& quantity, const std::string& unit);
+
 /// A label as parse_unit() understands it, where that is possible: without brackets, "M/SEC^2" as "m/s^2", "NONE" as
 /// nothing. Any other text is left as it is.
 std::string understood_unit(std::string label);
