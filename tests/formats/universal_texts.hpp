@@ -100,8 +100,8 @@ protected:
     std::ofstream(folder_ / name, std::ios::binary) << content;
     return folder_ / name;
   }
-  MeasuredFile read(const std::string& content) const { return read_universal(file(content)); }
-  std::string refusal(const std::string& content) const {
+  static MeasuredFile read(const std::string& content) { return parse_universal(content, "test.unv"); }
+  static std::string refusal(const std::string& content) {
     try {
       read(content);
     } catch (const InvalidInput& error) {

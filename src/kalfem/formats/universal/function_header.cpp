@@ -173,7 +173,7 @@ BinaryForm binary_form(const std::string& identifier) {
   const std::string_view rest = std::string_view(identifier).substr(letter + 1);
   const auto words = words_of(rest);
   const auto number = [&](std::size_t i) { return i < words.size() ? universal_integer(words[i]).value_or(0) : 0; };
-  form.big_endian = number(0) == 2;
+  form.byte_order = number(0);
   form.floating_point = number(1) == 0 ? 2 : number(1);
   form.text_lines = number(2) == 0 ? 11 : number(2);
   form.bytes = static_cast<std::uint64_t>(std::max(0L, number(3)));

@@ -37,7 +37,7 @@ FunctionHeader read_function_header(UniversalReading& reading);
 
 /// The numbers of the identifier "    58b     1     2          11        4096" (dataset 58b).
 struct BinaryForm {
-  bool big_endian = false;
+  long byte_order = 1;      ///< 1 little, 2 big endian; 0: not stated, little
   long floating_point = 2;  ///< 1: DEC, 2: IEEE 754, 3: IBM
   long text_lines = 11;     ///< before the bytes
   std::uint64_t bytes = 0;  ///< 0: not stated

@@ -52,6 +52,10 @@ std::vector<double> read_text_samples(UniversalReading& reading, const FunctionH
       break;
     }
     const std::string odd = append_numbers(reading.source.line(), widths, values);
+    if (reading.source.is_cut_off() && !reading.source.line().empty())
+      throw reading.source.problem("the file ends within a line of samples",
+                                   "digits of the last one may be missing: the file is truncated",
+                                   "copy or export it again");
     if (!odd.empty())
       throw reading.source.problem("'" + odd + "' is not a number",
                                    odd.find('*') != std::string::npos ? "it did not fit its column when it was written"
@@ -112,25 +116,26 @@ std::vector<PointLayout> layouts(const FunctionHeader& header) {
                            "copy it again as a binary file, or export it again"});
 }
 
-/// The layout that fits the counts of the header and the place of the end mark. The count of bytes decides where it is
-/// that of a layout; some programs write another one, and then the end mark tells.
+/// The layout of the count of bytes in the identifier; an end mark, or the end of the file, must follow. Where the
+/// count is that of no layout, as some programs write it, the layout with an end mark behind its bytes.
 PointLayout find_layout(UniversalReading& reading, const FunctionHeader& header, const BinaryForm& form) {
   const std::uint64_t left = reading.source.bytes_left();
   const auto known = layouts(header);
-  const auto fits = [&](const PointLayout& layout) {
+  for (const auto& layout : known) {
     const std::uint64_t bytes = header.points * layout.bytes();
-    return bytes <= left && reading.source.mark_follows(bytes);
-  };
-  for (const bool by_count : {true, false})
-    for (const auto& layout : known)
-      if ((!by_count || form.bytes == header.points * layout.bytes()) && fits(layout)) return layout;
+    if (bytes != form.bytes) continue;
+    if (bytes == left || reading.source.mark_follows(bytes)) return layout;
+    refuse_bytes(reading, header, form);
+  }
+  for (const auto& layout : known)
+    if (reading.source.mark_follows(header.points * layout.bytes())) return layout;
   refuse_bytes(reading, header, form);
 }
 
 std::vector<double> read_binary_samples(UniversalReading& reading, const FunctionHeader& header,
                                         const BinaryForm& form) {
   const PointLayout layout = find_layout(reading, header, form);
-  const bool swap = form.big_endian != (std::endian::native == std::endian::big);
+  const bool swap = (form.byte_order == 2) != (std::endian::native == std::endian::big);
   constexpr std::uint64_t points_at_once = 65536;
   std::vector<double> values;
   values.reserve(static_cast<std::size_t>(header.points) * layout.widths.size());
@@ -332,6 +337,12 @@ void read_function(UniversalReading& reading) {
   const FunctionHeader header = read_function_header(reading);
   if (!is_binary(reading.identifier)) return add(reading, header, apart(header, read_text_samples(reading, header)));
   const BinaryForm form = binary_form(reading.identifier);
+  if (form.byte_order < 0 || form.byte_order > 2 || form.floating_point > 3)
+    throw InvalidInput(Issue{{reading.source.place().file, reading.begin},
+                             "the order of the bytes is " + std::to_string(form.byte_order) +
+                                 " and the form of the numbers " + std::to_string(form.floating_point),
+                             "1 (little endian) or 2 (big endian), and 1 to 3 are known",
+                             "export the file again"});
   for (long line = 11; line < std::min(form.text_lines, 100L); ++line) reading.line("a further line of text");
   if (form.floating_point == 2) return add(reading, header, apart(header, read_binary_samples(reading, header, form)));
   if (form.bytes > reading.source.bytes_left()) refuse_bytes(reading, header, form);

@@ -22,10 +22,12 @@ int dataset_number(std::string_view line) {
   return static_cast<int>(*universal_integer(digits));
 }
 
+constexpr int functions = 58;  ///< the dataset that its counts of samples close too
+
 /// How datasets are read, by their numbers.
 const std::map<int, void (*)(UniversalReading&)>& readers() {
   static const std::map<int, void (*)(UniversalReading&)> all = {
-      {15, read_nodes_15},     {55, read_data_at_nodes}, {58, read_function},        {82, read_trace_line},
+      {15, read_nodes_15},     {55, read_data_at_nodes}, {functions, read_function}, {82, read_trace_line},
       {151, read_header},      {164, read_units},        {780, read_elements},       {781, read_nodes_2411},
       {2411, read_nodes_2411}, {2412, read_elements},    {2414, read_analysis_data},
   };
@@ -46,65 +48,79 @@ void pass_over(UniversalReading& reading) {
 /// after damaged bytes, among which marks cannot be told.
 class UniversalReader {
 public:
-  explicit UniversalReader(const std::filesystem::path& path)
-      : source_(path), problems_(path.string()), reading_{.source = source_, .file = file_} {
+  UniversalReader(UniversalSource source, const std::string& name)
+      : source_(std::move(source)), problems_(name), reading_{.source = source_, .file = file_} {
     file_.format = "universal file";
   }
 
   MeasuredFile read() {
+    bool closed = false;  // a mark that closes a dataset opens the next one where its own mark is missing
     while (source_.next()) {
       const std::string_view text = trimmed(source_.line());
       if (text.empty()) continue;
-      if (!is_universal_mark(source_.line()) && text != "-1")
+      const int number = closed ? dataset_number(text) : 0;
+      closed = false;
+      if (is_universal_mark(source_.line()) || text == "-1")
+        closed = find_dataset();
+      else if (number > 0)
+        closed = read_dataset(number);
+      else
         note_outside();
-      else if (!read_dataset())
-        break;
+      if (damaged_) break;
     }
     finish();
     return std::move(file_);
   }
 
 private:
-  /// From the mark on. False where the file cannot be read further.
-  bool read_dataset() {
-    int number = 0;
-    bool ended = true;
-    while (source_.next()) {  // a further mark closes a dataset and opens the next
+  /// From a mark on. Whether a dataset was read.
+  bool find_dataset() {
+    const int mark = source_.number();
+    while (source_.next()) {  // a further mark opens the next dataset: this one closed another
       if (trimmed(source_.line()).empty() || is_universal_mark(source_.line())) continue;
-      number = dataset_number(source_.line());
-      ended = false;
-      break;
-    }
-    if (ended) return true;
-    if (number == 0) {
+      if (const int number = dataset_number(source_.line())) return read_dataset(number);
       note_outside();
-      return true;
+      return false;
     }
+    file_.skipped.push_back("line " + std::to_string(mark) + ": no dataset follows the mark, the file ends");
+    return false;
+  }
+
+  bool read_dataset(int number) {
     ++datasets_;
     reading_.identifier = source_.line();
     reading_.begin = source_.number();
-    return read_known(number);
+    read_known(number);
+    return true;
   }
 
-  bool read_known(int number) try {
+  void read_known(int number) try {
     const auto reader = readers().find(number);
     if (reader != readers().end()) {
       reader->second(reading_);
-      return true;
+      if (number == functions) take_end_mark();
+    } else {
+      ++skipped_[number];
+      pass_over(reading_);
     }
-    ++skipped_[number];
-    pass_over(reading_);
-    return true;
   } catch (const InvalidInput& error) {
     for (const auto& issue : error.issues())
       problems_.add(
           issue.location.line,
           "dataset " + std::to_string(number) + " (from line " + std::to_string(reading_.begin) + "): " + issue.what,
           issue.why, issue.fix);
-    if (is_binary(reading_.identifier)) return false;
-    while (source_.next())
+    damaged_ = is_binary(reading_.identifier);
+    while (!damaged_ && source_.next())
       if (is_universal_mark(source_.line())) break;
-    return true;
+  }
+
+  /// Behind the samples of a function, where the mark may be missing.
+  void take_end_mark() {
+    while (source_.next()) {
+      if (trimmed(source_.line()).empty()) continue;
+      if (!is_universal_mark(source_.line())) source_.put_back();
+      break;
+    }
   }
 
   void note_outside() {
@@ -152,6 +168,7 @@ private:
   UniversalReading reading_;
   std::map<int, int> skipped_;
   int datasets_ = 0, outside_ = 0, first_outside_ = 0;
+  bool damaged_ = false;
 };
 
 }  // namespace
@@ -180,6 +197,12 @@ bool begins_universal(std::string_view head) {
   return first->text.starts_with("    -1") && is_universal_mark(first->text) && dataset_number((first + 1)->text) > 0;
 }
 
-MeasuredFile read_universal(const std::filesystem::path& file) { return UniversalReader(file).read(); }
+MeasuredFile read_universal(const std::filesystem::path& file) {
+  return UniversalReader(UniversalSource(file), file.string()).read();
+}
+
+MeasuredFile parse_universal(std::string content, const std::string& source) {
+  return UniversalReader(UniversalSource(std::move(content), source), source).read();
+}
 
 }  // namespace kalfem

@@ -34,6 +34,9 @@ bool begins_universal(std::string_view head);
 /// their lines and both counts where a dataset is incomplete: a header that declares more samples than there are.
 MeasuredFile read_universal(const std::filesystem::path& file);
 
+/// The same from a file's content; `source` names it in messages.
+MeasuredFile parse_universal(std::string content, const std::string& source);
+
 struct UniversalWriteOptions {
   bool binary = true;  ///< functions as bytes (58b), which keep all digits; otherwise as text
 };

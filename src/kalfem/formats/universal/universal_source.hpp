@@ -2,7 +2,8 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
+#include <istream>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -19,6 +20,8 @@ class UniversalSource {
 public:
   /// Throws InvalidInput where the file cannot be read.
   explicit UniversalSource(const std::filesystem::path& file);
+  /// The same of text in memory; `name` stands for the file in messages.
+  UniversalSource(std::string content, std::string name);
 
   /// Moves on to the next line, without its end. False where the file ends.
   bool next();
@@ -26,23 +29,27 @@ public:
   void put_back() { again_ = true; }
   [[nodiscard]] const std::string& line() const { return line_; }
   [[nodiscard]] int number() const { return number_; }  ///< of the line, from 1
+  /// Whether the file ends within the current line.
+  [[nodiscard]] bool is_cut_off() const { return cut_off_; }
   [[nodiscard]] SourceLocation place() const { return {file_, number_}; }
   /// A problem of this line.
   [[nodiscard]] InvalidInput problem(std::string what, std::string why = {}, std::string fix = {}) const;
 
   /// Bytes after the current line.
   [[nodiscard]] std::uint64_t bytes_left();
-  /// Whether so many bytes further on an end mark stands, after line breaks and blanks or at once, or the file ends.
+  /// Whether so many bytes further on an end mark stands, after line breaks and blanks or at once.
   bool mark_follows(std::uint64_t bytes);
   /// Takes bytes, which may hold anything. There must be so many.
   std::string take(std::uint64_t bytes);
 
 private:
-  std::ifstream stream_;
+  void measure();
+
+  std::unique_ptr<std::istream> stream_;
   std::string file_, line_;
   std::uint64_t size_ = 0;
   int number_ = 0;
-  bool again_ = false;
+  bool again_ = false, cut_off_ = false;
 };
 
 }  // namespace kalfem
