@@ -14,7 +14,7 @@ namespace {
 
 struct Arguments {
   std::string case_file, folder, page;
-  std::vector<std::string> units;
+  std::vector<std::string> units, files;
   bool json = false, laws = false, strict = false;
 };
 
@@ -30,6 +30,7 @@ command::ExitCode execute(const CLI::App& app, const Arguments& arguments) {
   if (app.got_subcommand("check"))
     return is_deck(arguments.case_file) ? command::check_deck(arguments.case_file, arguments.units, arguments.page)
                                         : command::check(arguments.case_file, arguments.page);
+  if (app.got_subcommand("inspect")) return command::inspect(arguments.files, arguments.json, arguments.page);
   if (app.got_subcommand("schema")) return command::schema(arguments.json, arguments.laws);
   if (app.got_subcommand("modes"))
     return command::run(arguments.case_file, Step::modes, arguments.folder, arguments.strict);
@@ -95,6 +96,10 @@ int main(int argc, char** argv) {
   check->add_option("--page", arguments.page, "write the model check to this HTML file, with a picture of the mesh");
   check->add_option("--units", arguments.units, "units of a deck: length, mass and time, such as mm t s; default: SI")
       ->expected(3);
+  auto* inspect = app.add_subcommand("inspect", "tell what measured files hold, and what is odd about their channels");
+  inspect->add_option("files", arguments.files, "measured files")->required();
+  inspect->add_flag("--json", arguments.json, "as JSON, an array of one object a file");
+  inspect->add_option("--page", arguments.page, "write an HTML page with the course of every channel to this file");
   auto* schema = app.add_subcommand("schema", "print the reference of the case file");
   schema->add_flag("--json", arguments.json, "as a JSON Schema, for editors");
   schema->add_flag("--laws", arguments.laws, "list the connector laws and their parameters");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "kalfem/pipeline/run_study.hpp"
 
@@ -18,6 +19,8 @@ ExitCode check(const std::string& case_file, const std::string& page_file);
 /// check of a deck alone: its contents, the cards that kalfem ignores, and the model check. `units`: none (SI) or
 /// length, mass and time.
 ExitCode check_deck(const std::string& file, const std::vector<std::string>& units, const std::string& page_file);
+/// inspect: what measured files hold and what is odd about their channels, as text, JSON (one array) or a page.
+ExitCode inspect(const std::vector<std::string>& files, bool as_json, const std::string& page_file);
 /// schema: the case-file reference as text, or as JSON Schema, or the connector laws.
 ExitCode schema(bool as_json, bool laws);
 

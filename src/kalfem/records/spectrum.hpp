@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <vector>
 
 namespace kalfem {
 
@@ -33,5 +34,16 @@ private:
   double of_mean_ = 0.0;
   Eigen::VectorXd up_to_;  ///< mean square up to and with each line
 };
+
+/// Peak of a spectrum.
+struct SpectralPeak {
+  double frequency = 0.0;  ///< power-weighted over its lines [Hz]
+  double share = 0.0;      ///< of the signal's variance
+};
+
+/// The strongest peaks of the signal's spectrum, each four times as high as its surroundings and of at least 2 % of the
+/// variance; the strongest first. Welch's spectrum of eighths of the signal tells the peaks, that of the whole signal
+/// (in pieces of 2^19 samples at most) their frequencies. A sample that is not a number counts as the mean.
+std::vector<SpectralPeak> spectral_peaks(Eigen::VectorXd signal, double sample_rate, std::size_t most);
 
 }  // namespace kalfem
