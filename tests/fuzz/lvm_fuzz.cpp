@@ -16,6 +16,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     } catch (const kalfem::InvalidInput&) {  // what a reader may do with damaged input
     }
   }
+  try {
+    kalfem::read_lvm_file(file);
+  } catch (const kalfem::InvalidInput&) {
+  }
   std::filesystem::remove(file);
   return 0;
 }

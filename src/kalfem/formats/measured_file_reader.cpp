@@ -9,6 +9,7 @@
 #include "kalfem/base/text.hpp"
 #include "kalfem/formats/tables/csv.hpp"
 #include "kalfem/formats/tables/lvm.hpp"
+#include "kalfem/formats/tdms/tdms.hpp"
 #include "kalfem/formats/universal/universal.hpp"
 
 namespace kalfem {
@@ -31,12 +32,6 @@ MeasuredFile measured_file_of(Record record, std::string format) {
   }
   return file;
 }
-
-MeasuredFile read_lvm_file(const std::filesystem::path& file) {
-  return measured_file_of(read_lvm(file, true), "LabVIEW measurement file");
-}
-
-bool begins_lvm(std::string_view head) { return head.starts_with("LabVIEW Measurement"); }
 
 /// A kind of file that programs write and that holds no measured data in a form that is read.
 struct ForeignKind {
@@ -100,6 +95,7 @@ const std::vector<MeasuredFormat>& measured_formats() {
   static const std::vector<MeasuredFormat> formats = {
       {"universal file", {".unv", ".uff", ".uf", ".uf58", ".58", ".bunv"}, begins_universal, read_universal},
       {"LabVIEW measurement file", {".lvm"}, begins_lvm, read_lvm_file},
+      {"TDMS file", {".tdms"}, begins_tdms, read_tdms},
   };
   return formats;
 }

@@ -77,6 +77,7 @@ struct MeasuredFile {
   std::vector<MeasuredLine> lines = {};
   std::string description = {};
   std::vector<std::string> skipped = {};  ///< parts that are not read: what and where, a sentence each
+  std::vector<std::string> notes = {};    ///< contradictions of the file, and how it was taken, a sentence each
 };
 
 }  // namespace kalfem

@@ -180,9 +180,9 @@ std::vector<Table> tables_of(const Inspection& inspection) {
   return tables;
 }
 
-/// "a3: clipped above at ...": every finding of every channel.
+/// Of the file, then of every channel, "a3: clipped above at ...".
 std::vector<std::string> all_findings(const Inspection& inspection) {
-  std::vector<std::string> all;
+  std::vector<std::string> all = inspection.content.notes;
   for (std::size_t i = 0; i < inspection.channels.size(); ++i)
     for (const auto& words : findings_of(inspection.content.channels[i], inspection.channels[i]))
       all.push_back(inspection.content.channels[i].name + ": " + words);
@@ -277,9 +277,9 @@ Json channel_json(const MeasuredChannel& channel, const ChannelStatistics& found
 
 Json inspection_json(const Inspection& inspection) {
   const auto& content = inspection.content;
-  Json json{{"file", inspection.file},    {"format", content.format}, {"channels", Json::array()},
-            {"functions", Json::array()}, {"shapes", Json::array()},  {"nodes", content.nodes.size()},
-            {"skipped", content.skipped}};
+  Json json{{"file", inspection.file},    {"format", content.format},  {"channels", Json::array()},
+            {"functions", Json::array()}, {"shapes", Json::array()},   {"nodes", content.nodes.size()},
+            {"notes", content.notes},     {"skipped", content.skipped}};
   for (std::size_t i = 0; i < inspection.channels.size(); ++i)
     json["channels"].push_back(channel_json(content.channels[i], inspection.channels[i]));
   for (const auto& each : content.functions)

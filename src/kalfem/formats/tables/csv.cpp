@@ -116,9 +116,7 @@ std::vector<std::size_t> positions_of(const std::vector<std::string>& wanted, co
 /// Name of the time column of a file with these columns, or "" when it has none.
 std::string find_time_column(const std::vector<std::string>& names, const std::string& asked, FileProblems& problems) {
   if (asked.empty()) {
-    constexpr std::array known{"t", "time", "t_s", "time_s", "x_value", "zeit"};
-    const std::string first = lower_case(names.front());
-    return std::ranges::find(known, first) != known.end() ? names.front() : "";
+    return is_time_name(names.front()) ? names.front() : "";
   }
   if (std::ranges::find(names, asked) != names.end()) return asked;
   const auto position = parse_number(asked, '.');

@@ -8,176 +8,450 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
+#include "kalfem/records/time_stamps.hpp"
 
 namespace kalfem {
 
 namespace {
 
 using Cells = std::vector<std::string_view>;
+using Eigen::Index;
+using Eigen::VectorXd;
 
-/// Both header blocks as key -> cells after it; the later block wins.
+constexpr std::string_view end_of_header = "***End_of_Header***";
+
+/// Keys of the file's header and of a segment's -> cells after them; the segment's win.
 struct Header {
   std::map<std::string, Cells, std::less<>> entries;
   std::map<std::string, int, std::less<>> lines;
-  char separator = '\t';
-  char decimal = '.';
-  std::size_t length = 0;  ///< lines up to the second end-of-header
 
   [[nodiscard]] std::string_view first(const std::string& key) const {
     const auto found = entries.find(key);
     return found == entries.end() || found->second.empty() ? std::string_view() : found->second.front();
   }
+  [[nodiscard]] int line_of(const std::string& key) const {
+    const auto found = lines.find(key);
+    return found == lines.end() ? 0 : found->second;
+  }
 };
 
-constexpr std::string_view end_of_header = "***End_of_Header***";
+/// How the file is written.
+struct Dialect {
+  char separator = '\t';
+  char decimal = '.';
+};
 
-// A LabVIEW measurement file has two headers, one of the file and one of the segment, each closed by
-// ***End_of_Header***. Each line is a key and its cells, one for each channel. The separator must be known before the
-// lines can be split, so it is looked for as text.
-Header read_header(const std::vector<TextLine>& lines, FileProblems& problems) {
+enum class TimeColumns { none, one, of_each };
+
+/// A segment as its lines say it.
+struct Segment {
   Header header;
-  int blocks = 0;
-  for (const auto& line : lines) {
-    ++header.length;
-    if (line.text.starts_with("Separator") && line.text.find("Comma") != std::string_view::npos) header.separator = ',';
-    Cells cells = split_cells(line.text, header.separator);
-    const std::string key(cells.front());
-    if (key == end_of_header && ++blocks == 2) break;
-    cells.erase(cells.begin());
-    header.lines[key] = line.number;
-    header.entries[key] = std::move(cells);
-  }
-  if (blocks < 2)
-    problems.add(0, "the file has " + std::to_string(blocks) + " of the two " + std::string(end_of_header) + " marks",
-                 "this is not a complete LabVIEW measurement file");
-  if (header.first("Decimal_Separator") == ",") header.decimal = ',';
-  return header;
-}
+  TextLine titles;
+  std::vector<TextLine> rows;
+};
 
-/// The number of a header entry that must be the same for all channels.
-double common_number(const Header& header, const std::string& key, std::size_t channels, FileProblems& problems) {
-  const auto entry = header.entries.find(key);
-  const int line = entry == header.entries.end() ? 0 : header.lines.at(key);
-  std::optional<double> common;
-  for (std::size_t j = 0; entry != header.entries.end() && j < std::min(channels, entry->second.size()); ++j) {
-    const auto number = parse_number(entry->second[j], header.decimal);
-    if (!number || !std::isfinite(*number) || (common && *common != *number)) {
-      problems.add(line, key + " of channel " + std::to_string(j + 1) + " is '" + std::string(entry->second[j]) + "'",
-                   "it must be a number and the same for all channels", "resample or split the file");
-      return NAN;
+/// A channel of a segment with the lines of its samples.
+struct SegmentChannel {
+  MeasuredChannel channel;
+  VectorXd stamps;         ///< X_Value, with X0; empty: there is no such column
+  std::vector<int> lines;  ///< of the samples
+};
+
+struct Contents {
+  std::vector<std::vector<SegmentChannel>> segments;
+  std::vector<std::string> notes;
+};
+
+class LvmReader {
+public:
+  LvmReader(const std::filesystem::path& path, bool missing)
+      : path_(path.string()), text_(read_text(path)), lines_(split_lines(text_)), problems_(path_), missing_(missing) {}
+
+  Contents read() {
+    split();
+    problems_.raise();
+    for (const auto& segment : segments_) {
+      read_segment(segment);
+      problems_.raise();
     }
-    common = number;
+    return std::move(contents_);
   }
-  if (!common) problems.add(line, "the header has no " + key, "the time axis depends on it");
-  return common.value_or(NAN);
-}
 
-std::size_t channel_count(const Header& header, FileProblems& problems) {
-  const auto number = parse_number(header.first("Channels"), '.');
-  if (number && *number >= 1 && *number <= 1e6 && *number == std::floor(*number))
-    return static_cast<std::size_t>(*number);
-  problems.add(0, "the header names '" + std::string(header.first("Channels")) + "' channels",
-               "a positive whole number is required");
-  return 0;
-}
+private:
+  // --- lines ---
 
-/// Names and units; the titles stand in the line after the header, the first of them is that of the time.
-std::vector<Channel> channels_of(const Header& header, const TextLine& line, std::size_t count,
-                                 FileProblems& problems) {
-  const Cells titles = split_cells(line.text, header.separator);
-  std::vector<Channel> channels;
-  if (titles.size() < count + 1) {
-    problems.add(line.number, "the line of names has " + std::to_string(titles.size()) + " cells",
-                 "the time and each of the " + std::to_string(count) + " channels need a name");
+  // The separator must be known before the lines can be split, so it is looked for as text.
+  void split() {
+    std::size_t at = 0;
+    Header header;
+    if (!read_header(at, header)) return refuse_header(0);
+    if (header.first("Decimal_Separator") == ",") dialect_.decimal = ',';
+    while (at < lines_.size()) {
+      Segment segment{.header = header, .titles = {}, .rows = {}};
+      if (!read_header(at, segment.header)) {
+        if (segments_.empty()) return refuse_header(1);
+        contents_.notes.push_back(path_ + ": the header of segment " + std::to_string(segments_.size() + 1) +
+                                  " is cut off: the segment is left out");
+        break;
+      }
+      if (at < lines_.size()) segment.titles = lines_[at++];
+      for (; at < lines_.size() && !begins_segment(lines_[at].text); ++at)
+        if (!trimmed(lines_[at].text).empty()) segment.rows.push_back(lines_[at]);
+      segments_.push_back(std::move(segment));
+      while (at < lines_.size() && trimmed(lines_[at].text).empty()) ++at;
+    }
+    if (segments_.empty() && problems_.empty()) refuse_header(1);
+  }
+
+  void refuse_header(int blocks) {
+    problems_.add(0, "the file has " + std::to_string(blocks) + " of the two " + std::string(end_of_header) + " marks",
+                  "this is not a complete LabVIEW measurement file");
+  }
+
+  [[nodiscard]] static bool begins_segment(std::string_view line) {
+    for (const std::string_view key :
+         {std::string_view("Channels"), std::string_view("***Start_Special***"), end_of_header})
+      if (line.starts_with(key)) return true;
+    return false;
+  }
+
+  /// Whether the header has its end.
+  bool read_header(std::size_t& at, Header& header) {
+    bool special = false;
+    while (at < lines_.size()) {
+      const auto& line = lines_[at++];
+      if (line.text.starts_with("Separator"))
+        dialect_.separator = line.text.find("Comma") != std::string_view::npos ? ',' : '\t';
+      Cells cells = split_cells(line.text, dialect_.separator);
+      const std::string key(cells.front());
+      if (key == end_of_header) return true;
+      if (key == "***Start_Special***" || key == "***End_Special***") special = key == "***Start_Special***";
+      if (special || key.empty()) continue;
+      cells.erase(cells.begin());
+      header.lines[key] = line.number;
+      header.entries[key] = std::move(cells);
+    }
+    return false;
+  }
+
+  // --- a segment ---
+
+  void read_segment(const Segment& segment) {
+    const std::size_t count = channel_count(segment.header);
+    problems_.raise();
+    if (segment.titles.number == 0 || segment.rows.empty()) {
+      if (segments_.size() == 1) return problems_.add(0, "the file ends after its header", "there are no samples");
+      contents_.notes.push_back(path_ + ":" + std::to_string(segment.header.line_of("Channels")) +
+                                ": the segment that begins here has no samples");
+      return;
+    }
+    const auto columns = times_of(segment);
+    auto channels = titles_of(segment, count, columns);
+    problems_.raise();
+    read_rows(segment, columns, channels);
+    problems_.raise();
+    for (std::size_t j = 0; j < count; ++j) set_axis(segment.header, j, channels[j]);
+    if (!channels.empty() && channels.front().lines.empty())
+      problems_.add(0, "the file ends after its header", "there are no samples");
+    contents_.segments.push_back(std::move(channels));
+  }
+
+  std::size_t channel_count(const Header& header) {
+    const auto number = parse_number(header.first("Channels"), '.');
+    if (number && *number >= 1 && *number <= 1e6 && *number == std::floor(*number))
+      return static_cast<std::size_t>(*number);
+    problems_.add(header.line_of("Channels"),
+                  "the header names '" + std::string(header.first("Channels")) + "' channels",
+                  "a positive whole number is required");
+    return 0;
+  }
+
+  static TimeColumns times_of(const Segment& segment) {
+    const auto said = segment.header.first("X_Columns");
+    return said == "No" ? TimeColumns::none : said == "Multi" ? TimeColumns::of_each : TimeColumns::one;
+  }
+
+  /// Column of a channel's values.
+  static std::size_t column_of(std::size_t channel, TimeColumns times) {
+    return times == TimeColumns::of_each ? 2 * channel + 1 : channel + 1;
+  }
+
+  std::vector<SegmentChannel> titles_of(const Segment& segment, std::size_t count, TimeColumns times) {
+    const Cells titles = split_cells(segment.titles.text, dialect_.separator);
+    std::vector<SegmentChannel> channels;
+    if (titles.size() <= column_of(count - 1, times)) {
+      problems_.add(segment.titles.number, "the line of names has " + std::to_string(titles.size()) + " cells",
+                    "the time and each of the " + std::to_string(count) + " channels need a name");
+      return channels;
+    }
+    const auto units = segment.header.entries.find("Y_Unit_Label");
+    for (std::size_t j = 0; j < count; ++j) {
+      const bool has_unit = units != segment.header.entries.end() && j < units->second.size();
+      channels.push_back(
+          {{.name = std::string(titles[column_of(j, times)]), .unit = has_unit ? std::string(units->second[j]) : ""},
+           {},
+           {}});
+    }
     return channels;
   }
-  const auto units = header.entries.find("Y_Unit_Label");
-  for (std::size_t j = 0; j < count; ++j) {
-    const bool has_unit = units != header.entries.end() && j < units->second.size();
-    channels.push_back({std::string(titles[j + 1]), has_unit ? std::string(units->second[j]) : ""});
-  }
-  return channels;
-}
 
-/// Line by line: the time where there is one, the channels; a comment after them is left out.
-NumberRows read_rows(const std::vector<TextLine>& lines, const Header& header, bool has_time,
-                     const std::vector<Channel>& channels, bool missing, FileProblems& problems) {
-  std::vector<std::string> names{"X_Value"};
-  for (const auto& channel : channels) names.push_back(channel.name);
-  std::vector<std::size_t> columns(channels.size() + (has_time ? 1 : 0));
-  std::iota(columns.begin(), columns.end(), std::size_t{has_time ? 0u : 1u});
-
-  NumberRows rows(columns, names, header.decimal);
-  if (missing) rows.allow_missing_from(has_time ? 1 : 0);
-  for (std::size_t i = header.length + 1; i < lines.size(); ++i) {
-    const TextLine& line = lines[i];
-    if (trimmed(line.text).empty()) continue;
-    if (line.text.starts_with("Channels") || line.text.starts_with(end_of_header)) {
-      problems.add(line.number, "a second segment begins here", "only one segment can be read", "split the file");
-      break;
+  // Line by line: times and channels; a comment after them is left out.
+  void read_rows(const Segment& segment, TimeColumns times, std::vector<SegmentChannel>& channels) {
+    const std::size_t needed = column_of(channels.size() - 1, times) + 1, first = times == TimeColumns::none ? 1 : 0;
+    std::vector<std::size_t> columns(needed - first);
+    std::iota(columns.begin(), columns.end(), first);
+    const Cells titles = split_cells(segment.titles.text, dialect_.separator);
+    NumberRows rows(columns, {titles.begin(), titles.end()}, dialect_.decimal);
+    if (missing_ || times == TimeColumns::of_each) rows.allow_missing_from(times == TimeColumns::one ? 1 : 0);
+    for (const TextLine& line : segment.rows) {
+      const Cells cells = split_cells(line.text, dialect_.separator);
+      if (is_cut_off(segment, line, cells.size(), needed)) break;
+      if (cells.size() >= needed)
+        rows.add(line.number, cells, problems_);
+      else
+        problems_.add(line.number, "the line has " + std::to_string(cells.size()) + " cells",
+                      std::to_string(needed) + " are required", "correct the line");
     }
-    const Cells cells = split_cells(line.text, header.separator);
-    if (cells.size() > channels.size())
-      rows.add(line.number, cells, problems);
-    else
-      problems.add(line.number, "the line has " + std::to_string(cells.size()) + " cells",
-                   std::to_string(channels.size() + 1) + " are required", "correct the line");
+    if (!problems_.empty()) return;
+    distribute(segment.header, rows, times, channels);
   }
-  return rows;
+
+  /// The file's last line, if it has too few cells, or ends in a cell that may lack digits because more lines were to
+  /// come.
+  bool is_cut_off(const Segment& segment, const TextLine& line, std::size_t cells, std::size_t needed) {
+    const bool last = line.text.data() + line.text.size() == text_.data() + text_.size();
+    if (!last || segment.rows.size() < 2) return false;
+    const auto usual = split_cells(segment.rows.front().text, dialect_.separator).size();
+    const bool more_to_come = declared(segment.header, 0).value_or(0.0) > static_cast<double>(segment.rows.size());
+    if (cells >= needed && !(more_to_come && cells <= std::min(usual, needed))) return false;
+    contents_.notes.push_back(path_ + ":" + std::to_string(line.number) + ": the last line is cut off and left out");
+    return true;
+  }
+
+  [[nodiscard]] std::optional<double> declared(const Header& header, std::size_t channel) const {
+    const auto entry = header.entries.find("Samples");
+    if (entry == header.entries.end() || entry->second.empty()) return std::nullopt;
+    return parse_number(entry->second[std::min(channel, entry->second.size() - 1)], dialect_.decimal);
+  }
+
+  void distribute(const Header& header, const NumberRows& rows, TimeColumns times,
+                  std::vector<SegmentChannel>& channels) {
+    const auto values = rows.by_column();
+    for (std::size_t j = 0; j < channels.size(); ++j) {
+      auto& [channel, stamps, lines] = channels[j];
+      const auto column = static_cast<Index>(column_of(j, times)) - (times == TimeColumns::none ? 1 : 0);
+      const Index count = samples_of(header, j, values.row(column));
+      channel.values = values.row(column).head(count).transpose();
+      if (times != TimeColumns::none)
+        stamps = values.row(times == TimeColumns::one ? 0 : column - 1).head(count).transpose();
+      lines.assign(rows.lines().begin(), rows.lines().begin() + count);
+      check_stamps(channel.name, stamps, lines);
+    }
+    note_counts(header, channels);
+  }
+
+  /// A channel that declares fewer samples than there are lines ends with its last number.
+  [[nodiscard]] Index samples_of(const Header& header, std::size_t j,
+                                 const Eigen::Ref<const Eigen::RowVectorXd>& row) const {
+    Index count = row.size();
+    const auto said = declared(header, j);
+    while (said && static_cast<double>(count) > *said && count > 0 && std::isnan(row[count - 1])) --count;
+    return count;
+  }
+
+  void check_stamps(const std::string& name, const VectorXd& stamps, const std::vector<int>& lines) {
+    for (Index k = 0; k < stamps.size(); ++k)
+      if (!std::isfinite(stamps[k]))
+        problems_.add(lines[static_cast<std::size_t>(k)], "the time of channel '" + name + "' is missing",
+                      "every sample needs its time", "correct the line");
+  }
+
+  void note_counts(const Header& header, const std::vector<SegmentChannel>& channels) {
+    for (std::size_t j = 0; j < channels.size(); ++j) {
+      const auto found = static_cast<double>(channels[j].channel.values.size());
+      const auto said = declared(header, j);
+      if (!said || *said == found) continue;
+      contents_.notes.push_back(path_ + ":" + std::to_string(header.line_of("Samples")) + ": the header declares " +
+                                shortest(*said) + " samples, the file contains " + shortest(found) +
+                                ": these are taken");
+      return;
+    }
+  }
+
+  // --- times ---
+
+  /// The number of a header entry for a channel, the last of them for channels behind it.
+  std::optional<double> number_for(const Header& header, const std::string& key, std::size_t channel) {
+    const auto entry = header.entries.find(key);
+    if (entry == header.entries.end() || entry->second.empty()) return std::nullopt;
+    const auto cell = entry->second[std::min(channel, entry->second.size() - 1)];
+    if (cell.empty() && channel > 0) return number_for(header, key, 0);
+    const auto number = parse_number(cell, dialect_.decimal);
+    if (number && std::isfinite(*number)) return number;
+    problems_.add(header.line_of(key),
+                  key + " of channel " + std::to_string(channel + 1) + " is '" + std::string(cell) + "'",
+                  "it must be a number", "correct the header");
+    return std::nullopt;
+  }
+
+  void set_axis(const Header& header, std::size_t j, SegmentChannel& each) {
+    const double offset = relative_start(number_for(header, "X0", j).value_or(0.0));
+    const auto interval = number_for(header, "Delta_X", j);
+    if (!problems_.empty()) return;
+    auto& channel = each.channel;
+    if (each.stamps.size() > 0) {
+      if (offset != 0.0 && std::abs(each.stamps[0] - offset) > 1e-6 * std::abs(offset)) each.stamps.array() += offset;
+      return set_stamps(header, interval.value_or(0.0), each);
+    }
+    channel.start = offset;
+    channel.interval = interval.value_or(0.0);
+    if (channel.interval > 0.0) return;
+    problems_.add(header.line_of("Delta_X"), interval ? "Delta_X is not positive" : "the header has no Delta_X",
+                  "it must be the sampling interval in seconds");
+  }
+
+  /// Seconds since 1904 become seconds since the first segment began.
+  double relative_start(double start) {
+    constexpr double calendar = 1e8;
+    if (std::abs(start) < calendar) return start;
+    if (!calendar_start_) calendar_start_ = start;
+    return start - *calendar_start_;
+  }
+
+  // Times that are printed to few decimals confirm Delta_X, which has all of them.
+  void set_stamps(const Header& header, double interval, SegmentChannel& each) {
+    auto& channel = each.channel;
+    if (each.stamps.size() == 1) {
+      channel.start = each.stamps[0];
+      channel.interval = std::max(interval, 0.0);
+      return;
+    }
+    set_times(channel, each.stamps);
+    if (!(interval > 0.0)) return;
+    const double span = each.stamps[each.stamps.size() - 1] - each.stamps[0];
+    const double usual = channel.interval > 0.0 ? channel.interval : typical_interval(each.stamps);
+    if (std::abs(usual / interval - 1.0) <= 1e-3 + (channel.interval > 0.0 ? resolution(each.stamps) / span : 0.0)) {
+      if (channel.interval > 0.0) channel.interval = interval;
+      return;
+    }
+    if (noted_interval_) return;
+    noted_interval_ = true;
+    contents_.notes.push_back(path_ + ":" + std::to_string(header.line_of("Delta_X")) + ": Delta_X is " +
+                              shortest(interval) + " s, but X_Value advances by " + shortest(usual) +
+                              " s: X_Value is taken");
+  }
+
+  std::string path_, text_;
+  std::vector<TextLine> lines_;
+  FileProblems problems_;
+  bool missing_;
+  Dialect dialect_;
+  std::vector<Segment> segments_;
+  Contents contents_;
+  std::optional<double> calendar_start_;
+  bool noted_interval_ = false;
+};
+
+VectorXd stamps_of(const SegmentChannel& each) {
+  if (each.stamps.size() > 0) return each.stamps;
+  const Index count = each.channel.values.size();
+  return VectorXd::LinSpaced(count, each.channel.start, each.channel.start + each.channel.interval * double(count - 1));
 }
 
-/// The header's own count of samples against the lines that are there.
-void check_count(const Header& header, std::size_t found, FileProblems& problems) {
-  const auto entry = header.entries.find("Samples");
-  if (entry == header.entries.end()) return;
-  double declared = 0.0;
-  for (const auto cell : entry->second) declared = std::max(declared, parse_number(cell, header.decimal).value_or(0.0));
-  if (declared <= static_cast<double>(found)) return;
-  problems.add(header.lines.at("Samples"),
-               "the header declares " + shortest(declared) + " samples, the file contains " + std::to_string(found),
-               "the file is truncated", "copy or export it again, or correct the count in the header");
+/// Whether the segment holds the same channels, each behind the end of the one before.
+bool goes_on(const std::vector<SegmentChannel>& before, const std::vector<SegmentChannel>& segment) {
+  if (before.size() != segment.size()) return false;
+  for (std::size_t j = 0; j < segment.size(); ++j) {
+    const auto &a = before[j].channel, &b = segment[j].channel;
+    if (a.name != b.name || a.unit != b.unit || a.values.size() == 0 || b.values.size() == 0) return false;
+    const VectorXd ends = stamps_of(before[j]).tail(1), starts = stamps_of(segment[j]).head(1);
+    if (!(starts[0] > ends[0])) return false;
+  }
+  return true;
+}
+
+VectorXd joined(const VectorXd& a, const VectorXd& b) {
+  VectorXd both(a.size() + b.size());
+  both << a, b;
+  return both;
+}
+
+void append(std::vector<SegmentChannel>& to, const std::vector<SegmentChannel>& segment) {
+  for (std::size_t j = 0; j < to.size(); ++j) {
+    to[j].stamps = joined(stamps_of(to[j]), stamps_of(segment[j]));
+    to[j].channel.values = joined(to[j].channel.values, segment[j].channel.values);
+    to[j].lines.insert(to[j].lines.end(), segment[j].lines.begin(), segment[j].lines.end());
+    set_times(to[j].channel, to[j].stamps);
+  }
+}
+
+/// The channels of all segments; those that go on are joined, the others numbered.
+std::vector<SegmentChannel> all_channels(Contents& contents) {
+  std::vector<std::vector<SegmentChannel>> parts;
+  for (auto& segment : contents.segments) {
+    if (!parts.empty() && goes_on(parts.back(), segment))
+      append(parts.back(), segment);
+    else
+      parts.push_back(std::move(segment));
+  }
+  std::vector<SegmentChannel> all;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    for (auto& each : parts[i]) {
+      if (parts.size() > 1) each.channel.name += " (segment " + std::to_string(i + 1) + ")";
+      all.push_back(std::move(each));
+    }
+  return all;
 }
 
 }  // namespace
 
-// The interval Delta_X sets the rate. If there is a time column, it must agree with the rate, and its first value is
-// added to X0.
-Record read_lvm(const std::filesystem::path& path, bool missing) {
-  const std::string text = read_text(path);
-  const std::vector<TextLine> lines = split_lines(text);
+bool begins_lvm(std::string_view head) { return head.starts_with("LabVIEW Measurement"); }
+
+MeasuredFile read_lvm_file(const std::filesystem::path& path) {
+  auto contents = LvmReader(path, true).read();
+  MeasuredFile file{.format = "LabVIEW measurement file"};
+  for (auto& each : all_channels(contents)) file.channels.push_back(std::move(each.channel));
+  file.notes = std::move(contents.notes);
+  return file;
+}
+
+namespace {
+
+/// The sampling rate that all channels share. Times that are uneven beyond jitter become problems with their lines.
+TimeAxis common_axis(const std::vector<SegmentChannel>& channels, FileProblems& problems) {
+  const auto& first = channels.front();
+  for (const auto& each : channels)
+    if (each.channel.interval != first.channel.interval || each.channel.start != first.channel.start ||
+        each.channel.times != first.channel.times || each.channel.values.size() != first.channel.values.size()) {
+      problems.add(0, "channels '" + first.channel.name + "' and '" + each.channel.name + "' have different times",
+                   "a record needs one time axis", "export them with X_Columns One, or to a file each");
+      return {};
+    }
+  if (first.channel.times.size() > 0)
+    return time_axis(first.channel.times, first.lines, {.column = "X_Value"}, problems);
+  if (!(first.channel.interval > 0.0))
+    problems.add(0, "the file has one sample and no Delta_X", "the time axis depends on it");
+  return {first.channel.start, 1.0 / first.channel.interval};
+}
+
+}  // namespace
+
+Record read_lvm(const std::filesystem::path& path, bool missing, std::vector<std::string>* notes) {
+  auto contents = LvmReader(path, missing).read();
+  const auto channels = all_channels(contents);
   FileProblems problems(path.string());
-
-  const Header header = read_header(lines, problems);
-  if (header.first("X_Columns") == "Multi")
-    problems.add(header.lines.at("X_Columns"), "X_Columns is Multi: every channel has its own times",
-                 "a record needs one time axis", "export with X_Columns One");
+  if (channels.empty()) problems.add(0, "the file ends after its header", "there are no samples");
   problems.raise();
-  const std::size_t count = channel_count(header, problems);
-  const double interval = common_number(header, "Delta_X", count, problems);
-  double start = common_number(header, "X0", count, problems);
-  if (problems.empty() && !(interval > 0.0))
-    problems.add(header.lines.at("Delta_X"), "Delta_X is not positive", "it must be the sampling interval in seconds");
-  if (header.length >= lines.size()) problems.add(0, "the file ends after its header", "there are no samples");
+  const TimeAxis axis = common_axis(channels, problems);
   problems.raise();
-
-  const auto channels = channels_of(header, lines[header.length], count, problems);
-  problems.raise();
-  const bool has_time = header.first("X_Columns") != "No";
-  const NumberRows rows = read_rows(lines, header, has_time, channels, missing, problems);
-  if (rows.lines().empty())
-    problems.add(0, "the file ends after its header", "there are no samples");
-  else if (problems.empty())
-    check_count(header, rows.lines().size(), problems);
-  problems.raise();
-
-  const auto values = rows.by_column();
-  const double sample_rate = 1.0 / interval;
-  if (has_time && values.cols() > 1)
-    start +=
-        time_axis(values.row(0).transpose(), rows.lines(), {.column = "X_Value", .sample_rate = sample_rate}, problems)
-            .start;
-  problems.raise();
-  return {sample_rate, start, channels, values.bottomRows(static_cast<Eigen::Index>(count))};
+  Record record{.sample_rate = axis.sample_rate, .start = axis.start};
+  record.values.resize(std::ssize(channels), channels.front().channel.values.size());
+  for (const auto& each : channels) {
+    record.values.row(std::ssize(record.channels)) = each.channel.values.transpose();
+    record.channels.push_back({each.channel.name, each.channel.unit});
+  }
+  if (notes != nullptr) notes->insert(notes->end(), contents.notes.begin(), contents.notes.end());
+  return record;
 }
 
 }  // namespace kalfem

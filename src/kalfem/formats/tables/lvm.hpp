@@ -1,21 +1,32 @@
 #pragma once
 
 #include <filesystem>
+#include <string_view>
 
+#include "kalfem/records/measured_file.hpp"
 #include "kalfem/records/record.hpp"
 
 namespace kalfem {
 
-/// Reads a LabVIEW measurement file (.lvm, text, version 2): two header blocks that end with ***End_of_Header***, the
-/// channel names, then one line per sample with an optional comment in the last column.
+/// Whether a file that begins with these bytes is a LabVIEW measurement file.
+bool begins_lvm(std::string_view head);
+
+/// Reads a LabVIEW measurement file (.lvm, text, version 2): a header of the file, then for each segment a header, the
+/// channel names and one line a sample with an optional comment in the last column. Headers end with
+/// ***End_of_Header***; Separator and Decimal_Separator are obeyed, units are Y_Unit_Label.
 ///
-/// A file with fewer lines of samples than its header declares was cut off: InvalidInput with both counts.
+/// The lines decide how many samples there are; where a header declares another number, `notes` says so. A last line
+/// that was cut off is left out. Times are X0 + X_Value where there is a column of them (X_Columns One), or one a
+/// channel (Multi); where they contradict Delta_X they count, and `notes` says so. Without them (X_Columns No) they
+/// follow from X0 and Delta_X. Segments of the same channels that follow each other in time are joined; others are
+/// channels of their own, "a (segment 2)". Cells that are empty, NaN, NA and the like are missing samples.
 ///
-/// The sampling rate is 1 / Delta_X, the first time X0 (plus X_Value of the first line where there is one), units are
-/// Y_Unit_Label; Separator and Decimal_Separator are obeyed. Values are left in the file's units. X_Columns may be One
-/// or No. Throws InvalidInput with file and line for cells that are no finite numbers, missing samples, channels of
-/// different Delta_X, X_Columns Multi, and files of more than one segment. With `missing`, cells that are empty, NaN,
-/// NA and the like become NaN.
-Record read_lvm(const std::filesystem::path& path, bool missing = false);
+/// Throws InvalidInput with file and line for other cells that are no finite numbers, and where names, samples or times
+/// are missing.
+MeasuredFile read_lvm_file(const std::filesystem::path& path);
+
+/// The same as a record: all channels must have the same even times. Throws InvalidInput where they do not, and,
+/// without `missing`, where samples are missing. What the file's notes say is added to `notes`.
+Record read_lvm(const std::filesystem::path& path, bool missing = false, std::vector<std::string>* notes = nullptr);
 
 }  // namespace kalfem

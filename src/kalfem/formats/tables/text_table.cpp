@@ -12,6 +12,7 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/text.hpp"
 #include "kalfem/base/units.hpp"
+#include "kalfem/records/time_stamps.hpp"
 
 namespace kalfem {
 
@@ -182,28 +183,6 @@ std::string shown(double value) {
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 8).ptr};
 }
 
-/// One unit of the last decimal to which the stamps are written, from the last of them: formats with a fixed number of
-/// digits are coarsest there. Zero when they have all the digits of a double.
-double resolution(const Eigen::VectorXd& stamps) {
-  const Eigen::VectorXd last = stamps.tail(std::min<Eigen::Index>(64, stamps.size()));
-  for (double unit = 1.0, scale = 1.0; scale < 1e12; scale *= 10.0, unit = 1.0 / scale) {
-    const Eigen::ArrayXd counts = last.array() * scale;
-    const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::max(1.0, counts.abs().maxCoeff());
-    if ((counts - counts.round()).abs().maxCoeff() <= rounding) return unit;
-  }
-  return 0.0;
-}
-
-/// Median over windows of many intervals: neither rounding nor a few gaps move it.
-double typical_interval(const Eigen::VectorXd& stamps) {
-  const Eigen::Index window = std::clamp<Eigen::Index>(stamps.size() / 4, 1, 50);
-  Eigen::VectorXd intervals =
-      (stamps.tail(stamps.size() - window) - stamps.head(stamps.size() - window)) / static_cast<double>(window);
-  double* middle = intervals.data() + intervals.size() / 2;
-  std::nth_element(intervals.data(), middle, intervals.data() + intervals.size());
-  return *middle;
-}
-
 /// By how much rounding to `unit` may move an interval; nothing when that is too much to see a gap. Coarse stamps that
 /// count whole units (0, 1, 2 ...) are not rounded at all.
 std::optional<double> visible_rounding(double unit, double interval) {
@@ -227,15 +206,6 @@ void find_gaps(const Eigen::VectorXd& stamps, const std::vector<int>& lines, dou
                                     (missing >= 1.0 ? "; " + shown(missing) + " samples are missing" : ""),
                  "cut the record here, or resample it to equal intervals");
   }
-}
-
-/// The number of fewest decimals within `uncertainty` of the rate.
-double roundest(double rate, double uncertainty) {
-  for (double scale = 1.0; scale <= 1e6; scale *= 10.0) {
-    const double candidate = std::round(rate * scale) / scale;
-    if (candidate > 0.0 && std::abs(candidate - rate) <= uncertainty) return candidate;
-  }
-  return rate;
 }
 
 }  // namespace
@@ -316,6 +286,11 @@ Channel channel_of(std::string_view title) {
   Channel channel = split_title(title, '(', ')');
   if (is_written_like_a_unit(channel.unit)) return channel;
   return {std::string(title), ""};
+}
+
+bool is_time_name(std::string_view name) {
+  constexpr std::array known{"t", "time", "t_s", "time_s", "x_value", "zeit"};
+  return std::ranges::find(known, lower_case(name)) != known.end();
 }
 
 Eigen::Index find_channel(const std::vector<Channel>& channels, std::string_view wanted) {

@@ -108,6 +108,9 @@ TimeAxis time_axis(const Eigen::VectorXd& stamps, const std::vector<int>& lines,
 /// "(dB)"); otherwise they belong to the name, as in "Displacement (filtered)" or "Channel (2)".
 Channel channel_of(std::string_view title);
 
+/// Whether a column of this name (without unit) holds times: t, time, t_s, time_s, x_value, zeit.
+bool is_time_name(std::string_view name);
+
 /// Column of the channel that `wanted` names with or without its unit, or -1.
 Eigen::Index find_channel(const std::vector<Channel>& channels, std::string_view wanted);
 

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+namespace kalfem {
+
+/// The bytes of a file as they lie on the disk, which the system brings into memory where they are looked at: files
+/// larger than the memory can be read from front to back.
+class MappedFile {
+public:
+  /// Throws InvalidInput where the file cannot be read.
+  explicit MappedFile(const std::filesystem::path& path);
+  MappedFile(const MappedFile&) = delete;
+  MappedFile& operator=(const MappedFile&) = delete;
+  ~MappedFile();
+
+  [[nodiscard]] std::string_view bytes() const { return {static_cast<const char*>(address_), size_}; }
+
+private:
+  void* address_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+}  // namespace kalfem

@@ -1,0 +1,10 @@
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/formats/tdms/tdms.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  try {
+    kalfem::parse_tdms({reinterpret_cast<const char*>(data), size}, "fuzz.tdms");
+  } catch (const kalfem::InvalidInput&) {  // what a reader may do with damaged input
+  }
+  return 0;
+}
