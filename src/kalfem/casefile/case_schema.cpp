@@ -143,7 +143,9 @@ Schema<Sensor> sensor() {
           .optional("chain", &Sensor::chain, measurement_chain(),
                     "measurement chain: dynamics between the quantity and its recorded sample")
           .optional("channel", &Sensor::channel, text(),
-                    "title of its column in the record, with or without the unit; default: the sensor's name")
+                    "title of its column in the record, with or without the unit, or a node and direction as \"12:+Z\" "
+                    "in a file "
+                    "that has them; default: the sensor's name")
           .optional("unit", &Sensor::unit, located(text()),
                     "unit of its column, if it differs from record.unit; for an acceleration, g is standard gravity; "
                     "default: the unit in the column's title, otherwise SI")
@@ -165,7 +167,8 @@ Schema<Record> record() {
 
   return mapping(
       Fields<Record>()
-          .required("file", &Record::file, located(path()), "file of the measured record: .csv, .lvm or .h5")
+          .required("file", &Record::file, located(path()),
+                    "file of the measured record: .csv, .lvm, .h5, .unv, ...; see docs/records.md")
           .optional("sample_rate", &Record::sample_rate, number("Hz", plausible::frequency()),
                     "sampling rate, if the file does not state it")
           .optional("unit", &Record::unit, located(text()),

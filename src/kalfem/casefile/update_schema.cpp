@@ -67,8 +67,10 @@ kalfem::Case<ModalData> modal_data() {
 kalfem::Case<FrfData> frf_data() {
   const auto table =
       Fields<FrfFile>()
-          .required("file", &FrfFile::file, located(path()),
-                    "table: frequency, then for each output one complex column (1.2+3.4j), two columns, or a magnitude")
+          .required(
+              "file", &FrfFile::file, located(path()),
+              "table: frequency, then for each output one complex column (1.2+3.4j), two columns, or a magnitude; or a "
+              "universal file")
           .optional("values", &FrfFile::values,
                     choice<FrfColumnContent>({{"complex", FrfColumnContent::complex, "real and imaginary part"},
                                               {"magnitude", FrfColumnContent::magnitude, "|H|"},
