@@ -7,10 +7,12 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/text.hpp"
+#include "kalfem/formats/matlab/matlab_file.hpp"
 #include "kalfem/formats/tables/csv.hpp"
 #include "kalfem/formats/tables/lvm.hpp"
 #include "kalfem/formats/tdms/tdms.hpp"
 #include "kalfem/formats/universal/universal.hpp"
+#include "kalfem/formats/wav.hpp"
 
 namespace kalfem {
 namespace {
@@ -96,6 +98,8 @@ const std::vector<MeasuredFormat>& measured_formats() {
       {"universal file", {".unv", ".uff", ".uf", ".uf58", ".58", ".bunv"}, begins_universal, read_universal},
       {"LabVIEW measurement file", {".lvm"}, begins_lvm, read_lvm_file},
       {"TDMS file", {".tdms"}, begins_tdms, read_tdms},
+      {"WAV file", {".wav"}, begins_wav, read_wav},
+      {"MATLAB file", {".mat"}, begins_matlab, read_matlab_file},
   };
   return formats;
 }
