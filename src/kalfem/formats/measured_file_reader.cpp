@@ -8,8 +8,8 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/text.hpp"
 #include "kalfem/formats/matlab/matlab_file.hpp"
-#include "kalfem/formats/tables/csv.hpp"
 #include "kalfem/formats/tables/lvm.hpp"
+#include "kalfem/formats/tables/measured_table.hpp"
 #include "kalfem/formats/tdms/tdms.hpp"
 #include "kalfem/formats/universal/universal.hpp"
 #include "kalfem/formats/wav.hpp"
@@ -17,23 +17,7 @@
 namespace kalfem {
 namespace {
 
-using Eigen::Index;
-
 constexpr std::size_t head_length = 4096;  ///< bytes of a file that tell its format
-
-/// The channels of a table that one time axis serves.
-MeasuredFile measured_file_of(Record record, std::string format) {
-  MeasuredFile file{.format = std::move(format)};
-  for (Index j = 0; j < record.values.rows(); ++j) {
-    const Channel& channel = record.channels[static_cast<std::size_t>(j)];
-    file.channels.push_back({.name = channel.name,
-                             .unit = channel.unit,
-                             .start = record.start,
-                             .interval = 1.0 / record.sample_rate,
-                             .values = record.values.row(j).transpose()});
-  }
-  return file;
-}
 
 /// A kind of file that programs write and that holds no measured data in a form that is read.
 struct ForeignKind {
@@ -118,7 +102,9 @@ const MeasuredFormat* measured_format(const std::filesystem::path& file) {
 
 MeasuredFile read_measured_file(const std::filesystem::path& file) {
   if (const MeasuredFormat* format = measured_format(file)) return format->read(file);
-  return measured_file_of(read_csv(file, {.missing = true}), "table of text");
+  const std::string ending = lower_case(file.extension().string());
+  if (ending == ".h5" || ending == ".hdf5" || read_head(file).starts_with("\x89HDF")) return read_measured_hdf5(file);
+  return read_measured_table(file);
 }
 
 }  // namespace kalfem

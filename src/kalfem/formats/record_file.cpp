@@ -216,7 +216,7 @@ RawRecord read_raw(const std::filesystem::path& file, const std::vector<WantedCh
                    const RecordFileOptions& options) {
   const std::string path = file.string(), ending = file.extension().string();
   if (ending == ".h5" || ending == ".hdf5") return read_hdf5(path, wanted, options);
-  if (ending == ".lvm") return selected(read_lvm(file, options.missing), wanted, {path, 0});
+  if (ending == ".lvm") return selected(read_lvm(file, options.missing, options.notes), wanted, {path, 0});
   CsvOptions csv;
   csv.columns = columns_of(wanted);
   csv.sample_rate = options.sample_rate;

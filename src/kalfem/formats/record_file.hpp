@@ -29,9 +29,10 @@ double factor_to_si(const WantedChannel& wanted, const Channel& in_file, const S
 
 /// What is known of a record file beside its columns.
 struct RecordFileOptions {
-  std::optional<double> sample_rate = {};  ///< [Hz], where the file does not say it
-  std::string dataset = {};                ///< of an HDF5 file
-  bool missing = false;                    ///< samples may be missing: they become NaN
+  std::optional<double> sample_rate = {};     ///< [Hz], where the file does not say it
+  std::string dataset = {};                   ///< of an HDF5 file
+  bool missing = false;                       ///< samples may be missing: they become NaN
+  std::vector<std::string>* notes = nullptr;  ///< where contradictions of the file are added; null: nowhere
 };
 
 /// The wanted columns of a file as a record, in that order and in SI: .csv (also .txt, .dat, .tsv), .lvm, .h5 (also

@@ -110,9 +110,11 @@ void as_asked_by(const std::string& keys, const Action& action) try {
 
 PreparedRecord read_prepared(const description::Case& given) {
   const auto& asked = *given.record;
-  PreparedRecord prepared{
-      read_record_file(asked.file.value, wanted_channels(given),
-                       {.sample_rate = asked.sample_rate, .dataset = asked.group, .missing = asked.skip_missing})};
+  std::vector<std::string> notes;
+  PreparedRecord prepared{read_record_file(
+      asked.file.value, wanted_channels(given),
+      {.sample_rate = asked.sample_rate, .dataset = asked.group, .missing = asked.skip_missing, .notes = &notes})};
+  prepared.preparation = std::move(notes);
   Record& record = prepared.record;
   for (std::size_t j = 0; j < given.sensors.size(); ++j) record.channels[j].name = given.sensors[j].first;
   check_finite(record, asked);
