@@ -59,6 +59,16 @@ TEST(ChannelStatistics, NameTheStrongestFrequencyFirst) {
   EXPECT_NEAR(found.frequencies[1].frequency, 7.3, 0.01);
 }
 
+TEST(ChannelStatistics, TellTheFrequencyOfAShortSquareWave) {
+  MeasuredChannel channel{.name = "f", .interval = 1.0 / rate, .values = VectorXd(2800)};
+  for (Index k = 0; k < 2800; ++k)
+    channel.values[k] =
+        (std::sin(2.0 * std::numbers::pi * 0.5 * double(k) / rate) > 0.0 ? 1.0 : -1.0) + 1e-3 * double(k % 7);
+  const auto found = statistics_of(channel);
+  ASSERT_FALSE(found.frequencies.empty());
+  EXPECT_NEAR(found.frequencies[0].frequency, 0.5, 0.02);
+}
+
 TEST(ChannelStatistics, SeeClippingOfFineAndOfCoarseNumbers) {
   for (const double step : {0.0, 3.0 / 128.0, 3.0 / 32768.0}) {
     auto whole = sine();

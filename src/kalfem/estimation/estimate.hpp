@@ -81,9 +81,9 @@ struct EstimationResult {
   Eigen::VectorXi measured;              ///< channels measured per sample
   Eigen::VectorXd log_density;           ///< of each sample given those before, 0 if nothing was measured
   double log_likelihood = 0.0;           ///< their sum
-  Gains gains;                       ///< where they are asked for
-  UnknownsHistory unknowns_history;  ///< where it is asked for
-  Eigen::MatrixXd final_covariance;  ///< of the augmented state
+  Gains gains;                           ///< where they are asked for
+  UnknownsHistory unknowns_history;      ///< where it is asked for
+  Eigen::MatrixXd final_covariance;      ///< of the augmented state
   std::optional<EstimationFailure> failure;
   EstimationTime time;
   /// About the last values of the unknowns of the linear part, and how often it was relinearised; empty where it

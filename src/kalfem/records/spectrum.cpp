@@ -128,18 +128,22 @@ bool is_peak(const VectorXd& power, Index line) {
   return power[line] > 4.0 * near[near.size() / 2];
 }
 
-/// Power and its mean frequency in the band of two coarse lines to either side.
+/// Power in the band, and the mean frequency of its lines that have a tenth of the highest one's power: a harmonic in
+/// the same band moves the frequency no more.
 SpectralPeak refined(const PowerLines& fine, double frequency, double half_width) {
   const auto last = fine.power.size() - 1;
   const auto from = std::clamp<Index>(static_cast<Index>(std::ceil((frequency - half_width) / fine.spacing)), 1, last),
              to =
                  std::clamp<Index>(static_cast<Index>(std::floor((frequency + half_width) / fine.spacing)), from, last);
-  double power = 0.0, moment = 0.0;
+  const auto band = fine.power.segment(from, to - from + 1);
+  const double least = 0.1 * band.maxCoeff();
+  double strong = 0.0, moment = 0.0;
   for (Index k = from; k <= to; ++k) {
-    power += fine.power[k];
+    if (fine.power[k] < least) continue;
+    strong += fine.power[k];
     moment += fine.power[k] * static_cast<double>(k) * fine.spacing;
   }
-  return {power > 0.0 ? moment / power : frequency, power};
+  return {strong > 0.0 ? moment / strong : frequency, band.sum()};
 }
 
 }  // namespace

@@ -241,11 +241,15 @@ MeasuredFile read_measured_table(const std::filesystem::path& path) { return Tab
 
 namespace {
 
-std::optional<double> number_attribute(const Hdf5File& file, const std::string& dataset,
-                                       std::initializer_list<const char*> names) {
-  for (const std::string& object : {dataset, std::string("/")})
-    for (const char* name : names)
+std::optional<double> number_beside(const Hdf5File& file, const std::string& dataset,
+                                    std::initializer_list<const char*> names) {
+  const std::string group = dataset.substr(0, dataset.rfind('/'));
+  for (const char* name : names) {
+    for (const std::string& object : {dataset, std::string("/")})
       if (file.has_attribute(object, name)) return file.number_attribute(object, name);
+    const std::string beside = group + "/" + name;
+    if (file.contains(beside) && file.holds_numbers(beside) && file.shape(beside).empty()) return file.read(beside)[0];
+  }
   return std::nullopt;
 }
 
@@ -270,8 +274,7 @@ MeasuredFile read_measured_hdf5(const std::filesystem::path& path) {
       measured.skipped.push_back("dataset '" + dataset + "' is no table of numbers");
       continue;
     }
-    const auto rate =
-        number_attribute(file, dataset, {"sample_rate", "sampling_rate", "fs_Hz", "fs", "sample_rate_Hz"});
+    const auto rate = number_beside(file, dataset, {"sample_rate", "sampling_rate", "fs_Hz", "fs", "sample_rate_Hz"});
     const Eigen::MatrixXd values = file.read_matrix(dataset);
     for (Index j = 0; j < values.cols(); ++j)
       measured.channels.push_back({.name = values.cols() == 1 ? dataset : dataset + "[" + std::to_string(j) + "]",

@@ -18,7 +18,8 @@ namespace kalfem {
 /// numbers.
 MeasuredFile read_measured_table(const std::filesystem::path& path);
 
-/// The numeric datasets of an HDF5 file: one column a channel, with the attributes sample_rate (fs, fs_Hz) and unit.
+/// The numeric datasets of an HDF5 file: one column a channel, with the attributes sample_rate (fs, fs_Hz) and unit. A
+/// scalar of that name in its group states the rate as well.
 MeasuredFile read_measured_hdf5(const std::filesystem::path& path);
 
 }  // namespace kalfem
