@@ -7,6 +7,7 @@
 
 #include "base/scratch_folder.hpp"
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/formats/record_file.hpp"
 
 // What LabVIEW programs leave on a disk, beside what their headers promise.
 namespace kalfem {
@@ -16,16 +17,18 @@ using Numbers = std::vector<double>;
 
 class LvmFiles : public testing::Test {
 protected:
-  MeasuredFile read(const std::string& text) const { return read_lvm_file(write(text)); }
+  MeasuredFile read(const std::string& text) const { return read_lvm(write(text)); }
 
   std::filesystem::path write(const std::string& text) const {
     std::ofstream(folder_ / "run.lvm", std::ios::binary) << text;
     return folder_ / "run.lvm";
   }
 
-  std::string refusal(const std::string& text) const {
+  std::string refusal_as_record(const std::string& text) const {
+    const std::vector<WantedChannel> wanted = {{.column = "a", .owner = "sensors.a", .unit = "m/s^2"},
+                                               {.column = "b", .owner = "sensors.b", .unit = "m"}};
     try {
-      read_lvm(write(text), true);
+      read_record_file(write(text), wanted, {.missing = true});
     } catch (const InvalidInput& error) {
       return error.what();
     }
@@ -86,8 +89,8 @@ TEST_F(LvmFiles, HaveTheTimesOfTheirSamplesWhereTheseAreUneven) {
   ASSERT_EQ(file.channels[0].times.size(), 4);
   EXPECT_EQ(file.channels[0].times[2], 0.25);
   EXPECT_EQ(file.channels[0].interval, 0.0);
-  EXPECT_NE(refusal(file_header() + segment("4\t4", "0\t1\t1\r\n0.1\t2\t2\r\n0.25\t3\t3\r\n0.3\t4\t4\r\n"))
-                .find("'X_Value' runs from 0.1 s to 0.25 s"),
+  EXPECT_NE(refusal_as_record(file_header() + segment("4\t4", "0\t1\t1\r\n0.1\t2\t2\r\n0.25\t3\t3\r\n0.3\t4\t4\r\n"))
+                .find("runs from 0.1 s to 0.25 s"),
             std::string::npos);
 }
 
@@ -106,9 +109,10 @@ TEST_F(LvmFiles, MayHaveTimesForEachChannel) {
   EXPECT_EQ(values(file, 1), (Numbers{4, 5}));
   EXPECT_DOUBLE_EQ(file.channels[1].start, 0.5);
   EXPECT_DOUBLE_EQ(file.channels[1].interval, 0.2);
-  const auto words = refusal(file_header("Multi") + segment("3\t2", "0\t1\t0.5\t4\r\n0.1\t2\t0.7\t5\r\n0.2\t3\t\t\r\n",
-                                                            "0\t0", "X_Value\ta\tX_Value\tb\tComment"));
-  EXPECT_NE(words.find("channels 'a' and 'b' have different times"), std::string::npos) << words;
+  const auto words =
+      refusal_as_record(file_header("Multi") + segment("3\t2", "0\t1\t0.5\t4\r\n0.1\t2\t0.7\t5\r\n0.2\t3\t\t\r\n",
+                                                       "0\t0", "X_Value\ta\tX_Value\tb\tComment"));
+  EXPECT_NE(words.find("'a' is sampled at 10 Hz, 'b' at 5 Hz"), std::string::npos) << words;
 }
 
 TEST_F(LvmFiles, MayHaveNoTimes) {

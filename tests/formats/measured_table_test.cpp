@@ -9,6 +9,7 @@
 #include "base/scratch_folder.hpp"
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
+#include "kalfem/formats/record_file.hpp"
 
 namespace kalfem {
 namespace {
@@ -105,6 +106,44 @@ TEST_F(MeasuredTables, OfHdf5FilesAreTheirDatasets) {
   EXPECT_DOUBLE_EQ(file.channels[1].interval, 0.02);
   EXPECT_EQ(values(file.channels[1]), (Numbers{4, 5, 6}));
   EXPECT_EQ(file.skipped.size(), 1u);
+}
+
+const char* const bench_table =
+    "Test bench 7\r\nOperator;N. N.\r\n\r\nTime;Force;Stroke\r\ns;kN;[mm]\r\n"
+    "0,0;1,5;-2,25\r\n0,5;2,5;3\r\n1,0;3,5;4\r\n";
+
+TEST_F(MeasuredTables, WithPreambleAreRecordsInSI) {
+  std::ofstream(folder_ / "bench.csv", std::ios::binary) << bench_table;
+  const Record record = read_record_file(folder_ / "bench.csv",
+                                         {{.column = "Stroke", .owner = "sensors.stroke", .unit = "m"},
+                                          {.column = "Force", .owner = "sensors.force", .unit = "N"}},
+                                         {});
+  EXPECT_DOUBLE_EQ(record.sample_rate, 2.0);
+  EXPECT_TRUE(record.values.isApprox((Eigen::MatrixXd(2, 3) << -2.25e-3, 3e-3, 4e-3, 1500, 2500, 3500).finished()));
+}
+
+TEST_F(MeasuredTables, ArePlainWithOneLineOfNamesAndOneOfTimesAtMost) {
+  const auto is_plain = [&](const std::string& text) {
+    std::ofstream(folder_ / "a.csv", std::ios::binary) << text;
+    return is_plain_table(folder_ / "a.csv");
+  };
+  EXPECT_TRUE(is_plain("t,a\n0,1\n1,2\n2,3\n"));
+  EXPECT_TRUE(is_plain("0,1\n1,2\n2,3\n"));
+  EXPECT_TRUE(is_plain("# comment\nt,a\n0,x\n1,2\n2,3\n"));  // the plain reader names the line of the x
+  EXPECT_TRUE(is_plain("0,x\n1,2\n2,3\n3,3\n"));
+  EXPECT_TRUE(is_plain("no numbers\n"));
+  EXPECT_FALSE(is_plain(bench_table));
+  EXPECT_FALSE(is_plain("t,a\ns,mm\n0,1\n1,2\n2,3\n"));
+  EXPECT_FALSE(is_plain("t,a,t,b\n0,1,0,2\n1,2,2,3\n2,3,4,5\n"));
+}
+
+TEST_F(MeasuredTables, RefuseADamagedRowAboveTheTable) {
+  for (const char* text : {"Bench 7\nt,a\n0,x\n1,2\n2,3\n3,4\n", "Bench 7\n0,x\n1,2\n2,3\n3,4\n"}) try {
+      read(text);
+      ADD_FAILURE() << text;
+    } catch (const InvalidInput& error) {
+      EXPECT_NE(std::string(error.what()).find("begins with a number"), std::string::npos) << error.what();
+    }
 }
 
 }  // namespace

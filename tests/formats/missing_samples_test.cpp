@@ -5,8 +5,8 @@
 
 #include "base/scratch_folder.hpp"
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/formats/record_file.hpp"
 #include "kalfem/formats/tables/csv.hpp"
-#include "kalfem/formats/tables/lvm.hpp"
 
 // Records in which samples are missing, rows that are not wanted, and records that were cut off.
 namespace kalfem {
@@ -110,18 +110,23 @@ std::string lvm(const std::string& samples, const std::string& rows) {
          samples + "X0\t0\t0\t\nDelta_X\t0.5\t0.5\t\n***End_of_Header***\t\t\t\nX_Value\ta\tb\tComment\n" + rows;
 }
 
+Record lvm_record(const std::filesystem::path& path, bool missing, std::vector<std::string>* notes = nullptr) {
+  return read_record_file(path, {{.column = "a", .owner = "sensors.a", .unit = "m"}, {.column = "b", .unit = "m"}},
+                          {.missing = missing, .notes = notes});
+}
+
 TEST_F(Gaps, OfLabViewFilesAreNaNToo) {
   const auto path = file(lvm("Samples\t3\t3\n", "0\tNaN\t10\n0.5\t1\t\n1\t2\t12\n"), "a.lvm");
-  EXPECT_EQ(missing_in(read_lvm(path, true).values), (Places{{0, 0}, {1, 1}}));
-  EXPECT_NE(errors_of([&] { read_lvm(path); }).find("column 'a' holds 'NaN'"), std::string::npos);
+  EXPECT_EQ(missing_in(lvm_record(path, true).values), (Places{{0, 0}, {1, 1}}));
+  EXPECT_NE(errors_of([&] { lvm_record(path, false); }).find("channel 'a' is not a number at 0 s"), std::string::npos);
 }
 
 TEST_F(Gaps, TheLinesOfALabViewFileCountAndNotItsHeader) {
   const std::string rows = "0\t0\t10\n0.5\t1\t11\n1\t2\t12\n";
-  EXPECT_EQ(read_lvm(file(lvm("Samples\t3\t3\n", rows), "a.lvm")).samples(), 3);
-  EXPECT_EQ(read_lvm(file(lvm("", rows), "a.lvm")).samples(), 3);  // nothing is declared
+  EXPECT_EQ(lvm_record(file(lvm("Samples\t3\t3\n", rows), "a.lvm"), false).samples(), 3);
+  EXPECT_EQ(lvm_record(file(lvm("", rows), "a.lvm"), false).samples(), 3);  // nothing is declared
   std::vector<std::string> notes;
-  EXPECT_EQ(read_lvm(file(lvm("Samples\t40\t40\n", rows), "a.lvm"), false, &notes).samples(), 3);
+  EXPECT_EQ(lvm_record(file(lvm("Samples\t40\t40\n", rows), "a.lvm"), false, &notes).samples(), 3);
   ASSERT_EQ(notes.size(), 1u);
   EXPECT_NE(notes[0].find("a.lvm:8: the header declares 40 samples, the file contains 3"), std::string::npos)
       << notes[0];

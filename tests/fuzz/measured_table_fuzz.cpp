@@ -10,6 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto file = std::filesystem::temp_directory_path() / ("kalfem-fuzz-" + std::to_string(getpid()) + ".csv");
   std::ofstream(file, std::ios::binary).write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
   try {
+    kalfem::is_plain_table(file);
     kalfem::read_measured_table(file);
   } catch (const kalfem::InvalidInput&) {  // what a reader may do with damaged input
   }

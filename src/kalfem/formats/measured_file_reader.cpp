@@ -80,7 +80,7 @@ std::string read_head(const std::filesystem::path& file) {
 const std::vector<MeasuredFormat>& measured_formats() {
   static const std::vector<MeasuredFormat> formats = {
       {"universal file", {".unv", ".uff", ".uf", ".uf58", ".58", ".bunv"}, begins_universal, read_universal},
-      {"LabVIEW measurement file", {".lvm"}, begins_lvm, read_lvm_file},
+      {"LabVIEW measurement file", {".lvm"}, begins_lvm, read_lvm},
       {"TDMS file", {".tdms"}, begins_tdms, read_tdms},
       {"WAV file", {".wav"}, begins_wav, read_wav},
       {"MATLAB file", {".mat"}, begins_matlab, read_matlab_file},

@@ -13,7 +13,7 @@
 #include "kalfem/formats/measured_file_reader.hpp"
 #include "kalfem/formats/measured_selection.hpp"
 #include "kalfem/formats/tables/csv.hpp"
-#include "kalfem/formats/tables/lvm.hpp"
+#include "kalfem/formats/tables/measured_table.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
 
 namespace kalfem {
@@ -216,7 +216,6 @@ RawRecord read_raw(const std::filesystem::path& file, const std::vector<WantedCh
                    const RecordFileOptions& options) {
   const std::string path = file.string(), ending = file.extension().string();
   if (ending == ".h5" || ending == ".hdf5") return read_hdf5(path, wanted, options);
-  if (ending == ".lvm") return selected(read_lvm(file, options.missing, options.notes), wanted, {path, 0});
   CsvOptions csv;
   csv.columns = columns_of(wanted);
   csv.sample_rate = options.sample_rate;
@@ -227,12 +226,26 @@ RawRecord read_raw(const std::filesystem::path& file, const std::vector<WantedCh
 
 }  // namespace
 
-// Files that hold many things are read as a whole, and the channels are chosen from them. Tables are read in their own
-// units, and each row is scaled to SI.
+namespace {
+
+bool is_hdf5(const std::filesystem::path& file) { return file.extension() == ".h5" || file.extension() == ".hdf5"; }
+
+Record selected_from_all(const std::filesystem::path& file, const std::vector<WantedChannel>& wanted,
+                         const RecordFileOptions& options) {
+  const MeasuredFile measured = read_measured_file(file);
+  if (options.notes != nullptr)
+    options.notes->insert(options.notes->end(), measured.notes.begin(), measured.notes.end());
+  return select_record(measured, wanted, options, file);
+}
+
+}  // namespace
+
+// Files that hold many things are read as a whole, and the channels are chosen from them. Plain tables are read in
+// their own units, only the columns that are wanted, and each row is scaled to SI.
 Record read_record_file(const std::filesystem::path& file, const std::vector<WantedChannel>& wanted,
                         const RecordFileOptions& options) {
-  const MeasuredFormat* format = measured_format(file);
-  if (format != nullptr && file.extension() != ".lvm") return select_record(format->read(file), wanted, options, file);
+  if (measured_format(file) != nullptr || (!is_hdf5(file) && !is_plain_table(file)))
+    return selected_from_all(file, wanted, options);
   auto [record, titles] = read_raw(file, wanted, options);
   IssueList issues;
   Eigen::VectorXd factors(record.values.rows());

@@ -64,8 +64,8 @@ struct Contents {
 
 class LvmReader {
 public:
-  LvmReader(const std::filesystem::path& path, bool missing)
-      : path_(path.string()), text_(read_text(path)), lines_(split_lines(text_)), problems_(path_), missing_(missing) {}
+  explicit LvmReader(const std::filesystem::path& path)
+      : path_(path.string()), text_(read_text(path)), lines_(split_lines(text_)), problems_(path_) {}
 
   Contents read() {
     split();
@@ -202,7 +202,7 @@ private:
     std::iota(columns.begin(), columns.end(), first);
     const Cells titles = split_cells(segment.titles.text, dialect_.separator);
     NumberRows rows(columns, {titles.begin(), titles.end()}, dialect_.decimal);
-    if (missing_ || times == TimeColumns::of_each) rows.allow_missing_from(times == TimeColumns::one ? 1 : 0);
+    rows.allow_missing_from(times == TimeColumns::one ? 1 : 0);
     for (const TextLine& line : segment.rows) {
       const Cells cells = split_cells(line.text, dialect_.separator);
       if (is_cut_off(segment, line, cells.size(), needed)) break;
@@ -344,7 +344,6 @@ private:
   std::string path_, text_;
   std::vector<TextLine> lines_;
   FileProblems problems_;
-  bool missing_;
   Dialect dialect_;
   std::vector<Segment> segments_;
   Contents contents_;
@@ -407,51 +406,12 @@ std::vector<SegmentChannel> all_channels(Contents& contents) {
 
 bool begins_lvm(std::string_view head) { return head.starts_with("LabVIEW Measurement"); }
 
-MeasuredFile read_lvm_file(const std::filesystem::path& path) {
-  auto contents = LvmReader(path, true).read();
+MeasuredFile read_lvm(const std::filesystem::path& path) {
+  auto contents = LvmReader(path).read();
   MeasuredFile file{.format = "LabVIEW measurement file"};
   for (auto& each : all_channels(contents)) file.channels.push_back(std::move(each.channel));
   file.notes = std::move(contents.notes);
   return file;
-}
-
-namespace {
-
-/// The sampling rate that all channels share. Times that are uneven beyond jitter become problems with their lines.
-TimeAxis common_axis(const std::vector<SegmentChannel>& channels, FileProblems& problems) {
-  const auto& first = channels.front();
-  for (const auto& each : channels)
-    if (each.channel.interval != first.channel.interval || each.channel.start != first.channel.start ||
-        each.channel.times != first.channel.times || each.channel.values.size() != first.channel.values.size()) {
-      problems.add(0, "channels '" + first.channel.name + "' and '" + each.channel.name + "' have different times",
-                   "a record needs one time axis", "export them with X_Columns One, or to a file each");
-      return {};
-    }
-  if (first.channel.times.size() > 0)
-    return time_axis(first.channel.times, first.lines, {.column = "X_Value"}, problems);
-  if (!(first.channel.interval > 0.0))
-    problems.add(0, "the file has one sample and no Delta_X", "the time axis depends on it");
-  return {first.channel.start, 1.0 / first.channel.interval};
-}
-
-}  // namespace
-
-Record read_lvm(const std::filesystem::path& path, bool missing, std::vector<std::string>* notes) {
-  auto contents = LvmReader(path, missing).read();
-  const auto channels = all_channels(contents);
-  FileProblems problems(path.string());
-  if (channels.empty()) problems.add(0, "the file ends after its header", "there are no samples");
-  problems.raise();
-  const TimeAxis axis = common_axis(channels, problems);
-  problems.raise();
-  Record record{.sample_rate = axis.sample_rate, .start = axis.start};
-  record.values.resize(std::ssize(channels), channels.front().channel.values.size());
-  for (const auto& each : channels) {
-    record.values.row(std::ssize(record.channels)) = each.channel.values.transpose();
-    record.channels.push_back({each.channel.name, each.channel.unit});
-  }
-  if (notes != nullptr) notes->insert(notes->end(), contents.notes.begin(), contents.notes.end());
-  return record;
 }
 
 }  // namespace kalfem

@@ -4,7 +4,6 @@
 #include <string_view>
 
 #include "kalfem/records/measured_file.hpp"
-#include "kalfem/records/record.hpp"
 
 namespace kalfem {
 
@@ -23,10 +22,6 @@ bool begins_lvm(std::string_view head);
 ///
 /// Throws InvalidInput with file and line for other cells that are no finite numbers, and where names, samples or times
 /// are missing.
-MeasuredFile read_lvm_file(const std::filesystem::path& path);
-
-/// The same as a record: all channels must have the same even times. Throws InvalidInput where they do not, and,
-/// without `missing`, where samples are missing. What the file's notes say is added to `notes`.
-Record read_lvm(const std::filesystem::path& path, bool missing = false, std::vector<std::string>* notes = nullptr);
+MeasuredFile read_lvm(const std::filesystem::path& path);
 
 }  // namespace kalfem

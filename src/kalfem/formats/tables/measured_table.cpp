@@ -61,6 +61,24 @@ public:
     return std::move(measured_);
   }
 
+  // A damaged first row is no line of names: the plain reader will say what is wrong with it.
+  bool is_plain() try {
+    find_dialect();
+    const auto has_table_width = [&](std::size_t line) {
+      const auto cells = cells_of(lines_[line]).size();
+      return cells == is_number_.size() || cells == is_number_.size() + 1;
+    };
+    if (!has_table_width(0)) return false;
+    if (lines_.size() > 2 && has_table_width(1) && !is_row(cells_of(lines_[0])) &&
+        std::ranges::all_of(cells_of(lines_[1]), is_unit))
+      return false;
+    find_table();
+    name_columns();
+    return std::ranges::count_if(columns_, [](const Channel& column) { return is_time_name(column.name); }) < 2;
+  } catch (const InvalidInput&) {
+    return true;
+  }
+
 private:
   [[noreturn]] void refuse(int line, std::string what, std::string why) const {
     throw InvalidInput(Issue{{path_, line}, std::move(what), std::move(why), "export a table with one line a sample"});
@@ -106,6 +124,18 @@ private:
   void find_table() {
     while (first_ < lines_.size() && !is_row(cells_of(lines_[first_]))) ++first_;
     if (first_ == lines_.size()) refuse(0, "the file holds no table of numbers", "no line has only numbers");
+    refuse_damaged_first_row();
+  }
+
+  /// A line of the table's width that begins with a number is no line of names.
+  void refuse_damaged_first_row() const {
+    if (first_ == 0) return;
+    const Cells above = cells_of(lines_[first_ - 1]);
+    const auto first_number = static_cast<std::size_t>(std::ranges::find(is_number_, true) - is_number_.begin());
+    if (above.size() < is_number_.size() || above.size() > is_number_.size() + 1 || !is_number(above[first_number]))
+      return;
+    refuse(lines_[first_ - 1].number, "the line begins with a number and has other cells that are none",
+           "it is neither a line of names nor a row of the table");
   }
 
   /// Names stand right above the table, or above a line of units.
@@ -238,6 +268,8 @@ private:
 }  // namespace
 
 MeasuredFile read_measured_table(const std::filesystem::path& path) { return TableReader(path).read(); }
+
+bool is_plain_table(const std::filesystem::path& path) { return TableReader(path).is_plain(); }
 
 namespace {
 

@@ -18,6 +18,10 @@ namespace kalfem {
 /// numbers.
 MeasuredFile read_measured_table(const std::filesystem::path& path);
 
+/// Whether at most one line of names stands above the table, and at most one column holds times: read_csv_record()
+/// reads it, and names the line of everything that is wrong. Also true where no table is found.
+bool is_plain_table(const std::filesystem::path& path);
+
 /// The numeric datasets of an HDF5 file: one column a channel, with the attributes sample_rate (fs, fs_Hz) and unit. A
 /// scalar of that name in its group states the rate as well.
 MeasuredFile read_measured_hdf5(const std::filesystem::path& path);
