@@ -80,7 +80,7 @@ excitation:
   road: {base_displacement: frame.ground, road: {class: B, speed: 10 m/s, band: [0.05, 1], duration: 20 s, fade_in: 0.1 s, seed: 1}}
   axle: {base_displacement: frame.left, trailing_axle: {input: road, wheelbase: 1 m, speed: 10 m/s}}
   later: {force: frame.2.y, delayed: {input: sine, delay: 0.1 s}}
-  measured: {force: frame.2.y, file: input.csv, channel: f, unit: N}
+  measured: {force: frame.2.y, file: input.csv, channel: f, unit: N, delay: -1 ms, prepare: {remove_trend: true, low_pass: 60 Hz}}
   weight: {force: frame.1, constant: -9.81 N}
   shake: {base_acceleration: all, sine: {amplitude: 0.1 m/s^2, frequency: 3 Hz}}
 sensors:
@@ -157,13 +157,14 @@ const std::string recorded = R"(kalfem: 1
 substructures:
   car: {masses: {u: 2 kg}, springs: [{name: k, from: ground, to: u, stiffness: 2000, damping: 8}]}
 sensors:
-  u: {displacement: car.u, noise: 0.1 mm, channel: x}
+  u: {displacement: car.u, noise: 0.1 mm, channel: x, gain: 1, offset: 0 mm, delay: 0 s}
 record:
   file: release.csv
   start: 0.1 s
   end: 5.5 s
   unit: m
   skip_missing: true
+  prepare: {remove_offset: {from: 5 s, to: 5.5 s}, remove_trend: false, high_pass: 0 Hz, low_pass: 90 Hz, sample_rate: 200 Hz}
   free_response: {delay: 0.05 s, threshold: 0.1 mm, margin: 0.2 s}
 estimate:
   unknown: {car.k.stiffness: {initial: 1900, std: 10 %}}

@@ -79,6 +79,42 @@ void roads() {
                                                                                         .name = "e"}));
 }
 
+/// A measured input on a clock of its own, without its mean, or behind a filter.
+void prepared_signals() {
+  std::vector<double> force(400), shifted(400);
+  const auto motion = [](double t) { return 2.0 + std::sin(9.0 * t) + std::sin(23.0 * t + 1.0) * std::cos(1.3 * t); };
+  for (int k = 0; k < 400; ++k)
+    force[std::size_t(k)] = motion(k / 40.0), shifted[std::size_t(k)] = motion(k / 40.0 - 0.3);
+  write_file("force.csv", csv_of(40.0, {{"p", force}}));
+  const Eigen::VectorXd values = Eigen::VectorXd::Map(force.data(), std::ssize(force));
+  same_signal(*with_signal("file: force.csv, channel: p, delay: 0.5 s").structure->signals[0],
+              *make_sampled(values, {.sample_rate = 40.0, .start = -0.5}));
+  const auto prepared = [](const std::string& text) {
+    return signal_at(with_signal("file: force.csv, channel: p, prepare: {" + text + "}"), 5.0)[0];
+  };
+  near(prepared("remove_offset: {}"), force[200] - values.mean());
+  near(prepared("remove_offset: {from: 2 s, to: 3 s}"), force[200] - values.segment(80, 41).mean());
+  near(prepared("remove_trend: true"), force[200] - values.mean(), 0.05);
+  near(prepared("high_pass: 0.4 Hz"), force[200] - 2.0, 0.05);
+  near(prepared("low_pass: 0.1 Hz"), 2.0, 0.06);  // what is left of 0.2 Hz
+  near(prepared("sample_rate: 20 Hz"), force[200], 1e-3);
+  // The file's clock is 0.3 s late, as its column q tells that measured what the sensor did.
+  write_file("record.csv", csv_of(40.0, {{"y", force}}));
+  write_file("force.csv", csv_of(40.0, {{"p", shifted}, {"q", shifted}}));
+  const auto aligned = [](const std::string& text) {
+    return study_of(lumped_case({{"simulate", ""},
+                                 {"record", "{file: record.csv, end: 9 s}"},
+                                 {"sensors", "{y: {displacement: s.b, noise: 1}}"},
+                                 {"excitation", "{e: {force: s.a, file: force.csv, channel: p" + text + "}}"},
+                                 {"estimate", "{unknown: {c.k: {initial: 400, std: 80}}}"}}));
+  };
+  const auto study = aligned(", align: {channel: q, sensor: y}");
+  near(signal_at(study, 5.0)[0], force[200], 1e-3);
+  EXPECT_NE(study.record->preparation.at(0).find("0.3"), std::string::npos) << study.record->preparation[0];
+  EXPECT_THROW(aligned(", align: {channel: q, sensor: z}"), InvalidInput);
+  EXPECT_THROW(aligned(", align: {channel: z, sensor: y}"), InvalidInput);
+}
+
 const std::vector<double> samples{0.0, 1.0, 4.0, 2.0, -1.0, 0.5, 3.0, 1.0};
 
 /// A column of a table with a time axis of its own, and of one without.
@@ -166,6 +202,10 @@ KeyChecks excitation_keys() {
   keys.merge(all_of(at + "impulse.", {"amplitude", "start", "duration", "shape"}, impulses));
   keys.merge(all_of(at + "road.", {"class", "speed", "band", "duration", "fade_in", "seed"}, roads));
   keys.merge(all_of(at, {"file", "channel", "sample_rate", "unit"}, recorded_signals));
+  keys.merge(all_of(at,
+                    {"delay", "align.channel", "align.sensor", "prepare.remove_offset.from", "prepare.remove_offset.to",
+                     "prepare.remove_trend", "prepare.high_pass", "prepare.low_pass", "prepare.sample_rate"},
+                    prepared_signals));
   keys.merge(all_of(
       at, {"delayed.input", "delayed.delay", "trailing_axle.input", "trailing_axle.wheelbase", "trailing_axle.speed"},
       delayed_signals));

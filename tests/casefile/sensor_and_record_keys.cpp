@@ -217,6 +217,69 @@ void missing_samples() {
   near(study.record->record.values(0, 5), 5.0);
 }
 
+/// The channel holds gain signal(t - delay) + offset.
+void calibrations_of_channels() {
+  write_file("record.csv", csv_of(10.0, {{"y", ramp}}));
+  const auto values = [](const std::string& more) {
+    return Eigen::VectorXd(
+        with_record("file: record.csv", {{"sensors", "{y: {displacement: s.b, noise: 1" + more + "}}"}})
+            .record->record.values.row(0)
+            .transpose());
+  };
+  near(values(", gain: -2")[9], -4.5);
+  near(values(", offset: 3 mm")[9], 9.0 - 3e-3);
+  near(values(", gain: 2, offset: 1")[9], 4.0);
+  EXPECT_THROW(values(", gain: 0"), InvalidInput);
+  EXPECT_THROW(values(", offset: 3 m/s"), InvalidInput);
+  near(values(", delay: 0.2 s")[4], ramp[6], many_roundings);
+  EXPECT_EQ(values(", delay: 0.2 s").array().isNaN().count(), 2);
+}
+
+/// From 0 to 1 in 5 s, and 1 for another 5 s.
+std::vector<double> ramp_and_hold() {
+  std::vector<double> y(2000, 1.0);
+  for (int k = 0; k < 1000; ++k) y[std::size_t(k)] = k / 1000.0;
+  return y;
+}
+
+std::vector<double> two_sines(double slow, double fast, double offset) {
+  std::vector<double> y(2000);
+  for (int k = 0; k < 2000; ++k)
+    y[std::size_t(k)] =
+        offset + std::sin(6.283185307179586 * slow * k / 200.0) + std::sin(6.283185307179586 * fast * k / 200.0);
+  return y;
+}
+
+/// What is done to all channels. The middle of the record shows filters without their ends.
+void preparations() {
+  write_file("record.csv", csv_of(200.0, {{"y", ramp_and_hold()}}));
+  const auto prepared = [](const std::string& file, const std::string& text) {
+    return *with_record("file: " + file + ", prepare: {" + text + "}").record;
+  };
+  const auto value = [&](const std::string& text, Eigen::Index k) {
+    return prepared("record.csv", text).record.values(0, k);
+  };
+  near(value("remove_offset: {}", 0), -0.74975, many_roundings);
+  near(value("remove_offset: {to: 4.995 s}", 1999), 1.0 - 0.4995, 1e-3);
+  near(value("remove_offset: {from: 5 s, to: 9 s}", 0), -1.0, 1e-3);
+  EXPECT_EQ(prepared("record.csv", "remove_offset: {from: 5 s}").preparation.size(), 1U);
+  EXPECT_LT(std::abs(value("remove_trend: true", 0)), 0.5);
+  near(value("remove_trend: false", 1999), 1.0);
+  write_file("sines.csv", csv_of(200.0, {{"y", two_sines(1.0, 40.0, 0.0)}}));
+  const auto middle_rms = [&](const std::string& text) {
+    const auto record = prepared("sines.csv", text).record;
+    return rms(record.values.row(0).transpose().segment(record.samples() / 4, record.samples() / 2));
+  };
+  near(middle_rms("low_pass: 0"), 1.0, 1e-3);
+  near(middle_rms("low_pass: 10 Hz"), std::sqrt(0.5), 1e-3);
+  near(middle_rms("high_pass: 10 Hz"), std::sqrt(0.5), 1e-3);
+  near(middle_rms("high_pass: 1 Hz"), std::sqrt(0.75), 1e-3);  // half of the power at its limit
+  const auto lower = prepared("sines.csv", "sample_rate: 50 Hz");
+  near(lower.record.sample_rate, 50.0);
+  near(middle_rms("sample_rate: 50 Hz"), std::sqrt(0.5), 1e-3);  // 40 Hz is stopped
+  EXPECT_THROW(prepared("sines.csv", "sample_rate: 500 Hz"), InvalidInput);
+}
+
 /// Two sines that are quiet up to sample 300 and noisy behind it, where 6 samples are missing.
 void splices_are_repaired() {
   std::vector<double> y(900), z(900);
@@ -353,6 +416,9 @@ KeyChecks sensor_and_record_keys() {
   add("sensors.*.", {"channel"}, record_columns);
   add("sensors.*.", {"unit"}, units_of_channels);
   add("sensors.*.", {"accept_constant"}, constant_channels);
+  add("sensors.*.", {"gain", "offset", "delay"}, calibrations_of_channels);
+  add("record.prepare.",
+      {"remove_offset.from", "remove_offset.to", "remove_trend", "high_pass", "low_pass", "sample_rate"}, preparations);
   add("record.", {"file"}, record_columns);
   add("record.", {"sample_rate", "unit"}, record_units_and_rates);
   add("record.", {"dataset"}, record_datasets);

@@ -150,8 +150,35 @@ Schema<Sensor> sensor() {
                     "unit of its column, if it differs from record.unit; for an acceleration, g is standard gravity; "
                     "default: the unit in the column's title, otherwise SI")
           .optional("accept_constant", &Sensor::accept_constant, boolean(),
-                    "accept a channel with the same value throughout; otherwise it is refused as a dead sensor"));
+                    "accept a channel with the same value throughout; otherwise it is refused as a dead sensor")
+          .optional("gain", &Sensor::gain, number("-"),
+                    "of a measured record: the channel holds gain signal(t - delay) + offset; negative for a sensor "
+                    "that looks the other way")
+          .optional("offset", &Sensor::offset, value(), "offset of the channel, in the sensor's unit")
+          .optional("delay", &Sensor::delay, number("s", plausible::clock()), "the channel is late by this"));
 }
+
+}  // namespace
+
+Schema<ChannelPreparation> channel_preparation() {
+  const auto part =
+      Fields<RecordPart>()
+          .optional("from", &RecordPart::from, number("s", plausible::clock()), "time in the file; default: its start")
+          .optional("to", &RecordPart::to, number("s", plausible::clock()), "time in the file; default: its end");
+  return mapping(Fields<ChannelPreparation>()
+                     .optional("remove_offset", &ChannelPreparation::offset, mapping(part),
+                               "subtract each channel's mean over a part of the file; {}: over all of it")
+                     .optional("remove_trend", &ChannelPreparation::trend, boolean(),
+                               "subtract each channel's straight line of least squares")
+                     .optional("high_pass", &ChannelPreparation::high_pass, number("Hz", Bounds::nonnegative()),
+                               "Butterworth filter without phase, of order 4: -3 dB at this frequency; 0: none")
+                     .optional("low_pass", &ChannelPreparation::low_pass, number("Hz", Bounds::nonnegative()),
+                               "Butterworth filter without phase, of order 4: -3 dB at this frequency; 0: none")
+                     .optional("sample_rate", &ChannelPreparation::sample_rate, number("Hz", plausible::frequency()),
+                               "resample to this lower rate behind an anti-alias filter"));
+}
+
+namespace {
 
 Schema<Record> record() {
   const auto free_response =
@@ -182,6 +209,8 @@ Schema<Record> record() {
                     "skip samples that are NaN instead of refusing the record")
           .optional("repair_splice", &Record::repair_splice, boolean(),
                     "find the place where two recordings were joined and treat the samples lost there as missing")
+          .optional("prepare", &Record::prepare, channel_preparation(),
+                    "what is done to all channels, in this order, before `start` and `end` cut the record")
           .optional("free_response", &Record::free_response, mapping(free_response),
                     "the structure is held, released and comes to rest: find the release and the rest position, and "
                     "measure from that position"));

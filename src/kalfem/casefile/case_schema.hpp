@@ -9,6 +9,7 @@ Schema<Name> name();
 Schema<Value> value();
 /// A point by its name, or a map of points and weights.
 Schema<Points> points(const std::string& short_name);
+Schema<ChannelPreparation> channel_preparation();
 
 Schema<FiniteElements> finite_elements();
 Schema<Reduction> reduction();

@@ -13,6 +13,7 @@
 #include "kalfem/formats/matrices.hpp"
 #include "kalfem/identification/estimation_problem.hpp"
 #include "kalfem/identification/initial_state.hpp"
+#include "kalfem/records/channel_preparation.hpp"
 #include "kalfem/system/sensors/measurement_chain.hpp"
 #include "kalfem/system/sensors/output_map.hpp"
 #include "kalfem/system/signals/deterministic.hpp"
@@ -97,11 +98,18 @@ struct Road {
   double fade_in = 0.5;
   std::uint64_t seed = 1;
 };
+/// A channel of an input's file that measured the same as a sensor of the record: it tells how late the file is.
+struct Alignment {
+  Name channel, sensor;
+};
 struct FileSignal {
   std::filesystem::path file;
   Name channel;
   std::optional<double> sample_rate;
   Located<std::string> unit;  ///< if empty, the one in the column's title, otherwise SI
+  double delay = 0.0;         ///< its clock is late by this [s]
+  std::optional<Alignment> align;
+  ChannelPreparation prepare;
 };
 struct Delayed {
   Name input;
@@ -150,6 +158,9 @@ struct Sensor {
   std::optional<std::string> channel;
   Located<std::string> unit;  ///< of the channel; if empty, that of the record or of the column's title, otherwise SI
   bool accept_constant = false;  ///< the channel may hold one value throughout
+  double gain = 1.0;             ///< its channel holds gain signal(t - delay) + offset
+  std::optional<Value> offset;   ///< in the sensor's unit
+  double delay = 0.0;            ///< [s]
 };
 
 struct FreeResponse {
@@ -166,6 +177,7 @@ struct Record {
   std::optional<double> start, end;
   bool skip_missing = false;
   bool repair_splice = false;
+  ChannelPreparation prepare;
   std::optional<FreeResponse> free_response;
 };
 

@@ -81,6 +81,10 @@ Schema<Excitation> excitation() {
           .optional("duration", &Road::duration, seconds(), "period; default: the duration of the simulation")
           .optional("fade_in", &Road::fade_in, seconds(), "smooth start from a level road")
           .optional("seed", &Road::seed, seed(), "seed of the random phases");
+  const auto alignment = Fields<Alignment>()
+                             .required("channel", &Alignment::channel, name(),
+                                       "column of this file that measured the same as a sensor of the record")
+                             .required("sensor", &Alignment::sensor, name(), "that sensor");
   const auto file =
       Fields<FileSignal>()
           .required("file", &FileSignal::file, path(), "table with a column of samples")
@@ -88,7 +92,12 @@ Schema<Excitation> excitation() {
           .optional("sample_rate", &FileSignal::sample_rate, number("Hz", plausible::frequency()),
                     "sampling rate, if the file has no time column")
           .optional("unit", &FileSignal::unit, located(text()),
-                    "unit of the column; default: the unit in its title (\"F [kN]\"), otherwise SI");
+                    "unit of the column; default: the unit in its title (\"F [kN]\"), otherwise SI")
+          .optional("delay", &FileSignal::delay, number("s", plausible::clock()), "the column is late by this")
+          .optional("align", &FileSignal::align, mapping(alignment),
+                    "find the delay of this file's clock behind that of the record")
+          .optional("prepare", &FileSignal::prepare, channel_preparation(),
+                    "what is done to the column, in this order");
   const auto delayed = Fields<Delayed>()
                            .required("input", &Delayed::input, name(), "the input that comes first")
                            .required("delay", &Delayed::delay, seconds(), "delay");

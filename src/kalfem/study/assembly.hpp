@@ -21,10 +21,15 @@ std::vector<Sensor> make_sensors(const CaseStudy& study, IssueList& issues);
 /// Points of a substructure that connectors and forces touch, without its name.
 std::vector<std::string> attached_points(const description::Case& given, const std::string& substructure);
 
-/// Makes one signal per input. `duration` [s] is the period of random signals that have none of their own. Remarks for
-/// the user go to `notes`.
+/// What the making of signals tells the user, a sentence each.
+struct SignalNotes {
+  std::vector<std::string> remarks = {};      ///< assumptions that may be wrong
+  std::vector<std::string> preparation = {};  ///< what was done to measured inputs, as the case asks
+};
+
+/// Makes one signal per input. `duration` [s] is the period of random signals that have none of their own.
 std::vector<SignalPtr> make_signals(const description::Case& given, const std::vector<InputDescription>& inputs,
-                                    double duration, IssueList& issues, std::vector<std::string>& notes);
+                                    double duration, IssueList& issues, SignalNotes& notes);
 
 /// Name of the spring in parameters: the case's, or "from-to" if it gives none.
 std::string spring_name(const description::Spring& spring);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <tuple>
 #include <unordered_set>
 
 #include "kalfem/dynamics/simulate.hpp"
@@ -282,6 +283,23 @@ void check_parameters_once(const d::Case& given, IssueList& issues) {
                    "the updating and the filter would both change it", "remove one of them");
     }
   }
+}
+
+std::vector<std::string> unlike_filters(const description::Case& given) {
+  std::vector<std::string> warnings;
+  if (!given.record) return warnings;
+  const auto& sensors = given.record->prepare;
+  for (const auto& [name, excitation] : given.excitation) {
+    const auto* file = std::get_if<description::FileSignal>(&excitation.signal);
+    if (file == nullptr) continue;
+    for (const auto& [key, of_input, of_sensors] : {std::tuple("high_pass", file->prepare.high_pass, sensors.high_pass),
+                                                    std::tuple("low_pass", file->prepare.low_pass, sensors.low_pass)})
+      if (of_input != of_sensors)
+        warnings.push_back("excitation '" + name + "' is measured: prepare." + key + " is " + shortest(of_input) +
+                           " Hz there and " + shortest(of_sensors) + " Hz in record.prepare; filter both alike, or " +
+                           "the model answers to motion that the sensors do not show");
+  }
+  return warnings;
 }
 
 }  // namespace kalfem

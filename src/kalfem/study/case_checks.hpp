@@ -32,6 +32,10 @@ void check_parameters_once(const description::Case& given, IssueList& issues);
 /// used, options of finite elements in a case without them, options of connectors outside a local augmented model.
 std::vector<std::string> keys_without_effect(const description::Case& given);
 
+/// Measured inputs that are filtered otherwise than the sensors' channels, one sentence each: the model would see
+/// motion that the sensors do not show, or the other way round.
+std::vector<std::string> unlike_filters(const description::Case& given);
+
 /// Checks the points and grounds that connectors and excitations name. They must exist. A driven ground must be a
 /// ground, be driven once, and move something. A connector must not join two fixed grounds. Problems go to `issues`
 /// with their place in the file.

@@ -87,7 +87,9 @@ private:
         [](const auto& observed) { return observed.quantity > ObservedQuantity::acceleration; }, sensor.observed);
     if (of_connector)
       warn({"sensors", name, "relative"}, "a quantity of a connector does not depend on the base's motion");
-    if (!given_.record) warn({"sensors", name, "channel"}, "the case reads no record");
+    if (!given_.record)
+      for (const char* key : {"channel", "gain", "offset", "delay"})
+        warn({"sensors", name, key}, "the case reads no record");
   }
 
   void of_estimation() {

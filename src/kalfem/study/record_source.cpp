@@ -1,12 +1,15 @@
 #include "kalfem/study/record_source.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "kalfem/base/units.hpp"
 #include "kalfem/casefile/description.hpp"
 #include "kalfem/formats/record_file.hpp"
+#include "kalfem/records/channel_calibration.hpp"
 #include "kalfem/system/sensors/output_map.hpp"
+#include "kalfem/yaml/bounds.hpp"
 
 namespace kalfem {
 namespace {
@@ -73,19 +76,52 @@ std::string rotational_unit_of(ObservedQuantity quantity) {
   }
 }
 
-/// The column and unit of each sensor.
-std::vector<WantedChannel> wanted_channels(const description::Case& given) {
-  std::vector<WantedChannel> wanted;
-  for (const auto& [name, sensor] : given.sensors) {
-    const auto quantity = std::visit([](const auto& observed) { return observed.quantity; }, sensor.observed);
-    wanted.push_back({.column = sensor.channel.value_or(name),
-                      .owner = "sensors." + name,
-                      .unit = unit_of(quantity),
-                      .rotational_unit = rotational_unit_of(quantity),
-                      .unit_key = "sensors." + name + ".unit",
-                      .unit_given = sensor.unit.value.empty() ? given.record->unit : sensor.unit});
+ObservedQuantity quantity_of(const description::Sensor& sensor) {
+  return std::visit([](const auto& observed) { return observed.quantity; }, sensor.observed);
+}
+
+/// The column and unit of a sensor.
+WantedChannel wanted_channel(const description::Case& given, const std::string& name,
+                             const description::Sensor& sensor) {
+  const auto quantity = quantity_of(sensor);
+  return {.column = sensor.channel.value_or(name),
+          .owner = "sensors." + name,
+          .unit = unit_of(quantity),
+          .rotational_unit = rotational_unit_of(quantity),
+          .unit_key = "sensors." + name + ".unit",
+          .unit_given = sensor.unit.value.empty() ? given.record->unit : sensor.unit};
+}
+
+/// Rows of the file as they are, one a sensor.
+Record read_channels(const description::Case& given, const std::vector<WantedChannel>& wanted,
+                     std::vector<std::string>& notes) {
+  const auto& asked = *given.record;
+  return read_record_file(
+      asked.file.value, wanted,
+      {.sample_rate = asked.sample_rate, .dataset = asked.group, .missing = asked.skip_missing, .notes = &notes});
+}
+
+/// What the case knows of a sensor. Throws InvalidInput for a gain of 0 and an offset in another unit.
+ChannelCalibration calibration_of(const std::string& name, const description::Sensor& sensor) {
+  if (sensor.gain == 0.0)
+    throw InvalidInput(Issue{location_of(sensor), "sensors." + name + ".gain is 0",
+                             "such a channel holds nothing of its signal", "write its gain, or leave it out for 1"});
+  return {.gain = sensor.gain,
+          .offset = sensor.offset ? checked_number(*sensor.offset, unit_of(quantity_of(sensor))) : 0.0,
+          .delay = sensor.delay};
+}
+
+/// Puts signals in the place of what sensors recorded of them.
+void calibrate_sensors(PreparedRecord& prepared, const description::Case& given) {
+  for (std::size_t j = 0; j < given.sensors.size(); ++j) {
+    const auto& [name, sensor] = given.sensors[j];
+    const auto calibration = calibration_of(name, sensor);
+    if (!calibration.changes_anything()) continue;
+    calibrate(prepared.record, static_cast<Index>(j), calibration);
+    prepared.preparation.push_back(name + ": gain " + shortest(calibration.gain) + ", offset " +
+                                   shortest(calibration.offset) + " " + prepared.record.channels[j].unit + ", delay " +
+                                   shortest(calibration.delay) + " s taken out");
   }
-  return wanted;
 }
 
 /// The part of a free response that the case asks for.
@@ -111,14 +147,16 @@ void as_asked_by(const std::string& keys, const Action& action) try {
 PreparedRecord read_prepared(const description::Case& given) {
   const auto& asked = *given.record;
   std::vector<std::string> notes;
-  PreparedRecord prepared{read_record_file(
-      asked.file.value, wanted_channels(given),
-      {.sample_rate = asked.sample_rate, .dataset = asked.group, .missing = asked.skip_missing, .notes = &notes})};
+  std::vector<WantedChannel> wanted;
+  for (const auto& [name, sensor] : given.sensors) wanted.push_back(wanted_channel(given, name, sensor));
+  PreparedRecord prepared{read_channels(given, wanted, notes)};
   prepared.preparation = std::move(notes);
   Record& record = prepared.record;
   for (std::size_t j = 0; j < given.sensors.size(); ++j) record.channels[j].name = given.sensors[j].first;
   check_finite(record, asked);
   if (asked.repair_splice) repair_splice(prepared);
+  calibrate_sensors(prepared, given);
+  as_asked_by("record.prepare", [&] { prepare_channels(prepared, asked.prepare); });
   const double start = asked.start.value_or(record.start), end = asked.end.value_or(record.end());
   as_asked_by("record.start, record.end", [&] { record = cut(std::move(record), start, end); });
   check_channels(record, given);
@@ -129,14 +167,30 @@ PreparedRecord read_prepared(const description::Case& given) {
 
 }  // namespace
 
-PreparedRecord read_measured_record(const description::Case& given) {
+namespace {
+
+/// Problems without a place are those of the record's file.
+template <class Reading>
+auto of_record(const description::Case& given, const Reading& reading) {
   try {
-    return read_prepared(given);
+    return reading();
   } catch (const InvalidInput& error) {
     IssueList issues;
     issues.add(error, given.record->file.location);
     throw InvalidInput(issues.issues());
   }
+}
+
+}  // namespace
+
+PreparedRecord read_measured_record(const description::Case& given) {
+  return of_record(given, [&] { return read_prepared(given); });
+}
+
+Record read_sensor_channel(const description::Case& given, const std::string& sensor) {
+  const auto found = std::ranges::find(given.sensors, sensor, &std::pair<std::string, description::Sensor>::first);
+  std::vector<std::string> notes;
+  return of_record(given, [&] { return read_channels(given, {wanted_channel(given, sensor, found->second)}, notes); });
 }
 
 void check_noise(const Study& study, const Record& record, const std::string& channel) {

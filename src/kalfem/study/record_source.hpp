@@ -15,6 +15,9 @@ struct Case;
 /// skips them, an empty part, a channel without any number in it or with one value throughout).
 PreparedRecord read_measured_record(const description::Case& given);
 
+/// The channel of one sensor as its file holds it, in SI, neither calibrated nor prepared. Throws the same.
+Record read_sensor_channel(const description::Case& given, const std::string& sensor);
+
 /// Gives each channel of the measured record the unit and the noise of its sensor. Throws InvalidInput where per cent
 /// of a channel that is 0 throughout are no noise.
 void set_noise(Study& study);

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "kalfem/formats/record_file.hpp"
+#include "kalfem/study/alignment.hpp"
 #include "kalfem/study/assembly.hpp"
 #include "kalfem/system/signals/deterministic.hpp"
 #include "kalfem/system/signals/ground_motion.hpp"
@@ -39,7 +40,7 @@ SourceLocation place_of(const Signal& signal) {
 struct MadeSignals {
   const d::Case& given;
   double duration;
-  std::vector<std::string>& notes;
+  SignalNotes& notes;
   std::map<std::pair<std::string, bool>, SignalPtr> made = {};
 };
 
@@ -138,16 +139,31 @@ private:
                               .name = name_});
   }
   SignalPtr from(const d::FileSignal& g) {
-    const Record table = read_record_file(g.file,
-                                          {{.column = g.channel.value,
-                                            .owner = "excitation." + name_,
-                                            .unit = unit_,
-                                            .unit_key = "excitation." + name_ + ".unit",
-                                            .unit_given = g.unit}},
-                                          {.sample_rate = g.sample_rate});
+    PreparedRecord prepared{read_record_file(g.file,
+                                             {{.column = g.channel.value,
+                                               .owner = "excitation." + name_,
+                                               .unit = unit_,
+                                               .unit_key = "excitation." + name_ + ".unit",
+                                               .unit_given = g.unit}},
+                                             {.sample_rate = g.sample_rate})};
+    prepare_channels(prepared, g.prepare);
+    Record& table = prepared.record;
+    if (g.align) prepared.preparation.push_back(align(table, g));
+    table.start -= g.delay;
+    for (const auto& words : prepared.preparation)
+      all_.notes.preparation.push_back("excitation '" + name_ + "': " + words);
     const auto signal =
         make_sampled(table.values.row(0).transpose(), {.sample_rate = table.sample_rate, .start = table.start});
     return integrated({.start = table.start, .step = 1.0 / table.sample_rate, .knots = table.samples()}, signal);
+  }
+
+  /// Moves the table to the clock of the record, by a channel that both have. Returns the step in words.
+  std::string align(Record& table, const d::FileSignal& g) {
+    const CommonDelay found = delay_behind_record(all_.given, g);
+    table.start -= found.delay;
+    return "its file is " + shortest(std::round(found.delay * 1e6) / 1e6) + " s behind the record by '" +
+           g.align->channel.value + "' and sensor '" + g.align->sensor.value + "' (correlation " +
+           shortest(std::round(found.correlation * 1e3) / 1e3) + "), which is taken out";
   }
   SignalPtr from(const d::Delayed& g) { return after(g.input, g.delay); }
   SignalPtr from(const d::Trailing& g) { return after(g.input, g.wheelbase / g.speed); }
@@ -179,10 +195,10 @@ private:
       const double unit = value == 0.0 ? 1.0 : std::pow(10.0, std::floor(std::log10(std::abs(value))) - 2.0);
       return shortest(std::round(value / unit) * unit);
     };
-    all_.notes.push_back("excitation '" + name_ + "': its acceleration is assumed to have an offset of " +
-                         three_digits(removed.offset) + " m/s^2, and the ground to start at " +
-                         three_digits(-removed.velocity) +
-                         " m/s; otherwise it would drift; use `drift: keep` to integrate the acceleration as it is");
+    all_.notes.remarks.push_back(
+        "excitation '" + name_ + "': its acceleration is assumed to have an offset of " + three_digits(removed.offset) +
+        " m/s^2, and the ground to start at " + three_digits(-removed.velocity) +
+        " m/s; otherwise it would drift; use `drift: keep` to integrate the acceleration as it is");
   }
 
   SignalPtr after(const Name& input, double delay) {
@@ -234,7 +250,7 @@ bool is_integrated(const d::Case& given, const InputDescription& input) {
 }  // namespace
 
 std::vector<SignalPtr> make_signals(const description::Case& given, const std::vector<InputDescription>& inputs,
-                                    double duration, IssueList& issues, std::vector<std::string>& notes) {
+                                    double duration, IssueList& issues, SignalNotes& notes) {
   MadeSignals all{given, duration, notes};
   std::vector<SignalPtr> signals;
   for (const auto& input : inputs) {

@@ -1,6 +1,7 @@
 #include "kalfem/study/study.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include "kalfem/casefile/case_schema.hpp"
 #include "kalfem/identification/augmented_model_setup.hpp"
@@ -212,7 +213,11 @@ private:
   void make_signals_of_inputs(IssueList& issues) {
     constexpr double duration_without_simulation = 10.0;  // [s]
     const double duration = study_.given.simulate ? study_.given.simulate->duration : duration_without_simulation;
-    structure_->signals = make_signals(study_.given, structure_->parts.inputs, duration, issues, study_.warnings);
+    SignalNotes notes;
+    structure_->signals = make_signals(study_.given, structure_->parts.inputs, duration, issues, notes);
+    std::ranges::move(notes.remarks, std::back_inserter(study_.warnings));
+    auto& preparation = study_.record ? study_.record->preparation : study_.warnings;
+    std::ranges::move(notes.preparation, std::back_inserter(preparation));
   }
 
   void make_augmented_model(IssueList& issues) {
@@ -227,6 +232,7 @@ private:
   void add_warnings() {
     for (auto& warning : doubtful_estimation(study_)) study_.warnings.push_back(std::move(warning));
     for (auto& warning : keys_without_effect(study_.given)) study_.warnings.push_back(std::move(warning));
+    for (auto& warning : unlike_filters(study_.given)) study_.warnings.push_back(std::move(warning));
     warn_of_reductions(study_);
   }
 

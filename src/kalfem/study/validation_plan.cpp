@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 
 #include "kalfem/study/assembly.hpp"
 #include "kalfem/study/case_study.hpp"
@@ -174,9 +175,10 @@ ValidationPlan make_validation_plan(const CaseStudy& study, IssueList& issues) {
   check_overlap(study, *other.record, plan.record.record, issues);
   set_start(validate, place, plan, issues);
   plan.signals = study.structure->signals;
-  std::vector<std::string> notes;  // the case's own record has told them
+  SignalNotes notes;  // the case's own record has told the remarks
   if (validate.record)
     plan.signals = make_signals(other, study.structure->parts.inputs, plan.record.record.end(), issues, notes);
+  std::ranges::move(notes.preparation, std::back_inserter(plan.record.preparation));
   if (issues.empty()) check_cover(study, plan, issues);
   return plan;
 }
