@@ -80,7 +80,7 @@ excitation:
   road: {base_displacement: frame.ground, road: {class: B, speed: 10 m/s, band: [0.05, 1], duration: 20 s, fade_in: 0.1 s, seed: 1}}
   axle: {base_displacement: frame.left, trailing_axle: {input: road, wheelbase: 1 m, speed: 10 m/s}}
   later: {force: frame.2.y, delayed: {input: sine, delay: 0.1 s}}
-  measured: {force: frame.2.y, file: input.csv, channel: f, unit: N, delay: -1 ms, prepare: {remove_trend: true, low_pass: 60 Hz}}
+  measured: {force: frame.2.y, file: input.csv, channel: f, unit: N, delay: 0 s, prepare: {remove_trend: true, low_pass: 60 Hz}}
   weight: {force: frame.1, constant: -9.81 N}
   shake: {base_acceleration: all, sine: {amplitude: 0.1 m/s^2, frequency: 3 Hz}}
 sensors:
@@ -156,6 +156,13 @@ estimate:
 const std::string recorded = R"(kalfem: 1
 substructures:
   car: {masses: {u: 2 kg}, springs: [{name: k, from: ground, to: u, stiffness: 2000, damping: 8}]}
+excitation:
+  shaker:
+    force: car.u
+    file: release.csv
+    channel: f
+    align: {channel: x, sensor: u}
+    prepare: {remove_offset: {from: 1 s, to: 5 s}}
 sensors:
   u: {displacement: car.u, noise: 0.1 mm, channel: x, gain: 1, offset: 0 mm, delay: 0 s}
 record:
@@ -176,6 +183,7 @@ validate:
     file: again.csv
     unit: m
     skip_missing: true
+    prepare: {remove_offset: {from: 5 s, to: 5.5 s}, remove_trend: false, high_pass: 0 Hz, low_pass: 0 Hz, sample_rate: 200 Hz}
     free_response: {delay: 0.05 s, threshold: 0.1 mm, margin: 0.2 s}
   start: 0.1 s
   end: 5.4 s
@@ -355,10 +363,10 @@ $EndElements
 /// Held at -10 mm for a second, then swinging freely until it rests at zero.
 void write_release(std::ofstream file) {
   constexpr double frequency = 5.03, damping = 0.08, pi = 3.141592653589793;
-  file << "t,x\n";
+  file << "t,x,f\n";
   for (int k = 0; k <= 6 * static_cast<int>(sample_rate); ++k) {
     const double time = k / sample_rate, after = std::max(0.0, time - 1.0), angle = 2.0 * pi * frequency * after;
-    file << time << ',' << -0.01 * std::exp(-damping * angle) * std::cos(angle) << '\n';
+    file << time << ',' << -0.01 * std::exp(-damping * angle) * std::cos(angle) << ",0\n";
   }
 }
 
