@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <optional>
 
 #include "console.hpp"
 #include "kalfem/base/atomic_file.hpp"
@@ -11,9 +12,11 @@
 #include "kalfem/formats/deck.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/model/unit_system.hpp"
+#include "kalfem/pipeline/record_expectation.hpp"
 #include "kalfem/pipeline/reported_quantities.hpp"
 #include "kalfem/pipeline/run_study.hpp"
 #include "kalfem/pipeline/run_updating.hpp"
+#include "kalfem/report/record_check.hpp"
 #include "kalfem/report/sections.hpp"
 #include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/tables.hpp"
@@ -127,12 +130,29 @@ void print_table(const Table& table) {
   if (!table.rows.empty()) print("{}\n", to_text(table));
 }
 
-void check_parts(const Study& study, const std::string& page_file) {
+/// The record by itself and beside the model; nothing without a measured record.
+std::optional<RecordCheck> checked_record(const Study& study) {
+  if (!study.record) return std::nullopt;
+  auto check = check_record(study, expectation_of_record(study));
+  print("{}\n", record_words(study, {}));
+  print("{}\n", check.table.title);
+  print_table(check.table);
+  for (const auto& finding : check.findings) print("{}\n", finding);
+  if (!check.findings.empty()) print("\n");
+  return check;
+}
+
+void check_parts(const Study& study, const std::optional<RecordCheck>& record, const std::string& page_file) {
   Page page{.title = study.title.empty() ? "kalfem" : study.title,
-            .subtitle = "Model check of the finite-element substructures",
+            .subtitle = "Check of the case",
             .status = VerdictState::consistent,
             .summary = "The case can be run.",
             .sections = {}};
+  if (record) {
+    std::string findings;
+    for (const auto& finding : record->findings) findings += (findings.empty() ? "" : "\n\n") + finding;
+    page.sections.push_back({.heading = "Record", .text = findings, .items = {record->table}});
+  }
   for (std::size_t i = 0; i < study.structure->finite_elements.size(); ++i) {
     const auto& part = *study.structure->finite_elements[i].part;
     const auto& notes = study.element_notes[i].notes;
@@ -156,11 +176,11 @@ ExitCode check(const std::string& case_file, const std::string& page_file) {
   print_table(substructure_table(study));
   print_table(connector_table(study));
   print_table(sensor_table(study));
-  if (study.record) print("{}\n", record_words(study, {}));
+  const auto record = checked_record(study);
   if (study.validation) print("{}\n\n", validation_part_words(*study.validation));
   if (study.augmented_model) print_table(unknown_table(*study.augmented_model));
   if (study.updating) print_table(updating_table(*study.updating));
-  check_parts(study, page_file);
+  check_parts(study, record, page_file);
   for (const auto& warning : study.warnings) print_error("warning: {}\n", warning);
   print("No problem found. Nothing was run.\n");
   return done;

@@ -107,15 +107,15 @@ std::string place_text(const MeasuredPlace& place) {
   return text;
 }
 
-namespace {
-
-std::string known(double value) { return value > 0.0 ? four_digits(value) : "-"; }
-
 std::string frequencies_text(const ChannelStatistics& found) {
   std::string text;
   for (const auto& peak : found.frequencies) text += (text.empty() ? "" : ", ") + four_digits(peak.frequency);
   return text.empty() ? "-" : text;
 }
+
+namespace {
+
+std::string known(double value) { return value > 0.0 ? four_digits(value) : "-"; }
 
 Table channel_table(const Inspection& inspection) {
   Table table{"Channels",

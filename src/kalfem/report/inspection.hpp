@@ -22,6 +22,9 @@ Inspection inspect(std::string file, MeasuredFile content);
 /// What is odd about a channel, a sentence each: dead, clipped, held, missing samples, gaps, jitter, drift.
 std::vector<std::string> findings_of(const MeasuredChannel& channel, const ChannelStatistics& statistics);
 
+/// The dominant frequencies [Hz], the strongest first; "-" where there is none.
+std::string frequencies_text(const ChannelStatistics& statistics);
+
 /// "12 +x": node and direction, as far as they are known.
 std::string place_text(const MeasuredPlace& place);
 
