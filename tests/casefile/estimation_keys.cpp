@@ -313,6 +313,17 @@ void diagnosis() {
   EXPECT_FALSE(with_estimate(stiffness_unknown + ", diagnose: false").problem->settings.diagnose);
 }
 
+void outliers() {
+  const auto treatment = [](const std::string& text) {
+    return with_estimate(stiffness_unknown + text).problem->settings.outliers;
+  };
+  EXPECT_FALSE(treatment(""));
+  EXPECT_FALSE(treatment(", outliers: auto"));
+  EXPECT_EQ(treatment(", outliers: gate"), OutlierTreatment::gate);
+  EXPECT_EQ(treatment(", outliers: robust"), OutlierTreatment::robust);
+  EXPECT_EQ(treatment(", outliers: keep"), OutlierTreatment::keep);
+}
+
 void threads() {
   EXPECT_EQ(filter_threads(with_estimate(stiffness_unknown + ", threads: 3").problem->settings), 3);
   EXPECT_EQ(filter_threads(with_estimate(stiffness_unknown + ", threads: 0").problem->settings), processors());
@@ -401,6 +412,7 @@ KeyChecks estimation_keys() {
   add(at, {"settle"}, sums_begin_after_settling);
   add(at, {"substeps"}, parts_of_an_interval);
   add(at, {"threads"}, threads);
+  add(at, {"outliers"}, outliers);
   add(at, {"diagnose"}, diagnosis);
   add("predict.", {"substructure"}, predictions);
   add("predict.", {"substeps"}, prediction_steps);

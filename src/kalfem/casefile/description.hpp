@@ -223,8 +223,9 @@ struct Estimation {
   std::optional<LocalModelOptions> local;
   bool estimate_initial_state = false;
   int passes = 1;
-  std::optional<int> substeps;  ///< if empty, the estimates decide
-  int threads = 0;              ///< 0: one per processor
+  std::optional<int> substeps;               ///< if empty, the estimates decide
+  int threads = 0;                           ///< 0: one per processor
+  std::optional<OutlierTreatment> outliers;  ///< if empty, robust where a run shows outliers
   bool diagnose = true;
 };
 

@@ -137,6 +137,16 @@ Schema<Estimation> estimation() {
           .optional("threads", &Estimation::threads, integer(0, 64),
                     "number of threads for large covariances, 0 for one per processor; results do not depend on it")
           .optional(
+              "outliers", &Estimation::outliers,
+              choice<std::optional<OutlierTreatment>>(
+                  {{"auto", std::nullopt, "robust where a run over the record shows outliers, otherwise keep"},
+                   {"gate", OutlierTreatment::gate, "leave samples beyond 6 expected deviations out"},
+                   {"robust", OutlierTreatment::robust, "the further from its prediction, the less a sample counts"},
+                   {"keep", OutlierTreatment::keep,
+                    "every sample counts in full, and dead, stuck or saturated sensors are not searched for"}}),
+              "what the filter does with samples far from their prediction; except with keep, it leaves dead, stuck "
+              "and saturated sensors out")
+          .optional(
               "diagnose", &Estimation::diagnose, boolean(),
               "where the results contradict themselves, repeat the run with single mistakes undone, to name the one "
               "that explains it"));

@@ -132,6 +132,20 @@ std::vector<Reason> reasons_of_likelihood(const RecordEstimate& estimate) {
   return reasons;
 }
 
+/// What was wrong with the sensors. It is left out of the estimates already, so it is a suspicion at most.
+std::vector<Reason> reasons_of_events(const RecordEstimate& estimate) {
+  std::vector<Reason> reasons;
+  for (const auto& event : estimate.events) {
+    if (!event.is_fault()) continue;
+    const bool outliers = event.kind == EventKind::outliers;
+    reasons.push_back({.code = outliers ? "outliers" : "sensor_" + to_string(event.kind),
+                       .subject = event.channel,
+                       .text = event.text,
+                       .remedy = outliers ? "look at the record there" : "check the sensor, its cable and its range"});
+  }
+  return reasons;
+}
+
 std::vector<Reason> reasons_of_open_loop(const RecordEstimate& estimate) {
   std::vector<Reason> reasons;
   if (!estimate.open_loop_failure.empty())
@@ -167,6 +181,7 @@ Verdict verdict_of(const RecordEstimate& estimate) {
         {"failed", failure->subject, estimate.failure(), failure->remedy, VerdictState::unusable, unusable_widening});
     return verdict;
   }
+  verdict.add(reasons_of_events(estimate));
   verdict.add(innovation_reasons(innovations_of(estimate)));
   verdict.add(reasons_of_substeps(estimate));
   verdict.add(reasons_of_unknowns(estimate));

@@ -9,12 +9,20 @@ namespace kalfem {
 
 namespace {
 
-/// Whether a mistake may be behind a reason. None is where the record holds little about an unknown, nor where noise is
-/// stated too large, which the reason says itself.
+/// Whether a mistake may be behind a reason. None is where a sensor's fault was found and left out, none is where the
+/// record holds little about an unknown, nor where noise is stated too large, which the reason says itself.
 bool has_a_cause(const Reason& reason) {
-  static const std::set<std::string> by_themselves{"not_identified",  "correlated", "combination",
-                                                   "noise_too_large", "at_bound",   "step_too_coarse"};
+  static const std::set<std::string> by_themselves{"not_identified",  "correlated",   "combination",
+                                                   "noise_too_large", "at_bound",     "step_too_coarse",
+                                                   "sensor_dead",     "sensor_stuck", "sensor_saturated"};
   return !by_themselves.contains(reason.code);
+}
+
+/// Outliers that were found give a reason, and their samples count little already.
+bool is_of_event(const Reason& reason, const RecordEstimate& estimate) {
+  return reason.code == "outliers" && std::ranges::any_of(estimate.events, [&](const SensorEvent& event) {
+           return event.kind == EventKind::outliers && event.channel == reason.subject;
+         });
 }
 
 /// Of a sample interval in the trials of a diagnosis: mistakes are larger than what finer steps add.
@@ -22,7 +30,9 @@ constexpr int most_trial_substeps = 8;
 
 bool is_doubtful(const RecordEstimate& estimate) {
   const bool overstated_noise = estimate.consistency.mean_nis < 0.5 * estimate.consistency.expected_nis;
-  return !overstated_noise && std::ranges::any_of(verdict_of(estimate).reasons(), has_a_cause);
+  return !overstated_noise && std::ranges::any_of(verdict_of(estimate).reasons(), [&](const Reason& reason) {
+    return has_a_cause(reason) && !is_of_event(reason, estimate);
+  });
 }
 
 /// The NIS of every sample that the filter computed.
@@ -41,7 +51,7 @@ std::optional<Diagnosis> look_for_cause(const EstimationProblem& problem, const 
   as_run->settings.substeps = std::min(most_trial_substeps, estimate.augmented_model->options().substeps);
   return diagnose({.problem = std::move(as_run),
                    .parts = parts,
-                   .record = likelihood ? likelihood->corrected.record : record,
+                   .record = without(likelihood ? likelihood->corrected.record : record, estimate.events),
                    .options = {.unscented = problem.settings.unscented},
                    .nis = computed_nis(estimate.result)});
 }

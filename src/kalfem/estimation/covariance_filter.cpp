@@ -31,10 +31,14 @@ FilterOutcome CovarianceFilter::predict() {
   return FilterOutcome::usable;
 }
 
-FilterOutcome CovarianceFilter::condition(const VectorXd& y, const MatrixXd& noise, Innovation& innovation) {
+FilterOutcome CovarianceFilter::expect(const VectorXd& y, const MatrixXd& noise, Innovation& innovation) {
   if (const auto outcome = transform(measurement(), measurement_transform_); outcome != FilterOutcome::usable)
     return outcome;
   form_innovation(y, noise, innovation);
+  return FilterOutcome::usable;
+}
+
+FilterOutcome CovarianceFilter::correct(const MatrixXd&, Innovation& innovation) {
   if (!cholesky(innovation.covariance, 0.0, innovation_factor_)) return FilterOutcome::innovation_not_positive_definite;
 
   // K P_yy = P_xy; with P_yy = L L^T and J = P_xy L^-T the update is x + J (L^-1 nu), P - J J^T.

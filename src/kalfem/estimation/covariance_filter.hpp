@@ -24,7 +24,8 @@ public:
   Eigen::MatrixXd covariance_of(const std::vector<Eigen::Index>& states) const override;
 
 private:
-  FilterOutcome condition(const Eigen::VectorXd& y, const Eigen::MatrixXd& noise, Innovation& innovation) override;
+  FilterOutcome expect(const Eigen::VectorXd& y, const Eigen::MatrixXd& noise, Innovation& innovation) override;
+  FilterOutcome correct(const Eigen::MatrixXd& noise, Innovation& innovation) override;
   FilterOutcome transform(PartiallyLinearMap& map, UnscentedTransform& transform);
   void form_innovation(const Eigen::VectorXd& y, const Eigen::MatrixXd& noise, Innovation& innovation);
 

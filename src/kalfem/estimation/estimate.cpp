@@ -162,7 +162,10 @@ private:
     measurement.set_inputs(input_.inputs.col(k * input_stride_));
     if (!linear_unknowns_.empty()) measurement.set_mean(filter->mean());
     input_.sample(k, measured_);
-    return filter->update(measured_, innovation_);
+    held_out_.clear();
+    for (const auto& [channel, begin, end] : options_.held_out)
+      if (begin <= k && k < end) held_out_.push_back(channel);
+    return filter->update(measured_, innovation_, held_out_);
   }
 
   FilterOutcome store(Index k) {
@@ -175,6 +178,10 @@ private:
   }
 
   void store_innovation(Index k) {
+    for (SetAsideSample each : innovation_.set_aside) {
+      each.sample = k;
+      result_.set_aside.push_back(each);
+    }
     const auto& channels = innovation_.channels;
     if (channels.empty()) return;
     result_.innovation(channels, k) = innovation_.value;
@@ -315,6 +322,7 @@ private:
   LinearEstimate linearised_about_;
   Innovation innovation_;
   VectorXd measured_, output_mean_, output_deviation_;
+  std::vector<Index> held_out_;  ///< channels, at this sample
   EstimationResult result_;
 };
 

@@ -24,9 +24,11 @@ struct EstimationOptions {
   bool state_deviations = true;
   /// Samples from one computation of the monitored quantities' standard deviations to the next; they stand in between.
   int deviation_stride = 1;
-  bool keep_gains = false;     ///< of every sample in the result, see run_with_gains()
-  bool keep_unknowns = false;  ///< their history in the result, for deviations that hold where the model is not exact
-  OutputMap monitored = {};    ///< further quantities to estimate at every sample, without measurement chains
+  bool keep_gains = false;       ///< of every sample in the result, see run_with_gains()
+  bool keep_unknowns = false;    ///< their history in the result, for deviations that hold where the model is not exact
+  OutlierOptions outliers = {};  ///< what the updates do with samples far from their prediction
+  std::vector<HeldOutSamples> held_out = {};  ///< samples to predict only
+  OutputMap monitored = {};  ///< further quantities to estimate at every sample, without measurement chains
   Progress progress = {};
 };
 
@@ -81,9 +83,12 @@ struct EstimationResult {
   Eigen::VectorXi measured;              ///< channels measured per sample
   Eigen::VectorXd log_density;           ///< of each sample given those before, 0 if nothing was measured
   double log_likelihood = 0.0;           ///< their sum
-  Gains gains;                           ///< where they are asked for
-  UnknownsHistory unknowns_history;      ///< where it is asked for
-  Eigen::MatrixXd final_covariance;      ///< of the augmented state
+  /// Samples that counted less or not at all: outliers, and those held out. No innovation above belongs to one left
+  /// out.
+  std::vector<SetAsideSample> set_aside;
+  Gains gains;                       ///< where they are asked for
+  UnknownsHistory unknowns_history;  ///< where it is asked for
+  Eigen::MatrixXd final_covariance;  ///< of the augmented state
   std::optional<EstimationFailure> failure;
   EstimationTime time;
   /// About the last values of the unknowns of the linear part, and how often it was relinearised; empty where it

@@ -1,5 +1,6 @@
 #include "kalfem/estimation/filter.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <numbers>
@@ -48,22 +49,62 @@ Filter::Filter(FilterModel model) : model_(std::move(model)) {
 }
 
 // Reduces the measurement to the channels with a finite value and leaves the conditioning to the filter's own form. A
-// channel without a value carries no information: its row and column drop out of R, P_yy and P_xy.
-/// Channels come and go in stretches, so R of the present ones is formed only where they change.
-FilterOutcome Filter::update(const Eigen::VectorXd& y, Innovation& innovation) {
+// channel without a value carries no information: its row and column drop out of R, P_yy and P_xy. Single channels are
+// judged by their expected innovation. Where one is to count less, its innovation is formed again with what is left of
+// it: that happens at few samples, so the common way stays as short as without.
+FilterOutcome Filter::update(const Eigen::VectorXd& y, Innovation& innovation,
+                             const std::vector<Eigen::Index>& held_out) {
   assert(y.size() == channels());
   auto& present = innovation.channels;
   present.clear();
+  innovation.set_aside.clear();
   for (Eigen::Index channel = 0; channel < y.size(); ++channel)
     if (std::isfinite(y[channel])) present.push_back(channel);
   if (present.empty()) return FilterOutcome::usable;
-  if (present != noise_channels_) {
-    noise_channels_ = present;
-    noise_ = model_.measurement_noise(present, present);
+  take_channels(y, present);
+  if (const auto outcome = expect(values_, noise_, innovation); outcome != FilterOutcome::usable) return outcome;
+  if ((outliers_.treatment == OutlierTreatment::keep && held_out.empty()) || !screen(held_out, innovation))
+    return correct(noise_, innovation);
+  if (present.empty()) return FilterOutcome::usable;
+  take_channels(y, present);
+  Eigen::MatrixXd noise = noise_;
+  noise.diagonal() += added_variance_;
+  if (const auto outcome = expect(values_, noise, innovation); outcome != FilterOutcome::usable) return outcome;
+  return correct(noise, innovation);
+}
+
+/// Channels come and go in stretches, so R of the present ones is formed only where they change.
+void Filter::take_channels(const Eigen::VectorXd& y, const std::vector<Eigen::Index>& channels) {
+  if (channels != noise_channels_) {
+    noise_channels_ = channels;
+    noise_ = model_.measurement_noise(channels, channels);
   }
-  values_.resize(static_cast<Eigen::Index>(present.size()));
-  for (Eigen::Index i = 0; i < values_.size(); ++i) values_[i] = y[present[static_cast<std::size_t>(i)]];
-  return condition(values_, noise_, innovation);
+  values_.resize(static_cast<Eigen::Index>(channels.size()));
+  for (Eigen::Index i = 0; i < values_.size(); ++i) values_[i] = y[channels[static_cast<std::size_t>(i)]];
+}
+
+/// Takes the channels out that are held out or gated, and sets the variance that the others are given in addition:
+/// S_ii / w in the place of S_ii. False where every channel counts in full.
+bool Filter::screen(const std::vector<Eigen::Index>& held_out, Innovation& innovation) {
+  bool changed = false;
+  std::vector<Eigen::Index> kept;
+  added_variance_.setZero(innovation.value.size());
+  for (Eigen::Index i = 0; i < innovation.value.size(); ++i) {
+    const Eigen::Index channel = innovation.channels[static_cast<std::size_t>(i)];
+    const double variance = innovation.covariance(i, i), deviation = std::sqrt(variance);
+    const double e = innovation.value[i] / deviation;
+    const bool held = std::ranges::find(held_out, channel) != held_out.end();
+    const double weight = held ? 0.0 : outlier_weight(outliers_, e);
+    changed = changed || weight < 1.0;
+    const bool outlier = !held && outliers_.treatment != OutlierTreatment::keep && std::abs(e) > outliers_.limit;
+    if (held || outlier) innovation.set_aside.push_back({channel, 0, innovation.value[i], deviation, outlier});
+    if (!(weight > 0.0)) continue;
+    added_variance_[static_cast<Eigen::Index>(kept.size())] = variance * (1.0 / weight - 1.0);
+    kept.push_back(channel);
+  }
+  added_variance_.conservativeResize(static_cast<Eigen::Index>(kept.size()));
+  if (changed) innovation.channels = std::move(kept);
+  return changed;
 }
 
 // Maps the kind of filter to a representation of P and a set of sigma points. The unscented kinds draw points of the

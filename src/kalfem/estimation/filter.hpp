@@ -7,6 +7,7 @@
 
 #include "kalfem/estimation/filter_kind.hpp"
 #include "kalfem/estimation/gaussian.hpp"
+#include "kalfem/estimation/outliers.hpp"
 #include "kalfem/estimation/partially_linear/partially_linear_map.hpp"
 #include "kalfem/estimation/unscented_transform.hpp"
 
@@ -41,6 +42,8 @@ struct Innovation {
   Eigen::MatrixXd covariance;          ///< P_yy + R, l x l, lower triangle
   double nis = 0.0;                    ///< normalised innovation squared, value^T covariance^-1 value
   double log_likelihood = 0.0;         ///< of this measurement given those before
+  /// Channels that were measured and count less or not at all; `sample` is not set. Those left out do not stand above.
+  std::vector<SetAsideSample> set_aside = {};
 };
 
 /// v <- L^-1 v for a few values, L lower triangular.
@@ -66,8 +69,11 @@ public:
   /// x <- process(x) + N(0, Q), with the map's inputs as they are now.
   [[nodiscard]] virtual FilterOutcome predict() = 0;
   /// Conditions on y = measurement(x) + N(0, R). A value that is not a number is a channel that is missing; the others
-  /// stand in `innovation.channels`. With none of them the estimate stays.
-  [[nodiscard]] FilterOutcome update(const Eigen::VectorXd& y, Innovation& innovation);
+  /// stand in `innovation.channels`. With none of them the estimate stays. Outliers are treated as treat_outliers()
+  /// says, and channels of `held_out` are predicted, not learned from; both stand in `innovation.set_aside`.
+  [[nodiscard]] FilterOutcome update(const Eigen::VectorXd& y, Innovation& innovation,
+                                     const std::vector<Eigen::Index>& held_out = {});
+  void treat_outliers(const OutlierOptions& options) { outliers_ = options; }
   /// Mean and, where asked for, standard deviation of the monitored quantities. Means are cheap, deviations may cost as
   /// much as a step.
   [[nodiscard]] virtual FilterOutcome observe(Eigen::VectorXd& mean, Eigen::VectorXd* deviation) = 0;
@@ -83,8 +89,11 @@ public:
   [[nodiscard]] virtual Eigen::MatrixXd covariance_of(const std::vector<Eigen::Index>& states) const = 0;
 
 protected:
-  /// Conditions on the measured channels, `innovation.channels`: `y` holds their values, `noise` is R of these alone.
-  virtual FilterOutcome condition(const Eigen::VectorXd& y, const Eigen::MatrixXd& noise, Innovation& innovation) = 0;
+  /// Value and covariance of the innovation of the measured channels, `innovation.channels`: `y` holds their values,
+  /// `noise` is R of these alone. The estimate stays.
+  virtual FilterOutcome expect(const Eigen::VectorXd& y, const Eigen::MatrixXd& noise, Innovation& innovation) = 0;
+  /// Conditions on the innovation that the last expect() gave, with the same `noise`.
+  virtual FilterOutcome correct(const Eigen::MatrixXd& noise, Innovation& innovation) = 0;
 
   [[nodiscard]] PartiallyLinearMap& process() const { return model_.process; }
   [[nodiscard]] PartiallyLinearMap& measurement() const { return model_.measurement; }
@@ -93,10 +102,14 @@ protected:
   [[nodiscard]] Eigen::Index channels() const { return model_.measurement_noise.rows(); }
 
 private:
+  void take_channels(const Eigen::VectorXd& y, const std::vector<Eigen::Index>& channels);
+  bool screen(const std::vector<Eigen::Index>& held_out, Innovation& innovation);
+
   FilterModel model_;
+  OutlierOptions outliers_;
   std::vector<Eigen::Index> noise_channels_;  ///< those that noise_ is of
   Eigen::MatrixXd noise_;
-  Eigen::VectorXd values_;
+  Eigen::VectorXd values_, added_variance_;
 };
 
 /// A partially linear filter costs O(n^2) per step if the process model is block diagonal (StateCoordinates::modal),

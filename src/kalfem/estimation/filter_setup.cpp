@@ -30,7 +30,9 @@ FilterSetup::FilterSetup(std::shared_ptr<const AugmentedModel> of, const MatrixX
                           .measurement = measurement,
                           .measurement_noise = measurement_noise,
                           .monitored = monitored ? &*monitored : nullptr},
-                         options.unscented, options.threads)) {}
+                         options.unscented, options.threads)) {
+  filter->treat_outliers(options.outliers);
+}
 
 std::optional<Index> FilterSetup::failed_connector() const {
   if (const auto failed = transition.failed_connector()) return failed;

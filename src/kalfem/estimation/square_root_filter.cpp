@@ -68,8 +68,8 @@ FilterOutcome SquareRootFilter::predict() {
 /// The array [D_y G Sigma^(1/2) R^(1/2); S 0 0] of the measured channels, transposed.
 void SquareRootFilter::stack_measurement(const Innovation& innovation, const MatrixXd& noise) {
   const auto& present = innovation.channels;
-  if (present != noise_root_channels_) {
-    noise_root_channels_ = present;
+  if (noise_root_of_.rows() != noise.rows() || noise_root_of_ != noise) {
+    noise_root_of_ = noise;
     noise_root_ = root_of(noise);
   }
   const Index l = noise.rows(), n = mean_.size();
@@ -82,12 +82,21 @@ void SquareRootFilter::stack_measurement(const Innovation& innovation, const Mat
   if (array_.rows() < array_.cols()) array_.conservativeResizeLike(MatrixXd::Zero(array_.cols(), array_.cols()));
 }
 
-FilterOutcome SquareRootFilter::condition(const VectorXd& y, const MatrixXd& noise, Innovation& innovation) {
+FilterOutcome SquareRootFilter::expect(const VectorXd& y, const MatrixXd& noise, Innovation& innovation) {
   if (!factor_.allFinite()) return FilterOutcome::covariance_not_positive_definite;
   if (!transform_.apply(measurement(), mean_, factor_, FactorShape::lower_triangular) || !split_scatter(measurement()))
     return FilterOutcome::model_not_evaluable;
   const auto& present = innovation.channels;
-  const Index l = y.size(), n = mean_.size();
+  innovation.value = y - transform_.mean()(present);
+  const MatrixXd own = transform_.deviations()(present, Eigen::all), added = added_(present, Eigen::all),
+                 removed = removed_(present, Eigen::all);
+  innovation.covariance = noise + own * own.transpose() + added * added.transpose() - removed * removed.transpose();
+  return FilterOutcome::usable;
+}
+
+FilterOutcome SquareRootFilter::correct(const MatrixXd& noise, Innovation& innovation) {
+  const auto& present = innovation.channels;
+  const Index l = noise.rows(), n = mean_.size();
   stack_measurement(innovation, noise);
   triangularise(array_, triangle_);
   VectorXd column = VectorXd::Zero(l + n);
@@ -98,7 +107,6 @@ FilterOutcome SquareRootFilter::condition(const VectorXd& y, const MatrixXd& noi
   const MatrixXd innovation_root = triangle_.topLeftCorner(l, l);
   if (!triangle_.allFinite() || !(innovation_root.diagonal().minCoeff() > 0.0))
     return FilterOutcome::innovation_not_positive_definite;
-  innovation.value = y - transform_.mean()(present);
   innovation.covariance = innovation_root * innovation_root.transpose();
   const VectorXd whitened = innovation_root.triangularView<Eigen::Lower>().solve(innovation.value);
   score(innovation, innovation_root, whitened);

@@ -28,15 +28,16 @@ public:
   }
 
 private:
-  FilterOutcome condition(const Eigen::VectorXd& y, const Eigen::MatrixXd& noise, Innovation& innovation) override;
+  FilterOutcome expect(const Eigen::VectorXd& y, const Eigen::MatrixXd& noise, Innovation& innovation) override;
+  FilterOutcome correct(const Eigen::MatrixXd& noise, Innovation& innovation) override;
   bool split_scatter(const PartiallyLinearMap& map);
   void stack_measurement(const Innovation& innovation, const Eigen::MatrixXd& noise);
 
   UnscentedTransform transform_;
   Eigen::VectorXd mean_;
   Eigen::MatrixXd factor_, array_, triangle_, added_, removed_;
-  Eigen::MatrixXd process_root_, noise_root_;      ///< Q^(1/2), R^(1/2) of the measured channels
-  std::vector<Eigen::Index> noise_root_channels_;  ///< those that noise_root_ is of
+  Eigen::MatrixXd process_root_, noise_root_;  ///< Q^(1/2), R^(1/2) of the measured channels
+  Eigen::MatrixXd noise_root_of_;              ///< R that noise_root_ is of
 };
 
 }  // namespace kalfem

@@ -115,7 +115,10 @@ struct EstimationSettings {
   int passes = 1;                       ///< over the record, each from the estimate of the one before
   /// Of a sample interval, for the connectors' forces; empty: as many as the estimates need, see run_refined_filter().
   std::optional<int> substeps = {};
-  int threads = 0;       ///< 0: one per processor
+  int threads = 0;  ///< 0: one per processor
+  /// What the updates do with outliers, and, unless they keep them, a search for dead, stuck and saturated sensors;
+  /// nothing: robust where a run shows outliers, see run_screened_filter().
+  std::optional<OutlierTreatment> outliers = {};
   bool diagnose = true;  ///< look for the mistake that explains a run which contradicts itself
 };
 

@@ -6,8 +6,8 @@
 
 #include "kalfem/base/units.hpp"
 #include "kalfem/identification/open_loop.hpp"
-#include "kalfem/identification/refined_filter.hpp"
 #include "kalfem/identification/robust_deviations.hpp"
+#include "kalfem/identification/screened_filter.hpp"
 
 namespace kalfem {
 
@@ -145,15 +145,16 @@ void add_uncertainty(const LikelihoodEstimate& likelihood, RecordEstimate& estim
 RecordEstimate estimate_by_filter(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
                                   const Record& record, const RecordEstimateOptions& options) {
   const auto& settings = problem->settings;
-  auto [filtered, substeps] = run_refined_filter(problem, setup, record,
-                                                 {.unscented = settings.unscented,
-                                                  .threads = filter_threads(settings),
-                                                  .passes = settings.passes,
-                                                  .state_deviations = false,
-                                                  .deviation_stride = options.deviation_stride,
-                                                  .keep_unknowns = true,
-                                                  .monitored = make_outputs(*setup.model, options.monitored),
-                                                  .progress = options.progress});
+  auto screened = run_screened_filter(problem, setup, record,
+                                      {.unscented = settings.unscented,
+                                       .threads = filter_threads(settings),
+                                       .passes = settings.passes,
+                                       .state_deviations = false,
+                                       .deviation_stride = options.deviation_stride,
+                                       .keep_unknowns = true,
+                                       .monitored = make_outputs(*setup.model, options.monitored),
+                                       .progress = options.progress});
+  auto& [filtered, substeps] = screened.refined;
   RecordEstimate estimate{.filter = filtered.run.choice.filter,
                           .filter_reason = filtered.run.choice.reason,
                           .attempts = std::move(filtered.attempts),
@@ -161,7 +162,9 @@ RecordEstimate estimate_by_filter(const EstimationProblemPtr& problem, const Aug
                           .start = filtered.run.start,
                           .augmented_model = filtered.augmented_model(),
                           .result = std::move(filtered.result),
-                          .measurements = std::move(filtered.run.input.measured)};
+                          .measurements = without(std::move(filtered.run.input.measured), screened.events),
+                          .outliers = screened.outliers,
+                          .events = std::move(screened.events)};
   estimate.settled = settled_samples(estimate, settings.settle);
   estimate.consistency =
       summarise_consistency(estimate.result.nis, estimate.result.measured, estimate.result.innovation,

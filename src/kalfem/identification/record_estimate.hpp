@@ -9,6 +9,7 @@
 #include "kalfem/estimation/consistency.hpp"
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/identification/likelihood_unknowns.hpp"
+#include "kalfem/identification/sensor_events.hpp"
 
 namespace kalfem {
 
@@ -24,8 +25,11 @@ struct RecordEstimate {
   EstimationResult result;
   /// Gains, delays and noise that were found by maximum likelihood, if any were unknown.
   std::optional<LikelihoodEstimate> likelihood;
-  Record measurements;       ///< of the sensors that the augmented model uses, without their gains and delays
-  Eigen::Index settled = 0;  ///< first sample of the error and consistency figures
+  /// Of the sensors that the augmented model uses, without their gains and delays, and without the samples of faults.
+  Record measurements;
+  OutlierTreatment outliers = OutlierTreatment::keep;  ///< in the run that gave the result
+  std::vector<SensorEvent> events = {};                ///< what is wrong with the record or missing in it
+  Eigen::Index settled = 0;                            ///< first sample of the error and consistency figures
   ConsistencySummary consistency;
   RobustCovariance robust;           ///< of the unknowns that do not drift, in the filter's state
   Eigen::VectorXd robust_deviation;  ///< one per unknown [its unit]; NaN if it drifts, or after a failure

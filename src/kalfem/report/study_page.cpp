@@ -321,6 +321,16 @@ Section verdict_section(const StudyResults& results) {
   return section;
 }
 
+/// What was wrong with the record or missing in it.
+Section events_section(const std::vector<SensorEvent>& events) {
+  Table table{"", {"sensor", "event", "from", "to", "samples", "found"}, {}, {}};
+  for (const auto& event : events)
+    table.rows.push_back({event.channel.empty() ? "all" : event.channel, to_string(event.kind),
+                          fmt::format("{:.6g} s", event.from), fmt::format("{:.6g} s", event.to),
+                          std::to_string(event.count), event.text});
+  return {"Events in the record", "", {table}};
+}
+
 Section simulation_section(const SimulationOutcome& outcome) {
   Section section{"Record", "Simulated sensors, with noise.", {}};
   for (std::size_t i = 0; i < outcome.measurements.channels.size(); ++i) {
@@ -374,6 +384,8 @@ Page make_page(const Study& study, const StudyResults& results) {
             .sections = {}};
   if (results.verdict.state() != VerdictState::consistent) page.sections.push_back(verdict_section(results));
   if (const auto words = record_words(study, results); !words.empty()) page.sections.push_back({"Record", words, {}});
+  if (results.estimation && !results.estimation->events.empty())
+    page.sections.push_back(events_section(results.estimation->events));
   if (results.updating) page.sections.push_back(updating_section(study, results));
   if (!results.modifications.empty())
     page.sections.push_back({"Modifications",

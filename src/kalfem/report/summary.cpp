@@ -388,6 +388,19 @@ Json verdict_summary(const Verdict& verdict) {
   return {{"state", to_string(verdict.state())}, {"reasons", reasons}};
 }
 
+/// What was wrong with the record or missing in it, with its times.
+Json events_summary(const std::vector<SensorEvent>& events) {
+  Json all = Json::array();
+  for (const auto& event : events)
+    all.push_back({{"kind", to_string(event.kind)},
+                   {"channel", event.channel.empty() ? Json(nullptr) : Json(event.channel)},
+                   {"from", number(event.from)},
+                   {"to", number(event.to)},
+                   {"count", event.count},
+                   {"text", event.text}});
+  return all;
+}
+
 /// Every mistake that was tested, best explanation first.
 Json diagnosis_summary(const Diagnosis& diagnosis) {
   Json tested = Json::array();
@@ -425,6 +438,7 @@ Json summarise(const Study& study, const StudyResults& results) {
   if (results.estimation) {
     summary["parameters"] = parameters_summary(study, *results.estimation);
     summary["estimation"] = estimation_summary(*results.estimation);
+    if (const auto& events = results.estimation->events; !events.empty()) summary["events"] = events_summary(events);
     if (const auto& diagnosis = results.estimation->diagnosis) summary["diagnosis"] = diagnosis_summary(*diagnosis);
   }
   if (results.validation) {

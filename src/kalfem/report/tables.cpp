@@ -291,6 +291,8 @@ std::string console_report(const Study& study, const StudyResults& results) {
       text +=
           fmt::format("NIS {:.2f} (expected {:.2f}); {} of samples in the 95 % band\n", outcome.consistency.mean_nis,
                       outcome.consistency.expected_nis, per_cent(outcome.consistency.fraction_in_95));
+    for (const auto& event : outcome.events) text += sentence(event.text);
+    if (!outcome.events.empty()) text += "\n";
     if (!outcome.has_samples())
       text += fmt::format("Filter {}: it stopped before it computed a sample\n\n", to_string(outcome.filter));
     else

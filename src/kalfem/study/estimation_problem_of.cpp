@@ -227,6 +227,7 @@ EstimationProblem make_estimation_problem(const CaseStudy& study, IssueList& iss
                       .passes = given.passes,
                       .substeps = given.substeps,
                       .threads = given.threads,
+                      .outliers = given.outliers,
                       .diagnose = given.diagnose};
   const StructureModel held = held_structure(study, issues);
   if (!issues.empty()) return problem;

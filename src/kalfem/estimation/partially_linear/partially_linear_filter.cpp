@@ -118,7 +118,7 @@ void PartiallyLinearFilter::propagate_mean() {
   predicted_mean_.col(0).noalias() += gain_.lazyProduct(process_map_.nonlinear_mean());
 }
 
-FilterOutcome PartiallyLinearFilter::condition(const VectorXd& y, const MatrixXd& noise, Innovation& innovation) {
+FilterOutcome PartiallyLinearFilter::expect(const VectorXd& y, const MatrixXd& noise, Innovation& innovation) {
   estimate_.settle();
   const auto& gram = estimate_.gram();
   if (!measurement_map_.spread(gram)) return why_not(measurement_map_);
@@ -127,6 +127,10 @@ FilterOutcome PartiallyLinearFilter::condition(const VectorXd& y, const MatrixXd
   innovation.value = y - output_mean_;
   innovation.covariance = noise;
   measurement_map_.add_output_covariance(gram, innovation.covariance);
+  return FilterOutcome::usable;
+}
+
+FilterOutcome PartiallyLinearFilter::correct(const MatrixXd&, Innovation& innovation) {
   if (!cholesky(innovation.covariance, 0.0, innovation_factor_)) return FilterOutcome::innovation_not_positive_definite;
   whitened_ = innovation.value;
   whiten(innovation_factor_, whitened_);

@@ -35,7 +35,8 @@ public:
   }
 
 private:
-  FilterOutcome condition(const Eigen::VectorXd& y, const Eigen::MatrixXd& noise, Innovation& innovation) override;
+  FilterOutcome expect(const Eigen::VectorXd& y, const Eigen::MatrixXd& noise, Innovation& innovation) override;
+  FilterOutcome correct(const Eigen::MatrixXd& noise, Innovation& innovation) override;
   ProjectedRows rows_of_maps();
   void move_gain();
   void propagate_mean();
