@@ -207,11 +207,11 @@ void local_models_are_pushed_by_unknown_forces() {
     return *study_of(estimated_case(sections)).augmented_model;
   };
   const auto given = setup("std: 5 N, correlation_time: 0.2 s");
-  EXPECT_EQ(given.options.inputs.at(0).model, InputModel::first_order_markov);
-  near(given.options.inputs[0].correlation_time, 0.2);
+  EXPECT_EQ(given.options.inputs.at(0).model, InputModel::latent);
+  near(given.options.inputs[0].process.correlation_time, 0.2);
   near(given.options.prior.input_deviation[0], 5.0);
   near(given.options.process_noise.input[0], 5.0 * std::sqrt(2.0 / 0.2));  // stationary: q^2 tau / 2 = std^2
-  near(setup("std: 5 N").options.inputs[0].correlation_time, 0.1);
+  near(setup("std: 5 N").options.inputs[0].process.correlation_time, 0.1);
   near(given.model->system().inputs[0].value, vector({1.0}));
 }
 

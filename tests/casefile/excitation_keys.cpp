@@ -173,6 +173,32 @@ void delayed_signals() {
   delay("trailing_axle: {input: e, wheelbase: 3 m, speed: 72 km/h}", 0.15);
 }
 
+/// A process in the place of the signal, in the filter's model.
+void unknown_inputs() {
+  const auto input = [](const std::string& target, const std::string& process) {
+    const auto study = study_of(estimated_case(lumped_case(
+        {{"excitation", "{e: {" + target + ", sine: {amplitude: 1, frequency: 3}, unknown: {" + process + "}}}"}})));
+    return std::pair(study.problem->settings.unknown_inputs.at(0), study.augmented_model->options);
+  };
+  const auto [force, options] = input("force: s.b", "std: 2 kN, correlation_time: 30 ms, smoothness: 5/2");
+  EXPECT_EQ(options.inputs.at(0).model, InputModel::latent);
+  EXPECT_EQ(force.process.order, 3);
+  near(force.process.correlation_time, 0.03);
+  near(options.prior.input_deviation[0], 2e3);
+  near(options.process_noise.input[0], LatentProcess{3, 0.03}.density(2e3));
+  const auto [plain, unused] = input("force: s.b", "std: 2");
+  EXPECT_EQ(plain.process.order, 2);
+  near(plain.process.correlation_time, 0.1);
+  EXPECT_EQ(input("base_displacement: s.ground", "std: 2 mm").first.process.order, 3);
+  const auto [walk, of_walk] = input("force: s.b", "random_walk: 7 kN, std: 3 N");
+  EXPECT_EQ(walk.process.rate(), 0.0);
+  near(of_walk.process_noise.input[0], 7e3);
+  near(of_walk.prior.input_deviation[0], 3.0);
+  const auto [ground, of_ground] = input("base_acceleration: s.ground", "std: 2 m/s^2");
+  EXPECT_EQ(of_ground.inputs.at(0).model, InputModel::latent_acceleration);
+  EXPECT_TRUE(ground.acceleration);
+}
+
 void targets() {
   const auto force = study_of(lumped_case({{"excitation", "{e: {force: s.b, constant: 2 kN}}"}}));
   near(system_of(force).inputs[0].value, vector({0.0, 1.0}));
@@ -210,6 +236,7 @@ KeyChecks excitation_keys() {
       at, {"delayed.input", "delayed.delay", "trailing_axle.input", "trailing_axle.wheelbase", "trailing_axle.speed"},
       delayed_signals));
   keys.merge(all_of(at, {"force", "base_displacement", "base_acceleration", "constant"}, targets));
+  keys.merge(all_of(at + "unknown.", {"std", "correlation_time", "smoothness", "random_walk"}, unknown_inputs));
   keys[at + "drift"] = drifts;
   keys[at + "scale"] = [] {
     same_signal(*with_signal("sine: {amplitude: 3, frequency: 7}, scale: -1.5").structure->signals[0],

@@ -63,7 +63,7 @@ TEST(FirstOrderForm, MarkovForceDecaysAndDrives) {
   const double tau = 0.3, h = 0.02;
   const auto model = oscillator(rider.m, rider.c, rider.k);
   const FirstOrderForm form(model.system(), sensor(model, ObservedQuantity::acceleration), {},
-                            {{.model = InputModel::first_order_markov, .correlation_time = tau}});
+                            {{.model = InputModel::latent, .process = {.correlation_time = tau}}});
   ASSERT_EQ(form.size(), 3);
   const ExactStep step(form, h);
   VectorXd x = values({0.0, 0.0, 50.0});
@@ -80,7 +80,7 @@ TEST(FirstOrderForm, MarkovForceDecaysAndDrives) {
 TEST(FirstOrderForm, InfiniteCorrelationTimeIsARandomWalk) {
   const auto model = oscillator(rider.m, rider.c, rider.k);
   const FirstOrderForm form(model.system(), sensor(model, ObservedQuantity::displacement), {},
-                            {{InputModel::first_order_markov, std::numeric_limits<double>::infinity()}});
+                            {{InputModel::latent, {1, std::numeric_limits<double>::infinity()}}});
   EXPECT_EQ(form.dynamics()(2, 2), 0.0);
 }
 
@@ -125,7 +125,7 @@ TEST(FirstOrderForm, UnsuitableTreatmentsAndChainsAreRefused) {
   const auto model = oscillator(rider.m, rider.c, rider.k);
   const auto outputs = sensor(model, ObservedQuantity::displacement);
   for (const double tau : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()})
-    EXPECT_THROW(FirstOrderForm(model.system(), outputs, {}, {{InputModel::first_order_markov, tau}}), InvalidInput);
+    EXPECT_THROW(FirstOrderForm(model.system(), outputs, {}, {{InputModel::latent, {1, tau}}}), InvalidInput);
   EXPECT_THROW(FirstOrderForm(model.system(), outputs, {}, {{}, {}}), InvalidInput);
   EXPECT_THROW(FirstOrderForm(model.system(), outputs, {MeasurementChain{}, MeasurementChain{}}), InvalidInput);
 }

@@ -259,7 +259,7 @@ TEST(ProcessNoiseOfEveryKind, StatesOfConnectorsAndUnknownsWalk) {
 TEST(ProcessNoiseOfEveryKind, InputsThatAreStates) {
   Case given;
   const double q = 0.2, tau = 0.03, s = 5.0, p = s * std::sqrt(2 / tau);
-  given.options.inputs = {{InputModel::integrated, 1.0}, {InputModel::first_order_markov, tau}};
+  given.options.inputs = {{.model = InputModel::integrated}, {InputModel::latent, {1, tau}}};
   given.options.process_noise.input << q, p;
   given.options.prior.input_deviation << 2e-3, s;
   given.options.prior.input_rate_deviation << 0.03, 0.0;

@@ -52,7 +52,7 @@ TEST(LocalModel, TakesTheConnectorsPlaceByAnUnknownForce) {
   EXPECT_EQ(text, "");
   EXPECT_TRUE(setup.model->system().connectors.empty());
   EXPECT_EQ(setup.input_sources, std::vector<std::string>{""});
-  EXPECT_EQ(setup.options.inputs[0].model, InputModel::first_order_markov);
+  EXPECT_EQ(setup.options.inputs[0].model, InputModel::latent);
   EXPECT_EQ(setup.options.prior.input_deviation[0], 50.0);
   // x' = -x/tau + w of variance s^2 has the density 2 s^2 / tau.
   EXPECT_NEAR(setup.options.process_noise.input[0], 50.0 * std::sqrt(2.0 / 0.2), 1e-12);

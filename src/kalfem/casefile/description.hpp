@@ -133,11 +133,25 @@ struct BaseAcceleration {
 struct Force {
   Name point;
 };
+/// What the filter assumes of an excitation that was not measured.
+struct UnknownInput {
+  std::optional<Value> std;
+  double correlation_time = 0.1;  ///< [s]
+  std::optional<int> order;       ///< of the Matern process, its smoothness + 1/2; if empty, 2, or 3 of a displacement
+  std::optional<Value> random_walk;
+};
 struct Excitation {
   std::variant<BaseDisplacement, BaseAcceleration, Force> target;
-  Signal signal;
+  std::optional<Signal> signal;  ///< empty only if it is unknown
+  std::optional<Located<UnknownInput>> unknown;
   double scale = 1.0;
   std::optional<Located<Drift>> drift;  ///< of the motion of accelerated grounds
+
+  /// The signal if it is of this kind.
+  template <class S>
+  [[nodiscard]] const S* signal_as() const {
+    return signal ? std::get_if<S>(&*signal) : nullptr;
+  }
 };
 
 /// The measured quantity of a sensor, one type per key of the case file.

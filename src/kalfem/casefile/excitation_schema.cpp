@@ -34,6 +34,30 @@ kalfem::Case<BaseAcceleration> base_acceleration() {
               "`all`, or degrees of freedom with weights: the whole base moves and displacements are relative to it");
 }
 
+/// Only an unknown excitation may have no signal.
+std::vector<Issue> check_signal(const Excitation& given) {
+  if (given.signal || given.unknown) return {};
+  return {{{},
+           "the excitation has no signal",
+           "",
+           "give one of random, sine, sweep, impulse, road, file, delayed, trailing_axle, constant; or `unknown`, if "
+           "the filter is to estimate it"}};
+}
+
+std::vector<Issue> check_process(const UnknownInput& given) {
+  if (!given.std && !given.random_walk)
+    return {{{},
+             "the process of the unknown excitation has no size",
+             "the filter needs to know how large the excitation may be",
+             "give std and correlation_time, or random_walk"}};
+  if (given.order && given.random_walk)
+    return {{{},
+             "both smoothness and random_walk are given",
+             "a random walk has no smoothness to choose",
+             "remove one of them"}};
+  return {};
+}
+
 }  // namespace
 
 Schema<Excitation> excitation() {
@@ -108,6 +132,20 @@ Schema<Excitation> excitation() {
           .required("speed", &Trailing::speed, number("m/s", Bounds::positive()), "speed of the vehicle");
   const auto constant = convert<Constant>(
       value(), [](const Value& given) { return Constant{given}; }, [](const Constant& c) { return c.value; });
+  const auto unknown =
+      Fields<UnknownInput>()
+          .optional("std", &UnknownInput::std, value(),
+                    "standard deviation of the excitation, in its unit; of a random walk at its start")
+          .optional("correlation_time", &UnknownInput::correlation_time, number("s", plausible::duration()),
+                    "time over which the excitation remembers its value")
+          .optional("smoothness", &UnknownInput::order,
+                    choice<int>({{"1/2", 1, "first-order Gauss-Markov process"},
+                                 {"3/2", 2, "with a rate"},
+                                 {"5/2", 3, "with a rate and an acceleration"}}),
+                    "of the Matern covariance; default: 3/2, or 5/2 of a base_displacement")
+          .optional("random_walk", &UnknownInput::random_walk, value(),
+                    "instead: a random walk with this standard deviation per square root of a second")
+          .check(check_process);
   return mapping(
       Fields<Excitation>()
           .one_of(&Excitation::target, target("base_displacement", &BaseDisplacement::ground, "move a ground [m]"),
@@ -118,6 +156,10 @@ Schema<Excitation> excitation() {
                   when(file), when("delayed", mapping(delayed), "another input, delayed"),
                   when("trailing_axle", mapping(trailing), "another input, delayed by wheelbase / speed"),
                   when("constant", constant, "constant value (gravity, a preload)"))
+          .optional("unknown", &Excitation::unknown, located(mapping(unknown)),
+                    "the filter does not know this excitation: it estimates it as a random process. A signal beside it "
+                    "drives `simulate` and is compared with the estimate")
+          .check(check_signal)
           .optional("scale", &Excitation::scale, number("-"), "factor on the signal")
           .optional("drift", &Excitation::drift,
                     located(choice<Drift>(

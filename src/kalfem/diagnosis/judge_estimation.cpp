@@ -12,6 +12,8 @@ using Eigen::MatrixXd;
 
 namespace {
 
+constexpr double hardly_seen = 0.7;     ///< of an unknown input's standard deviation without sensors
+constexpr double drifting = 3.0;        ///< growth of a random walk's standard deviation over the record
 constexpr double poor_open_loop = 0.9;  ///< NRMSE: hardly better than no motion at all
 
 struct Limits {
@@ -165,6 +167,30 @@ std::vector<Reason> reasons_of_open_loop(const RecordEstimate& estimate) {
   return reasons;
 }
 
+/// An input whose band stays nearly as wide as its process, and one whose band grows, are hardly in the record.
+std::vector<Reason> reasons_of_inputs(const RecordEstimate& estimate) {
+  std::vector<Reason> reasons;
+  for (const auto& input : estimate.inputs) {
+    const std::string& name = input.input.name;
+    const double left = input.shrinkage(estimate.settled);
+    const Index samples = input.deviation.size(), settled = std::min(estimate.settled, samples - 1);
+    const double growth = input.deviation[samples - 1] / input.deviation[settled];
+    if (!input.input.is_random_walk() && left > hardly_seen)
+      reasons.push_back({"input_not_identified", name,
+                         fmt::format("the sensors hardly show the unknown excitation '{}': its standard deviation is "
+                                     "{:.0f} % of that which its process has without any sensor",
+                                     name, 100.0 * left),
+                         "put a sensor nearer to where it acts, or one of displacement if it is slow"});
+    if (input.input.is_random_walk() && growth > drifting)
+      reasons.push_back({"input_drifts", name,
+                         fmt::format("the unknown excitation '{}' drifts: its standard deviation grew {:.3g} times "
+                                     "from {:.4g} s to the end",
+                                     name, growth, estimate.measurements.time(settled)),
+                         "give std and correlation_time instead of random_walk, or measure a displacement"});
+  }
+  return reasons;
+}
+
 }  // namespace
 
 std::vector<EstimatedUnknown> estimated_unknowns(const RecordEstimate& estimate) {
@@ -186,6 +212,7 @@ Verdict verdict_of(const RecordEstimate& estimate) {
   verdict.add(reasons_of_substeps(estimate));
   verdict.add(reasons_of_unknowns(estimate));
   verdict.add(reasons_of_likelihood(estimate));
+  verdict.add(reasons_of_inputs(estimate));
   verdict.add(reasons_of_open_loop(estimate));
   return verdict;
 }

@@ -11,18 +11,6 @@ using Eigen::MatrixXd;
 
 namespace {
 
-Index state_count(InputModel model) {
-  switch (model) {
-    case InputModel::known:
-      return 0;
-    case InputModel::integrated:
-      return 2;
-    case InputModel::first_order_markov:
-      return 1;
-  }
-  return 0;
-}
-
 LinearOutput zero_output(Index rows, Index states, Index inputs, Index forces) {
   return {MatrixXd::Zero(rows, states), MatrixXd::Zero(rows, inputs), MatrixXd::Zero(rows, forces)};
 }
@@ -41,21 +29,31 @@ void check(const std::vector<InputTreatment>& treatments, Index inputs, std::siz
   if (chains != 0 && static_cast<Index>(chains) != outputs)
     issues.add({}, std::to_string(chains) + " measurement chains for " + std::to_string(outputs) + " sensors",
                "every sensor needs one");
-  for (const auto& treatment : treatments)
-    if (treatment.model == InputModel::first_order_markov && !(treatment.correlation_time > 0.0))
-      issues.add({}, "the correlation time of an input is " + std::to_string(treatment.correlation_time) + " s",
-                 "it must be positive; infinity stands for a random walk");
+  for (const auto& treatment : treatments) {
+    if (!treatment.is_latent()) continue;
+    const auto& [order, time] = treatment.process;
+    if (order < 1 || order > 3)
+      issues.add({}, "the process of an unknown input has " + std::to_string(order) + " states", "it has 1, 2 or 3");
+    else if (!(time > 0.0) || (order > 1 && !std::isfinite(time)))
+      issues.add({}, "the correlation time of an input is " + std::to_string(time) + " s",
+                 "it must be positive; infinity stands for a random walk, which has one state");
+  }
   issues.raise();
 }
 
 }  // namespace
 
+Index InputTreatment::states() const {
+  if (model == InputModel::integrated) return 2;
+  return is_latent() ? first_derivative() + process.order : 0;
+}
+
 // The state is x = [z; z'; states of inputs; states of measurement chains], and x' = A x + G u + B f with the inputs
 // u = [r; r'; r''] and the connector forces f. The rows are filled in the order in which they depend on each other:
-//   1. set_mechanics(): z'' from M z'' + C z' + K z + B f = P u, solved with M once.
-//   2. add_input_models(): an integrated input has the states r and r', driven by r''; a Markov input has r with
-//      r' = -r / tau.
-//      Wherever r stood as an input its columns move over to these states (route_inputs()).
+//   1. add_input_models(): an integrated input has the states r and r', driven by r''; a latent one those of its
+//      process, below r and r' where the process is r''. Wherever r stood as an input its columns move over to these
+//      states (route_inputs()).
+//   2. set_mechanics(): z'' from M z'' + C z' + K z + B f = P u, solved with M once.
 //   3. set_motion(): motion of the connectors and its derivatives, d'' through the row of z''.
 //   4. add_chains(): each sensor's raw output drives its analog chain, whose output takes its place.
 FirstOrderForm::FirstOrderForm(const LocallyNonlinearSystem& system, const OutputMap& outputs,
@@ -66,7 +64,7 @@ FirstOrderForm::FirstOrderForm(const LocallyNonlinearSystem& system, const Outpu
   treatments_.resize(static_cast<std::size_t>(n_u_));
   Index states = 2 * n_;
   for (const auto& treatment : treatments_) {
-    const Index count = state_count(treatment.model);
+    const Index count = treatment.states();
     input_state_.push_back(count > 0 ? states : -1);
     states += count;
   }
@@ -74,8 +72,8 @@ FirstOrderForm::FirstOrderForm(const LocallyNonlinearSystem& system, const Outpu
   dynamics_ = MatrixXd::Zero(states, states);
   force_gain_ = MatrixXd::Zero(states, m_);
   input_gain_ = MatrixXd::Zero(states, 3 * n_u_);
-  set_mechanics(system);
   add_input_models(treatments_);
+  set_mechanics(system);
   set_motion(system);
   add_chains(outputs_of_state(outputs), chains);
 }
@@ -122,27 +120,29 @@ void FirstOrderForm::add_input_models(const std::vector<InputTreatment>& treatme
     if (treatment.model == InputModel::integrated) {
       dynamics_(state, state + 1) = 1.0;
       input_gain_(state + 1, 2 * n_u_ + i) = 1.0;
-    } else if (treatment.model == InputModel::first_order_markov) {
-      dynamics_(state, state) = -1.0 / treatment.correlation_time;
+    } else if (treatment.is_latent()) {
+      const Index last = state + treatment.states() - 1, order = treatment.process.order;
+      for (Index each = state; each < last; ++each) dynamics_(each, each + 1) = 1.0;
+      dynamics_.row(last).segment(last - order + 1, order) = treatment.process.feedback();
     }
   }
 }
 
-/// Moves the columns of inputs that are states from `input` to `state`.
+/// Moves the columns of inputs that are states from `input` to `state`. The derivative that white noise drives acts by
+/// its mean, a further one not at all.
 LinearOutput FirstOrderForm::route_inputs(LinearOutput output) const {
   for (Index i = 0; i < n_u_; ++i) {
     const auto& treatment = treatments_[static_cast<std::size_t>(i)];
-    const Index state = input_state(i);
-    if (treatment.model == InputModel::known) continue;
-    output.state.col(state) += output.input.col(i);
-    if (treatment.model == InputModel::integrated) {
-      output.state.col(state + 1) += output.input.col(n_u_ + i);
-    } else {
-      output.state.col(state) -= output.input.col(n_u_ + i) / treatment.correlation_time;
-      output.input.col(2 * n_u_ + i).setZero();
+    const Index state = input_state(i), count = treatment.states();
+    if (count == 0) continue;
+    for (Index derivative = 0; derivative < (treatment.is_latent() ? 3 : 2); ++derivative) {
+      auto column = output.input.col(derivative * n_u_ + i);
+      if (derivative < count)
+        output.state.col(state + derivative) += column;
+      else if (derivative == count)
+        output.state.middleCols(state, count) += column * dynamics_.row(state + count - 1).segment(state, count);
+      column.setZero();
     }
-    output.input.col(i).setZero();
-    output.input.col(n_u_ + i).setZero();
   }
   return output;
 }

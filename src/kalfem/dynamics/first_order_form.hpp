@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <vector>
 
+#include "kalfem/dynamics/latent_process.hpp"
 #include "kalfem/linalg/block_diagonal_form.hpp"
 #include "kalfem/linalg/discretisation.hpp"
 #include "kalfem/system/locally_nonlinear_system.hpp"
@@ -18,16 +19,24 @@ struct LinearOutput {
   Eigen::MatrixXd force;  ///< rows x m
 };
 
-/// How an input that is not known as a motion enters the state. The signal w that drives it takes the place of r''.
+/// How an input that is not known as a motion enters the state.
 enum class InputModel {
-  known,              ///< r, r' and r'' are given
-  integrated,         ///< r'' = w is given (a measured acceleration): r and r' become states
-  first_order_markov  ///< nothing is given: r' = -r / tau + white noise becomes a state (an unknown force)
+  known,               ///< r, r' and r'' are given
+  integrated,          ///< r'' = w is given (a measured acceleration): r and r' become states
+  latent,              ///< nothing is given: r is a LatentProcess, whose states follow (an unknown force)
+  latent_acceleration  ///< nothing is given: r'' is a LatentProcess; states r, r' and its own (an unknown ground)
 };
 
 struct InputTreatment {
   InputModel model = InputModel::known;
-  double correlation_time = 1.0;  ///< tau of first_order_markov [s]; infinite: a random walk
+  LatentProcess process = {};  ///< of a latent input
+
+  [[nodiscard]] bool is_latent() const {
+    return model == InputModel::latent || model == InputModel::latent_acceleration;
+  }
+  /// Derivative of r with which the process starts.
+  [[nodiscard]] int first_derivative() const { return model == InputModel::latent_acceleration ? 2 : 0; }
+  [[nodiscard]] Eigen::Index states() const;
 };
 
 /// The locally nonlinear system as first-order equations, sensor dynamics and input models appended:

@@ -192,9 +192,12 @@ void AugmentedModel::set_prior() {
   for (Index i = 0; i < system_.input_count(); ++i) {
     const Index state = form().input_state(i);
     if (state < 0) continue;
-    deviation[state] = prior.input_deviation[i];
-    if (options_.inputs[static_cast<std::size_t>(i)].model == InputModel::integrated)
+    if (options_.inputs[static_cast<std::size_t>(i)].model == InputModel::integrated) {
+      deviation[state] = prior.input_deviation[i];
       deviation[state + 1] = prior.input_rate_deviation[i];
+    } else {
+      deviation.segment(state, options_.inputs[static_cast<std::size_t>(i)].states()).setZero();
+    }
   }
   deviation.segment(layout_.connector_state(), layout_.connector_states) = prior.connector_state_deviation;
 
@@ -205,6 +208,7 @@ void AugmentedModel::set_prior() {
     deviation[layout_.unknown() + i] = unknown.deviation / unknown.transform.slope(unknowns[i]);
   }
   prior_.covariance = deviation.cwiseAbs2().asDiagonal();
+  add_latent_inputs(prior_.covariance);
   if (prior.motion_covariance.size() > 0) prior_.covariance.topLeftCorner(2 * n, 2 * n) += prior.motion_covariance;
   if (layout_.keeps_initial_state) {  // x(0) is the same random variable as x at the start
     const Index begin = layout_.initial_state(), count = layout_.size() - begin;
@@ -218,6 +222,17 @@ void AugmentedModel::set_prior() {
   linear.head(n) = prior.mean.displacement;
   linear.segment(n, n) = prior.mean.velocity;
   prior_ = prior_about(unknowns, linear, prior.mean.connector_states);
+}
+
+/// A latent input starts with the stationary covariance of its process.
+void AugmentedModel::add_latent_inputs(MatrixXd& covariance) const {
+  for (Index i = 0; i < system_.input_count(); ++i) {
+    if (form().input_state(i) < 0) continue;
+    const auto& treatment = options_.inputs[static_cast<std::size_t>(i)];
+    if (!treatment.is_latent()) continue;
+    const Index first = form().input_state(i) + treatment.first_derivative(), order = treatment.process.order;
+    covariance.block(first, first, order, order) = treatment.process.covariance(options_.prior.input_deviation[i]);
+  }
 }
 
 Gaussian AugmentedModel::prior_about(const VectorXd& unknowns, const VectorXd& linear_state,
@@ -251,7 +266,7 @@ MatrixXd AugmentedModel::own_covariance(const MatrixXd& physical) const {
   return symmetric(own(own(physical).transpose()));
 }
 
-/// White acceleration drives the velocities; an integrated input its rate, a Markov input its value.
+/// White acceleration drives the velocities; white noise drives the last state of every input that has states.
 void AugmentedModel::set_process_noise() {
   const auto& noise = options_.process_noise;
   const Index n = layout_.dofs, s = layout_.connector_states;
@@ -260,8 +275,8 @@ void AugmentedModel::set_process_noise() {
   for (Index i = 0; i < system_.input_count(); ++i) {
     const Index state = form().input_state(i);
     if (state < 0) continue;
-    const bool integrated = options_.inputs[static_cast<std::size_t>(i)].model == InputModel::integrated;
-    density(integrated ? state + 1 : state, integrated ? state + 1 : state) = noise.input[i] * noise.input[i];
+    const Index last = state + options_.inputs[static_cast<std::size_t>(i)].states() - 1;
+    density(last, last) = noise.input[i] * noise.input[i];
   }
   process_noise_ = MatrixXd::Zero(layout_.size(), layout_.size());
   density = symmetric(form_.from_physical(form_.from_physical(density).transpose()));

@@ -49,7 +49,7 @@ struct StatePrior {
   Eigen::VectorXd displacement_deviation;     ///< [m], n
   Eigen::VectorXd velocity_deviation;         ///< [m/s], n
   Eigen::VectorXd connector_state_deviation;  ///< per internal state
-  Eigen::VectorXd input_deviation;            ///< value of an input that is a state, n_u
+  Eigen::VectorXd input_deviation;            ///< value of an input that is a state; of a latent one its process, n_u
   Eigen::VectorXd input_rate_deviation;       ///< rate of an integrated input, n_u
   double sensor_state_deviation = 0.0;        ///< of the measurement chains' states, in the sensor's unit
   /// Further covariance of [displacements; velocities], which may be correlated, 2n x 2n; empty: none.
@@ -149,6 +149,7 @@ private:
   void check() const;
   void set_neighbours(const Eigen::VectorXd& values, const Eigen::VectorXd& deviations);
   void set_prior();
+  void add_latent_inputs(Eigen::MatrixXd& covariance) const;
   void set_process_noise();
   using Move = Eigen::MatrixXd (AugmentedModelForm::*)(const Eigen::Ref<const Eigen::MatrixXd>&) const;
   [[nodiscard]] Eigen::MatrixXd moved(Eigen::MatrixXd rows, Move move) const;

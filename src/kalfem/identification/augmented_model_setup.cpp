@@ -5,6 +5,7 @@
 #include "kalfem/base/units.hpp"
 #include "kalfem/identification/local_model.hpp"
 #include "kalfem/identification/released_elements.hpp"
+#include "kalfem/identification/unknown_inputs.hpp"
 
 namespace kalfem {
 namespace {
@@ -163,6 +164,7 @@ void add_unknowns(const EstimationProblem& problem, const PresentValues& present
       setup.options.inputs.push_back({});
     }
   }
+  treat_as_unknown(problem.settings.unknown_inputs, setup);
   UnknownBuilder unknowns(problem, present, parts, setup, issues);
   for (const auto& unknown : problem.settings.unknowns) unknowns.add(unknown);
 }
@@ -268,6 +270,7 @@ AugmentedModelSetup make_augmented_model_setup(const EstimationProblem& problem,
   set_state_prior(settings, *setup.model, options.prior, issues);
   set_noise(settings.process_noise, *setup.model, options.process_noise, issues);
   if (local) local->set_priors(setup);
+  set_noise_of_unknown_inputs(settings.unknown_inputs, setup);
   options.keep_initial_state = settings.estimate_initial_state;
   options.step = 1.0 / problem.sample_rate;
   options.substeps = settings.substeps.value_or(SubstepChoice{}.substeps);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/dynamics/latent_process.hpp"
 #include "kalfem/estimation/filter.hpp"
 #include "kalfem/estimation/parameter_transform.hpp"
 #include "kalfem/identification/parameter_set.hpp"
@@ -67,6 +68,20 @@ struct LocalModelOptions {
   Named<Located<Interface>> interface;
 };
 
+/// An excitation that was not measured: the filter's state holds it as a latent process.
+struct UnknownInput {
+  std::string name;           ///< of the excitation
+  bool acceleration = false;  ///< the process is the acceleration of a ground, otherwise the input's value
+  LatentProcess process = {};
+  double deviation = 0.0;  ///< stationary standard deviation; of a random walk at its start [unit]
+  double density = 0.0;    ///< of the white noise that drives it, see ProcessNoise::input
+  std::string unit = {};   ///< of the process
+  bool has_truth = false;  ///< the excitation's signal is known beside it, to compare with
+  SourceLocation location = {};
+
+  [[nodiscard]] bool is_random_walk() const { return process.rate() == 0.0; }
+};
+
 /// A constant, or slowly drifting, offset of a sensor that the filter estimates: a zero that is not known, or the rest
 /// position, which a record that ends too early does not show.
 struct SensorOffset {
@@ -105,6 +120,7 @@ struct EstimationSettings {
   UnscentedOptions unscented = {};
   std::vector<Unknown> unknowns = {};
   std::vector<LikelihoodUnknown> likelihood_unknowns = {};
+  std::vector<UnknownInput> unknown_inputs = {};
   Named<Located<PointPrior>> initial_state = {};  ///< by degree of freedom; "all" for those without an entry
   bool initial_state_from_record = false;         ///< displacements and velocities from the displacement sensors
   Named<Located<ConnectorStatePrior>> initial_connector_states = {};

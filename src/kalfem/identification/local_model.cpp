@@ -1,7 +1,6 @@
 #include "kalfem/identification/local_model.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace kalfem {
 
@@ -11,6 +10,10 @@ namespace {
 
 bool belongs(const std::string& point, const std::set<std::string>& substructures) {
   return substructures.contains(point.substr(0, point.find('.')));
+}
+
+LatentProcess process_of(const InterfaceForce& force) {
+  return {.order = 1, .correlation_time = force.correlation_time};
 }
 
 }  // namespace
@@ -53,7 +56,7 @@ void LocalModel::set_priors(AugmentedModelSetup& setup) const {
     } else {
       const auto& force = std::get<InterfaceForce>(found->second.value.motion);
       prior.input_deviation[index] = force.std;
-      noise[index] = force.std * std::sqrt(2.0 / force.correlation_time);
+      noise[index] = process_of(force).density(force.std);
     }
   }
 }
@@ -123,11 +126,12 @@ void LocalModel::add_interface(const std::string& point, const Located<Interface
     moving_.push_back(point);
     parts_.inputs.push_back({point, InputKind::base_displacement, point, {}, interface.location});
     setup.input_sources.push_back("@" + measured->sensor.value);
-    setup.options.inputs.push_back({InputModel::integrated, 1.0});
+    setup.options.inputs.push_back({.model = InputModel::integrated});
   } else {
     parts_.inputs.push_back({point, InputKind::force, point, {}, interface.location});
     setup.input_sources.emplace_back("");
-    setup.options.inputs.push_back({InputModel::first_order_markov, std::get<InterfaceForce>(motion).correlation_time});
+    setup.options.inputs.push_back(
+        {.model = InputModel::latent, .process = process_of(std::get<InterfaceForce>(motion))});
   }
 }
 

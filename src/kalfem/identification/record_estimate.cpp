@@ -79,6 +79,17 @@ void set_open_loop(const EstimationProblem& problem, const AugmentedModelSetup& 
   compare_open_loop(estimate.open_loop_sensors, estimate);
 }
 
+/// Moves the rows of unknown inputs, which stand behind the monitored quantities.
+void take_inputs(const std::vector<UnknownInput>& inputs, RecordEstimate& estimate) {
+  auto& [mean, deviation] = estimate.result.monitored;
+  const auto count = static_cast<Index>(inputs.size()), others = mean.rows() - count;
+  for (Index i = 0; i < count; ++i)
+    estimate.inputs.push_back(
+        {inputs[static_cast<std::size_t>(i)], mean.row(others + i).transpose(), deviation.row(others + i).transpose()});
+  mean.conservativeResize(others, Eigen::NoChange);
+  deviation.conservativeResize(others, Eigen::NoChange);
+}
+
 /// Samples before the first one of the error and consistency figures. A run that failed while it settled is judged from
 /// its start.
 Index settled_samples(const RecordEstimate& estimate, double settle) {
@@ -145,15 +156,17 @@ void add_uncertainty(const LikelihoodEstimate& likelihood, RecordEstimate& estim
 RecordEstimate estimate_by_filter(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
                                   const Record& record, const RecordEstimateOptions& options) {
   const auto& settings = problem->settings;
-  auto screened = run_screened_filter(problem, setup, record,
-                                      {.unscented = settings.unscented,
-                                       .threads = filter_threads(settings),
-                                       .passes = settings.passes,
-                                       .state_deviations = false,
-                                       .deviation_stride = options.deviation_stride,
-                                       .keep_unknowns = true,
-                                       .monitored = make_outputs(*setup.model, options.monitored),
-                                       .progress = options.progress});
+  const auto unknown_inputs = held_by(settings.unknown_inputs, setup);
+  auto screened = run_screened_filter(
+      problem, setup, record,
+      {.unscented = settings.unscented,
+       .threads = filter_threads(settings),
+       .passes = settings.passes,
+       .state_deviations = false,
+       .deviation_stride = options.deviation_stride,
+       .keep_unknowns = true,
+       .monitored = with_inputs(make_outputs(*setup.model, options.monitored), unknown_inputs, *setup.model),
+       .progress = options.progress});
   auto& [filtered, substeps] = screened.refined;
   RecordEstimate estimate{.filter = filtered.run.choice.filter,
                           .filter_reason = filtered.run.choice.reason,
@@ -166,11 +179,12 @@ RecordEstimate estimate_by_filter(const EstimationProblemPtr& problem, const Aug
                           .outliers = screened.outliers,
                           .events = std::move(screened.events)};
   estimate.settled = settled_samples(estimate, settings.settle);
+  take_inputs(unknown_inputs, estimate);
   estimate.consistency =
       summarise_consistency(estimate.result.nis, estimate.result.measured, estimate.result.innovation,
                             estimate.measurements.noise(), estimate.settled);
   set_robust_deviations(estimate);
-  if (settings.estimate_initial_state && !estimate.result.failure && !settings.local)
+  if (settings.estimate_initial_state && !estimate.result.failure && !settings.local && unknown_inputs.empty())
     set_open_loop(*problem, setup, estimate);
   return estimate;
 }

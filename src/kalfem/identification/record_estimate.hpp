@@ -10,6 +10,7 @@
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/identification/likelihood_unknowns.hpp"
 #include "kalfem/identification/sensor_events.hpp"
+#include "kalfem/identification/unknown_inputs.hpp"
 
 namespace kalfem {
 
@@ -31,8 +32,9 @@ struct RecordEstimate {
   std::vector<SensorEvent> events = {};                ///< what is wrong with the record or missing in it
   Eigen::Index settled = 0;                            ///< first sample of the error and consistency figures
   ConsistencySummary consistency;
-  RobustCovariance robust;           ///< of the unknowns that do not drift, in the filter's state
-  Eigen::VectorXd robust_deviation;  ///< one per unknown [its unit]; NaN if it drifts, or after a failure
+  RobustCovariance robust;             ///< of the unknowns that do not drift, in the filter's state
+  std::vector<EstimatedInput> inputs;  ///< excitations that were not measured
+  Eigen::VectorXd robust_deviation;    ///< one per unknown [its unit]; NaN if it drifts, or after a failure
   int reductions =
       0;  ///< repeated reductions of the finite elements at the estimated parameters, each with a run over the record
   std::optional<SimulationResult>

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "kalfem/base/stopwatch.hpp"
@@ -16,6 +17,24 @@ int samples_between_deviations(double sample_rate) {
   return std::max(1, static_cast<int>(std::lround(sample_rate / 100.0)));
 }
 
+std::string words_of(ObservedQuantity quantity) {
+  switch (quantity) {
+    case ObservedQuantity::displacement:
+      return "displacement";
+    case ObservedQuantity::velocity:
+      return "velocity";
+    case ObservedQuantity::acceleration:
+      return "acceleration";
+    case ObservedQuantity::connector_deformation:
+      return "deformation";
+    case ObservedQuantity::connector_rate:
+      return "deformation rate";
+    case ObservedQuantity::connector_force:
+      return "force";
+  }
+  return "";
+}
+
 /// What was computed before a failure: the rest would be drawn as nothing and averaged as zero. At least one sample
 /// stays, which holds no number where none was computed.
 void keep_computed(EstimationOutcome& outcome) {
@@ -27,10 +46,43 @@ void keep_computed(EstimationOutcome& outcome) {
     cut(series->mean);
     cut(series->deviation);
   }
+  for (auto& input : outcome.inputs) {
+    input.mean = input.mean.head(std::min(count, input.mean.size())).eval();
+    input.deviation = input.deviation.head(input.mean.size()).eval();
+  }
   for (auto* series : {&result.innovation, &result.innovation_deviation, &outcome.measurements.values}) cut(*series);
   result.nis = result.nis.head(count).eval();
   result.measured = result.measured.head(count).eval();
   if (outcome.measurements.used) outcome.measurements.used = std::min(*outcome.measurements.used, count);
+}
+
+/// Error and coverage against the excitation's signal, where the case gives it although the filter does not know it.
+void compare_inputs(const Study& study, EstimationOutcome& outcome) {
+  constexpr double band = 1.96;
+  const auto& parts = study.structure->parts.inputs;
+  for (auto& input : outcome.inputs) {
+    if (!input.input.has_truth) continue;
+    const auto place = std::ranges::find(parts, input.input.name, &InputDescription::name) - parts.begin();
+    const auto samples = study.structure->signals[static_cast<std::size_t>(place)]->sample(
+        outcome.measurements.start, 1.0 / study.sample_rate(), input.mean.size());
+    input.truth = samples.col(input.input.acceleration ? 2 : 0).matrix();
+    const Index count = input.truth.size() - std::min(outcome.settled, input.truth.size() - 1);
+    const Eigen::ArrayXd error = (input.mean - input.truth).tail(count).array().abs();
+    if (const double found = nrmse(input.mean.tail(count), input.truth.tail(count)); std::isfinite(found))
+      input.nrmse = found;
+    input.coverage = (error <= band * input.deviation.tail(count).array()).cast<double>().mean();
+  }
+}
+
+/// By the root mean squares of deviation and estimate after settling.
+std::vector<std::string> hardly_known(const EstimationOutcome& outcome) {
+  std::vector<std::string> names;
+  for (const auto& point : outcome.points) {
+    const Index count = point.mean.size() - std::min(outcome.settled, point.mean.size() - 1);
+    const double deviation = point.deviation.tail(count).squaredNorm(), mean = point.mean.tail(count).squaredNorm();
+    if (deviation > 0.25 * (mean + deviation)) names.push_back(point.point + " " + words_of(point.quantity));
+  }
+  return names;
 }
 
 }  // namespace
@@ -43,6 +95,7 @@ EstimationOutcome run_estimation(const Study& study, AugmentedModelSetup& setup,
   EstimationOutcome outcome{
       estimate_record_in_bases_of_estimates(study.problem, setup, record_of(study, results),
                                             {monitored, samples_between_deviations(study.sample_rate()), progress}),
+      {},
       {},
       study.excitation_band,
       {},
@@ -63,6 +116,8 @@ EstimationOutcome run_estimation(const Study& study, AugmentedModelSetup& setup,
                 {outcome.settled, study.sample_rate(), outcome.band});
     outcome.points.push_back(std::move(quantity));
   }
+  compare_inputs(study, outcome);
+  if (!outcome.inputs.empty()) outcome.hardly_known = hardly_known(outcome);
   outcome.seconds = watch.seconds();
   return outcome;
 }

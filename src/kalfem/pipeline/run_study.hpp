@@ -63,6 +63,8 @@ struct FieldSeries {
 struct EstimationOutcome : RecordEstimate {
   /// Displacement, velocity, acceleration of points; deformation, rate, force of connectors.
   std::vector<PointQuantity> points;
+  /// With unknown inputs: motions and forces whose standard deviation is more than half of their size.
+  std::vector<std::string> hardly_known;
   std::optional<FrequencyBand> band;   ///< of the excitation, if it has one
   std::optional<Diagnosis> diagnosis;  ///< where the numbers contradict themselves: which mistake explains it
   double seconds = 0.0;

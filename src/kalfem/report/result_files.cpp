@@ -88,6 +88,12 @@ void write_estimate(SeriesFile& file, const EstimationOutcome& outcome) {
     file.write(name, outcome.result.unknowns.mean.row(row).transpose(), unknowns[i].unit);
     file.write(name + "_std", outcome.result.unknowns.deviation.row(row).transpose(), unknowns[i].unit);
   }
+  for (const auto& input : outcome.inputs) {
+    const std::string name = "/estimate/inputs/" + input.input.name;
+    file.write(name, input.mean, input.input.unit);
+    file.write(name + "_std", input.deviation, input.input.unit);
+    if (input.truth.size() > 0) file.write(name + "_true", input.truth, input.input.unit);
+  }
   for (std::size_t i = 0; i < outcome.measurements.channels.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     const auto& channel = outcome.measurements.channels[i];

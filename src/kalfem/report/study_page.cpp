@@ -114,6 +114,25 @@ Chart motion_chart(const Study& study, const EstimationOutcome& outcome, const P
   return chart;
 }
 
+Section inputs_section(const EstimationOutcome& outcome) {
+  Section section{"Unknown excitations",
+                  "Estimated from the sensors alone, with their 95 % bands. " + hardly_known_words(outcome),
+                  {input_table(outcome)}};
+  for (const auto& input : outcome.inputs) {
+    Chart chart{.id = "input-" + input.input.name,
+                .title = input.input.name,
+                .caption = input.nrmse ? "NRMSE " + per_cent(*input.nrmse) + "." : "",
+                .x_label = "time [s]",
+                .y_label = input.input.name + " [" + input.input.unit + "]",
+                .x = times(outcome.measurements),
+                .series = {with_band("estimate", input.mean, input.deviation, Role::estimate)}};
+    if (input.truth.size() > 0)
+      chart.series.push_back({.label = "true", .y = series_values(input.truth), .role = Role::truth});
+    section.items.emplace_back(std::move(chart));
+  }
+  return section;
+}
+
 Section motion_section(const Study& study, const EstimationOutcome& outcome) {
   Section section{"Estimated motion", "Displacements that were not measured: whole record and after settling.", {}};
   for (const auto& name : shown_points(study, outcome))
@@ -396,6 +415,7 @@ Page make_page(const Study& study, const StudyResults& results) {
   if (results.estimation && results.estimation->has_samples()) {
     const auto& outcome = *results.estimation;
     if (outcome.augmented_model->layout().unknowns > 0) page.sections.push_back(parameters_section(study, outcome));
+    if (!outcome.inputs.empty()) page.sections.push_back(inputs_section(outcome));
     if (outcome.open_loop) page.sections.push_back(open_loop_section(outcome));
     if (!outcome.open_loop_failure.empty())
       page.sections.push_back(

@@ -144,6 +144,22 @@ Json parameters_summary(const Study& study, const EstimationOutcome& outcome) {
   return parameters;
 }
 
+/// Excitations that were not measured.
+Json inputs_summary(const EstimationOutcome& outcome) {
+  Json inputs = Json::object();
+  for (const auto& input : outcome.inputs) {
+    const auto count = static_cast<double>(input.mean.size());
+    inputs[input.input.name] = {{"unit", input.input.unit},
+                                {"rms", number(input.mean.norm() / std::sqrt(count))},
+                                {"std_rms", number(input.deviation.norm() / std::sqrt(count))},
+                                {"prior_std", number(input.input.deviation)},
+                                {"shrinkage", number(input.shrinkage(outcome.settled))},
+                                {"nrmse", number(input.nrmse)},
+                                {"coverage_95", number(input.coverage)}};
+  }
+  return inputs;
+}
+
 const char* quantity_key(ObservedQuantity quantity) {
   switch (quantity) {
     case ObservedQuantity::displacement:
@@ -437,6 +453,10 @@ Json summarise(const Study& study, const StudyResults& results) {
   if (study.record) summary["record"] = record_summary(study, results);
   if (results.estimation) {
     summary["parameters"] = parameters_summary(study, *results.estimation);
+    if (!results.estimation->inputs.empty()) {
+      summary["inputs"] = inputs_summary(*results.estimation);
+      summary["hardly_known"] = results.estimation->hardly_known;
+    }
     summary["estimation"] = estimation_summary(*results.estimation);
     if (const auto& events = results.estimation->events; !events.empty()) summary["events"] = events_summary(events);
     if (const auto& diagnosis = results.estimation->diagnosis) summary["diagnosis"] = diagnosis_summary(*diagnosis);

@@ -125,6 +125,31 @@ Table parameter_table(const Study& study, const EstimationOutcome& outcome) {
   return table;
 }
 
+Table input_table(const EstimationOutcome& outcome) {
+  Table table{"Unknown excitations",
+              {"excitation", "unit", "rms", "std", "std without sensors", "error", "truth in the 95 % band"},
+              {},
+              {}};
+  const auto first = outcome.settled;
+  for (const auto& input : outcome.inputs) {
+    const auto rms_after = [&](const Eigen::VectorXd& values) {
+      const auto after = values.tail(std::max<Eigen::Index>(1, values.size() - first));
+      return four_digits(after.norm() / std::sqrt(static_cast<double>(after.size())));
+    };
+    table.rows.push_back({input.input.name, input.input.unit, rms_after(input.mean), rms_after(input.deviation),
+                          input.input.is_random_walk() ? "-" : four_digits(input.input.deviation),
+                          input.nrmse ? per_cent(*input.nrmse) : "-",
+                          input.coverage ? per_cent(*input.coverage) : "-"});
+  }
+  return table;
+}
+
+std::string hardly_known_words(const EstimationOutcome& outcome) {
+  std::string names;
+  for (const auto& name : outcome.hardly_known) names += (names.empty() ? "" : ", ") + name;
+  return names.empty() ? "" : "The sensors hardly show (standard deviation above half of the size): " + names + ".";
+}
+
 Table error_table(const std::string& title, const Study& study, const std::vector<PointQuantity>& points,
                   Eigen::Index settled) {
   const RestingPoints resting(points, settled);
@@ -287,6 +312,10 @@ std::string console_report(const Study& study, const StudyResults& results) {
                                                     four_digits(outcome.measurements.end()))
                                       : std::string("Estimated parameters\n")) +
               to_text(parameter_table(study, outcome)) + "\n";
+    if (outcome.has_samples() && !outcome.inputs.empty()) {
+      text += "Unknown excitations\n" + to_text(input_table(outcome)) + "\n";
+      if (const auto words = hardly_known_words(outcome); !words.empty()) text += words + "\n\n";
+    }
     if (std::isfinite(outcome.consistency.mean_nis))
       text +=
           fmt::format("NIS {:.2f} (expected {:.2f}); {} of samples in the 95 % band\n", outcome.consistency.mean_nis,

@@ -14,6 +14,10 @@ Table modes_table(const Study& study, const StudyResults& results);
 /// Unknowns with initial value, estimate, 95 % interval from the larger standard deviation and which one that is, both
 /// standard deviations, truth and deviation from it.
 Table parameter_table(const Study& study, const EstimationOutcome& outcome);
+/// Excitations that were not measured: size, standard deviation and the error where the truth is known.
+Table input_table(const EstimationOutcome& outcome);
+/// Motions and forces that the sensors hardly show where inputs are unknown; empty if there are none.
+std::string hardly_known_words(const EstimationOutcome& outcome);
 /// Everything of lumped parts and connectors; of finite elements the points that the case wants shown, if it names
 /// some.
 bool shown(const Study& study, const std::string& point);

@@ -8,6 +8,7 @@
 #include <unordered_set>
 
 #include "kalfem/dynamics/simulate.hpp"
+#include "kalfem/study/unknown_inputs_of.hpp"
 #include "kalfem/system/signals/deterministic.hpp"
 
 namespace kalfem {
@@ -52,6 +53,7 @@ void check_steps(const d::Simulation& given, IssueList& issues) {
 
 void check_sections(const d::Case& given, IssueList& issues) {
   if (given.simulate) check_steps(*given.simulate, issues);
+  check_unknown_excitations(given, issues);
   const auto place = [&](const char* section) { return given.source.at({section}); };
   if (given.simulate && given.record)
     issues.add(place("record"), "the case has both `simulate` and `record`", "there can be only one record",

@@ -7,6 +7,7 @@
 #include "kalfem/identification/local_model.hpp"
 #include "kalfem/identification/released_elements.hpp"
 #include "kalfem/study/sensor_unknowns.hpp"
+#include "kalfem/study/unknown_inputs_of.hpp"
 #include "kalfem/yaml/bounds.hpp"
 
 namespace kalfem {
@@ -229,6 +230,7 @@ EstimationProblem make_estimation_problem(const CaseStudy& study, IssueList& iss
                       .threads = given.threads,
                       .outliers = given.outliers,
                       .diagnose = given.diagnose};
+  problem.settings.unknown_inputs = unknown_inputs_of(study, issues);
   const StructureModel held = held_structure(study, issues);
   if (!issues.empty()) return problem;
   UnknownReader reader(study, held, issues);

@@ -5,6 +5,7 @@
 
 #include "kalfem/identification/driven_substructure.hpp"
 #include "kalfem/identification/filter_run.hpp"
+#include "kalfem/identification/unknown_inputs.hpp"
 #include "kalfem/study/record_source.hpp"
 
 namespace kalfem {
@@ -81,6 +82,7 @@ Record first_samples(const CaseStudy& study) {
 }  // namespace
 
 void check_augmented_model(const CaseStudy& study, IssueList& issues) {
+  if (issues.empty()) check_unknown_inputs(study.problem->settings.unknown_inputs, *study.augmented_model, issues);
   const bool from_record = study.given.estimate->initial_state_from_record;
   if (from_record && issues.empty()) check_start_from_record(study, issues);
   if (!study.record) return;
@@ -96,12 +98,32 @@ void check_filter(const CaseStudy& study) {
       .raise();
 }
 
+namespace {
+
+/// An input of which the sensors see only changes is known in the mean only as far as its process holds it.
+void warn_of_slow_inputs(const CaseStudy& study, std::vector<std::string>& warnings) {
+  const auto held = held_by(study.problem->settings.unknown_inputs, *study.augmented_model);
+  if (held.empty()) return;
+  for (const auto& name : observability_of(held, *study.augmented_model).unseen_if_slow) {
+    const auto& input = *std::ranges::find(held, name, &UnknownInput::name);
+    const std::string seen = "excitation '" + name + "' is unknown and the sensors see only its changes";
+    warnings.push_back(seen + (input.is_random_walk()
+                                   ? ": its mean drifts without limit, and so do displacements; give std and "
+                                     "correlation_time instead of random_walk, or measure a displacement"
+                                   : ": its mean is known only as well as its std states; a displacement sensor "
+                                     "would show it"));
+  }
+}
+
+}  // namespace
+
 std::vector<std::string> doubtful_estimation(const CaseStudy& study) {
   std::vector<std::string> warnings;
   const auto& estimate = study.given.estimate;
   if (estimate && study.given.simulate && estimate->settle >= study.given.simulate->duration)
     warnings.emplace_back("estimate.settle is not shorter than the record: errors and NIS use the last sample only");
   if (!study.augmented_model) return warnings;
+  warn_of_slow_inputs(study, warnings);
   for (const auto& unknown : study.augmented_model->options.unknowns) {
     const auto entry =
         std::ranges::find(estimate->unknown, unknown.name, &std::pair<std::string, description::Unknown>::first);

@@ -57,14 +57,14 @@ public:
 
   SignalPtr make() {
     check_drift();
-    const auto signal = std::visit([&](const auto& each) { return from(each); }, excitation_.signal);
+    if (!excitation_.signal) return make_constant(0.0);  // only the filter has this input
+    const auto signal = std::visit([&](const auto& each) { return from(each); }, *excitation_.signal);
     return excitation_.scale == 1.0 ? signal : scaled(signal, excitation_.scale);
   }
 
 private:
   [[nodiscard]] bool follows_another() const {
-    return std::holds_alternative<d::Delayed>(excitation_.signal) ||
-           std::holds_alternative<d::Trailing>(excitation_.signal);
+    return excitation_.signal_as<d::Delayed>() || excitation_.signal_as<d::Trailing>();
   }
   /// Whether the acceleration is integrated from rest as it is, with its drift.
   [[nodiscard]] bool keeps_drift() const { return excitation_.drift && excitation_.drift->value == Drift::keep; }
@@ -75,11 +75,11 @@ private:
       const auto& [value, location, path] = *excitation_.drift;
       throw InvalidInput(Issue{location, path + " has no effect here", why, fix});
     };
+    if (!excitation_.signal) refuse("the excitation has no signal to integrate", "remove it");
     if (!integrated_ && !follows_another())
       refuse("only accelerations of named grounds are integrated", "remove it, or accelerate grounds by name");
     if (follows_another()) refuse("the motion is that of the input that it refers to", "give `drift` at that input");
-    const bool lasting = std::holds_alternative<d::Impulse>(excitation_.signal) ||
-                         std::holds_alternative<d::Constant>(excitation_.signal);
+    const bool lasting = excitation_.signal_as<d::Impulse>() || excitation_.signal_as<d::Constant>();
     if (lasting && !keeps_drift())
       refuse("an impulse or a constant acceleration moves the ground permanently, which is not drift",
              "remove it or write drift: keep");
@@ -181,11 +181,9 @@ private:
 
   SignalPtr integrated(IntegrationOptions options, const SignalPtr& signal) {
     if (!integrated_) return signal;
-    if (!std::holds_alternative<d::Constant>(excitation_.signal))
-      options.drift = keeps_drift() ? Drift::keep : Drift::remove;
+    if (!excitation_.signal_as<d::Constant>()) options.drift = keeps_drift() ? Drift::keep : Drift::remove;
     const auto motion = std::make_shared<const GroundMotion>(signal, options);
-    if (std::holds_alternative<d::FileSignal>(excitation_.signal) && motion->removed().part > told_drift)
-      tell(motion->removed());
+    if (excitation_.signal_as<d::FileSignal>() && motion->removed().part > told_drift) tell(motion->removed());
     return motion;
   }
 
@@ -210,6 +208,10 @@ private:
     if (unit_of(earlier->second) != unit_)
       throw InvalidInput(input.issue("input '" + input.value + "' is in " + unit_of(earlier->second),
                                      "this input needs values in " + unit_, "refer to an input of the same kind"));
+    if (earlier->second.unknown && !excitation_.unknown)
+      throw InvalidInput(input.issue("input '" + input.value + "' is unknown, so its repetition is too",
+                                     "the filter cannot delay an input that it estimates",
+                                     "make this input unknown as well"));
     return delayed(signal_of(all_, input.value, integrated_), delay);
   }
 
@@ -236,7 +238,9 @@ SourceLocation place_of(const d::Excitation& excitation) {
 /// Line of a value of the signal; that of its target if no value keeps its place.
 SourceLocation location_of(const d::Case& given, const std::string& name) {
   const auto found = std::ranges::find(given.excitation, name, &std::pair<std::string, d::Excitation>::first);
-  const auto place = std::visit([](const auto& signal) { return place_of(signal); }, found->second.signal);
+  const auto& given_signal = found->second.signal;
+  const auto place =
+      given_signal ? std::visit([](const auto& signal) { return place_of(signal); }, *given_signal) : SourceLocation{};
   return place.file.empty() ? place_of(found->second) : place;
 }
 

@@ -56,12 +56,13 @@ bool has_finite_elements(const d::Case& given) {
 
 /// Whether the signal has no duration of its own and so lasts as long as the simulation.
 bool lasts_as_long_as_the_simulation(const std::pair<std::string, d::Excitation>& given) {
+  if (!given.second.signal) return false;
   return std::visit(
       [](const auto& signal) {
         if constexpr (requires { signal.duration.has_value(); }) return !signal.duration.has_value();
         return false;
       },
-      given.second.signal);
+      *given.second.signal);
 }
 
 /// The parts from which the augmented model is made: with an updating, those at its initial values.

@@ -81,10 +81,9 @@ std::optional<FrequencyBand> excitation_band(const d::Case& given) {
     band = {std::min({band.from, from, to}), std::max({band.to, from, to})};
   };
   for (const auto& [name, excitation] : given.excitation) {
-    if (const auto* random = std::get_if<d::RandomSignal>(&excitation.signal))
-      include(random->band[0], random->band[1]);
-    if (const auto* sine = std::get_if<d::Sine>(&excitation.signal)) include(sine->frequency, sine->frequency);
-    if (const auto* sweep = std::get_if<d::SweptSine>(&excitation.signal)) include(sweep->from, sweep->to);
+    if (const auto* random = excitation.signal_as<d::RandomSignal>()) include(random->band[0], random->band[1]);
+    if (const auto* sine = excitation.signal_as<d::Sine>()) include(sine->frequency, sine->frequency);
+    if (const auto* sweep = excitation.signal_as<d::SweptSine>()) include(sweep->from, sweep->to);
   }
   return band.to > band.from ? std::optional(band) : std::nullopt;
 }

@@ -57,10 +57,9 @@ d::Case case_of_validation(const d::Case& given, IssueList& issues) {
   for (auto& [name, excitation] : other.excitation) {
     const auto own =
         std::ranges::find(validate.excitation, name, &std::pair<std::string, Located<std::filesystem::path>>::first);
-    auto* measured = std::get_if<d::FileSignal>(&excitation.signal);
-    const bool follows = std::holds_alternative<d::Delayed>(excitation.signal) ||
-                         std::holds_alternative<d::Trailing>(excitation.signal) ||
-                         std::holds_alternative<d::Constant>(excitation.signal);
+    auto* measured = excitation.signal ? std::get_if<d::FileSignal>(&*excitation.signal) : nullptr;
+    const bool follows = excitation.signal_as<d::Delayed>() || excitation.signal_as<d::Trailing>() ||
+                         excitation.signal_as<d::Constant>();
     if (measured && own != validate.excitation.end())
       measured->file = own->second.value;
     else if (measured && given.record && same_file(measured->file, given.record->file.value))
