@@ -190,6 +190,21 @@ validate:
   lead_in: 0.5 s
 )";
 
+const std::string latent = R"(kalfem: 1
+substructures:
+  s:
+    masses: {1: 1 kg, 2: 1 kg}
+    springs: [{name: k1, from: ground, to: 1, stiffness: 2000, damping: 3}, {name: k2, from: 1, to: 2, stiffness: 3000, damping: 3}]
+excitation:
+  f: {force: s.1, sine: {amplitude: 10 N, frequency: 3 Hz}, unknown: {std: 10 N, correlation_time: 0.05 s, smoothness: 3/2}}
+  g: {force: s.2, constant: 2 N, unknown: {std: 5 N, random_walk: 0.1 N}}
+sensors:
+  x1: {displacement: s.1, noise: 1 %}
+  x2: {displacement: s.2, noise: 1 %}
+simulate: {duration: 0.5 s, sample_rate: 200 Hz}
+estimate: {unknown: {s.k1.stiffness: {initial: 2100, std: 10 %}}}
+)";
+
 const std::string updating = R"(kalfem: 1
 substructures:
   wheel: {masses: {w: 1.5 kg}, springs: [{from: ground, to: w, stiffness: 20 kN/m, damping: 10}]}
@@ -374,8 +389,8 @@ void write_release(std::ofstream file) {
 
 std::vector<BaseCase> base_cases() {
   return {{"chain", chain},       {"inputs", inputs},     {"expression", expression}, {"local", local},
-          {"recorded", recorded}, {"updating", updating}, {"beams", beams},           {"plate", plate},
-          {"sections", sections}, {"foreign", foreign},   {"evolution", evolution}};
+          {"recorded", recorded}, {"latent", latent},     {"updating", updating},     {"beams", beams},
+          {"plate", plate},       {"sections", sections}, {"foreign", foreign},       {"evolution", evolution}};
 }
 
 void write_case_files(const std::filesystem::path& folder) {

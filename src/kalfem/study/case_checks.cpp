@@ -292,7 +292,7 @@ std::vector<std::string> unlike_filters(const description::Case& given) {
   if (!given.record) return warnings;
   const auto& sensors = given.record->prepare;
   for (const auto& [name, excitation] : given.excitation) {
-    const auto* file = std::get_if<description::FileSignal>(&excitation.signal);
+    const auto* file = excitation.signal_as<description::FileSignal>();
     if (file == nullptr) continue;
     for (const auto& [key, of_input, of_sensors] : {std::tuple("high_pass", file->prepare.high_pass, sensors.high_pass),
                                                     std::tuple("low_pass", file->prepare.low_pass, sensors.low_pass)})
