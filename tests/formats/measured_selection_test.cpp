@@ -108,14 +108,33 @@ TEST_F(MeasuredSelection, UnitsAreThoseOfTheCaseOrTheFile) {
   EXPECT_EQ(values(unknown, "12z", "m"), vector({1, 2, 3}));
 }
 
-TEST_F(MeasuredSelection, ChannelsOfOneRecordShareTheirClock) {
+TEST_F(MeasuredSelection, ChannelsOfOneRecordMayHaveTheirOwnClocks) {
+  const std::vector<WantedChannel> both = {{.column = "12Z", .owner = "a", .unit = "m/s^2"},
+                                           {.column = "14:-X", .owner = "a", .unit = "m/s^2"}};
   auto other = file();
-  other.channels[1].interval = 0.02;
-  EXPECT_NE(refusal(other, {"12Z", "14X"}, "m/s^2").find("100 Hz, '14:-X' at 50 Hz"), std::string::npos)
-      << refusal(other, {"12Z", "14X"}, "m/s^2");
-  other.channels[1].interval = 0.01;
+  other.channels[1].interval = 0.005;
+  other.channels[1].values = vector({1, 2, 3, 4, 5});
+  std::vector<std::string> notes;
+  const auto rates = select_record(other, both, {.notes = &notes}, "f");
+  EXPECT_EQ(rates.sample_rate, 200.0);
+  EXPECT_EQ(rates.samples(), 5);
+  EXPECT_EQ(rates.values(0, 2), 2.0);
+  EXPECT_TRUE(std::isnan(rates.values(0, 1)));
+  EXPECT_DOUBLE_EQ(rates.values(1, 1), 2 * 9.80665);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("'12:+Z' at 100 Hz"), std::string::npos) << notes[0];
+
+  other = file();
   other.channels[1].start = 0.005;
-  EXPECT_NE(refusal(other, {"12Z", "14X"}, "m/s^2").find("lie between"), std::string::npos);
+  const auto between = select_record(other, both, {}, "f");
+  EXPECT_EQ(between.sample_rate, 200.0);
+  EXPECT_EQ(between.samples(), 6);
+  EXPECT_EQ(between.values(0, 4), 3.0);
+  EXPECT_DOUBLE_EQ(between.values(1, 5), 3 * 9.80665);
+}
+
+TEST_F(MeasuredSelection, ChannelsThatBeginOrEndApartNeedLeaveToLackSamples) {
+  auto other = file();
   other.channels[1].start = 0.02;
   EXPECT_NE(refusal(other, {"12Z", "14X"}, "m/s^2").find("skip_missing"), std::string::npos);
   const auto record = select_record(other,

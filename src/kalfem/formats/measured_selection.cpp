@@ -9,6 +9,7 @@
 
 #include "kalfem/base/text.hpp"
 #include "kalfem/base/units.hpp"
+#include "kalfem/formats/stated_times.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
 
 namespace kalfem {
@@ -124,43 +125,36 @@ std::optional<Match<MeasuredChannel>> find_channel(const MeasuredFile& measured,
   return std::nullopt;
 }
 
-/// Clock of a channel: the time of its first sample and its rate.
-struct Clock {
-  double start = 0.0;
-  double rate = 0.0;
-  Index samples = 0;
-  [[nodiscard]] double end() const { return start + static_cast<double>(samples - 1) / rate; }
-};
-
-std::optional<Clock> clock_of(const MeasuredChannel& channel, const RecordFileOptions& options,
-                              const std::filesystem::path& file, IssueList& issues) {
-  Clock clock{channel.start, 0.0, channel.values.size()};
+/// Times of a channel's samples. Adds an issue where they are not known or contradict a rate that is given.
+std::optional<StatedTimes> times_of(const MeasuredChannel& channel, const RecordFileOptions& options,
+                                    const std::filesystem::path& file, IssueList& issues) {
   if (channel.times.size() > 1) {
     FileProblems problems(file.string());
     const std::vector<int> lines(static_cast<std::size_t>(channel.times.size()), 0);
-    const TimeAxis axis =
-        time_axis(channel.times, lines,
-                  {.column = "times of '" + channel.name + "'", .sample_rate = options.sample_rate}, problems);
+    auto stated = stated_times(channel.times, lines,
+                               {.column = "times of '" + channel.name + "'", .sample_rate = options.sample_rate},
+                               options.missing, problems, options.notes);
     try {
       problems.raise();
     } catch (const InvalidInput& error) {
       for (const auto& issue : error.issues()) issues.add(issue.location, issue.what, issue.why, issue.fix);
       return std::nullopt;
     }
-    return Clock{axis.start, axis.sample_rate, clock.samples};
+    return stated;
   }
-  if (channel.interval > 0.0) clock.rate = 1.0 / channel.interval;
+  double rate = channel.interval > 0.0 ? 1.0 / channel.interval : 0.0;
   const auto given = options.sample_rate;
-  if (clock.rate == 0.0 && given) clock.rate = *given;
-  if (clock.rate == 0.0)
+  if (rate == 0.0 && given) rate = *given;
+  if (rate == 0.0)
     issues.add({file.string(), 0}, "the channel '" + channel.name + "' does not state its sampling rate", "",
                "give it (sample_rate)");
-  else if (given && !(std::abs(clock.rate / *given - 1.0) <= rate_agreement))
+  else if (given && !(std::abs(rate / *given - 1.0) <= rate_agreement))
     issues.add({file.string(), 0},
-               "the channel '" + channel.name + "' is sampled at " + shortest(clock.rate) + " Hz, but " +
-                   shortest(*given) + " Hz was given",
+               "the channel '" + channel.name + "' is sampled at " + shortest(rate) + " Hz, but " + shortest(*given) +
+                   " Hz was given",
                "both must agree", "remove or correct the sampling rate");
-  return clock.rate > 0.0 ? std::optional(clock) : std::nullopt;
+  if (rate == 0.0) return std::nullopt;
+  return StatedTimes{{.start = channel.start, .interval = 1.0 / rate, .count = channel.values.size()}, {}};
 }
 
 /// A time or a rate with the digits that a reader wants.
@@ -169,81 +163,101 @@ std::string rounded(double value) {
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 7).ptr};
 }
 
-std::string span_in_words(const MeasuredChannel& channel, const Clock& clock) {
-  return "'" + channel.name + "' has " + std::to_string(clock.samples) + " samples from " + rounded(clock.start) +
-         " s to " + rounded(clock.end()) + " s";
+std::string span_in_words(const MeasuredChannel& channel, const SampleTimes& times) {
+  return "'" + channel.name + "' has " + std::to_string(times.count) + " samples from " + rounded(times.at(0)) +
+         " s to " + rounded(times.end()) + " s";
 }
 
-/// Requires one rate, and samples at the same times up to whole intervals; without `missing` the same first and last
-/// one.
-void check_clocks(const std::vector<Match<MeasuredChannel>>& channels, const std::vector<Clock>& clocks, bool missing,
-                  const std::filesystem::path& file, IssueList& issues) {
-  const Clock& first = clocks.front();
-  for (std::size_t j = 1; j < clocks.size(); ++j) {
-    const Clock& clock = clocks[j];
-    const std::string &name = channels[0].measured->name, &other = channels[j].measured->name;
-    const double samples = static_cast<double>(std::max(first.samples, clock.samples));
-    const double shift = (clock.start - first.start) * first.rate;
-    if (std::abs(clock.rate / first.rate - 1.0) * samples > clock_agreement)
-      issues.add({file.string(), 0},
-                 "'" + name + "' is sampled at " + rounded(first.rate) + " Hz, '" + other + "' at " +
-                     rounded(clock.rate) + " Hz",
-                 "the channels of a record have one sampling rate",
-                 "use channels of one rate, or export them at one rate");
-    else if (!(std::abs(shift - std::round(shift)) <= clock_agreement))
-      issues.add({file.string(), 0},
-                 "the samples of '" + other + "' lie between those of '" + name + "' (first ones at " +
-                     rounded(clock.start) + " s and " + rounded(first.start) + " s)",
-                 "the channels of a record are sampled at the same times", "export them with one clock");
-    else if (!missing && (std::round(shift) != 0.0 || clock.samples != first.samples))
-      issues.add({file.string(), 0},
-                 span_in_words(*channels[0].measured, first) + ", " + span_in_words(*channels[j].measured, clock),
-                 "the channels of a record have the same samples",
-                 "set skip_missing: true (record.skip_missing), and samples that a channel lacks count as missing");
+/// Requires that the channels begin and end together, as far as their sampling intervals let them.
+void check_spans(const std::vector<Match<MeasuredChannel>>& channels, const std::vector<StatedTimes>& times,
+                 const std::filesystem::path& file, IssueList& issues) {
+  const SampleTimes& first = times.front().times;
+  for (std::size_t j = 1; j < times.size(); ++j) {
+    const SampleTimes& own = times[j].times;
+    const double allowed = (1.0 - clock_agreement) * std::max(first.usual_interval(), own.usual_interval());
+    if (std::max(std::abs(own.at(0) - first.at(0)), std::abs(own.end() - first.end())) <= allowed) continue;
+    issues.add({file.string(), 0},
+               span_in_words(*channels[0].measured, first) + ", " + span_in_words(*channels[j].measured, own),
+               "the channels of a record cover the same time",
+               "set skip_missing: true (record.skip_missing), and samples that a channel lacks count as missing");
   }
 }
 
 /// Infinite numbers are no samples.
-void check_samples(const MeasuredChannel& channel, const Clock& clock, const std::filesystem::path& file,
+void check_samples(const MeasuredChannel& channel, const StatedTimes& stated, const std::filesystem::path& file,
                    IssueList& issues) {
-  const auto finite = channel.values.array().isFinite();
+  const auto finite = stated.in_order(channel.values).array().isFinite().eval();
   if (finite.all()) return;
   Index first = 0;
   while (finite[first]) ++first;
   issues.add({file.string(), 0},
-             "channel '" + channel.name + "' is not a number at " +
-                 rounded(clock.start + static_cast<double>(first) / clock.rate) + " s (" +
+             "channel '" + channel.name + "' is not a number at " + rounded(stated.times.at(first)) + " s (" +
                  std::to_string((!finite).count()) + " samples in all)",
              "every sample must be a finite number", "cut the record there, or set record.skip_missing: true");
 }
 
+CommonGrid grid_of(const std::vector<StatedTimes>& times, const std::filesystem::path& file) try {
+  std::vector<SampleTimes> all;
+  for (const auto& each : times) all.push_back(each.times);
+  const CommonGrid grid = common_grid(all);
+  if (!(grid.last < longest_record))
+    throw InvalidInput(Issue{{},
+                             "the channels would make a record of more than " + rounded(longest_record) + " samples",
+                             "from their first to their last sample it is " + rounded(grid.last / grid.sample_rate) +
+                                 " s at " + rounded(grid.sample_rate) + " Hz",
+                             "use channels of one measurement"});
+  return grid;
+} catch (const InvalidInput& error) {
+  IssueList issues;
+  for (const auto& issue : error.issues()) issues.add({file.string(), 0}, issue.what, issue.why, issue.fix);
+  issues.raise();
+  throw;
+}
+
+/// Whether a channel has fewer samples than the grid has times.
+bool is_spread(const CommonGrid& grid, const std::vector<StatedTimes>& times) {
+  return std::ranges::any_of(times,
+                             [&](const auto& each) { return static_cast<double>(each.times.count) < grid.last + 1.0; });
+}
+
+/// How the samples stand on a grid that is not simply theirs.
+void tell_grid(const CommonGrid& grid, const std::vector<Match<MeasuredChannel>>& channels,
+               const std::vector<StatedTimes>& times, const RecordFileOptions& options) {
+  std::string slower;
+  for (std::size_t j = 0; j < times.size(); ++j) {
+    const double rate = 1.0 / times[j].times.usual_interval();
+    if (grid.sample_rate < (1.0 + rate_agreement) * rate) continue;
+    slower += (slower.empty() ? "'" : ", '") + channels[j].measured->name + "' at " + rounded(rate) + " Hz" +
+              (times[j].times.times.size() > 0 ? " at uneven times" : "");
+  }
+  if (options.notes == nullptr || slower.empty()) return;
+  std::string note = "the channels have sampling rates of their own: the filter runs at " + rounded(grid.sample_rate) +
+                     " Hz, and uses each sample at its time (" + slower + ")";
+  if (grid.largest_shift * grid.sample_rate > 1e-3)
+    note += "; samples are moved by at most " + rounded(1e3 * grid.largest_shift) + " ms";
+  options.notes->push_back(note);
+}
+
 /// Sets the channels side by side; what one of them does not have is NaN.
-Record side_by_side(const std::vector<Match<MeasuredChannel>>& channels, const std::vector<Clock>& clocks,
-                    const Eigen::VectorXd& factors, const std::filesystem::path& file) {
-  const double rate = clocks.front().rate;
-  double start = clocks.front().start;
-  for (const auto& clock : clocks)
-    if (clock.start < start - 0.5 / rate) start = clock.start;
-  std::vector<Index> shifts;
-  Index samples = 0;
-  for (const auto& clock : clocks) {
-    const double shift = std::round((clock.start - start) * rate);
-    if (!(shift + static_cast<double>(clock.samples) <= longest_record))
-      throw InvalidInput(Issue{{file.string(), 0},
-                               "the channels begin " + rounded(clock.start - start) + " s apart",
-                               "the record would have more than " + rounded(longest_record) + " samples",
-                               "use channels of one measurement"});
-    shifts.push_back(static_cast<Index>(shift));
-    samples = std::max(samples, shifts.back() + clock.samples);
-  }
-  Record record{.sample_rate = rate, .start = start};
-  record.values.setConstant(static_cast<Index>(channels.size()), samples, not_a_number);
+Record side_by_side(const std::vector<Match<MeasuredChannel>>& channels, const std::vector<StatedTimes>& times,
+                    const Eigen::VectorXd& factors, const CommonGrid& grid) {
+  Record record{.sample_rate = grid.sample_rate, .start = grid.start};
+  record.values.setConstant(static_cast<Index>(channels.size()), static_cast<Index>(grid.last) + 1, not_a_number);
   for (std::size_t j = 0; j < channels.size(); ++j) {
-    const auto& values = channels[j].measured->values;
+    const Eigen::VectorXd values = times[j].in_order(channels[j].measured->values);
+    const auto places = places_on(grid, times[j].times);
     const auto row = static_cast<Index>(j);
-    record.values.row(row).segment(shifts[j], values.size()) =
-        (values.array().isFinite().select(values.array(), not_a_number) * factors[row]).transpose();
+    for (Index k = 0; k < values.size(); ++k)
+      if (std::isfinite(values[k])) record.values(row, places[static_cast<std::size_t>(k)]) = values[k] * factors[row];
   }
+  return record;
+}
+
+/// A channel of uneven times at even ones.
+Record interpolated(const MeasuredChannel& channel, const StatedTimes& stated, double factor) {
+  const double rate = common_grid({stated.times}).sample_rate;
+  Record record{.sample_rate = rate, .start = stated.times.at(0)};
+  record.values = factor * evenly_interpolated(stated.times, stated.in_order(channel.values), rate).transpose();
   return record;
 }
 
@@ -375,22 +389,32 @@ Record select_record(const MeasuredFile& measured, const std::vector<WantedChann
     if (const auto match = find_channel(measured, each, file, issues)) channels.push_back(*match);
   issues.raise();
   Eigen::VectorXd factors(static_cast<Index>(wanted.size()));
-  std::vector<Clock> clocks;
+  std::vector<StatedTimes> times;
   for (std::size_t j = 0; j < wanted.size(); ++j) {
     const MeasuredChannel& channel = *channels[j].measured;
     factors[static_cast<Index>(j)] =
         channels[j].sign * factor_to_si(wanted[j], {channel.name, channel.unit}, {file.string(), 0}, issues);
     if (channel.values.size() < 1)
       issues.add({file.string(), 0}, "the channel '" + channel.name + "' has no samples");
-    else if (const auto clock = clock_of(channel, options, file, issues))
-      clocks.push_back(*clock);
+    else if (auto stated = times_of(channel, options, file, issues))
+      times.push_back(*std::move(stated));
   }
   issues.raise();
-  check_clocks(channels, clocks, options.missing, file, issues);
-  if (!options.missing)
-    for (std::size_t j = 0; j < wanted.size(); ++j) check_samples(*channels[j].measured, clocks[j], file, issues);
+  if (!options.missing) {
+    check_spans(channels, times, file, issues);
+    for (std::size_t j = 0; j < wanted.size(); ++j) check_samples(*channels[j].measured, times[j], file, issues);
+  }
   issues.raise();
-  Record record = side_by_side(channels, clocks, factors, file);
+  const bool input = options.interpolate && wanted.size() == 1 && times.front().times.times.size() > 0;
+  Record record;
+  if (input) {
+    record = interpolated(*channels.front().measured, times.front(), factors[0]);
+  } else {
+    const CommonGrid grid = grid_of(times, file);
+    tell_grid(grid, channels, times, options);
+    if (options.spread != nullptr) *options.spread = is_spread(grid, times);
+    record = side_by_side(channels, times, factors, grid);
+  }
   for (const auto& each : wanted) record.channels.push_back({each.column, each.unit});
   return record;
 }

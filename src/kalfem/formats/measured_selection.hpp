@@ -21,9 +21,10 @@ std::optional<MeasuredPlace> parse_freedom(std::string_view text);
 ///   - its node and direction: the motion along that direction. A channel that looks against it is turned.
 /// Of several, the one with a unit of the wanted quantity is taken.
 ///
-/// All channels must have one sampling rate and samples at the same times. With `missing`, channels may begin and end
-/// at other samples and may lack some: these become NaN. Throws InvalidInput with every channel that is not there or is
-/// ambiguous, every unit that does not fit, and for channels that no record can hold together.
+/// Channels may have sampling rates and uneven times of their own: the record stands on common_grid(), where a channel
+/// is NaN between its samples. Without `missing` they must cover the same time up to their sampling intervals and have
+/// no gaps; with it, they may begin and end at other samples and may lack some. Throws InvalidInput with every channel
+/// that is not there or is ambiguous, every unit that does not fit, and for channels that no record can hold together.
 Record select_record(const MeasuredFile& measured, const std::vector<WantedChannel>& wanted,
                      const RecordFileOptions& options, const std::filesystem::path& file);
 

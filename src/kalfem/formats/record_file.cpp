@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/text.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
 #include "kalfem/formats/measured_file_reader.hpp"
@@ -102,7 +103,8 @@ using Eigen::Index;
 /// A table in the units of its file.
 struct RawRecord {
   Record record;
-  SourceLocation titles;  ///< where names and units stand
+  SourceLocation titles;       ///< where names and units stand
+  Eigen::VectorXd times = {};  ///< of the samples [s], where they are uneven
 };
 
 std::vector<std::string> columns_of(const std::vector<WantedChannel>& wanted) {
@@ -220,13 +222,28 @@ RawRecord read_raw(const std::filesystem::path& file, const std::vector<WantedCh
   csv.columns = columns_of(wanted);
   csv.sample_rate = options.sample_rate;
   csv.missing = options.missing;
-  auto [record, title_line] = read_csv_record(file, csv);
-  return selected(std::move(record), wanted, {path, title_line});
+  csv.uneven = true;
+  csv.notes = options.notes;
+  auto [record, title_line, times] = read_csv_record(file, csv);
+  RawRecord raw = selected(std::move(record), wanted, {path, title_line});
+  raw.times = std::move(times);
+  return raw;
 }
 
-}  // namespace
-
-namespace {
+/// A table of uneven times on the grid that they need. Its values are in SI already.
+Record on_grid(const RawRecord& raw, const std::vector<WantedChannel>& wanted, const RecordFileOptions& options,
+               const std::filesystem::path& file) {
+  MeasuredFile measured{.format = "table of text"};
+  std::vector<WantedChannel> in_order;
+  for (std::size_t j = 0; j < wanted.size(); ++j) {
+    const auto& name = raw.record.channels[j].name;
+    if (std::ranges::find(measured.channels, name, &MeasuredChannel::name) == measured.channels.end())
+      measured.channels.push_back(
+          {.name = name, .times = raw.times, .values = raw.record.values.row(static_cast<Index>(j)).transpose()});
+    in_order.push_back({.column = name, .owner = wanted[j].owner, .unit = wanted[j].unit});
+  }
+  return select_record(measured, in_order, options, file);
+}
 
 bool is_hdf5(const std::filesystem::path& file) { return file.extension() == ".h5" || file.extension() == ".hdf5"; }
 
@@ -246,7 +263,8 @@ Record read_record_file(const std::filesystem::path& file, const std::vector<Wan
                         const RecordFileOptions& options) {
   if (measured_format(file) != nullptr || (!is_hdf5(file) && !is_plain_table(file)))
     return selected_from_all(file, wanted, options);
-  auto [record, titles] = read_raw(file, wanted, options);
+  RawRecord raw = read_raw(file, wanted, options);
+  auto& [record, titles, times] = raw;
   IssueList issues;
   Eigen::VectorXd factors(record.values.rows());
   for (std::size_t j = 0; j < wanted.size(); ++j) {
@@ -255,7 +273,7 @@ Record read_record_file(const std::filesystem::path& file, const std::vector<Wan
   }
   issues.raise();
   record.values.array().colwise() *= factors.array();
-  return std::move(record);
+  return times.size() > 0 ? on_grid(raw, wanted, options, file) : std::move(record);
 }
 
 }  // namespace kalfem

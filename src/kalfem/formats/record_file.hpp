@@ -29,9 +29,11 @@ double factor_to_si(const WantedChannel& wanted, const Channel& in_file, const S
 
 /// What is known of a record file beside its columns.
 struct RecordFileOptions {
-  std::optional<double> sample_rate = {};     ///< [Hz], where the file does not say it
-  std::string dataset = {};                   ///< of an HDF5 file
-  bool missing = false;                       ///< samples may be missing: they become NaN
+  std::optional<double> sample_rate = {};  ///< [Hz], where the file does not say it
+  std::string dataset = {};                ///< of an HDF5 file
+  bool missing = false;                    ///< samples may be missing: they become NaN
+  bool interpolate = false;                ///< a single channel of uneven times is given at even ones (spline)
+  bool* spread = nullptr;  ///< set where the channels lack samples because of their sampling rates; null: not asked
   std::vector<std::string>* notes = nullptr;  ///< where contradictions of the file are added; null: nowhere
 };
 

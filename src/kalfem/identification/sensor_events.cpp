@@ -18,6 +18,7 @@ constexpr double far_longer = 4.0;           ///< than nearly all other stretche
 constexpr double nearly_all = 0.99;          ///< of the stretches, by their number
 constexpr double moves = 0.1;                ///< rms of a channel in a stretch over that of its record
 constexpr double contradiction = 2.0;        ///< deviations
+constexpr double regular_steps = 0.9;        ///< part of a channel's samples that follow at its own rate
 constexpr Index shortest_window = 100;       ///< samples
 constexpr Index windows = 40;                ///< of a record
 constexpr double alive = 0.7, silent = 0.3;  ///< correlation of a channel with its prediction
@@ -174,6 +175,28 @@ std::string to_string(EventKind kind) {
   return "";
 }
 
+namespace {
+
+/// Usual number of the record's times from one sample of a channel to the next: more than one where it is slower than
+/// the record. One where its gaps are of any length.
+Index usual_step(const Eigen::Ref<const Eigen::Array<bool, 1, Eigen::Dynamic>>& missing) {
+  std::vector<Index> steps;
+  Index last = -1;
+  for (Index k = 0; k < missing.size(); ++k) {
+    if (missing[k]) continue;
+    if (last >= 0) steps.push_back(k - last);
+    last = k;
+  }
+  if (steps.empty()) return 1;
+  const auto middle = steps.begin() + std::ssize(steps) / 2;
+  std::ranges::nth_element(steps, middle);
+  const Index usual = *middle;
+  const auto regular = std::ranges::count_if(steps, [&](Index step) { return 2 * std::abs(step - usual) <= usual; });
+  return static_cast<double>(regular) >= regular_steps * static_cast<double>(steps.size()) ? usual : 1;
+}
+
+}  // namespace
+
 std::vector<SensorEvent> missing_samples(const Record& record) {
   std::vector<SensorEvent> events;
   const Index samples = record.samples_used(), rows = record.values.rows();
@@ -191,7 +214,9 @@ std::vector<SensorEvent> missing_samples(const Record& record) {
   for (Index i = 0; i < rows; ++i) {
     const auto own = stretches(samples, [&](Index k) { return missing(i, k) && !in_dropout[k]; });
     SensorEvent rest{EventKind::missing, name_of(record, i)};
+    const Index step = usual_step(missing.row(i));
     for (const auto& each : own) {
+      if (step > 1 && 2 * (each.count + 1) <= 3 * step) continue;
       const double from = record.time(each.begin), to = record.time(each.end - 1);
       if (each.count >= long_stretch(own)) {
         events.push_back({EventKind::dropout, name_of(record, i), from, to, each.count,
@@ -200,10 +225,10 @@ std::vector<SensorEvent> missing_samples(const Record& record) {
       }
       if (rest.count == 0) rest.from = from;
       rest.to = to;
-      rest.count += each.count;
+      rest.count += step > 1 ? (2 * (each.count + 1) + step) / (2 * step) - 1 : each.count;
     }
     if (rest.count == 0) continue;
-    rest.text = fmt::format("{} of {} samples of '{}' are missing", rest.count, samples, rest.channel);
+    rest.text = fmt::format("{} of {} samples of '{}' are missing", rest.count, samples / step, rest.channel);
     events.push_back(std::move(rest));
   }
   return events;

@@ -34,7 +34,7 @@ struct SensorEvent {
 };
 
 /// Samples without a number: stretches of all channels or of one that are far longer than its other gaps ("dropout"),
-/// and the rest, one event a channel.
+/// and the rest, one event a channel. A channel that is slower than the record lacks what its own rate would give.
 std::vector<SensorEvent> missing_samples(const Record& record);
 
 /// Stretches of at least twenty samples, and far longer than others of the channel, in which every sample has the same

@@ -92,13 +92,29 @@ WantedChannel wanted_channel(const description::Case& given, const std::string& 
           .unit_given = sensor.unit.value.empty() ? given.record->unit : sensor.unit};
 }
 
-/// Rows of the file as they are, one a sensor.
+/// Rows of the file as they are, one a sensor. `spread`: see RecordFileOptions.
 Record read_channels(const description::Case& given, const std::vector<WantedChannel>& wanted,
-                     std::vector<std::string>& notes) {
+                     std::vector<std::string>& notes, bool* spread) {
   const auto& asked = *given.record;
-  return read_record_file(
-      asked.file.value, wanted,
-      {.sample_rate = asked.sample_rate, .dataset = asked.group, .missing = asked.skip_missing, .notes = &notes});
+  return read_record_file(asked.file.value, wanted,
+                          {.sample_rate = asked.sample_rate,
+                           .dataset = asked.group,
+                           .missing = asked.skip_missing,
+                           .spread = spread,
+                           .notes = &notes});
+}
+
+/// Filters need the samples between those that a channel of a lower rate has.
+void check_preparation(const description::Case& given) {
+  const auto& asked = given.record->prepare;
+  const bool filters = asked.high_pass > 0.0 || asked.low_pass > 0.0 || asked.sample_rate;
+  const auto late = std::ranges::find_if(given.sensors, [](const auto& each) { return each.second.delay != 0.0; });
+  if (!filters && late == given.sensors.end()) return;
+  throw InvalidInput(Issue{
+      given.record->file.location,
+      filters ? "record.prepare filters or resamples channels with sampling rates of their own"
+              : "sensors." + late->first + ".delay is given, but the channels have sampling rates of their own",
+      "there are no samples between those of the slower channels", "leave it out, or export the channels at one rate"});
 }
 
 /// What the case knows of a sensor. Throws InvalidInput for a gain of 0 and an offset in another unit.
@@ -149,11 +165,13 @@ PreparedRecord read_prepared(const description::Case& given) {
   std::vector<std::string> notes;
   std::vector<WantedChannel> wanted;
   for (const auto& [name, sensor] : given.sensors) wanted.push_back(wanted_channel(given, name, sensor));
-  PreparedRecord prepared{read_channels(given, wanted, notes)};
+  bool spread = false;
+  PreparedRecord prepared{read_channels(given, wanted, notes, &spread)};
   prepared.preparation = std::move(notes);
   Record& record = prepared.record;
   for (std::size_t j = 0; j < given.sensors.size(); ++j) record.channels[j].name = given.sensors[j].first;
-  check_finite(record, asked);
+  if (spread) check_preparation(given);
+  if (!spread) check_finite(record, asked);
   if (asked.repair_splice) repair_splice(prepared);
   calibrate_sensors(prepared, given);
   as_asked_by("record.prepare", [&] { prepare_channels(prepared, asked.prepare); });
@@ -190,7 +208,8 @@ PreparedRecord read_measured_record(const description::Case& given) {
 Record read_sensor_channel(const description::Case& given, const std::string& sensor) {
   const auto found = std::ranges::find(given.sensors, sensor, &std::pair<std::string, description::Sensor>::first);
   std::vector<std::string> notes;
-  return of_record(given, [&] { return read_channels(given, {wanted_channel(given, sensor, found->second)}, notes); });
+  return of_record(
+      given, [&] { return read_channels(given, {wanted_channel(given, sensor, found->second)}, notes, nullptr); });
 }
 
 void check_noise(const Study& study, const Record& record, const std::string& channel) {

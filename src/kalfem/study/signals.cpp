@@ -145,7 +145,7 @@ private:
                                                .unit = unit_,
                                                .unit_key = "excitation." + name_ + ".unit",
                                                .unit_given = g.unit}},
-                                             {.sample_rate = g.sample_rate})};
+                                             {.sample_rate = g.sample_rate, .interpolate = true})};
     prepare_channels(prepared, g.prepare);
     Record& table = prepared.record;
     if (g.align) prepared.preparation.push_back(align(table, g));

@@ -11,6 +11,7 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/text.hpp"
 #include "kalfem/base/units.hpp"
+#include "kalfem/formats/stated_times.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
 
 namespace kalfem {
@@ -227,16 +228,31 @@ double seconds_per(const Channel& time, FileProblems& problems) {
 }
 
 /// Takes the first column of the table as time.
-Record with_time_column(const Columns& columns, const CsvOptions& options, FileProblems& problems) {
+CsvRecord with_time_column(const Columns& columns, const CsvOptions& options, FileProblems& problems) {
   const auto& [titles, numbers] = columns;
   const Channel& time = titles.front();
   const auto values = numbers.by_column();
-  const double unit = seconds_per(time, problems);
-  const TimeAxis axis =
-      time_axis(values.row(0).transpose() * unit, numbers.lines(),
-                {.column = time.name, .jitter = options.jitter, .sample_rate = options.sample_rate}, problems);
+  const Eigen::VectorXd stamps = values.row(0).transpose() * seconds_per(time, problems);
+  const TimeAxisOptions axis_options{.column = time.name, .jitter = options.jitter, .sample_rate = options.sample_rate};
+  CsvRecord read{.record = {.channels = {titles.begin() + 1, titles.end()}}};
+  auto& record = read.record;
+  if (!options.uneven) {
+    const TimeAxis axis = time_axis(stamps, numbers.lines(), axis_options, problems);
+    problems.raise();
+    record.sample_rate = axis.sample_rate;
+    record.start = axis.start;
+    record.values = values.bottomRows(values.rows() - 1);
+    return read;
+  }
+  const StatedTimes stated =
+      stated_times(stamps, numbers.lines(), axis_options, options.missing, problems, options.notes);
   problems.raise();
-  return {axis.sample_rate, axis.start, {titles.begin() + 1, titles.end()}, values.bottomRows(values.rows() - 1)};
+  record.values = values.bottomRows(values.rows() - 1);
+  if (!stated.order.empty()) record.values = record.values(Eigen::all, stated.order).eval();
+  read.times = stated.times.times;
+  record.start = stated.times.start;
+  if (stated.times.interval > 0.0) record.sample_rate = 1.0 / stated.times.interval;
+  return read;
 }
 
 }  // namespace
@@ -266,7 +282,9 @@ CsvRecord read_csv_record(const std::filesystem::path& path, const CsvOptions& o
   }
   wanted.insert(wanted.begin(), time);
   const Columns columns = file.read(wanted, 1, BlankRows::none);
-  return {with_time_column(columns, options, file.problems), file.title_line()};
+  CsvRecord read = with_time_column(columns, options, file.problems);
+  read.title_line = file.title_line();
+  return read;
 }
 
 Record read_csv(const std::filesystem::path& path, const CsvOptions& options) {

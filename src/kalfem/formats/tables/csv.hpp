@@ -25,8 +25,10 @@ struct CsvOptions {
   // Only for read_csv:
   std::string time_column =
       {};  ///< name, or position from "1"; empty: a first column called t, time, t_s, zeit, x_value ...
-  std::optional<double> sample_rate = {};  ///< [Hz]; must agree with the time column where there is one
-  double jitter = 0.05;                    ///< allowed deviation of a sampling interval, as a fraction of it
+  std::optional<double> sample_rate = {};     ///< [Hz]; must agree with the time column where there is one
+  double jitter = 0.05;                       ///< allowed deviation of a sampling interval, as a fraction of it
+  bool uneven = false;                        ///< stamps may be uneven and out of order, see CsvRecord::times
+  std::vector<std::string>* notes = nullptr;  ///< where the reader says that it sorted the rows; null: nowhere
 };
 
 /// Named columns of numbers with the line of the file in which each row stands.
@@ -46,6 +48,7 @@ CsvTable read_csv_table(const std::filesystem::path& path, const CsvOptions& opt
 struct CsvRecord {
   Record record;
   int title_line = 0;
+  Eigen::VectorXd times = {};  ///< of the samples [s], where they are uneven; rate and start of the record mean nothing
 };
 
 /// An equally sampled record, in the file's units. The time column (in s, or in its title's unit) becomes start and

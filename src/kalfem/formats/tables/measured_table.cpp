@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <ranges>
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/text.hpp"
@@ -86,8 +87,19 @@ private:
 
   [[nodiscard]] Cells cells_of(const TextLine& line) const {
     Cells cells = split_cells(line.text, separator_);
-    if (cells.size() > 1 && cells.back().empty()) cells.pop_back();
+    if (cells.size() > 1 && cells.back().empty() && ends_in_separator_) cells.pop_back();
     return cells;
+  }
+
+  /// Whether lines end in a separator that begins no cell: all do then. A column that ends before the others leaves
+  /// lines that look alike.
+  void find_line_end(const TextLine& typical) {
+    const std::size_t width = split_cells(typical.text, separator_).size();
+    constexpr std::size_t looked_at = 200;
+    ends_in_separator_ = std::ranges::none_of(lines_ | std::views::take(looked_at), [&](const TextLine& line) {
+      const Cells cells = split_cells(line.text, separator_);
+      return cells.size() == width && !cells.back().empty();
+    });
   }
 
   void find_dialect() {
@@ -100,6 +112,7 @@ private:
     std::vector<TextLine> with_first{sample.front()};
     with_first.insert(with_first.end(), sample.begin(), sample.end());
     decimal_ = find_decimal(with_first, separator_);
+    find_line_end(sample.front());
     for (const auto cell : cells_of(sample.front())) is_number_.push_back(is_number(cell) || is_missing_value(cell));
     if (std::ranges::count(is_number_, true) == 0)
       refuse(sample.front().number, "the file holds no table of numbers", "a line from its last third has none");
@@ -257,6 +270,7 @@ private:
   std::string_view text_;
   std::vector<TextLine> lines_;
   char separator_ = ',', decimal_ = '.';
+  bool ends_in_separator_ = false;
   std::vector<bool> is_number_;  ///< of each column
   std::size_t first_ = 0;        ///< line of the table
   std::vector<Channel> columns_;

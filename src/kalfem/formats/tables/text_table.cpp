@@ -199,12 +199,13 @@ void find_gaps(const Eigen::VectorXd& stamps, const std::vector<int>& lines, dou
     const double found = stamps(k) - stamps(k - 1);
     if (std::abs(found - interval) <= tolerance) continue;
     const double missing = std::round(found / interval) - 1.0;
-    problems.add(lines[static_cast<std::size_t>(k)],
-                 "'" + column + "' runs from " + shown(stamps(k - 1)) + " s to " + shown(stamps(k)) + " s",
-                 found <= 0.0 ? "time must increase"
-                              : "the usual interval is " + shown(interval) + " s" +
-                                    (missing >= 1.0 ? "; " + shown(missing) + " samples are missing" : ""),
-                 "cut the record here, or resample it to equal intervals");
+    problems.add(
+        lines[static_cast<std::size_t>(k)],
+        "'" + column + "' runs from " + shown(stamps(k - 1)) + " s to " + shown(stamps(k)) + " s",
+        found <= 0.0 ? "time must increase"
+                     : "the usual interval is " + shown(interval) + " s" +
+                           (missing >= 1.0 ? "; " + shown(missing) + " samples are missing" : ""),
+        "cut the record here, resample it to equal intervals, or let samples be missing (record.skip_missing: true)");
   }
 }
 
