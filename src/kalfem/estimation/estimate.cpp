@@ -73,11 +73,12 @@ public:
             std::shared_ptr<const AugmentedModel>(std::shared_ptr<void>(), &augmented_model), input.noise, options)),
         linear_unknowns_(linear_unknowns(augmented_model.options())) {
     allocate();
-    linearised_about_ = linear_estimate();
+    linearised_about_ = linear_estimate(augmented_model_, linear_unknowns_, result_.unknowns);
   }
 
   EstimationResult run(const Gaussian& prior) {
     setup_->filter->reset(prior);
+    result_.prior = prior;
     if (options_.keep_unknowns) begin_history(prior);
     const Index samples = input_.measured.samples();
     for (Index k = 0; k < samples; ++k) {
@@ -97,9 +98,10 @@ private:
       return outcome;
     };
     // Carry the estimate over the interval that ends at the sample; the prior already stands at the first one.
-    FilterOutcome outcome = k == 0 ? FilterOutcome::usable : charged(predict(k), time.predict);
+    FilterOutcome outcome = k == 0 ? FilterOutcome::usable : charged(predict_to(k, input_, *setup_), time.predict);
     // Condition it on what the sensors show.
-    if (outcome == FilterOutcome::usable) outcome = charged(update(k), time.update);
+    if (outcome == FilterOutcome::usable)
+      outcome = charged(update_at(k, input_, options_.held_out, *setup_, measured_, innovation_), time.update);
     // Store it, with the quantities that are monitored.
     if (outcome == FilterOutcome::usable) outcome = charged(store(k), time.output);
     // The tangent along the linear part's unknowns holds near the point of linearisation only.
@@ -145,27 +147,6 @@ private:
     result_.nis = VectorXd::Constant(samples, not_a_number);
     result_.log_density = VectorXd::Zero(samples);
     result_.measured = Eigen::VectorXi::Zero(samples);
-  }
-
-  FilterOutcome predict(Index k) {
-    auto& [of, transition, measurement, monitored, filter] = *setup_;
-    if (input_stride_ > 1)
-      transition.set_inputs(input_.inputs.middleCols((k - 1) * input_stride_, input_stride_ + 1));
-    else
-      transition.set_inputs(input_.inputs.col(k - 1), input_.inputs.col(k));
-    if (!linear_unknowns_.empty()) transition.set_mean(filter->mean());
-    return filter->predict();
-  }
-
-  FilterOutcome update(Index k) {
-    auto& [of, transition, measurement, monitored, filter] = *setup_;
-    measurement.set_inputs(input_.inputs.col(k * input_stride_));
-    if (!linear_unknowns_.empty()) measurement.set_mean(filter->mean());
-    input_.sample(k, measured_);
-    held_out_.clear();
-    for (const auto& [channel, begin, end] : options_.held_out)
-      if (begin <= k && k < end) held_out_.push_back(channel);
-    return filter->update(measured_, innovation_, held_out_);
   }
 
   FilterOutcome store(Index k) {
@@ -284,22 +265,9 @@ private:
     result_.gains.push_back(std::move(gain));
   }
 
-  /// The unknowns of the linear part at sample k, before the first one by their prior.
-  LinearEstimate linear_estimate(std::optional<Index> k = std::nullopt) const {
-    const auto count = static_cast<Index>(linear_unknowns_.size());
-    LinearEstimate estimate{VectorXd(count), VectorXd(count)};
-    for (Index i = 0; i < count; ++i) {
-      const Index at = linear_unknowns_[static_cast<std::size_t>(i)];
-      const auto& unknown = augmented_model_.options().unknowns[static_cast<std::size_t>(at)];
-      estimate.values[i] = k ? result_.unknowns.mean(at, *k) : unknown.initial;
-      estimate.deviations[i] = k ? result_.unknowns.deviation(at, *k) : unknown.deviation;
-    }
-    return estimate;
-  }
-
   FilterOutcome relinearise_where_it_moved(Index k) {
     if (linear_unknowns_.empty()) return FilterOutcome::usable;
-    auto now = linear_estimate(k);
+    auto now = linear_estimate(augmented_model_, linear_unknowns_, result_.unknowns, k);
     if (!now.outdates(linearised_about_)) return FilterOutcome::usable;
     try {
       setup_ = relinearised(augmented_model_, now, *setup_, input_.noise, options_);
@@ -322,7 +290,6 @@ private:
   LinearEstimate linearised_about_;
   Innovation innovation_;
   VectorXd measured_, output_mean_, output_deviation_;
-  std::vector<Index> held_out_;  ///< channels, at this sample
   EstimationResult result_;
 };
 

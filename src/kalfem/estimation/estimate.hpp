@@ -74,7 +74,8 @@ struct EstimationTime {
 /// Everything that a run of the filter over a record gives. After a failure the samples from there on are not a
 /// number.
 struct EstimationResult {
-  EstimatedSeries state;     ///< the augmented state, after the update; see StateLayout
+  Gaussian prior;         ///< of the augmented state, in the augmented model's coordinates: with it the last run began
+  EstimatedSeries state;  ///< the augmented state, after the update; see StateLayout
   EstimatedSeries unknowns;  ///< in the parameters' own units
   EstimatedSeries monitored;
   Eigen::MatrixXd innovation;            ///< l x samples, NaN where missing

@@ -7,6 +7,7 @@ namespace kalfem {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
 namespace {
 
@@ -38,6 +39,42 @@ std::optional<Index> FilterSetup::failed_connector() const {
   if (const auto failed = transition.failed_connector()) return failed;
   if (const auto failed = measurement.failed_connector()) return failed;
   return monitored ? monitored->failed_connector() : std::nullopt;
+}
+
+FilterOutcome predict_to(Index k, const FilterInput& input, FilterSetup& setup) {
+  auto& [of, transition, measurement, monitored, filter] = setup;
+  const Index stride = input.input_stride(of->options().substeps);
+  if (stride > 1)
+    transition.set_inputs(input.inputs.middleCols((k - 1) * stride, stride + 1));
+  else
+    transition.set_inputs(input.inputs.col(k - 1), input.inputs.col(k));
+  if (transition.moving_gain() > 0) transition.set_mean(filter->mean());
+  return filter->predict();
+}
+
+FilterOutcome update_at(Index k, const FilterInput& input, const std::vector<HeldOutSamples>& held_out,
+                        FilterSetup& setup, VectorXd& y, Innovation& innovation) {
+  auto& [of, transition, measurement, monitored, filter] = setup;
+  measurement.set_inputs(input.inputs.col(k * input.input_stride(of->options().substeps)));
+  if (measurement.moving_gain() > 0) measurement.set_mean(filter->mean());
+  input.sample(k, y);
+  std::vector<Index> channels;
+  for (const auto& [channel, begin, end] : held_out)
+    if (begin <= k && k < end) channels.push_back(channel);
+  return filter->update(y, innovation, channels);
+}
+
+LinearEstimate linear_estimate(const AugmentedModel& augmented_model, const std::vector<Index>& places,
+                               const EstimatedSeries& estimated, std::optional<Index> k) {
+  const auto count = static_cast<Index>(places.size());
+  LinearEstimate estimate{VectorXd(count), VectorXd(count)};
+  for (Index i = 0; i < count; ++i) {
+    const Index at = places[static_cast<std::size_t>(i)];
+    const auto& unknown = augmented_model.options().unknowns[static_cast<std::size_t>(at)];
+    estimate.values[i] = k ? estimated.mean(at, *k) : unknown.initial;
+    estimate.deviations[i] = k ? estimated.deviation(at, *k) : unknown.deviation;
+  }
+  return estimate;
 }
 
 bool LinearEstimate::outdates(const LinearEstimate& there) const {

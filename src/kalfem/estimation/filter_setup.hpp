@@ -27,6 +27,12 @@ struct FilterSetup {
   std::unique_ptr<Filter> filter;
 };
 
+/// Carries the filter's estimate over the interval from sample k - 1 to sample k of the record.
+FilterOutcome predict_to(Eigen::Index k, const FilterInput& input, FilterSetup& setup);
+/// Conditions it on what was measured at sample k, but for what is held out there; `y` is a work array.
+FilterOutcome update_at(Eigen::Index k, const FilterInput& input, const std::vector<HeldOutSamples>& held_out,
+                        FilterSetup& setup, Eigen::VectorXd& y, Innovation& innovation);
+
 /// Values of the unknowns of the linear part, now or at the last linearisation of the augmented model.
 struct LinearEstimate {
   Eigen::VectorXd values, deviations;  ///< one per unknown [its unit]
@@ -36,6 +42,10 @@ struct LinearEstimate {
   /// is a second reason: the neighbours are then too far away.
   [[nodiscard]] bool outdates(const LinearEstimate& there) const;
 };
+
+/// These after sample k, or by their prior. `places`: linear_unknowns() of the model; `estimated`: all unknowns.
+LinearEstimate linear_estimate(const AugmentedModel& augmented_model, const std::vector<Eigen::Index>& places,
+                               const EstimatedSeries& estimated, std::optional<Eigen::Index> k = std::nullopt);
 
 /// The setup of the augmented model about `here`, its filter with the estimate of `before`. `first`: the augmented
 /// model with which the run started. Throws InvalidInput if the values are not admissible.
