@@ -278,6 +278,18 @@ void passes_over_the_record() {
   EXPECT_FALSE(options_of(with_estimate(prior, nonlinear)).keep_initial_state);
 }
 
+void estimates_from_the_whole_record() {
+  const auto results = run(with_estimate(prior + ", smooth: true", nonlinear), Step::estimate);
+  const auto& outcome = *results.estimation;
+  ASSERT_TRUE(outcome.smoothed.has_value());
+  EXPECT_EQ(outcome.smoothed_points.size(), outcome.points.size());
+  const Eigen::Index last = outcome.result.state.mean.cols() - 1;
+  const Eigen::VectorXd end = outcome.result.state.mean.col(last);
+  EXPECT_LT((outcome.smoothed->state.mean.col(last) - end).norm(), 1e-9 * end.norm());
+  EXPECT_GT((outcome.smoothed->state.mean.col(last / 2) - outcome.result.state.mean.col(last / 2)).norm(), 0.0);
+  EXPECT_FALSE(run(with_estimate(prior, nonlinear), Step::estimate).estimation->smoothed.has_value());
+}
+
 void sums_begin_after_settling() {
   for (const auto& [text, first] :
        std::vector<std::pair<std::string, Eigen::Index>>{{", settle: 0.2 s", 20}, {", settle: 0", 0}}) {
@@ -409,6 +421,7 @@ KeyChecks estimation_keys() {
   add(at, {"filter"}, filter_kinds);
   add(at, {"alpha", "beta", "kappa"}, spreads_of_sigma_points);
   add(at, {"passes", "estimate_initial_state"}, passes_over_the_record);
+  add(at, {"smooth"}, estimates_from_the_whole_record);
   add(at, {"settle"}, sums_begin_after_settling);
   add(at, {"substeps"}, parts_of_an_interval);
   add(at, {"threads"}, threads);

@@ -241,6 +241,7 @@ struct Estimation {
   int threads = 0;                           ///< 0: one per processor
   std::optional<OutlierTreatment> outliers;  ///< if empty, robust where a run shows outliers
   bool diagnose = true;
+  bool smooth = false;
 };
 
 struct Prediction {

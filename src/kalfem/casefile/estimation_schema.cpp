@@ -149,7 +149,9 @@ Schema<Estimation> estimation() {
           .optional(
               "diagnose", &Estimation::diagnose, boolean(),
               "where the results contradict themselves, repeat the run with single mistakes undone, to name the one "
-              "that explains it"));
+              "that explains it")
+          .optional("smooth", &Estimation::smooth, boolean(),
+                    "also estimate every sample from the whole record (fixed-interval smoother)"));
 }
 
 }  // namespace kalfem::description

@@ -45,6 +45,8 @@ Eigen::VectorXd computed_nis(const EstimationResult& result) {
 std::optional<Diagnosis> look_for_cause(const EstimationProblem& problem, const StructureParts& parts,
                                         const Record& record, const RecordEstimate& estimate) {
   if (!problem.settings.diagnose) return std::nullopt;
+  // An unknown input makes up for most mistakes, and its assumed process for others: trials could not tell them apart.
+  if (!problem.settings.unknown_inputs.empty()) return std::nullopt;
   if (!estimate.result.failure && !is_doubtful(estimate)) return std::nullopt;
   const auto& likelihood = estimate.likelihood;
   auto as_run = std::make_shared<EstimationProblem>(likelihood ? *likelihood->corrected.problem : problem);

@@ -136,6 +136,7 @@ struct EstimationSettings {
   /// nothing: robust where a run shows outliers, see run_screened_filter().
   std::optional<OutlierTreatment> outliers = {};
   bool diagnose = true;  ///< look for the mistake that explains a run which contradicts itself
+  bool smooth = false;   ///< estimate every sample from the whole record too
 };
 
 /// A structure, its sensors, and the unknowns to estimate from its record. Immutable; models made from it share it.

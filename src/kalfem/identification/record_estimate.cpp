@@ -79,15 +79,17 @@ void set_open_loop(const EstimationProblem& problem, const AugmentedModelSetup& 
   compare_open_loop(estimate.open_loop_sensors, estimate);
 }
 
-/// Moves the rows of unknown inputs, which stand behind the monitored quantities.
-void take_inputs(const std::vector<UnknownInput>& inputs, RecordEstimate& estimate) {
-  auto& [mean, deviation] = estimate.result.monitored;
+/// Takes the rows of unknown inputs, which stand behind the monitored quantities.
+std::vector<EstimatedInput> take_inputs(const std::vector<UnknownInput>& inputs, EstimatedSeries& monitored) {
+  auto& [mean, deviation] = monitored;
   const auto count = static_cast<Index>(inputs.size()), others = mean.rows() - count;
+  std::vector<EstimatedInput> taken;
   for (Index i = 0; i < count; ++i)
-    estimate.inputs.push_back(
+    taken.push_back(
         {inputs[static_cast<std::size_t>(i)], mean.row(others + i).transpose(), deviation.row(others + i).transpose()});
   mean.conservativeResize(others, Eigen::NoChange);
   deviation.conservativeResize(others, Eigen::NoChange);
+  return taken;
 }
 
 /// Samples before the first one of the error and consistency figures. A run that failed while it settled is judged from
@@ -152,22 +154,35 @@ void add_uncertainty(const LikelihoodEstimate& likelihood, RecordEstimate& estim
   }
 }
 
+EstimationOptions filter_options(const EstimationProblem& problem, const AugmentedModelSetup& setup,
+                                 const RecordEstimateOptions& options) {
+  const auto& settings = problem.settings;
+  return {.unscented = settings.unscented,
+          .threads = filter_threads(settings),
+          .passes = settings.passes,
+          .state_deviations = false,
+          .deviation_stride = options.deviation_stride,
+          .keep_unknowns = true,
+          .monitored = with_inputs(make_outputs(*setup.model, options.monitored),
+                                   held_by(settings.unknown_inputs, setup), *setup.model),
+          .progress = options.progress};
+}
+
 /// The estimation of a problem without likelihood unknowns.
 RecordEstimate estimate_by_filter(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
                                   const Record& record, const RecordEstimateOptions& options) {
   const auto& settings = problem->settings;
   const auto unknown_inputs = held_by(settings.unknown_inputs, setup);
-  auto screened = run_screened_filter(
-      problem, setup, record,
-      {.unscented = settings.unscented,
-       .threads = filter_threads(settings),
-       .passes = settings.passes,
-       .state_deviations = false,
-       .deviation_stride = options.deviation_stride,
-       .keep_unknowns = true,
-       .monitored = with_inputs(make_outputs(*setup.model, options.monitored), unknown_inputs, *setup.model),
-       .progress = options.progress});
+  EstimationOptions of_filter = filter_options(*problem, setup, options);
+  auto screened = run_screened_filter(problem, setup, record, of_filter);
   auto& [filtered, substeps] = screened.refined;
+  std::optional<SmoothedRecord> smoothed;
+  if (settings.smooth && !filtered.result.failure) {
+    of_filter.filter = filtered.run.choice.filter;
+    of_filter.held_out = screened.held_out;
+    of_filter.outliers.treatment = screened.outliers;
+    smoothed = smooth(*filtered.run.choice.augmented_model, filtered.run.input, of_filter, filtered.result);
+  }
   RecordEstimate estimate{.filter = filtered.run.choice.filter,
                           .filter_reason = filtered.run.choice.reason,
                           .attempts = std::move(filtered.attempts),
@@ -179,7 +194,9 @@ RecordEstimate estimate_by_filter(const EstimationProblemPtr& problem, const Aug
                           .outliers = screened.outliers,
                           .events = std::move(screened.events)};
   estimate.settled = settled_samples(estimate, settings.settle);
-  take_inputs(unknown_inputs, estimate);
+  estimate.inputs = take_inputs(unknown_inputs, estimate.result.monitored);
+  if (smoothed) estimate.smoothed_inputs = take_inputs(unknown_inputs, smoothed->monitored);
+  estimate.smoothed = std::move(smoothed);
   estimate.consistency =
       summarise_consistency(estimate.result.nis, estimate.result.measured, estimate.result.innovation,
                             estimate.measurements.noise(), estimate.settled);

@@ -9,6 +9,7 @@
 #include "kalfem/estimation/consistency.hpp"
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/identification/likelihood_unknowns.hpp"
+#include "kalfem/estimation/smoother/smoother.hpp"
 #include "kalfem/identification/sensor_events.hpp"
 #include "kalfem/identification/unknown_inputs.hpp"
 
@@ -34,6 +35,10 @@ struct RecordEstimate {
   ConsistencySummary consistency;
   RobustCovariance robust;             ///< of the unknowns that do not drift, in the filter's state
   std::vector<EstimatedInput> inputs;  ///< excitations that were not measured
+  /// From the whole record, where the settings ask for it and the filter did not fail; the monitored quantities are
+  /// those of `result`.
+  std::optional<SmoothedRecord> smoothed;
+  std::vector<EstimatedInput> smoothed_inputs;
   Eigen::VectorXd robust_deviation;    ///< one per unknown [its unit]; NaN if it drifts, or after a failure
   int reductions =
       0;  ///< repeated reductions of the finite elements at the estimated parameters, each with a run over the record

@@ -33,7 +33,7 @@ public:
     }
     auto events = missing_samples(measured_);
     for (auto& event : faults(refined.filtered.result)) events.push_back(std::move(event));
-    return {std::move(refined), std::move(events), options_.outliers.treatment};
+    return {std::move(refined), std::move(events), options_.outliers.treatment, options_.held_out};
   }
 
 private:

@@ -10,6 +10,7 @@ struct ScreenedFilter {
   RefinedFilter refined;
   std::vector<SensorEvent> events;                     ///< what is wrong with the record or missing in it
   OutlierTreatment outliers = OutlierTreatment::keep;  ///< in this run
+  std::vector<HeldOutSamples> held_out;                ///< in this run
 };
 
 /// run_refined_filter() without the stretches in which a sensor is dead, stuck or saturated, and with outliers treated

@@ -57,10 +57,10 @@ void keep_computed(EstimationOutcome& outcome) {
 }
 
 /// Error and coverage against the excitation's signal, where the case gives it although the filter does not know it.
-void compare_inputs(const Study& study, EstimationOutcome& outcome) {
+void compare_inputs(const Study& study, const EstimationOutcome& outcome, std::vector<EstimatedInput>& inputs) {
   constexpr double band = 1.96;
   const auto& parts = study.structure->parts.inputs;
-  for (auto& input : outcome.inputs) {
+  for (auto& input : inputs) {
     if (!input.input.has_truth) continue;
     const auto place = std::ranges::find(parts, input.input.name, &InputDescription::name) - parts.begin();
     const auto samples = study.structure->signals[static_cast<std::size_t>(place)]->sample(
@@ -75,14 +75,44 @@ void compare_inputs(const Study& study, EstimationOutcome& outcome) {
 }
 
 /// By the root mean squares of deviation and estimate after settling.
+bool is_hardly_known(const Eigen::VectorXd& mean, const Eigen::VectorXd& deviation, Index settled) {
+  const Index count = mean.size() - std::min(settled, mean.size() - 1);
+  const double spread = deviation.tail(count).squaredNorm();
+  return spread > 0.25 * (mean.tail(count).squaredNorm() + spread);
+}
+
 std::vector<std::string> hardly_known(const EstimationOutcome& outcome) {
   std::vector<std::string> names;
-  for (const auto& point : outcome.points) {
-    const Index count = point.mean.size() - std::min(outcome.settled, point.mean.size() - 1);
-    const double deviation = point.deviation.tail(count).squaredNorm(), mean = point.mean.tail(count).squaredNorm();
-    if (deviation > 0.25 * (mean + deviation)) names.push_back(point.point + " " + words_of(point.quantity));
-  }
+  for (const auto& input : outcome.inputs)
+    if (is_hardly_known(input.mean, input.deviation, outcome.settled)) names.push_back(input.input.name);
+  for (const auto& point : outcome.points)
+    if (is_hardly_known(point.mean, point.deviation, outcome.settled))
+      names.push_back(point.point + " " + words_of(point.quantity));
   return names;
+}
+
+/// The monitored quantities one by one, compared with the reference if the record was simulated.
+std::vector<PointQuantity> point_quantities(const Study& study, const StudyResults& results,
+                                            const EstimationOutcome& outcome,
+                                            const std::vector<OutputDescription>& monitored,
+                                            const EstimatedSeries& estimated) {
+  std::vector<PointQuantity> points;
+  for (std::size_t i = 0; i < monitored.size(); ++i) {
+    const auto row = static_cast<Index>(i);
+    PointQuantity quantity{monitored[i].name,
+                           monitored[i].quantity,
+                           estimated.mean.row(row).transpose(),
+                           estimated.deviation.row(row).transpose(),
+                           {},
+                           {},
+                           {}};
+    if (results.simulation)
+      if (const auto* truth = find_quantity(results.simulation->points, quantity.point, quantity.quantity))
+        compare(quantity, truth->mean.head(outcome.measurements.samples()),
+                {outcome.settled, study.sample_rate(), outcome.band});
+    points.push_back(std::move(quantity));
+  }
+  return points;
 }
 
 }  // namespace
@@ -97,26 +127,16 @@ EstimationOutcome run_estimation(const Study& study, AugmentedModelSetup& setup,
                                             {monitored, samples_between_deviations(study.sample_rate()), progress}),
       {},
       {},
+      {},
       study.excitation_band,
       {},
       0.0};
   keep_computed(outcome);
-  for (std::size_t i = 0; i < monitored.size(); ++i) {
-    const auto row = static_cast<Index>(i);
-    PointQuantity quantity{monitored[i].name,
-                           monitored[i].quantity,
-                           outcome.result.monitored.mean.row(row).transpose(),
-                           outcome.result.monitored.deviation.row(row).transpose(),
-                           {},
-                           {},
-                           {}};
-    if (results.simulation)
-      if (const auto* truth = find_quantity(results.simulation->points, quantity.point, quantity.quantity))
-        compare(quantity, truth->mean.head(outcome.measurements.samples()),
-                {outcome.settled, study.sample_rate(), outcome.band});
-    outcome.points.push_back(std::move(quantity));
-  }
-  compare_inputs(study, outcome);
+  outcome.points = point_quantities(study, results, outcome, monitored, outcome.result.monitored);
+  if (outcome.smoothed)
+    outcome.smoothed_points = point_quantities(study, results, outcome, monitored, outcome.smoothed->monitored);
+  compare_inputs(study, outcome, outcome.inputs);
+  compare_inputs(study, outcome, outcome.smoothed_inputs);
   if (!outcome.inputs.empty()) outcome.hardly_known = hardly_known(outcome);
   outcome.seconds = watch.seconds();
   return outcome;

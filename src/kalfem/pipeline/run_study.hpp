@@ -63,6 +63,7 @@ struct FieldSeries {
 struct EstimationOutcome : RecordEstimate {
   /// Displacement, velocity, acceleration of points; deformation, rate, force of connectors.
   std::vector<PointQuantity> points;
+  std::vector<PointQuantity> smoothed_points;  ///< the same from the whole record, where the case asks for it
   /// With unknown inputs: motions and forces whose standard deviation is more than half of their size.
   std::vector<std::string> hardly_known;
   std::optional<FrequencyBand> band;   ///< of the excitation, if it has one

@@ -79,21 +79,31 @@ void write_truth(SeriesFile& file, const Study& study, const SimulationOutcome& 
   }
 }
 
-void write_estimate(SeriesFile& file, const EstimationOutcome& outcome) {
-  file.write_points("/estimate", outcome.points);
-  const auto& unknowns = outcome.augmented_model->options().unknowns;
-  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+/// Motions, unknowns and inputs, of the filter or the smoother.
+void write_series(SeriesFile& file, const std::string& group, const std::vector<PointQuantity>& points,
+                  const std::vector<EstimatedInput>& inputs, const std::vector<UnknownParameter>& names,
+                  const EstimatedSeries& unknowns) {
+  file.write_points(group, points);
+  for (std::size_t i = 0; i < names.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
-    const std::string name = "/estimate/parameters/" + unknowns[i].name;
-    file.write(name, outcome.result.unknowns.mean.row(row).transpose(), unknowns[i].unit);
-    file.write(name + "_std", outcome.result.unknowns.deviation.row(row).transpose(), unknowns[i].unit);
+    const std::string name = group + "/parameters/" + names[i].name;
+    file.write(name, unknowns.mean.row(row).transpose(), names[i].unit);
+    file.write(name + "_std", unknowns.deviation.row(row).transpose(), names[i].unit);
   }
-  for (const auto& input : outcome.inputs) {
-    const std::string name = "/estimate/inputs/" + input.input.name;
+  for (const auto& input : inputs) {
+    const std::string name = group + "/inputs/" + input.input.name;
     file.write(name, input.mean, input.input.unit);
     file.write(name + "_std", input.deviation, input.input.unit);
     if (input.truth.size() > 0) file.write(name + "_true", input.truth, input.input.unit);
   }
+}
+
+void write_estimate(SeriesFile& file, const EstimationOutcome& outcome) {
+  const auto& names = outcome.augmented_model->options().unknowns;
+  write_series(file, "/estimate", outcome.points, outcome.inputs, names, outcome.result.unknowns);
+  if (outcome.smoothed)
+    write_series(file, "/smoothed", outcome.smoothed_points, outcome.smoothed_inputs, names,
+                 outcome.smoothed->unknowns);
   for (std::size_t i = 0; i < outcome.measurements.channels.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     const auto& channel = outcome.measurements.channels[i];

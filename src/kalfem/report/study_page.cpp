@@ -144,6 +144,9 @@ Section motion_section(const Study& study, const EstimationOutcome& outcome) {
   if (auto table = error_table("NRMSE against the simulation", study, outcome.points, outcome.settled);
       !table.rows.empty())
     section.items.emplace_back(std::move(table));
+  if (auto table = error_table("NRMSE of the smoothed motion", study, outcome.smoothed_points, outcome.settled);
+      !table.rows.empty())
+    section.items.emplace_back(std::move(table));
   return section;
 }
 

@@ -145,15 +145,15 @@ Json parameters_summary(const Study& study, const EstimationOutcome& outcome) {
 }
 
 /// Excitations that were not measured.
-Json inputs_summary(const EstimationOutcome& outcome) {
+Json inputs_summary(const std::vector<EstimatedInput>& estimated, Eigen::Index settled) {
   Json inputs = Json::object();
-  for (const auto& input : outcome.inputs) {
+  for (const auto& input : estimated) {
     const auto count = static_cast<double>(input.mean.size());
     inputs[input.input.name] = {{"unit", input.input.unit},
                                 {"rms", number(input.mean.norm() / std::sqrt(count))},
                                 {"std_rms", number(input.deviation.norm() / std::sqrt(count))},
                                 {"prior_std", number(input.input.deviation)},
-                                {"shrinkage", number(input.shrinkage(outcome.settled))},
+                                {"shrinkage", number(input.shrinkage(settled))},
                                 {"nrmse", number(input.nrmse)},
                                 {"coverage_95", number(input.coverage)}};
   }
@@ -186,10 +186,10 @@ void add_errors(Json& errors, const PointQuantity& point, const RestingPoints& r
   if (point.nrmse_in_band) errors[key + "_in_band"] = rests ? Json(nullptr) : number(*point.nrmse_in_band);
 }
 
-Json errors_by_point(const EstimationOutcome& outcome) {
-  const RestingPoints resting(outcome.points, outcome.settled);
+Json errors_by_point(const std::vector<PointQuantity>& points, Eigen::Index settled) {
+  const RestingPoints resting(points, settled);
   Json errors = Json::object();
-  for (const auto& point : outcome.points)
+  for (const auto& point : points)
     if (point.truth.size() > 0) add_errors(errors[point.point], point, resting);
   return errors;
 }
@@ -318,9 +318,15 @@ Json estimation_summary(const EstimationOutcome& outcome) {
   if (outcome.reductions > 0 || outcome.result.linearisations > 0)
     summary["linear_unknowns"] = {{"linearisations", outcome.result.linearisations},
                                   {"reductions", outcome.reductions}};
-  if (const auto states = errors_by_point(outcome); !states.empty()) summary["states"] = states;
+  if (const auto states = errors_by_point(outcome.points, outcome.settled); !states.empty()) summary["states"] = states;
   if (outcome.open_loop) summary["open_loop"] = open_loop_summary(outcome);
   if (!outcome.open_loop_failure.empty()) summary["open_loop_failure"] = outcome.open_loop_failure;
+  return summary;
+}
+
+Json smoothed_summary(const EstimationOutcome& outcome) {
+  Json summary = {{"states", errors_by_point(outcome.smoothed_points, outcome.settled)}};
+  if (!outcome.smoothed_inputs.empty()) summary["inputs"] = inputs_summary(outcome.smoothed_inputs, outcome.settled);
   return summary;
 }
 
@@ -454,11 +460,12 @@ Json summarise(const Study& study, const StudyResults& results) {
   if (results.estimation) {
     summary["parameters"] = parameters_summary(study, *results.estimation);
     if (!results.estimation->inputs.empty()) {
-      summary["inputs"] = inputs_summary(*results.estimation);
+      summary["inputs"] = inputs_summary(results.estimation->inputs, results.estimation->settled);
       summary["hardly_known"] = results.estimation->hardly_known;
     }
     summary["estimation"] = estimation_summary(*results.estimation);
     if (const auto& events = results.estimation->events; !events.empty()) summary["events"] = events_summary(events);
+    if (results.estimation->smoothed) summary["smoothed"] = smoothed_summary(*results.estimation);
     if (const auto& diagnosis = results.estimation->diagnosis) summary["diagnosis"] = diagnosis_summary(*diagnosis);
   }
   if (results.validation) {

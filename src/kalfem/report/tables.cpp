@@ -336,6 +336,10 @@ std::string console_report(const Study& study, const StudyResults& results) {
       text += fmt::format("Estimated motion, NRMSE after {} s{}\n", four_digits(study.problem->settings.settle),
                           band_words(outcome)) +
               to_text(table) + "\n";
+    if (const auto table = error_table("", study, outcome.smoothed_points, outcome.settled); !table.rows.empty())
+      text += fmt::format("Motion smoothed over the whole record, NRMSE after {} s{}\n",
+                          four_digits(study.problem->settings.settle), band_words(outcome)) +
+              to_text(table) + "\n";
     if (!outcome.open_loop_failure.empty()) text += "No open-loop comparison: " + outcome.open_loop_failure + "\n\n";
     if (outcome.open_loop)
       text += "Open-loop simulation from the estimated parameters and initial state\n" +

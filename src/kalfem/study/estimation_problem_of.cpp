@@ -229,7 +229,8 @@ EstimationProblem make_estimation_problem(const CaseStudy& study, IssueList& iss
                       .substeps = given.substeps,
                       .threads = given.threads,
                       .outliers = given.outliers,
-                      .diagnose = given.diagnose};
+                      .diagnose = given.diagnose,
+                      .smooth = given.smooth};
   problem.settings.unknown_inputs = unknown_inputs_of(study, issues);
   const StructureModel held = held_structure(study, issues);
   if (!issues.empty()) return problem;
