@@ -64,8 +64,7 @@ TEST(ChannelCalibration, GivesTheSignalBack) {
   record.values.array() += 0.5;
   calibrate(record, 0, {.gain = -1.3, .offset = 0.5, .delay = 0.0073});
   double error = 0.0;
-  for (Index k = 100; k < 2300; ++k)
-    error = std::max(error, std::abs(record.values(0, k) - motion(record.time(k))));
+  for (Index k = 100; k < 2300; ++k) error = std::max(error, std::abs(record.values(0, k) - motion(record.time(k))));
   EXPECT_LT(error, 5e-5);  // found 1.3e-5: the small jump of the continuation beyond the ends; the motion is up to 10
 }
 

@@ -7,9 +7,9 @@
 #include "kalfem/base/progress.hpp"
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/estimation/consistency.hpp"
+#include "kalfem/estimation/smoother/smoother.hpp"
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/identification/likelihood_unknowns.hpp"
-#include "kalfem/estimation/smoother/smoother.hpp"
 #include "kalfem/identification/sensor_events.hpp"
 #include "kalfem/identification/unknown_inputs.hpp"
 
@@ -39,7 +39,7 @@ struct RecordEstimate {
   /// those of `result`.
   std::optional<SmoothedRecord> smoothed;
   std::vector<EstimatedInput> smoothed_inputs;
-  Eigen::VectorXd robust_deviation;    ///< one per unknown [its unit]; NaN if it drifts, or after a failure
+  Eigen::VectorXd robust_deviation;  ///< one per unknown [its unit]; NaN if it drifts, or after a failure
   int reductions =
       0;  ///< repeated reductions of the finite elements at the estimated parameters, each with a run over the record
   std::optional<SimulationResult>
