@@ -51,7 +51,9 @@ TEST_F(UniversalCase, ChannelsBecomeSensorsByNodeDirectionAndPolarity) {
 
 TEST_F(UniversalCase, WhatDoesNotFitIsRefusedWithTheFileAndWhatToDo) {
   write_file(50.0);
-  expect_in(errors(changes("7X", "7X")), {"record.unv", "'7:+X' is sampled at 100 Hz, '7:-X' at 50 Hz", "one rate"});
+  expect_in(errors(changes("7X", "7X")),
+            {"record.unv", "'7:+X' has 401 samples from 0 s to 4 s, '7:-X' has 401 samples from 0 s to 8 s",
+             "cover the same time"});
   expect_in(errors(changes("8X", "7X")), {"record.unv", "there is no channel '8X'", "'hammer' [N]"});
   std::ofstream(folder_ / "record.unv") << "PK\x03\x04";
   expect_in(errors(changes("7X", "7X")), {"record.unv", "ZIP", "universal file (.unv"});
