@@ -7,6 +7,7 @@
 #include "console.hpp"
 #include "kalfem/casefile/case_schema.hpp"
 #include "kalfem/report/tables.hpp"
+#include "kalfem/system/laws/expression_tape.hpp"
 #include "kalfem/system/laws/law_library.hpp"
 #include "verbs.hpp"
 
@@ -22,6 +23,14 @@ void print_laws() {
     for (const auto& state : law.states) table.rows.push_back({"(state) " + state.name, state.unit, "", state.meaning});
     print("{}\n", table.rows.empty() ? "" : to_text(table));
   }
+  Table functions{"", {"function", "meaning"}, {}, {}};
+  for (const auto& function : expression_functions()) functions.rows.push_back({function.name, function.meaning});
+  print(
+      "In expressions: x (deformation), v (rate), a (relative acceleration, not in rates of states), "
+      "f (force, in rates of states),\nparameters, states, signals, `let`; + - * / ^, < <= > >= == !=, && ||, "
+      "condition ? b : c;\n"
+      "constants _pi and _e; functions:\n{}\n",
+      to_text(functions));
 }
 
 }  // namespace

@@ -385,12 +385,30 @@ void write_release(std::ofstream file) {
   }
 }
 
+const std::string component = R"(kalfem: 1
+component:
+  law: expression
+  let: {c: c0 + c1*u}
+  force: k*x + c*v
+  states: {u: {rate: 20*(volt - u), unit: V}}
+  signals: {volt: {sine: {amplitude: 2 V, frequency: 0.7 Hz}}}
+  parameters: {k: 2 kN/m, c0: 30 N s/m, c1: 15}
+  motion: {random: {rms: 5 mm, band: [0.5, 5 Hz], seed: 3}}
+  base_motion: {constant: 1 mm}
+sensors:
+  F: {force: component, noise: 1 N}
+simulate: {duration: 0.5 s, sample_rate: 100 Hz}
+estimate:
+  unknown: {component.k: {initial: 1500, std: 500}}
+)";
+
 }  // namespace
 
 std::vector<BaseCase> base_cases() {
-  return {{"chain", chain},       {"inputs", inputs},     {"expression", expression}, {"local", local},
-          {"recorded", recorded}, {"latent", latent},     {"updating", updating},     {"beams", beams},
-          {"plate", plate},       {"sections", sections}, {"foreign", foreign},       {"evolution", evolution}};
+  return {{"chain", chain},        {"inputs", inputs},     {"expression", expression}, {"local", local},
+          {"recorded", recorded},  {"latent", latent},     {"updating", updating},     {"beams", beams},
+          {"plate", plate},        {"sections", sections}, {"foreign", foreign},       {"evolution", evolution},
+          {"component", component}};
 }
 
 void write_case_files(const std::filesystem::path& folder) {

@@ -38,6 +38,7 @@ std::string csv_of(double rate, const std::map<std::string, std::vector<double>>
 using KeyChecks = std::map<std::string, std::function<void()>>;
 KeyChecks structure_keys();
 KeyChecks finite_element_keys();
+KeyChecks component_keys();
 KeyChecks excitation_keys();
 KeyChecks sensor_and_record_keys();
 KeyChecks simulation_keys();

@@ -5,11 +5,15 @@
 #include <cmath>
 #include <optional>
 
-#include "kalfem/system/laws/expression_evaluator.hpp"
 #include "kalfem/system/laws/law_library.hpp"
 
 namespace kalfem {
 namespace {
+
+// About the cube root of the rounding unit times x, where the errors of truncation and of rounding of a central
+// difference are of one size; the floor serves x near zero.
+/// Half the span of a central difference about x.
+double difference_step(double x) { return std::max(6e-6 * std::abs(x), 1e-9); }
 
 using Eigen::Index;
 

@@ -1,5 +1,6 @@
 #include "kalfem/casefile/case_schema.hpp"
 
+#include "kalfem/casefile/component_schema.hpp"
 #include "kalfem/casefile/plausible.hpp"
 #include "kalfem/yaml/map_schema.hpp"
 
@@ -24,21 +25,11 @@ Schema<Points> points(const std::string& short_name) {
 namespace {
 
 Schema<Connector> connector() {
-  const auto state = Fields<ExpressionState>()
-                         .required("rate", &ExpressionState::rate, text(), "time derivative as an expression")
-                         .optional("unit", &ExpressionState::unit, text(), "unit of the state");
-  return mapping(
-      Fields<Connector>()
-          .required("from", &Connector::from, name(),
-                    "point at one end: substructure.name, or `ground` for a fixed ground")
-          .required("to", &Connector::to, name(),
-                    "point at the other end; deformation = displacement of `to` minus that of `from`")
-          .required("law", &Connector::law, name(), "name of the law; `kalfem schema --laws` lists them")
-          .optional("parameters", &Connector::parameters, named(value()), "parameters of the law by name")
-          .optional(
-              "force", &Connector::force, text(),
-              "for law: expression: the force [N] as a function of x (deformation), v (rate), states and parameters")
-          .optional("states", &Connector::states, named(mapping(state)), "for law: expression: internal states"));
+  return mapping(law_keys()
+                     .required("from", &Connector::from, name(),
+                               "point at one end: substructure.name, or `ground` for a fixed ground")
+                     .required("to", &Connector::to, name(),
+                               "point at the other end; deformation = displacement of `to` minus that of `from`"));
 }
 
 // The file writes each section of a chain as a map with the key of its kind. `to` makes the sections of the library
@@ -322,8 +313,11 @@ Schema<Case> case_schema() {
       Fields<Case>()
           .required("kalfem", &Case::version, integer(1, 1), "version of the case-file format")
           .optional("title", &Case::title, text(), "title of the report, in one line")
-          .required("substructures", &Case::substructures, named(substructure()), "linear parts")
+          .optional("substructures", &Case::substructures, named(substructure()), "linear parts")
           .optional("connectors", &Case::connectors, named(connector()), "local nonlinear elements between two points")
+          .optional("component", &Case::component, located(component()),
+                    "one connector law on a test machine: its motion is imposed and measured, and a sensor of `force: "
+                    "component` measures its force; instead of substructures")
           .optional("damping", &Case::damping, located(mapping(damping)),
                     "modal damping of the whole structure (connectors with their stiffness at rest, unknowns at their "
                     "initial values), instead of modal damping of the substructures")

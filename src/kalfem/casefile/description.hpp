@@ -59,13 +59,6 @@ struct Substructure {
 struct ExpressionState {
   std::string rate, unit = "-";
 };
-struct Connector {
-  Name from, to;
-  Located<std::string> law;
-  Named<Value> parameters;
-  std::string force;
-  Named<ExpressionState> states;
-};
 
 struct RandomSignal {
   Value rms;
@@ -111,6 +104,12 @@ struct FileSignal {
   std::optional<Alignment> align;
   ChannelPreparation prepare;
 };
+struct ChannelSignal {
+  Name channel;
+  std::optional<std::filesystem::path> file;  ///< if empty, that of the record
+  std::optional<double> sample_rate;
+  Located<std::string> unit;  ///< if empty, the one in the column's title, otherwise SI
+};
 struct Delayed {
   Name input;
   double delay = 0.0;
@@ -122,7 +121,37 @@ struct Trailing {
 struct Constant {
   Value value;
 };
-using Signal = std::variant<RandomSignal, Sine, SweptSine, Impulse, Road, FileSignal, Delayed, Trailing, Constant>;
+struct Clock {};  ///< the time of the record itself
+using Signal = std::variant<RandomSignal, Sine, SweptSine, Impulse, Road, FileSignal, Delayed, Trailing, Constant,
+                            ChannelSignal, Clock>;
+
+/// A signal that a law reads: a channel, a formula, the time, or an input (as a delay by nothing).
+struct LawSignal {
+  Signal signal;
+  double scale = 1.0;
+};
+struct Connector {
+  Name from, to;
+  Located<std::string> law;
+  Named<Value> parameters;
+  std::string force;
+  Named<ExpressionState> states;
+  Named<std::string> let;
+  Named<Located<LawSignal>> signals;
+};
+
+/// Displacement that a test machine imposes on one end of a component.
+struct ImposedMotion {
+  Signal signal;
+  double scale = 1.0;
+  std::optional<ChannelSignal> velocity;  ///< measured too, in place of the displacement's derivative
+};
+/// A connector law on a test machine.
+struct Component {
+  Connector connector;                                ///< without its ends
+  Located<ImposedMotion> motion;                      ///< of its end `to`
+  std::optional<Located<ImposedMotion>> base_motion;  ///< of its end `from`; if empty, it is fixed
+};
 
 struct BaseDisplacement {
   Name ground;
@@ -140,12 +169,17 @@ struct UnknownInput {
   std::optional<int> order;       ///< of the Matern process, its smoothness + 1/2; if empty, 2, or 3 of a displacement
   std::optional<Value> random_walk;
 };
+/// A signal of a law; the program makes it of connectors.NAME.signals.
+struct SignalTarget {
+  Name ground;
+};
 struct Excitation {
-  std::variant<BaseDisplacement, BaseAcceleration, Force> target;
+  std::variant<BaseDisplacement, BaseAcceleration, Force, SignalTarget> target;
   std::optional<Signal> signal;  ///< empty only if it is unknown
   std::optional<Located<UnknownInput>> unknown;
   double scale = 1.0;
-  std::optional<Located<Drift>> drift;  ///< of the motion of accelerated grounds
+  std::optional<ChannelSignal> velocity = {};  ///< of an imposed motion, if it was measured too
+  std::optional<Located<Drift>> drift;         ///< of the motion of accelerated grounds
 
   /// The signal if it is of this kind.
   template <class S>
@@ -265,6 +299,7 @@ struct Case {
   std::string title;
   Named<Substructure> substructures;
   Named<Connector> connectors;
+  std::optional<Located<Component>> component;
   std::optional<Located<GlobalModalDamping>> damping;
   Named<Excitation> excitation;
   Named<Sensor> sensors;

@@ -1,4 +1,5 @@
 #include "kalfem/casefile/case_schema.hpp"
+#include "kalfem/casefile/component_schema.hpp"
 #include "kalfem/casefile/plausible.hpp"
 #include "kalfem/yaml/map_schema.hpp"
 
@@ -60,7 +61,7 @@ std::vector<Issue> check_process(const UnknownInput& given) {
 
 }  // namespace
 
-Schema<Excitation> excitation() {
+SignalKinds signal_kinds() {
   const auto random =
       Fields<RandomSignal>()
           .required("rms", &RandomSignal::rms, value(), "root mean square")
@@ -93,6 +94,15 @@ Schema<Excitation> excitation() {
                     choice<PulseShape>({{"half_sine", PulseShape::half_sine, "for forces"},
                                         {"smooth", PulseShape::smooth, "for base displacements"}}),
                     "shape of the pulse");
+  const auto constant = convert<Constant>(
+      value(), [](const Value& given) { return Constant{given}; }, [](const Constant& c) { return c.value; });
+  return {when("random", mapping(random), "random signal with a flat spectrum in a band"),
+          when("sine", mapping(sine), "one frequency"), when("sweep", mapping(sweep), "swept sine"),
+          when("impulse", mapping(impulse), "one pulse"),
+          when("constant", constant, "constant value (gravity, a preload)")};
+}
+
+Schema<Excitation> excitation() {
   const auto road_class = convert<char>(
       word({"A", "B", "C", "D", "E", "F", "G", "H"}), [](const std::string& word) { return word.front(); },
       [](const char& letter) { return std::string(1, letter); });
@@ -130,8 +140,7 @@ Schema<Excitation> excitation() {
           .required("input", &Trailing::input, name(), "input of the axle in front")
           .required("wheelbase", &Trailing::wheelbase, number("m", plausible::length()), "distance between the axles")
           .required("speed", &Trailing::speed, number("m/s", Bounds::positive()), "speed of the vehicle");
-  const auto constant = convert<Constant>(
-      value(), [](const Value& given) { return Constant{given}; }, [](const Constant& c) { return c.value; });
+  const SignalKinds kinds = signal_kinds();
   const auto unknown =
       Fields<UnknownInput>()
           .optional("std", &UnknownInput::std, value(),
@@ -150,12 +159,11 @@ Schema<Excitation> excitation() {
       Fields<Excitation>()
           .one_of(&Excitation::target, target("base_displacement", &BaseDisplacement::ground, "move a ground [m]"),
                   base_acceleration(), target("force", &Force::point, "force at a point [N]"))
-          .one_of(&Excitation::signal, when("random", mapping(random), "random signal with a flat spectrum in a band"),
-                  when("sine", mapping(sine), "one frequency"), when("sweep", mapping(sweep), "swept sine"),
-                  when("impulse", mapping(impulse), "one pulse"), when("road", mapping(road), "ISO 8608 road profile"),
-                  when(file), when("delayed", mapping(delayed), "another input, delayed"),
+          .one_of(&Excitation::signal, kinds.random, kinds.sine, kinds.sweep, kinds.impulse,
+                  when("road", mapping(road), "ISO 8608 road profile"), when(file),
+                  when("delayed", mapping(delayed), "another input, delayed"),
                   when("trailing_axle", mapping(trailing), "another input, delayed by wheelbase / speed"),
-                  when("constant", constant, "constant value (gravity, a preload)"))
+                  kinds.constant)
           .optional("unknown", &Excitation::unknown, located(mapping(unknown)),
                     "the filter does not know this excitation: it estimates it as a random process. A signal beside it "
                     "drives `simulate` and is compared with the estimate")

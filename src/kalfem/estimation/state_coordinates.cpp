@@ -22,7 +22,9 @@ MatrixXd extended(const MatrixXd& shapes, Index size) {
 AugmentedModelForm::AugmentedModelForm(const LocallyNonlinearSystem& system, const OutputMap& sensors,
                                        const std::vector<MeasurementChain>& chains,
                                        const std::vector<InputTreatment>& inputs, StateCoordinates coordinates_)
-    : coordinates(coordinates_), first_order(system, sensors, chains, inputs), largest_block(first_order.size()) {
+    : coordinates(system.size() == 0 ? StateCoordinates::physical : coordinates_),  // a component has no modes
+      first_order(system, sensors, chains, inputs),
+      largest_block(first_order.size()) {
   if (coordinates == StateCoordinates::modal) choose_modal(system, sensors, chains, inputs);
 }
 

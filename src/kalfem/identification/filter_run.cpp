@@ -160,6 +160,7 @@ std::string four_digits(double value) {
 /// Whether the structure moves at the first sample, as far as is known without the samples.
 std::optional<RecordStart> known_start(const EstimationSettings& settings, const AugmentedModelSetup& setup,
                                        const Record& record) {
+  if (setup.model->system().size() == 0) return RecordStart{.reason = "all of its motion is imposed"};
   if (states_initial_motion(settings)) return RecordStart{.reason = "the initial state is as stated"};
   if (record.start > 0.0 && record.samples() > 1)
     return RecordStart{.moving = true, .reason = "the record starts at " + four_digits(record.start) + " s"};

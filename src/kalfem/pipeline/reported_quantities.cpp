@@ -4,6 +4,8 @@
 
 #include "kalfem/model/linear_model.hpp"
 #include "kalfem/records/record.hpp"
+#include "kalfem/study/component_parts.hpp"
+#include "kalfem/system/laws/law_library.hpp"
 
 namespace kalfem {
 
@@ -18,11 +20,15 @@ constexpr ObservedQuantity connector_quantities[] = {
 
 std::vector<OutputDescription> reported_quantities(const CoupledModel& model) {
   std::vector<OutputDescription> outputs;
+  const auto carries_signal = [](const Connector& connector) { return connector.law->name() == signal_law_name; };
+  const auto is_signal_ground = [](const std::string& point) { return point.starts_with(signal_grounds + "."); };
   for (const auto& point : model.reported_points())
-    for (const auto quantity : point_quantities) outputs.push_back({point, quantity, {{point, 1.0}}, false});
+    if (!is_signal_ground(point))
+      for (const auto quantity : point_quantities) outputs.push_back({point, quantity, {{point, 1.0}}, false});
   for (const auto& connector : model.system().connectors)
-    for (const auto quantity : connector_quantities)
-      outputs.push_back({connector.name, quantity, {{connector.name, 1.0}}, false});
+    if (!carries_signal(connector))
+      for (const auto quantity : connector_quantities)
+        outputs.push_back({connector.name, quantity, {{connector.name, 1.0}}, false});
   return outputs;
 }
 

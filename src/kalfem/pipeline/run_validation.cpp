@@ -160,7 +160,8 @@ OpenLoopComparison compare_open_loop(const Study& study, const EstimatedStructur
   if (lead_in) {
     set_prior(range, setup.options.prior);
     comparison.first = lead_in_samples(*lead_in, comparison.measured);
-    start = estimated_start(problem, setup, record.record, comparison.first);
+    const bool has_state = system.size() + system.connector_states() > 0;  // a component's law may have none
+    if (has_state) start = estimated_start(problem, setup, record.record, comparison.first);
   }
   if (!start.failure.empty()) {
     comparison.failure = "the initial state was not found in the lead-in: " + start.failure;

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "kalfem/study/case_checks.hpp"
+#include "kalfem/study/component_parts.hpp"
 #include "kalfem/system/laws/law_library.hpp"
 #include "kalfem/yaml/bounds.hpp"
 
@@ -51,6 +52,8 @@ LawArguments law_arguments(const description::Connector& given) {
   arguments.force = given.force;
   for (const auto& [name, state] : given.states)
     arguments.states.push_back({{name, state.unit, "internal state"}, state.rate});
+  for (const auto& [name, value] : given.let) arguments.lets.push_back({name, value});
+  for (const auto& [name, signal] : given.signals) arguments.signals.push_back({name, "", "signal"});
   return arguments;
 }
 
@@ -75,7 +78,7 @@ Eigen::VectorXd parameter_values(const std::string& connector, const description
         values[static_cast<Eigen::Index>(i)] = 1.0;
       }
     } else if (std::isnan(quantities[i].default_value)) {
-      issues.add(given.law.location, "connectors." + connector + ": parameter '" + quantities[i].name + "' is missing",
+      issues.add(given.law.location, connector + ": parameter '" + quantities[i].name + "' is missing",
                  "the law '" + given.law.value + "' needs it: " + quantities[i].meaning,
                  "give it in " + quantities[i].unit);
       values[static_cast<Eigen::Index>(i)] = 1.0;
@@ -98,35 +101,44 @@ void check_ranges(const std::string& connector, const description::Connector& gi
     };
     const auto found = std::ranges::find_if(given.parameters, named);
     const auto& place = found == given.parameters.end() ? given.law.location : found->second.location;
-    issues.add(place, "connectors." + connector + ": " + issue.what, issue.why, issue.fix);
+    issues.add(place, connector + ": " + issue.what, issue.why, issue.fix);
   }
 }
 
 /// Refuses `force` and `states` for laws of the library: only law: expression uses them.
-void check_expression_keys(const std::string& name, const description::Connector& given, IssueList& issues) {
+void check_expression_keys(const std::string& key_of_case, const description::Connector& given, IssueList& issues) {
   if (given.law.value == "expression") return;
   for (const auto& [key, present] :
-       {std::pair{"force", !given.force.empty()}, std::pair{"states", !given.states.empty()}})
+       {std::pair{"force", !given.force.empty()}, std::pair{"states", !given.states.empty()},
+        std::pair{"let", !given.let.empty()}, std::pair{"signals", !given.signals.empty()}})
     if (present)
-      issues.add(given.law.location,
-                 "connectors." + name + ": `" + key + "` is given beside the law '" + given.law.value + "'",
+      issues.add(given.law.location, key_of_case + ": `" + key + "` is given beside the law '" + given.law.value + "'",
                  "the law has its own force, so this would have no effect",
                  "remove `" + std::string(key) + "`, or write law: expression");
 }
 
-void add_connector(const std::string& name, const description::Connector& given, StructureParts& parts,
-                   IssueList& issues) {
-  check_expression_keys(name, given, issues);
+/// The signals of a law stand behind its connector, in their order.
+void add_signals(const std::string& name, const description::Connector& given, StructureParts& parts) {
+  for (const auto& [signal, feed] : given.signals)
+    parts.connectors.push_back({name + "." + signal, fixed_ground, signal_ground(name, signal), signal_law(),
+                                Eigen::VectorXd(0), feed.location});
+}
+
+/// `key`: of the connector in the case.
+void add_connector(const std::string& name, const std::string& key, const description::Connector& given,
+                   StructureParts& parts, IssueList& issues) {
+  check_expression_keys(key, given, issues);
   try {
     const auto law = make_law(given.law.value, law_arguments(given));
     IssueList own;
-    const auto values = parameter_values(name, given, *law, own);
-    if (own.empty()) check_ranges(name, given, *law, values, own);
+    const auto values = parameter_values(key, given, *law, own);
+    if (own.empty()) check_ranges(key, given, *law, values, own);
     for (const auto& [location, what, why, fix] : own.issues()) issues.add(location, what, why, fix);
     parts.connectors.push_back({name, given.from.value, given.to.value, law, values, given.from.location});
+    add_signals(name, given, parts);
   } catch (const InvalidInput& error) {
     for (const auto& issue : error.issues())
-      issues.add(given.law.location, "connectors." + name + ": " + issue.what, issue.why, issue.fix);
+      issues.add(given.law.location, key + ": " + issue.what, issue.why, issue.fix);
   }
 }
 
@@ -142,6 +154,8 @@ InputDescription make_input(const std::string& name, const description::Excitati
     return {name, InputKind::base_displacement, base->ground.value, {}, base->ground.location};
   if (const auto* force = std::get_if<description::Force>(&given.target))
     return {name, InputKind::force, force->point.value, {}, force->point.location};
+  if (const auto* signal = std::get_if<description::SignalTarget>(&given.target))
+    return {name, InputKind::base_displacement, signal->ground.value, {}, signal->ground.location};
   const auto& [direction, location, path] = std::get<description::BaseAcceleration>(given.target).direction;
   const bool of_grounds =
       std::ranges::any_of(direction, [&](const auto& each) { return contains(grounds, each.first); });
@@ -232,13 +246,15 @@ StructureParts make_parts(const Case& given, std::vector<Substructure> finite_el
       continue;
     }
     parts.substructures.push_back(make_substructure(name, part));
+    if (consists_of_grounds(name, given)) continue;
     if (parts.substructures.back().masses.empty())
       issues.add(given.source.at({"substructures", name}), "substructures." + name + " has no masses",
                  "it has no degrees of freedom", "give it `masses`, a `chain` or `finite_elements`");
     check_substructure(given, name, parts.substructures.back(), part, issues);
   }
   const bool points_are_known = issues.empty();
-  for (const auto& [name, connector] : given.connectors) add_connector(name, connector, parts, issues);
+  for (const auto& [name, connector] : given.connectors)
+    add_connector(name, key_of_connector(name, given), connector, parts, issues);
   const auto grounds = ground_names(parts);
   for (const auto& [name, excitation] : given.excitation) parts.inputs.push_back(make_input(name, excitation, grounds));
   if (given.damping) parts.damping = global_modal_damping(given, issues);

@@ -69,7 +69,7 @@ void check_sections(const d::Case& given, IssueList& issues) {
   if (given.predict && !given.estimate)
     issues.add(place("predict"), "the case has `predict` but no `estimate`",
                "the prediction is driven by the estimated boundary motion", "add `estimate`");
-  if (given.substructures.empty())
+  if (given.substructures.empty() && !given.source.gives({"component"}))
     issues.add(place("substructures"), "substructures is empty", "the case needs a structure",
                "describe at least one substructure");
 }

@@ -58,7 +58,8 @@ public:
 
 private:
   bool set_connector(const Parameter& parameter, double value) {
-    d::Connector& connector = *find(given_.connectors, parameter.owner);
+    d::Connector* in_structure = find(given_.connectors, parameter.owner);
+    d::Connector& connector = in_structure ? *in_structure : given_.component->value.connector;
     const std::string name = parameter.name.substr(parameter.owner.size() + 1);
     if (auto* present = find(connector.parameters, name))
       *present = replaced(*present, value, parameter.unit);

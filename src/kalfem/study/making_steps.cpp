@@ -11,10 +11,11 @@ namespace kalfem {
 
 StudyItem section_with_key(const std::string& key) {
   using enum StudyItem;
-  static constexpr std::array<std::pair<std::string_view, StudyItem>, 15> sections{{{"kalfem", version},
+  static constexpr std::array<std::pair<std::string_view, StudyItem>, 16> sections{{{"kalfem", version},
                                                                                     {"title", title},
                                                                                     {"substructures", substructures},
                                                                                     {"connectors", connectors},
+                                                                                    {"component", component},
                                                                                     {"damping", damping},
                                                                                     {"excitation", excitation},
                                                                                     {"sensors", sensors},

@@ -17,6 +17,7 @@ enum class StudyItem {
   title,
   substructures,
   connectors,
+  component,
   damping,
   excitation,
   sensors,

@@ -46,6 +46,8 @@ private:
 
   void check(const description::Force& target) { find(target.point); }
 
+  void check(const description::SignalTarget& /*of_a_law*/) {}  // the law feels it
+
   void check(const description::BaseDisplacement& target) {
     const auto& name = target.ground;
     if (!find(name)) return;

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <map>
 
+#include "kalfem/base/units.hpp"
 #include "kalfem/formats/record_file.hpp"
 #include "kalfem/study/alignment.hpp"
 #include "kalfem/study/assembly.hpp"
@@ -21,8 +22,29 @@ constexpr double knots_per_period = 32.0;
 /// Removed drift, relative to the remaining motion, above which the user is told.
 constexpr double told_drift = 0.1;
 
+/// SI unit of a value that may have any.
+std::string unit_of(const d::Value& value) { return value.value.bare ? "-" : si_unit(value.value.dimension); }
+
+/// SI unit of a law's signal, as the case states it.
+std::string unit_of(const d::Signal& signal) {
+  if (const auto* channel = std::get_if<d::ChannelSignal>(&signal)) try {
+      return si_unit(parse_unit(channel->unit.value).dimension);
+    } catch (const InvalidInput& error) {
+      throw InvalidInput(channel->unit.issue(error.issues().front().what, error.issues().front().why, ""));
+    }
+  return std::visit(
+      [](const auto& each) -> std::string {
+        if constexpr (requires { each.rms.value.bare; }) return unit_of(each.rms);
+        if constexpr (requires { each.amplitude.value.bare; }) return unit_of(each.amplitude);
+        if constexpr (requires { each.value.value.bare; }) return unit_of(each.value);
+        return "s";
+      },
+      signal);
+}
+
 /// Unit of an excitation as the user gives it.
 std::string unit_of(const d::Excitation& excitation) {
+  if (std::holds_alternative<d::SignalTarget>(excitation.target)) return unit_of(*excitation.signal);
   if (std::holds_alternative<d::BaseDisplacement>(excitation.target)) return unit_of(InputKind::base_displacement);
   return unit_of(std::holds_alternative<d::Force>(excitation.target) ? InputKind::force : InputKind::base_acceleration);
 }
@@ -45,6 +67,37 @@ struct MadeSignals {
 };
 
 SignalPtr signal_of(MadeSignals& all, const std::string& name, bool integrated);
+
+/// The time of the record.
+class ClockSignal final : public FormulaSignal {
+  [[nodiscard]] Eigen::Array<double, 1, 3> at(double time) const override { return {time, 1.0, 0.0}; }
+};
+
+/// A displacement whose rate was measured too: value of the one, and of the other the value as rate and the rate as
+/// acceleration.
+class WithMeasuredRate final : public Signal {
+public:
+  WithMeasuredRate(SignalPtr value, SignalPtr rate) : value_(std::move(value)), rate_(std::move(rate)) {}
+  [[nodiscard]] SignalSamples sample(double start, double step, Eigen::Index count) const override {
+    SignalSamples samples = value_->sample(start, step, count);
+    samples.rightCols<2>() = rate_->sample(start, step, count).leftCols<2>();
+    return samples;
+  }
+  [[nodiscard]] bool covers(double begin, double end) const override {
+    return value_->covers(begin, end) && rate_->covers(begin, end);
+  }
+
+private:
+  SignalPtr value_, rate_;
+};
+
+SignalPtr with_measured_rate(SignalPtr value, SignalPtr rate) {
+  return std::make_shared<const WithMeasuredRate>(std::move(value), std::move(rate));
+}
+
+SignalPtr sampled(const Record& table) {
+  return make_sampled(table.values.row(0).transpose(), {.sample_rate = table.sample_rate, .start = table.start});
+}
 
 /// Makes the signal of one excitation. An accelerated ground needs its displacement: sums of sines and pulses are
 /// integrated in closed form; all other signals are integrated numerically on knots (GroundMotion), which also removes
@@ -152,8 +205,7 @@ private:
     table.start -= g.delay;
     for (const auto& words : prepared.preparation)
       all_.notes.preparation.push_back("excitation '" + name_ + "': " + words);
-    const auto signal =
-        make_sampled(table.values.row(0).transpose(), {.sample_rate = table.sample_rate, .start = table.start});
+    const auto signal = sampled(table);
     return integrated({.start = table.start, .step = 1.0 / table.sample_rate, .knots = table.samples()}, signal);
   }
 
@@ -165,11 +217,36 @@ private:
            g.align->channel.value + "' and sensor '" + g.align->sensor.value + "' (correlation " +
            shortest(std::round(found.correlation * 1e3) / 1e3) + "), which is taken out";
   }
+  SignalPtr from(const d::ChannelSignal& g) {
+    const Record table = channel_of(g, unit_);
+    if (!excitation_.velocity) return sampled(table);
+    return with_measured_rate(sampled(table), sampled(channel_of(*excitation_.velocity, unit_ + "/s")));
+  }
+  SignalPtr from(const d::Clock& /*time*/) { return std::make_shared<const ClockSignal>(); }
   SignalPtr from(const d::Delayed& g) { return after(g.input, g.delay); }
   SignalPtr from(const d::Trailing& g) { return after(g.input, g.wheelbase / g.speed); }
   SignalPtr from(const d::Constant& g) {
     const auto signal = make_constant(checked_number(g.value, unit_));
     return integrated({.step = all_.duration, .knots = 2, .drift = Drift::keep}, signal);
+  }
+
+  /// The column of a file, by default that of the case's record.
+  [[nodiscard]] Record channel_of(const d::ChannelSignal& column, const std::string& unit) const {
+    const auto& record = all_.given.record;
+    if (!column.file && !record)
+      throw InvalidInput(
+          column.channel.issue("the case has no record to take the channel '" + column.channel.value + "' from",
+                               "a channel without a file is one of the record", "give `record` or `file`"));
+    RecordFileOptions options{.sample_rate = column.sample_rate};
+    if (!column.file) options.dataset = record->group;
+    if (!column.file && !column.sample_rate) options.sample_rate = record->sample_rate;
+    return read_record_file(column.file ? *column.file : record->file.value,
+                            {{.column = column.channel.value,
+                              .owner = name_,
+                              .unit = unit,
+                              .unit_key = name_ + ".unit",
+                              .unit_given = column.unit}},
+                            options);
   }
 
   /// The displacement, if wanted, of an acceleration with frequencies up to `highest` [Hz].
@@ -205,7 +282,8 @@ private:
     if (input.value == name_ || earlier->first != input.value)
       throw InvalidInput(
           input.issue("there is no input '" + input.value + "' above this one", "", "refer to an input listed above"));
-    if (unit_of(earlier->second) != unit_)
+    const bool of_law = std::holds_alternative<d::SignalTarget>(excitation_.target);  // takes any input
+    if (!of_law && unit_of(earlier->second) != unit_)
       throw InvalidInput(input.issue("input '" + input.value + "' is in " + unit_of(earlier->second),
                                      "this input needs values in " + unit_, "refer to an input of the same kind"));
     if (earlier->second.unknown && !excitation_.unknown)
@@ -232,6 +310,7 @@ SignalPtr signal_of(MadeSignals& all, const std::string& name, bool integrated) 
 SourceLocation place_of(const d::Excitation& excitation) {
   if (const auto* base = std::get_if<d::BaseDisplacement>(&excitation.target)) return base->ground.location;
   if (const auto* force = std::get_if<d::Force>(&excitation.target)) return force->point.location;
+  if (const auto* signal = std::get_if<d::SignalTarget>(&excitation.target)) return signal->ground.location;
   return std::get<d::BaseAcceleration>(excitation.target).direction.location;
 }
 
@@ -265,7 +344,8 @@ std::vector<SignalPtr> make_signals(const description::Case& given, const std::v
       IssueList placed;
       add_at(known.line > 0 ? known : given.source.at({"excitation", input.name}), error, placed);
       for (const auto& issue : placed.issues()) {
-        const std::string path = "excitation." + input.name;
+        const bool own_key = input.name.find('.') != std::string::npos;  // of a component or of a law's signal
+        const std::string path = own_key ? input.name : "excitation." + input.name;
         const bool named = issue.what.starts_with(path);
         issues.add(issue.location, named ? issue.what : path + ": " + issue.what, issue.why, issue.fix);
       }

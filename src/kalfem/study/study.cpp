@@ -9,6 +9,7 @@
 #include "kalfem/identification/parameterised_structure.hpp"
 #include "kalfem/study/assembly.hpp"
 #include "kalfem/study/case_checks.hpp"
+#include "kalfem/study/component_parts.hpp"
 #include "kalfem/study/estimation_problem_of.hpp"
 #include "kalfem/study/filter_checks.hpp"
 #include "kalfem/study/making_steps.hpp"
@@ -84,6 +85,8 @@ public:
       : study_(planned_study(std::move(given), file)), steps_(study_.given.source, found_by_reader) {
     study_.structure = structure_;
     leave_out_unread_sections();
+    study_.description = std::make_shared<const d::Case>(study_.given);
+    step(component, {}, {"component"}, [&](IssueList& issues) { expand_component(study_.given, issues); });
   }
 
   Study make() {
@@ -94,7 +97,6 @@ public:
     make_validation();
     raise_in_line_order(steps_.issues());
     add_warnings();
-    study_.description = std::make_shared<const d::Case>(study_.given);
     return std::move(study_);  // without the rest that only the making needs
   }
 
@@ -104,12 +106,13 @@ private:
          [&](IssueList& issues) { check_sections(study_.given, issues); });
     step(elements, needs_of_elements(), {"substructures"},
          [&](IssueList& issues) { add_finite_elements(*structure_, study_, issues); });
-    step(parts, {substructures, elements}, {"substructures"},
+    step(parts, {substructures, elements, component}, {"substructures"},
          [&](IssueList& issues) { structure_->parts = make_parts(study_.given, structure_->reduced_parts(), issues); });
     step(names, {substructures, elements}, {"substructures"}, [&](IssueList& issues) { check_names(issues); });
-    step(model, {substructures, elements, parts, connectors, excitation, damping}, {"damping"}, [&](IssueList&) {
-      study_.model = std::make_shared<const CoupledModel>(couple(structure_->reference_parts()));
-    });
+    step(model, {substructures, elements, parts, connectors, component, excitation, damping}, {"damping"},
+         [&](IssueList&) {
+           study_.model = std::make_shared<const CoupledModel>(couple(structure_->reference_parts()));
+         });
   }
 
   void read_record() {
@@ -186,6 +189,7 @@ private:
   void leave_out_unread_sections() {
     auto& given = study_.given;
     if (!steps_.was_read(connectors)) given.connectors.clear();
+    if (!steps_.was_read(component)) given.component.reset();
     if (!steps_.was_read(excitation)) given.excitation.clear();
     if (!steps_.was_read(damping)) given.damping.reset();
   }
@@ -205,7 +209,7 @@ private:
 
   void check_names(IssueList& issues) {
     const CoupledModel points = couple({structure_->parts.substructures, structure_->parts.finite_elements, {}, {}});
-    if (steps_.is_sound(sensors) && steps_.was_read(connectors))
+    if (steps_.is_sound(sensors) && steps_.was_read(connectors) && steps_.is_sound(component))
       check_sensor_names(study_.given, points.point_names(), issues);
     if (steps_.is_sound(report) && steps_.is_sound(predict))
       check_reported_names(study_.given, points.reported_points(), issues);

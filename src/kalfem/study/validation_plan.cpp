@@ -58,8 +58,10 @@ d::Case case_of_validation(const d::Case& given, IssueList& issues) {
     const auto own =
         std::ranges::find(validate.excitation, name, &std::pair<std::string, Located<std::filesystem::path>>::first);
     auto* measured = excitation.signal ? std::get_if<d::FileSignal>(&*excitation.signal) : nullptr;
-    const bool follows = excitation.signal_as<d::Delayed>() || excitation.signal_as<d::Trailing>() ||
-                         excitation.signal_as<d::Constant>();
+    const auto* channel = excitation.signal_as<d::ChannelSignal>();
+    const bool of_record = channel != nullptr && !channel->file;
+    const bool follows = of_record || excitation.signal_as<d::Clock>() || excitation.signal_as<d::Delayed>() ||
+                         excitation.signal_as<d::Trailing>() || excitation.signal_as<d::Constant>();
     if (measured && own != validate.excitation.end())
       measured->file = own->second.value;
     else if (measured && given.record && same_file(measured->file, given.record->file.value))

@@ -21,6 +21,10 @@ struct LawQuantity {
   double default_value = std::numeric_limits<double>::quiet_NaN();
 };
 
+/// Signals of a law at many points, N x signals.
+using LawSignals = Eigen::Map<const Eigen::ArrayXXd, 0, Eigen::OuterStride<>>;
+inline LawSignals no_signals() { return {nullptr, 0, 0, Eigen::OuterStride<>(0)}; }
+
 /// N independent points at which one connector is evaluated over an interval [0, h]; every array has N rows, so that a
 /// law's inner loop runs over contiguous memory. Internal states are advanced from `begin_states` at the interval's
 /// start to its end; h = 0 asks for the force at an instant (the states stay as they are, and so they are in the
@@ -34,6 +38,8 @@ struct LawPoints {
   Eigen::Ref<const Eigen::ArrayXd> deformation;        ///< d(h) [m]
   Eigen::Ref<const Eigen::ArrayXd> rate;               ///< d'(h) [m/s]
   Eigen::Ref<const Eigen::ArrayXd> acceleration;       ///< d''(h) [m/s^2]
+  LawSignals begin_signals = no_signals();             ///< w(0), N x signals; none: they are zero
+  LawSignals signals = no_signals();                   ///< w(h), linear in time in between
 };
 
 /// What a law answers at the interval's end; the caller owns and sizes the arrays, which must not overlap the points'.
@@ -46,7 +52,8 @@ struct LawResponse {
 };
 
 /// Force of a local nonlinear element as a function of its deformation and history,
-///     f(h) = f(d(h), d'(h), d''(h), s(h); theta),     s(h) = s(0) + int_0^h s'(d, d', s; theta) dt.
+///     f(h) = f(d(h), d'(h), d''(h), s(h), w(h); theta),     s(h) = s(0) + int_0^h s'(d, d', s, w; theta) dt
+/// and of known signals w (a coil's voltage, a temperature, the time).
 /// Positive force resists positive deformation. Laws are immutable and safe to share between threads.
 class ConnectorLaw {
 public:
@@ -55,6 +62,11 @@ public:
   [[nodiscard]] virtual std::string name() const = 0;
   [[nodiscard]] virtual const std::vector<LawQuantity>& parameters() const = 0;
   [[nodiscard]] virtual const std::vector<LawQuantity>& states() const = 0;
+  /// Known functions of time that the law reads beside its motion.
+  [[nodiscard]] virtual const std::vector<LawQuantity>& signals() const {
+    static const std::vector<LawQuantity> none;
+    return none;
+  }
   /// Whether the force depends on d'': what no law reads need not be followed. A law that does not say counts as one
   /// that does.
   [[nodiscard]] virtual bool uses_acceleration() const { return true; }

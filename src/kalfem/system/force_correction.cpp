@@ -17,8 +17,8 @@ ConnectorResponse::ConnectorResponse(const std::vector<Connector>& connectors, c
   for (const auto& connector : connectors) {
     const auto states_here = static_cast<Index>(connector.law->states().size());
     laws_.push_back(connector.law);
-    columns.push_back(
-        {static_cast<Index>(columns.size()), parameter_count, connector.parameters.size(), state_count, states_here});
+    columns.push_back({static_cast<Index>(columns.size()), parameter_count, connector.parameters.size(), state_count,
+                       states_here, static_cast<Index>(connector.law->signals().size())});
     parameter_count += connector.parameters.size();
     state_count += states_here;
   }
@@ -48,10 +48,15 @@ void ConnectorResponse::add_call(const ConnectorLaw& law, const Columns& at, Ind
   const auto columns = [&](ArrayXXd& of, Index index, Index count) {
     return of.block(first_row, index, row_count, count);
   };
+  // The signals of a law are the deformations of the connectors that follow its own.
+  const auto signals = [&](ArrayXXd& of) {
+    if (at.signal_count == 0 || j + at.signal_count >= m) return no_signals();
+    return LawSignals(&of(first_row, j + 1), row_count, at.signal_count, Eigen::OuterStride<>(of.rows()));
+  };
   calls_.push_back({&law,
                     {0.0, columns(parameters, at.parameter, at.parameter_count), column(begin_motion, j),
                      column(begin_motion, m + j), columns(begin_states, at.state, at.state_count), column(motion, j),
-                     column(motion, m + j), column(motion, 2 * m + j)},
+                     column(motion, m + j), column(motion, 2 * m + j), signals(begin_motion), signals(motion)},
                     {column(force, j), column(tangents, j), column(tangents, m + j), column(tangents, 2 * m + j),
                      columns(states, at.state, at.state_count)}});
 }

@@ -95,7 +95,7 @@ public:
 private:
   /// Where a connector's columns stand in the arrays.
   struct Columns {
-    Eigen::Index connector, parameter, parameter_count, state, state_count;
+    Eigen::Index connector, parameter, parameter_count, state, state_count, signal_count;
   };
   struct Call {
     const ConnectorLaw* law;

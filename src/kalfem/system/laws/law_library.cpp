@@ -32,7 +32,11 @@ ConnectorLawPtr polynomial_of(const LawArguments& arguments) {
 }
 
 ConnectorLawPtr expression_of(const LawArguments& arguments) {
-  ExpressionLawOptions options{.force = arguments.force, .parameters = {}, .states = arguments.states};
+  ExpressionLawOptions options{.force = arguments.force,
+                               .parameters = {},
+                               .states = arguments.states,
+                               .signals = arguments.signals,
+                               .lets = arguments.lets};
   for (const auto& name : arguments.parameter_names)
     options.parameters.push_back({name, "", "defined by the expression"});
   return expression_law(options);
@@ -78,7 +82,7 @@ const std::vector<Entry>& entries() {
        "deviation of a linear spring, dashpot or mass from its nominal value",
        [](const LawArguments& arguments) { return linear_change_law(arguments.nominal); }},
       {"expression",
-       "f = an expression of x, v, a, the parameters and the states",
+       "f = an expression of x, v, a, the parameters, the states and the signals",
        "a law written as an expression",
        expression_of,
        {.parameter_names = {"k", "c"}, .force = "k*x + c*v"}},

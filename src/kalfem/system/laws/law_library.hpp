@@ -95,6 +95,11 @@ ConnectorLawPtr bilinear_law();
 /// [NS16] is k = k_L + a, alpha = k_L / k, A = 1, beta = b g a^(n-1), gamma = b e a^(n-1), with w = a z.
 ConnectorLawPtr bouc_wen_law();
 
+/// No force. It carries a signal of a law: its deformation is the signal, and it stands behind the law's connector, in
+/// the order of ConnectorLaw::signals().
+ConnectorLawPtr signal_law();
+inline const std::string signal_law_name = "signal";
+
 /// What some laws need beside their name; the other laws ignore it.
 struct LawArguments {
   /// Names of the parameters that the case gives. polynomial: k1 .. kN, c1 .. cM set the degrees; expression: its
@@ -103,6 +108,8 @@ struct LawArguments {
   LinearNominal nominal = {};                ///< linear_change
   std::string force = {};                    ///< expression
   std::vector<ExpressionState> states = {};  ///< expression
+  std::vector<LawQuantity> signals = {};     ///< expression
+  std::vector<ExpressionLet> lets = {};      ///< expression
 };
 
 /// The law of that name, such as "saturating". Throws InvalidInput for an unknown name or unsuitable arguments.

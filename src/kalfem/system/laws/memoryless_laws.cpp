@@ -40,6 +40,15 @@ struct PreloadKernel {
   }
 };
 
+/// A signal of a law is carried as a deformation, which nothing resists.
+struct SignalKernel {
+  static constexpr std::size_t parameter_count = 0, state_count = 0;
+
+  KernelOutput<> operator()(const KernelInput<0>& /*in*/) const {
+    return {.force = 0.0, .stiffness = 0.0, .damping = 0.0, .inertance = 0.0, .s = {}};
+  }
+};
+
 struct LinearChangeKernel {
   static constexpr std::size_t parameter_count = 3, state_count = 0;
   static constexpr bool uses_acceleration = true;
@@ -80,6 +89,10 @@ ConnectorLawPtr inerter_law() {
 ConnectorLawPtr preload_law() {
   return std::make_shared<PointwiseLaw<PreloadKernel>>("preload",
                                                        std::vector<LawQuantity>{{"f0", "N", "constant force"}});
+}
+
+ConnectorLawPtr signal_law() {
+  return std::make_shared<PointwiseLaw<SignalKernel>>(signal_law_name, std::vector<LawQuantity>{});
 }
 
 ConnectorLawPtr linear_change_law(const LinearNominal& nominal) {
