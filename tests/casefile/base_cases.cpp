@@ -109,9 +109,15 @@ connectors:
     from: wheel.w
     to: body.b
     law: expression
-    force: "k*s"
+    force: "k*s + 0.01*(noise + tone + chirp + level) + 0.01*column"
     states: {s: {rate: "v - k/c*s", unit: m}}
     parameters: {k: 1e3, c: 100}
+    signals:
+      noise: {random: {rms: 1 V, band: [0.5, 5 Hz], duration: 1 s, fade_in: 0.1 s, seed: 2}, scale: 2}
+      tone: {sine: {amplitude: 1 V, frequency: 3 Hz, phase: 0.1, fade_in: 0.1 s}}
+      chirp: {sweep: {amplitude: 1 V, from: 1 Hz, to: 5 Hz, duration: 1 s, kind: linear, fade_in: 0.1 s}}
+      level: {constant: 2 V}
+      column: {channel: f, file: input.csv, unit: V}
 excitation:
   road: {base_displacement: wheel.ground, random: {rms: 3 mm, band: [0.5, 30 Hz], fade_in: 0.1 s}}
 sensors:
@@ -204,6 +210,19 @@ sensors:
 simulate: {duration: 0.5 s, sample_rate: 200 Hz}
 estimate: {unknown: {s.k1.stiffness: {initial: 2100, std: 10 %}}}
 )";
+
+/// A component with these motions of its ends.
+std::string component_between(const std::string& motion, const std::string& base_motion) {
+  return "kalfem: 1\ncomponent:\n  law: linear\n  parameters: {k: 2 kN/m, c: 30 N s/m}\n  motion: {" + motion +
+         "}\n  base_motion: {" + base_motion +
+         "}\nsensors:\n  F: {force: component, noise: 1 N}\nsimulate: {duration: 0.5 s, sample_rate: 100 Hz}\n"
+         "estimate:\n  unknown: {component.k: {initial: 1500, std: 500}}\n";
+}
+
+const std::string random_motion = "random: {rms: 5 mm, band: [0.5, 5 Hz]}",
+                  sine_motion = "sine: {amplitude: 5 mm, frequency: 3 Hz}",
+                  sweep_motion = "sweep: {amplitude: 5 mm, from: 1 Hz, to: 5 Hz}",
+                  measured_motion = "channel: f, file: input.csv, velocity: {channel: f, file: input.csv}";
 
 const std::string updating = R"(kalfem: 1
 substructures:
@@ -389,9 +408,12 @@ const std::string component = R"(kalfem: 1
 component:
   law: expression
   let: {c: c0 + c1*u}
-  force: k*x + c*v
+  force: k*x + c*v + 0.01*(noise + chirp)
   states: {u: {rate: 20*(volt - u), unit: V}}
-  signals: {volt: {sine: {amplitude: 2 V, frequency: 0.7 Hz}}}
+  signals:
+    volt: {sine: {amplitude: 2 V, frequency: 0.7 Hz}}
+    noise: {random: {rms: 1 V, band: [0.5, 5 Hz]}}
+    chirp: {sweep: {amplitude: 1 V, from: 1 Hz, to: 5 Hz}}
   parameters: {k: 2 kN/m, c0: 30 N s/m, c1: 15}
   motion: {random: {rms: 5 mm, band: [0.5, 5 Hz], seed: 3}}
   base_motion: {constant: 1 mm}
@@ -405,10 +427,23 @@ estimate:
 }  // namespace
 
 std::vector<BaseCase> base_cases() {
-  return {{"chain", chain},        {"inputs", inputs},     {"expression", expression}, {"local", local},
-          {"recorded", recorded},  {"latent", latent},     {"updating", updating},     {"beams", beams},
-          {"plate", plate},        {"sections", sections}, {"foreign", foreign},       {"evolution", evolution},
-          {"component", component}};
+  return {{"chain", chain},
+          {"inputs", inputs},
+          {"expression", expression},
+          {"local", local},
+          {"recorded", recorded},
+          {"latent", latent},
+          {"updating", updating},
+          {"beams", beams},
+          {"plate", plate},
+          {"sections", sections},
+          {"foreign", foreign},
+          {"evolution", evolution},
+          {"component", component},
+          {"sine_component", component_between(sine_motion, random_motion)},
+          {"sweep_component", component_between(sweep_motion, sine_motion)},
+          {"random_component", component_between(random_motion, sweep_motion)},
+          {"measured_component", component_between(measured_motion, measured_motion)}};
 }
 
 void write_case_files(const std::filesystem::path& folder) {

@@ -13,8 +13,8 @@ void add_motion(const d::ImposedMotion& motion, const std::string& key, const Na
   given.excitation.emplace_back(component_name + "." + key, d::Excitation{.target = d::BaseDisplacement{ground},
                                                                           .signal = motion.signal,
                                                                           .scale = motion.scale,
-                                                                          .drift = std::nullopt,
-                                                                          .velocity = motion.velocity});
+                                                                          .velocity = motion.velocity,
+                                                                          .drift = std::nullopt});
 }
 
 void add_component(d::Case& given, IssueList& issues) {
