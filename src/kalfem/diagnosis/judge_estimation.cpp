@@ -148,6 +148,17 @@ std::vector<Reason> reasons_of_events(const RecordEstimate& estimate) {
   return reasons;
 }
 
+/// A constant unknown that did not stay constant.
+std::vector<Reason> reasons_of_jump(const RecordEstimate& estimate) {
+  std::vector<Reason> reasons;
+  for (const auto& event : estimate.events)
+    if (event.kind == EventKind::jump)
+      reasons.push_back({"parameter_jump", event.channel, event.text,
+                         "estimate the record in two parts, or give the unknown a random_walk",
+                         VerdictState::suspicious, std::sqrt(estimate.jump->gain)});
+  return reasons;
+}
+
 std::vector<Reason> reasons_of_open_loop(const RecordEstimate& estimate) {
   std::vector<Reason> reasons;
   if (!estimate.open_loop_failure.empty())
@@ -208,6 +219,7 @@ Verdict verdict_of(const RecordEstimate& estimate) {
     return verdict;
   }
   verdict.add(reasons_of_events(estimate));
+  verdict.add(reasons_of_jump(estimate));
   verdict.add(innovation_reasons(innovations_of(estimate)));
   verdict.add(reasons_of_substeps(estimate));
   verdict.add(reasons_of_unknowns(estimate));

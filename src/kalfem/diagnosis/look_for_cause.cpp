@@ -30,9 +30,11 @@ constexpr int most_trial_substeps = 8;
 
 bool is_doubtful(const RecordEstimate& estimate) {
   const bool overstated_noise = estimate.consistency.mean_nis < 0.5 * estimate.consistency.expected_nis;
-  return !overstated_noise && std::ranges::any_of(verdict_of(estimate).reasons(), [&](const Reason& reason) {
-    return has_a_cause(reason) && !is_of_event(reason, estimate);
-  });
+  const bool explained = estimate.jump && estimate.jump->explains;
+  return !overstated_noise && !explained &&
+         std::ranges::any_of(verdict_of(estimate).reasons(), [&](const Reason& reason) {
+           return has_a_cause(reason) && !is_of_event(reason, estimate);
+         });
 }
 
 /// The NIS of every sample that the filter computed.

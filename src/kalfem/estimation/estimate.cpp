@@ -97,6 +97,7 @@ private:
       to += watch.lap();
       return outcome;
     };
+    renew_unknowns(k);
     // Carry the estimate over the interval that ends at the sample; the prior already stands at the first one.
     FilterOutcome outcome = k == 0 ? FilterOutcome::usable : charged(predict_to(k, input_, *setup_), time.predict);
     // Condition it on what the sensors show.
@@ -109,6 +110,17 @@ private:
     if (outcome == FilterOutcome::usable) return true;
     stop(k, outcome);
     return false;
+  }
+
+  /// Widens the unknowns that may change over the interval that ends at sample k.
+  void renew_unknowns(Index k) {
+    for (const auto& [unknown, sample, deviation] : options_.renewals) {
+      if (sample != k || k == 0) continue;
+      Gaussian now{setup_->filter->mean(), setup_->filter->covariance()};
+      const Index place = augmented_model_.layout().unknown() + unknown;
+      now.covariance(place, place) += deviation * deviation;
+      setup_->filter->reset(now);
+    }
   }
 
   /// The result holds the samples before the one that failed, and this one too where only the linearisation about it

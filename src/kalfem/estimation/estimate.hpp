@@ -13,6 +13,13 @@
 
 namespace kalfem {
 
+/// An unknown that may take another value at a sample: what was learned of it before counts less from there on.
+struct Renewal {
+  Eigen::Index unknown = 0;  ///< its place among all unknowns
+  Eigen::Index sample = 0;   ///< the first one with the new value
+  double deviation = 0.0;    ///< of the change, in the filter's state
+};
+
 struct EstimationOptions {
   FilterKind filter = FilterKind::unscented;
   UnscentedOptions unscented = {};
@@ -28,6 +35,7 @@ struct EstimationOptions {
   bool keep_unknowns = false;    ///< their history in the result, for deviations that hold where the model is not exact
   OutlierOptions outliers = {};  ///< what the updates do with samples far from their prediction
   std::vector<HeldOutSamples> held_out = {};  ///< samples to predict only
+  std::vector<Renewal> renewals = {};         ///< changes of unknowns that the run allows for
   OutputMap monitored = {};  ///< further quantities to estimate at every sample, without measurement chains
   Progress progress = {};
 };

@@ -1,22 +1,12 @@
 #include "kalfem/estimation/unknowns_history.hpp"
 
+#include "kalfem/linalg/scaled_inverse.hpp"
+
 namespace kalfem {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-namespace {
-
-/// P^-1 by parts of each unknown's own deviation: their units differ by many orders.
-MatrixXd inverse_of(const MatrixXd& covariance) {
-  const VectorXd scale = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const MatrixXd correlation = scale.asDiagonal() * covariance * scale.asDiagonal();
-  const MatrixXd inverse = correlation.ldlt().solve(MatrixXd::Identity(covariance.rows(), covariance.cols()));
-  return scale.asDiagonal() * (0.5 * (inverse + inverse.transpose())) * scale.asDiagonal();
-}
-
-}  // namespace
 
 Scores scores_of(const UnknownsHistory& history) {
   const VectorXd& last = history.mean.back();
@@ -25,7 +15,7 @@ Scores scores_of(const UnknownsHistory& history) {
   Scores scores{MatrixXd(last.size(), samples), MatrixXd(last.size(), samples)};
   VectorXd weighed_before, known_before;
   for (std::size_t k = 0; k < history.mean.size(); ++k) {
-    const MatrixXd information = inverse_of(history.covariance[k]);
+    const MatrixXd information = scaled_inverse(history.covariance[k]);
     VectorXd weighed = information * (history.mean[k] - last);
     VectorXd known = (covariance * information).cwiseProduct(covariance).rowwise().sum();
     if (k > 0) {
@@ -57,14 +47,14 @@ SensitiveInnovations sensitive_innovations(const UnknownsHistory& history, Index
 }
 
 ScoreCluster prior_score(const UnknownsHistory& history) {
-  const MatrixXd information = inverse_of(history.covariance.front());
+  const MatrixXd information = scaled_inverse(history.covariance.front());
   return {information * (history.mean.front() - history.mean.back()), information};
 }
 
 RobustCovariance robust_covariance(const UnknownsHistory& history) {
   const Scores scores = scores_of(history);
-  return robust_covariance(inverse_of(history.covariance.back()), inverse_of(history.covariance.front()), scores.value,
-                           scores.share);
+  return robust_covariance(scaled_inverse(history.covariance.back()), scaled_inverse(history.covariance.front()),
+                           scores.value, scores.share);
 }
 
 }  // namespace kalfem

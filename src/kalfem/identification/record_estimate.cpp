@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
+
 #include "kalfem/base/units.hpp"
 #include "kalfem/identification/open_loop.hpp"
 #include "kalfem/identification/robust_deviations.hpp"
@@ -94,10 +96,10 @@ std::vector<EstimatedInput> take_inputs(const std::vector<UnknownInput>& inputs,
 
 /// Samples before the first one of the error and consistency figures. A run that failed while it settled is judged from
 /// its start.
-Index settled_samples(const RecordEstimate& estimate, double settle) {
-  const auto& failure = estimate.result.failure;
-  const Index samples = failure ? std::max<Index>(1, failure->computed) : estimate.measurements.samples();
-  const auto settled = static_cast<Index>(std::llround(settle * estimate.measurements.sample_rate));
+Index settled_samples(const EstimationResult& result, const Record& measured, double settle) {
+  const auto& failure = result.failure;
+  const Index samples = failure ? std::max<Index>(1, failure->computed) : measured.samples();
+  const auto settled = static_cast<Index>(std::llround(settle * measured.sample_rate));
   return failure && settled >= samples ? 0 : std::min(settled, samples - 1);
 }
 
@@ -154,6 +156,20 @@ void add_uncertainty(const LikelihoodEstimate& likelihood, RecordEstimate& estim
   }
 }
 
+/// A change of an unknown as an event of the record.
+SensorEvent event_of(const RecordEstimate& estimate, const ParameterJump& jump) {
+  const auto& unknown = estimate.augmented_model->options().unknowns[static_cast<std::size_t>(jump.unknown)];
+  const double time = estimate.measurements.time(jump.sample);
+  return {.kind = EventKind::jump,
+          .channel = unknown.name,
+          .from = time,
+          .to = time,
+          .count = estimate.measurements.samples() - jump.sample,
+          .text = fmt::format(
+              "'{}' changes at {:.6g} s from {:.6g} to {:.6g} {} (by {:.3g}, standard deviation {:.2g})", unknown.name,
+              time, jump.before, jump.after, unknown.unit, jump.after - jump.before, jump.deviation)};
+}
+
 EstimationOptions filter_options(const EstimationProblem& problem, const AugmentedModelSetup& setup,
                                  const RecordEstimateOptions& options) {
   const auto& settings = problem.settings;
@@ -176,13 +192,16 @@ RecordEstimate estimate_by_filter(const EstimationProblemPtr& problem, const Aug
   EstimationOptions of_filter = filter_options(*problem, setup, options);
   auto screened = run_screened_filter(problem, setup, record, of_filter);
   auto& [filtered, substeps] = screened.refined;
+  of_filter.filter = filtered.run.choice.filter;
+  of_filter.held_out = screened.held_out;
+  of_filter.outliers.treatment = screened.outliers;
   std::optional<SmoothedRecord> smoothed;
   if (settings.smooth && !filtered.result.failure) {
-    of_filter.filter = filtered.run.choice.filter;
-    of_filter.held_out = screened.held_out;
-    of_filter.outliers.treatment = screened.outliers;
     smoothed = smooth(*filtered.run.choice.augmented_model, filtered.run.input, of_filter, filtered.result);
   }
+  const auto jump =
+      find_parameter_jump(*filtered.run.choice.augmented_model, filtered.run.input, of_filter, filtered.result,
+                          settled_samples(filtered.result, filtered.run.input.measured, settings.settle));
   RecordEstimate estimate{.filter = filtered.run.choice.filter,
                           .filter_reason = filtered.run.choice.reason,
                           .attempts = std::move(filtered.attempts),
@@ -193,7 +212,7 @@ RecordEstimate estimate_by_filter(const EstimationProblemPtr& problem, const Aug
                           .measurements = without(std::move(filtered.run.input.measured), screened.events),
                           .outliers = screened.outliers,
                           .events = std::move(screened.events)};
-  estimate.settled = settled_samples(estimate, settings.settle);
+  estimate.settled = settled_samples(estimate.result, estimate.measurements, settings.settle);
   estimate.inputs = take_inputs(unknown_inputs, estimate.result.monitored);
   if (smoothed) estimate.smoothed_inputs = take_inputs(unknown_inputs, smoothed->monitored);
   estimate.smoothed = std::move(smoothed);
@@ -201,6 +220,10 @@ RecordEstimate estimate_by_filter(const EstimationProblemPtr& problem, const Aug
       summarise_consistency(estimate.result.nis, estimate.result.measured, estimate.result.innovation,
                             estimate.measurements.noise(), estimate.settled);
   set_robust_deviations(estimate);
+  if (jump) {
+    estimate.jump = jump;
+    estimate.events.push_back(event_of(estimate, *jump));
+  }
   if (settings.estimate_initial_state && !estimate.result.failure && !settings.local && unknown_inputs.empty())
     set_open_loop(*problem, setup, estimate);
   return estimate;

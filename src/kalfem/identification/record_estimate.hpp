@@ -10,6 +10,7 @@
 #include "kalfem/estimation/smoother/smoother.hpp"
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/identification/likelihood_unknowns.hpp"
+#include "kalfem/identification/parameter_jumps.hpp"
 #include "kalfem/identification/sensor_events.hpp"
 #include "kalfem/identification/unknown_inputs.hpp"
 
@@ -31,6 +32,7 @@ struct RecordEstimate {
   Record measurements;
   OutlierTreatment outliers = OutlierTreatment::keep;  ///< in the run that gave the result
   std::vector<SensorEvent> events = {};                ///< what is wrong with the record or missing in it
+  std::optional<ParameterJump> jump = {};              ///< a constant unknown that changes within the record
   Eigen::Index settled = 0;                            ///< first sample of the error and consistency figures
   ConsistencySummary consistency;
   RobustCovariance robust;             ///< of the unknowns that do not drift, in the filter's state

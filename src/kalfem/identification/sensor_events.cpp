@@ -171,6 +171,8 @@ std::string to_string(EventKind kind) {
       return "saturated";
     case EventKind::outliers:
       return "outliers";
+    case EventKind::jump:
+      return "jump";
   }
   return "";
 }

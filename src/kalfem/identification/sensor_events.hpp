@@ -15,7 +15,8 @@ enum class EventKind {
   dead,       ///< constant, or noise only, until the end of the record
   stuck,      ///< constant for a while
   saturated,  ///< held at the channel's extremes while the structure moves beyond them
-  outliers    ///< single samples far from their prediction
+  outliers,   ///< single samples far from their prediction
+  jump        ///< an unknown of the model changes, see find_parameter_jump()
 };
 
 std::string to_string(EventKind kind);
@@ -23,14 +24,16 @@ std::string to_string(EventKind kind);
 /// Part of a channel that the estimates do not rest on, or only partly.
 struct SensorEvent {
   EventKind kind = EventKind::missing;
-  std::string channel = {};                ///< empty: every channel
+  std::string channel = {};                ///< empty: every channel; of a jump the unknown
   double from = 0.0, to = 0.0;             ///< first and last sample of it [s]
   Eigen::Index count = 0;                  ///< samples
   std::string text = {};                   ///< one sentence
   std::vector<Eigen::Index> samples = {};  ///< of the channel; empty where they hold no number anyway
 
   /// Whether the sensor does not measure what it should. The filter allows for missing samples exactly.
-  [[nodiscard]] bool is_fault() const { return kind != EventKind::missing && kind != EventKind::dropout; }
+  [[nodiscard]] bool is_fault() const {
+    return kind != EventKind::missing && kind != EventKind::dropout && kind != EventKind::jump;
+  }
 };
 
 /// Samples without a number: stretches of all channels or of one that are far longer than its other gaps ("dropout"),

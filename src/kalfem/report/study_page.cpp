@@ -345,7 +345,7 @@ Section verdict_section(const StudyResults& results) {
 
 /// What was wrong with the record or missing in it.
 Section events_section(const std::vector<SensorEvent>& events) {
-  Table table{"", {"sensor", "event", "from", "to", "samples", "found"}, {}, {}};
+  Table table{"", {"sensor or unknown", "event", "from", "to", "samples", "found"}, {}, {}};
   for (const auto& event : events)
     table.rows.push_back({event.channel.empty() ? "all" : event.channel, to_string(event.kind),
                           fmt::format("{:.6g} s", event.from), fmt::format("{:.6g} s", event.to),

@@ -410,16 +410,25 @@ Json verdict_summary(const Verdict& verdict) {
   return {{"state", to_string(verdict.state())}, {"reasons", reasons}};
 }
 
-/// What was wrong with the record or missing in it, with its times.
-Json events_summary(const std::vector<SensorEvent>& events) {
+/// What was wrong with the record or missing in it, and a change of an unknown, with their times.
+Json events_summary(const RecordEstimate& estimate) {
   Json all = Json::array();
-  for (const auto& event : events)
-    all.push_back({{"kind", to_string(event.kind)},
-                   {"channel", event.channel.empty() ? Json(nullptr) : Json(event.channel)},
-                   {"from", number(event.from)},
-                   {"to", number(event.to)},
-                   {"count", event.count},
-                   {"text", event.text}});
+  for (const auto& event : estimate.events) {
+    const bool jump = event.kind == EventKind::jump;
+    Json each{{"kind", to_string(event.kind)},
+              {"channel", event.channel.empty() || jump ? Json(nullptr) : Json(event.channel)},
+              {"from", number(event.from)},
+              {"to", number(event.to)},
+              {"count", event.count},
+              {"text", event.text}};
+    if (jump) {
+      each["unknown"] = event.channel;
+      each["before"] = number(estimate.jump->before);
+      each["after"] = number(estimate.jump->after);
+      each["change_std"] = number(estimate.jump->deviation);
+    }
+    all.push_back(std::move(each));
+  }
   return all;
 }
 
@@ -464,7 +473,7 @@ Json summarise(const Study& study, const StudyResults& results) {
       summary["hardly_known"] = results.estimation->hardly_known;
     }
     summary["estimation"] = estimation_summary(*results.estimation);
-    if (const auto& events = results.estimation->events; !events.empty()) summary["events"] = events_summary(events);
+    if (!results.estimation->events.empty()) summary["events"] = events_summary(*results.estimation);
     if (results.estimation->smoothed) summary["smoothed"] = smoothed_summary(*results.estimation);
     if (const auto& diagnosis = results.estimation->diagnosis) summary["diagnosis"] = diagnosis_summary(*diagnosis);
   }

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+
+#include "kalfem/estimation/estimate.hpp"
+
+namespace kalfem {
+
+/// An unknown that has one value before a time and another one from it on.
+struct ParameterJump {
+  Eigen::Index unknown = 0;          ///< its place among all unknowns
+  Eigen::Index sample = 0;           ///< the first one with the new value
+  double before = 0.0, after = 0.0;  ///< its estimates from the samples before, and at the end [its unit]
+  double deviation = 0.0;            ///< standard deviation of after - before [its unit]
+  /// Twice the rise of the log-likelihood over that of a constant, less where the run with the jump still contradicts
+  /// the record: over the square of the factor by which its deviations are too small.
+  double gain = 0.0;
+  /// Whether innovations of the run with the jump agree with the model, so that nothing else is to be explained.
+  bool explains = false;
+};
+
+/// Looks for one unknown that changed once.
+///
+/// 1. From the run's own history, without another run: the scores u_k = P_k^-1 (theta_k - theta_N) of the samples until
+///    k, about the last estimate, add up to a bridge of covariance J_k - J_k P_N J_k, J_k = P_k^-1 - P_0^-1, where the
+///    unknowns are constant. T_i(k) = u_k,i^2 / (.)_ii is the Lagrange multiplier statistic of a change of unknown i at
+///    sample k; its largest value over k is tested (Andrews 1993, Econometrica 61, 821-856).
+/// 2. For each unknown with a large T_i: runs that renew it at a sample, which is moved by halved steps to the largest
+///    likelihood (generalised likelihood ratio, Willsky and Jones 1976, IEEE Trans. Automatic Control 21, 108-112).
+///
+/// Nothing where no change is significant, or where the best one leaves most of the contradiction: then the model is
+/// wrong in another way. `result`: of the run with these options, which kept the unknowns' history. `first`: the first
+/// sample that counts.
+std::optional<ParameterJump> find_parameter_jump(const AugmentedModel& augmented_model, const FilterInput& input,
+                                                 EstimationOptions options, const EstimationResult& result,
+                                                 Eigen::Index first);
+
+}  // namespace kalfem
