@@ -19,13 +19,13 @@ struct RigRun {
   bool loaded = false;
 };
 
-nlohmann::json estimate(const RigRun& run) {
+nlohmann::json estimate(const RigRun& run, const char* example_file = "halfcar/halfcar.yaml") {
   const ScratchFolder folder(std::string("halfcar-") + run.key);
   setenv("HALFCAR_RUN", run.key, 1);
   setenv("BODY_MASS", run.loaded ? "473.77" : "433", 1);
   setenv("BODY_INERTIA", run.loaded ? "105.63" : "82.7", 1);
   const auto outcome =
-      run_command("run " + example("halfcar/halfcar.yaml") + " --out " + (folder / "out").string(), folder);
+      run_command("run " + example(example_file) + " --out " + (folder / "out").string(), folder);
   EXPECT_EQ(outcome.code, 0) << outcome.errors;
   return read_summary(folder / "out");
 }
@@ -74,6 +74,21 @@ TEST_P(HalfCarRepeats, AreReproducedWithTheSameStiffness) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Runs, HalfCarRepeats, testing::Values(RigRun{"Centre_p0000_m000_t1.1_r2", 0.07, 0.20}));
+
+/// 5 kHz in millimetres, with the splice: the same as the thinned copy of it at 500 Hz.
+TEST(HalfCarFile, AsTheBenchWroteItIsReproduced) {
+  const auto file = data_folder("halfcar-rig") / "Centre_p0000_t1.1_r1.lvm";
+  if (!std::filesystem::exists(file)) KALFEM_ABSENT("the LabVIEW file of the rig is absent");
+  setenv("HALFCAR_FILE", file.c_str(), 1);
+  const RigRun run{"Centre_p0000_m000_t1.1_r1", 0.07, 0.20};
+  const auto thinned = estimate(run), raw = estimate(run, "halfcar/raw.yaml");
+  for (const auto& [sensor, of_raw] : raw["estimation"]["open_loop"].items()) {
+    const double nrmse = of_raw["nrmse"];
+    // found: .045, .026, .072, .039, within .001
+    EXPECT_NEAR(nrmse, thinned["estimation"]["open_loop"][sensor]["nrmse"].get<double>(), 0.005) << sensor;
+    EXPECT_LE(nrmse, sensor.starts_with("un") ? run.unsprung_limit : run.sprung_limit) << sensor;
+  }
+}
 
 }  // namespace
 }  // namespace kalfem::test

@@ -31,6 +31,8 @@ void check(const Record& record, const SpliceOptions& options) {
     issues.add({}, "the sampling rate is " + std::to_string(record.sample_rate), "it must be positive and finite");
   if (!(options.noise_ratio > 1.0) || !std::isfinite(options.noise_ratio))
     issues.add({}, "noise_ratio is " + std::to_string(options.noise_ratio), "it must be greater than 1 and finite");
+  if (!(options.rate > 0.0) || !std::isfinite(options.rate))
+    issues.add({}, "rate is " + std::to_string(options.rate), "it must be positive and finite");
   if (options.degree < 1 || options.degree > 6)
     issues.add({}, "the fit's degree is " + std::to_string(options.degree), "it must be from 1 to 6");
   if (options.before <= options.degree || options.after <= options.degree)
@@ -46,6 +48,18 @@ void check(const Record& record, const SpliceOptions& options) {
     issues.add({}, "the search spans more than 1000 samples",
                "a polynomial cannot follow the motion over more than 1000 samples");
   issues.raise();
+}
+
+/// How many samples of the record stand for one of the options'.
+Index samples_per_unit(const Record& record, const SpliceOptions& options) {
+  return std::max<Index>(1, std::llround(record.sample_rate / options.rate));
+}
+
+/// The options with their lengths in samples of the record.
+SpliceOptions in_samples(SpliceOptions options, Index times) {
+  for (Index* length : {&options.shortest, &options.before, &options.after, &options.largest, &options.blanked})
+    *length *= times;
+  return options;
 }
 
 /// A sample and its largest second difference of all channels, in standard deviations of that of their noise.
@@ -132,8 +146,8 @@ double weighted_median(const std::vector<SpliceEvidence>& evidence) {
 }
 
 /// Whether channels of at least half the weight, and sharp enough, lie near the common number.
-bool agree(const std::vector<SpliceEvidence>& evidence, double missing) {
-  constexpr double sharpness = 5.0;  // all together tell the number to 0.2 samples
+bool agree(const std::vector<SpliceEvidence>& evidence, double missing, Index samples_per_unit) {
+  const double sharpness = 5.0 / static_cast<double>(samples_per_unit);  // all together tell it to 0.2 units
   const double tolerance = std::max(1.0, 0.25 * missing);
   double near = 0.0, all = 0.0;
   for (const auto& channel : evidence) {
@@ -150,8 +164,10 @@ bool changes(const NoiseChange& noise, double ratio) {
 
 }  // namespace
 
-std::optional<Splice> find_splice(const Record& record, const SpliceOptions& options) {
-  check(record, options);
+std::optional<Splice> find_splice(const Record& record, const SpliceOptions& given) {
+  check(record, given);
+  const Index unit = samples_per_unit(record, given);
+  const auto options = in_samples(given, unit);
   if (record.samples() < 2 * options.shortest + 3 || record.values.rows() == 0) return std::nullopt;
   const auto noise = strongest_noise_change(record.values, options.shortest);
   if (!changes(noise, options.noise_ratio)) return std::nullopt;
@@ -173,7 +189,7 @@ std::optional<Splice> find_splice(const Record& record, const SpliceOptions& opt
   estimate_shifts(around, options, splice.evidence);
   splice.missing = weighted_median(splice.evidence);
   splice.inserted = static_cast<Index>(std::llround(splice.missing));
-  if (splice.inserted < 1 || !agree(splice.evidence, splice.missing)) return std::nullopt;
+  if (splice.inserted < 1 || !agree(splice.evidence, splice.missing, unit)) return std::nullopt;
   return splice;
 }
 

@@ -8,15 +8,17 @@
 
 namespace kalfem {
 
-/// What counts as a splice, and how much around it is not trusted. Lengths in samples.
+/// What counts as a splice, and how much around it is not trusted. Lengths in samples up to `rate`; of a faster record
+/// they are as many times longer as its sampling rate is higher, because it is the motion that a fit must follow.
 struct SpliceOptions {
+  double rate = 500.0;         ///< [Hz]
   double noise_ratio = 5.0;    ///< the noise must change at least by this factor (either way) in half of the channels
   Eigen::Index shortest = 30;  ///< samples that each part has at least
   Eigen::Index before = 15;    ///< samples of the smooth fit on the one side
   Eigen::Index after = 30;     ///< and on the other
   int degree = 4;              ///< of the smooth fit
   Eigen::Index largest = 20;   ///< largest number of missing samples that is looked for
-  Eigen::Index blanked = 2;  ///< samples on either side of the splice that are replaced by NaN, with the splice itself
+  Eigen::Index blanked = 2;    ///< samples on either side that are replaced by NaN, with the splice itself
 };
 
 /// What one channel says about a splice.
