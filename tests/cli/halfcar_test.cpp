@@ -24,8 +24,7 @@ nlohmann::json estimate(const RigRun& run, const char* example_file = "halfcar/h
   setenv("HALFCAR_RUN", run.key, 1);
   setenv("BODY_MASS", run.loaded ? "473.77" : "433", 1);
   setenv("BODY_INERTIA", run.loaded ? "105.63" : "82.7", 1);
-  const auto outcome =
-      run_command("run " + example(example_file) + " --out " + (folder / "out").string(), folder);
+  const auto outcome = run_command("run " + example(example_file) + " --out " + (folder / "out").string(), folder);
   EXPECT_EQ(outcome.code, 0) << outcome.errors;
   return read_summary(folder / "out");
 }
