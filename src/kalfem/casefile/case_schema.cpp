@@ -296,6 +296,8 @@ Schema<Case> case_schema() {
                          {"op4", MatrixFormat::op4, "Nastran OUTPUT4, binary"},
                          {"hdf5", MatrixFormat::hdf5, "with the reduction basis"}}))),
                     "write the reduced substructures as superelements for other codes")
+          .optional("frequencies", &Report::frequencies, integer(0, 1000),
+                    "number of lowest natural frequencies that are computed over time from the estimated parameters")
           .optional("zoom", &Report::zoom, number("s", plausible::duration()), "length of the zoomed charts");
   const auto prediction = Fields<Prediction>()
                               .required("substructure", &Prediction::substructure, name(),

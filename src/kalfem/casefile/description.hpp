@@ -290,6 +290,7 @@ struct Report {
   std::optional<Pictures> fields;
   int modes = 20;
   std::vector<Name> displacements;
+  int frequencies = 0;
   double zoom = 1.0;
   Located<std::vector<MatrixFormat>> superelements;
 };

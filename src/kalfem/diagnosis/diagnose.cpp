@@ -1,13 +1,12 @@
 #include "kalfem/diagnosis/diagnose.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
-#include <thread>
 
 #include <fmt/format.h>
 
+#include "kalfem/base/parallel.hpp"
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/diagnosis/candidates.hpp"
 #include "kalfem/diagnosis/judge_estimation.hpp"
@@ -138,7 +137,7 @@ public:
     hypotheses_ = all_hypotheses();
     scores_.resize(hypotheses_.size());
     values_.resize(hypotheses_.size());
-    for_each_hypothesis([&](std::size_t h) {
+    for_each_index(hypotheses_.size(), processors(), [&](std::size_t h) {
       for (const double start : hypotheses_[h].starts) try_value(h, start, given);
     });
     refine_the_best(given);
@@ -160,17 +159,6 @@ private:
     scores_[h] = std::move(score);
     values_[h] = value;
     return true;
-  }
-
-  template <class Work>
-  void for_each_hypothesis(const Work& work) const {
-    std::atomic<std::size_t> next = 0;
-    const auto serve = [&] {
-      for (std::size_t h = next++; h < hypotheses_.size(); h = next++) work(h);
-    };
-    std::vector<std::jthread> others;
-    for (int i = 1; i < processors(); ++i) others.emplace_back(serve);
-    serve();
   }
 
   std::vector<Hypothesis> all_hypotheses() const {
@@ -297,13 +285,7 @@ private:
     for (const std::size_t h : order)
       if (hypotheses_[h].search != Search::none && chosen.size() < refined && gain(h, given) >= least)
         chosen.push_back(h);
-    std::atomic<std::size_t> next = 0;
-    const auto serve = [&] {
-      for (std::size_t c = next++; c < chosen.size(); c = next++) refine(chosen[c], given);
-    };
-    std::vector<std::jthread> others;
-    for (int i = 1; i < processors(); ++i) others.emplace_back(serve);
-    serve();
+    for_each_index(chosen.size(), processors(), [&](std::size_t c) { refine(chosen[c], given); });
   }
 
   static double moved(const Hypothesis& hypothesis, double value, double steps) {

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "kalfem/identification/stated_interval.hpp"
+
 namespace kalfem {
 
 using Eigen::Index;
@@ -159,6 +161,46 @@ std::vector<Reason> reasons_of_jump(const RecordEstimate& estimate) {
   return reasons;
 }
 
+/// The trial with up to three times as much or as little process noise in which an unknown moves furthest, if that is
+/// out of its 95 % interval. Of an unknown that walks, means along the record are compared.
+const ProcessNoiseTrial* furthest_out(const RecordEstimate& estimate, const ProcessNoiseTrial& stated, Index i) {
+  constexpr double near = 3.1, band = 1.96;
+  const auto& unknown = estimate.augmented_model->options().unknowns[static_cast<std::size_t>(i)];
+  const StatedInterval interval = stated_interval(estimate, i);
+  const ProcessNoiseTrial* furthest = nullptr;
+  double largest = 0.0;
+  for (const auto& trial : estimate.process_noise) {
+    const double value = trial.estimates[i], moved = std::abs(value - stated.estimates[i]);
+    const bool out = unknown.random_walk > 0.0 ? moved > band * stated.deviations[i]
+                                               : value < interval.lower || value > interval.upper;
+    if (trial.factor > near || trial.factor < 1.0 / near || !out || moved <= largest) continue;
+    furthest = &trial;
+    largest = moved;
+  }
+  return furthest;
+}
+
+std::vector<Reason> reasons_of_process_noise(const RecordEstimate& estimate) {
+  std::vector<Reason> reasons;
+  const auto stated = std::ranges::find(estimate.process_noise, 1.0, &ProcessNoiseTrial::factor);
+  if (stated == estimate.process_noise.end()) return reasons;
+  for (Index i = 0; i < stated->estimates.size(); ++i) {
+    const auto* trial = furthest_out(estimate, *stated, i);
+    if (!trial) continue;
+    const auto& unknown = estimate.augmented_model->options().unknowns[static_cast<std::size_t>(i)];
+    const double gain = trial->log_likelihood - stated->log_likelihood;
+    reasons.push_back(
+        {"process_noise_decides", unknown.name,
+         fmt::format("'{}' depends on the process noise: with {:.2g} times as much it is {:.4g} {} in the place of "
+                     "{:.4g}, outside its 95 % interval, and the record is {} likely by {:.3g} (logarithm)",
+                     unknown.name, trial->factor, trial->estimates[i], unknown.unit, stated->estimates[i],
+                     gain > 0.0 ? "more" : "less", std::abs(gain)),
+         "make process_noise an unknown, or look for what the model leaves out", VerdictState::suspicious,
+         std::abs(trial->estimates[i] - stated->estimates[i]) / stated->deviations[i]});
+  }
+  return reasons;
+}
+
 std::vector<Reason> reasons_of_open_loop(const RecordEstimate& estimate) {
   std::vector<Reason> reasons;
   if (!estimate.open_loop_failure.empty())
@@ -225,6 +267,7 @@ Verdict verdict_of(const RecordEstimate& estimate) {
   verdict.add(reasons_of_unknowns(estimate));
   verdict.add(reasons_of_likelihood(estimate));
   verdict.add(reasons_of_inputs(estimate));
+  verdict.add(reasons_of_process_noise(estimate));
   verdict.add(reasons_of_open_loop(estimate));
   return verdict;
 }

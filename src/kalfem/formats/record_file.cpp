@@ -261,7 +261,8 @@ Record selected_from_all(const std::filesystem::path& file, const std::vector<Wa
 // their own units, only the columns that are wanted, and each row is scaled to SI.
 Record read_record_file(const std::filesystem::path& file, const std::vector<WantedChannel>& wanted,
                         const RecordFileOptions& options) {
-  if (measured_format(file) != nullptr || (!is_hdf5(file) && !is_plain_table(file)))
+  const bool by_dataset = is_hdf5(file) && !options.dataset.empty();
+  if (measured_format(file) != nullptr || (!by_dataset && (is_hdf5(file) || !is_plain_table(file))))
     return selected_from_all(file, wanted, options);
   RawRecord raw = read_raw(file, wanted, options);
   auto& [record, titles, times] = raw;

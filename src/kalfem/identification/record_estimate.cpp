@@ -211,6 +211,7 @@ RecordEstimate estimate_by_filter(const EstimationProblemPtr& problem, const Aug
                           .result = std::move(filtered.result),
                           .measurements = without(std::move(filtered.run.input.measured), screened.events),
                           .outliers = screened.outliers,
+                          .held_out = screened.held_out,
                           .events = std::move(screened.events)};
   estimate.settled = settled_samples(estimate.result, estimate.measurements, settings.settle);
   estimate.inputs = take_inputs(unknown_inputs, estimate.result.monitored);
@@ -253,8 +254,11 @@ RecordEstimate estimate_record(const EstimationProblemPtr& problem, const Augmen
   return estimate;
 }
 
-RecordEstimate estimate_record_in_bases_of_estimates(const EstimationProblemPtr& problem, AugmentedModelSetup& setup,
-                                                     const Record& record, const RecordEstimateOptions& options) {
+namespace {
+
+/// estimate_record(), repeated with finite elements that are reduced at the estimates.
+RecordEstimate estimate_in_bases_of_estimates(const EstimationProblemPtr& problem, AugmentedModelSetup& setup,
+                                              const Record& record, const RecordEstimateOptions& options) {
   auto estimate = estimate_record(problem, setup, record, options);
   if (setup.linear_unknowns.bindings.empty()) return estimate;
   for (estimate.reductions = 1; estimate.reductions < most_reductions && !estimate.result.failure;) {
@@ -267,6 +271,21 @@ RecordEstimate estimate_record_in_bases_of_estimates(const EstimationProblemPtr&
     const int reductions = estimate.reductions + 1;
     estimate = estimate_record(problem, setup, record, options);
     estimate.reductions = reductions;
+  }
+  return estimate;
+}
+
+}  // namespace
+
+RecordEstimate estimate_record_thoroughly(const EstimationProblemPtr& problem, AugmentedModelSetup& setup,
+                                          const Record& record, const RecordEstimateOptions& options) {
+  auto estimate = estimate_in_bases_of_estimates(problem, setup, record, options);
+  if (!problem->settings.diagnose) return estimate;
+  if (const auto& likelihood = estimate.likelihood) {
+    const CorrectedProblem& at = likelihood->corrected;
+    estimate.process_noise = study_process_noise(at.problem, at.setup, at.record, estimate);
+  } else {
+    estimate.process_noise = study_process_noise(problem, setup, record, estimate);
   }
   return estimate;
 }

@@ -11,6 +11,7 @@
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/identification/likelihood_unknowns.hpp"
 #include "kalfem/identification/parameter_jumps.hpp"
+#include "kalfem/identification/process_noise_study.hpp"
 #include "kalfem/identification/sensor_events.hpp"
 #include "kalfem/identification/unknown_inputs.hpp"
 
@@ -31,10 +32,13 @@ struct RecordEstimate {
   /// Of the sensors that the augmented model uses, without their gains and delays, and without the samples of faults.
   Record measurements;
   OutlierTreatment outliers = OutlierTreatment::keep;  ///< in the run that gave the result
+  std::vector<HeldOutSamples> held_out = {};           ///< in it
   std::vector<SensorEvent> events = {};                ///< what is wrong with the record or missing in it
   std::optional<ParameterJump> jump = {};              ///< a constant unknown that changes within the record
   Eigen::Index settled = 0;                            ///< first sample of the error and consistency figures
   ConsistencySummary consistency;
+  /// With other process noise, this estimate among them; empty where there is nothing to compare.
+  std::vector<ProcessNoiseTrial> process_noise = {};
   RobustCovariance robust;             ///< of the unknowns that do not drift, in the filter's state
   std::vector<EstimatedInput> inputs;  ///< excitations that were not measured
   /// From the whole record, where the settings ask for it and the filter did not fail; the monitored quantities are
@@ -71,9 +75,10 @@ RecordEstimate estimate_record(const EstimationProblemPtr& problem, const Augmen
                                const Record& record, const RecordEstimateOptions& options = {});
 
 /// The same. If linear unknowns end far from the values at which the finite elements were reduced, reduces these at the
-/// estimates, replaces `setup`, and runs over the record again. Throws InvalidInput if a reduction fails.
-RecordEstimate estimate_record_in_bases_of_estimates(const EstimationProblemPtr& problem, AugmentedModelSetup& setup,
-                                                     const Record& record, const RecordEstimateOptions& options = {});
+/// estimates, replaces `setup`, and runs over the record again. Then, unless the settings' `diagnose` is off, finds
+/// what depends on the process noise (study_process_noise()). Throws InvalidInput if a reduction fails.
+RecordEstimate estimate_record_thoroughly(const EstimationProblemPtr& problem, AugmentedModelSetup& setup,
+                                          const Record& record, const RecordEstimateOptions& options = {});
 
 /// The last estimates of the unknowns in the linear part of the filter's model.
 Eigen::VectorXd linear_estimates(const RecordEstimate& estimate);

@@ -123,8 +123,9 @@ EstimationOutcome run_estimation(const Study& study, AugmentedModelSetup& setup,
   const Stopwatch watch;
   const auto monitored = reported_quantities(*setup.model);
   EstimationOutcome outcome{
-      estimate_record_in_bases_of_estimates(study.problem, setup, record_of(study, results),
-                                            {monitored, samples_between_deviations(study.sample_rate()), progress}),
+      estimate_record_thoroughly(study.problem, setup, record_of(study, results),
+                                 {monitored, samples_between_deviations(study.sample_rate()), progress}),
+      {},
       {},
       {},
       {},

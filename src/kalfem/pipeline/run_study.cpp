@@ -159,6 +159,16 @@ VectorXd unknowns_at_start(const Study& study, const StudyResults& results) {
   return before.result.failure ? VectorXd() : VectorXd(before.result.unknowns.mean.rightCols(1));
 }
 
+/// The natural frequencies over time that the report asks for. Estimates that are not admissible have none.
+std::optional<FrequencyCourse> frequencies_of(const Study& study, const StructureParts& parts,
+                                              const AugmentedModelSetup& setup, StudyResults& results) try {
+  return frequency_course(*study.problem, parts, setup, *results.estimation, study.report.frequencies);
+} catch (const InvalidInput& error) {
+  results.warnings.push_back("no natural frequencies over time: an estimate is physically impossible on the way (" +
+                             error.issues().front().what + ")");
+  return std::nullopt;
+}
+
 std::optional<UpdatedParameters> updated_parameters(const StudyResults& results) {
   if (!results.updating) return std::nullopt;
   return UpdatedParameters{results.updating->values, results.updating->statistics};
@@ -198,8 +208,11 @@ StudyResults run_study(const Study& study, Step last, const RunOptions& options)
   if (results.complete() && last >= Step::estimate && augmented_model) {
     results.estimation = run_estimation(study, *augmented_model, results, options.progress);
     results.failure = results.estimation->failure();
-    results.estimation->diagnosis = look_for_cause(*study.problem, updated ? updated->parts : study.structure->parts,
-                                                   record_of(study, results), *results.estimation);
+    const StructureParts& parts = updated ? updated->parts : study.structure->parts;
+    results.estimation->diagnosis =
+        look_for_cause(*study.problem, parts, record_of(study, results), *results.estimation);
+    if (results.complete() && study.report.frequencies > 0)
+      results.estimation->frequencies = frequencies_of(study, parts, *augmented_model, results);
     if (results.complete() && !updated &&
         augmented_model->linear_unknowns.bindings
             .empty())  // otherwise the pictures have another basis than the augmented model

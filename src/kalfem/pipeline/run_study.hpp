@@ -7,6 +7,7 @@
 #include "kalfem/base/progress.hpp"
 #include "kalfem/diagnosis/diagnose.hpp"
 #include "kalfem/dynamics/converged_solution.hpp"
+#include "kalfem/identification/frequency_course.hpp"
 #include "kalfem/identification/record_estimate.hpp"
 #include "kalfem/pipeline/validation_outcome.hpp"
 #include "kalfem/prediction/base_driven.hpp"
@@ -66,8 +67,9 @@ struct EstimationOutcome : RecordEstimate {
   std::vector<PointQuantity> smoothed_points;  ///< the same from the whole record, where the case asks for it
   /// With unknown inputs: motions and forces whose standard deviation is more than half of their size.
   std::vector<std::string> hardly_known;
-  std::optional<FrequencyBand> band;   ///< of the excitation, if it has one
-  std::optional<Diagnosis> diagnosis;  ///< where the numbers contradict themselves: which mistake explains it
+  std::optional<FrequencyCourse> frequencies;  ///< over time, where the report asks for them
+  std::optional<FrequencyBand> band;           ///< of the excitation, if it has one
+  std::optional<Diagnosis> diagnosis;          ///< where the numbers contradict themselves: which mistake explains it
   double seconds = 0.0;
 };
 

@@ -98,9 +98,20 @@ void write_series(SeriesFile& file, const std::string& group, const std::vector<
   }
 }
 
+/// At instants of their own.
+void write_frequencies(SeriesFile& file, const FrequencyCourse& course) {
+  file.write("/estimate/frequencies/time", course.time, "s");
+  for (Eigen::Index m = 0; m < course.frequency.rows(); ++m) {
+    const std::string name = "/estimate/frequencies/mode_" + std::to_string(m + 1);
+    file.write(name, course.frequency.row(m).transpose(), "Hz");
+    file.write(name + "_std", course.deviation.row(m).transpose(), "Hz");
+  }
+}
+
 void write_estimate(SeriesFile& file, const EstimationOutcome& outcome) {
   const auto& names = outcome.augmented_model->options().unknowns;
   write_series(file, "/estimate", outcome.points, outcome.inputs, names, outcome.result.unknowns);
+  if (outcome.frequencies) write_frequencies(file, *outcome.frequencies);
   if (outcome.smoothed)
     write_series(file, "/smoothed", outcome.smoothed_points, outcome.smoothed_inputs, names,
                  outcome.smoothed->unknowns);

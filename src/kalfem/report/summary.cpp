@@ -11,6 +11,9 @@
 #include "kalfem/base/version.hpp"
 #include "kalfem/diagnosis/judge_estimation.hpp"
 #include "kalfem/identification/stated_interval.hpp"
+#include "kalfem/identification/walked_range.hpp"
+#include "kalfem/report/frequency_report.hpp"
+#include "kalfem/report/process_noise_report.hpp"
 #include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/study/structural_modifications.hpp"
@@ -139,6 +142,10 @@ Json parameters_summary(const Study& study, const EstimationOutcome& outcome) {
                                 {"moved_prior_std", number(beside_prior.moved)},
                                 {"shrinkage", number(beside_prior.shrinkage)},
                                 {"unit", unknown.unit}};
+    if (const auto range = walked_range(outcome, i)) {
+      parameters[unknown.name]["range"] = {number(range->least), number(range->greatest)};
+      parameters[unknown.name]["range_95"] = {number(range->lower), number(range->upper)};
+    }
   }
   if (outcome.likelihood) add_likelihood_unknowns(*outcome.likelihood, parameters);
   return parameters;
@@ -474,6 +481,9 @@ Json summarise(const Study& study, const StudyResults& results) {
     }
     summary["estimation"] = estimation_summary(*results.estimation);
     if (!results.estimation->events.empty()) summary["events"] = events_summary(*results.estimation);
+    if (!results.estimation->process_noise.empty())
+      summary["estimation"]["process_noise"] = process_noise_summary(*results.estimation);
+    if (const auto& course = results.estimation->frequencies) summary["frequencies"] = frequencies_summary(*course);
     if (results.estimation->smoothed) summary["smoothed"] = smoothed_summary(*results.estimation);
     if (const auto& diagnosis = results.estimation->diagnosis) summary["diagnosis"] = diagnosis_summary(*diagnosis);
   }

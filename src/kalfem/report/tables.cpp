@@ -8,7 +8,10 @@
 #include <map>
 
 #include "kalfem/identification/stated_interval.hpp"
+#include "kalfem/identification/walked_range.hpp"
 #include "kalfem/records/record.hpp"
+#include "kalfem/report/frequency_report.hpp"
+#include "kalfem/report/process_noise_report.hpp"
 #include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/updating_tables.hpp"
 #include "kalfem/study/structural_modifications.hpp"
@@ -114,9 +117,17 @@ Table parameter_table(const Study& study, const EstimationOutcome& outcome) {
     const auto& truth = study.augmented_model->true_parameters[i];
     const double estimate = outcome.result.unknowns.mean(row, last);
     const auto interval = stated_interval(outcome, row);
+    const auto range = walked_range(outcome, row);
+    const auto between = [](double least, double greatest) {
+      return four_digits(least) + " to " + four_digits(greatest);
+    };
     table.rows.push_back(
-        {unknown.name, unknown.unit, four_digits(unknown.initial), four_digits(estimate),
-         four_digits(interval.lower) + " to " + four_digits(interval.upper), interval.robust ? "robust std" : "std",
+        {unknown.name, unknown.unit, four_digits(unknown.initial),
+         range ? between(range->least, range->greatest) : four_digits(estimate),
+         range ? between(range->lower, range->upper) : between(interval.lower, interval.upper),
+         range             ? "all of the record"
+         : interval.robust ? "robust std"
+                           : "std",
          four_digits(outcome.result.unknowns.deviation(row, last)),
          std::isfinite(outcome.robust_deviation[row]) ? four_digits(outcome.robust_deviation[row]) : "-",
          truth ? four_digits(*truth) : "-", truth && *truth != 0.0 ? per_cent(estimate / *truth - 1.0) : "-"});
@@ -276,6 +287,15 @@ std::string mass_text(const FiniteElementPart& part) {
                             four_digits(moving[1]), four_digits(moving[2]));
 }
 
+namespace {
+
+bool depends_on_process_noise(const Verdict& verdict) {
+  return std::ranges::any_of(verdict.reasons(),
+                             [](const Reason& reason) { return reason.code == "process_noise_decides"; });
+}
+
+}  // namespace
+
 std::string console_report(const Study& study, const StudyResults& results) {
   std::string text;
   for (const auto& elements : study.structure->finite_elements) {
@@ -320,6 +340,10 @@ std::string console_report(const Study& study, const StudyResults& results) {
       text +=
           fmt::format("NIS {:.2f} (expected {:.2f}); {} of samples in the 95 % band\n", outcome.consistency.mean_nis,
                       outcome.consistency.expected_nis, per_cent(outcome.consistency.fraction_in_95));
+    if (outcome.frequencies)
+      text += "\nNatural frequencies over the record [Hz]\n" + to_text(frequencies_table(*outcome.frequencies)) + "\n";
+    if (depends_on_process_noise(results.verdict))
+      text += "\nEstimates against the process noise\n" + to_text(process_noise_table(outcome)) + "\n";
     for (const auto& event : outcome.events) text += sentence(event.text);
     if (!outcome.events.empty()) text += "\n";
     if (!outcome.has_samples())

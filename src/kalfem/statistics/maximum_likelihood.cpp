@@ -1,10 +1,10 @@
 #include "kalfem/statistics/maximum_likelihood.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <thread>
 #include <utility>
+
+#include "kalfem/base/parallel.hpp"
 
 namespace kalfem {
 
@@ -92,18 +92,10 @@ private:
   /// The log-densities at several points, side by side.
   std::vector<Densities> evaluate(const std::vector<VectorXd>& points) {
     std::vector<Densities> found(points.size());
-    std::atomic<std::size_t> next = 0;
-    const auto work = [&] {
-      for (std::size_t i = next++; i < points.size(); i = next++) {
-        found[i] = log_densities_(points[i]);
-        if (found[i] && !std::isfinite(found[i]->sum())) found[i].reset();
-      }
-    };
-    std::vector<std::thread> others;
-    const auto threads = std::min(points.size(), static_cast<std::size_t>(std::max(1, options_.threads)));
-    for (std::size_t i = 1; i < threads; ++i) others.emplace_back(work);
-    work();
-    for (auto& other : others) other.join();
+    for_each_index(points.size(), options_.threads, [&](std::size_t i) {
+      found[i] = log_densities_(points[i]);
+      if (found[i] && !std::isfinite(found[i]->sum())) found[i].reset();
+    });
     evaluations_ += static_cast<int>(points.size());
     return found;
   }

@@ -25,7 +25,10 @@ PredictionPlan make_prediction_plan(const description::Prediction& given) {
 }
 
 ReportPlan make_report_plan(const description::Report& given) {
-  ReportPlan plan{.modes = given.modes, .zoom = given.zoom, .superelements = given.superelements.value};
+  ReportPlan plan{.modes = given.modes,
+                  .frequencies = given.frequencies,
+                  .zoom = given.zoom,
+                  .superelements = given.superelements.value};
   if (given.fields) plan.pictures = PicturePlan{given.fields->substructure.value, given.fields->every};
   for (const auto& point : given.displacements) plan.displacements.push_back(point.value);
   return plan;

@@ -103,6 +103,7 @@ struct ReportPlan {
   std::optional<PicturePlan> pictures = {};
   int modes = 20;                               ///< natural frequencies of each substructure
   std::vector<std::string> displacements = {};  ///< points
+  int frequencies = 0;                          ///< natural ones of the whole structure, over time
   double zoom = 1.0;                            ///< [s]
   std::vector<MatrixFormat> superelements = {};
 };

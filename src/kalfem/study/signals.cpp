@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <map>
+#include <sstream>
 
 #include "kalfem/base/units.hpp"
 #include "kalfem/formats/record_file.hpp"
@@ -267,8 +269,9 @@ private:
   /// Tells the user which offset and velocity were removed as errors of the accelerometer.
   void tell(const GroundMotion::Removed& removed) {
     const auto three_digits = [](double value) {
-      const double unit = value == 0.0 ? 1.0 : std::pow(10.0, std::floor(std::log10(std::abs(value))) - 2.0);
-      return shortest(std::round(value / unit) * unit);
+      std::ostringstream text;
+      text << std::setprecision(3) << value;
+      return text.str();
     };
     all_.notes.remarks.push_back(
         "excitation '" + name_ + "': its acceleration is assumed to have an offset of " + three_digits(removed.offset) +

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <ranges>
+#include <set>
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/text.hpp"
@@ -287,6 +288,26 @@ bool is_plain_table(const std::filesystem::path& path) { return TableReader(path
 
 namespace {
 
+/// A scalar, or what programs write for one: an array of one element.
+bool is_one_number(const std::vector<Index>& shape) {
+  return std::ranges::all_of(shape, [](Index length) { return length == 1; });
+}
+
+/// A vector in the group of a dataset, with as many values, whose name says that it holds times.
+std::string times_beside(const Hdf5File& file, const std::string& dataset, Index samples) {
+  const std::string group = dataset.substr(0, dataset.rfind('/') + 1);
+  for (const char* name : {"t", "time", "Time", "times", "timestamps"}) {
+    const std::string beside = group + name;
+    if (beside == dataset || !file.contains(beside) || !file.holds_numbers(beside)) continue;
+    const auto shape = file.shape(beside);
+    Index length = 1;
+    for (const Index each : shape) length *= each;
+    if (length == samples && (shape.size() == 1 || (shape.size() == 2 && std::min(shape[0], shape[1]) == 1)))
+      return beside;
+  }
+  return "";
+}
+
 std::optional<double> number_beside(const Hdf5File& file, const std::string& dataset,
                                     std::initializer_list<const char*> names) {
   const std::string group = dataset.substr(0, dataset.rfind('/'));
@@ -294,7 +315,8 @@ std::optional<double> number_beside(const Hdf5File& file, const std::string& dat
     for (const std::string& object : {dataset, std::string("/")})
       if (file.has_attribute(object, name)) return file.number_attribute(object, name);
     const std::string beside = group + "/" + name;
-    if (file.contains(beside) && file.holds_numbers(beside) && file.shape(beside).empty()) return file.read(beside)[0];
+    if (file.contains(beside) && file.holds_numbers(beside) && is_one_number(file.shape(beside)))
+      return file.read(beside)[0];
   }
   return std::nullopt;
 }
@@ -314,20 +336,32 @@ std::string unit_of(const Hdf5File& file, const std::string& dataset, Index colu
 MeasuredFile read_measured_hdf5(const std::filesystem::path& path) {
   const auto file = Hdf5File::open(path.string());
   MeasuredFile measured{.format = "HDF5 file"};
+  std::set<std::string> times_of_others;
   for (const auto& dataset : file.datasets()) {
     const auto shape = file.shape(dataset);
-    if (!file.holds_numbers(dataset) || shape.empty() || shape.size() > 2 || shape[0] < 2) {
+    if (file.holds_numbers(dataset) && is_one_number(shape)) continue;
+    if (!file.holds_numbers(dataset) || shape.empty() || shape.size() > 2) {
       measured.skipped.push_back("dataset '" + dataset + "' is no table of numbers");
       continue;
     }
     const auto rate = number_beside(file, dataset, {"sample_rate", "sampling_rate", "fs_Hz", "fs", "sample_rate_Hz"});
-    const Eigen::MatrixXd values = file.read_matrix(dataset);
-    for (Index j = 0; j < values.cols(); ++j)
-      measured.channels.push_back({.name = values.cols() == 1 ? dataset : dataset + "[" + std::to_string(j) + "]",
-                                   .unit = unit_of(file, dataset, j),
-                                   .interval = rate && *rate > 0.0 ? 1.0 / *rate : 0.0,
-                                   .values = values.col(j)});
+    const auto interval = number_beside(file, dataset, {"dt", "time_step"});
+    Eigen::MatrixXd values = file.read_matrix(dataset);
+    if (values.rows() == 1) values.transposeInPlace();
+    const std::string times = times_beside(file, dataset, values.rows());
+    if (!times.empty()) times_of_others.insert(times);
+    for (Index j = 0; j < values.cols(); ++j) {
+      const std::string column = values.cols() == 1 ? "" : "[" + std::to_string(j) + "]";
+      MeasuredChannel channel{.name = dataset + column,
+                              .unit = unit_of(file, dataset, j),
+                              .interval = rate && *rate > 0.0 ? 1.0 / *rate : interval.value_or(0.0),
+                              .values = values.col(j),
+                              .other_names = {dataset.substr(dataset.rfind('/') + 1) + column}};
+      if (!times.empty()) set_times(channel, file.read(times));
+      measured.channels.push_back(std::move(channel));
+    }
   }
+  std::erase_if(measured.channels, [&](const auto& channel) { return times_of_others.contains(channel.name); });
   if (measured.channels.empty())
     throw InvalidInput(Issue{{path.string(), 0},
                              "the HDF5 file holds no table of numbers",
