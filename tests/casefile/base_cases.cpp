@@ -60,7 +60,7 @@ estimate:
   threads: 1
   diagnose: false
 predict: {substructure: body, substeps: 2}
-report: {displacements: [body.2], zoom: 0.2 s}
+report: {displacements: [body.2], frequencies: 2, zoom: 0.2 s}
 )";
 
 const std::string inputs = R"(kalfem: 1

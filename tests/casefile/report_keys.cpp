@@ -12,6 +12,15 @@ void titles() {
   EXPECT_EQ(summarise(study, results).at("title"), "A chain of two");
 }
 
+void frequencies_over_time() {
+  const auto course = [](const std::string& report) {
+    return run(study_of(estimated_case({{"report", report}})), Step::estimate).estimation->frequencies;
+  };
+  EXPECT_FALSE(course("").has_value());
+  ASSERT_TRUE(course("{frequencies: 1}").has_value());
+  EXPECT_EQ(course("{frequencies: 1}")->frequency.rows(), 1);
+}
+
 void numbers_of_modes() {
   const auto count = [](const std::string& report) {
     return run(study_of(beam_case({{"report", report}})), Step::modes).modes.at(0).frequencies.size();
@@ -104,6 +113,7 @@ KeyChecks report_keys() {
   return {{"title", titles},
           {"report.modes", numbers_of_modes},
           {"report.displacements", displacements},
+          {"report.frequencies", frequencies_over_time},
           {"report.zoom", zooms},
           {"report.fields.substructure", pictures},
           {"report.fields.every", pictures},

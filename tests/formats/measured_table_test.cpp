@@ -108,6 +108,28 @@ TEST_F(MeasuredTables, OfHdf5FilesAreTheirDatasets) {
   EXPECT_EQ(file.skipped.size(), 1u);
 }
 
+/// A vector a channel, with the rate or the times beside them, as programs write them; no dataset is named.
+TEST_F(MeasuredTables, OfHdf5FilesWithAVectorAChannelAreARecord) {
+  const auto path = folder_ / "vectors.h5";
+  {
+    auto file = Hdf5File::create(path.string());
+    file.write("/first/u", Eigen::Vector3d(1, 2, 3));
+    file.write("/first/fs", Eigen::VectorXd::Constant(1, 50.0));
+    file.write_matrix("/second/y", Eigen::RowVector4d(4, 5, 6, 7));
+    file.write("/second/time", Eigen::Vector4d(1.0, 1.5, 2.0, 2.5));
+    file.close();
+  }
+  const auto measured = read_measured_hdf5(path);
+  ASSERT_EQ(measured.channels.size(), 2u);  // neither the rate nor the times are channels
+  EXPECT_TRUE(measured.skipped.empty());
+  EXPECT_EQ(measured.channels[1].name, "/second/y");
+  EXPECT_DOUBLE_EQ(measured.channels[1].start, 1.0);
+  EXPECT_DOUBLE_EQ(measured.channels[1].interval, 0.5);
+  const Record record = read_record_file(path, {{.column = "u", .owner = "sensors.u", .unit = "m"}}, {});
+  EXPECT_DOUBLE_EQ(record.sample_rate, 50.0);
+  EXPECT_TRUE(record.values.isApprox(Eigen::RowVector3d(1, 2, 3)));
+}
+
 const char* const bench_table =
     "Test bench 7\r\nOperator;N. N.\r\n\r\nTime;Force;Stroke\r\ns;kN;[mm]\r\n"
     "0,0;1,5;-2,25\r\n0,5;2,5;3\r\n1,0;3,5;4\r\n";

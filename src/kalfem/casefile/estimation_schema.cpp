@@ -146,10 +146,10 @@ Schema<Estimation> estimation() {
                     "every sample counts in full, and dead, stuck or saturated sensors are not searched for"}}),
               "what the filter does with samples far from their prediction; except with keep, it leaves dead, stuck "
               "and saturated sensors out")
-          .optional(
-              "diagnose", &Estimation::diagnose, boolean(),
-              "where the results contradict themselves, repeat the run with single mistakes undone, to name the one "
-              "that explains it")
+          .optional("diagnose", &Estimation::diagnose, boolean(),
+                    "repeat the run with other process noise; where the results contradict themselves, with changes of "
+                    "single "
+                    "unknowns within the record, and with single mistakes undone, to name the one that explains it")
           .optional("smooth", &Estimation::smooth, boolean(),
                     "also estimate every sample from the whole record (fixed-interval smoother)"));
 }

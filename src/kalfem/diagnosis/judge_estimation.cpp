@@ -162,7 +162,9 @@ std::vector<Reason> reasons_of_jump(const RecordEstimate& estimate) {
 }
 
 /// The trial with up to three times as much or as little process noise in which an unknown moves furthest, if that is
-/// out of its 95 % interval. Of an unknown that walks, means along the record are compared.
+/// out of its 95 % interval and more than the trial's own deviation allows: of an estimate with the best noise and
+/// another one, the difference has the difference of their variances (Hausman 1978, Econometrica 46, 1251-1271). Of an
+/// unknown that walks, means along the record are compared.
 const ProcessNoiseTrial* furthest_out(const RecordEstimate& estimate, const ProcessNoiseTrial& stated, Index i) {
   constexpr double near = 3.1, band = 1.96;
   const auto& unknown = estimate.augmented_model->options().unknowns[static_cast<std::size_t>(i)];
@@ -174,6 +176,7 @@ const ProcessNoiseTrial* furthest_out(const RecordEstimate& estimate, const Proc
     const bool out = unknown.random_walk > 0.0 ? moved > band * stated.deviations[i]
                                                : value < interval.lower || value > interval.upper;
     if (trial.factor > near || trial.factor < 1.0 / near || !out || moved <= largest) continue;
+    if (moved <= band * trial.deviations[i]) continue;
     furthest = &trial;
     largest = moved;
   }

@@ -20,6 +20,9 @@ namespace {
 /// Of the largest T along a record: by chance above 16 in about 1 of 500 records (Andrews 1993, Table 1, continued).
 constexpr double worth_a_run = 16.0;
 constexpr double near_the_largest = 0.2;  ///< T of another unknown that is tried too
+constexpr std::size_t most_tried = 4;     ///< unknowns, of which the best
+constexpr std::size_t most_placed = 2;    ///< are placed
+constexpr int most_moves = 4;             ///< by one step
 constexpr double significant = 30.0;      ///< gain
 constexpr double trimmed = 0.02;          ///< of an unknown's information at either end
 constexpr Index coarse_parts = 64;        ///< of the record: the step to which every unknown's change is placed
@@ -84,10 +87,11 @@ public:
     return {unknown, sample, estimate(augmented_model_, input_, options)};
   }
 
-  /// Moves the change to the largest likelihood by steps that are halved from `step` down to `finest`.
+  /// Moves the change to the largest likelihood by steps that are halved from `step` down to `finest`. A step is
+  /// repeated a few times only: where the likelihood keeps rising, the change is nowhere near.
   [[nodiscard]] Trial placed(Trial best, Index step, Index finest) const {
     for (; step >= finest; step /= 2)
-      while (moves(best, step)) {
+      for (int i = 0; i < most_moves && moves(best, step); ++i) {
       }
     return best;
   }
@@ -153,11 +157,16 @@ std::optional<ParameterJump> find_parameter_jump(const AugmentedModel& augmented
   if (hints.front().statistic < worth_a_run) return std::nullopt;
   const JumpSearch search(augmented_model, input, std::move(options), first);
   const Index coarse = std::max<Index>(1, input.measured.samples() / coarse_parts);
-  std::optional<Trial> best;
+  std::vector<Trial> trials;
   for (const auto& hint : hints) {
     if (hint.statistic < std::max(worth_a_run, near_the_largest * hints.front().statistic)) break;
-    const Index unknown = history.unknowns[static_cast<std::size_t>(hint.unknown)];
-    Trial trial = search.placed(search.with_change(unknown, hint.sample), 4 * coarse, coarse);
+    if (trials.size() == most_tried) break;
+    trials.push_back(search.with_change(history.unknowns[static_cast<std::size_t>(hint.unknown)], hint.sample));
+  }
+  std::ranges::sort(trials, std::greater{}, &Trial::log_likelihood);
+  std::optional<Trial> best;
+  for (std::size_t i = 0; i < std::min(trials.size(), most_placed); ++i) {
+    Trial trial = search.placed(std::move(trials[i]), 4 * coarse, coarse);
     if (!best || trial.log_likelihood() > best->log_likelihood()) best = std::move(trial);
   }
   best = search.placed(*std::move(best), coarse / 2, 1);

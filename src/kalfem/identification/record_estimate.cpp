@@ -199,9 +199,10 @@ RecordEstimate estimate_by_filter(const EstimationProblemPtr& problem, const Aug
   if (settings.smooth && !filtered.result.failure) {
     smoothed = smooth(*filtered.run.choice.augmented_model, filtered.run.input, of_filter, filtered.result);
   }
-  const auto jump =
-      find_parameter_jump(*filtered.run.choice.augmented_model, filtered.run.input, of_filter, filtered.result,
-                          settled_samples(filtered.result, filtered.run.input.measured, settings.settle));
+  std::optional<ParameterJump> jump;
+  if (settings.diagnose && !substeps.limited)  // otherwise the estimates are those of the step, not of the record
+    jump = find_parameter_jump(*filtered.run.choice.augmented_model, filtered.run.input, of_filter, filtered.result,
+                               settled_samples(filtered.result, filtered.run.input.measured, settings.settle));
   RecordEstimate estimate{.filter = filtered.run.choice.filter,
                           .filter_reason = filtered.run.choice.reason,
                           .attempts = std::move(filtered.attempts),
@@ -280,7 +281,7 @@ RecordEstimate estimate_in_bases_of_estimates(const EstimationProblemPtr& proble
 RecordEstimate estimate_record_thoroughly(const EstimationProblemPtr& problem, AugmentedModelSetup& setup,
                                           const Record& record, const RecordEstimateOptions& options) {
   auto estimate = estimate_in_bases_of_estimates(problem, setup, record, options);
-  if (!problem->settings.diagnose) return estimate;
+  if (!problem->settings.diagnose || estimate.substeps.limited) return estimate;
   if (const auto& likelihood = estimate.likelihood) {
     const CorrectedProblem& at = likelihood->corrected;
     estimate.process_noise = study_process_noise(at.problem, at.setup, at.record, estimate);

@@ -23,7 +23,8 @@ MeasuredFile read_measured_table(const std::filesystem::path& path);
 bool is_plain_table(const std::filesystem::path& path);
 
 /// The numeric datasets of an HDF5 file: one column a channel, with the attributes sample_rate (fs, fs_Hz) and unit. A
-/// scalar of that name in its group states the rate as well.
+/// number of that name, or `dt`, in its group states the rate as well, and a vector `t` or `time` of their length the
+/// times. A channel is also known by the last part of its path.
 MeasuredFile read_measured_hdf5(const std::filesystem::path& path);
 
 }  // namespace kalfem
