@@ -115,6 +115,11 @@ TEST_F(Validation, StandsInEveryResult) {
   const auto& held_back = results.validation->held_back;
   EXPECT_EQ(summary["validation"]["x"]["nrmse"].get<double>(), held_back.nrmse[0]);
   EXPECT_EQ(summary["validation"]["a"]["nrmse_estimated_part"].get<double>(), results.validation->own.nrmse[1]);
+  // The model is right: one sample ahead, and open loop, all that is left is noise.
+  ASSERT_EQ(held_back.one_step.size(), held_back.nrmse.size());
+  EXPECT_EQ(summary["validation"]["a"]["one_step_nrmse"].get<double>(), held_back.one_step[1]);
+  for (std::size_t j = 0; j < held_back.nrmse.size(); ++j)
+    EXPECT_LT(held_back.one_step[j], 1.5 * held_back.noise[j]) << held_back.nrmse[j];
   EXPECT_EQ(summary["validation_record"]["start_s"].get<double>(), 2.01);
   EXPECT_EQ(summary["validation_record"]["end_s"].get<double>(), 4.0);
   EXPECT_EQ(summary["validation_record"]["compared_from_s"].get<double>(), 2.21);

@@ -56,6 +56,7 @@ EstimatedStructure structure_at_estimates(const Study& study, StructureParts par
   if (!study.problem || !results.estimation) return structure;
   structure.offsets = found_offsets(*study.problem, *results.estimation);
   structure.settings = study.problem->settings;
+  structure.settings.substeps = results.estimation->substeps.substeps;
   const auto unknowns = std::exchange(structure.settings.unknowns, {});
   const VectorXd estimates = results.estimation->result.unknowns.mean.rightCols(1);
   for (std::size_t i = 0; i < unknowns.size(); ++i)
@@ -120,22 +121,43 @@ Start estimated_start(const EstimationProblemPtr& problem, const AugmentedModelS
   return start;
 }
 
-/// Error and noise of each sensor over the samples that count, relative to its motion about its mean.
-void set_errors(OpenLoopComparison& comparison) {
+/// rms of the samples that are there.
+double rms_of_known(const VectorXd& values) {
+  const auto known = values.array().isFinite();
+  const double samples = std::max<double>(1.0, static_cast<double>(known.count()));
+  return std::sqrt(known.select(values.array().square(), 0.0).sum() / samples);
+}
+
+double mean_of_known(const VectorXd& values) {
+  const auto known = values.array().isFinite();
+  return known.select(values.array(), 0.0).sum() / std::max<double>(1.0, static_cast<double>(known.count()));
+}
+
+/// What the filter predicts one sample ahead with the parameters held, less what was measured; empty where it stops.
+MatrixXd one_step_errors(const EstimationProblemPtr& problem, AugmentedModelSetup setup, const Record& record) {
+  setup.options.keep_initial_state = false;
+  const auto filtered = run_filter(problem, setup, record,
+                                   {.unscented = problem->settings.unscented,
+                                    .threads = filter_threads(problem->settings),
+                                    .state_deviations = false});
+  return filtered.result.failure ? MatrixXd() : filtered.result.innovation;
+}
+
+/// Errors and noise of each sensor over the samples that count, relative to its motion about its mean.
+void set_errors(const MatrixXd& one_step, OpenLoopComparison& comparison) {
   const Index count = std::max<Index>(0, comparison.measured.samples_used() - comparison.first);
   for (Index j = 0; j < comparison.simulated.rows(); ++j) {
     const VectorXd measured = comparison.measured.values.row(j).segment(comparison.first, count);
     const VectorXd simulated = comparison.simulated.row(j).segment(comparison.first, count);
-    const auto known = measured.array().isFinite();
-    const double samples = std::max<double>(1.0, static_cast<double>(known.count()));
-    const double mean = known.select(measured.array(), 0.0).sum() / samples;
-    const double size = std::sqrt(known.select((measured.array() - mean).square(), 0.0).sum() / samples);
-    const double error = std::sqrt(known.select((simulated - measured).array().square(), 0.0).sum() / samples);
+    const double size = rms_of_known(measured.array() - mean_of_known(measured));
     const auto relative = [&](double part) {
       return size > 0.0 ? part / size : std::numeric_limits<double>::infinity();
     };
-    comparison.nrmse.push_back(relative(error));
+    comparison.nrmse.push_back(relative(rms_of_known(simulated - measured)));
     comparison.noise.push_back(relative(comparison.measured.channels[static_cast<std::size_t>(j)].noise));
+    if (one_step.rows() > 0)
+      comparison.one_step.push_back(
+          relative(rms_of_known(one_step.row(j).segment(comparison.first, count).transpose())));
   }
 }
 
@@ -157,10 +179,10 @@ OpenLoopComparison compare_open_loop(const Study& study, const EstimatedStructur
   OpenLoopComparison comparison{.measured = select_channels(record.record, names)};
   const auto& system = setup.model->system();
   Start start{at_rest(system.size(), system.connector_states()), VectorXd::Zero(std::ssize(names)), ""};
+  const bool has_state = system.size() + system.connector_states() > 0;  // a component's law may have none
   if (lead_in) {
     set_prior(range, setup.options.prior);
     comparison.first = lead_in_samples(*lead_in, comparison.measured);
-    const bool has_state = system.size() + system.connector_states() > 0;  // a component's law may have none
     if (has_state) start = estimated_start(problem, setup, record.record, comparison.first);
   }
   if (!start.failure.empty()) {
@@ -172,7 +194,7 @@ OpenLoopComparison compare_open_loop(const Study& study, const EstimatedStructur
   comparison.failure = open_loop_failure(simulated, comparison.measured, "the simulation with the estimates");
   if (!comparison.failure.empty()) return comparison;
   comparison.simulated = simulated.sensors.colwise() + start.rest;
-  set_errors(comparison);
+  set_errors(has_state ? one_step_errors(problem, setup, record.record) : MatrixXd(), comparison);
   return comparison;
 } catch (const InvalidInput& error) {
   return {.failure = "the estimates make no structure: " + error.issues().front().what};

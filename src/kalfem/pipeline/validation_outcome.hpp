@@ -15,7 +15,10 @@ struct OpenLoopComparison {
   Eigen::Index first = 0;     ///< first sample that counts: the initial state is estimated from those before
   std::vector<double> nrmse;  ///< one a sensor: rms(simulated - measured) / rms(measured about its mean)
   std::vector<double> noise;  ///< one a sensor: stated noise / rms(measured about its mean), the least error possible
-  std::string failure;        ///< in words, where there is nothing to compare
+  /// One a sensor: the same of what the filter predicts one sample ahead, with the parameters held; empty where it
+  /// stops, and where there is no state to predict.
+  std::vector<double> one_step;
+  std::string failure;  ///< in words, where there is nothing to compare
 };
 
 /// The estimates on data that they were not estimated from, and beside it the same on those that they were.

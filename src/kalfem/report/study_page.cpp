@@ -263,7 +263,7 @@ Section open_loop_section(const EstimationOutcome& outcome) {
 
 /// The part with each sensor as a whole, and zoomed behind the lead-in.
 Section validation_section(const Study& study, const ValidationOutcome& outcome) {
-  const auto& [measured, simulated, first, nrmse, noise, failure] = outcome.held_back;
+  const auto& [measured, simulated, first, nrmse, noise, one_step, failure] = outcome.held_back;
   Section section{"Validation", validation_words(study, outcome) + ".", {}};
   if (!failure.empty()) return section;
   section.items.emplace_back(validation_table(outcome));

@@ -365,6 +365,7 @@ Json validation_summary(const ValidationOutcome& outcome) {
     sensors[held_back.measured.channels[j].name] = {
         {"nrmse", number(held_back.nrmse[j])},
         {"nrmse_estimated_part", j < own.nrmse.size() ? number(own.nrmse[j]) : Json(nullptr)},
+        {"one_step_nrmse", j < held_back.one_step.size() ? number(held_back.one_step[j]) : Json(nullptr)},
         {"noise", number(held_back.noise[j])}};
   return sensors;
 }

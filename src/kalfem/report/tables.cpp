@@ -202,10 +202,12 @@ Table open_loop_table(const EstimationOutcome& outcome) {
 
 Table validation_table(const ValidationOutcome& outcome) {
   const auto& [held_back, own] = outcome;
-  Table table{"Open loop on the validation part", {"sensor", "NRMSE", "on the estimated part", "noise / rms"}, {}, {}};
+  Table table{"Open loop on the validation part", {"sensor", "NRMSE", "on the estimated part", "one step ahead", "noise / rms"}, {}, {}};
   for (std::size_t j = 0; j < held_back.nrmse.size(); ++j)
     table.rows.push_back({held_back.measured.channels[j].name, four_digits(held_back.nrmse[j]),
-                          j < own.nrmse.size() ? four_digits(own.nrmse[j]) : "-", four_digits(held_back.noise[j])});
+                          j < own.nrmse.size() ? four_digits(own.nrmse[j]) : "-",
+                          j < held_back.one_step.size() ? four_digits(held_back.one_step[j]) : "-",
+                          four_digits(held_back.noise[j])});
   return table;
 }
 
@@ -215,13 +217,13 @@ std::string validation_part_words(const ValidationPlan& plan) {
 }
 
 std::string validation_words(const Study& study, const ValidationOutcome& outcome) {
-  const auto& [measured, simulated, first, nrmse, noise, failure] = outcome.held_back;
+  const auto& held_back = outcome.held_back;
   const std::string part = validation_part_words(*study.validation);
-  if (!failure.empty()) return part + "; no comparison: " + failure;
+  if (!held_back.failure.empty()) return part + "; no comparison: " + held_back.failure;
   if (study.validation->from_rest) return part + ", open loop from rest";
   return part +
          fmt::format(", open loop; the initial state is estimated from the samples before {} s, which do not count",
-                     four_digits(measured.time(first)));
+                     four_digits(held_back.measured.time(held_back.first)));
 }
 
 std::string to_text(const Table& table) {
