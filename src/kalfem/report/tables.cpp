@@ -202,7 +202,10 @@ Table open_loop_table(const EstimationOutcome& outcome) {
 
 Table validation_table(const ValidationOutcome& outcome) {
   const auto& [held_back, own] = outcome;
-  Table table{"Open loop on the validation part", {"sensor", "NRMSE", "on the estimated part", "one step ahead", "noise / rms"}, {}, {}};
+  Table table{"Open loop on the validation part",
+              {"sensor", "NRMSE", "on the estimated part", "one step ahead", "noise / rms"},
+              {},
+              {}};
   for (std::size_t j = 0; j < held_back.nrmse.size(); ++j)
     table.rows.push_back({held_back.measured.channels[j].name, four_digits(held_back.nrmse[j]),
                           j < own.nrmse.size() ? four_digits(own.nrmse[j]) : "-",

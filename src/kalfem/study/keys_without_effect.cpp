@@ -151,7 +151,8 @@ private:
 
   void of_report() {
     if (!given_.estimate)
-      for (const char* key : {"displacements", "frequencies", "zoom"}) warn({"report", key}, "the case does not estimate");
+      for (const char* key : {"displacements", "frequencies", "zoom"})
+        warn({"report", key}, "the case does not estimate");
     if (!given_.estimate && !given_.simulate) warn({"report", "fields"}, "the case neither simulates nor estimates");
     if (has_finite_elements()) return;
     warn({"report", "modes"}, "the case has no finite elements");
