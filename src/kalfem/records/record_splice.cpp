@@ -140,8 +140,10 @@ double weighted_median(const std::vector<SpliceEvidence>& evidence) {
   const double total = std::accumulate(sorted.begin(), sorted.end(), 0.0,
                                        [](double sum, const SpliceEvidence& channel) { return sum + channel.weight; });
   double sum = 0.0;
-  for (const auto& channel : sorted)
-    if ((sum += channel.weight) >= 0.5 * total) return channel.missing;
+  for (const auto& channel : sorted) {
+    sum += channel.weight;
+    if (sum >= 0.5 * total) return channel.missing;
+  }
   return 0.0;
 }
 

@@ -297,7 +297,7 @@ bool is_one_number(const std::vector<Index>& shape) {
 std::string times_beside(const Hdf5File& file, const std::string& dataset, Index samples) {
   const std::string group = dataset.substr(0, dataset.rfind('/') + 1);
   for (const char* name : {"t", "time", "Time", "times", "timestamps"}) {
-    const std::string beside = group + name;
+    std::string beside = group + name;
     if (beside == dataset || !file.contains(beside) || !file.holds_numbers(beside)) continue;
     const auto shape = file.shape(beside);
     Index length = 1;
