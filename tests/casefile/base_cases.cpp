@@ -117,7 +117,7 @@ connectors:
       tone: {sine: {amplitude: 1 V, frequency: 3 Hz, phase: 0.1, fade_in: 0.1 s}}
       chirp: {sweep: {amplitude: 1 V, from: 1 Hz, to: 5 Hz, duration: 1 s, kind: linear, fade_in: 0.1 s}}
       level: {constant: 2 V}
-      column: {channel: f, file: input.csv, unit: V}
+      column: {channel: f, file: input.csv, unit: V, bridge_gaps: 20 ms, prepare: {remove_offset: {from: 0.1 s, to: 0.2 s}, remove_trend: true}}
 excitation:
   road: {base_displacement: wheel.ground, random: {rms: 3 mm, band: [0.5, 30 Hz], fade_in: 0.1 s}}
 sensors:
@@ -168,6 +168,7 @@ excitation:
     file: release.csv
     channel: f
     align: {channel: x, sensor: u}
+    bridge_gaps: 20 ms
     prepare: {remove_offset: {from: 1 s, to: 5 s}}
 sensors:
   u: {displacement: car.u, noise: 0.1 mm, channel: x, gain: 1, offset: 0 mm, delay: 0 s}
@@ -215,14 +216,18 @@ estimate: {unknown: {s.k1.stiffness: {initial: 2100, std: 10 %}}}
 std::string component_between(const std::string& motion, const std::string& base_motion) {
   return "kalfem: 1\ncomponent:\n  law: linear\n  parameters: {k: 2 kN/m, c: 30 N s/m}\n  motion: {" + motion +
          "}\n  base_motion: {" + base_motion +
-         "}\nsensors:\n  F: {force: component, noise: 1 N}\nsimulate: {duration: 0.5 s, sample_rate: 100 Hz}\n"
+         "}\nsensors:\n  F: {force: component, noise: 1 N, mass: 0.1 kg, mass_at: to}\nsimulate: {duration: 0.5 s, "
+         "sample_rate: 100 Hz}\n"
          "estimate:\n  unknown: {component.k: {initial: 1500, std: 500}}\n";
 }
 
 const std::string random_motion = "random: {rms: 5 mm, band: [0.5, 5 Hz]}",
                   sine_motion = "sine: {amplitude: 5 mm, frequency: 3 Hz}",
                   sweep_motion = "sweep: {amplitude: 5 mm, from: 1 Hz, to: 5 Hz}",
-                  measured_motion = "channel: f, file: input.csv, velocity: {channel: f, file: input.csv}";
+                  measured_column =
+                      "channel: f, file: input.csv, bridge_gaps: 20 ms, prepare: {remove_offset: {from: 0.1 s, to: 0.2 "
+                      "s}, remove_trend: true}",
+                  measured_motion = measured_column + ", velocity: {" + measured_column + "}";
 
 const std::string updating = R"(kalfem: 1
 substructures:

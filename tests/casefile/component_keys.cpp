@@ -1,4 +1,5 @@
 #include "casefile/probes.hpp"
+#include "kalfem/records/channel_preparation.hpp"
 #include "kalfem/system/signals/deterministic.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
 #include "kalfem/system/signals/sampled.hpp"
@@ -43,6 +44,35 @@ std::vector<Fed> fed() {
        1}};
 }
 
+/// Each key of `prepare`, at a column whose keys stand between the two texts, against the preparation itself.
+/// `derivative`: of the input that the column gives.
+void add_preparation_keys(const Fed& of, const std::string& prefix, const std::string& before, const std::string& after,
+                          Eigen::Index derivative, KeyChecks& checks) {
+  const auto check = [=](const std::string& text, const ChannelPreparation& asked) {
+    std::vector<double> column(400);
+    for (std::size_t k = 0; k < column.size(); ++k)
+      column[k] = 1.0 + 0.01 * double(k) + std::sin(0.2 * double(k)) + std::sin(1.1 * double(k));
+    write_file("w.csv", csv_of(100.0, {{"p", column}, {"s", std::vector<double>(column.size(), 1.0)}}));
+    PreparedRecord expected{{.sample_rate = 100.0,
+                             .channels = {{"p", "-"}},
+                             .values = Eigen::RowVectorXd::Map(column.data(), std::ssize(column))}};
+    prepare_channels(expected, asked);
+    const auto signal = make_sampled(expected.record.values.row(0).transpose(),
+                                     {.sample_rate = expected.record.sample_rate, .start = expected.record.start});
+    const Study study = of.study(before + "file: w.csv, channel: p, prepare: {" + text + "}" + after);
+    near(study.structure->signals.at(of.input)->sample(1.7, 1.0, 1)(0, derivative), signal->sample(1.7, 1.0, 1)(0, 0));
+  };
+  const auto add = [&](const std::string& key, const std::string& text, const ChannelPreparation& asked) {
+    checks[of.prefix + prefix + "prepare." + key] = [=] { check(text, asked); };
+  };
+  for (const std::string end : {"from", "to"})
+    add("remove_offset." + end, "remove_offset: {from: 1 s, to: 2 s}", {.offset = RecordPart{.from = 1.0, .to = 2.0}});
+  add("remove_trend", "remove_trend: true", {.trend = true});
+  add("high_pass", "high_pass: 5 Hz", {.high_pass = 5.0});
+  add("low_pass", "low_pass: 10 Hz", {.low_pass = 10.0});
+  add("sample_rate", "sample_rate: 50 Hz", {.sample_rate = 50.0});
+}
+
 void add_signal_keys(const Fed& of, KeyChecks& checks) {
   const auto same = [of](const std::string& text, const SignalPtr& expected) {
     same_signal(*of.study(text).structure->signals.at(of.input), *expected, 0.01, 40);
@@ -80,7 +110,21 @@ void add_signal_keys(const Fed& of, KeyChecks& checks) {
     same(std::string("file: w.csv, channel: p, sample_rate: 10 Hz, unit: ") + (length ? "mm" : "mV"),
          make_sampled(1e-3 * values, {.sample_rate = 10.0}));
   });
+  add_preparation_keys(of, "", "", "", 0, checks);
+  add({"bridge_gaps"}, [=] {
+    write_file("w.csv", "p\n0\n1\nnan\n3\n4\n");
+    const Study study = of.study("file: w.csv, channel: p, sample_rate: 10 Hz, bridge_gaps: 0.2 s");
+    near(signal_at(study, 0.2, of.input)[0], 2.0);
+  });
   if (!length) return;
+  add({"velocity.bridge_gaps"}, [=] {
+    write_file("w.csv", "p,q\n0,0\n1,1\n2,nan\n3,3\n4,4\n");
+    const Study study = of.study(
+        "file: w.csv, channel: p, sample_rate: 10 Hz, velocity: {file: w.csv, channel: q, sample_rate: 10 Hz, "
+        "bridge_gaps: 0.2 s}");
+    near(signal_at(study, 0.2, of.input)[1], 2.0);
+  });
+  add_preparation_keys(of, "velocity.", "file: w.csv, channel: s, velocity: {", "}", 1, checks);
   add({"velocity.channel", "velocity.file", "velocity.sample_rate", "velocity.unit"}, [=] {
     write_file("d.csv", "p,q\n0,1\n1,3\n4,2\n2,5\n");
     const Eigen::Vector3d at =

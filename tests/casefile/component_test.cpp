@@ -52,6 +52,23 @@ TEST(Component, ItsParametersAreFoundFromItsForce) {
   }
 }
 
+/// An expression's parameter has the unit that it was given in, or else that of its initial value as an unknown.
+TEST(Component, UnknownsOfExpressionsHaveUnits) {
+  const auto unit_of = [](const std::string& parameter, const std::string& initial) {
+    const auto study = study_of(changed(changed(machine, "k: 2 kN/m", "k: " + parameter), "initial: 1000, std: 1000",
+                                        "initial: " + initial + ", std: 50 %"));
+    const auto& unknown = study.problem->settings.unknowns.front();
+    EXPECT_NEAR(unknown.initial, 1000.0, 1e-9);
+    EXPECT_NEAR(unknown.deviation, 500.0, 1e-9);
+    return unknown.unit();
+  };
+  EXPECT_EQ(unit_of("2 kN/m", "1 kN/m"), "N/m");
+  EXPECT_EQ(unit_of("2 kN/m", "1000"), "N/m");
+  EXPECT_EQ(unit_of("2000", "1 kN/m"), "N/m");
+  EXPECT_EQ(unit_of("2000", "1000"), "");
+  EXPECT_THROW(unit_of("2 kN/m", "1 km"), InvalidInput);
+}
+
 /// f = k x + c v of a sine: nothing but the law stands between the imposed motion and the force.
 TEST(Component, ItsForceIsThatOfTheImposedMotion) {
   const auto results = results_of(R"(kalfem: 1

@@ -115,6 +115,22 @@ void prepared_signals() {
   EXPECT_THROW(aligned(", align: {channel: z, sensor: y}"), InvalidInput);
 }
 
+/// Lost samples between others lie on a spline; a longer gap, or one at an end, is refused.
+void bridged_gaps() {
+  const auto with_gap = [](int from, int to, const std::string& longest) {
+    std::vector<double> force(80);
+    for (int k = 0; k < 80; ++k) force[std::size_t(k)] = k >= from && k < to ? std::nan("") : std::sin(0.2 * k);
+    write_file("lost.csv", csv_of(40.0, {{"p", force}}));
+    return with_signal("file: lost.csv, channel: p, bridge_gaps: " + longest);
+  };
+  const auto study = with_gap(30, 32, "75 ms");
+  near(signal_at(study, 30.0 / 40.0)[0], std::sin(6.0), 1e-3);
+  near(signal_at(study, 31.0 / 40.0)[0], std::sin(6.2), 1e-3);
+  EXPECT_THROW(with_gap(30, 33, "75 ms"), InvalidInput);
+  EXPECT_THROW(with_gap(0, 1, "75 ms"), InvalidInput);
+  EXPECT_THROW(with_gap(30, 31, "0 s"), InvalidInput);
+}
+
 const std::vector<double> samples{0.0, 1.0, 4.0, 2.0, -1.0, 0.5, 3.0, 1.0};
 
 /// A column of a table with a time axis of its own, and of one without.
@@ -232,6 +248,7 @@ KeyChecks excitation_keys() {
                     {"delay", "align.channel", "align.sensor", "prepare.remove_offset.from", "prepare.remove_offset.to",
                      "prepare.remove_trend", "prepare.high_pass", "prepare.low_pass", "prepare.sample_rate"},
                     prepared_signals));
+  keys[at + "bridge_gaps"] = bridged_gaps;
   keys.merge(all_of(
       at, {"delayed.input", "delayed.delay", "trailing_axle.input", "trailing_axle.wheelbase", "trailing_axle.speed"},
       delayed_signals));

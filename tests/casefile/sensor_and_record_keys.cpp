@@ -39,6 +39,21 @@ void connector_quantities() {
   EXPECT_EQ(seen("rate: c"), (Eigen::Matrix<double, 3, 2>{{0, 0}, {-1, 1}, {0, 0}}));
 }
 
+/// A load cell feels the mass that it carries: f + m a of the end `to`, f - m a of the end `from`.
+void load_cells_with_mass() {
+  const auto carried = [](const std::string& more) {
+    const auto study = with_sensor("force: {c: 2}, noise: 1, mass: 3 kg" + more);
+    const auto map = make_outputs(*study.model, {study.sensors[0].output});
+    near(map.force(0, 0), 2.0);
+    return Eigen::MatrixXd(map.acceleration);
+  };
+  EXPECT_EQ(carried(""), (Eigen::Matrix<double, 1, 2>{0, 6}));
+  EXPECT_EQ(carried(", mass_at: to"), (Eigen::Matrix<double, 1, 2>{0, 6}));
+  EXPECT_EQ(carried(", mass_at: from"), (Eigen::Matrix<double, 1, 2>{-6, 0}));
+  EXPECT_THROW(with_sensor("displacement: s.a, noise: 1, mass: 3 kg"), InvalidInput);
+  EXPECT_THROW(with_sensor("force: c, noise: 1, mass: 0 kg"), InvalidInput);
+}
+
 void relative_to_the_base() {
   const auto base_part = [](const std::string& more) {
     const auto study = study_of(lumped_case({{"excitation", "{e: {base_acceleration: all, constant: 1}}"},
@@ -235,6 +250,32 @@ void calibrations_of_channels() {
   EXPECT_EQ(values(", delay: 0.2 s").array().isNaN().count(), 2);
 }
 
+/// A channel of another file stands at its own times; a file of another rate leaves the samples between missing.
+void channels_of_other_files() {
+  write_file("record.csv", csv_of(10.0, {{"y", ramp}}));
+  write_file("same.csv", csv_of(10.0, {{"z [mm]", fall}}));
+  write_file("slow.csv", csv_of(5.0, {{"z", std::vector<double>(ramp.begin(), ramp.begin() + 5)}}));
+  const auto with = [](const std::string& file, const std::string& more = "") {
+    return with_record("file: record.csv" + more, {{"sensors",
+                                                    "{y: {displacement: s.b, noise: 1}, z: {displacement: s.a, "
+                                                    "noise: 1, file: " +
+                                                        file + "}}"}})
+        .record->record;
+  };
+  const auto same = with("same.csv");
+  for (int k = 0; k < 10; ++k) near(same.values(0, k), ramp[std::size_t(k)]);
+  for (int k = 0; k < 10; ++k) near(same.values(1, k), 1e-3 * fall[std::size_t(k)]);
+  const auto slow = with("slow.csv", ", skip_missing: true");
+  near(slow.sample_rate, 10.0);
+  near(slow.values(1, 4), ramp[2]);
+  EXPECT_TRUE(std::isnan(slow.values(1, 3)));
+  EXPECT_THROW(with("absent.csv"), InvalidInput);
+  EXPECT_THROW(
+      with_record("file: record.csv", {{"sensors", "{y: {displacement: s.b, noise: 1, file: same.csv, channel: z}}"},
+                                       {"validate", "{record: {file: record.csv}}"}}),
+      InvalidInput);
+}
+
 /// From 0 to 1 in 5 s, and 1 for another 5 s.
 std::vector<double> ramp_and_hold() {
   std::vector<double> y(2000, 1.0);
@@ -408,6 +449,8 @@ KeyChecks sensor_and_record_keys() {
   };
   add("sensors.*.", {"displacement", "velocity", "acceleration"}, motions);
   add("sensors.*.", {"force", "deformation", "rate"}, connector_quantities);
+  add("sensors.*.", {"mass", "mass_at"}, load_cells_with_mass);
+  add("sensors.*.", {"file"}, channels_of_other_files);
   add("sensors.*.", {"relative"}, relative_to_the_base);
   add("sensors.*.", {"noise"}, noise_is_absolute_or_a_part_of_the_rms);
   for (const std::string family : {"butterworth", "bessel"})

@@ -120,7 +120,7 @@ struct Case {
       2,
       {{"strut", "wheel.w", "body.1", make_law("linear"), values({5e3, 20.0})},
        {"drift", "wheel.ground", "body.2",
-        make_law("expression", {.parameter_names = {"g"}, .force = "g*z", .states = {{{"z", "-", ""}, "0"}}}),
+        make_law("expression", {.parameters = {{"g"}}, .force = "g*z", .states = {{{"z", "-", ""}, "0"}}}),
         values({200.0})},
        {"push", "wheel.ground", "body.1", make_law("preload"), values({4.0})}},
       {{"road", InputKind::base_displacement, "wheel.ground"}, {"pull", InputKind::force, "body.2"}});

@@ -1,4 +1,5 @@
 #include "kalfem/records/channel_preparation.hpp"
+#include "kalfem/records/gap_bridge.hpp"
 
 #include <gtest/gtest.h>
 
@@ -145,6 +146,30 @@ TEST(ChannelPreparation, RefusesWhatCannotBe) {
   EXPECT_NE(refusal({.sample_rate = 200.0}).find("samples that were not measured"), std::string::npos);
   EXPECT_EQ(refusal({.offset = RecordPart{}, .trend = true, .high_pass = 1.0, .low_pass = 10.0, .sample_rate = 50.0}),
             "");
+}
+
+/// Samples between others lie on a spline through these; each other gap is told with its time and length.
+TEST(GapBridge, FillsShortGapsAndNamesTheOthers) {
+  PreparedRecord prepared{{.sample_rate = 100.0, .start = 2.0, .channels = {{"p", "N"}, {"q", "N"}}}};
+  prepared.record.values.resize(2, 200);
+  for (int k = 0; k < 200; ++k) prepared.record.values.col(k).setConstant(std::sin(0.1 * k));
+  const PreparedRecord whole = prepared;
+  for (const int k : {50, 51, 120}) prepared.record.values(0, k) = std::nan("");
+  PreparedRecord bridged = prepared;
+  bridge_gaps(bridged, 0.03);
+  EXPECT_LT((bridged.record.values - whole.record.values).cwiseAbs().maxCoeff(), 1e-4);
+  EXPECT_EQ(bridged.record.values.row(1), whole.record.values.row(1));
+  EXPECT_EQ(bridged.preparation, std::vector<std::string>{"3 missing samples of 'p' bridged by a spline"});
+  PreparedRecord ended = prepared;
+  ended.record.values(1, 199) = std::nan("");
+  try {
+    bridge_gaps(ended, 0.02);
+    FAIL();
+  } catch (const InvalidInput& error) {
+    ASSERT_EQ(error.issues().size(), 2u);
+    EXPECT_NE(error.issues()[0].what.find("a gap of 0.03 s at 2.49 s"), std::string::npos) << error.what();
+    EXPECT_NE(error.issues()[1].what.find("'q' has no value at its first or last sample"), std::string::npos);
+  }
 }
 
 }  // namespace

@@ -304,10 +304,10 @@ TEST(ConnectorLaw, SaysWhetherItUsesTheAcceleration) {
   cases.push_back({"stribeck", make_law("stribeck"), {12.0, 18.0, 0.05, 0.005, 1e3, 2.0}});
   cases.push_back({"linear", make_law("linear"), {5e3, 10.0}});
   cases.push_back({"preload", make_law("preload"), {7.0}});
-  cases.push_back({"polynomial", make_law("polynomial", {.parameter_names = {"k1", "c1"}}), {5e3, 10.0}});
+  cases.push_back({"polynomial", make_law("polynomial", {.parameters = {{"k1"}, {"c1"}}}), {5e3, 10.0}});
   cases.push_back({"linear_change", make_law("linear_change", {.nominal = {4e3, 8.0, 1.0}}), {5e3, 10.0, 2.0}});
-  cases.push_back({"with", make_law("expression", {.parameter_names = {"b"}, .force = "x + b*a"}), {2.0}});
-  cases.push_back({"without", make_law("expression", {.parameter_names = {"ba"}, .force = "x*ba + abs(v)"}), {2.0}});
+  cases.push_back({"with", make_law("expression", {.parameters = {{"b"}}, .force = "x + b*a"}), {2.0}});
+  cases.push_back({"without", make_law("expression", {.parameters = {{"ba"}}, .force = "x*ba + abs(v)"}), {2.0}});
   int users = 0;
   for (const auto& of : cases) {
     LawBench still(of), moving(of);

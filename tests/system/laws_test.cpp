@@ -318,7 +318,7 @@ TEST(BoucWen, HoldsThePublishedBenchmark) {
 
 TEST(LawLibrary, MakesEveryLawThatItLists) {
   for (const auto& entry : law_library()) {
-    const LawArguments arguments{.parameter_names = {"k1", "c1"}, .force = "k1*x + c1*v"};
+    const LawArguments arguments{.parameters = {{"k1"}, {"c1"}}, .force = "k1*x + c1*v"};
     EXPECT_EQ(make_law(entry.name, arguments)->name(), entry.name);
     EXPECT_FALSE(entry.equation.empty() || entry.meaning.empty() || entry.parameters.empty());
   }
@@ -334,8 +334,8 @@ TEST(LawLibrary, SuggestsTheNearestName) {
 }
 
 TEST(LawLibrary, PolynomialTakesItsDegreesFromTheNames) {
-  EXPECT_EQ(make_law("polynomial", {.parameter_names = {"k1", "k3", "c2"}})->parameters().size(), 5u);
-  EXPECT_THROW((void)make_law("polynomial", {.parameter_names = {"k1", "stiffness"}}), InvalidInput);
+  EXPECT_EQ(make_law("polynomial", {.parameters = {{"k1"}, {"k3"}, {"c2"}}})->parameters().size(), 5u);
+  EXPECT_THROW((void)make_law("polynomial", {.parameters = {{"k1"}, {"stiffness"}}}), InvalidInput);
   EXPECT_THROW((void)make_law("polynomial"), InvalidInput);
   EXPECT_THROW((void)polynomial_law(31, 0), InvalidInput);
   EXPECT_THROW((void)polynomial_law(-1, 3), InvalidInput);

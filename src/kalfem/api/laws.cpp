@@ -17,10 +17,10 @@ double difference_step(double x) { return std::max(6e-6 * std::abs(x), 1e-9); }
 
 using Eigen::Index;
 
-std::vector<std::string> names_of(const NamedValues& values) {
-  std::vector<std::string> names;
-  for (const auto& [name, value] : values) names.push_back(name);
-  return names;
+std::vector<LawQuantity> named(const NamedValues& values) {
+  std::vector<LawQuantity> quantities;
+  for (const auto& [name, value] : values) quantities.push_back({.name = name});
+  return quantities;
 }
 
 bool may_be_zero(Range range) { return range != Range::positive && range != Range::at_least_one; }
@@ -103,11 +103,11 @@ private:
 }  // namespace
 
 Law law(const std::string& name, const NamedValues& values) {
-  return with_values(make_law(name, {.parameter_names = names_of(values)}), values);
+  return with_values(make_law(name, {.parameters = named(values)}), values);
 }
 
 Law expression(const std::string& force, const NamedValues& values) {
-  return with_values(make_law("expression", {.parameter_names = names_of(values), .force = force}), values);
+  return with_values(make_law("expression", {.parameters = named(values), .force = force}), values);
 }
 
 Law law(const std::string& name, const NamedValues& values, ForceFunction force) {

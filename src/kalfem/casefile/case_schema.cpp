@@ -140,6 +140,15 @@ Schema<Sensor> sensor() {
           .optional("unit", &Sensor::unit, located(text()),
                     "unit of its column, if it differs from record.unit; for an acceleration, g is standard gravity; "
                     "default: the unit in the column's title, otherwise SI")
+          .optional("file", &Sensor::file, located(path()),
+                    "file of its channel, if it is another than record.file; its time is taken as it stands there")
+          .optional("mass", &Sensor::mass, located(number("kg", Bounds::positive())),
+                    "of a force sensor: mass between the load cell and the connector, whose inertia it measures too")
+          .optional(
+              "mass_at", &Sensor::mass_at,
+              choice<ConnectorEnd>({{"to", ConnectorEnd::to, "it measures force + mass a of the end `to`"},
+                                    {"from", ConnectorEnd::from, "it measures force - mass a of the end `from`"}}),
+              "the end of the connector that carries the mass")
           .optional("accept_constant", &Sensor::accept_constant, boolean(),
                     "accept a channel with the same value throughout; otherwise it is refused as a dead sensor")
           .optional("gain", &Sensor::gain, number("-"),

@@ -1,5 +1,6 @@
 #include "kalfem/casefile/component_schema.hpp"
 
+#include "kalfem/casefile/case_schema.hpp"
 #include "kalfem/casefile/plausible.hpp"
 
 namespace kalfem::description {
@@ -16,7 +17,10 @@ Fields<ChannelSignal> channel() {
       .optional("sample_rate", &ChannelSignal::sample_rate, number("Hz", plausible::frequency()),
                 "sampling rate, if the file has no time column; default for the file of the record: that of the record")
       .optional("unit", &ChannelSignal::unit, located(text()),
-                "unit of the column; default: the unit in its title, otherwise SI");
+                "unit of the column; default: the unit in its title, otherwise SI")
+      .optional("bridge_gaps", &ChannelSignal::bridge_gaps, number("s", plausible::time()),
+                "gaps up to this length, between two samples, are filled by a spline; default: none may be missing")
+      .optional("prepare", &ChannelSignal::prepare, channel_preparation(), "what is done to the column, in this order");
 }
 
 /// The member `signal` of a T, by one of the kinds.

@@ -102,6 +102,7 @@ struct FileSignal {
   Located<std::string> unit;  ///< if empty, the one in the column's title, otherwise SI
   double delay = 0.0;         ///< its clock is late by this [s]
   std::optional<Alignment> align;
+  double bridge_gaps = 0.0;  ///< longest gap that is filled [s]; 0: none may be
   ChannelPreparation prepare;
 };
 struct ChannelSignal {
@@ -109,6 +110,8 @@ struct ChannelSignal {
   std::optional<std::filesystem::path> file;  ///< if empty, that of the record
   std::optional<double> sample_rate;
   Located<std::string> unit;  ///< if empty, the one in the column's title, otherwise SI
+  double bridge_gaps = 0.0;   ///< longest gap that is filled [s]; 0: none may be
+  ChannelPreparation prepare;
 };
 struct Delayed {
   Name input;
@@ -198,6 +201,7 @@ using ObservedPoints =
     std::variant<Observed<ObservedQuantity::displacement>, Observed<ObservedQuantity::velocity>,
                  Observed<ObservedQuantity::acceleration>, Observed<ObservedQuantity::connector_force>,
                  Observed<ObservedQuantity::connector_deformation>, Observed<ObservedQuantity::connector_rate>>;
+enum class ConnectorEnd { from, to };
 struct Sensor {
   ObservedPoints observed;
   bool relative = false;
@@ -205,10 +209,13 @@ struct Sensor {
   std::vector<ChainSection> chain;  ///< measurement chain
   std::optional<std::string> channel;
   Located<std::string> unit;  ///< of the channel; if empty, that of the record or of the column's title, otherwise SI
-  bool accept_constant = false;  ///< the channel may hold one value throughout
-  double gain = 1.0;             ///< its channel holds gain signal(t - delay) + offset
-  std::optional<Value> offset;   ///< in the sensor's unit
-  double delay = 0.0;            ///< [s]
+  std::optional<Located<std::filesystem::path>> file;  ///< of the channel; if empty, that of the record
+  std::optional<Located<double>> mass;                 ///< between a load cell and its connector [kg]
+  ConnectorEnd mass_at = ConnectorEnd::to;             ///< the end that carries it
+  bool accept_constant = false;                        ///< the channel may hold one value throughout
+  double gain = 1.0;                                   ///< its channel holds gain signal(t - delay) + offset
+  std::optional<Value> offset;                         ///< in the sensor's unit
+  double delay = 0.0;                                  ///< [s]
 };
 
 struct FreeResponse {

@@ -130,6 +130,8 @@ Schema<Excitation> excitation() {
           .optional("delay", &FileSignal::delay, number("s", plausible::clock()), "the column is late by this")
           .optional("align", &FileSignal::align, mapping(alignment),
                     "find the delay of this file's clock behind that of the record")
+          .optional("bridge_gaps", &FileSignal::bridge_gaps, seconds(),
+                    "gaps up to this length, between two samples, are filled by a spline; default: none may be missing")
           .optional("prepare", &FileSignal::prepare, channel_preparation(),
                     "what is done to the column, in this order");
   const auto delayed = Fields<Delayed>()

@@ -193,7 +193,8 @@ void check_samples(const MeasuredChannel& channel, const StatedTimes& stated, co
   issues.add({file.string(), 0},
              "channel '" + channel.name + "' is not a number at " + rounded(stated.times.at(first)) + " s (" +
                  std::to_string((!finite).count()) + " samples in all)",
-             "every sample must be a finite number", "cut the record there, or set record.skip_missing: true");
+             "every sample must be a finite number",
+             "cut the record there, set record.skip_missing: true, or bridge_gaps of an input");
 }
 
 CommonGrid grid_of(const std::vector<StatedTimes>& times, const std::filesystem::path& file) try {

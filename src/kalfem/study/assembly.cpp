@@ -46,9 +46,14 @@ LumpedSubstructure make_substructure(const std::string& name, const description:
   return part;
 }
 
+/// SI unit of a value as it is given; empty for a bare number and for per cent.
+std::string given_unit(const description::Value& value) {
+  return value.value.bare || value.value.dimension == Dimension{} ? "" : si_unit(value.value.dimension);
+}
+
 LawArguments law_arguments(const description::Connector& given) {
   LawArguments arguments;
-  for (const auto& [name, value] : given.parameters) arguments.parameter_names.push_back(name);
+  for (const auto& [name, value] : given.parameters) arguments.parameters.push_back({name, given_unit(value)});
   arguments.force = given.force;
   for (const auto& [name, state] : given.states)
     arguments.states.push_back({{name, state.unit, "internal state"}, state.rate});

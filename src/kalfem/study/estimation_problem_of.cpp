@@ -115,6 +115,7 @@ public:
     Unknown unknown{.name = name, .targets = targets_of(name, names), .location = given.initial.location};
     if (unknown.targets.empty()) return std::nullopt;
     try {
+      take_unit(given, unknown);
       set_numbers(given, unknown);
       check_linear(unknown);
     } catch (const InvalidInput& error) {
@@ -155,7 +156,7 @@ private:
     return {};
   }
 
-  /// All share one value, so they need one unit. Parameters of expressions have none.
+  /// All share one value, so they need one unit. Parameters of expressions may have none.
   void check_units(const std::string& owner, const std::vector<Name>& names, const std::vector<Parameter>& targets) {
     const std::string& unit = targets.front().unit;
     for (const auto& other : targets) {
@@ -165,6 +166,14 @@ private:
                   "parameters that share a value need the same unit", "list parameters of the same kind");
       return;
     }
+  }
+
+  /// A parameter of an expression that was given as a bare number takes the unit of its initial value.
+  static void take_unit(const d::Unknown& given, Unknown& unknown) {
+    const auto& initial = given.initial.value;
+    if (initial.bare || initial.dimension == Dimension{}) return;
+    for (Parameter& target : unknown.targets)
+      if (target.of_connector() && target.unit.empty()) target.unit = si_unit(initial.dimension);
   }
 
   void set_numbers(const d::Unknown& given, Unknown& unknown) const {

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "kalfem/base/units.hpp"
 #include "kalfem/casefile/description.hpp"
+#include "kalfem/formats/measured_selection.hpp"
 #include "kalfem/formats/record_file.hpp"
 #include "kalfem/records/channel_calibration.hpp"
 #include "kalfem/system/sensors/output_map.hpp"
@@ -92,16 +94,61 @@ WantedChannel wanted_channel(const description::Case& given, const std::string& 
           .unit_given = sensor.unit.value.empty() ? given.record->unit : sensor.unit};
 }
 
-/// Rows of the file as they are, one a sensor. `spread`: see RecordFileOptions.
-Record read_channels(const description::Case& given, const std::vector<WantedChannel>& wanted,
-                     std::vector<std::string>& notes, bool* spread) {
+/// The file of a sensor's channel.
+const std::filesystem::path& file_of(const description::Case& given, const description::Sensor& sensor) {
+  return sensor.file ? sensor.file->value : given.record->file.value;
+}
+
+/// Rows of one file as they are, one a sensor. `spread`: see RecordFileOptions.
+Record read_file(const description::Case& given, const std::filesystem::path& file,
+                 const std::vector<WantedChannel>& wanted, std::vector<std::string>& notes, bool* spread) {
   const auto& asked = *given.record;
-  return read_record_file(asked.file.value, wanted,
+  return read_record_file(file, wanted,
                           {.sample_rate = asked.sample_rate,
                            .dataset = asked.group,
                            .missing = asked.skip_missing,
                            .spread = spread,
                            .notes = &notes});
+}
+
+/// A row of a record with its own time, and without the samples that it does not have where rows are `spread`.
+MeasuredChannel channel_of(const Record& record, Index row, const std::string& name, bool spread) {
+  MeasuredChannel channel{.name = name, .start = record.start, .interval = 1.0 / record.sample_rate};
+  channel.values = record.values.row(row).transpose();
+  if (!spread) return channel;
+  std::vector<Index> present;
+  for (Index k = 0; k < channel.values.size(); ++k)
+    if (std::isfinite(channel.values[k])) present.push_back(k);
+  channel.times.resize(std::ssize(present));
+  for (Index i = 0; i < channel.times.size(); ++i) channel.times[i] = record.time(present[static_cast<std::size_t>(i)]);
+  channel.values = channel.values(present).eval();
+  return channel;
+}
+
+/// Rows of the case's files, one a sensor, on the time that all share. `sensors`: of the case, one per wanted channel.
+Record read_channels(const description::Case& given, const std::vector<const description::Sensor*>& sensors,
+                     const std::vector<WantedChannel>& wanted, std::vector<std::string>& notes, bool* spread) {
+  std::map<std::filesystem::path, std::vector<std::size_t>> files;
+  for (std::size_t j = 0; j < sensors.size(); ++j) files[file_of(given, *sensors[j])].push_back(j);
+  if (files.size() == 1) return read_file(given, files.begin()->first, wanted, notes, spread);
+  MeasuredFile together{.format = "several files"};
+  together.channels.resize(wanted.size());
+  std::vector<WantedChannel> in_order;
+  for (const auto& each : wanted) in_order.push_back({.column = each.owner, .owner = each.owner, .unit = each.unit});
+  IssueList issues;
+  for (const auto& [file, places] : files) try {
+      std::vector<WantedChannel> of_file;
+      for (const std::size_t j : places) of_file.push_back(wanted[j]);
+      bool rates_differ = false;
+      const Record part = read_file(given, file, of_file, notes, &rates_differ);
+      for (std::size_t i = 0; i < places.size(); ++i)
+        together.channels[places[i]] = channel_of(part, static_cast<Index>(i), wanted[places[i]].owner, rates_differ);
+    } catch (const InvalidInput& error) {
+      issues.add(error, sensors[places.front()]->file.value_or(given.record->file).location);
+    }
+  issues.raise();
+  return select_record(together, in_order, {.missing = given.record->skip_missing, .spread = spread, .notes = &notes},
+                       given.record->file.value);
 }
 
 /// Filters need the samples between those that a channel of a lower rate has.
@@ -164,9 +211,13 @@ PreparedRecord read_prepared(const description::Case& given) {
   const auto& asked = *given.record;
   std::vector<std::string> notes;
   std::vector<WantedChannel> wanted;
-  for (const auto& [name, sensor] : given.sensors) wanted.push_back(wanted_channel(given, name, sensor));
+  std::vector<const description::Sensor*> sensors;
+  for (const auto& [name, sensor] : given.sensors) {
+    wanted.push_back(wanted_channel(given, name, sensor));
+    sensors.push_back(&sensor);
+  }
   bool spread = false;
-  PreparedRecord prepared{read_channels(given, wanted, notes, &spread)};
+  PreparedRecord prepared{read_channels(given, sensors, wanted, notes, &spread)};
   prepared.preparation = std::move(notes);
   Record& record = prepared.record;
   for (std::size_t j = 0; j < given.sensors.size(); ++j) record.channels[j].name = given.sensors[j].first;
@@ -208,8 +259,9 @@ PreparedRecord read_measured_record(const description::Case& given) {
 Record read_sensor_channel(const description::Case& given, const std::string& sensor) {
   const auto found = std::ranges::find(given.sensors, sensor, &std::pair<std::string, description::Sensor>::first);
   std::vector<std::string> notes;
-  return of_record(
-      given, [&] { return read_channels(given, {wanted_channel(given, sensor, found->second)}, notes, nullptr); });
+  return of_record(given, [&] {
+    return read_channels(given, {&found->second}, {wanted_channel(given, sensor, found->second)}, notes, nullptr);
+  });
 }
 
 void check_noise(const Study& study, const Record& record, const std::string& channel) {

@@ -29,6 +29,24 @@ Sensor make_sensor(const std::string& name, const d::Sensor& given, const Source
   return sensor;
 }
 
+/// The masses that a load cell carries beside its connectors: f + m a of the end `to`, f - m a of the end `from`.
+DofCombination carried_masses(const CaseStudy& study, const d::Sensor& given, const OutputDescription& output) {
+  if (!given.mass) return {};
+  if (output.quantity != ObservedQuantity::connector_force)
+    throw InvalidInput(given.mass->issue("a mass of " + shortest(given.mass->value) + " kg is given",
+                                         "only a load cell measures the inertia of what it carries",
+                                         "remove it, or write force: CONNECTOR"));
+  DofCombination masses;
+  const bool at_to = given.mass_at == d::ConnectorEnd::to;
+  for (const auto& [name, weight] : output.points) {
+    const auto& connectors = study.structure->parts.connectors;
+    const auto connector = std::ranges::find(connectors, name, &ConnectorDescription::name);
+    if (connector == connectors.end()) continue;  // make_outputs() says so
+    masses[at_to ? connector->to : connector->from] += (at_to ? weight : -weight) * given.mass->value;
+  }
+  return masses;
+}
+
 /// A sensor relative to the base needs a base that moves as a whole.
 void check_relative(const CaseStudy& study, const d::Sensor& given, const d::Points& points, IssueList& issues) {
   const bool uniform = std::ranges::any_of(
@@ -51,6 +69,7 @@ std::vector<Sensor> make_sensors(const CaseStudy& study, IssueList& issues) {
     try {
       sensors.push_back(make_sensor(name, given, study.given.source.at({"sensors", name})));
       std::visit([&](const auto& observed) { check_relative(study, given, observed.points, issues); }, given.observed);
+      sensors.back().output.carried_masses = carried_masses(study, given, sensors.back().output);
       make_outputs(*study.model, {sensors.back().output});
     } catch (const InvalidInput& error) {
       issues.add(error, location);

@@ -6,6 +6,7 @@
 
 #include "kalfem/base/units.hpp"
 #include "kalfem/formats/record_file.hpp"
+#include "kalfem/records/gap_bridge.hpp"
 #include "kalfem/study/alignment.hpp"
 #include "kalfem/study/assembly.hpp"
 #include "kalfem/system/signals/deterministic.hpp"
@@ -194,19 +195,20 @@ private:
                               .name = name_});
   }
   SignalPtr from(const d::FileSignal& g) {
-    PreparedRecord prepared{read_record_file(g.file,
-                                             {{.column = g.channel.value,
-                                               .owner = "excitation." + name_,
-                                               .unit = unit_,
-                                               .unit_key = "excitation." + name_ + ".unit",
-                                               .unit_given = g.unit}},
-                                             {.sample_rate = g.sample_rate, .interpolate = true})};
+    PreparedRecord prepared{read_record_file(
+        g.file,
+        {{.column = g.channel.value,
+          .owner = "excitation." + name_,
+          .unit = unit_,
+          .unit_key = "excitation." + name_ + ".unit",
+          .unit_given = g.unit}},
+        {.sample_rate = g.sample_rate, .missing = g.bridge_gaps > 0.0, .interpolate = !(g.bridge_gaps > 0.0)})};
+    if (g.bridge_gaps > 0.0) bridge_gaps(prepared, g.bridge_gaps);
     prepare_channels(prepared, g.prepare);
     Record& table = prepared.record;
     if (g.align) prepared.preparation.push_back(align(table, g));
     table.start -= g.delay;
-    for (const auto& words : prepared.preparation)
-      all_.notes.preparation.push_back("excitation '" + name_ + "': " + words);
+    tell_preparation("excitation '" + name_ + "'", prepared);
     const auto signal = sampled(table);
     return integrated({.start = table.start, .step = 1.0 / table.sample_rate, .knots = table.samples()}, signal);
   }
@@ -239,16 +241,24 @@ private:
       throw InvalidInput(
           column.channel.issue("the case has no record to take the channel '" + column.channel.value + "' from",
                                "a channel without a file is one of the record", "give `record` or `file`"));
-    RecordFileOptions options{.sample_rate = column.sample_rate};
+    RecordFileOptions options{.sample_rate = column.sample_rate, .missing = column.bridge_gaps > 0.0};
     if (!column.file) options.dataset = record->group;
     if (!column.file && !column.sample_rate) options.sample_rate = record->sample_rate;
-    return read_record_file(column.file ? *column.file : record->file.value,
-                            {{.column = column.channel.value,
-                              .owner = name_,
-                              .unit = unit,
-                              .unit_key = name_ + ".unit",
-                              .unit_given = column.unit}},
-                            options);
+    PreparedRecord prepared{read_record_file(column.file ? *column.file : record->file.value,
+                                             {{.column = column.channel.value,
+                                               .owner = name_,
+                                               .unit = unit,
+                                               .unit_key = name_ + ".unit",
+                                               .unit_given = column.unit}},
+                                             options)};
+    if (column.bridge_gaps > 0.0) bridge_gaps(prepared, column.bridge_gaps);
+    prepare_channels(prepared, column.prepare);
+    tell_preparation("channel '" + column.channel.value + "'", prepared);
+    return prepared.record;
+  }
+
+  void tell_preparation(const std::string& of, const PreparedRecord& prepared) const {
+    for (const auto& words : prepared.preparation) all_.notes.preparation.push_back(of + ": " + words);
   }
 
   /// The displacement, if wanted, of an acceleration with frequencies up to `highest` [Hz].

@@ -54,6 +54,11 @@ d::Case case_of_validation(const d::Case& given, IssueList& issues) {
       issues.add(file.location, file.path + ": there is no excitation '" + name + "'", "",
                  "name one of the case's `excitation`");
   if (!validate.record) return other;
+  for (const auto& [name, sensor] : given.sensors)
+    if (sensor.file)
+      issues.add(given.validate->location, "validate: sensor '" + name + "' has a file of its own",
+                 "its course during another record is not known",
+                 "validate on another part of the case's own record: validate.start and end");
   for (auto& [name, excitation] : other.excitation) {
     const auto own =
         std::ranges::find(validate.excitation, name, &std::pair<std::string, Located<std::filesystem::path>>::first);

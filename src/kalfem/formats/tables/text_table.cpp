@@ -159,14 +159,13 @@ void NumberRows::add(int line, const std::vector<std::string_view>& cells, FileP
     const bool usable = number && std::isfinite(*number), missing = is_missing_value(cell);
     numbers_.push_back(usable ? *number : NAN);
     if (usable || (missing && missing_from_ && i >= *missing_from_)) continue;
-    problems.add(
-        line,
-        "column '" + names_[columns_[i]] + "' " +
-            (cell.empty() ? "is empty" : "holds '" + std::string(cell.substr(0, 40)) + "'"),
-        "every sample must be a finite number",
-        missing && !missing_from_
-            ? "repair or cut the record here, omit the column, or allow missing samples (record.skip_missing: true)"
-            : "repair or cut the record here, or omit the column");
+    problems.add(line,
+                 "column '" + names_[columns_[i]] + "' " +
+                     (cell.empty() ? "is empty" : "holds '" + std::string(cell.substr(0, 40)) + "'"),
+                 "every sample must be a finite number",
+                 missing && !missing_from_ ? "repair or cut the record here, omit the column, or allow missing samples "
+                                             "(record.skip_missing: true, or bridge_gaps of an input)"
+                                           : "repair or cut the record here, or omit the column");
   }
 }
 
@@ -199,13 +198,13 @@ void find_gaps(const Eigen::VectorXd& stamps, const std::vector<int>& lines, dou
     const double found = stamps(k) - stamps(k - 1);
     if (std::abs(found - interval) <= tolerance) continue;
     const double missing = std::round(found / interval) - 1.0;
-    problems.add(
-        lines[static_cast<std::size_t>(k)],
-        "'" + column + "' runs from " + shown(stamps(k - 1)) + " s to " + shown(stamps(k)) + " s",
-        found <= 0.0 ? "time must increase"
-                     : "the usual interval is " + shown(interval) + " s" +
-                           (missing >= 1.0 ? "; " + shown(missing) + " samples are missing" : ""),
-        "cut the record here, resample it to equal intervals, or let samples be missing (record.skip_missing: true)");
+    problems.add(lines[static_cast<std::size_t>(k)],
+                 "'" + column + "' runs from " + shown(stamps(k - 1)) + " s to " + shown(stamps(k)) + " s",
+                 found <= 0.0 ? "time must increase"
+                              : "the usual interval is " + shown(interval) + " s" +
+                                    (missing >= 1.0 ? "; " + shown(missing) + " samples are missing" : ""),
+                 "cut the record here, resample it to equal intervals, or let samples be missing (record.skip_missing: "
+                 "true, or bridge_gaps of an input)");
   }
 }
 

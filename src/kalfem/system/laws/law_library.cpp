@@ -19,7 +19,8 @@ int degree_of(const std::string& name) {
 ConnectorLawPtr polynomial_of(const LawArguments& arguments) {
   int stiffness_degree = 0, damping_degree = 0;
   IssueList issues;
-  for (const auto& name : arguments.parameter_names) {
+  for (const auto& parameter : arguments.parameters) {
+    const std::string& name = parameter.name;
     const int degree = degree_of(name);
     if (degree == 0)
       issues.add({}, "polynomial: the parameter '" + name + "'", "coefficients are named k1, k2, ... and c1, c2, ...",
@@ -37,8 +38,8 @@ ConnectorLawPtr expression_of(const LawArguments& arguments) {
                                .states = arguments.states,
                                .signals = arguments.signals,
                                .lets = arguments.lets};
-  for (const auto& name : arguments.parameter_names)
-    options.parameters.push_back({name, "", "defined by the expression"});
+  for (const auto& parameter : arguments.parameters)
+    options.parameters.push_back({parameter.name, parameter.unit, "defined by the expression"});
   return expression_law(options);
 }
 
@@ -61,7 +62,7 @@ const std::vector<Entry>& entries() {
        "f = sum_i k_i d^i + sum_i c_i v^i",
        "polynomial spring and damper of any degree, including even terms",
        polynomial_of,
-       {.parameter_names = {"k1", "k2", "k3", "c1"}}},
+       {.parameters = {{"k1"}, {"k2"}, {"k3"}, {"c1"}}}},
       {"gap", "f = k d + c v + stops: k_stop overlap + c_stop v while in contact and pushing",
        "bump stop on one or both sides", [](const auto&) { return gap_law(); }},
       {"coulomb", "f = k d + c v + f_c tanh(v/v_ref)", "dry (Coulomb) friction, regularised",
@@ -85,7 +86,7 @@ const std::vector<Entry>& entries() {
        "f = an expression of x, v, a, the parameters, the states and the signals",
        "a law written as an expression",
        expression_of,
-       {.parameter_names = {"k", "c"}, .force = "k*x + c*v"}},
+       {.parameters = {{"k"}, {"c"}}, .force = "k*x + c*v"}},
   };
   return all;
 }

@@ -102,9 +102,9 @@ inline const std::string signal_law_name = "signal";
 
 /// What some laws need beside their name; the other laws ignore it.
 struct LawArguments {
-  /// Names of the parameters that the case gives. polynomial: k1 .. kN, c1 .. cM set the degrees; expression: its
-  /// parameters.
-  std::vector<std::string> parameter_names = {};
+  /// The parameters that are given. polynomial: k1 .. kN, c1 .. cM set the degrees; expression: its parameters, with
+  /// the unit that each was given in, empty for a bare number.
+  std::vector<LawQuantity> parameters = {};
   LinearNominal nominal = {};                ///< linear_change
   std::string force = {};                    ///< expression
   std::vector<ExpressionState> states = {};  ///< expression

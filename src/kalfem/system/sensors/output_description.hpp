@@ -25,6 +25,9 @@ struct OutputDescription {
   ObservedQuantity quantity = ObservedQuantity::acceleration;
   DofCombination points;          ///< sum of coefficient times quantity, by qualified point or by connector
   bool relative_to_base = false;  ///< with base_acceleration inputs: leave the base's own motion out
+  /// Masses [kg] between a load cell and the connectors whose force it measures: mass times acceleration of each point
+  /// is measured too.
+  DofCombination carried_masses = {};
 };
 
 }  // namespace kalfem

@@ -41,12 +41,6 @@ void add_connector(OutputMap& map, RowEntries& entries, Eigen::Index row, const 
   }
 }
 
-void set_connector_row(OutputMap& map, RowEntries& entries, Eigen::Index row, const LocallyNonlinearSystem& system,
-                       const OutputDescription& output) {
-  for (const auto& [connector, weight] : output.points)
-    add_connector(map, entries, row, system, output.quantity, connector_index(system, connector), weight);
-}
-
 /// The motion of a sum of points, each with its weight.
 PointMotion combined_motion(const CoupledModel& model, const DofCombination& points) {
   PointMotion sum{Eigen::VectorXd::Zero(model.system().size()), Eigen::VectorXd::Zero(model.system().input_count())};
@@ -56,6 +50,23 @@ PointMotion combined_motion(const CoupledModel& model, const DofCombination& poi
     sum.base += coefficient * motion.base;
   }
   return sum;
+}
+
+/// Adds the absolute acceleration of a sum of points, or without the base's share.
+void add_acceleration(OutputMap& map, RowEntries& entries, Eigen::Index row, const CoupledModel& model,
+                      const PointMotion& motion, bool relative_to_base) {
+  set_row(entries.acceleration, row, motion.dofs);
+  map.input_acceleration.row(row) += motion.base.transpose();
+  if (!relative_to_base) map.input_value.row(row) += motion.dofs.transpose() * model.base_accelerations();
+}
+
+void set_connector_row(OutputMap& map, RowEntries& entries, Eigen::Index row, const CoupledModel& model,
+                       const OutputDescription& output) {
+  for (const auto& [connector, weight] : output.points)
+    add_connector(map, entries, row, model.system(), output.quantity, connector_index(model.system(), connector),
+                  weight);
+  if (output.carried_masses.empty()) return;
+  add_acceleration(map, entries, row, model, combined_motion(model, output.carried_masses), false);
 }
 
 void set_point_row(OutputMap& map, RowEntries& entries, Eigen::Index row, const CoupledModel& model,
@@ -71,9 +82,7 @@ void set_point_row(OutputMap& map, RowEntries& entries, Eigen::Index row, const 
       map.input_rate.row(row) = motion.base.transpose();
       break;
     default:
-      set_row(entries.acceleration, row, motion.dofs);
-      map.input_acceleration.row(row) = motion.base.transpose();
-      if (!output.relative_to_base) map.input_value.row(row) += motion.dofs.transpose() * model.base_accelerations();
+      add_acceleration(map, entries, row, model, motion, output.relative_to_base);
   }
 }
 
@@ -117,7 +126,7 @@ OutputMap make_outputs(const CoupledModel& model, const std::vector<OutputDescri
     try {
       if (output.points.empty()) throw InvalidInput("it does not measure anything", "", "name a point or a connector");
       if (is_of_connector(output.quantity))
-        set_connector_row(map, entries, row, system, output);
+        set_connector_row(map, entries, row, model, output);
       else
         set_point_row(map, entries, row, model, output);
     } catch (const InvalidInput& error) {
