@@ -31,8 +31,9 @@ def table(rows, columns=None):
     rows = list(rows)
     columns = columns or list(dict.fromkeys(key for row in rows for key in row))
     head = "".join(f"<th style='text-align:left'>{escape(str(column))}</th>" for column in columns)
-    lines = ["".join(f"<td style='text-align:left'>{_cell(row.get(key))}</td>" for key in columns) for row in rows]
-    return f"<table><thead><tr>{head}</tr></thead><tbody>" + "".join(f"<tr>{x}</tr>" for x in lines) + "</tbody></table>"
+    cells = ["".join(f"<td style='text-align:left'>{_cell(row.get(key))}</td>" for key in columns) for row in rows]
+    body = "".join(f"<tr>{line}</tr>" for line in cells)
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
 
 def _cell(value):
@@ -91,7 +92,7 @@ def structure_html(structure):
     """Substructures, connectors and inputs of a structure.
 
     Each of ``structure.substructures``, ``.connectors`` and ``.inputs`` is a list of dictionaries, whose keys become
-    the columns: ``{"name": "mount", "from": "body.1", "to": "ground", "law": "polynomial", "parameters": {"k1": 1e4}}``.
+    the columns: ``{"name": "mount", "from": "body.1", "to": "ground", "law": "linear", "parameters": {"k": 1e4}}``.
     """
     parts = []
     for title in ("substructures", "connectors", "inputs"):
