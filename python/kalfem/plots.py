@@ -201,12 +201,12 @@ def modes(found, count=6, ax=None):
     Parameters
     ----------
     found : object
-        With ``frequencies`` [Hz], ``shapes`` (points x modes) and ``points``, the names of the rows: what ``kf.modes``
+        With ``frequencies`` [Hz], ``shapes`` (dofs x modes) and ``dofs``, the names of the rows: what ``kf.modes``
         returns.
     """
     count = min(count, len(found.frequencies))
     figure, axes = _axes(count, ax, height=1.4, sharex=True)
-    place = np.arange(len(found.points))
+    place = np.arange(len(found.dofs))
     for ax, frequency, shape in zip(axes, found.frequencies, np.asarray(found.shapes).T):
         shape = shape / np.max(np.abs(shape))
         ax.axhline(0, color="#999999", lw=0.8)
@@ -215,7 +215,7 @@ def modes(found, count=6, ax=None):
         ax.set_ylabel(f"{rounded(float(frequency))} Hz")
     last = axes[-1]
     if len(place) <= 30:
-        last.set_xticks(place, found.points, rotation=45, ha="right")
+        last.set_xticks(place, found.dofs, rotation=45, ha="right")
     else:
         last.set_xlabel("degree of freedom")
     return figure

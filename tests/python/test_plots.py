@@ -70,7 +70,7 @@ def test_the_law_is_force_against_deformation(memory_run):
 
 def test_modes():
     shapes = np.array([[1.0, 1.0], [2.0, -0.5]])
-    found = SimpleNamespace(frequencies=np.array([3.0, 8.0]), shapes=shapes, points=["body.1", "body.2"])
+    found = SimpleNamespace(frequencies=np.array([3.0, 8.0]), shapes=shapes, dofs=["body.1", "body.2"])
     axes = plots.modes(found).axes
     assert [ax.get_ylabel() for ax in axes] == ["3.000 Hz", "8.000 Hz"]
     assert axes[0].lines[1].get_ydata().tolist() == [0.5, 1.0]
