@@ -26,10 +26,10 @@ def rounded(value, std=None):
     return f"{round(value, decimals):.{max(decimals, 0)}f}"
 
 
-def table(rows, columns=None):
-    """An HTML table of dictionaries; a list is shown as a sequence of words."""
+def table(rows):
+    """An HTML table of dictionaries; their keys are the columns."""
     rows = list(rows)
-    columns = columns or list(dict.fromkeys(key for row in rows for key in row))
+    columns = dict.fromkeys(key for row in rows for key in row)
     head = "".join(f"<th style='text-align:left'>{escape(str(column))}</th>" for column in columns)
     cells = ["".join(f"<td style='text-align:left'>{_cell(row.get(key))}</td>" for key in columns) for row in rows]
     body = "".join(f"<tr>{line}</tr>" for line in cells)
@@ -39,10 +39,10 @@ def table(rows, columns=None):
 def _cell(value):
     if value is None:
         return ""
-    if isinstance(value, (list, tuple)):
-        return ", ".join(map(_cell, value))
     if isinstance(value, dict):
         return ", ".join(f"{escape(str(key))} {_cell(each)}" for key, each in value.items())
+    if isinstance(value, (list, tuple)):
+        return " ".join(map(_cell, value))
     return rounded(value) if isinstance(value, float) else escape(str(value))
 
 
@@ -88,15 +88,18 @@ def run_html(run):
     return "".join(parts)
 
 
-def structure_html(structure):
-    """Substructures, connectors and inputs of a structure.
+_STRUCTURE = {
+    "substructures": ("name", "kind", "degrees of freedom"),
+    "connectors": ("name", "from", "to", "law", "parameters"),
+    "inputs": ("name", "unit", "place"),
+}
 
-    Each of ``structure.substructures``, ``.connectors`` and ``.inputs`` is a list of dictionaries, whose keys become
-    the columns: ``{"name": "mount", "from": "body.1", "to": "ground", "law": "linear", "parameters": {"k": 1e4}}``.
-    """
+
+def structure_html(structure):
+    """Substructures, connectors and inputs of a structure, from the tuples of ``structure.contents``."""
     parts = []
-    for title in ("substructures", "connectors", "inputs"):
-        rows = getattr(structure, title)
+    for title, columns in _STRUCTURE.items():
+        rows = [dict(zip(columns, each)) for each in structure.contents[title]]
         parts.append(f"<p><b>{title}</b></p>" + (table(rows) if rows else "<p>none</p>"))
     return "".join(parts)
 

@@ -56,11 +56,11 @@ def test_run(memory_run):
 
 
 def test_structure():
-    structure = SimpleNamespace(
-        substructures=[{"name": "body", "dofs": 10}],
-        connectors=[{"name": "mount", "to": "ground", "parameters": {"k": 1e4, "c": 20.0}}],
-        inputs=[],
-    )
-    html = structure_html(structure)
-    assert cells(html) == [["name", "dofs"], ["body", "10"]]
-    assert "k 10000, c 20.00" in html and html.endswith("<p>none</p>")
+    contents = {
+        "substructures": [("body", "lumped", 10)],
+        "connectors": [("mount", "body.1", "ground", "linear", {"k": (1e4, "N/m"), "c": (20.0, "N s/m")})],
+        "inputs": [],
+    }
+    html = structure_html(SimpleNamespace(contents=contents))
+    assert cells(html) == [["name", "kind", "degrees of freedom"], ["body", "lumped", "10"]]
+    assert "k 10000 N/m, c 20.00 N s/m" in html and html.endswith("<p>none</p>")
