@@ -1,9 +1,12 @@
 """Many runs: over threads, processes, or a cluster."""
 
+from __future__ import annotations
+
 import os
 import threading
-from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from .display import ensemble_html
 from .errors import InvalidInput, Issue, optional
@@ -12,6 +15,11 @@ from .progress import reporter
 from .results import Run
 from .store import OutcomeStore
 from .tasks import Failed, Summary, compute, make_task
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
+    import pandas
 
 _CHUNKS_PER_WORKER, _LARGEST_CHUNK = 32, 64
 
@@ -82,14 +90,14 @@ class Ensemble(Sequence):
         return len(self._outcomes)
 
     @property
-    def failures(self):
+    def failures(self) -> list[Failure]:
         return [each for each in self if isinstance(each, Failure)]
 
-    def rows(self):
+    def rows(self) -> list[dict]:
         """One dictionary a point: its settings, then parameters with deviations and the verdict, or the value."""
         return [{**settings, **_row(outcome)} for settings, outcome in zip(self.settings, self)]
 
-    def to_pandas(self):
+    def to_pandas(self) -> pandas.DataFrame:
         """A ``pandas.DataFrame`` of :meth:`rows`."""
         return optional("pandas", "to_pandas()").DataFrame(self.rows())
 
@@ -111,7 +119,13 @@ def _row(outcome):
     return {**row, "verdict": outcome.verdict.state}
 
 
-def map(case_or_function, grid, executor=None, folder=None, progress=True):
+def map(
+    case_or_function: str | Path | Callable[[dict], Any],
+    grid: Mapping[str, Any] | Iterable[Mapping[str, Any]],
+    executor: Executor | None = None,
+    folder: str | Path | None = None,
+    progress: bool | Callable[[float, str], None] = True,
+) -> Ensemble:
     """Run a case, or call a function, at every point of a grid.
 
     Parameters
@@ -173,6 +187,8 @@ def _computed(task, settings, places, executor):
     if executor is not None:
         yield from _submitted(executor, task, settings, places, _chunk_size(len(places), _workers(executor)), False)
         return
+    from concurrent.futures import ThreadPoolExecutor  # here: importing the package stays quick
+
     stop = threading.Event()
 
     def stop_if_told(fraction, words):
@@ -187,6 +203,8 @@ def _computed(task, settings, places, executor):
 
 
 def _submitted(executor, task, settings, places, size, progress):
+    from concurrent.futures import as_completed
+
     chunks = [places[i : i + size] for i in range(0, len(places), size)]
     waiting = {executor.submit(compute, task, [settings[i] for i in chunk], progress): chunk for chunk in chunks}
     try:

@@ -1,6 +1,5 @@
 """Errors of the package, and the import of optional packages."""
 
-import difflib
 import importlib
 from typing import NamedTuple
 
@@ -50,6 +49,8 @@ class MissingPackage(ImportError):
 
 def unknown_name(what, name, known):
     """The error for `name`, which is none of `known`."""
+    import difflib  # here: importing the package stays quick
+
     known = list(known)
     near = difflib.get_close_matches(str(name), known, 1, 0.5)
     if near:

@@ -1,12 +1,14 @@
 """Meshes for PyVista and VTK."""
 
+from __future__ import annotations
+
 import tempfile
 from pathlib import Path
 
 from .errors import InvalidInput, Issue, MissingPackage, optional
 
 
-def read_mesh(file):
+def read_mesh(file: str | Path):
     """A ``.vtu`` file as a mesh to draw.
 
     Parameters

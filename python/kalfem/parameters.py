@@ -1,10 +1,16 @@
 """What a run says about parameters, and whether to trust it."""
 
-from collections.abc import Mapping
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from .display import parameters_html, rounded, verdict_html
 from .errors import unknown_name
+
+if TYPE_CHECKING:
+    import pandas
 
 
 @dataclass(frozen=True)
@@ -12,18 +18,18 @@ class Parameter:
     """An identified parameter, in its SI unit. What is not known is None."""
 
     name: str
-    value: float
-    std: float = None  #: standard deviation
-    std_robust: float = None  #: the same where innovations are correlated; about `std` if the model is right
-    interval: tuple = None  #: of 95 % probability (lower, upper), from the larger deviation
+    value: float | None
+    std: float | None = None  #: standard deviation
+    std_robust: float | None = None  #: the same where innovations are correlated; about `std` if the model is right
+    interval: tuple[float, float] | None = None  #: of 95 % probability (lower, upper), from the larger deviation
     unit: str = ""
-    truth: float = None  #: of simulated records
-    initial: float = None  #: mean of the prior
-    prior_std: float = None
+    truth: float | None = None  #: of simulated records
+    initial: float | None = None  #: mean of the prior
+    prior_std: float | None = None
     details: dict = field(default_factory=dict, repr=False, compare=False)  #: its whole entry in ``summary.json``
 
     @classmethod
-    def from_summary(cls, name, entry):
+    def from_summary(cls, name: str, entry: dict) -> Parameter:
         """The parameter from its entry in ``summary.json``."""
         interval = entry.get("interval_95")
         if interval is not None:
@@ -46,22 +52,22 @@ class Parameter:
         return f"{self.name} = {rounded(self.value, self.std)}{spread} {self.unit}".rstrip()
 
 
-class Parameters(Mapping):
+class Parameters(Mapping[str, Parameter]):
     """Parameters by name: ``run.parameters["suspension.mu_k1"].value``."""
 
-    def __init__(self, parameters):
+    def __init__(self, parameters: Iterable[Parameter]):
         self._by_name = {each.name: each for each in parameters}
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> Parameter:
         try:
             return self._by_name[name]
         except KeyError:
             raise unknown_name("parameter", name, self._by_name) from None
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[str]:
         return iter(self._by_name)
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self._by_name)
 
     def __repr__(self):
@@ -73,7 +79,7 @@ class Parameters(Mapping):
     def _repr_html_(self):
         return parameters_html(self)
 
-    def to_pandas(self):
+    def to_pandas(self) -> pandas.DataFrame:
         """A ``pandas.DataFrame``, one row a parameter."""
         from .tables import parameters_to_pandas
 
@@ -98,10 +104,10 @@ class Verdict:
     """Whether the numbers of a run agree with each other: ``consistent``, ``suspicious`` or ``unusable``."""
 
     state: str
-    reasons: tuple = ()  #: of :class:`Reason`, worst first
+    reasons: tuple[Reason, ...] = ()  #: of :class:`Reason`, worst first
 
     @classmethod
-    def from_summary(cls, entry):
+    def from_summary(cls, entry: dict) -> Verdict:
         """The verdict from its entry in ``summary.json``."""
         keys = ("code", "subject", "text", "remedy")
         reasons = tuple(Reason(*(each.get(key) or "" for key in keys)) for each in entry.get("reasons", []))

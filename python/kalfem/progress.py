@@ -1,13 +1,16 @@
 """A progress bar in a terminal or a notebook."""
 
+from __future__ import annotations
+
 import html
 import sys
 import time
+from collections.abc import Callable
 
 _WIDTH = 30
 
 
-def reporter(progress):
+def reporter(progress: bool | Callable[[float, str], None]) -> Bar | Silent:
     """The bar for the argument `progress` of a long call.
 
     Parameters

@@ -1,8 +1,16 @@
 """Innovations of a run: what the filter did not foresee."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from .errors import unknown_name
+from .series import TimeSeries
+
+if TYPE_CHECKING:
+    from .results import Run
 
 
 class Residuals:
@@ -29,12 +37,12 @@ class Residuals:
     ``residuals["a3"]`` is one sensor's innovation as a :class:`TimeSeries`, with its expected deviation as ``std``.
     """
 
-    def __init__(self, run):
+    def __init__(self, run: Run):
         group = "innovation/value/"
         self._run = run
         self.sensors = [path[len(group) :] for path in run.keys() if path.startswith(group)]
 
-    def __getitem__(self, sensor):
+    def __getitem__(self, sensor: str) -> TimeSeries:
         if sensor not in self.sensors:
             raise unknown_name("sensor", sensor, self.sensors)
         series = self._run[f"innovation/value/{sensor}"]
@@ -51,37 +59,37 @@ class Residuals:
         return f"Residuals of {', '.join(self.sensors) or 'no sensor'}"
 
     @property
-    def t(self):
+    def t(self) -> np.ndarray:
         return self._run[f"innovation/value/{self.sensors[0]}"].t if self.sensors else np.empty(0)
 
     @property
-    def value(self):
+    def value(self) -> np.ndarray:
         return self._columns("innovation/value")
 
     @property
-    def deviation(self):
+    def deviation(self) -> np.ndarray:
         return self._columns("innovation/deviation")
 
     @property
-    def normalised(self):
+    def normalised(self) -> np.ndarray:
         """Innovation over its standard deviation, samples x sensors: white and of size one for a consistent filter."""
         return self.value / self.deviation
 
     @property
-    def used(self):
+    def used(self) -> np.ndarray:
         return np.isfinite(self.value)
 
     @property
-    def nis(self):
+    def nis(self) -> TimeSeries:
         return self._run["innovation/nis"]
 
     @property
-    def covariance(self):
+    def covariance(self) -> np.ndarray | None:
         path = "innovation/covariance"
         return np.asarray(self._run[path]) if path in self._run else None
 
     @property
-    def scores(self):
+    def scores(self) -> np.ndarray | None:
         group = "innovation/scores/"
         paths = [path for path in self._run.keys() if path.startswith(group)]
         return np.stack([self._run[path] for path in paths], axis=1) if paths else None

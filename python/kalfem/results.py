@@ -5,9 +5,12 @@ Both sources use the paths and attributes of ``results.h5``, so that ``kf.run(..
 module.
 """
 
+from __future__ import annotations
+
 import json
-import shutil
+from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,8 +21,13 @@ from .residuals import Residuals
 from .series import TimeSeries
 from .sources import FolderSource, MemorySource, read_summary
 
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+    from matplotlib.figure import Figure
 
-def read_results(folder):
+
+def read_results(folder: str | Path) -> Run:
     """Read the results that the command or ``kf.run`` wrote.
 
     Parameters
@@ -53,7 +61,7 @@ class Run:
         ``run.verdict.state`` is ``consistent``, ``suspicious`` or ``unusable``.
     """
 
-    def __init__(self, summary, source, report=None):
+    def __init__(self, summary: dict, source, report=None):
         self.summary = summary
         self.verdict = Verdict.from_summary(summary.get("verdict", {}))
         entries = {**summary.get("updating", {}).get("parameters", {}), **summary.get("parameters", {})}
@@ -61,7 +69,7 @@ class Run:
         self._source, self._report = source, report
 
     @classmethod
-    def from_folder(cls, folder):
+    def from_folder(cls, folder: str | Path) -> Run:
         """The results in a folder, see :func:`read_results`."""
         folder = Path(folder)
         if folder.is_file():
@@ -70,7 +78,7 @@ class Run:
         return cls(summary, FolderSource(folder, summary.get("run")), folder / "report.html")
 
     @classmethod
-    def from_memory(cls, summary, datasets, report=None):
+    def from_memory(cls, summary: dict | str, datasets: dict, report: Callable[[str], None] | None = None) -> Run:
         """Results that the compiled module computed.
 
         Parameters
@@ -89,31 +97,31 @@ class Run:
         return cls(summary, MemorySource(datasets), report)
 
     @property
-    def usable(self):
+    def usable(self) -> bool:
         """Whether every step ran to its end and nothing in the numbers makes them worthless."""
         return self.summary.get("status") == "ok"
 
     @property
-    def message(self):
+    def message(self) -> str:
         """Why the run is not usable, in words; empty if it is."""
         return self.summary.get("message") or ""
 
     @property
-    def residuals(self):
+    def residuals(self) -> Residuals:
         """Innovations with their deviations: see :class:`Residuals`."""
         return Residuals(self)
 
-    def keys(self):
+    def keys(self) -> list[str]:
         """Paths of all arrays, as in ``results.h5``."""
         return self._source.paths()
 
     def __iter__(self):
         return iter(self.keys())
 
-    def __contains__(self, path):
+    def __contains__(self, path: str) -> bool:
         return path.strip("/") in self.keys()
 
-    def __getitem__(self, path):
+    def __getitem__(self, path: str) -> TimeSeries:
         path = path.strip("/")
         if path not in self.keys():
             raise unknown_name("array", path, self.keys())
@@ -130,19 +138,19 @@ class Run:
             return None
         return self._source.read("time")[0][:count]
 
-    def to_pandas(self, group=""):
+    def to_pandas(self, group: str = "") -> pandas.DataFrame:
         """A ``pandas.DataFrame`` over time with one column a path; `group`: of those that begin with it."""
         from .tables import run_to_pandas
 
         return run_to_pandas(self, group)
 
-    def to_xarray(self, group=""):
+    def to_xarray(self, group: str = "") -> xarray.Dataset:
         """An ``xarray.Dataset`` over ``time`` with units; `group`: of the paths that begin with it."""
         from .tables import run_to_xarray
 
         return run_to_xarray(self, group)
 
-    def report(self, path):
+    def report(self, path: str | Path) -> Path:
         """Write the report, one self-contained HTML page. Returns its path."""
         path = Path(path)
         if callable(self._report):
@@ -151,10 +159,10 @@ class Run:
             fix = "run a case file: kf.run(CASE, ...).report(PATH)"
             raise InvalidInput(Issue("this run has no report", "only case files make one", fix))
         elif path.resolve() != self._report.resolve():
-            shutil.copyfile(self._report, path)
+            path.write_bytes(self._report.read_bytes())
         return path
 
-    def plot(self, what="overview", **options):
+    def plot(self, what: str = "overview", **options) -> Figure:
         """Draw with Matplotlib: ``overview``, ``parameters``, ``states``, ``innovations`` or ``law``.
 
         Options are those of the function of that name in :mod:`kalfem.plots`. Returns the figure.

@@ -1,6 +1,15 @@
 """A quantity over time."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
+
+if TYPE_CHECKING:
+    import pandas
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
 class TimeSeries(np.ndarray):
@@ -27,7 +36,12 @@ class TimeSeries(np.ndarray):
     (4.0, array([2., 4., 8.]))
     """
 
-    def __new__(cls, values, t=None, std=None, unit="", name=""):
+    t: np.ndarray | None
+    std: np.ndarray | None
+    unit: str
+    name: str
+
+    def __new__(cls, values, t=None, std=None, unit: str = "", name: str = "") -> TimeSeries:
         series = np.asarray(values, dtype=float).view(cls)
         series.t = None if t is None else np.asarray(t, dtype=float)
         series.std = None if std is None else np.asarray(std, dtype=float)
@@ -61,13 +75,13 @@ class TimeSeries(np.ndarray):
         values = np.array2string(np.asarray(self), separator=", ", threshold=6, prefix="TimeSeries(")
         return f"TimeSeries({values}, unit={self.unit!r}, name={self.name!r})"
 
-    def to_pandas(self):
+    def to_pandas(self) -> pandas.Series:
         """A ``pandas.Series`` over time."""
         from .tables import series_to_pandas
 
         return series_to_pandas(self)
 
-    def plot(self, ax=None, **style):
+    def plot(self, ax: Axes | None = None, **style) -> Figure:
         """Draw the series with its band of two standard deviations. Returns the figure."""
         from . import plots
 
