@@ -184,22 +184,24 @@ def _finish(task, settings, outcome):
 
 def _computed(task, settings, places, executor):
     """(place, outcome) of each open point as they arrive."""
-    if executor is not None:
-        yield from _submitted(executor, task, settings, places, _chunk_size(len(places), _workers(executor)), False)
-        return
     from concurrent.futures import ThreadPoolExecutor  # here: importing the package stays quick
 
+    if executor is None:
+        with ThreadPoolExecutor(os.cpu_count()) as threads:
+            yield from _computed(task, settings, places, threads)
+        return
     stop = threading.Event()
 
     def stop_if_told(fraction, words):
         if stop.is_set():
             raise InterruptedError("the ensemble was interrupted")
 
-    with ThreadPoolExecutor(os.cpu_count()) as threads:
-        try:
-            yield from _submitted(threads, task, settings, places, 1, stop_if_told)
-        finally:
-            stop.set()
+    in_threads = isinstance(executor, ThreadPoolExecutor)
+    size = 1 if in_threads else _chunk_size(len(places), _workers(executor))
+    try:
+        yield from _submitted(executor, task, settings, places, size, stop_if_told if in_threads else False)
+    finally:
+        stop.set()
 
 
 def _submitted(executor, task, settings, places, size, progress):
