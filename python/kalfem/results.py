@@ -78,7 +78,7 @@ class Run:
         return cls(summary, FolderSource(folder, summary.get("run")), folder / "report.html")
 
     @classmethod
-    def from_memory(cls, summary: dict | str, datasets: dict, report: Callable[[str], None] | None = None) -> Run:
+    def from_memory(cls, summary: dict | str, datasets, report: Callable[[str], None] | None = None) -> Run:
         """Results that the compiled module computed.
 
         Parameters
@@ -86,7 +86,7 @@ class Run:
         summary : dict or str
             The content of ``summary.json``; of its keys ``verdict``, ``status``, ``message``, ``parameters`` and
             ``estimation`` are used where they exist.
-        datasets : dict of path to (array, dict)
+        datasets : dict of path to (array, dict), or a function that returns it
             The datasets of ``results.h5`` with their attributes ``unit`` and, for a series over ``time``,
             ``sample_rate``. Further ones that the file does not hold: ``innovation/covariance`` (samples x sensors x
             sensors) and ``innovation/scores/PARAMETER`` (samples).

@@ -9,18 +9,26 @@ from .errors import InvalidInput, Issue, optional
 
 
 class MemorySource:
-    """Arrays by path, ``{"time": (array, {"unit": "s"})}``."""
+    """Arrays by path, ``{"time": (array, {"unit": "s"})}``, or a function that gives them when one is asked for."""
 
     def __init__(self, datasets):
-        self._datasets = {path.strip("/"): content for path, content in datasets.items()}
+        self._given, self._datasets = datasets, None
 
     def paths(self):
-        return list(self._datasets)
+        return list(self._all())
 
     def read(self, path):
         """Values and attributes of one dataset."""
-        values, attributes = self._datasets[path]
-        return values, attributes
+        return self._all()[path]
+
+    def _all(self):
+        if self._datasets is None:
+            given = self._given() if callable(self._given) else self._given
+            self._given, self._datasets = None, {path.strip("/"): content for path, content in given.items()}
+        return self._datasets
+
+    def __getstate__(self):
+        return {"_given": None, "_datasets": self._all()}
 
 
 class FolderSource:

@@ -133,6 +133,14 @@ def test_runs_travel_between_processes(run):
     assert pickle.loads(pickle.dumps(writes)).parameters["mount.k"] == run.parameters["mount.k"]
 
 
+def test_arrays_of_a_function_are_made_when_asked_for():
+    summary, datasets = small_results()
+    calls = []
+    run = Run.from_memory(summary, lambda: calls.append(1) or datasets)
+    assert run.parameters["mount.k"].value == 19.97832 and not calls
+    assert len(run["time"]) == 200 and len(pickle.loads(pickle.dumps(run))["time"]) == 200 and calls == [1]
+
+
 def test_pandas(run):
     pytest.importorskip("pandas")
     table = run.to_pandas("estimate")
@@ -184,6 +192,6 @@ def test_errors_carry_their_issues():
     assert str(again) == str(error) and again.issues == error.issues and again.issues[0].line == 3
 
 
-@pytest.mark.parametrize("module", ["errors", "series", "display", "ensemble", "progress"])
+@pytest.mark.parametrize("module", ["errors", "series", "display", "ensemble", "grid"])
 def test_examples_in_the_docstrings(module):
     assert doctest.testmod(importlib.import_module(f"kalfem.{module}")).failed == 0
