@@ -173,19 +173,24 @@ def innovations(run, sensors=None, ax=None):
     return figure
 
 
-def law(run, connectors=None, ax=None):
-    """Force of connectors against their deformation: estimated, and true where it is known."""
+def law(run, connectors=None, span=None, ax=None):
+    """Force of connectors against their deformation: estimated, and true where it is known.
+
+    `span`: times to show [s]; by default the last oscillations.
+    """
     known = [name for name in _members(run, "estimate/", "/force") if f"estimate/{name}/deformation" in run]
     connectors = _chosen("connector", connectors, known, 6)
     columns = min(2, len(connectors))
     figure, axes = _axes(len(connectors), ax, height=4.0, width=2.0 + 4.0 * columns, columns=columns)
     for ax, connector in zip(axes, connectors):
-        for group, colour, label in (("estimate", _ESTIMATE, "estimate"), ("truth", _TRUTH, "truth")):
+        estimated = run[f"estimate/{connector}/deformation"]
+        first, last = span or _readable_span(estimated, estimated.t)
+        for group, style in (("estimate", {"color": _ESTIMATE, "lw": 1.5}), ("truth", {"color": _TRUTH, "lw": 0.6})):
             if f"{group}/{connector}/force" not in run:
                 continue
             deformation, force = run[f"{group}/{connector}/deformation"], run[f"{group}/{connector}/force"]
-            late = slice(len(force) // 2, None)  # after the filter has settled
-            ax.plot(np.asarray(deformation[late]), np.asarray(force[late]), color=colour, lw=0.5, label=label)
+            shown = (force.t >= first) & (force.t <= last)
+            ax.plot(np.asarray(deformation[shown]), np.asarray(force[shown]), label=group, **style)
         _scale(ax.xaxis, "m")
         ax.locator_params(axis="x", nbins=5)
         ax.set_xlabel("deformation")

@@ -1,6 +1,7 @@
 """Where the series of a run come from: a folder of results, or memory. Both use the paths of ``results.h5``."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -60,7 +61,7 @@ class FolderSource:
 
         with self._open() as file:
             file.visititems(collect)
-        return paths
+        return sorted(paths, key=_natural)
 
     def _open(self):
         file = optional("h5py", "reading results.h5").File(self._file, "r")
@@ -75,6 +76,11 @@ class FolderSource:
                 )
             )
         return file
+
+
+def _natural(path):
+    """Orders "body.2" before "body.10"."""
+    return [(not part.isdigit(), int(part) if part.isdigit() else part) for part in re.split(r"(\d+)", path)]
 
 
 def _text(value):

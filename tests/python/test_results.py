@@ -100,6 +100,13 @@ def test_a_file_of_the_folder_names_it(results_folder):
     assert read_results(results_folder / "results.h5").summary["run"] == "0123456789abcdef"
 
 
+def test_paths_of_a_file_are_in_natural_order(tmp_path):
+    summary, datasets = small_results()
+    points = [f"truth/body.{i}/displacement" for i in (10, 2, 1)]
+    folder = write_folder(tmp_path / "out", summary, {point: datasets["time"] for point in points})
+    assert read_results(folder).keys() == points[::-1]
+
+
 def test_a_run_without_series_has_a_summary(results_folder):
     (results_folder / "results.h5").unlink()
     run = read_results(results_folder)
