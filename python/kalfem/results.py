@@ -12,8 +12,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from .display import run_html
 from .errors import InvalidInput, Issue, unknown_name
 from .parameters import Parameter, Parameters, Verdict

@@ -133,7 +133,8 @@ def test_failures_are_tried_again(tmp_path):
 def test_runs_are_kept_as_text(tmp_path):
     quiet_map(small_run, {"k": [1.0]}, folder=tmp_path)
     (run,) = quiet_map(small_run, {"k": [1.0]}, folder=tmp_path)
-    assert run.parameters["mount.k"].value == 1.0 and '"settings": {"k": 1.0}' in next(tmp_path.glob("*.json")).read_text()
+    assert run.parameters["mount.k"].value == 1.0
+    assert '"settings": {"k": 1.0}' in next(tmp_path.glob("*.json")).read_text()
 
 
 def test_settings_that_cannot_be_stored_are_refused(tmp_path):
