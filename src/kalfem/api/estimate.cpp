@@ -152,6 +152,9 @@ EstimateResult estimate(const Structure& structure, const Record& record, const 
   estimate.parameters = parameters_of(estimated);
   set_quantities(made, options, estimated, estimate);
   estimate.innovation = filtered.innovation;
+  estimate.innovation_deviation = filtered.innovation_deviation;
+  estimate.innovation_covariance = filtered.innovation_covariance;
+  estimate.used = used_samples(filtered);
   estimate.nis = filtered.nis;
   estimate.log_likelihood = filtered.log_likelihood;
   estimate.filter = to_string(estimated.filter) + ": " + estimated.filter_reason;

@@ -104,6 +104,11 @@ struct EstimateResult {
   std::vector<EstimatedQuantity> states;      ///< "body.2.displacement", "body.2.velocity", "mount.z"
   std::vector<EstimatedQuantity> outputs;     ///< in the order in which they were asked for
   Eigen::MatrixXd innovation;                 ///< sensors x samples; not a number where nothing was measured
+  Eigen::MatrixXd innovation_deviation;       ///< expected of it, sensors x samples
+  /// Its covariance's lower triangle row by row, s (s + 1) / 2 x samples for s sensors; empty for more than 16.
+  Eigen::MatrixXd innovation_covariance;
+  /// Whether the filter learned from a sample as from any other: 0 where it is missing, an outlier or left out.
+  Eigen::MatrixXi used;
   Eigen::VectorXd nis;                        ///< normalised innovation squared, one a sample
   double log_likelihood = 0.0;
   std::string filter;                 ///< its name, and the reason for its choice
