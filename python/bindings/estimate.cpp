@@ -10,6 +10,8 @@ using Eigen::Index;
 
 namespace {
 
+constexpr double deviations_per_second = 100.0;  ///< of states and outputs, as the command computes them
+
 py::dict parameters_summary(const EstimateResult& result, const EstimateOptions& options) {
   py::dict all;
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
@@ -101,6 +103,7 @@ py::tuple estimate_record(const Structure& structure, const py::object& t, const
   for (const auto& sensor : options.sensors) names.push_back(sensor.name);
   const TimeGrid grid = grid_of(t);
   const Record record = record_of(grid, y, names);
+  options.deviation_stride = std::max(1, static_cast<int>(std::lround(grid.sample_rate / deviations_per_second)));
   const Structure moved = driven(structure, inputs, grid.start, grid.sample_rate, grid.samples);
   auto result = long_call(structure, progress, [&](const Progress& report) {
     options.progress = report;

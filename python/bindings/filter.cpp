@@ -36,6 +36,24 @@ public:
     return moved;
   }
 
+  /// predict() and update() over many samples; returns how many there were before a stop.
+  Index advance(const Column& u, const Column& y) {
+    require(Mode::steps);
+    const auto inputs = std::ssize(inputs_), sensors = std::ssize(sensors_);
+    if (y.ndim() != 2 || y.shape(1) != sensors || u.ndim() != 2 || u.shape(1) != inputs || u.shape(0) != y.shape(0))
+      throw InvalidInput("advance: u and y have other shapes than (samples, " + std::to_string(inputs) +
+                             ") and (samples, " + std::to_string(sensors) + ")",
+                         "a row is one sample", "");
+    const Eigen::Map<const Eigen::MatrixXd> of_inputs(u.data(), inputs, u.shape(0)), of_sensors(y.data(), sensors, y.shape(0));
+    const Index count = without_gil([&] {
+      for (Index k = 0; k < of_sensors.cols(); ++k)
+        if (!filter().predict(of_inputs.col(k)) || !filter().update(of_sensors.col(k))) return k;
+      return of_sensors.cols();
+    });
+    raise_of_laws(structure_);
+    return count;
+  }
+
   void start(const py::object& u) {
     require(Mode::steps);
     read(u, inputs_, "u", values_);
@@ -208,6 +226,18 @@ Returns
 -------
 bool
     False if the filter has stopped: see `failure`.
+)")
+      .def("advance", &PythonFilter::advance, py::arg("u"), py::arg("y"), R"(Predict and update over many samples.
+
+Parameters
+----------
+u : array, shape (samples, inputs)
+y : array, shape (samples, sensors)
+
+Returns
+-------
+int
+    Samples that it was moved by: fewer where it has stopped.
 )")
       .def("begin", &PythonFilter::start, py::arg("u"), "Tell the inputs at the first sample, before its update().")
       .def("push", &PythonFilter::push, py::arg("name"), py::arg("t"), py::arg("values"), R"(Hand over samples of one channel.

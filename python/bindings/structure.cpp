@@ -101,7 +101,7 @@ mass, stiffness, damping : float
 
 /// A signal for an input, or none.
 template <class Add>
-Structure& add_input(Structure& self, const py::object& values, const py::object& sample_rate, double start,
+Structure& add_input(const py::object& values, const py::object& sample_rate, double start,
                      const std::string& name, const Add& add) {
   if (values.is_none()) return add(nullptr);
   if (sample_rate.is_none())
@@ -117,7 +117,7 @@ void bind_inputs(py::class_<Structure>& structure) {
           "base_displacement",
           [](Structure& self, const std::string& name, const std::string& ground, const py::object& values,
              const py::object& rate, double start) -> Structure& {
-            return add_input(self, values, rate, start, name, [&](const Samples* samples) -> Structure& {
+            return add_input(values, rate, start, name, [&](const Samples* samples) -> Structure& {
               return samples ? self.base_displacement(name, ground, *samples) : self.base_displacement(name, ground);
             });
           },
@@ -128,7 +128,7 @@ void bind_inputs(py::class_<Structure>& structure) {
           "base_acceleration",
           [](Structure& self, const std::string& name, const py::object& values, const py::object& rate,
              double start) -> Structure& {
-            return add_input(self, values, rate, start, name, [&](const Samples* samples) -> Structure& {
+            return add_input(values, rate, start, name, [&](const Samples* samples) -> Structure& {
               return samples ? self.base_acceleration(name, *samples) : self.base_acceleration(name);
             });
           },
@@ -139,7 +139,7 @@ void bind_inputs(py::class_<Structure>& structure) {
           "force",
           [](Structure& self, const std::string& name, const std::string& point, const py::object& values,
              const py::object& rate, double start) -> Structure& {
-            return add_input(self, values, rate, start, name, [&](const Samples* samples) -> Structure& {
+            return add_input(values, rate, start, name, [&](const Samples* samples) -> Structure& {
               return samples ? self.force(name, point, *samples) : self.force(name, point);
             });
           },

@@ -55,6 +55,8 @@ struct EstimateOptions {
   bool estimate_initial_state = false;  ///< keep the initial state in the state vector and update it with every sample
   int passes = 1;                       ///< over the record; more than one needs estimate_initial_state
   double settle = 0.0;                  ///< time from which on innovations count in the verdict [s]
+  /// Samples from one computation of the standard deviations of states and outputs to the next; they stand in between.
+  int deviation_stride = 1;
   Progress progress = {};
   /// Look for the mistake that explains numbers which contradict themselves. It costs about a hundred runs over a part
   /// of the record, and only where something is wrong. An OnlineFilter never looks.
