@@ -42,7 +42,7 @@ _NAMES = {
     "analysis": ("estimate", "simulate", "update"),
     "vibration": ("modes", "frf", "mac", "Modes"),
     "live": ("Filter", "Estimate"),
-    "laws": ("laws",),
+    "law_library": ("laws",),
     "running": ("run",),
     "records": ("read", "Record", "MeasuredFile"),
     "ensemble": ("map", "Ensemble", "Failure"),
@@ -107,7 +107,7 @@ if TYPE_CHECKING:
         MissingPackage as MissingPackage,
         UnknownName as UnknownName,
     )
-    from .laws import laws as laws
+    from .law_library import laws as laws
     from .live import Estimate as Estimate, Filter as Filter
     from .mesh import mesh_of as mesh_of, read_mesh as read_mesh
     from .records import MeasuredFile as MeasuredFile, Record as Record, read as read

@@ -52,7 +52,7 @@ def run(
     folder = "" if out is None else os.fspath(out)
     with reporter(progress) as bar:
         done = core.run_case(os.fspath(case), changes, folder, steps, bar)
-    return Run.from_memory(done.summary, done.datasets(), done.write_report)
+    return Run.from_memory(done.summary, done.datasets, done.write_report)
 
 
 def _as_yaml(value):

@@ -9,6 +9,13 @@ from pathlib import Path
 from .errors import InvalidInput, Issue
 from .results import Run
 
+_WORD = re.compile(r"[^\s\[\]{}\"',:]+")
+_VARIABLE = re.compile(r"\$\{(\w+)(?::-([^}]*))?\}")  # ${NAME:-default}
+
+
+def _value_of(variable):
+    return os.environ.get(variable[1], variable[2] or "")
+
 
 class CaseTask:
     """Runs a case file with the settings of a point; writes no files."""
@@ -27,7 +34,7 @@ class CaseTask:
         """Hash of the case and of the files that it names."""
         text = self.case.read_bytes()
         content = hashlib.sha256(text)
-        for name in sorted(set(re.findall(r"[^\s\[\]{}\"',:]+", os.path.expandvars(text.decode(errors="replace"))))):
+        for name in sorted(set(_WORD.findall(_VARIABLE.sub(_value_of, text.decode(errors="replace"))))):
             file = self.case.parent / name
             if file.is_file():
                 content.update(name.encode() + hashlib.sha256(file.read_bytes()).digest())
