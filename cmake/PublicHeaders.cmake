@@ -3,10 +3,10 @@
 set(KALFEM_CORE_HEADERS
     kalfem.hpp
     # a structure and what is done with it
-    api/estimate.hpp api/finite_elements.hpp api/laws.hpp api/online_filter.hpp api/sensors.hpp api/simulate.hpp
-    api/structure.hpp api/update.hpp
+    api/estimate.hpp api/finite_elements.hpp api/laws.hpp api/live_filter.hpp api/online_filter.hpp api/sensors.hpp api/simulate.hpp
+    api/structure.hpp api/update.hpp api/vibration.hpp
     # what these are described by
-    base/invalid_input.hpp base/progress.hpp
+    base/interruption.hpp base/invalid_input.hpp base/progress.hpp
     diagnosis/diagnosis.hpp verdict/verdict.hpp
     estimation/filter_kind.hpp estimation/parameter_transform.hpp identification/point_prior.hpp
     linalg/sparse_factor.hpp

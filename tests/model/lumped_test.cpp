@@ -187,5 +187,34 @@ TEST(NormalModes, MasslessDegreeOfFreedomIsRefused) {
   EXPECT_THROW(normal_modes(mass, stiffness), InvalidInput);
 }
 
+TEST(Lumped, MatricesStandBesideMassesAndSprings) {
+  const auto by_springs = assemble(pair_between_grounds(2.0, 3e3, 5e2));
+  LumpedSubstructure mixed{.name = "pair", .springs = {{"right", "b", "ground", 3e3}}};
+  Eigen::Matrix2d mass = 2.0 * Eigen::Matrix2d::Identity(), stiffness;
+  stiffness << 3.5e3, -5e2, -5e2, 5e2;
+  mixed.matrices = {{"a", "b"}, mass.sparseView(), {}, stiffness.sparseView()};
+  mixed.masses = {{"c", 7.0}};
+  mixed.springs.push_back({"rod", "b", "c", 11.0});
+  const auto model = assemble(mixed);
+  ASSERT_EQ(model.dofs, (std::vector<std::string>{"a", "b", "c"}));
+  Eigen::Matrix3d expected = Eigen::Matrix3d::Zero();
+  expected.topLeftCorner<2, 2>() = Eigen::MatrixXd(by_springs.stiffness);
+  expected.bottomRightCorner<2, 2>() += 11.0 * (Eigen::Matrix2d() << 1, -1, -1, 1).finished();
+  EXPECT_TRUE(Eigen::MatrixXd(model.stiffness).isApprox(expected, 1e-15));
+  EXPECT_EQ(Eigen::MatrixXd(model.mass), Eigen::MatrixXd(Eigen::Vector3d(2.0, 2.0, 7.0).asDiagonal()));
+}
+
+TEST(Lumped, MatricesThatDoNotFitAreRefused) {
+  LumpedSubstructure part{.name = "p"};
+  Eigen::Matrix2d skew, mass = Eigen::Matrix2d::Identity();
+  skew << 1, 2, -2, 1;
+  part.matrices = {{"a"}, mass.sparseView(), {}, skew.sparseView()};
+  EXPECT_NE(problems_of(part).find("M of 'p' is 2 x 2, with 1 names"), std::string::npos) << problems_of(part);
+  part.matrices.dofs = {"a", "b"};
+  EXPECT_NE(problems_of(part).find("K of 'p' is not symmetric"), std::string::npos) << problems_of(part);
+  part.matrices = {{"a"}, {}, {}, Eigen::MatrixXd::Identity(1, 1).sparseView()};
+  EXPECT_NE(problems_of(part).find("M of 'p' is missing"), std::string::npos) << problems_of(part);
+}
+
 }  // namespace
 }  // namespace kalfem

@@ -146,12 +146,17 @@ EstimateResult estimate(const Structure& structure, const Record& record, const 
   FilterProblem made = make_filter_problem(structure, record.sample_rate, options);
   const Record measured = of_sensors(record, options.sensors);
   const auto estimated = estimate_record_thoroughly(made.problem, made.setup, measured,
-                                                    {.monitored = made.monitored, .progress = options.progress});
+                                                    {.monitored = made.monitored,
+                                                     .deviation_stride = options.deviation_stride,
+                                                     .progress = options.progress});
   const auto& filtered = estimated.result;
   EstimateResult estimate;
   estimate.parameters = parameters_of(estimated);
   set_quantities(made, options, estimated, estimate);
   estimate.innovation = filtered.innovation;
+  estimate.innovation_deviation = filtered.innovation_deviation;
+  estimate.innovation_covariance = filtered.innovation_covariance;
+  estimate.used = used_samples(filtered);
   estimate.nis = filtered.nis;
   estimate.log_likelihood = filtered.log_likelihood;
   estimate.filter = to_string(estimated.filter) + ": " + estimated.filter_reason;

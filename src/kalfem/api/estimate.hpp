@@ -55,6 +55,8 @@ struct EstimateOptions {
   bool estimate_initial_state = false;  ///< keep the initial state in the state vector and update it with every sample
   int passes = 1;                       ///< over the record; more than one needs estimate_initial_state
   double settle = 0.0;                  ///< time from which on innovations count in the verdict [s]
+  /// Samples from one computation of the standard deviations of states and outputs to the next; they stand in between.
+  int deviation_stride = 1;
   Progress progress = {};
   /// Look for the mistake that explains numbers which contradict themselves. It costs about a hundred runs over a part
   /// of the record, and only where something is wrong. An OnlineFilter never looks.
@@ -104,6 +106,11 @@ struct EstimateResult {
   std::vector<EstimatedQuantity> states;      ///< "body.2.displacement", "body.2.velocity", "mount.z"
   std::vector<EstimatedQuantity> outputs;     ///< in the order in which they were asked for
   Eigen::MatrixXd innovation;                 ///< sensors x samples; not a number where nothing was measured
+  Eigen::MatrixXd innovation_deviation;       ///< expected of it, sensors x samples
+  /// Its covariance's lower triangle row by row, s (s + 1) / 2 x samples for s sensors; empty for more than 16.
+  Eigen::MatrixXd innovation_covariance;
+  /// Whether the filter learned from a sample as from any other: 0 where it is missing, an outlier or left out.
+  Eigen::MatrixXi used;
   Eigen::VectorXd nis;                        ///< normalised innovation squared, one a sample
   double log_likelihood = 0.0;
   std::string filter;                 ///< its name, and the reason for its choice

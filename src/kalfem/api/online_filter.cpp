@@ -93,12 +93,34 @@ public:
     setup_->filter->reset(model_->prior());
     linearised_about_ = linear_estimate(true);
     inputs_ = first.empty() ? run.input.inputs.col(0) : stacked(first);
+    const auto& inputs = structure.description().parts.inputs;
+    for (std::size_t i = 0; i < inputs.size(); ++i)
+      if (inputs[i].kind == InputKind::base_displacement) moved_grounds_.push_back(static_cast<Index>(i));
     innovation_ = VectorXd::Constant(noise_.rows(), not_a_number);
   }
 
   /// With inputs that are linear up to the next sample.
   bool predict(const VectorXd& inputs) {
     return move([&] { setup_->transition.set_inputs(inputs_, inputs); }, inputs);
+  }
+
+  /// With values of the inputs from which their derivatives follow.
+  bool predict_to(const VectorXd& values) {
+    require_inputs(values);
+    const Index count = values.size();
+    next_.setZero(3 * count);
+    next_.head(count) = values;
+    for (const Index i : moved_grounds_) {
+      next_[count + i] = (values[i] - inputs_[i]) / step_;
+      next_[2 * count + i] = (next_[count + i] - inputs_[count + i]) / step_;
+    }
+    return move([&] { setup_->transition.set_inputs(inputs_, next_); }, next_);
+  }
+
+  void start(const VectorXd& values) {
+    require_inputs(values);
+    inputs_.setZero(3 * values.size());
+    inputs_.head(values.size()) = values;
   }
 
   /// With the signals at every substep of the interval.
@@ -186,6 +208,16 @@ public:
   [[nodiscard]] double nis() const { return nis_; }
 
 private:
+  void require_inputs(const VectorXd& values) const {
+    if (values.size() != std::ssize(signals_))
+      throw InvalidInput(std::to_string(values.size()) + " inputs are given",
+                         "the structure has " + std::to_string(signals_.size()), "give one value for each of them");
+    for (Index i = 0; i < values.size(); ++i)
+      if (!std::isfinite(values[i]))
+        throw InvalidInput("inputs[" + std::to_string(i) + "] is not finite", "the filter's model is driven by it",
+                           "hold the last value where a sample is missing");
+  }
+
   template <class SetInputs>
   bool move(const SetInputs& set_inputs, const VectorXd& next) {
     if (failure_) return false;
@@ -290,6 +322,8 @@ private:
   LinearEstimate linearised_about_;
   Eigen::MatrixXd noise_;
   VectorXd inputs_;  ///< at the present sample
+  VectorXd next_;    ///< at the next one, while the filter moves there
+  std::vector<Index> moved_grounds_;
   VectorXd innovation_;
   double nis_ = not_a_number;
   long sample_ = 0;
@@ -306,6 +340,8 @@ OnlineFilter& OnlineFilter::operator=(OnlineFilter&&) noexcept = default;
 OnlineFilter::~OnlineFilter() = default;
 
 bool OnlineFilter::predict(const std::vector<InputSample>& inputs) { return loop_->predict(loop_->stacked(inputs)); }
+bool OnlineFilter::predict(const VectorXd& values) { return loop_->predict_to(values); }
+void OnlineFilter::start(const VectorXd& values) { loop_->start(values); }
 bool OnlineFilter::predict() { return loop_->predict(); }
 bool OnlineFilter::update(const VectorXd& measured) { return loop_->update(measured); }
 

@@ -48,6 +48,11 @@ public:
   /// Predicts to the next sample; inputs are linear between the samples. Returns false if the filter has stopped, see
   /// failure(). Throws InvalidInput if the number of inputs is not that of the structure, or if one is not finite.
   bool predict(const std::vector<InputSample>& inputs);
+  /// The same from values alone, one an input. The rate and acceleration of a moved ground are the differences between
+  /// the samples.
+  bool predict(const Eigen::VectorXd& values);
+  /// The inputs at the first sample, before its update(), where the constructor was not told.
+  void start(const Eigen::VectorXd& values);
   /// The same with the signals of the structure. Throws InvalidInput if one of its inputs has none.
   bool predict();
   /// Conditions the estimate on a sample with one value per sensor; NaN is a missing value. Returns false if the filter

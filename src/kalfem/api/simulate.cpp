@@ -37,6 +37,7 @@ SimulateResult simulate(const Structure& structure, const SimulateOptions& optio
   SimulationOptions simulation;
   simulation.duration = options.duration;
   simulation.keep_motion = false;
+  simulation.progress = options.progress;
   const auto& system = coupled.system();
   auto solution = simulate_converged(system, model->signals, at_rest(system.size(), system.connector_states()),
                                      make_outputs(coupled, outputs), chains, simulation,

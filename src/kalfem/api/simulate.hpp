@@ -7,6 +7,7 @@
 
 #include "kalfem/api/sensors.hpp"
 #include "kalfem/api/structure.hpp"
+#include "kalfem/base/progress.hpp"
 
 namespace kalfem {
 
@@ -17,6 +18,7 @@ struct SimulateOptions {
   double sample_rate = 1000.0;             ///< of the record [Hz]
   double tolerance = 1e-3;                 ///< relative change of every sensor's record when the step is halved
   std::optional<std::uint64_t> seed = {};  ///< of the sensors' noise; if empty, the record is free of noise
+  Progress progress = {};
 };
 
 /// Why and when a simulation stopped.

@@ -90,6 +90,7 @@ LumpedPart& LumpedPart::rayleigh_damping(double alpha, double beta) {
 }
 
 LumpedPart lumped(const std::string& name) { return LumpedPart(name); }
+LumpedPart lumped(const std::string& name, LumpedMatrices matrices) { return LumpedPart(name, std::move(matrices)); }
 
 LumpedPart chain(const std::string& name, int masses, double mass, double stiffness, double damping) {
   if (masses < 1)
@@ -167,6 +168,21 @@ Structure& Structure::force(const std::string& name, const std::string& point, c
   return this->force(name, point, signal_of(name, force, Interpolation::linear));
 }
 
+Structure& Structure::drive(const std::string& input, const Samples& samples) {
+  std::vector<std::string> known;
+  for (std::size_t i = 0; i < description_->parts.inputs.size(); ++i) {
+    const auto& [name, kind, target, direction, location] = description_->parts.inputs[i];
+    known.push_back(name);
+    if (name != input) continue;
+    const bool moves_ground = kind == InputKind::base_displacement;
+    description_->signals[i] =
+        signal_of(name, samples, moves_ground ? Interpolation::cubic : Interpolation::linear);
+    return *this;
+  }
+  throw InvalidInput("there is no input '" + input + "'" + did_you_mean(input, known), "samples drive an input",
+                     "add it by force(), base_displacement() or base_acceleration()");
+}
+
 Structure& Structure::base_displacement(const std::string& name, const std::string& ground) {
   return base_displacement(name, ground, SignalPtr());
 }
@@ -184,6 +200,11 @@ std::vector<std::string> Structure::parameters() const {
 double Structure::value(const std::string& parameter) const {
   const auto model = make_structure_model(*description_, {.parameters = {parameter}});
   return find_parameter(ParameterSet(*model), parameter, "value").value;
+}
+
+std::string Structure::unit(const std::string& parameter) const {
+  const auto model = make_structure_model(*description_, {.parameters = {parameter}});
+  return find_parameter(ParameterSet(*model), parameter, "unit").unit;
 }
 
 Structure Structure::at(const NamedValues& values) const {

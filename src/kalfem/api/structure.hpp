@@ -29,6 +29,9 @@ Samples channel(const Record& record, const std::string& name);
 class LumpedPart {
 public:
   explicit LumpedPart(std::string name) { part_.name = std::move(name); }
+  LumpedPart(std::string name, LumpedMatrices matrices) : LumpedPart(std::move(name)) {
+    part_.matrices = std::move(matrices);
+  }
 
   LumpedPart& mass(const std::string& dof, double kilograms);
   /// `from`, `to`: degrees of freedom or grounds; stiffness [N/m], damping [N s/m].
@@ -50,6 +53,9 @@ private:
 };
 
 LumpedPart lumped(const std::string& name);
+/// The same from matrices M [kg], C [N s/m] and K [N/m] with the names of their rows; masses, springs and grounds can be
+/// added to it. What is wrong with the matrices is found where the structure is used.
+LumpedPart lumped(const std::string& name, LumpedMatrices matrices);
 /// Equal masses "1", "2", ... [kg] in a row, joined by springs "1-2", "2-3", ... of one stiffness [N/m] and damping
 /// [N s/m]. No ground holds it.
 LumpedPart chain(const std::string& name, int masses, double mass, double stiffness, double damping = 0.0);
@@ -92,10 +98,16 @@ public:
   Structure& base_acceleration(const std::string& name);
   Structure& force(const std::string& name, const std::string& point);
 
+  /// Gives an input the samples that it is driven by, in the unit of its kind: cubic between them for a moved ground,
+  /// linear for the others. Throws InvalidInput if there is no input of that name.
+  Structure& drive(const std::string& input, const Samples& samples);
+
   /// Names of all numbers that can be estimated or updated, such as "suspension.mu_k1" and "body.3-4.stiffness".
   [[nodiscard]] std::vector<std::string> parameters() const;
   /// Value of a parameter [its SI unit]. Throws InvalidInput if there is none with that name.
   [[nodiscard]] double value(const std::string& parameter) const;
+  /// Its SI unit. Throws as value() does.
+  [[nodiscard]] std::string unit(const std::string& parameter) const;
   /// The structure at other values of any of its parameters, those of finite elements and of their damping included.
   /// Throws InvalidInput as above, and where a value is not finite.
   [[nodiscard]] Structure at(const NamedValues& values) const;

@@ -8,6 +8,8 @@
 #include <thread>
 #include <vector>
 
+#include "kalfem/base/interruption.hpp"
+
 namespace kalfem {
 
 /// Calls work(i) for i = 0 .. count - 1 on that many threads, the caller's among them, each index once and in no
@@ -30,7 +32,11 @@ void for_each_index(std::size_t count, int threads, const Work& work) {
   {
     std::vector<std::jthread> others;
     const auto most = std::min(count, static_cast<std::size_t>(std::max(1, threads)));
-    for (std::size_t i = 1; i < most; ++i) others.emplace_back(serve);
+    for (std::size_t i = 1; i < most; ++i)
+      others.emplace_back([&, asked = StopScope::question()] {
+        const StopScope scope(asked);
+        serve();
+      });
     serve();
   }
   if (thrown) std::rethrow_exception(thrown);

@@ -6,6 +6,7 @@
 #include <map>
 #include <vector>
 
+#include "kalfem/base/interruption.hpp"
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/worker_pool.hpp"
 #include "kalfem/records/record.hpp"
@@ -126,7 +127,8 @@ public:
     for (const auto& share : shares)
       for (const Index substeps : share) ahead_[substeps];
     std::exception_ptr thrown[2];
-    WorkerPool(2).run(2, [&](int thread) {
+    WorkerPool(2).run(2, [&, asked = StopScope::question()](int thread) {
+      const StopScope scope(asked);
       try {
         for (const Index substeps : shares[thread])
           ahead_.at(substeps) = simulated(substeps, thread == 0 ? options_.progress : Progress{});

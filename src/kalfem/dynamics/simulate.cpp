@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "kalfem/base/interruption.hpp"
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/dynamics/modal_coordinates.hpp"
 #include "kalfem/dynamics/stepper.hpp"
@@ -233,6 +234,7 @@ public:
 
   SimulationResult run() {
     for (Index k = 0; k <= steps_; ++k) {
+      stop_if_asked();
       // Accelerations and connector forces at the start belong to the initial state, then step by step.
       const auto outcome = k == 0 ? start() : advance(k);
       if (failed(outcome, k)) return ended_before(k);

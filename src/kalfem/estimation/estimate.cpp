@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "kalfem/base/interruption.hpp"
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/estimation/failure.hpp"
@@ -82,6 +83,7 @@ public:
     if (options_.keep_unknowns) begin_history(prior);
     const Index samples = input_.measured.samples();
     for (Index k = 0; k < samples; ++k) {
+      stop_if_asked();
       if (!step(k)) break;
       report_progress(k, samples);
     }
@@ -156,6 +158,8 @@ private:
     result_.unknowns = series(augmented_model_.layout().unknowns);
     result_.monitored = series(options_.monitored.size());
     result_.innovation = result_.innovation_deviation = MatrixXd::Constant(l, samples, not_a_number);
+    if (l <= most_covariances)
+      result_.innovation_covariance = MatrixXd::Constant(l * (l + 1) / 2, samples, not_a_number);
     result_.nis = VectorXd::Constant(samples, not_a_number);
     result_.log_density = VectorXd::Zero(samples);
     result_.measured = Eigen::VectorXi::Zero(samples);
@@ -179,6 +183,11 @@ private:
     if (channels.empty()) return;
     result_.innovation(channels, k) = innovation_.value;
     result_.innovation_deviation(channels, k) = innovation_.covariance.diagonal().cwiseSqrt();
+    if (result_.innovation_covariance.size() > 0)
+      for (std::size_t i = 0; i < channels.size(); ++i)
+        for (std::size_t j = 0; j <= i; ++j)
+          result_.innovation_covariance(channels[i] * (channels[i] + 1) / 2 + channels[j], k) =
+              innovation_.covariance(static_cast<Index>(i), static_cast<Index>(j));
     result_.nis[k] = innovation_.nis;
     result_.log_density[k] = innovation_.log_likelihood;
     result_.log_likelihood += innovation_.log_likelihood;
@@ -316,6 +325,12 @@ Gaussian next_prior(const AugmentedModel& augmented_model, const EstimationResul
 }
 
 }  // namespace
+
+Eigen::MatrixXi used_samples(const EstimationResult& result) {
+  Eigen::MatrixXi used = result.innovation.array().isFinite().cast<int>();
+  for (const auto& each : result.set_aside) used(each.channel, each.sample) = 0;
+  return used;
+}
 
 void FilterInput::sample(Index k, VectorXd& y) const {
   y = measured.values.col(k);

@@ -71,6 +71,9 @@ struct EstimationFailure {
   Eigen::Index computed = 0;  ///< samples that the result holds
 };
 
+/// Channels up to which a run keeps the covariances of their innovations.
+inline constexpr Eigen::Index most_covariances = 16;
+
 /// Wall time of the last run over the record [s].
 struct EstimationTime {
   double predict = 0.0, update = 0.0;
@@ -88,6 +91,9 @@ struct EstimationResult {
   EstimatedSeries monitored;
   Eigen::MatrixXd innovation;            ///< l x samples, NaN where missing
   Eigen::MatrixXd innovation_deviation;  ///< l x samples
+  /// Its covariance's lower triangle row by row, l (l + 1) / 2 x samples, NaN where missing; empty for more than
+  /// `most_covariances` channels.
+  Eigen::MatrixXd innovation_covariance;
   Eigen::VectorXd nis;                   ///< per sample, NaN if nothing was measured
   Eigen::VectorXi measured;              ///< channels measured per sample
   Eigen::VectorXd log_density;           ///< of each sample given those before, 0 if nothing was measured
@@ -105,6 +111,10 @@ struct EstimationResult {
   std::shared_ptr<const AugmentedModel> augmented_model;
   int linearisations = 0;
 };
+
+/// Whether the filter learned from each channel's sample as from any other, l x samples: 0 where it is missing, was set
+/// aside, or the filter had stopped.
+Eigen::MatrixXi used_samples(const EstimationResult& result);
 
 /// Checks the options against this augmented model: the weights of the sigma points, and passes that need an initial
 /// state.

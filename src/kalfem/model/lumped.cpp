@@ -11,19 +11,24 @@ bool is_ground(const LumpedSubstructure& substructure, const std::string& point)
   return std::ranges::find(substructure.grounds, point) != substructure.grounds.end();
 }
 
+bool is_dof(const LumpedSubstructure& substructure, const std::string& name) {
+  return std::ranges::find(substructure.matrices.dofs, name) != substructure.matrices.dofs.end() ||
+         std::ranges::find(substructure.masses, name, &LumpedMass::dof) != substructure.masses.end();
+}
+
 std::vector<std::string> point_names(const LumpedSubstructure& substructure) {
   std::vector<std::string> names = substructure.grounds;
-  for (const auto& mass : substructure.masses) names.push_back(mass.dof);
+  for (const auto& dof : dofs_of(substructure)) names.push_back(dof);
   for (const auto& [name, combination] : substructure.points) names.push_back(name);
   return names;
 }
 
 /// Displacement of a point per degree of freedom; zero for a ground.
 Eigen::VectorXd participation(const LumpedSubstructure& substructure, const std::string& point) {
-  const auto& masses = substructure.masses;
-  Eigen::VectorXd vector = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(masses.size()));
-  for (std::size_t i = 0; i < masses.size(); ++i)
-    if (masses[i].dof == point) vector[static_cast<Eigen::Index>(i)] = 1.0;
+  const auto dofs = dofs_of(substructure);
+  Eigen::VectorXd vector = Eigen::VectorXd::Zero(std::ssize(dofs));
+  for (std::size_t i = 0; i < dofs.size(); ++i)
+    if (dofs[i] == point) vector[static_cast<Eigen::Index>(i)] = 1.0;
   if (const auto named = substructure.points.find(point); named != substructure.points.end())
     for (const auto& [dof, coefficient] : named->second) vector += coefficient * participation(substructure, dof);
   return vector;
@@ -31,9 +36,10 @@ Eigen::VectorXd participation(const LumpedSubstructure& substructure, const std:
 
 void check_masses(const LumpedSubstructure& substructure, IssueList& issues) {
   std::set<std::string> seen;
-  for (const auto& [dof, mass] : substructure.masses) {
+  for (const auto& dof : dofs_of(substructure))
     if (!seen.insert(dof).second)
       issues.add({}, "mass '" + substructure.name + "." + dof + "' is given twice", "names must be unique");
+  for (const auto& [dof, mass] : substructure.masses) {
     if (!(mass > 0.0) || !std::isfinite(mass))
       issues.add({}, "mass of '" + substructure.name + "." + dof + "' is " + std::to_string(mass),
                  "a mass must be positive and finite", "give the mass in kg");
@@ -58,9 +64,7 @@ void check_springs(const LumpedSubstructure& substructure, IssueList& issues) {
 
 /// A name that is a mass, a ground and a point at once would be taken for one of them silently.
 void check_names(const LumpedSubstructure& substructure, IssueList& issues) {
-  const auto is_mass = [&](const std::string& name) {
-    return std::ranges::any_of(substructure.masses, [&](const auto& mass) { return mass.dof == name; });
-  };
+  const auto is_mass = [&](const std::string& name) { return is_dof(substructure, name); };
   std::set<std::string> grounds;
   for (const auto& ground : substructure.grounds)
     if (!grounds.insert(ground).second || is_mass(ground))
@@ -79,12 +83,39 @@ void check_points(const LumpedSubstructure& substructure, IssueList& issues) {
         issues.add(
             {}, "point '" + substructure.name + "." + name + "' has a coefficient of '" + dof + "' that is not finite",
             "a point is a weighted sum of degrees of freedom");
-      const bool exists = std::ranges::any_of(substructure.masses, [&](const auto& m) { return m.dof == dof; });
-      if (!exists)
+      if (!is_dof(substructure, dof))
         issues.add(
             {}, "point '" + substructure.name + "." + name + "' uses '" + dof + "', which is not a degree of freedom",
             "a point is a weighted sum of degrees of freedom");
     }
+}
+
+/// Up to rounding of its largest entry.
+bool is_symmetric(const SparseMatrix& matrix) {
+  const SparseMatrix difference = matrix - SparseMatrix(matrix.transpose());
+  return difference.coeffs().size() == 0 ||
+         difference.coeffs().abs().maxCoeff() <= 1e-9 * matrix.coeffs().abs().maxCoeff();
+}
+
+void check_matrices(const LumpedSubstructure& substructure, IssueList& issues) {
+  const auto& [dofs, mass, damping, stiffness] = substructure.matrices;
+  for (const auto& [letter, matrix] : {std::pair{"M", &mass}, std::pair{"C", &damping}, std::pair{"K", &stiffness}}) {
+    const std::string title = std::string(letter) + " of '" + substructure.name + "'";
+    const bool fits = matrix->rows() == std::ssize(dofs) && matrix->cols() == std::ssize(dofs);
+    if (matrix->size() == 0) continue;
+    if (!fits)
+      issues.add({},
+                 title + " is " + std::to_string(matrix->rows()) + " x " + std::to_string(matrix->cols()) + ", with " +
+                     std::to_string(dofs.size()) + " names",
+                 "it has a row and a column for each degree of freedom", "give as many names as rows");
+    else if (!matrix->coeffs().allFinite())
+      issues.add({}, title + " has entries that are not finite", "it belongs to the equation of motion", "");
+    else if (!is_symmetric(*matrix))
+      issues.add({}, title + " is not symmetric", "mass, damping and stiffness have both triangles alike",
+                 "give (A + A^T) / 2 if the difference is rounding");
+  }
+  if (mass.size() == 0 && !dofs.empty())
+    issues.add({}, "M of '" + substructure.name + "' is missing", "its degrees of freedom need masses", "give M");
 }
 
 void check_damping(const LumpedSubstructure& substructure, IssueList& issues) {
@@ -96,6 +127,11 @@ void check_damping(const LumpedSubstructure& substructure, IssueList& issues) {
   if (!(alpha >= 0.0 && beta >= 0.0) || !std::isfinite(alpha + beta))
     issues.add({}, "Rayleigh factors of '" + substructure.name + "' are negative or not finite",
                "they must not be: the structure would gain energy");
+}
+
+/// Adds a given matrix to its place before the masses; one that is empty counts as 0.
+void add_block(const SparseMatrix& given, Eigen::MatrixXd& matrix) {
+  if (given.size() > 0) matrix.topLeftCorner(given.rows(), given.cols()) += given;
 }
 
 GroundCoupling& coupling_of(LinearModel& model, const std::string& ground) {
@@ -123,8 +159,15 @@ Eigen::VectorXd pseudo_static_shape(const Eigen::MatrixXd& stiffness, const Eige
 
 }  // namespace
 
+std::vector<std::string> dofs_of(const LumpedSubstructure& substructure) {
+  std::vector<std::string> dofs = substructure.matrices.dofs;
+  for (const auto& mass : substructure.masses) dofs.push_back(mass.dof);
+  return dofs;
+}
+
 std::vector<Issue> validate(const LumpedSubstructure& substructure) {
   IssueList issues;
+  check_matrices(substructure, issues);
   check_masses(substructure, issues);
   check_springs(substructure, issues);
   check_names(substructure, issues);
@@ -141,12 +184,13 @@ LinearModel assemble(const LumpedSubstructure& substructure) {
   if (auto issues = validate(substructure); !issues.empty()) throw InvalidInput(std::move(issues));
   LinearModel model;
   model.points = substructure.points;
-  const auto n = static_cast<Eigen::Index>(substructure.masses.size());
+  model.dofs = dofs_of(substructure);
+  const Eigen::Index n = model.size(), given = std::ssize(substructure.matrices.dofs);
   Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(n, n), damping = mass, stiffness = mass;
-  for (const auto& [dof, value] : substructure.masses) {
-    mass(model.size(), model.size()) = value;
-    model.dofs.push_back(dof);
-  }
+  for (Eigen::Index i = given; const auto& [dof, value] : substructure.masses) mass(i, i) = value, ++i;
+  add_block(substructure.matrices.mass, mass);
+  add_block(substructure.matrices.damping, damping);
+  add_block(substructure.matrices.stiffness, stiffness);
   for (const auto& ground : substructure.grounds) coupling_of(model, ground);
   for (const auto& spring : substructure.springs) {
     const Eigen::VectorXd elongation =

@@ -30,7 +30,15 @@ struct RayleighDamping {
   double stiffness_factor = 0.0;  ///< beta [s]
 };
 
-/// Masses joined by springs and dashpots. Springs may end at a ground (the name `ground` or one of `grounds`), whose
+/// M, C and K between degrees of freedom as they are given. Empty ones count as 0.
+struct LumpedMatrices {
+  std::vector<std::string> dofs = {};
+  SparseMatrix mass = {};       ///< [kg], dofs x dofs, symmetric
+  SparseMatrix damping = {};    ///< [N s/m], dofs x dofs, symmetric
+  SparseMatrix stiffness = {};  ///< [N/m], dofs x dofs, symmetric
+};
+
+/// Masses joined by springs and dashpots, and what is given as matrices. Springs may end at a ground (the name `ground` or one of `grounds`), whose
 /// motion is an input of the whole system. Without masses it is only a place for grounds.
 struct LumpedSubstructure {
   std::string name;
@@ -40,10 +48,14 @@ struct LumpedSubstructure {
   std::map<std::string, DofCombination> points = {};
   std::vector<double> modal_damping = {};  ///< ratio to critical per mode; the last one holds for all further modes
   RayleighDamping rayleigh = {};
+  LumpedMatrices matrices = {};  ///< of degrees of freedom before those of the masses
 };
 
+/// Its degrees of freedom: those of the matrices, then those of the masses.
+std::vector<std::string> dofs_of(const LumpedSubstructure& substructure);
+
 /// Every problem of a lumped substructure: doubled or unknown names, non-positive masses, negative stiffness or
-/// damping.
+/// damping, matrices of another size than their names, not symmetric or not finite.
 std::vector<Issue> validate(const LumpedSubstructure& substructure);
 
 /// Assembles M, C and K. Modal and Rayleigh damping are of the substructure held as its springs hold it.

@@ -15,6 +15,7 @@ namespace {
 LumpedSubstructure unit_substructure(LumpedSubstructure substructure, const LumpedParameter& parameter) {
   substructure.modal_damping.clear();
   substructure.rayleigh = {};
+  substructure.matrices.damping = substructure.matrices.stiffness = {};
   for (auto& spring : substructure.springs) spring.stiffness = spring.damping = 0.0;
   set_value(substructure, parameter, 1.0);
   return substructure;
@@ -150,7 +151,7 @@ std::vector<ModelDerivative> ParameterisedLumped::derivatives(const Eigen::Vecto
       add_to(derivative.damping, at(parameters).model.stiffness);
     } else if (target.kind == Kind::mass) {
       SparseMatrix mass(unit.size(), unit.size());
-      const auto row = static_cast<Index>(target.element);
+      const Index row = std::ssize(present.matrices.dofs) + static_cast<Index>(target.element);
       mass.insert(row, row) = 1.0;
       add_to(derivative.mass, mass);
       if (alpha != 0.0) add_to(derivative.damping, alpha * mass);

@@ -30,21 +30,13 @@ QuantityName name_of(ObservedQuantity quantity) {
   return {"", ""};
 }
 
-/// A file whose series all have the same sampling rate.
-class SeriesFile {
+/// Hands over the series of a run, most of which have its sampling rate; those without values are left out.
+class SeriesWriter {
 public:
-  SeriesFile(const std::string& path, double sample_rate, const std::string& run)
-      : file_(Hdf5File::create(path)), sample_rate_(sample_rate) {
-    file_.set_attribute("/", "kalfem", version);
-    file_.set_attribute("/", "run", run);
-    file_.set_attribute("/", "sample_rate", sample_rate);
-  }
+  SeriesWriter(double sample_rate, const SeriesVisitor& visit) : sample_rate_(sample_rate), visit_(visit) {}
 
   void write(const std::string& name, const Eigen::VectorXd& values, const std::string& unit) {
-    if (values.size() == 0) return;
-    file_.write(name, values);
-    file_.set_attribute(name, "unit", unit);
-    file_.set_attribute(name, "sample_rate", sample_rate_);
+    if (values.size() > 0) visit_({name, values, unit, sample_rate_});
   }
 
   void write_points(const std::string& group, const std::vector<PointQuantity>& points) {
@@ -58,19 +50,15 @@ public:
 
   /// A column without a time: one value per iteration of the updating, or per line of a response.
   void write_column(const std::string& name, const Eigen::VectorXd& values, const std::string& unit) {
-    if (values.size() == 0) return;
-    file_.write(name, values);
-    file_.set_attribute(name, "unit", unit);
+    if (values.size() > 0) visit_({name, values, unit});
   }
 
-  void close() { file_.close(); }
-
 private:
-  Hdf5File file_;
   double sample_rate_;
+  const SeriesVisitor& visit_;
 };
 
-void write_truth(SeriesFile& file, const Study& study, const SimulationOutcome& outcome) {
+void write_truth(SeriesWriter& file, const Study& study, const SimulationOutcome& outcome) {
   file.write_points("/truth", outcome.points);
   const auto& inputs = outcome.reference.simulation.trajectory.inputs;
   for (Eigen::Index i = 0; i < study.model->system().input_count(); ++i) {
@@ -80,7 +68,7 @@ void write_truth(SeriesFile& file, const Study& study, const SimulationOutcome& 
 }
 
 /// Motions, unknowns and inputs, of the filter or the smoother.
-void write_series(SeriesFile& file, const std::string& group, const std::vector<PointQuantity>& points,
+void write_series(SeriesWriter& file, const std::string& group, const std::vector<PointQuantity>& points,
                   const std::vector<EstimatedInput>& inputs, const std::vector<UnknownParameter>& names,
                   const EstimatedSeries& unknowns) {
   file.write_points(group, points);
@@ -99,7 +87,7 @@ void write_series(SeriesFile& file, const std::string& group, const std::vector<
 }
 
 /// At instants of their own.
-void write_frequencies(SeriesFile& file, const FrequencyCourse& course) {
+void write_frequencies(SeriesWriter& file, const FrequencyCourse& course) {
   file.write("/estimate/frequencies/time", course.time, "s");
   for (Eigen::Index m = 0; m < course.frequency.rows(); ++m) {
     const std::string name = "/estimate/frequencies/mode_" + std::to_string(m + 1);
@@ -108,7 +96,7 @@ void write_frequencies(SeriesFile& file, const FrequencyCourse& course) {
   }
 }
 
-void write_estimate(SeriesFile& file, const EstimationOutcome& outcome) {
+void write_estimate(SeriesWriter& file, const EstimationOutcome& outcome) {
   const auto& names = outcome.augmented_model->options().unknowns;
   write_series(file, "/estimate", outcome.points, outcome.inputs, names, outcome.result.unknowns);
   if (outcome.frequencies) write_frequencies(file, *outcome.frequencies);
@@ -128,7 +116,7 @@ void write_estimate(SeriesFile& file, const EstimationOutcome& outcome) {
 }
 
 /// Both columns over the time of the validation part, which has its own sampling rate.
-void write_validation(SeriesFile& file, const OpenLoopComparison& comparison) {
+void write_validation(SeriesWriter& file, const OpenLoopComparison& comparison) {
   const auto& measured = comparison.measured;
   Eigen::VectorXd time(measured.samples());
   for (Eigen::Index k = 0; k < time.size(); ++k) time[k] = measured.time(k);
@@ -143,7 +131,7 @@ void write_validation(SeriesFile& file, const OpenLoopComparison& comparison) {
 }
 
 /// Every iteration: the residual, the parameters tried, the parameters accepted last. Then the compared responses.
-void write_updating(SeriesFile& file, const Study& study, const UpdatingOutcome& outcome) {
+void write_updating(SeriesWriter& file, const Study& study, const UpdatingOutcome& outcome) {
   const auto iterations = static_cast<Eigen::Index>(outcome.trace.size());
   const auto column = [&](const auto& value) {
     Eigen::VectorXd values(iterations);
@@ -170,20 +158,20 @@ void write_updating(SeriesFile& file, const Study& study, const UpdatingOutcome&
     }
 }
 
+/// The record of a run, if it has one.
+const Record* measured_of(const StudyResults& results) {
+  if (results.estimation) return &results.estimation->measurements;
+  return results.simulation ? &results.simulation->measurements : nullptr;
+}
+
 }  // namespace
 
-void write_results(const std::string& path, const Study& study, const StudyResults& results, const std::string& run) {
-  const Record* record = results.estimation   ? &results.estimation->measurements
-                         : results.simulation ? &results.simulation->measurements
-                                              : nullptr;
-  if (!record && !results.updating) return;
-  SeriesFile file(path, study.sample_rate(), run);
+void visit_results(const Study& study, const StudyResults& results, const SeriesVisitor& visit) {
+  SeriesWriter file(study.sample_rate(), visit);
   if (results.updating) write_updating(file, study, *results.updating);
   if (results.validation) write_validation(file, results.validation->held_back);
-  if (!record) {
-    file.close();
-    return;
-  }
+  const Record* record = measured_of(results);
+  if (!record) return;
   const Eigen::Index samples =
       results.simulation ? results.simulation->reference.simulation.trajectory.samples() : record->samples();
   file.write("/time",
@@ -197,6 +185,19 @@ void write_results(const std::string& path, const Study& study, const StudyResul
   if (results.simulation) write_truth(file, study, *results.simulation);
   if (results.estimation) write_estimate(file, *results.estimation);
   if (results.prediction) file.write_points("/prediction", results.prediction->points);
+}
+
+void write_results(const std::string& path, const Study& study, const StudyResults& results, const std::string& run) {
+  if (!measured_of(results) && !results.updating) return;
+  Hdf5File file = Hdf5File::create(path);
+  file.set_attribute("/", "kalfem", version);
+  file.set_attribute("/", "run", run);
+  file.set_attribute("/", "sample_rate", study.sample_rate());
+  visit_results(study, results, [&](const ResultSeries& series) {
+    file.write(series.path, series.values);
+    file.set_attribute(series.path, "unit", series.unit);
+    if (series.sample_rate) file.set_attribute(series.path, "sample_rate", *series.sample_rate);
+  });
   file.close();
 }
 

@@ -135,8 +135,8 @@ std::string identified_case(const IdentifiedCase& identified, const std::string&
   return "# run " + run + ", with the values that it found in the places of its parameters\n" + identified.yaml;
 }
 
-/// Writes all files of the run into the staging folder; their names.
-Names write_files(const fs::path& staging, const Study& study, const StudyResults& results, const Stopwatch& run) {
+/// Writes all files of the run into the staging folder; their names, and the summary.
+ResultSet write_files(const fs::path& staging, const Study& study, const StudyResults& results, const Stopwatch& run) {
   Json summary = summarise(study, results);
   const std::string identity = summary["run"];
   write_results((staging / "results.h5").string(), study, results, identity);
@@ -150,11 +150,9 @@ Names write_files(const fs::path& staging, const Study& study, const StudyResult
   write_file_atomically(staging / "report.html", render_html(page));
   Names files = files_in(staging);
   files.insert(std::ranges::lower_bound(files, "summary.json"), "summary.json");
-  summary["files"] = files;
-  summary["timing"]["total_s"] = run.seconds();
-  const std::string text = summary.dump(2, ' ', false, Json::error_handler_t::replace);
-  write_file_atomically(staging / "summary.json", with_unicode_escapes(text) + "\n");
-  return files;
+  std::string text = summary_text(std::move(summary), files, run.seconds());
+  write_file_atomically(staging / "summary.json", text);
+  return {.files = std::move(files), .removed = {}, .summary = std::move(text)};
 }
 
 /// The user knows a file by the name that it would have got, not by that in the staging folder.
@@ -180,11 +178,19 @@ ResultSet switch_to_files(OutputFolder& folder, const Names& files, bool updated
 
 }  // namespace
 
+std::string summary_text(Json summary, const Names& files, double total_seconds) {
+  summary["files"] = files;
+  summary["timing"]["total_s"] = total_seconds;
+  return with_unicode_escapes(summary.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n";
+}
+
 ResultSet write_result_set(OutputFolder& folder, const Study& study, const StudyResults& results,
                            const Stopwatch& run) {
   try {
-    const Names files = write_files(folder.staging(), study, results, run);
-    return switch_to_files(folder, files, results.updating.has_value());
+    ResultSet written = write_files(folder.staging(), study, results, run);
+    ResultSet set = switch_to_files(folder, written.files, results.updating.has_value());
+    set.summary = std::move(written.summary);
+    return set;
   } catch (const WriteFailure& failure) {
     throw with_final_names(failure, folder);
   }

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <Eigen/Dense>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +21,21 @@ namespace kalfem {
 /// each part is elapsed time, for any number of threads. estimate_split_s divides the time of the filter; `output` may
 /// pass in a thread beside `predict` and `update`.
 nlohmann::ordered_json summarise(const Study& study, const StudyResults& results);
+
+/// One series of the results under its path, "/estimate/body.3/displacement".
+struct ResultSeries {
+  std::string path;
+  Eigen::VectorXd values;
+  std::string unit;
+  std::optional<double> sample_rate = {};  ///< [Hz]; empty: the values are not at even times
+};
+using SeriesVisitor = std::function<void(const ResultSeries&)>;
+
+/// Visits every series of the results in the order in which they are written.
+void visit_results(const Study& study, const StudyResults& results, const SeriesVisitor& visit);
+
+/// The text of summary.json of a run whose files have these names and that took so long [s].
+std::string summary_text(nlohmann::ordered_json summary, const std::vector<std::string>& files, double total_seconds);
 
 /// Writes every time series with names, units and sampling rate into an HDF5 file:
 /// /time, /measurements/<sensor>, /truth/<point>/<quantity>, /estimate/<point>/<quantity>{,_std},
@@ -40,6 +58,7 @@ Page make_page(const Study& study, const StudyResults& results);
 struct ResultSet {
   std::vector<std::string> files;    ///< of this run
   std::vector<std::string> removed;  ///< of a former run, which this one did not write anew
+  std::string summary = {};          ///< the text of summary.json
 };
 
 /// Writes report.html, summary.json, results.h5, case.resolved.yaml, case.identified.yaml if the run identified

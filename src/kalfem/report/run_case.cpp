@@ -1,5 +1,6 @@
 #include "kalfem/report/run_case.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include "kalfem/report/result_set.hpp"
@@ -38,17 +39,8 @@ std::vector<CaseValue> updated_values(const UpdatingSetup& setup, const Updating
   return values;
 }
 
-}  // namespace
-
-CaseResult run_case(const std::filesystem::path& case_file, const std::filesystem::path& folder,
-                    const Progress& progress) {
-  const Stopwatch watch;
-  OutputFolder output(folder);
-  const Study study = load_study(case_file.string());
-  require_result_places(output.path(), study);
-  const StudyResults results = run_study(study, Step::update, {.progress = progress, .folder = output.path()});
+CaseResult values_of(const Study& study, const StudyResults& results) {
   CaseResult result;
-  result.files = write_result_set(output, study, results, watch).files;
   if (results.estimation) {
     result.estimated = estimated_values(*results.estimation);
     result.mean_nis = results.estimation->consistency.mean_nis;
@@ -59,6 +51,78 @@ CaseResult run_case(const std::filesystem::path& case_file, const std::filesyste
   result.verdict = results.verdict;
   result.failure = results.why_unusable();
   return result;
+}
+
+Step step_named(const std::string& name) {
+  const std::vector<std::string> names{"modes", "simulate", "estimate", "predict", "update"};
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end())
+    throw InvalidInput("last_step: there is no step '" + name + "'" + did_you_mean(name, names), "",
+                       "give modes, simulate, estimate, predict or update");
+  return static_cast<Step>(found - names.begin());
+}
+
+Study load(const std::filesystem::path& case_file, const RunCaseOptions& options) {
+  std::vector<CaseChange> changes;
+  for (const auto& [key, value] : options.set) changes.push_back({key, value});
+  return load_study(case_file.string(), changes);
+}
+
+}  // namespace
+
+struct CaseRun::Contents {
+  Study study;
+  StudyResults results;
+  CaseResult result;
+  std::string summary;
+};
+
+/// The output folder is taken before anything is computed.
+CaseRun::CaseRun(const std::filesystem::path& case_file, const RunCaseOptions& options) {
+  const Stopwatch watch;
+  const Step last = step_named(options.last_step);
+  std::optional<OutputFolder> output;
+  if (!options.folder.empty()) output.emplace(options.folder);
+  auto contents = std::make_shared<Contents>();
+  contents->study = load(case_file, options);
+  const Study& study = contents->study;
+  if (output) require_result_places(output->path(), study);
+  contents->results = run_study(study, last, {.progress = options.progress, .folder = options.folder});
+  contents->result = values_of(study, contents->results);
+  if (output) {
+    auto [files, removed, summary] = write_result_set(*output, study, contents->results, watch);
+    contents->result.files = std::move(files);
+    contents->summary = std::move(summary);
+  } else {
+    contents->summary = summary_text(summarise(study, contents->results), {}, watch.seconds());
+  }
+  contents_ = std::move(contents);
+}
+
+const CaseResult& CaseRun::result() const { return contents_->result; }
+const std::string& CaseRun::summary() const { return contents_->summary; }
+
+void CaseRun::visit(const std::function<void(const CaseSeries&)>& visitor) const {
+  visit_results(contents_->study, contents_->results, [&](const ResultSeries& series) {
+    visitor({series.path, series.values, series.unit, series.sample_rate});
+  });
+}
+
+CaseRun::InnovationCovariance CaseRun::innovation_covariance() const {
+  const auto& estimation = contents_->results.estimation;
+  if (!estimation) return {};
+  return {estimation->result.innovation_covariance, estimation->result.innovation.rows()};
+}
+
+std::string CaseRun::report() const {
+  Page page = make_page(contents_->study, contents_->results);
+  page.run = nlohmann::json::parse(contents_->summary).at("run");
+  return render_html(page);
+}
+
+CaseResult run_case(const std::filesystem::path& case_file, const std::filesystem::path& folder,
+                    const Progress& progress) {
+  return CaseRun(case_file, {.folder = folder, .progress = progress}).result();
 }
 
 }  // namespace kalfem

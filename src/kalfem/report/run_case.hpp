@@ -1,7 +1,12 @@
 #pragma once
 
+#include <Eigen/Dense>
 #include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "kalfem/base/progress.hpp"
@@ -29,9 +34,55 @@ struct CaseResult {
   [[nodiscard]] bool usable() const { return failure.empty(); }
 };
 
-/// Runs every step that a case file declares and writes the results into a folder, as `kalfem run` does. Throws
-/// InvalidInput with every problem of the case, by file and line, and WriteFailure (a std::runtime_error) where the
-/// results cannot be written.
+/// How a case is run.
+struct RunCaseOptions {
+  std::filesystem::path folder = {};  ///< for the files of the results; empty: nothing is written
+  /// Keys of the case with the values, in YAML, that they get instead of their own: {"simulate.duration", "4 s"}.
+  /// Without a value the key is removed. Keys may hold dots: the longest one that the case has counts; an item of a
+  /// list is its number from 0, or its `name`.
+  std::vector<std::pair<std::string, std::optional<std::string>>> set = {};
+  std::string last_step = "update";  ///< modes, simulate, estimate, predict or update
+  Progress progress = {};
+};
+
+/// One series of a run's results, as results.h5 holds it.
+struct CaseSeries {
+  std::string path;  ///< "/estimate/body.3/displacement"
+  Eigen::VectorXd values;
+  std::string unit;
+  std::optional<double> sample_rate = {};  ///< [Hz]; empty: the values are not at even times
+};
+
+/// A run of a case with everything that it found, whether or not files were written. A value that is cheap to copy.
+class CaseRun {
+public:
+  /// Runs every step that the case file declares, as `kalfem run` does, or those up to `last_step`. Throws InvalidInput
+  /// with every problem of the case, by file and line, and of a changed key as "set['key']", and WriteFailure (a
+  /// std::runtime_error) where the results cannot be written.
+  explicit CaseRun(const std::filesystem::path& case_file, const RunCaseOptions& options = {});
+
+  [[nodiscard]] const CaseResult& result() const;
+  /// The text of summary.json.
+  [[nodiscard]] const std::string& summary() const;
+  /// Visits what results.h5 holds.
+  void visit(const std::function<void(const CaseSeries&)>& visitor) const;
+  /// Covariances of the innovations, which results.h5 does not hold: lower triangles row by row, s (s + 1) / 2 x
+  /// samples for s sensors; empty for more than 16 of them, and where nothing was estimated.
+  struct InnovationCovariance {
+    Eigen::MatrixXd triangles;
+    Eigen::Index sensors = 0;
+  };
+  [[nodiscard]] InnovationCovariance innovation_covariance() const;
+  /// The text of report.html.
+  [[nodiscard]] std::string report() const;
+
+private:
+  struct Contents;
+  std::shared_ptr<const Contents> contents_;
+};
+
+/// Runs every step that a case file declares and writes the results into a folder, as `kalfem run` does. Throws as
+/// CaseRun does.
 CaseResult run_case(const std::filesystem::path& case_file, const std::filesystem::path& folder,
                     const Progress& progress = {});
 

@@ -249,11 +249,15 @@ private:
 
 }  // namespace
 
-Study load_study(const std::string& file) {
+Study load_study(const std::string& file, const std::vector<CaseChange>& changes) try {
   IssueList issues;
-  d::Case given = read_case_text(read_text_file(file), file, shared_case_schema(), issues);
+  d::Case given =
+      read_case_text(read_text_file(file), file, shared_case_schema(), issues, process_environment(), changes);
   if (given.source.empty()) raise_in_line_order(issues);
   return StudyMaker(std::move(given), file, issues).make();
+} catch (const InvalidInput& error) {
+  if (changes.empty()) throw;
+  throw InvalidInput(with_changes_named(error.issues(), changes));
 }
 
 Study make_study(d::Case given, const std::string& file) { return StudyMaker(std::move(given), file, {}).make(); }

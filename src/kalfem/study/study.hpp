@@ -9,6 +9,7 @@
 #include "kalfem/records/spectrum.hpp"
 #include "kalfem/study/run_plan.hpp"
 #include "kalfem/study/validation_plan.hpp"
+#include "kalfem/yaml/case_changes.hpp"
 
 namespace kalfem {
 
@@ -48,7 +49,8 @@ struct Study {
   [[nodiscard]] double sample_rate() const;
 };
 
-/// Reads a case file. Throws InvalidInput with every problem found in it and in the files it names.
-Study load_study(const std::string& file);
+/// Reads a case file, with some of its keys changed. Throws InvalidInput with every problem found in it and in the files
+/// it names.
+Study load_study(const std::string& file, const std::vector<CaseChange>& changes = {});
 
 }  // namespace kalfem

@@ -142,6 +142,13 @@ MatrixXd mac_matrix(const MatrixXd& one, const MatrixXd& other, const SparseMatr
   return (scale.array() > 0.0).select(squares.array() / scale.array(), 0.0);
 }
 
+MatrixXd mac_matrix(const Eigen::MatrixXcd& one, const Eigen::MatrixXcd& other) {
+  const VectorXd ones = one.colwise().squaredNorm(), others = other.colwise().squaredNorm();
+  const MatrixXd scale = ones * others.transpose();
+  const MatrixXd squares = (one.adjoint() * other).cwiseAbs2();
+  return (scale.array() > 0.0).select(squares.array() / scale.array(), 0.0);
+}
+
 SubspaceFit fit_in_subspace(const MatrixXd& gram, const VectorXd& toward, double target_squared) {
   SubspaceFit fit{gram.completeOrthogonalDecomposition().solve(toward), 0.0};
   if (target_squared > 0.0) fit.mac = std::clamp(toward.dot(fit.coefficients) / target_squared, 0.0, 1.0);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/yaml/case_changes.hpp"
 #include "kalfem/yaml/schema.hpp"
 #include "kalfem/yaml/yaml_node.hpp"
 
@@ -36,14 +37,14 @@ std::string read_text_file(const std::string& file);
 void raise_in_line_order(const IssueList& issues);
 
 /// Reads the text of a case file in the given schema. `file` names it in messages, and paths are relative to its
-/// folder. Problems go to `issues`; a value that has one keeps its default.
+/// folder. Problems go to `issues`; a value that has one keeps its default. `changes` are made before the text is read.
 template <class T>
 T read_case_text(const std::string& text, const std::string& file, const Schema<T>& schema, IssueList& issues,
-                 const Environment& environment = process_environment()) {
+                 const Environment& environment = process_environment(), const std::vector<CaseChange>& changes = {}) {
   ReadContext context{file, std::filesystem::path(file).parent_path(), {}};
   T value{};
   try {
-    const YamlNodePtr root = parse_yaml(text, file, environment, context.issues);
+    const YamlNodePtr root = changed(parse_yaml(text, file, environment, context.issues), changes);
     schema.read(CaseNode(context, root, "", root->line), value);
   } catch (const InvalidInput& error) {
     context.issues.add(error, {file, 1});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kalfem/base/interruption.hpp"
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/estimation/filter_setup.hpp"
 #include "kalfem/estimation/smoother/adjoint.hpp"
@@ -275,6 +276,7 @@ public:
   }
 
   bool smooth(Index k, const SmootherStep& step) {
+    stop_if_asked();
     if (step.coordinates.size() > 0) adjoint_.transform(step.coordinates);
     if (!series_.store(k, step, adjoint_)) return false;
     adjoint_.pass(step.measurement);

@@ -1,0 +1,162 @@
+#include "calls.hpp"
+#include "options.hpp"
+#include "records.hpp"
+#include "results.hpp"
+#include "structure.hpp"
+
+namespace kalfem::python {
+
+using Eigen::Index;
+
+namespace {
+
+constexpr double deviations_per_second = 100.0;  ///< of states and outputs, as the command computes them
+
+py::dict parameters_summary(const EstimateResult& result, const EstimateOptions& options) {
+  py::dict all;
+  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    const auto& [name, unit, mean, std, std_robust, interval, mean_history, std_history] = result.parameters[i];
+    const auto& prior = options.unknowns[i].prior;
+    py::dict entry;
+    entry["estimate"] = number(mean);
+    entry["std"] = number(std);
+    entry["std_robust"] = number(std_robust);
+    entry["interval_95"] = py::make_tuple(number(interval.lower), number(interval.upper));
+    entry["unit"] = unit;
+    if (prior.initial) entry["initial"] = *prior.initial;
+    if (prior.std > 0.0) entry["prior_std"] = prior.std;
+    all[py::str(name)] = entry;
+  }
+  return all;
+}
+
+py::dict estimation_summary(const EstimateResult& result, double settle) {
+  py::dict nis, estimation;
+  nis["mean"] = number(result.mean_nis(settle));
+  nis["expected"] = result.innovation.rows();
+  estimation["filter"] = result.filter;
+  estimation["start"] = result.start;
+  estimation["substeps"] = result.substeps;
+  estimation["log_likelihood"] = number(result.log_likelihood);
+  estimation["nis"] = nis;
+  return estimation;
+}
+
+py::dict summary_of(const EstimateResult& result, const EstimateOptions& options) {
+  py::dict summary;
+  const auto reasons = result.verdict.reasons();
+  std::string message;
+  if (!result.usable() && !reasons.empty()) message = sentence_of(reasons.front());
+  summary["title"] = "estimate";
+  summary["status"] = result.usable() ? "ok" : "unusable";
+  summary["message"] = message;
+  summary["verdict"] = python::summary_of(result.verdict);
+  summary["parameters"] = parameters_summary(result, options);
+  summary["estimation"] = estimation_summary(result, options.settle);
+  return summary;
+}
+
+/// "body.2.displacement" as "/estimate/body.2/displacement".
+std::string path_of(const std::string& state) {
+  const auto dot = state.rfind('.');
+  return "estimate/" + (dot == std::string::npos ? state : state.substr(0, dot) + "/" + state.substr(dot + 1));
+}
+
+py::dict datasets_of(EstimateResult& result, const Record& record, const std::vector<SensorDescription>& sensors) {
+  Datasets data;
+  const double rate = record.sample_rate;
+  const auto add = [&](const std::string& path, auto values, const std::string& unit) {
+    data.add(path, Eigen::VectorXd(std::move(values)), unit, rate);
+  };
+  add("time", times_of(record), "s");
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    const auto row = static_cast<Index>(i);
+    const std::string unit = unit_of(sensors[i].output.quantity);
+    add("measurements/" + sensors[i].name, record.values.row(row).transpose(), unit);
+    add("innovation/value/" + sensors[i].name, result.innovation.row(row).transpose(), unit);
+    add("innovation/deviation/" + sensors[i].name, result.innovation_deviation.row(row).transpose(), unit);
+  }
+  for (auto& [name, unit, mean, std] : result.states) {
+    add(path_of(name), std::move(mean), unit);
+    add(path_of(name) + "_std", std::move(std), unit);
+  }
+  for (auto& [name, unit, mean, std] : result.outputs) {
+    add("estimate/" + name, std::move(mean), unit);
+    add("estimate/" + name + "_std", std::move(std), unit);
+  }
+  for (auto& parameter : result.parameters) {
+    add("estimate/parameters/" + parameter.name, std::move(parameter.mean_history), parameter.unit);
+    add("estimate/parameters/" + parameter.name + "_std", std::move(parameter.std_history), parameter.unit);
+  }
+  add("innovation/nis", std::move(result.nis), "-");
+  py::dict all = data.take();
+  if (result.innovation_covariance.size() > 0)
+    all["innovation/covariance"] =
+        py::make_tuple(covariances_of(result.innovation_covariance, std::ssize(sensors)), py::dict());
+  return all;
+}
+
+py::tuple estimate_record(const Structure& structure, const py::object& t, const py::object& y, const py::dict& inputs,
+                          const py::dict& arguments, const py::object& progress) {
+  EstimateOptions options = options_of(structure, arguments);
+  std::vector<std::string> names;
+  for (const auto& sensor : options.sensors) names.push_back(sensor.name);
+  const TimeGrid grid = grid_of(t);
+  const Record record = record_of(grid, y, names);
+  options.deviation_stride = std::max(1, static_cast<int>(std::lround(grid.sample_rate / deviations_per_second)));
+  const Structure moved = driven(structure, inputs, grid.start, grid.sample_rate, grid.samples);
+  auto result = long_call(structure, progress, [&](const Progress& report) {
+    options.progress = report;
+    return estimate(moved, record, options);
+  });
+  const py::dict summary = summary_of(result, options);
+  return py::make_tuple(summary, datasets_of(result, record, options.sensors));
+}
+
+}  // namespace
+
+py::dict summary_of(const Verdict& verdict) {
+  py::list reasons;
+  for (const auto& reason : verdict.reasons()) {
+    py::dict entry;
+    entry["code"] = reason.code;
+    entry["subject"] = reason.subject;
+    entry["text"] = reason.text;
+    entry["remedy"] = reason.remedy;
+    reasons.append(entry);
+  }
+  py::dict summary;
+  summary["state"] = to_string(verdict.state());
+  summary["reasons"] = reasons;
+  return summary;
+}
+
+py::array_t<double> covariances_of(const Eigen::MatrixXd& triangles, Index sensors) {
+  py::array_t<double> all({triangles.cols(), sensors, sensors});
+  auto entries = all.mutable_unchecked<3>();
+  for (Index k = 0; k < triangles.cols(); ++k)
+    for (Index i = 0, row = 0; i < sensors; ++i)
+      for (Index j = 0; j <= i; ++j, ++row) entries(k, i, j) = entries(k, j, i) = triangles(row, k);
+  return all;
+}
+
+Eigen::VectorXd times_of(const Record& record) {
+  const Index samples = record.samples();
+  return Eigen::VectorXd::LinSpaced(samples, record.start,
+                                    record.start + static_cast<double>(samples - 1) / record.sample_rate);
+}
+
+void bind_estimate(py::module_& module) {
+  module.def(
+      "time_grid",
+      [](const py::object& t) {
+        const auto [start, sample_rate, samples] = grid_of(t);
+        return py::make_tuple(start, sample_rate, samples);
+      },
+      py::arg("t"), "Start [s], sampling rate [Hz] and number of even times.");
+  module.def("estimate", &estimate_record, py::arg("structure"), py::arg("t"), py::arg("y"), py::arg("inputs"),
+             py::arg("arguments"), py::arg("progress") = py::none(),
+             "Summary and datasets of an estimation: see kalfem.estimate.");
+}
+
+}  // namespace kalfem::python

@@ -1,0 +1,288 @@
+#include "calls.hpp"
+#include "options.hpp"
+#include "structure.hpp"
+
+namespace kalfem::python {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+/// A filter that Python moves, step by step or by channels as they come, but not both ways.
+class PythonFilter {
+public:
+  PythonFilter(const Structure& structure, double sample_rate, const EstimateOptions& options, const LiveOptions& live)
+      : structure_(structure), live_([&] {
+          const py::gil_scoped_release released;
+          return LiveFilter(structure, sample_rate, options, live);
+        }()) {
+    for (const auto& sensor : options.sensors) sensors_.push_back(sensor.name);
+    for (const auto& input : structure.description().parts.inputs) inputs_.push_back(input.name);
+  }
+
+  bool predict(const py::object& u) {
+    require(Mode::steps);
+    const bool moved = u.is_none() ? without_gil([&] { return filter().predict(); }) : predict_to(u);
+    raise_of_laws(structure_);
+    return moved;
+  }
+
+  bool update(const py::object& y) {
+    require(Mode::steps);
+    read(y, sensors_, "y", values_);
+    const bool moved = without_gil([&] { return filter().update(values_); });
+    raise_of_laws(structure_);
+    return moved;
+  }
+
+  /// predict() and update() over many samples; returns how many there were before a stop.
+  Index advance(const Column& u, const Column& y) {
+    require(Mode::steps);
+    const auto inputs = std::ssize(inputs_), sensors = std::ssize(sensors_);
+    if (y.ndim() != 2 || y.shape(1) != sensors || u.ndim() != 2 || u.shape(1) != inputs || u.shape(0) != y.shape(0))
+      throw InvalidInput("advance: u and y have other shapes than (samples, " + std::to_string(inputs) +
+                             ") and (samples, " + std::to_string(sensors) + ")",
+                         "a row is one sample", "");
+    const Eigen::Map<const Eigen::MatrixXd> of_inputs(u.data(), inputs, u.shape(0)), of_sensors(y.data(), sensors, y.shape(0));
+    const Index count = without_gil([&] {
+      for (Index k = 0; k < of_sensors.cols(); ++k)
+        if (!filter().predict(of_inputs.col(k)) || !filter().update(of_sensors.col(k))) return k;
+      return of_sensors.cols();
+    });
+    raise_of_laws(structure_);
+    return count;
+  }
+
+  void start(const py::object& u) {
+    require(Mode::steps);
+    read(u, inputs_, "u", values_);
+    filter().start(values_);
+  }
+
+  Index push(const std::string& name, const py::object& t, const py::object& values) {
+    require(Mode::blocks);
+    const Column block = Column::ensure(values);
+    if (!block || block.ndim() > 1) {
+      PyErr_Clear();
+      throw InvalidInput("push: the values of '" + name + "' are no array of one dimension", "", "give shape (n,)");
+    }
+    const Eigen::Map<const VectorXd> samples(block.data(), block.size());
+    const Column times = Column::ensure(t);
+    if (!times || times.ndim() > 1) {
+      PyErr_Clear();
+      throw InvalidInput("push: t is no time", "", "give the time of the first value, or one for each value");
+    }
+    const Index taken = times.ndim() == 0
+                            ? without_gil([&] { return live_.push(name, *times.data(), samples); })
+                            : without_gil([&] {
+                                return live_.push(name, Eigen::Map<const VectorXd>(times.data(), times.size()), samples);
+                              });
+    raise_of_laws(structure_);
+    return taken;
+  }
+
+  Index flush() {
+    require(Mode::blocks);
+    return without_gil([&] { return live_.flush(); });
+  }
+
+  py::tuple state(const std::string& name) {
+    const auto [mean, std] = without_gil([&] { return filter().state(name); });
+    return py::make_tuple(mean, std);
+  }
+
+  [[nodiscard]] OnlineFilter& filter() { return live_.filter(); }
+  [[nodiscard]] const LiveFilter& live() const { return live_; }
+  [[nodiscard]] const std::vector<std::string>& sensors() const { return sensors_; }
+  [[nodiscard]] const std::vector<std::string>& inputs() const { return inputs_; }
+
+private:
+  enum class Mode { none, steps, blocks };
+
+  template <class Work>
+  static auto without_gil(const Work& work) {
+    const py::gil_scoped_release released;
+    return work();
+  }
+
+  void require(Mode mode) {
+    if (mode_ == mode) return;
+    if (mode_ != Mode::none)
+      throw InvalidInput(mode == Mode::steps ? "predict() and update() are called after push()"
+                                             : "push() is called after predict() or update()",
+                         "a filter is moved one way or the other", "make another Filter");
+    mode_ = mode;
+  }
+
+  /// Values in the order of `names`: an array, or a dictionary in which missing sensors are missing values.
+  void read(const py::object& given, const std::vector<std::string>& names, const char* argument, VectorXd& values) const {
+    values.resize(std::ssize(names));
+    if (PyDict_Check(given.ptr())) {
+      read_entries(given, names, argument, values);
+      return;
+    }
+    const Column column = Column::ensure(given);
+    if (!column) PyErr_Clear();
+    if (!column || column.ndim() > 1 || column.size() != values.size())
+      throw InvalidInput(std::string(argument) + ": " +
+                             (column ? std::to_string(column.size()) + " values" : "no array of numbers"),
+                         "there are " + std::to_string(names.size()) + ": " + joined(names),
+                         "give them as an array in this order, or a dictionary");
+    std::copy_n(column.data(), values.size(), values.data());
+  }
+
+  void read_entries(const py::object& given, const std::vector<std::string>& names, const char* argument,
+                    VectorXd& values) const {
+    values.setConstant(std::numeric_limits<double>::quiet_NaN());
+    for (const auto& [key, value] : py::reinterpret_borrow<py::dict>(given)) {
+      const auto name = key.cast<std::string>();
+      const auto at = std::ranges::find(names, name);
+      if (at == names.end())
+        throw InvalidInput(entry_of(argument, name) + ": there is none of that name" + did_you_mean(name, names), "",
+                           "there are " + joined(names));
+      values[at - names.begin()] = value.cast<double>();
+    }
+  }
+
+  static std::string joined(const std::vector<std::string>& names) {
+    std::string all;
+    for (const auto& name : names) all += (all.empty() ? "" : ", ") + name;
+    return all.empty() ? "none" : all;
+  }
+
+  /// Values alone, or value, rate and acceleration of each input: shape (inputs,) or (inputs, 3).
+  bool predict_to(const py::object& u) {
+    if (const Column column = PyArray_like(u); column && column.ndim() == 2) return predict_with_rates(column);
+    read(u, inputs_, "u", values_);
+    return without_gil([&] { return filter().predict(values_); });
+  }
+
+  static Column PyArray_like(const py::object& u) {
+    return py::isinstance<py::array>(u) ? Column::ensure(u) : Column(py::none());
+  }
+
+  bool predict_with_rates(const Column& column) {
+    if (column.shape(1) != 3)
+      throw InvalidInput("u: an array of " + std::to_string(column.shape(1)) + " columns",
+                         "columns are value, rate and acceleration", "give shape (inputs,) or (inputs, 3)");
+    std::vector<InputSample> samples;
+    for (Index i = 0; i < column.shape(0); ++i) samples.push_back({column.at(i, 0), column.at(i, 1), column.at(i, 2)});
+    return without_gil([&] { return filter().predict(samples); });
+  }
+
+  Structure structure_;
+  LiveFilter live_;
+  std::vector<std::string> sensors_, inputs_;
+  VectorXd values_;
+  Mode mode_ = Mode::none;
+};
+
+py::dict parameters_of(PythonFilter& self) {
+  py::dict all;
+  for (const auto& each : self.filter().parameters()) {
+    py::dict entry;
+    entry["estimate"] = each.mean;
+    entry["std"] = each.std;
+    entry["interval_95"] = py::make_tuple(each.interval_95.lower, each.interval_95.upper);
+    entry["unit"] = each.unit;
+    all[py::str(each.name)] = entry;
+  }
+  return all;
+}
+
+}  // namespace
+
+void bind_filter(py::module_& module) {
+  py::class_<PythonFilter>(module, "Filter", "A filter that is moved by its caller: see kalfem.Filter.")
+      .def(py::init([](const Structure& structure, double sample_rate, const py::dict& arguments, double start,
+                       double horizon) {
+             return std::make_unique<PythonFilter>(structure, sample_rate, options_of(structure, arguments),
+                                                   LiveOptions{.start = start, .horizon = horizon});
+           }),
+           py::arg("structure"), py::arg("sample_rate"), py::arg("arguments"), py::arg("start"), py::arg("horizon"))
+      .def("predict", &PythonFilter::predict, py::arg("u") = py::none(), R"(Move to the next sample.
+
+Parameters
+----------
+u : array of shape (inputs,) or (inputs, 3), or dict, optional
+    The inputs there, in the order in which the structure has them: their values, or value, rate and acceleration of
+    each. With values alone the rate of a moved ground is that from sample to sample. Left out: the structure's own
+    samples are used.
+
+Returns
+-------
+bool
+    False if the filter has stopped: see `failure`.
+)")
+      .def("update", &PythonFilter::update, py::arg("y"), R"(Condition on what the sensors show.
+
+Parameters
+----------
+y : array of shape (sensors,), or dict
+    In the order of the sensors [SI]; NaN, or a missing key, is a missing value.
+
+Returns
+-------
+bool
+    False if the filter has stopped: see `failure`.
+)")
+      .def("advance", &PythonFilter::advance, py::arg("u"), py::arg("y"), R"(Predict and update over many samples.
+
+Parameters
+----------
+u : array, shape (samples, inputs)
+y : array, shape (samples, sensors)
+
+Returns
+-------
+int
+    Samples that it was moved by: fewer where it has stopped.
+)")
+      .def("begin", &PythonFilter::start, py::arg("u"), "Tell the inputs at the first sample, before its update().")
+      .def("push", &PythonFilter::push, py::arg("name"), py::arg("t"), py::arg("values"), R"(Hand over samples of one channel.
+
+Parameters
+----------
+name : str
+    A sensor, or an input that has no samples.
+t : float or array of shape (n,)
+    Time of the first value, those after it one sampling interval apart; or of each value, ascending [s].
+values : array of shape (n,) or float
+    [SI]; NaN is a missing value of a sensor.
+
+Returns
+-------
+int
+    How many samples the filter took: those that every channel has now, and those behind the horizon.
+
+Notes
+-----
+The order in which channels and blocks come changes no bit, as long as none comes later than `horizon` behind another.
+What comes later still is dropped and counted in `dropped`.
+)")
+      .def("flush", &PythonFilter::flush, "Take all samples that any channel has, as if the horizon were over.")
+      .def("state", &PythonFilter::state, py::arg("name"),
+           "Mean and standard deviation of ``body.2.displacement``, ``body.2.velocity``, or an output.")
+      .def("_parameters", &parameters_of)
+      .def_property_readonly("time", [](PythonFilter& self) { return self.filter().time(); },
+                             "Of the present sample, the first one at 0 [s].")
+      .def_property_readonly("innovation", [](PythonFilter& self) { return VectorXd(self.filter().innovation()); },
+                             "Measured minus predicted of the last update, shape (sensors,).")
+      .def_property_readonly("nis", [](PythonFilter& self) { return self.filter().nis(); },
+                             "Normalised innovation squared of the last update.")
+      .def_property_readonly("failure", [](PythonFilter& self) -> py::object {
+        const auto& failure = self.filter().failure();
+        if (!failure) return py::none();
+        return py::str("the filter stopped at " + std::to_string(failure->time) + " s: " + failure->reason);
+      }, "When and why it stopped; None while it goes on.")
+      .def_property_readonly("usable", [](PythonFilter& self) { return self.filter().usable(); })
+      .def_property_readonly("samples", [](const PythonFilter& self) { return self.live().samples(); },
+                             "Samples that push() has moved it by.")
+      .def_property_readonly("dropped", [](const PythonFilter& self) { return self.live().dropped(); },
+                             "Values that came behind the horizon, or twice.")
+      .def_property_readonly("sensors", &PythonFilter::sensors)
+      .def_property_readonly("inputs", &PythonFilter::inputs);
+}
+
+}  // namespace kalfem::python

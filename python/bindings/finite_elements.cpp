@@ -1,0 +1,202 @@
+#include "kalfem/base/units.hpp"
+#include "kalfem/formats/deck.hpp"
+#include "kalfem/formats/vtu.hpp"
+#include "kalfem/model/unit_system.hpp"
+#include "sensors.hpp"
+
+namespace kalfem::python {
+namespace {
+
+/// "mm t s": a unit of length, of mass and of time, in any order.
+UnitSystem units_of(const std::string& words) {
+  UnitSystem units;
+  std::string word;
+  const auto take = [&] {
+    if (word.empty()) return;
+    const Unit unit = parse_unit(word);
+    const auto is = [&](const char* si) { return compatible(unit.dimension, parse_unit(si).dimension); };
+    if (is("m"))
+      units.length = unit.factor;
+    else if (is("kg"))
+      units.mass = unit.factor;
+    else if (is("s"))
+      units.time = unit.factor;
+    else
+      throw InvalidInput("units: '" + word + "' is no unit of length, mass or time", "these three give all others",
+                         "write units=\"mm t s\"");
+    word.clear();
+  };
+  for (const char c : words)
+    if (c == ' ' || c == ',')
+      take();
+    else
+      word += c;
+  take();
+  return units;
+}
+
+void name_node(FiniteElements& elements, const std::string& name, const py::handle& where) {
+  if (py::isinstance<py::int_>(where)) {
+    elements.node(name, where.cast<std::int64_t>());
+    return;
+  }
+  const Eigen::VectorXd place = vector_of(where, entry_of("nodes", name));
+  if (place.size() != 3)
+    throw InvalidInput(entry_of("nodes", name) + ": " + std::to_string(place.size()) + " coordinates",
+                       "a place is x, y, z in metres", "give three, or the number of the node");
+  elements.node(name, Eigen::Vector3d(place));
+}
+
+/// What reading a deck gives: the substructure, and the notes of the reader.
+FiniteElements read(const std::string& file, const std::string& units, const py::object& name, const py::dict& nodes,
+                    const std::vector<std::string>& accept) {
+  Deck deck = read_deck(file);
+  IssueList issues;
+  accept_missing(deck.notes, accept, issues);
+  issues.raise();
+  to_si(deck.model, units_of(units));
+  const std::string stem = std::filesystem::path(file).stem().string();
+  FiniteElements elements(name.is_none() ? stem : name.cast<std::string>(), deck.model);
+  for (const auto& [set, members] : deck.model.mesh.node_sets)
+    if (members.size() == 1 && !nodes.contains(set.c_str()))
+      elements.node(set, deck.model.mesh.node_ids[static_cast<std::size_t>(members.front())]);
+  for (const auto& [key, where] : nodes) name_node(elements, key.cast<std::string>(), where);
+  return elements;
+}
+
+py::list notes_of(const std::string& file) {
+  py::list notes;
+  for (const auto& note : read_deck(file).notes)
+    notes.append(py::make_tuple(to_string(note.kind), note.what, note.consequence, note.count,
+                                note.where.file + ":" + std::to_string(note.where.line)));
+  return notes;
+}
+
+ReductionMethod method_named(const std::string& name) {
+  const std::vector<std::pair<std::string, ReductionMethod>> methods{{"craig_bampton", ReductionMethod::craig_bampton},
+                                                                     {"rubin", ReductionMethod::rubin},
+                                                                     {"macneal", ReductionMethod::macneal},
+                                                                     {"guyan", ReductionMethod::guyan}};
+  std::vector<std::string> known;
+  for (const auto& [each, method] : methods) {
+    if (each == name) return method;
+    known.push_back(each);
+  }
+  throw InvalidInput("method: '" + name + "' is given" + did_you_mean(name, known), "",
+                     "give craig_bampton, rubin, macneal or guyan");
+}
+
+FiniteElements reduced(const FiniteElements& self, std::optional<double> up_to, const py::list& boundary,
+                       std::optional<Eigen::Index> modes, const std::string& method) {
+  FiniteElements elements = self;
+  std::vector<std::string> names;
+  for (const auto& each : boundary) {
+    if (!py::isinstance<py::int_>(each)) {
+      names.push_back(each.cast<std::string>());
+      continue;
+    }
+    names.push_back("n" + std::to_string(each.cast<std::int64_t>()));
+    elements.node(names.back(), each.cast<std::int64_t>());
+  }
+  return elements.reduce({.method = method_named(method), .modes = {.count = modes, .cutoff = up_to}}, names);
+}
+
+void write_mesh(const FiniteElements& self, const std::string& file, const py::dict& fields) {
+  std::vector<NodalField> shown;
+  for (const auto& [name, values] : fields) shown.push_back({name.cast<std::string>(), values.cast<Eigen::MatrixXd>()});
+  write_vtu(file, self.model().mesh, shown);
+}
+
+std::vector<double> ratios_of(const py::object& given) {
+  if (py::isinstance<py::sequence>(given)) return given.cast<std::vector<double>>();
+  return {given.cast<double>()};
+}
+
+}  // namespace
+
+void bind_finite_elements(py::module_& module) {
+  py::class_<FiniteElements>(module, "FiniteElements",
+                             R"(A finite-element substructure: methods give a changed copy. Made by read_deck().
+
+Its points are ``name.node.x``; its parameters ``name.steel.youngs_modulus``, ``name.skin.thickness`` and so on.)")
+      .def(
+          "node",
+          [](const FiniteElements& self, const std::string& name, const py::object& where) {
+            FiniteElements elements = self;
+            name_node(elements, name, where);
+            return elements;
+          },
+          py::arg("name"), py::arg("where"), "Name a node, by its number in the mesh or the nearest place [m].")
+      .def(
+          "fix", [](FiniteElements self, const std::string& node) { return self.fix(node); }, py::arg("node"),
+          "Hold all six motions of a named node.")
+      .def(
+          "modal_damping",
+          [](FiniteElements self, const py::object& ratios, double up_to) {
+            return self.modal_damping(ratios_of(ratios), up_to);
+          },
+          py::arg("ratios"), py::arg("up_to") = 500.0,
+          "Damping ratios, one a mode; the last one holds for further modes up to a frequency [Hz].")
+      .def(
+          "rayleigh_damping",
+          [](FiniteElements self, double alpha, double beta) { return self.rayleigh_damping(alpha, beta); },
+          py::arg("alpha"), py::arg("beta"), "C = alpha M + beta K, alpha [1/s], beta [s].")
+      .def("reduce", &reduced, py::arg("up_to") = py::none(), py::arg("boundary") = py::list(), py::kw_only(),
+           py::arg("modes") = py::none(), py::arg("method") = "craig_bampton", R"(Use a superelement instead of the full model.
+
+Parameters
+----------
+up_to : float, optional
+    Fixed-interface modes up to this frequency [Hz] are kept.
+boundary : list of str or int
+    Named nodes, ``"tip"`` (its translations) or ``"tip.rx"``, and nodes by their number, which get the name ``n12``.
+    Points that connectors and forces touch are kept in any case.
+modes : int, optional
+    At least so many modes are kept.
+method : str
+    ``craig_bampton``, ``rubin``, ``macneal`` or ``guyan``.
+)")
+      .def(
+          "natural_frequencies",
+          [](const FiniteElements& self, Eigen::Index count) {
+            const py::gil_scoped_release released;
+            return natural_frequencies(self, count);
+          },
+          py::arg("count") = 10, "Lowest natural frequencies of the full model [Hz], shape (count,).")
+      .def_property_readonly("name", &FiniteElements::name)
+      .def_property_readonly(
+          "node_positions", [](const FiniteElements& self) -> Eigen::MatrixXd { return self.model().mesh.nodes.transpose(); },
+          "Coordinates of the nodes [m], shape (nodes, 3).")
+      .def_property_readonly("node_numbers", [](const FiniteElements& self) { return self.model().mesh.node_ids; })
+      .def("write_vtu", &write_mesh, py::arg("file"), py::arg("fields") = py::dict(), R"(Write the mesh for ParaView.
+
+Parameters
+----------
+file : path
+fields : dict of str to array, shape (components, nodes)
+    Shown over the nodes.
+)")
+      .def("__repr__", [](const FiniteElements& self) {
+        return "<kalfem.FiniteElements '" + self.name() + "', " + std::to_string(self.model().mesh.node_count()) + " nodes>";
+      });
+  module.def("read_deck", &read, py::arg("file"), py::kw_only(), py::arg("units") = "m kg s",
+             py::arg("name") = py::none(), py::arg("nodes") = py::dict(),
+             py::arg("accept") = std::vector<std::string>{}, R"(Read a finite-element model of Nastran (.bdf) or of Abaqus and CalculiX (.inp).
+
+Parameters
+----------
+file : path
+units : str
+    In which the deck is: a unit of length, of mass and of time, ``"mm t s"``.
+name : str, optional
+    Of the substructure; the file's name without its ending if it is not given.
+nodes : dict of str to int or (x, y, z)
+    Names of nodes, by their number or the nearest place [m]. Node sets of one node give it their name.
+accept : list of str
+    What the deck holds, and the model may lack: ``"*FRICTION"``.
+)");
+  module.def("deck_notes", &notes_of, py::arg("file"),
+             "What a deck holds and the model does not use: tuples of kind, what, consequence, count and place.");
+}
+
+}  // namespace kalfem::python

@@ -1,0 +1,137 @@
+#include <mutex>
+
+#include "calls.hpp"
+#include "kalfem/system/laws/law_library.hpp"
+#include "structure.hpp"
+
+namespace kalfem::python {
+
+using Eigen::ArrayXd;
+using Eigen::ArrayXXd;
+using Eigen::Index;
+
+namespace {
+
+/// Of central differences about x.
+ArrayXd steps_about(const Eigen::Ref<const ArrayXd>& x) { return (6e-6 * x.abs()).max(1e-9); }
+
+/// A function f(x, v, *parameters) of Python. All points of a call, and those of the central differences for the
+/// tangents, go to it in one call.
+class PythonLaw final : public ConnectorLaw {
+public:
+  PythonLaw(const py::function& force, std::vector<LawQuantity> parameters)
+      : name_(py::str(py::getattr(force, "__name__", py::str("law")))), parameters_(std::move(parameters)),
+        force_(force) {}
+  ~PythonLaw() override {
+    const py::gil_scoped_acquire acquired;  // the last owner may be a thread of the library
+    force_ = py::object();
+  }
+
+  [[nodiscard]] std::string name() const override { return name_; }
+  [[nodiscard]] const std::vector<LawQuantity>& parameters() const override { return parameters_; }
+  [[nodiscard]] const std::vector<LawQuantity>& states() const override { return states_; }
+  [[nodiscard]] bool uses_acceleration() const override { return false; }
+  [[nodiscard]] bool vectorised() const override { return true; }
+
+  void respond(const LawPoints& points, LawResponse response) const override {
+    const ArrayXd step_x = steps_about(points.deformation), step_v = steps_about(points.rate);
+    const Index count = points.deformation.size();
+    ArrayXd x(5 * count), v(5 * count);
+    x << points.deformation, points.deformation + step_x, points.deformation - step_x, points.deformation,
+        points.deformation;
+    v << points.rate, points.rate, points.rate, points.rate + step_v, points.rate - step_v;
+    const ArrayXd force = evaluate(x, v, points.parameters.replicate(5, 1));
+    const auto part = [&](Index i) { return force.segment(i * count, count); };
+    response.force = part(0);
+    response.stiffness = (part(1) - part(2)) / (2.0 * step_x);
+    response.damping = (part(3) - part(4)) / (2.0 * step_v);
+    response.inertance.setZero();
+  }
+
+  /// What the function raised since the last call of this.
+  [[nodiscard]] std::exception_ptr take_raised() const {
+    const std::scoped_lock lock(guard_);
+    return std::exchange(raised_, nullptr);
+  }
+
+private:
+  /// Not a number once the function has raised: the filter ends there, and the error is raised after it.
+  [[nodiscard]] ArrayXd evaluate(const ArrayXd& x, const ArrayXd& v, const ArrayXXd& parameters) const {
+    const py::gil_scoped_acquire acquired;
+    try {
+      py::tuple arguments(2 + static_cast<std::size_t>(parameters.cols()));
+      arguments[0] = py::cast(x);
+      arguments[1] = py::cast(v);
+      for (Index i = 0; i < parameters.cols(); ++i)
+        arguments[2 + static_cast<std::size_t>(i)] = py::cast(ArrayXd(parameters.col(i)));
+      const Column force = Column::ensure(force_(*arguments));
+      if (!force) throw py::error_already_set();
+      if (force.ndim() == 0) return ArrayXd::Constant(x.size(), *force.data());
+      if (force.ndim() != 1 || force.size() != x.size())
+        throw py::type_error("the law '" + name_ + "' returned another shape than (points,), that of x");
+      return Eigen::Map<const ArrayXd>(force.data(), force.size());
+    } catch (...) {
+      const std::scoped_lock lock(guard_);
+      if (!raised_) raised_ = std::current_exception();
+      return ArrayXd::Constant(x.size(), std::numeric_limits<double>::quiet_NaN());
+    }
+  }
+
+  std::string name_;
+  std::vector<LawQuantity> parameters_, states_;
+  py::object force_;
+  mutable std::mutex guard_;
+  mutable std::exception_ptr raised_;
+};
+
+/// Powers as Python writes them.
+std::string with_powers(std::string formula) {
+  for (auto at = formula.find("**"); at != std::string::npos; at = formula.find("**")) formula.replace(at, 2, "^");
+  return formula;
+}
+
+bool is_in_library(const std::string& name) {
+  for (const auto& law : law_library())
+    if (law.name == name) return true;
+  return false;
+}
+
+}  // namespace
+
+Law python_law(const py::function& force, const NamedValues& values) {
+  std::vector<LawQuantity> parameters;
+  for (const auto& [name, value] : values) parameters.push_back({name});
+  return law(std::make_shared<const PythonLaw>(force, std::move(parameters)), values);
+}
+
+void raise_of_laws(const Structure& structure) {
+  for (const auto& connector : structure.description().parts.connectors)
+    if (const auto* law = dynamic_cast<const PythonLaw*>(connector.law.get()))
+      if (const auto raised = law->take_raised()) std::rethrow_exception(raised);
+}
+
+Law law_of(const py::object& given, const NamedValues& values) {
+  if (py::isinstance<py::str>(given)) {
+    const auto text = given.cast<std::string>();
+    return is_in_library(text) ? law(text, values) : expression(with_powers(text), values);
+  }
+  if (py::isinstance<py::function>(given) || PyCallable_Check(given.ptr()) != 0)
+    return python_law(py::reinterpret_borrow<py::function>(given), values);
+  throw InvalidInput("law: a " + std::string(py::str(py::type::of(given).attr("__name__"))) + " is given",
+                     "a law is the name of one of the library's, a formula or a function",
+                     "write law=\"cubic\", law=\"k*x + c*v\" or law=f");
+}
+
+void bind_laws(py::module_& module) {
+  module.def("laws", [] {
+    py::list all;
+    for (const auto& law : law_library()) {
+      py::dict parameters;
+      for (const auto& each : law.parameters) parameters[py::str(each.name)] = py::make_tuple(each.unit, each.meaning);
+      all.append(py::make_tuple(law.name, law.equation, law.meaning, parameters));
+    }
+    return all;
+  });
+}
+
+}  // namespace kalfem::python

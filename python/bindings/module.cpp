@@ -1,0 +1,23 @@
+#include "bindings.hpp"
+#include "kalfem/base/version.hpp"
+
+namespace kalfem::python {
+
+PYBIND11_MODULE(_core, module) {
+  module.doc() = "The compiled part of kalfem: use the package kalfem.";
+  module.attr("__version__") = version;
+  bind_errors(module);
+  bind_sensors(module);
+  bind_laws(module);
+  bind_finite_elements(module);
+  bind_structure(module);
+  bind_simulate(module);
+  bind_estimate(module);
+  bind_filter(module);
+  bind_update(module);
+  bind_vibration(module);
+  bind_formats(module);
+  bind_run(module);
+}
+
+}  // namespace kalfem::python

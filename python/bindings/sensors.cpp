@@ -1,0 +1,142 @@
+#include "sensors.hpp"
+
+#include "kalfem/base/units.hpp"
+
+namespace kalfem::python {
+namespace {
+
+DofCombination points_of(const py::handle& given) {
+  if (py::isinstance<py::str>(given)) return {{given.cast<std::string>(), 1.0}};
+  DofCombination points;
+  for (const auto& [point, weight] : given.cast<py::dict>()) points[point.cast<std::string>()] = weight.cast<double>();
+  return points;
+}
+
+template <ObservedQuantity quantity>
+Observation observe(const py::object& at, const py::object& noise, bool relative,
+                    const std::vector<ChainSection>& chain) {
+  Observation made;
+  made.output = {"", quantity, points_of(at), relative};
+  made.noise = number_of(noise, unit_of(quantity), "noise");
+  made.chain.sections = chain;
+  return made;
+}
+
+const Observation& observation_of(const py::handle& given, const std::string& argument) {
+  if (!py::isinstance<Observation>(given))
+    throw InvalidInput(argument + ": a " + std::string(py::str(py::type::of(given).attr("__name__"))) + " is given",
+                       "a sensor is made by acceleration(), velocity(), displacement(), force(), deformation() or rate()",
+                       "write kf.acceleration(\"body.3\", noise=0.3)");
+  return given.cast<const Observation&>();
+}
+
+FilterSection filter_section(FilterBand band, const std::string& family, int order, double cutoff, double upper) {
+  if (family != "butterworth" && family != "bessel")
+    throw InvalidInput("family: '" + family + "' is given", "filters are of the family butterworth or bessel", "");
+  return {.family = family == "bessel" ? FilterFamily::bessel : FilterFamily::butterworth,
+          .band = band,
+          .order = order,
+          .cutoff = cutoff,
+          .upper_cutoff = upper};
+}
+
+constexpr const char* observe_doc = R"(
+Parameters
+----------
+at : str or dict of str to float
+    A point, ``"body.3"``, or points with weights.
+noise : float or str
+    Standard deviation of its white noise [{unit}]; a filter needs it > 0. A text may have a unit.
+relative : bool
+    Without the motion of grounds that ``base_acceleration`` accelerates.
+chain : list
+    What lies between the motion and the sample: ``low_pass(100.0)``, ``delay(1e-3)``, ...
+)";
+
+template <ObservedQuantity quantity>
+void define(py::module_& module, const char* name, const std::string& meaning) {
+  std::string doc = meaning + observe_doc;
+  doc.replace(doc.find("{unit}"), 6, unit_of(quantity));
+  module.def(name, &observe<quantity>, py::arg("at"), py::arg("noise") = 0.0, py::kw_only(), py::arg("relative") = false,
+             py::arg("chain") = std::vector<ChainSection>{}, doc.c_str());
+}
+
+}  // namespace
+
+double number_of(const py::handle& given, const std::string& unit, const std::string& argument) {
+  try {
+    if (!py::isinstance<py::str>(given)) return given.cast<double>();
+    const auto text = given.cast<std::string>();
+    return unit.empty() ? parse_quantity(text).value : to_si(text, unit);
+  } catch (const InvalidInput& error) {
+    std::vector<Issue> issues = error.issues();
+    for (auto& issue : issues) issue.what = argument + ": " + issue.what;
+    throw InvalidInput(std::move(issues));
+  } catch (const py::cast_error&) {
+    throw InvalidInput(argument + ": " + std::string(py::str(py::repr(given))) + " is given",
+                       "a number is needed, or a text with a unit",
+                       "give it in " + (unit.empty() ? "SI units" : unit));
+  }
+}
+
+std::vector<SensorDescription> sensors_of(const py::dict& sensors) {
+  std::vector<SensorDescription> all;
+  for (const auto& [name, given] : sensors) {
+    const auto key = name.cast<std::string>();
+    const auto& [output, noise, chain] = observation_of(given, entry_of("sensors", key));
+    all.push_back({key, output, noise, chain});
+  }
+  return all;
+}
+
+std::vector<OutputRequest> outputs_of(const py::dict& outputs) {
+  std::vector<OutputRequest> all;
+  for (const auto& [name, given] : outputs) {
+    const auto key = name.cast<std::string>();
+    all.push_back({key, observation_of(given, entry_of("outputs", key)).output});
+  }
+  return all;
+}
+
+void bind_sensors(py::module_& module) {
+  py::class_<Observation>(module, "Sensor", "What a sensor measures, and its noise. Made by acceleration() and so on.")
+      .def_property_readonly("noise", [](const Observation& self) { return self.noise; },
+                             "Standard deviation of its white noise [its unit].")
+      .def_property_readonly("unit", [](const Observation& self) { return unit_of(self.output.quantity); }, "SI unit.")
+      .def_property_readonly("points", [](const Observation& self) { return self.output.points; },
+                             "Points, or connectors, with their weights.");
+  define<ObservedQuantity::displacement>(module, "displacement", "Absolute displacement of a point [m].\n");
+  define<ObservedQuantity::velocity>(module, "velocity", "Absolute velocity of a point [m/s].\n");
+  define<ObservedQuantity::acceleration>(module, "acceleration", "Absolute acceleration of a point [m/s^2].\n");
+  define<ObservedQuantity::connector_force>(module, "force", "Force of a connector [N].\n");
+  define<ObservedQuantity::connector_deformation>(module, "deformation", "Deformation of a connector [m].\n");
+  define<ObservedQuantity::connector_rate>(module, "rate", "Rate of deformation of a connector [m/s].\n");
+
+  py::class_<ChainSection>(module, "ChainSection", "A part of a measurement chain.");
+  module.def(
+      "low_pass",
+      [](double cutoff, int order, const std::string& family) -> ChainSection {
+        return filter_section(FilterBand::low_pass, family, order, cutoff, 0.0);
+      },
+      py::arg("cutoff"), py::arg("order") = 4, py::arg("family") = "butterworth",
+      "Analogue low-pass filter of the measurement chain; `cutoff`: of -3.01 dB [Hz].");
+  module.def(
+      "high_pass",
+      [](double cutoff, int order, const std::string& family) -> ChainSection {
+        return filter_section(FilterBand::high_pass, family, order, cutoff, 0.0);
+      },
+      py::arg("cutoff"), py::arg("order") = 4, py::arg("family") = "butterworth",
+      "Analogue high-pass filter of the measurement chain; `cutoff`: of -3.01 dB [Hz].");
+  module.def(
+      "delay", [](double seconds, int order) -> ChainSection { return DelaySection{seconds, order}; }, py::arg("seconds"),
+      py::arg("order") = 6, "Pure delay of the measurement chain [s].");
+  module.def(
+      "resonance",
+      [](double frequency, double damping) -> ChainSection { return ResonanceSection{frequency, damping}; },
+      py::arg("frequency"), py::arg("damping") = 0.7, "Roll-off of a sensor with one resonance [Hz].");
+  module.def(
+      "gain", [](double factor) -> ChainSection { return GainSection{factor}; }, py::arg("factor"),
+      "Constant factor of the measurement chain.");
+}
+
+}  // namespace kalfem::python

@@ -1,0 +1,117 @@
+"""Identification and updating of nonlinear finite-element models from vibration measurements.
+
+>>> import kalfem as kf
+>>> s = kf.Structure()
+>>> _ = s.add(kf.chain("body", 3, mass=1.0, stiffness=3e4))
+>>> _ = s.connect("mount", "body.1", "ground", law="linear", parameters=dict(k=1e4, c=20.0))
+>>> kf.modes(s).frequencies.round(1)
+array([ 7.6, 29. , 48.2])
+
+`docs/python.md` of the project shows what else there is. Results of a run can be read without the compiled module.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING
+
+__version__ = "0.1.0"
+
+_NAMES = {
+    "_core": (
+        "Structure",
+        "Lumped",
+        "FiniteElements",
+        "Sensor",
+        "lumped",
+        "chain",
+        "read_deck",
+        "deck_notes",
+        "displacement",
+        "velocity",
+        "acceleration",
+        "force",
+        "deformation",
+        "rate",
+        "low_pass",
+        "high_pass",
+        "delay",
+        "resonance",
+        "gain",
+    ),
+    "analysis": ("estimate", "simulate", "update"),
+    "vibration": ("modes", "frf", "mac", "Modes"),
+    "live": ("Filter", "Estimate"),
+    "law_library": ("laws",),
+    "running": ("run",),
+    "records": ("read", "Record", "MeasuredFile"),
+    "ensemble": ("map", "Ensemble", "Failure"),
+    "results": ("read_results", "Run"),
+    "series": ("TimeSeries",),
+    "errors": ("InvalidInput", "Issue", "MissingPackage", "UnknownName"),
+    "mesh": ("read_mesh", "mesh_of"),
+}
+_MODULE_OF = {name: module for module, names in _NAMES.items() for name in names}
+_MODULES = ("plots",)
+
+__all__ = [*_MODULE_OF, *_MODULES]
+
+
+def __getattr__(name):
+    """Modules are loaded when they are used: the import takes no time, and results need no compiled module."""
+    if name in _MODULES:
+        return importlib.import_module(f"kalfem.{name}")
+    if name not in _MODULE_OF:
+        raise AttributeError(f"module 'kalfem' has no attribute '{name}'")
+    module = _MODULE_OF[name]
+    if module == "_core":
+        from .compiled import core as found
+    else:
+        found = importlib.import_module(f"kalfem.{module}")
+    globals()[name] = getattr(found, name)
+    return globals()[name]
+
+
+def __dir__():
+    return sorted([*globals(), *__all__])
+
+
+if TYPE_CHECKING:
+    from . import plots as plots
+    from ._core import (
+        FiniteElements as FiniteElements,
+        Lumped as Lumped,
+        Sensor as Sensor,
+        Structure as Structure,
+        acceleration as acceleration,
+        chain as chain,
+        deck_notes as deck_notes,
+        deformation as deformation,
+        delay as delay,
+        displacement as displacement,
+        force as force,
+        gain as gain,
+        high_pass as high_pass,
+        low_pass as low_pass,
+        lumped as lumped,
+        rate as rate,
+        read_deck as read_deck,
+        resonance as resonance,
+        velocity as velocity,
+    )
+    from .analysis import estimate as estimate, simulate as simulate, update as update
+    from .ensemble import Ensemble as Ensemble, Failure as Failure, map as map
+    from .errors import (
+        InvalidInput as InvalidInput,
+        Issue as Issue,
+        MissingPackage as MissingPackage,
+        UnknownName as UnknownName,
+    )
+    from .law_library import laws as laws
+    from .live import Estimate as Estimate, Filter as Filter
+    from .mesh import mesh_of as mesh_of, read_mesh as read_mesh
+    from .records import MeasuredFile as MeasuredFile, Record as Record, read as read
+    from .results import Run as Run, read_results as read_results
+    from .running import run as run
+    from .series import TimeSeries as TimeSeries
+    from .vibration import Modes as Modes, frf as frf, mac as mac, modes as modes

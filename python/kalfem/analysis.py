@@ -1,0 +1,242 @@
+"""What is done with a structure: simulate, estimate, update."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .compiled import core
+from .errors import InvalidInput, Issue
+from .progress import reporter
+from .records import Record
+from .results import Run
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from ._core import Sensor, Structure
+
+    Progress = bool | Callable[[float, str], None]
+
+
+def estimate(
+    structure: Structure,
+    t: ArrayLike,
+    y: Any,
+    *,
+    sensors: Mapping[str, Sensor],
+    inputs: Mapping[str, ArrayLike] | None = None,
+    unknown: Mapping[str, Any] | Iterable[str] | None = None,
+    outputs: Mapping[str, Sensor] | None = None,
+    filter: str = "auto",
+    initial_state: Mapping[str, Mapping[str, Any]] | None = None,
+    process_noise: float | str = 0.0,
+    substeps: int | None = None,
+    settle: float = 0.0,
+    initial_state_from_record: bool = False,
+    estimate_initial_state: bool = False,
+    passes: int = 1,
+    threads: int = 0,
+    diagnose: bool = True,
+    progress: Progress = True,
+) -> Run:
+    """Estimate states and unknown parameters of a structure from a record.
+
+    Parameters
+    ----------
+    structure : Structure
+    t : array, shape (n,)
+        Even times of the samples [s].
+    y : dict or DataFrame of name to array of shape (n,), or array of shape (n, sensors)
+        What the sensors recorded [SI]; NaN is a missing sample. Columns of an array are in the order of `sensors`.
+    sensors : dict of str to Sensor
+        ``{"a3": kf.acceleration("body.3", noise=0.3)}``.
+    inputs : dict of str to array of shape (n,)
+        Samples of the structure's inputs that have none yet, in the unit of their kind [m, m/s^2, N].
+    unknown : dict of str to prior, or list of str
+        ``{"mount.k3": (1e8, "50 %")}``: mean and standard deviation, each a number [SI] or a text with a unit; the
+        deviation may be a percentage of the mean. Or the mean alone, with half of it as deviation; None for the
+        structure's own value; or a dictionary with ``initial``, ``std``, ``random_walk`` [unit/sqrt(s)], ``bounds``,
+        ``transform`` (``log`` or ``none``) and ``applies_to`` (parameters that share the value).
+    outputs : dict of str to Sensor
+        Quantities to estimate without a sensor for them.
+    filter : str
+        ``auto``, ``ukf``, ``ukf_square_root``, ``partially_linear_ukf``, ``partially_linear_ukf_square_root``, ``ekf``.
+    initial_state : dict of str to dict
+        By degree of freedom, or ``all``: ``displacement``, ``velocity``, ``displacement_std``, ``velocity_std``
+        [m, m/s]. Rest, known exactly, if it is not given.
+    process_noise : float or str
+        White acceleration on every degree of freedom [m/s^2/sqrt(Hz)].
+    substeps : int, optional
+        Of a sample interval, for the connectors' forces. If it is not given, as many as the estimates need are found by
+        a second run over the record.
+    settle : float
+        Time from which on innovations count in the verdict [s].
+    initial_state_from_record : bool
+        Take displacements and velocities at the start from the displacement sensors.
+    estimate_initial_state : bool
+        Keep the initial state in the filter's state; ``passes`` runs over the record then improve it.
+    threads : int
+        0: one a processor. Results do not depend on it.
+    diagnose : bool
+        Look for the mistake that explains numbers that contradict each other.
+    progress : bool or callable
+        Show a bar, or call a function with the fraction done and words.
+
+    Returns
+    -------
+    Run
+        ``run.parameters["mount.k3"]``, ``run["estimate/body.3/displacement"]``, ``run.verdict``, ``run.residuals``.
+        Standard deviations of motions are computed 100 times a second, as by the command, and stand in between.
+
+    Raises
+    ------
+    InvalidInput
+        With every argument that is wrong, by its name, in ``.issues``.
+
+    Examples
+    --------
+    >>> import numpy as np, kalfem as kf
+    >>> s = kf.Structure()
+    >>> _ = s.add(kf.lumped("m").mass("1", 2.0).spring("k", "ground", "1", 2e3, 4.0))
+    >>> _ = s.force("hammer", "m.1")
+    >>> t = np.arange(500) / 250
+    >>> f = 10 * np.sin(2 * np.pi * (1 + 4 * t) * t)
+    >>> sensors = {"a": kf.acceleration("m.1", noise=0.05)}
+    >>> record = kf.simulate(s, t, sensors=sensors, inputs={"hammer": f}, seed=1)
+    >>> run = kf.estimate(s, t, record, sensors=sensors, inputs={"hammer": f}, unknown={"m.k.stiffness": (2500, "30 %")},
+    ...                   progress=False)
+    >>> k = run.parameters["m.k.stiffness"]
+    >>> abs(k.value - 2000) < 4 * k.std
+    True
+    """
+    arguments = {
+        "sensors": dict(sensors),
+        "unknown": {} if unknown is None else dict(unknown) if isinstance(unknown, Mapping) else list(unknown),
+        "outputs": dict(outputs or {}),
+        "filter": filter,
+        "initial_state": dict(initial_state or {}),
+        "process_noise": process_noise,
+        "substeps": substeps,
+        "threads": threads,
+        "initial_state_from_record": initial_state_from_record,
+        "estimate_initial_state": estimate_initial_state,
+        "passes": passes,
+        "settle": settle,
+        "diagnose": diagnose,
+    }
+    with reporter(progress) as bar:
+        summary, datasets = core.estimate(structure, t, y, dict(inputs or {}), arguments, bar)
+    return Run.from_memory(summary, datasets)
+
+
+def simulate(
+    structure: Structure,
+    t: ArrayLike | None = None,
+    *,
+    sensors: Mapping[str, Sensor],
+    inputs: Mapping[str, ArrayLike] | None = None,
+    duration: float | None = None,
+    sample_rate: float | None = None,
+    seed: int | None = None,
+    tolerance: float = 1e-3,
+    progress: Progress = True,
+) -> Record:
+    """Simulate a structure that starts at rest under its inputs.
+
+    Parameters
+    ----------
+    structure : Structure
+    t : array, shape (n,), optional
+        Even times from 0 on [s]; or give `duration` [s] and `sample_rate` [Hz].
+    sensors : dict of str to Sensor
+    inputs : dict of str to array of shape (n,)
+        Samples of the structure's inputs that have none yet, at the times of the record.
+    seed : int, optional
+        Of the sensors' noise. If it is not given, the record is free of noise.
+    tolerance : float
+        Relative change of every sensor's record when the step is halved.
+
+    Returns
+    -------
+    Record
+        ``record["a3"]`` is a TimeSeries. ``record.failure`` says when and why the simulation stopped, if it did.
+    """
+    duration, sample_rate = _extent(t, duration, sample_rate)
+    with reporter(progress) as bar:
+        datasets, failure = core.simulate(
+            structure, duration, sample_rate, dict(sensors), dict(inputs or {}), seed, tolerance, bar
+        )
+    return Record.from_datasets(datasets, failure)
+
+
+def _extent(t, duration, sample_rate):
+    if t is None:
+        if duration is None or sample_rate is None:
+            raise InvalidInput(Issue("t is not given", "the record needs its times", "give t, or duration and sample_rate"))
+        return float(duration), float(sample_rate)
+    if duration is not None or sample_rate is not None:
+        raise InvalidInput(Issue("t and duration or sample_rate are given", "t says both", "give one or the other"))
+    start, sample_rate, samples = core.time_grid(t)
+    if start != 0.0:
+        raise InvalidInput(Issue(f"t begins at {start:g} s", "a simulation begins at 0", "subtract t[0]"))
+    return (samples - 1) / sample_rate, sample_rate
+
+
+def update(
+    structure: Structure,
+    substructure: str,
+    frequencies: ArrayLike,
+    std: float | ArrayLike,
+    parameters: Mapping[str, Any] | Sequence[str],
+    *,
+    modes: Sequence[int | None] | None = None,
+    above: float = 0.0,
+    max_evaluations: int = 100,
+    progress: Progress = True,
+) -> Run:
+    """Refine parameters of a substructure by its measured natural frequencies.
+
+    Parameters
+    ----------
+    structure : Structure
+    substructure : str
+        Whose modes were measured.
+    frequencies : array, shape (n,)
+        [Hz].
+    std : float or array of shape (n,)
+        Their standard deviations [Hz].
+    parameters : dict of str to range, or list of str
+        ``{"frame.steel.youngs_modulus": (200e9, 20e9)}``: start and standard deviation of the prior [SI]; or the start
+        alone; or a dictionary with ``initial``, ``std``, ``lower`` and ``upper``; or None for the structure's own value.
+    modes : list of int or None, optional
+        Number of the model's mode for each frequency, from 1; by order if it is not given.
+    above : float
+        Modes up to this frequency are not elastic ones [Hz].
+    max_evaluations : int
+        Of the model.
+
+    Returns
+    -------
+    Run
+        ``run.parameters``, ``run.verdict``, ``run["updating/frequencies/after"]`` beside ``measured`` and ``before``.
+
+    Examples
+    --------
+    >>> import kalfem as kf
+    >>> s = kf.Structure()
+    >>> _ = s.add(kf.lumped("m").mass("1", 2.0).spring("k", "ground", "1", 2e3))
+    >>> run = kf.update(s, "m", [6.0], 0.01, ["m.k.stiffness"])
+    >>> round(run.parameters["m.k.stiffness"].value, 1)
+    2842.4
+    """
+    values = dict(parameters) if isinstance(parameters, Mapping) else list(parameters)
+    numbers = None if modes is None else list(modes)
+    spread = float(std) if np.ndim(std) == 0 else std
+    with reporter(progress) as bar:
+        summary, datasets = core.update(
+            structure, substructure, frequencies, spread, numbers, values, above, max_evaluations, bar
+        )
+    return Run.from_memory(summary, datasets)

@@ -1,0 +1,92 @@
+"""A filter that is moved by its caller, as a live system needs it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from .compiled import core
+from .parameters import Parameter, Parameters
+
+if TYPE_CHECKING:
+    from ._core import Sensor, Structure
+
+
+class Estimate(NamedTuple):
+    """Mean and standard deviation of a quantity now."""
+
+    value: float
+    std: float
+
+
+class Filter(core.Filter):
+    """A filter over samples as they come.
+
+    Parameters
+    ----------
+    structure : Structure
+        Its inputs either all have samples, or are told to `predict` or `push`.
+    sample_rate : float
+        [Hz].
+    sensors, unknown, outputs, filter, initial_state, process_noise, substeps, threads
+        As :func:`kalfem.estimate` has them; `substeps` is 4 if it is not given.
+    start : float
+        Time of the first sample of `push` [s].
+    horizon : float
+        By so much later than another channel a channel of `push` may come [s].
+
+    Notes
+    -----
+    Either step by step, ``update(y)`` for the first sample, then ``predict(u)`` and ``update(y)`` for each further one;
+    or by blocks, ``push(name, t, values)``. The estimates after a block are those at its last sample that every channel
+    has: `samples` counts them.
+
+    Examples
+    --------
+    >>> import kalfem as kf
+    >>> s = kf.Structure()
+    >>> _ = s.add(kf.lumped("m").mass("1", 2.0).spring("k", "ground", "1", 2e3, 4.0))
+    >>> _ = s.force("hammer", "m.1")
+    >>> live = kf.Filter(s, 250.0, sensors={"a": kf.acceleration("m.1", noise=0.05)}, unknown={"m.k.stiffness": 2500.0})
+    >>> live.update([0.01]), live.predict([1.0]), live.update({"a": 0.45})
+    (True, True, True)
+    >>> live.parameters["m.k.stiffness"].unit
+    'N/m'
+    """
+
+    def __init__(
+        self,
+        structure: Structure,
+        sample_rate: float,
+        *,
+        sensors: Mapping[str, Sensor],
+        unknown: Mapping[str, Any] | Iterable[str] | None = None,
+        outputs: Mapping[str, Sensor] | None = None,
+        filter: str = "auto",
+        initial_state: Mapping[str, Mapping[str, Any]] | None = None,
+        process_noise: float | str = 0.0,
+        substeps: int | None = None,
+        threads: int = 0,
+        start: float = 0.0,
+        horizon: float = 10.0,
+    ):
+        arguments = {
+            "sensors": dict(sensors),
+            "unknown": {} if unknown is None else dict(unknown) if isinstance(unknown, Mapping) else list(unknown),
+            "outputs": dict(outputs or {}),
+            "filter": filter,
+            "initial_state": dict(initial_state or {}),
+            "process_noise": process_noise,
+            "substeps": substeps,
+            "threads": threads,
+        }
+        super().__init__(structure, sample_rate, arguments, start, horizon)
+
+    def state(self, name: str) -> Estimate:
+        """Mean and standard deviation now of ``body.2.displacement``, ``body.2.velocity``, or an output."""
+        return Estimate(*super().state(name))
+
+    @property
+    def parameters(self) -> Parameters:
+        """The unknowns now, by name."""
+        return Parameters(Parameter.from_summary(*item) for item in self._parameters().items())

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <memory>
+#include <string>
+
+#include "kalfem/api/online_filter.hpp"
+
+namespace kalfem {
+
+/// When a LiveFilter goes on without what has not come.
+struct LiveOptions {
+  double start = 0.0;     ///< time of sample 0 [s]
+  double horizon = 10.0;  ///< by so much later than another channel may a channel come [s]
+};
+
+/// A filter whose samples come channel by channel, in blocks, late or out of order:
+///
+///     LiveFilter live(structure, 1000.0, {.sensors = {...}, .unknowns = {...}}, {.horizon = 2.0});
+///     live.push("road", 0.0, first_block);
+///     live.push("a3", 0.0, first_block_of_a3);
+///
+/// Channels are the sensors and the inputs without a signal. The filter takes sample k once every channel has it. It
+/// stops waiting once some channel has a sample that is later by more than the horizon: what is missing then counts as
+/// not measured, and an input holds its last value. So the order in which samples come does not matter as long as none
+/// is later than the horizon. What comes later is dropped.
+class LiveFilter {
+public:
+  /// Throws InvalidInput as OnlineFilter does, and where the horizon is not positive.
+  LiveFilter(const Structure& structure, double sample_rate, const EstimateOptions& options,
+             const LiveOptions& live = {});
+  LiveFilter(LiveFilter&&) noexcept;
+  LiveFilter& operator=(LiveFilter&&) noexcept;
+  ~LiveFilter();
+
+  /// Samples of a channel from a time on, at the sampling rate; NaN is a missing value of a sensor. Returns how many
+  /// samples the filter took. Throws InvalidInput for an unknown channel, a time between two samples, a block that is
+  /// longer than the horizon, and an input that is not finite.
+  Eigen::Index push(const std::string& channel, double time, const Eigen::Ref<const Eigen::VectorXd>& values);
+  /// The same with a time for each value, ascending.
+  Eigen::Index push(const std::string& channel, const Eigen::Ref<const Eigen::VectorXd>& times,
+                    const Eigen::Ref<const Eigen::VectorXd>& values);
+  /// Takes all samples that any channel has, as if the horizon were over. Returns how many there were.
+  Eigen::Index flush();
+
+  /// The filter at the last sample that was taken.
+  [[nodiscard]] OnlineFilter& filter();
+  [[nodiscard]] Eigen::Index samples() const;  ///< taken so far
+  [[nodiscard]] Eigen::Index dropped() const;  ///< values that came behind the horizon, or twice
+
+private:
+  class Queue;
+  std::unique_ptr<Queue> queue_;
+};
+
+}  // namespace kalfem

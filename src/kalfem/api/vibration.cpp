@@ -1,0 +1,137 @@
+#include "kalfem/api/vibration.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "kalfem/api/structure_description.hpp"
+#include "kalfem/base/units.hpp"
+#include "kalfem/system/linearised.hpp"
+#include "kalfem/updating/frf_model.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr Index most_modes = 1000;  ///< that are computed without being counted
+
+Index counted(Index count, Index size) {
+  if (count < 0)
+    throw InvalidInput("count: " + std::to_string(count), "a number of modes is at least 1", "0 gives all of them");
+  if (count == 0 && size > most_modes)
+    throw InvalidInput("count: all modes of " + std::to_string(size) + " degrees of freedom are asked for",
+                       "up to " + std::to_string(most_modes) + " are computed without being counted",
+                       "say how many modes you want");
+  return count == 0 ? size : std::min(count, size);
+}
+
+StructureModes modes_of(const LinearModel& model, Index count) {
+  const Index wanted = counted(count, model.size());
+  const NormalModes modes =
+      wanted == model.size() ? normal_modes(model.mass, model.stiffness) : lowest_normal_modes(model, wanted);
+  StructureModes found{.dofs = model.dofs, .frequencies = modes.frequencies, .damping = {}, .shapes = modes.shapes};
+  found.damping = VectorXd::Zero(modes.frequencies.size());
+  for (Index i = 0; i < found.damping.size(); ++i) {
+    if (found.frequencies[i] == 0.0) continue;
+    const VectorXd shape = modes.shapes.col(i);
+    const VectorXd force =
+        model.damping * shape + VectorXd(damping_force(model.modal_damping, model.mass, shape));
+    found.damping[i] = shape.dot(force) / (4.0 * std::numbers::pi * found.frequencies[i]);
+  }
+  return found;
+}
+
+/// One model whatever the parameters, of which it has none.
+class FixedModel final : public ParameterisedModel {
+public:
+  explicit FixedModel(LinearModel model) : model_(std::move(model)) {}
+  [[nodiscard]] ModelAtParameters at(const VectorXd&) const override { return {model_, {}}; }
+  [[nodiscard]] std::vector<ModelDerivative> derivatives(const VectorXd&) const override { return {}; }
+
+private:
+  LinearModel model_;
+};
+
+CoupledModel coupled(const Structure& structure) {
+  const auto model = make_structure_model(structure.description());
+  StructureParts parts = model->parts;
+  parts.finite_elements = model->reduced_parts();
+  return couple(parts);
+}
+
+std::string point_of(const OutputDescription& output) {
+  const bool single = output.points.size() == 1 && output.points.begin()->second == 1.0;
+  if (!single || output.relative_to_base)
+    throw InvalidInput("output '" + output.name + "' is not the motion of one point",
+                       "frequency responses are absolute motions of points", "ask for each point by itself");
+  return output.points.begin()->first;
+}
+
+ResponseQuantity quantity_of(const OutputDescription& output) {
+  switch (output.quantity) {
+    case ObservedQuantity::displacement:
+      return ResponseQuantity::displacement;
+    case ObservedQuantity::velocity:
+      return ResponseQuantity::velocity;
+    case ObservedQuantity::acceleration:
+      return ResponseQuantity::acceleration;
+    default:
+      throw InvalidInput("output '" + point_of(output) + "' is of a connector",
+                         "frequency responses are motions of points", "ask for the motion of its ends");
+  }
+}
+
+/// The input of the sets: a ground that moves or a place where a force acts.
+std::pair<FrfInput, std::string> place_of(const std::string& input, const Structure& structure) {
+  const auto& inputs = structure.description().parts.inputs;
+  const auto found = std::ranges::find(inputs, input, &InputDescription::name);
+  if (found == inputs.end()) return {FrfInput::force, input};
+  if (found->kind == InputKind::base_acceleration)
+    throw InvalidInput("input '" + input + "' accelerates all grounds alike",
+                       "frequency responses are per force or per displacement of a ground",
+                       "describe it by base_displacement");
+  if (found->kind == InputKind::force) return {FrfInput::force, found->target};
+  return {FrfInput::ground_displacement, input};
+}
+
+void require_lines(const VectorXd& frequencies) {
+  if (frequencies.size() == 0 || !frequencies.allFinite() || (frequencies.array() < 0.0).any())
+    throw InvalidInput("frequencies: there are none, or one is negative or not finite", "they are in Hz, >= 0", "");
+}
+
+}  // namespace
+
+StructureModes modes(const Structure& structure, Index count) {
+  return modes_of(linearised_at_rest(coupled(structure)), count);
+}
+
+StructureModes modes_of(const Structure& structure, const std::string& substructure, Index count) {
+  const CoupledModel model = coupled(structure);
+  return modes_of(*model.find_substructure(substructure).part.model, count);
+}
+
+Eigen::MatrixXcd frequency_responses(const Structure& structure, const VectorXd& frequencies, const std::string& input,
+                                     const std::vector<OutputDescription>& outputs) {
+  require_lines(frequencies);
+  const auto [kind, place] = place_of(input, structure);
+  std::vector<FrfSet> sets;
+  for (const auto& output : outputs) {
+    const auto quantity = quantity_of(output);
+    sets.push_back({.input = kind, .place = place, .outputs = {point_of(output)}, .quantity = quantity});
+  }
+  const auto model = std::make_shared<const FixedModel>(linearised_at_rest(coupled(structure)));
+  const FrfEvaluation evaluation =
+      FrfModel(model, sets, frequencies.maxCoeff(), VectorXd()).evaluate(VectorXd(), false);
+  Eigen::MatrixXcd values(frequencies.size(), std::ssize(outputs));
+  for (Index i = 0; i < frequencies.size(); ++i)
+    for (std::size_t j = 0; j < outputs.size(); ++j)
+      values(i, static_cast<Index>(j)) =
+          evaluation.at(j, std::complex<double>(0.0, 2.0 * std::numbers::pi * frequencies[i])).values[0];
+  return values;
+}
+
+}  // namespace kalfem

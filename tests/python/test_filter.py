@@ -1,0 +1,157 @@
+"""The live filter: step by step and by blocks."""
+
+import itertools
+import random
+
+import numpy as np
+import pytest
+
+import kalfem as kf
+from structures import RATE, SENSORS, UNKNOWN, chain, record
+
+
+def live(**changes):
+    return kf.Filter(chain(), RATE, **{**dict(sensors=SENSORS, unknown=UNKNOWN), **changes})
+
+
+def bits(filter):
+    k, x = filter.parameters["suspension.mu_k1"], filter.state("body.3.displacement")
+    return k.value, k.std, x.value, x.std, filter.nis
+
+
+def stepped(samples=400):
+    _, u, data = record()
+    filter = live()
+    filter.begin(u[:1])
+    for k in range(samples):
+        if k > 0:
+            assert filter.predict(u[k : k + 1])
+        assert filter.update([data["a3"][k], data["a5"][k]])
+    return filter
+
+
+def test_steps_find_the_parameter():
+    filter = stepped(1001)
+    found = filter.parameters["suspension.mu_k1"]
+    assert abs(found.value - 20.0) < 4 * found.std and found.unit == "N"
+    assert filter.time == pytest.approx(2.0) and filter.usable and filter.failure is None
+    assert filter.innovation.shape == (2,)
+
+
+def test_values_by_name_are_values_by_place():
+    _, u, data = record()
+    one, other = live(), live()
+    for k in range(50):
+        if k > 0:
+            one.predict([u[k]]), other.predict({"road": u[k]})
+        one.update([data["a3"][k], np.nan]), other.update({"a3": data["a3"][k]})
+    assert bits(one) == bits(other)
+
+
+def test_many_samples_at_once_are_steps():
+    _, u, data = record()
+    filter = live()
+    filter.begin(u[:1])
+    filter.update([data["a3"][0], data["a5"][0]])
+    y = np.column_stack([data["a3"], data["a5"]])
+    assert filter.advance(u[1:400, None], y[1:400]) == 399
+    assert bits(filter) == bits(stepped(400))
+    with pytest.raises(kf.InvalidInput, match=r"\(samples, 1\) and \(samples, 2\)"):
+        filter.advance(u, y)
+
+
+def test_inputs_may_come_with_their_rates():
+    _, u, data = record()
+    filter = live()
+    filter.update([data["a3"][0], data["a5"][0]])
+    rate = np.gradient(u, 1 / RATE)
+    for k in range(1, 300):
+        filter.predict(np.array([[u[k], rate[k], 0.0]]))
+        filter.update([data["a3"][k], data["a5"][k]])
+    expected = stepped(300).parameters["suspension.mu_k1"]
+    assert filter.parameters["suspension.mu_k1"].value == pytest.approx(expected.value, rel=1e-2)
+
+
+def pushed(order, length, horizon=2.0, samples=400):
+    """The filter after blocks of every channel, in an order of (first sample, channel)."""
+    _, u, data = record()
+    channels = {"road": u, "a3": data["a3"], "a5": data["a5"]}
+    filter = live(horizon=horizon)
+    for first, name in order:
+        block = slice(first, min(first + length, samples))
+        filter.push(name, block.start / RATE, channels[name][block])
+    filter.flush()
+    return filter
+
+
+def blocks(length, samples=400):
+    return list(itertools.product(range(0, samples, length), ["a3", "road", "a5"]))
+
+
+def test_blocks_are_steps():
+    filter = pushed(blocks(100), 100)
+    assert filter.samples == 400 and filter.dropped == 0
+    assert bits(filter) == bits(stepped(400))
+
+
+@pytest.mark.parametrize("length", [1, 7, 100])
+def test_the_order_of_arrival_changes_no_bit(length):
+    expected = bits(pushed(blocks(100), 100))
+    order = blocks(length)
+    mixed = random.Random(length)
+    order.sort(key=lambda each: each[0] + mixed.uniform(0, 200))  # within 0.4 s
+    assert bits(pushed(order, length)) == expected
+    assert bits(pushed(reversed(blocks(length)), length)) == expected
+
+
+def test_times_of_each_value():
+    _, u, data = record()
+    t = np.arange(400) / RATE
+    filter = live()
+    for name, values in [("a3", data["a3"]), ("a5", data["a5"]), ("road", u)]:
+        filter.push(name, t[:200], values[:200])
+        filter.push(name, t[200:400], values[200:400])
+    assert filter.samples == 400 and bits(filter) == bits(stepped(400))
+
+
+def test_what_comes_too_late_is_dropped():
+    _, u, data = record()
+    filter = live(horizon=0.1)
+    for first in range(0, 400, 20):
+        filter.push("a3", first / RATE, data["a3"][first : first + 20])
+        filter.push("road", first / RATE, u[first : first + 20])
+    assert filter.samples == 400 - 50 - 1
+    assert filter.push("a5", 0.0, data["a5"][:20]) == 0 and filter.dropped == 20
+
+
+def test_errors_name_the_argument():
+    filter = live()
+    with pytest.raises(kf.InvalidInput, match="y: 3 values: there are 2: a3, a5"):
+        filter.update([1.0, 2.0, 3.0])
+    with pytest.raises(kf.InvalidInput, match=r"y\['a4'\]: there is none of that name"):
+        filter.update({"a4": 1.0})
+    filter.update([0.0, 0.0])
+    with pytest.raises(kf.InvalidInput, match="u: 2 values: there are 1: road"):
+        filter.predict([1.0, 2.0])
+    with pytest.raises(kf.InvalidInput, match="input 'road' has no signal"):
+        filter.predict()
+    with pytest.raises(kf.InvalidInput, match=r"inputs\[0\] is not finite"):
+        filter.predict([np.nan])
+    with pytest.raises(kf.InvalidInput, match=r"push\(\) is called after predict"):
+        filter.push("a3", 0.0, [1.0])
+    with pytest.raises(kf.InvalidInput, match="no state 'body.9.displacement'"):
+        filter.state("body.9.displacement")
+    blocks = live(start=10.0)
+    for arguments, words in [
+        (("a4", 10.0, [1.0]), "no channel 'a4'"),
+        (("a3", 10.0007, [1.0]), "lies between two samples"),
+        (("a3", 10.0, np.zeros(6000)), "longer than the horizon"),
+        (("a3", 1.7e9, [1.0]), "count the time from `start`"),
+        (("a3", 10.0, np.zeros((2, 2))), "no array of one dimension"),
+    ]:
+        with pytest.raises(kf.InvalidInput, match=words):
+            blocks.push(*arguments)
+    with pytest.raises(kf.InvalidInput, match=r"predict\(\) and update\(\) are called after push"):
+        blocks.update([0.0, 0.0])
+    with pytest.raises(kf.InvalidInput, match="horizon"):
+        live(horizon=-1.0)

@@ -1,0 +1,92 @@
+"""The package as it is installed: its wheel, its import, its documentation."""
+
+import ast
+import doctest
+import importlib
+import inspect
+import os
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+import kalfem as kf
+
+PROJECT = Path(__file__).parents[2]
+MODULES = ["analysis", "laws", "live", "records", "running", "vibration", "errors", "series", "results", "grid", "display"]
+
+
+@pytest.fixture(scope="module")
+def wheel():
+    found = list((PROJECT / "build/wheel").glob("kalfem-*.whl"))
+    if not found:
+        pytest.skip("there is no wheel: scripts/python builds it")
+    return found[0]
+
+
+def test_the_wheel_says_what_it_needs(wheel):
+    with zipfile.ZipFile(wheel) as archive:
+        names = archive.namelist()
+        metadata = archive.read(next(name for name in names if name.endswith("METADATA"))).decode()
+    assert "Requires-Dist: numpy" in metadata and "<2" in metadata
+    assert {"kalfem/py.typed", "kalfem/_core.pyi", "kalfem/__init__.py"} <= set(names)
+    assert any(name.startswith("kalfem/_core") and name.endswith(".so") for name in names)
+    assert "linux" in wheel.name and "cp3" in wheel.name
+
+
+def test_the_wheel_installs_into_a_fresh_environment(wheel, tmp_path):
+    environment = {k: v for k, v in os.environ.items() if k not in ("PYTHONPATH", "VIRTUAL_ENV")}
+    python = tmp_path / "venv/bin/python"
+    subprocess.run(
+        ["/usr/bin/python3", "-m", "venv", "--system-site-packages", tmp_path / "venv"], check=True, env=environment
+    )
+    install = [python, "-m", "pip", "install", "-q", "--no-index", wheel]
+    subprocess.run(install, check=True, env=environment, cwd=tmp_path)
+    program = "import kalfem as kf; print(kf.__file__); print(len(kf.modes(kf.Structure().add(kf.chain('b', 3, 1.0, 3e4)))))"
+    done = subprocess.run([python, "-c", program], check=True, env=environment, cwd=tmp_path, capture_output=True, text=True)
+    place, modes = done.stdout.split()
+    assert place.startswith(str(tmp_path)) and modes == "3"
+
+
+def test_the_import_takes_no_time():
+    program = "import time; t = time.perf_counter(); import kalfem as kf; kf.Structure; print(time.perf_counter() - t)"
+    times = [float(subprocess.run([sys.executable, "-c", program], capture_output=True, check=True).stdout) for _ in range(5)]
+    assert min(times) < 0.15
+
+
+def test_results_need_no_compiled_module():
+    program = "import sys; sys.modules['kalfem._core'] = None; import kalfem as kf; kf.read_results, kf.Run; print('read'); kf.Structure"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.stdout == "read\n" and "scripts/python" in done.stderr
+
+
+def test_a_numpy_that_cannot_be_served_is_one_message():
+    program = "import numpy; numpy.__version__ = '2.1.0'; import kalfem as kf; kf.Structure"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert "install 'numpy<2'" in done.stderr.splitlines()[-1]
+
+
+@pytest.mark.parametrize("module", ["kalfem", *(f"kalfem.{each}" for each in MODULES), "kalfem._core"])
+def test_doctests(module):
+    found = doctest.testmod(importlib.import_module(module), optionflags=doctest.ELLIPSIS)
+    assert found.failed == 0
+
+
+def test_every_public_name_is_documented():
+    for name in kf.__all__:
+        assert inspect.getdoc(getattr(kf, name)), name
+
+
+def test_the_stubs_are_those_of_the_module():
+    core = importlib.import_module("kalfem._core")
+    stubs = ast.parse((Path(kf.__file__).parent / "_core.pyi").read_text())
+    for node in stubs.body:
+        if isinstance(node, ast.FunctionDef):
+            assert callable(getattr(core, node.name))
+        if isinstance(node, ast.ClassDef):
+            members = {each.name for each in node.body if isinstance(each, ast.FunctionDef)}
+            assert members <= set(dir(getattr(core, node.name))), node.name
+    named = {node.name for node in stubs.body if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
+    assert {name for name in dir(core) if not name.startswith("_")} <= named
