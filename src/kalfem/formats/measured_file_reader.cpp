@@ -7,9 +7,11 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/text.hpp"
+#include "kalfem/formats/hdf5/measured_hdf5.hpp"
 #include "kalfem/formats/matlab/matlab_file.hpp"
 #include "kalfem/formats/tables/lvm.hpp"
 #include "kalfem/formats/tables/measured_table.hpp"
+#include "kalfem/formats/tables/text_table.hpp"
 #include "kalfem/formats/tdms/tdms.hpp"
 #include "kalfem/formats/universal/universal.hpp"
 #include "kalfem/formats/wav.hpp"
@@ -75,6 +77,13 @@ std::string read_head(const std::filesystem::path& file) {
   return head;
 }
 
+/// Without a mark of UTF-8, and in UTF-8 where it is in UTF-16.
+std::string as_text(std::string head) {
+  if (head.starts_with("\xEF\xBB\xBF")) head.erase(0, 3);
+  if (auto converted = utf16_as_utf8(head)) return *std::move(converted);
+  return head;
+}
+
 }  // namespace
 
 const std::vector<MeasuredFormat>& measured_formats() {
@@ -91,7 +100,7 @@ const std::vector<MeasuredFormat>& measured_formats() {
 // Content decides, because files are renamed; a file without the usual beginning still says by its ending what it was
 // meant to be, and then its reader names what is wrong.
 const MeasuredFormat* measured_format(const std::filesystem::path& file) {
-  const std::string head = read_head(file), ending = lower_case(file.extension().string());
+  const std::string head = as_text(read_head(file)), ending = lower_case(file.extension().string());
   for (const auto& format : measured_formats())
     if (format.begins != nullptr && format.begins(head)) return &format;
   refuse_foreign(file, head);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "kalfem/base/text.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/formats/universal/fields.hpp"
 
