@@ -1,4 +1,4 @@
-#include "kalfem/formats/wav.hpp"
+#include "kalfem/formats/wav/wav.hpp"
 
 #include <gtest/gtest.h>
 

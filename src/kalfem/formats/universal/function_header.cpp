@@ -7,6 +7,7 @@
 
 #include "kalfem/base/text.hpp"
 #include "kalfem/base/units.hpp"
+#include "kalfem/formats/unit_labels.hpp"
 #include "kalfem/formats/universal/fields.hpp"
 
 namespace kalfem {
