@@ -233,7 +233,7 @@ private:
 
   /// Whether the file ends within a number: all lines before have one number of decimals there, the last one fewer.
   [[nodiscard]] bool lacks_digits() const {
-    constexpr std::size_t compared = 20;
+    constexpr std::size_t compared = 8, fewest_digits = 4;  // with the decimal sign
     if (ends_in_line_end() || lines_.size() < first_ + compared) return false;
     const auto decimals = [&](const TextLine& line) {
       const auto cells = split_cells(line.text, separator_);
@@ -243,7 +243,7 @@ private:
     const std::size_t usual = decimals(lines_[lines_.size() - 2]);
     for (std::size_t i = lines_.size() - compared; i + 1 < lines_.size(); ++i)
       if (decimals(lines_[i]) != usual) return false;
-    return decimals(lines_.back()) < usual;
+    return usual >= fewest_digits && decimals(lines_.back()) < usual;
   }
 
   /// Whether the column's name says that it may hold times, and its unit and its numbers do not contradict.
