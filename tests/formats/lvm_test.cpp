@@ -166,5 +166,42 @@ TEST_F(LvmFiles, SayWhichSegmentWasCutInItsHeader) {
   EXPECT_NE(file.notes[0].find("segment 2 is cut off"), std::string::npos);
 }
 
+TEST_F(LvmFiles, MayHaveAnotherDecimalSignThanTheirHeaderSays) {
+  const auto file = read(file_header() + segment("2\t2", "0,0\t1,5\t4,0\r\n0,1\t2,5\t5,0\r\n"));
+  EXPECT_EQ(values(file, 0), (Numbers{1.5, 2.5}));
+  EXPECT_EQ(file.notes.size(), 1u);
+}
+
+TEST_F(LvmFiles, MayHaveUnitsInTheirNames) {
+  const auto file = read(file_header() + "Channels\t2\r\nSamples\t2\t2\r\nX0\t0\t0\r\nDelta_X\t0.1\t0.1\r\n" +
+                         "***End_of_Header***\r\nX_Value\ta [g]\tWinkel (\xB0)\r\n0\t1\t2\r\n0.1\t2\t3\r\n");
+  EXPECT_EQ(file.channels[0].name, "a");
+  EXPECT_EQ(file.channels[0].unit, "g");
+  EXPECT_EQ(file.channels[1].name, "Winkel");
+  EXPECT_EQ(file.channels[1].unit, "\u00B0");
+}
+
+TEST_F(LvmFiles, MayLeaveOutTheCellsOfAChannelThatHasEnded) {
+  const auto file = read(file_header() + segment("3\t1", "0\t1\t4\r\n0.1\t2\r\n0.2\t3\r\n"));
+  EXPECT_EQ(values(file, 0), (Numbers{1, 2, 3}));
+  EXPECT_EQ(values(file, 1), (Numbers{4}));
+}
+
+TEST_F(LvmFiles, WithoutAHeaderAreTables) {
+  const auto file = read("0.0\t1\t4\r\n0.1\t2\t5\r\n0.2\t3\t6\r\n");
+  ASSERT_EQ(file.channels.size(), 2u);
+  EXPECT_EQ(values(file, 1), (Numbers{4, 5, 6}));
+  EXPECT_NEAR(file.channels[0].interval, 0.1, 1e-12);
+}
+
+TEST_F(LvmFiles, OfFrequencyAreFunctions) {
+  const auto file = read(file_header() + "Channels\t1\r\nSamples\t2\r\nX_Dimension\tFrequency\r\nX0\t0\r\nDelta_X\t5\r\n" +
+                         "***End_of_Header***\r\nX_Value\ta\r\n0\t1\r\n5\t2\r\n");
+  EXPECT_TRUE(file.channels.empty());
+  ASSERT_EQ(file.functions.size(), 1u);
+  EXPECT_EQ(file.functions[0].lines[1], 5.0);
+  EXPECT_EQ(file.functions[0].values[1].real(), 2.0);
+}
+
 }  // namespace
 }  // namespace kalfem

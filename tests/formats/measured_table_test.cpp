@@ -9,6 +9,7 @@
 #include "base/scratch_folder.hpp"
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
+#include "kalfem/formats/hdf5/measured_hdf5.hpp"
 #include "kalfem/formats/record_file.hpp"
 
 namespace kalfem {
@@ -128,6 +129,25 @@ TEST_F(MeasuredTables, OfHdf5FilesWithAVectorAChannelAreARecord) {
   const Record record = read_record_file(path, {{.column = "u", .owner = "sensors.u", .unit = "m"}}, {});
   EXPECT_DOUBLE_EQ(record.sample_rate, 50.0);
   EXPECT_TRUE(record.values.isApprox(Eigen::RowVector3d(1, 2, 3)));
+}
+
+/// Samples stand along the longer side; the rate may stand at a group around.
+TEST_F(MeasuredTables, OfHdf5FilesMayBeTurnedAndHaveTheirRateAbove) {
+  const auto path = (folder_ / "turned.h5").string();
+  {
+    auto file = Hdf5File::create(path);
+    file.write_matrix("/run/raw/a", (Eigen::MatrixXd(2, 4) << 1, 2, 3, 4, 5, 6, 7, 8).finished());
+    file.set_attribute("/run", "fs", 50.0);
+    file.write_matrix("/timed/b", (Eigen::MatrixXd(3, 2) << 1, 2, 3, 4, 5, 6).finished());
+    file.write("/timed/t", Eigen::Vector2d(0.0, 0.5));
+    file.close();
+  }
+  const auto file = read_measured_hdf5(path);
+  ASSERT_EQ(file.channels.size(), 5u);
+  EXPECT_EQ(values(file.channels[1]), (Numbers{5, 6, 7, 8}));
+  EXPECT_DOUBLE_EQ(file.channels[1].interval, 0.02);
+  EXPECT_EQ(values(file.channels[4]), (Numbers{5, 6}));
+  EXPECT_DOUBLE_EQ(file.channels[4].interval, 0.5);
 }
 
 const char* const bench_table =

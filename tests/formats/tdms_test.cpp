@@ -234,6 +234,17 @@ TEST(Tdms, TimeStampsOfAFractionOfANanosecondAreTheTimesOfTheirGroup) {
   EXPECT_NEAR(file.channels[1].times[3], 3e-9, 1e-18);
 }
 
+TEST(Tdms, UnevenStampsOfTheSmallestUnitStayUneven) {
+  TdmsWriter w;
+  std::string data;
+  for (const std::uint64_t fraction : {0, 1, 2, 5, 9}) data += w.time(3800000000, fraction);
+  w.segment(TdmsWriter::usual, {w.object("/'g'/'stamp'", w.index(time_type, 5)), w.object("/'g'/'y'", w.index(f64, 5))},
+            data + raw<double>({1, 2, 3, 4, 5}));
+  const auto file = parsed(w);
+  ASSERT_EQ(file.channels.at(1).times.size(), 5);
+  EXPECT_DOUBLE_EQ(file.channels[1].times[3], std::ldexp(5.0, -64));
+}
+
 TEST(Tdms, AColumnOfTimesServesItsGroup) {
   TdmsWriter w;
   w.segment(TdmsWriter::usual, {w.object("/'g'/'Time'", w.index(f64, 4)), w.object("/'g'/'y'", w.index(f64, 4))},

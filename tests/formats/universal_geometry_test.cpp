@@ -38,6 +38,16 @@ TEST_F(UniversalGeometry, NodesOfBothDatasetsAreInMetres) {
   EXPECT_NE(local.skipped.at(0).find("local axes"), std::string::npos);
 }
 
+TEST_F(UniversalGeometry, UnitsThatStandBehindDataHoldForThem) {
+  const std::string nodes =
+      dataset("15", formatted("%10d%10d%10d%10d%13.5E%13.5E%13.5E\n", 7, 0, 1, 8, -2400.0, -950.0, 0.0));
+  const auto file = read(nodes + millimetres);
+  ASSERT_EQ(file.nodes.size(), 1u);
+  EXPECT_DOUBLE_EQ(file.nodes[0].position[0], -2.4);
+  ASSERT_EQ(file.notes.size(), 1u);
+  EXPECT_NE(file.notes[0].find("dataset 164 stands behind data"), std::string::npos);
+}
+
 TEST_F(UniversalGeometry, ElementsAndTraceLinesKeepTheirNodes) {
   const auto file =
       read(dataset("2412",

@@ -1,4 +1,4 @@
-#include "kalfem/formats/wav.hpp"
+#include "kalfem/formats/wav/wav.hpp"
 
 #include <gtest/gtest.h>
 
@@ -81,6 +81,53 @@ TEST_F(WavFiles, SayWhereTheyAreShorterThanTheyState) {
   EXPECT_EQ(file.channels[0].values.size(), 3);
   ASSERT_EQ(file.notes.size(), 1u);
   EXPECT_NE(file.notes[0].find("shorter than it states"), std::string::npos);
+}
+
+TEST_F(WavFiles, OfRecordingsThatWereNeverFinishedKeepWhatIsThere) {
+  const auto samples = raw<std::int16_t>({16384, -16384, 8192});
+  for (const std::size_t stated : {std::size_t{0}, std::size_t{4294967295}}) {
+    const auto file = read(wav(whole_numbers, 1, 16, samples, stated));
+    EXPECT_EQ(values(file, 0), (Numbers{0.5, -0.5, 0.25}));
+    EXPECT_EQ(file.notes.size(), 1u);
+  }
+}
+
+TEST_F(WavFiles, LargeOnesSayWhereTheyAreCutOff) {
+  const auto samples = raw<float>({1, 2, 3});
+  const std::string sizes = "ds64" + u32(28) + u64(0) + u64(120) + u64(30) + u32(0);
+  const std::string blocks = sizes + format_block(floats, 1, 32, 48000) + "data" + u32(4294967295.0) + samples;
+  for (const std::string kind : {"RF64", "BW64"}) {
+    const auto file = read(kind + u32(4294967295.0) + "WAVE" + blocks);
+    EXPECT_EQ(values(file, 0), (Numbers{1, 2, 3}));
+    ASSERT_EQ(file.notes.size(), 1u);
+    EXPECT_NE(file.notes[0].find("shorter than it states"), std::string::npos);
+  }
+}
+
+TEST_F(WavFiles, MayHaveOtherBlocksOfOddLengthWithAndWithoutAFillingByte) {
+  const auto samples = raw<std::int16_t>({16384, -16384});
+  for (const std::string filling : {std::string(1, '\0'), std::string()}) {
+    const std::string blocks = "JUNK" + u32(5) + "abcde" + filling + format_block(whole_numbers, 1, 16, 1000) +
+                               "LIST" + u32(18) + "INFOINAM" + u32(6) + std::string("Run 7\0", 6) + "data" + u32(4) +
+                               samples + "data" + u32(4) + samples;
+    const auto file = read("RIFF" + u32(double(4 + blocks.size())) + "WAVE" + blocks);
+    EXPECT_EQ(values(file, 0), (Numbers{0.5, -0.5}));
+    EXPECT_EQ(file.channels[0].description, "Run 7");
+    EXPECT_EQ(file.skipped.size(), 1u);  // the second block of samples
+  }
+}
+
+TEST_F(WavFiles, OfTheExtensibleKindStateTheirKindElsewhere) {
+  const std::string block = "fmt " + u32(40) + u16(0xfffe) + u16(1) + u32(1000) + u32(3000) + u16(3) + u16(24) +
+                            u16(22) + u16(24) + u32(0) + u16(whole_numbers) + std::string(14, 'x');
+  const std::string blocks = block + "data" + u32(3) + three_bytes({4194304});
+  EXPECT_EQ(values(read("RIFF" + u32(double(4 + blocks.size())) + "WAVE" + blocks), 0), (Numbers{0.5}));
+}
+
+TEST_F(WavFiles, SayWhereBytesAreNoWholeSample) {
+  const auto file = read(wav(whole_numbers, 2, 16, raw<std::int16_t>({1, 2, 3}), 6));
+  EXPECT_EQ(file.channels[0].values.size(), 1);
+  EXPECT_EQ(file.notes.size(), 1u);
 }
 
 TEST_F(WavFiles, OtherFilesAreRefused) {

@@ -4,7 +4,7 @@
 #include <fstream>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/formats/wav.hpp"
+#include "kalfem/formats/wav/wav.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto file = std::filesystem::temp_directory_path() / ("kalfem-fuzz-" + std::to_string(getpid()) + ".wav");

@@ -70,6 +70,57 @@ std::string valid_utf8(std::string_view text) {
   return valid;
 }
 
+namespace {
+
+/// Characters of Windows-1252 where Latin-1 has control characters.
+constexpr std::array<char32_t, 32> windows_characters = {
+    0x20AC, 0x81,   0x201A, 0x0192, 0x201E, 0x2026, 0x2020, 0x2021, 0x02C6, 0x2030, 0x0160,
+    0x2039, 0x0152, 0x8D,   0x017D, 0x8F,   0x90,   0x2018, 0x2019, 0x201C, 0x201D, 0x2022,
+    0x2013, 0x2014, 0x02DC, 0x2122, 0x0161, 0x203A, 0x0153, 0x9D,   0x017E, 0x0178};
+
+void append_character(std::string& text, char32_t code) {
+  constexpr std::array<unsigned char, 5> first_bits{0, 0x00, 0xC0, 0xE0, 0xF0};
+  const int length = code < 0x80 ? 1 : code < 0x800 ? 2 : code < 0x10000 ? 3 : 4;
+  text += static_cast<char>(first_bits[static_cast<std::size_t>(length)] | (code >> (6 * (length - 1))));
+  for (int left = length - 2; left >= 0; --left) text += static_cast<char>(0x80U | ((code >> (6 * left)) & 0x3FU));
+}
+
+}  // namespace
+
+std::string to_utf8(std::string_view text) {
+  bool valid = true;
+  for (std::size_t i = 0; i < text.size() && valid;) {
+    const std::size_t length = utf8_length(text, i);
+    valid = length > 0;
+    i += length;
+  }
+  if (valid) return std::string(text);
+  std::string converted;
+  for (const char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    append_character(converted, code >= 0x80 && code < 0xA0 ? windows_characters[code - 0x80U] : code);
+  }
+  return converted;
+}
+
+std::string utf8_of(std::u16string_view text) {
+  constexpr char32_t unknown = 0xFFFD;
+  std::string converted;
+  converted.reserve(text.size());
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char32_t unit = text[i];
+    const bool high = unit >= 0xD800 && unit < 0xDC00;
+    const char32_t next = high && i + 1 < text.size() ? text[i + 1] : 0;
+    if (next >= 0xDC00 && next < 0xE000) {
+      append_character(converted, 0x10000 + ((unit - 0xD800) << 10U) + (next - 0xDC00));
+      ++i;
+    } else {
+      append_character(converted, unit >= 0xD800 && unit < 0xE000 ? unknown : unit);
+    }
+  }
+  return converted;
+}
+
 std::string with_unicode_escapes(std::string_view text) {
   const std::string valid = valid_utf8(text);
   std::string safe;

@@ -13,6 +13,12 @@ std::size_t utf8_length(std::string_view text, std::size_t at);
 /// The text with U+FFFD in place of each byte that is no UTF-8. JSON and HTML need valid UTF-8.
 std::string valid_utf8(std::string_view text);
 
+/// The text as it is where it is UTF-8; otherwise its bytes are characters of Windows-1252, the Latin-1 of Windows.
+std::string to_utf8(std::string_view text);
+
+/// UTF-8 of a text in UTF-16; half of a pair of surrogates becomes U+FFFD.
+std::string utf8_of(std::u16string_view text);
+
 /// Text inside of a quoted string of JSON or YAML: characters that a terminal obeys become \u001b, so that the file can
 /// be shown there, and bytes that are no UTF-8 become U+FFFD. Line breaks stay.
 std::string with_unicode_escapes(std::string_view text);

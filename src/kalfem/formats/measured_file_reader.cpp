@@ -4,15 +4,19 @@
 #include <array>
 #include <cctype>
 #include <fstream>
+#include <map>
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/text.hpp"
+#include "kalfem/formats/hdf5/measured_hdf5.hpp"
 #include "kalfem/formats/matlab/matlab_file.hpp"
 #include "kalfem/formats/tables/lvm.hpp"
 #include "kalfem/formats/tables/measured_table.hpp"
+#include "kalfem/formats/tables/text_table.hpp"
 #include "kalfem/formats/tdms/tdms.hpp"
+#include "kalfem/formats/unit_labels.hpp"
 #include "kalfem/formats/universal/universal.hpp"
-#include "kalfem/formats/wav.hpp"
+#include "kalfem/formats/wav/wav.hpp"
 
 namespace kalfem {
 namespace {
@@ -75,6 +79,13 @@ std::string read_head(const std::filesystem::path& file) {
   return head;
 }
 
+/// Without a mark of UTF-8, and in UTF-8 where it is in UTF-16.
+std::string as_text(std::string head) {
+  if (head.starts_with("\xEF\xBB\xBF")) head.erase(0, 3);
+  if (auto converted = utf16_as_utf8(head)) return *std::move(converted);
+  return head;
+}
+
 }  // namespace
 
 const std::vector<MeasuredFormat>& measured_formats() {
@@ -91,7 +102,7 @@ const std::vector<MeasuredFormat>& measured_formats() {
 // Content decides, because files are renamed; a file without the usual beginning still says by its ending what it was
 // meant to be, and then its reader names what is wrong.
 const MeasuredFormat* measured_format(const std::filesystem::path& file) {
-  const std::string head = read_head(file), ending = lower_case(file.extension().string());
+  const std::string head = as_text(read_head(file)), ending = lower_case(file.extension().string());
   for (const auto& format : measured_formats())
     if (format.begins != nullptr && format.begins(head)) return &format;
   refuse_foreign(file, head);
@@ -100,11 +111,33 @@ const MeasuredFormat* measured_format(const std::filesystem::path& file) {
   return nullptr;
 }
 
-MeasuredFile read_measured_file(const std::filesystem::path& file) {
+namespace {
+
+MeasuredFile read_by_format(const std::filesystem::path& file) {
   if (const MeasuredFormat* format = measured_format(file)) return format->read(file);
   const std::string ending = lower_case(file.extension().string());
   if (ending == ".h5" || ending == ".hdf5" || read_head(file).starts_with("\x89HDF")) return read_measured_hdf5(file);
   return read_measured_table(file);
+}
+
+/// Repeated names get numbers, "Untitled #1", "Untitled #2", so that the name alone chooses none of them.
+void make_unique(std::vector<MeasuredChannel>& channels) {
+  std::map<std::string, int> total, used;
+  for (const auto& channel : channels) ++total[channel.name];
+  for (auto& channel : channels) {
+    if (total[channel.name] == 1) continue;
+    channel.other_names.insert(channel.other_names.begin(), channel.name);
+    channel.name += " #" + std::to_string(++used[channel.name]);
+  }
+}
+
+}  // namespace
+
+MeasuredFile read_measured_file(const std::filesystem::path& file) {
+  MeasuredFile measured = read_by_format(file);
+  for (auto& channel : measured.channels) channel.unit = understood_unit(channel.unit);
+  make_unique(measured.channels);
+  return measured;
 }
 
 }  // namespace kalfem

@@ -16,6 +16,7 @@
 #include "kalfem/formats/tables/csv.hpp"
 #include "kalfem/formats/tables/measured_table.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
+#include "kalfem/formats/unit_labels.hpp"
 
 namespace kalfem {
 
@@ -62,7 +63,7 @@ double factor_of_case(const WantedChannel& wanted, const Channel& in_file, const
                       IssueList& issues) {
   const auto& given = wanted.unit_given;
   const Unit unit = unit_for(wanted, given.value);
-  const auto of_file = in_file.unit.empty() ? std::nullopt : understood(wanted, in_file.unit);
+  const auto of_file = in_file.unit.empty() ? std::nullopt : understood(wanted, understood_unit(in_file.unit));
   if (of_file && !same_unit(*of_file, unit))
     issues.add(given.location,
                given.path + " is '" + given.value + "', but the column '" + in_file.name + "' (" + wanted.owner +
@@ -80,7 +81,8 @@ double factor_to_si(const WantedChannel& wanted, const Channel& in_file, const S
   const auto& given = wanted.unit_given;
   try {
     if (!given.value.empty()) return factor_of_case(wanted, in_file, title, issues);
-    return in_file.unit.empty() ? 1.0 : unit_for(wanted, in_file.unit).factor;
+    const std::string unit = understood_unit(in_file.unit);
+    return unit.empty() ? 1.0 : unit_for(wanted, unit).factor;
   } catch (const InvalidInput& error) {
     for (const Issue& issue : error.issues()) {
       if (!given.value.empty())

@@ -22,8 +22,8 @@ TimeBase of_stamps(const VectorXd& times) {
   const double typical = median(intervals);
   base.not_increasing = (intervals.array() <= 0.0).count();
   if (!(typical > 0.0)) return base;
-  base.rate = 1.0 / typical;
-  double squares = 0.0;
+  double squares = 0.0, regular = 0.0;
+  Index count = 0;
   for (const double interval : intervals) {
     const double deviation = interval / typical - 1.0;
     if (deviation > 0.5) {
@@ -33,8 +33,12 @@ TimeBase of_stamps(const VectorXd& times) {
     } else {
       squares += deviation * deviation;
       base.worst = std::max(base.worst, std::abs(deviation));
+      regular += interval;
+      ++count;
     }
   }
+  // The mean: jitter and rounding move the median, but not the sum of the intervals.
+  base.rate = regular > 0.0 ? static_cast<double>(count) / regular : 1.0 / typical;
   base.jitter = std::sqrt(squares / static_cast<double>(std::max<Index>(1, intervals.size() - base.gaps)));
   return base;
 }
@@ -196,6 +200,22 @@ DeadReason dead_reason(const std::vector<Level>& levels) {
   return flickers ? DeadReason::two_levels : DeadReason::none;
 }
 
+/// The samples at their times on an even grid, with NaN in the gaps, so that what is behind a gap keeps its phase.
+VectorXd with_gaps(const MeasuredChannel& channel, const TimeBase& time) {
+  constexpr double most = 4.0;  ///< times as many places as samples
+  const double places = std::round(time.duration * time.rate) + 1.0;
+  const Index count = channel.values.size();
+  if (time.gaps == 0 || time.not_increasing > 0 || channel.times.size() != count || !channel.times.allFinite() ||
+      !(places <= most * static_cast<double>(count)))
+    return channel.values;
+  VectorXd placed = VectorXd::Constant(static_cast<Index>(places), std::numeric_limits<double>::quiet_NaN());
+  for (Index k = 0; k < count; ++k) {
+    const auto place = static_cast<Index>(std::round((channel.times[k] - channel.times[0]) * time.rate));
+    placed[std::clamp<Index>(place, 0, placed.size() - 1)] = channel.values[k];
+  }
+  return placed;
+}
+
 VectorXd finite_part(const VectorXd& values) {
   VectorXd present(values.size());
   return present.head(
@@ -225,7 +245,7 @@ ChannelStatistics statistics_of(const MeasuredChannel& channel) {
   look_for_clipping(channel.values, levels, found);
   look_for_hold(channel.values, found);
   if (found.time.rate > 0.0 && found.time.jitter < 0.3)
-    found.frequencies = spectral_peaks(channel.values, found.time.rate, 3);
+    found.frequencies = spectral_peaks(with_gaps(channel, found.time), found.time.rate, 3);
   return found;
 }
 

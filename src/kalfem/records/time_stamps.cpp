@@ -10,7 +10,9 @@ double resolution(const Eigen::VectorXd& stamps) {
   const Eigen::VectorXd last = stamps.tail(std::min<Eigen::Index>(64, stamps.size()));
   for (double unit = 1.0, scale = 1.0; scale < 1e12; scale *= 10.0, unit = 1.0 / scale) {
     const Eigen::ArrayXd counts = last.array() * scale;
-    const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::max(1.0, counts.abs().maxCoeff());
+    const double largest = counts.abs().maxCoeff();
+    const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::max(1.0, largest);
+    if (largest > 0.0 && largest < 0.5) continue;  // less than a unit tells nothing about it
     if ((counts - counts.round()).abs().maxCoeff() <= rounding) return unit;
   }
   return 0.0;

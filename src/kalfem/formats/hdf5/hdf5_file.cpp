@@ -232,6 +232,32 @@ Eigen::VectorXd Hdf5File::read_column(const std::string& dataset, Eigen::Index c
   return values;
 }
 
+bool Hdf5File::is_complete(const std::string& dataset) const { return hdf5_is_complete(handle().dataset(dataset)); }
+
+std::vector<std::string> Hdf5File::members(const std::string& dataset) const {
+  const Hdf5Id id = handle().dataset(dataset), type(H5Dget_type(id), H5Tclose);
+  if (H5Tget_class(type) != H5T_COMPOUND || shape(dataset).size() != 1) return {};
+  std::vector<std::string> names;
+  for (int i = 0; i < H5Tget_nmembers(type); ++i) {
+    const auto kind = H5Tget_member_class(type, static_cast<unsigned>(i));
+    if (kind != H5T_FLOAT && kind != H5T_INTEGER) continue;
+    char* name = H5Tget_member_name(type, static_cast<unsigned>(i));
+    if (name != nullptr) names.emplace_back(name);
+    H5free_memory(name);
+  }
+  return names;
+}
+
+Eigen::VectorXd Hdf5File::read_member(const std::string& dataset, const std::string& member) const {
+  const Hdf5Id id = handle().dataset(dataset), type(H5Tcreate(H5T_COMPOUND, sizeof(double)), H5Tclose);
+  handle().require(H5Tinsert(type, member.c_str(), 0, H5T_NATIVE_DOUBLE) >= 0, "read '" + member + "'");
+  Eigen::VectorXd values(shape(dataset).at(0));
+  handle().require(
+      values.size() == 0 || H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0,
+      "read '" + member + "' of '" + dataset + "'");
+  return values;
+}
+
 std::vector<std::string> Hdf5File::read_strings(const std::string& dataset) const {
   const Hdf5Id id = handle().dataset(dataset);
   return handle().strings(Hdf5Id(H5Dget_type(id), H5Tclose), Hdf5Id(H5Dget_space(id), H5Sclose), dataset,

@@ -60,6 +60,12 @@ public:
   [[nodiscard]] std::vector<std::string> datasets(const std::string& group = "/") const;
   /// Whether a dataset holds integers or floats.
   [[nodiscard]] bool holds_numbers(const std::string& dataset) const;
+  /// Whether the file holds every value of a dataset; HDF5 reads those that it does not as zeros.
+  [[nodiscard]] bool is_complete(const std::string& dataset) const;
+  /// Names of the numbers in each record of a 1-D dataset of records; empty where it holds none.
+  [[nodiscard]] std::vector<std::string> members(const std::string& dataset) const;
+  /// One of them, of all records.
+  [[nodiscard]] Eigen::VectorXd read_member(const std::string& dataset, const std::string& member) const;
   /// Bytes that the values of a dataset take in the file, compressed as they are; 0 where none were written.
   [[nodiscard]] std::size_t stored_bytes(const std::string& dataset) const;
   /// Lengths along each dimension; empty for a scalar.

@@ -85,6 +85,20 @@ hsize_t hdf5_count(const std::vector<hsize_t>& lengths) {
   return product;
 }
 
+bool hdf5_is_complete(hid_t dataset) {
+  const Hdf5Id space(H5Dget_space(dataset), H5Sclose), creation(H5Dget_create_plist(dataset), H5Pclose);
+  const auto count = H5Sget_simple_extent_npoints(space);
+  if (count <= 0) return true;
+  if (H5Pget_layout(creation) != H5D_CHUNKED) return H5Dget_storage_size(dataset) > 0;
+  const int rank = H5Sget_simple_extent_ndims(space);
+  std::vector<hsize_t> lengths(static_cast<std::size_t>(rank)), chunk(lengths.size());
+  H5Sget_simple_extent_dims(space, lengths.data(), nullptr);
+  if (H5Pget_chunk(creation, rank, chunk.data()) != rank) return false;
+  hsize_t expected = 1, found = 0;
+  for (std::size_t i = 0; i < lengths.size(); ++i) expected *= (lengths[i] + chunk[i] - 1) / std::max<hsize_t>(1, chunk[i]);
+  return H5Dget_num_chunks(dataset, space, &found) >= 0 && found == expected;
+}
+
 Hdf5Id hdf5_text_type() {
   Hdf5Id type(H5Tcopy(H5T_C_S1), H5Tclose);
   H5Tset_size(type, H5T_VARIABLE);

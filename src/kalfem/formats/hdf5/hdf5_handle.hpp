@@ -1,6 +1,6 @@
 #pragma once
 
-// Inside of hdf5_file.cpp only: everything that needs the C interface of HDF5.
+// Inside of readers of HDF5 only: everything that needs the C interface of HDF5.
 
 #include <hdf5.h>
 
@@ -34,6 +34,9 @@ private:
 
 /// Number of values of an array with these lengths.
 hsize_t hdf5_count(const std::vector<hsize_t>& lengths);
+
+/// Whether every chunk of a dataset is in the file. Where one is missing, HDF5 gives fill values without a word.
+bool hdf5_is_complete(hid_t dataset);
 
 /// Text of any length in UTF-8.
 Hdf5Id hdf5_text_type();

@@ -8,6 +8,7 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/text.hpp"
 #include "kalfem/formats/matlab/matlab_values.hpp"
+#include "kalfem/formats/tables/table_titles.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
 #include "kalfem/records/time_stamps.hpp"
 
@@ -44,20 +45,34 @@ bool is_vector(const MatlabValue& value) {
 VectorXd as_vector(const MatrixXd& values) { return VectorXd::Map(values.data(), values.size()); }
 
 bool is_time(const std::string& name, const MatlabValue& value) {
-  return is_vector(value) && value.imaginary.size() == 0 &&
-         (is_time_name(name) || is_one_of(name, std::array<std::string_view, 3>{"times", "timestamps", "tvec"}));
+  if (!is_vector(value) || value.imaginary.size() > 0) return false;
+  return is_time_name(name) || is_one_of(name, std::array<std::string_view, 3>{"times", "timestamps", "tvec"}) ||
+         (may_be_time_name(name) && increases(as_vector(value.real)));
 }
+
+/// A field that is not copied: it may be large.
+struct NamedValue {
+  std::string name;
+  const MatlabValue* value = nullptr;
+};
 
 /// The fields around a series, innermost first: what states its times.
 class Scope {
 public:
-  explicit Scope(const Fields& fields, const Scope* around = nullptr) : fields_(fields), around_(around) {}
+  explicit Scope(const std::vector<NamedValue>& fields, const Scope* around = nullptr)
+      : fields_(fields), around_(around) {}
 
   template <class Test>
   [[nodiscard]] const MatlabValue* find(const Test& test) const {
-    for (const auto& [name, value] : fields_)
-      if (test(name, value)) return &value;
-    return around_ == nullptr ? nullptr : around_->find(test);
+    const NamedValue* found = find_named(test);
+    return found == nullptr ? nullptr : found->value;
+  }
+
+  template <class Test>
+  [[nodiscard]] const NamedValue* find_named(const Test& test) const {
+    for (const auto& field : fields_)
+      if (test(field.name, *field.value)) return &field;
+    return around_ == nullptr ? nullptr : around_->find_named(test);
   }
 
   template <std::size_t count>
@@ -72,25 +87,25 @@ public:
   template <std::size_t count>
   [[nodiscard]] std::string text(const std::array<std::string_view, count>& names) const {
     for (const auto& [name, value] : fields_)
-      if (value.kind == Kind::text && is_one_of(name, names)) return value.text;
+      if (value->kind == Kind::text && is_one_of(name, names)) return value->text;
     return "";
   }
 
 private:
-  const Fields& fields_;
+  const std::vector<NamedValue>& fields_;
   const Scope* around_;
 };
 
-/// Axes that stand in a structure of their own beside the values: x_values of Testlab, X of dSPACE.
-Fields with_axis_fields(const Fields& fields) {
-  Fields all = fields;
+/// With axes that stand in a structure of their own beside the values: x_values of Testlab, X of dSPACE.
+std::vector<NamedValue> with_axis_fields(const Fields& fields) {
+  std::vector<NamedValue> all;
+  for (const auto& [name, value] : fields) all.push_back({name, &value});
   for (const auto& [name, value] : fields) {
     if (value.kind != Kind::structure || value.elements.size() != 1) continue;
     const bool axis = is_one_of(name, std::array<std::string_view, 3>{"x_values", "x", "xdata"});
     for (const auto& [inner, part] : value.elements.front()) {
       const bool values = is_vector(part) && is_one_of(inner, std::array<std::string_view, 2>{"data", "values"});
-      if (axis && values) all.push_back({"time", part});
-      if (axis && !values) all.push_back({inner, part});
+      if (axis) all.push_back({values ? "time" : inner, &part});
     }
   }
   return all;
@@ -101,7 +116,7 @@ public:
   explicit Channels(MeasuredFile& file) : file_(file) {}
 
   void add_fields(const Fields& given, const std::string& prefix, const Scope* around) {
-    const Fields fields = with_axis_fields(given);
+    const std::vector<NamedValue> fields = with_axis_fields(given);
     const Scope scope(fields, around);
     for (const auto& [name, value] : given)
       add(value, prefix.empty() || name.empty() ? prefix + name : prefix + "." + name, name, scope);
@@ -138,35 +153,43 @@ private:
     if (value.imaginary.size() > 0) return add_functions(value, path, scope);
     const auto is_complex = [](const std::string&, const MatlabValue& each) { return each.imaginary.size() > 0; };
     if (is_vector(value) && is_one_of(name, frequency_names) && scope.find(is_complex) != nullptr) return;
-    const auto* times = scope.find([&](const std::string& each, const MatlabValue& candidate) {
+    const auto* times = scope.find_named([&](const std::string& each, const MatlabValue& candidate) {
       return is_time(each, candidate) &&
              (candidate.real.size() == value.real.rows() || candidate.real.size() == value.real.cols());
     });
-    MatrixXd columns = value.real;
-    const bool turned = times != nullptr ? times->real.size() != columns.rows() : columns.rows() < columns.cols();
-    if (turned) columns.transposeInPlace();
-    if (columns.cols() > most_columns)
+    const bool turned = times != nullptr ? times->value->real.size() != value.real.rows()
+                                         : value.real.rows() < value.real.cols();
+    const Index columns = turned ? value.real.rows() : value.real.cols();
+    if (columns > most_columns)
       return skip(path, "a matrix of " + std::to_string(value.real.rows()) + " x " + std::to_string(value.real.cols()));
-    add_columns(columns, times == nullptr ? VectorXd() : as_vector(times->real), path, scope);
+    VectorXd stamps;
+    if (times != nullptr)
+      stamps = seconds_in(unit_in_time_name(times->name)).value_or(1.0) * as_vector(times->value->real);
+    add_columns(value.real, turned, std::move(stamps), path, scope);
   }
 
-  void add_columns(const MatrixXd& columns, VectorXd times, const std::string& path, const Scope& scope) {
+  void add_columns(const MatrixXd& values, bool turned, VectorXd times, const std::string& path, const Scope& scope) {
+    const auto column = [&](Index j) -> VectorXd {
+      if (turned) return values.row(j).transpose();
+      return values.col(j);
+    };
+    const Index count = turned ? values.rows() : values.cols();
     const auto rate = scope.number(rate_names), interval = scope.number(interval_names);
     Index first = 0;
-    if (times.size() == 0 && !rate && !interval && columns.cols() > 1 && even_times(columns.col(0))) {
-      times = columns.col(first++);
+    if (times.size() == 0 && !rate && !interval && count > 1 && even_times(column(0))) {
+      times = column(first++);
       file_.notes.push_back("the first column of '" + path + "' increases evenly: it is taken as time");
     }
     const std::string title = scope.text(title_names);
-    for (Index j = first; j < columns.cols(); ++j) {
-      MeasuredChannel channel{.name = columns.cols() == 1 ? path : path + "_" + std::to_string(j + 1),
+    for (Index j = first; j < count; ++j) {
+      MeasuredChannel channel{.name = count == 1 ? path : path + "_" + std::to_string(j + 1),
                               .unit = scope.text(unit_names)};
-      if (!title.empty() && columns.cols() == 1) name_by(channel, title);
+      if (!title.empty() && count == 1) name_by(channel, title);
       if (times.size() > 0)
         set_times(channel, times);
       else
         set_axis(channel, rate, interval, scope);
-      channel.values = columns.col(j);
+      channel.values = column(j);
       file_.channels.push_back(std::move(channel));
     }
   }

@@ -1,6 +1,5 @@
 #include "kalfem/formats/matlab/matlab_values.hpp"
 
-#include <hdf5.h>
 #include <matio.h>
 
 #include <algorithm>
@@ -11,7 +10,6 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/text.hpp"
-#include "kalfem/formats/hdf5/hdf5_file.hpp"
 #include "kalfem/formats/matlab/matlab_file.hpp"
 
 namespace kalfem {
@@ -134,19 +132,11 @@ MatlabValue text_of(const matvar_t& variable, std::size_t size) {
   if (variable.data == nullptr || variable.rank != 2 || variable.dims[0] != 1) return value;
   const bool wide = variable.data_type == MAT_T_UINT16 || variable.data_type == MAT_T_UTF16;
   if (wide)
-    for (std::size_t i = 0; i < std::min(size, variable.nbytes / 2); ++i) {
-      const auto unit = static_cast<const std::uint16_t*>(variable.data)[i];
-      if (unit < 0x80)
-        value.text += static_cast<char>(unit);
-      else if (unit < 0x800)
-        (value.text += static_cast<char>(0xc0 | unit >> 6)) += static_cast<char>(0x80 | (unit & 0x3f));
-      else
-        ((value.text += static_cast<char>(0xe0 | unit >> 12)) += static_cast<char>(0x80 | (unit >> 6 & 0x3f))) +=
-            static_cast<char>(0x80 | (unit & 0x3f));
-    }
+    value.text =
+        utf8_of({static_cast<const char16_t*>(variable.data), std::min(size, variable.nbytes / sizeof(char16_t))});
   else
     value.text.assign(static_cast<const char*>(variable.data), std::min(size, variable.nbytes));
-  value.text = valid_utf8(value.text);
+  value.text = to_utf8(value.text);
   return value;
 }
 
@@ -201,15 +191,18 @@ MatlabValue value_of(matvar_t& variable, std::size_t depth) {
   }
 }
 
+std::string first_bytes(const std::filesystem::path& path) {
+  std::string head(19, ' ');
+  std::ifstream(path, std::ios::binary).read(head.data(), static_cast<std::streamsize>(head.size()));
+  return head;
+}
+
 class MatlabReader {
 public:
   explicit MatlabReader(const std::filesystem::path& path) : path_(path.string()) {
-    static const bool quiet =
-        Mat_LogInitFunc("kalfem", keep_quiet) == 0 && H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr) >= 0;
+    static const bool quiet = Mat_LogInitFunc("kalfem", keep_quiet) == 0;
     static_cast<void>(quiet);
-    std::string head(19, ' ');
-    std::ifstream(path, std::ios::binary).read(head.data(), static_cast<std::streamsize>(head.size()));
-    if (begins_matlab(head) || is_matlab_4(path)) file_.reset(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
+    if (begins_matlab(first_bytes(path)) || is_matlab_4(path)) file_.reset(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
     if (!file_)
       throw InvalidInput(
           Issue{{path_, 0}, "the MATLAB file cannot be read", "it is damaged or no MATLAB file", "save it again"});
@@ -219,7 +212,6 @@ public:
     const auto version = Mat_GetVersion(file_.get());
     const auto elements = version == MAT_FT_MAT5 ? scan_matlab_elements(path_) : MatlabElements{};
     for (const auto& [name, kind] : elements.objects) add_object(name, kind);
-    if (version == MAT_FT_MAT73) find_objects();
     const std::size_t most = version == MAT_FT_MAT5 ? elements.arrays : most_variables;
     std::size_t arrays = 0;
     for (; arrays < most; ++arrays) {
@@ -245,16 +237,6 @@ private:
     if (!name.empty())
       contents_.skipped.push_back("'" + valid_utf8(name) + "' is a MATLAB object of class " + valid_utf8(kind) +
                                   ": save it as an array");
-  }
-
-  // Objects of version 7.3 are arrays of references; only an attribute tells them from numbers.
-  void find_objects() {
-    const auto file = Hdf5File::open(path_);
-    for (const auto& dataset : file.datasets("/")) {
-      if (dataset.find('/', 1) != std::string::npos || !file.has_attribute(dataset, "MATLAB_object_decode")) continue;
-      const bool named = file.has_attribute(dataset, "MATLAB_class");
-      add_object(dataset.substr(1), named ? file.text_attribute(dataset, "MATLAB_class") : "unknown");
-    }
   }
 
   void take(matvar_t& variable) {
@@ -283,6 +265,9 @@ private:
 
 }  // namespace
 
-MatlabContents read_matlab_values(const std::filesystem::path& path) { return MatlabReader(path).read(); }
+// libmatio takes classes of version 7.3 for unknown whose names do not end in a zero, as HDF5's other writers leave them.
+MatlabContents read_matlab_values(const std::filesystem::path& path) {
+  return first_bytes(path).starts_with("MATLAB 7.3") ? read_matlab_hdf5(path) : MatlabReader(path).read();
+}
 
 }  // namespace kalfem

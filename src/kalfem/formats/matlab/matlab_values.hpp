@@ -40,6 +40,9 @@ struct MatlabContents {
 /// Throws InvalidInput where the file cannot be opened as a MATLAB file.
 MatlabContents read_matlab_values(const std::filesystem::path& path);
 
+/// The same of a file of version 7.3, which is an HDF5 file.
+MatlabContents read_matlab_hdf5(const std::filesystem::path& path);
+
 /// What stands at the top of a file of version 5 to 7.2, without its numbers.
 struct MatlabElements {
   std::size_t arrays = 0;                                         ///< sound ones in a row

@@ -85,8 +85,8 @@ std::vector<Channel> titles_of(const TextLine& first, const Dialect& dialect, Fi
   std::vector<std::string> titles;
   for (const auto cell : cells) {
     const bool named = dialect.header && !cell.empty();
-    titles.push_back(named ? std::string(cell) : "column_" + std::to_string(titles.size() + 1));
-    channels.push_back(named ? channel_of(cell) : Channel{titles.back(), ""});
+    titles.push_back(named ? to_utf8(cell) : "column_" + std::to_string(titles.size() + 1));
+    channels.push_back(named ? channel_of(titles.back()) : Channel{titles.back(), ""});
     if (std::ranges::count(titles, titles.back()) > 1)
       problems.add(first.number, "two columns are named '" + titles.back() + "'", "names must be unique",
                    "rename one of them");

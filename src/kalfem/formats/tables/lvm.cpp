@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <map>
 #include <numeric>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/text.hpp"
 #include "kalfem/base/units.hpp"
+#include "kalfem/formats/tables/lvm_segments.hpp"
+#include "kalfem/formats/tables/measured_table.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
 #include "kalfem/records/time_stamps.hpp"
 
@@ -50,24 +54,12 @@ struct Segment {
   std::vector<TextLine> rows;
 };
 
-/// A channel of a segment with the lines of its samples.
-struct SegmentChannel {
-  MeasuredChannel channel;
-  VectorXd stamps;         ///< X_Value, with X0; empty: there is no such column
-  std::vector<int> lines;  ///< of the samples
-};
-
-struct Contents {
-  std::vector<std::vector<SegmentChannel>> segments;
-  std::vector<std::string> notes;
-};
-
 class LvmReader {
 public:
   explicit LvmReader(const std::filesystem::path& path)
       : path_(path.string()), text_(read_text(path)), lines_(split_lines(text_)), problems_(path_) {}
 
-  Contents read() {
+  LvmContents read() {
     split();
     problems_.raise();
     for (const auto& segment : segments_) {
@@ -85,7 +77,7 @@ private:
     std::size_t at = 0;
     Header header;
     if (!read_header(at, header)) return refuse_header(0);
-    if (header.first("Decimal_Separator") == ",") dialect_.decimal = ',';
+    dialect_.decimal = decimal_of(header);
     while (at < lines_.size()) {
       Segment segment{.header = header, .titles = {}, .rows = {}};
       if (!read_header(at, segment.header)) {
@@ -101,6 +93,26 @@ private:
       while (at < lines_.size() && trimmed(lines_[at].text).empty()) ++at;
     }
     if (segments_.empty() && problems_.empty()) refuse_header(1);
+  }
+
+  /// As the header says, unless the file's last lines, which are samples, say otherwise.
+  char decimal_of(const Header& header) {
+    constexpr std::size_t looked_at = 20;
+    const char said = header.first("Decimal_Separator") == "," ? ',' : '.';
+    const std::vector<TextLine> last(lines_.end() - static_cast<std::ptrdiff_t>(std::min(looked_at, lines_.size())),
+                                     lines_.end());
+    const auto fits = [&](char decimal) {
+      return std::ranges::any_of(last, [&](const TextLine& line) {
+        return std::ranges::any_of(split_cells(line.text, dialect_.separator), [&](std::string_view cell) {
+          return cell.find(decimal) != std::string_view::npos && parse_number(cell, decimal);
+        });
+      });
+    };
+    const char other = said == '.' ? ',' : '.';
+    if (fits(said) || !fits(other)) return said;
+    contents_.notes.push_back(path_ + ":" + std::to_string(header.line_of("Decimal_Separator")) +
+                              ": the samples have the decimal sign '" + other + "', not that of the header");
+    return other;
   }
 
   void refuse_header(int blocks) {
@@ -150,10 +162,20 @@ private:
     problems_.raise();
     read_rows(segment, columns, channels);
     problems_.raise();
-    for (std::size_t j = 0; j < count; ++j) set_axis(segment.header, j, channels[j]);
+    for (std::size_t j = 0; j < count; ++j) {
+      channels[j].of_frequency = dimension_of(segment.header, j) == "frequency";
+      set_axis(segment.header, j, channels[j]);
+    }
     if (!channels.empty() && channels.front().lines.empty())
       problems_.add(0, "the file ends after its header", "there are no samples");
     contents_.segments.push_back(std::move(channels));
+  }
+
+  /// "time", "frequency", ... in small letters.
+  static std::string dimension_of(const Header& header, std::size_t channel) {
+    const auto entry = header.entries.find("X_Dimension");
+    if (entry == header.entries.end() || entry->second.empty()) return "time";
+    return lower_case(entry->second[std::min(channel, entry->second.size() - 1)]);
   }
 
   std::size_t channel_count(const Header& header) {
@@ -176,9 +198,9 @@ private:
     return times == TimeColumns::of_each ? 2 * channel + 1 : channel + 1;
   }
 
-  std::vector<SegmentChannel> titles_of(const Segment& segment, std::size_t count, TimeColumns times) {
+  std::vector<LvmChannel> titles_of(const Segment& segment, std::size_t count, TimeColumns times) {
     const Cells titles = split_cells(segment.titles.text, dialect_.separator);
-    std::vector<SegmentChannel> channels;
+    std::vector<LvmChannel> channels;
     if (titles.size() <= column_of(count - 1, times)) {
       problems_.add(segment.titles.number, "the line of names has " + std::to_string(titles.size()) + " cells",
                     "the time and each of the " + std::to_string(count) + " channels need a name");
@@ -187,16 +209,15 @@ private:
     const auto units = segment.header.entries.find("Y_Unit_Label");
     for (std::size_t j = 0; j < count; ++j) {
       const bool has_unit = units != segment.header.entries.end() && j < units->second.size();
-      channels.push_back(
-          {{.name = std::string(titles[column_of(j, times)]), .unit = has_unit ? std::string(units->second[j]) : ""},
-           {},
-           {}});
+      Channel title{to_utf8(titles[column_of(j, times)]), has_unit ? to_utf8(units->second[j]) : ""};
+      if (title.unit.empty()) title = channel_of(title.name);
+      channels.push_back({{.name = title.name, .unit = title.unit}, {}, {}});
     }
     return channels;
   }
 
   // Line by line: times and channels; a comment after them is left out.
-  void read_rows(const Segment& segment, TimeColumns times, std::vector<SegmentChannel>& channels) {
+  void read_rows(const Segment& segment, TimeColumns times, std::vector<LvmChannel>& channels) {
     const std::size_t needed = column_of(channels.size() - 1, times) + 1, first = times == TimeColumns::none ? 1 : 0;
     std::vector<std::size_t> columns(needed - first);
     std::iota(columns.begin(), columns.end(), first);
@@ -204,8 +225,10 @@ private:
     NumberRows rows(columns, {titles.begin(), titles.end()}, dialect_.decimal);
     rows.allow_missing_from(times == TimeColumns::one ? 1 : 0);
     for (const TextLine& line : segment.rows) {
-      const Cells cells = split_cells(line.text, dialect_.separator);
+      Cells cells = split_cells(line.text, dialect_.separator);
       if (is_cut_off(segment, line, cells.size(), needed)) break;
+      while (cells.size() < needed && has_ended(segment.header, channel_in(cells.size(), times), rows.lines().size()))
+        cells.emplace_back();
       if (cells.size() >= needed)
         rows.add(line.number, cells, problems_);
       else
@@ -214,6 +237,16 @@ private:
     }
     if (!problems_.empty()) return;
     distribute(segment.header, rows, times, channels);
+  }
+
+  /// The channel whose values or times stand in a column.
+  static std::size_t channel_in(std::size_t column, TimeColumns times) {
+    return times == TimeColumns::of_each ? column / 2 : column - 1;
+  }
+
+  /// Whether a channel declares no more samples than there were before this row.
+  [[nodiscard]] bool has_ended(const Header& header, std::size_t channel, std::size_t row) const {
+    return declared(header, channel).value_or(HUGE_VAL) <= static_cast<double>(row);
   }
 
   /// The file's last line, if it has too few cells, or ends in a cell that may lack digits because more lines were to
@@ -235,10 +268,12 @@ private:
   }
 
   void distribute(const Header& header, const NumberRows& rows, TimeColumns times,
-                  std::vector<SegmentChannel>& channels) {
+                  std::vector<LvmChannel>& channels) {
     const auto values = rows.by_column();
     for (std::size_t j = 0; j < channels.size(); ++j) {
-      auto& [channel, stamps, lines] = channels[j];
+      auto& channel = channels[j].channel;
+      auto& stamps = channels[j].stamps;
+      auto& lines = channels[j].lines;
       const auto column = static_cast<Index>(column_of(j, times)) - (times == TimeColumns::none ? 1 : 0);
       const Index count = samples_of(header, j, values.row(column));
       channel.values = values.row(column).head(count).transpose();
@@ -266,7 +301,7 @@ private:
                       "every sample needs its time", "correct the line");
   }
 
-  void note_counts(const Header& header, const std::vector<SegmentChannel>& channels) {
+  void note_counts(const Header& header, const std::vector<LvmChannel>& channels) {
     for (std::size_t j = 0; j < channels.size(); ++j) {
       const auto found = static_cast<double>(channels[j].channel.values.size());
       const auto said = declared(header, j);
@@ -294,7 +329,7 @@ private:
     return std::nullopt;
   }
 
-  void set_axis(const Header& header, std::size_t j, SegmentChannel& each) {
+  void set_axis(const Header& header, std::size_t j, LvmChannel& each) {
     const double offset = relative_start(number_for(header, "X0", j).value_or(0.0));
     const auto interval = number_for(header, "Delta_X", j);
     if (!problems_.empty()) return;
@@ -319,7 +354,7 @@ private:
   }
 
   // Times that are printed to few decimals confirm Delta_X, which has all of them.
-  void set_stamps(const Header& header, double interval, SegmentChannel& each) {
+  void set_stamps(const Header& header, double interval, LvmChannel& each) {
     auto& channel = each.channel;
     if (each.stamps.size() == 1) {
       channel.start = each.stamps[0];
@@ -346,70 +381,34 @@ private:
   FileProblems problems_;
   Dialect dialect_;
   std::vector<Segment> segments_;
-  Contents contents_;
+  LvmContents contents_;
   std::optional<double> calendar_start_;
   bool noted_interval_ = false;
 };
-
-VectorXd stamps_of(const SegmentChannel& each) {
-  if (each.stamps.size() > 0) return each.stamps;
-  const Index count = each.channel.values.size();
-  return VectorXd::LinSpaced(count, each.channel.start, each.channel.start + each.channel.interval * double(count - 1));
-}
-
-/// Whether the segment holds the same channels, each behind the end of the one before.
-bool goes_on(const std::vector<SegmentChannel>& before, const std::vector<SegmentChannel>& segment) {
-  if (before.size() != segment.size()) return false;
-  for (std::size_t j = 0; j < segment.size(); ++j) {
-    const auto &a = before[j].channel, &b = segment[j].channel;
-    if (a.name != b.name || a.unit != b.unit || a.values.size() == 0 || b.values.size() == 0) return false;
-    const VectorXd ends = stamps_of(before[j]).tail(1), starts = stamps_of(segment[j]).head(1);
-    if (!(starts[0] > ends[0])) return false;
-  }
-  return true;
-}
-
-VectorXd joined(const VectorXd& a, const VectorXd& b) {
-  VectorXd both(a.size() + b.size());
-  both << a, b;
-  return both;
-}
-
-void append(std::vector<SegmentChannel>& to, const std::vector<SegmentChannel>& segment) {
-  for (std::size_t j = 0; j < to.size(); ++j) {
-    to[j].stamps = joined(stamps_of(to[j]), stamps_of(segment[j]));
-    to[j].channel.values = joined(to[j].channel.values, segment[j].channel.values);
-    to[j].lines.insert(to[j].lines.end(), segment[j].lines.begin(), segment[j].lines.end());
-    set_times(to[j].channel, to[j].stamps);
-  }
-}
-
-/// The channels of all segments; those that go on are joined, the others numbered.
-std::vector<SegmentChannel> all_channels(Contents& contents) {
-  std::vector<std::vector<SegmentChannel>> parts;
-  for (auto& segment : contents.segments) {
-    if (!parts.empty() && goes_on(parts.back(), segment))
-      append(parts.back(), segment);
-    else
-      parts.push_back(std::move(segment));
-  }
-  std::vector<SegmentChannel> all;
-  for (std::size_t i = 0; i < parts.size(); ++i)
-    for (auto& each : parts[i]) {
-      if (parts.size() > 1) each.channel.name += " (segment " + std::to_string(i + 1) + ")";
-      all.push_back(std::move(each));
-    }
-  return all;
-}
 
 }  // namespace
 
 bool begins_lvm(std::string_view head) { return head.starts_with("LabVIEW Measurement"); }
 
+namespace {
+
+/// LabVIEW writes no header where the user wants none.
+bool has_no_header(const std::filesystem::path& path) {
+  std::string head(std::size_t{1} << 16, '\0');
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(stream.gcount()));
+  head = utf16_as_utf8(head).value_or(head);
+  return !head.empty() && head.find("LabVIEW") == std::string::npos && head.find(end_of_header) == std::string::npos;
+}
+
+}  // namespace
+
 MeasuredFile read_lvm(const std::filesystem::path& path) {
-  auto contents = LvmReader(path).read();
+  if (has_no_header(path)) return read_measured_table(path);
+  LvmContents contents = LvmReader(path).read();
   MeasuredFile file{.format = "LabVIEW measurement file"};
-  for (auto& each : all_channels(contents)) file.channels.push_back(std::move(each.channel));
+  add_segments(std::move(contents.segments), file);
   file.notes = std::move(contents.notes);
   return file;
 }

@@ -12,7 +12,9 @@ bool begins_lvm(std::string_view head);
 
 /// Reads a LabVIEW measurement file (.lvm, text, version 2): a header of the file, then for each segment a header, the
 /// channel names and one line a sample with an optional comment in the last column. Headers end with
-/// ***End_of_Header***; Separator and Decimal_Separator are obeyed, units are Y_Unit_Label.
+/// ***End_of_Header***; Separator and Decimal_Separator are obeyed (the latter unless the samples contradict it, which
+/// `notes` says), units are Y_Unit_Label or stand in the name, "a [g]". Channels whose X_Dimension is Frequency are
+/// functions of frequency. A file without any header is read as a table.
 ///
 /// The lines decide how many samples there are; where a header declares another number, `notes` says so. A last line
 /// that was cut off is left out. Times are X0 + X_Value where there is a column of them (X_Columns One), or one a

@@ -5,13 +5,13 @@
 #include <limits>
 #include <optional>
 #include <ranges>
-#include <set>
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/text.hpp"
 #include "kalfem/base/units.hpp"
-#include "kalfem/formats/hdf5/hdf5_file.hpp"
 #include "kalfem/formats/mapped_file.hpp"
+#include "kalfem/formats/tables/date_time.hpp"
+#include "kalfem/formats/tables/table_titles.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
 #include "kalfem/records/time_stamps.hpp"
 
@@ -22,34 +22,17 @@ using Cells = std::vector<std::string_view>;
 using Eigen::Index;
 using Eigen::VectorXd;
 
-/// Seconds in one of a time column's unit; nothing where it is no unit of time.
-std::optional<double> seconds_in(const std::string& unit) {
-  const std::string word = lower_case(unit);
-  if (word.empty() || word == "sec" || word == "second" || word == "seconds" || word == "sek") return 1.0;
-  try {
-    return to_si("1 " + unit, "s");
-  } catch (const InvalidInput&) {
-    return std::nullopt;
-  }
-}
-
-/// "[mm]" or "(mm)" without its brackets.
-std::string unit_in(std::string_view cell) {
-  if (cell.size() > 2 && (cell.front() == '[' || cell.front() == '(')) cell = cell.substr(1, cell.size() - 2);
-  return valid_utf8(cell);
-}
-
-bool is_unit(std::string_view cell) {
-  if (cell.empty() || cell == "-") return true;
-  if ((cell.front() == '[' && cell.back() == ']') || (cell.front() == '(' && cell.back() == ')')) return true;
-  return !channel_of("x (" + std::string(cell) + ")").unit.empty() || seconds_in(std::string(cell)).has_value();
-}
+enum class Content { text, number, stamp };
 
 class TableReader {
 public:
   explicit TableReader(const std::filesystem::path& path)
       : path_(path.string()), file_(path), problems_(path_), text_(file_.bytes()) {
     if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);
+    if (auto converted = utf16_as_utf8(text_)) {
+      converted_ = *std::move(converted);
+      text_ = converted_;
+    }
     lines_ = content_lines(text_);
   }
 
@@ -68,15 +51,18 @@ public:
     find_dialect();
     const auto has_table_width = [&](std::size_t line) {
       const auto cells = cells_of(lines_[line]).size();
-      return cells == is_number_.size() || cells == is_number_.size() + 1;
+      return cells == contents_.size() || cells == contents_.size() + 1;
     };
-    if (!has_table_width(0)) return false;
+    if (!has_table_width(0) || std::ranges::find(contents_, Content::stamp) != contents_.end()) return false;
     if (lines_.size() > 2 && has_table_width(1) && !is_row(cells_of(lines_[0])) &&
-        std::ranges::all_of(cells_of(lines_[1]), is_unit))
+        std::ranges::all_of(cells_of(lines_[1]), is_unit_cell))
       return false;
     find_table();
     name_columns();
-    return std::ranges::count_if(columns_, [](const Channel& column) { return is_time_name(column.name); }) < 2;
+    if (named_by_comment_ || lacks_digits()) return false;
+    for (std::size_t i = 0; i < columns_.size(); ++i)
+      if (may_be_time_name(columns_[i].name) && (i > 0 || !is_time_name(columns_[i].name))) return false;
+    return true;
   } catch (const InvalidInput&) {
     return true;
   }
@@ -114,23 +100,24 @@ private:
     with_first.insert(with_first.end(), sample.begin(), sample.end());
     decimal_ = find_decimal(with_first, separator_);
     find_line_end(sample.front());
-    for (const auto cell : cells_of(sample.front())) is_number_.push_back(is_number(cell) || is_missing_value(cell));
-    if (std::ranges::count(is_number_, true) == 0)
+    for (const auto cell : cells_of(sample.front()))
+      contents_.push_back(is_number(cell) || is_missing_value(cell) ? Content::number
+                          : parse_date_time(cell)                   ? Content::stamp
+                                                                    : Content::text);
+    if (std::ranges::count(contents_, Content::number) == 0)
       refuse(sample.front().number, "the file holds no table of numbers", "a line from its last third has none");
   }
 
   [[nodiscard]] bool is_number(std::string_view cell) const { return parse_number(cell, decimal_).has_value(); }
 
-  /// Whether numbers stand where the typical line has them.
+  /// Whether numbers, dates and times stand where the typical line has them.
   [[nodiscard]] bool is_row(const Cells& cells) const {
-    if (cells.size() < is_number_.size() || cells.size() > is_number_.size() + 1) return false;
+    if (cells.size() < contents_.size() || cells.size() > contents_.size() + 1) return false;
     int numbers = 0;
-    for (std::size_t i = 0; i < is_number_.size(); ++i) {
-      if (!is_number_[i]) continue;
-      if (is_number(cells[i]))
-        ++numbers;
-      else if (!is_missing_value(cells[i]))
-        return false;
+    for (std::size_t i = 0; i < contents_.size(); ++i) {
+      if (contents_[i] == Content::text || is_missing_value(cells[i])) continue;
+      if (contents_[i] == Content::number ? !is_number(cells[i]) : !parse_date_time(cells[i])) return false;
+      numbers += contents_[i] == Content::number ? 1 : 0;
     }
     return numbers > 0;
   }
@@ -145,16 +132,17 @@ private:
   void refuse_damaged_first_row() const {
     if (first_ == 0) return;
     const Cells above = cells_of(lines_[first_ - 1]);
-    const auto first_number = static_cast<std::size_t>(std::ranges::find(is_number_, true) - is_number_.begin());
-    if (above.size() < is_number_.size() || above.size() > is_number_.size() + 1 || !is_number(above[first_number]))
+    const auto first_number =
+        static_cast<std::size_t>(std::ranges::find(contents_, Content::number) - contents_.begin());
+    if (above.size() < contents_.size() || above.size() > contents_.size() + 1 || !is_number(above[first_number]))
       return;
     refuse(lines_[first_ - 1].number, "the line begins with a number and has other cells that are none",
            "it is neither a line of names nor a row of the table");
   }
 
-  /// Names stand right above the table, or above a line of units.
+  /// Names stand right above the table, above a line of units, or in the last comment above the table.
   void name_columns() {
-    const std::size_t width = is_number_.size();
+    const std::size_t width = contents_.size();
     const auto above = [&](std::size_t lines) -> Cells {
       if (first_ < lines) return {};
       Cells cells = split_cells(lines_[first_ - lines].text, separator_);
@@ -162,62 +150,123 @@ private:
       return cells.size() + 1 >= width ? cells : Cells();
     };
     Cells names = above(1), units;
-    const bool two_lines = !above(2).empty() && std::ranges::all_of(names, is_unit) && !names.empty();
+    const bool two_lines = !above(2).empty() && std::ranges::all_of(names, is_unit_cell) && !names.empty();
     if (two_lines) {
       units = names;
       names = above(2);
     }
-    for (std::size_t i = 0; i < width; ++i) {
-      Channel title = i < names.size() && !names[i].empty() ? channel_of(names[i]) : Channel{};
-      if (title.name.empty()) title.name = "column_" + std::to_string(i + 1);
-      if (i < units.size() && title.unit.empty() && units[i] != "-") title.unit = unit_in(units[i]);
-      columns_.push_back({valid_utf8(title.name), valid_utf8(title.unit)});
+    if (first_ == 0) {
+      names = names_in_comment(text_, lines_.front(), separator_, decimal_, width);
+      named_by_comment_ = !names.empty();
     }
+    columns_ = table_titles(names, units, width);
   }
 
   void read_rows() {
-    std::vector<std::size_t> wanted;
+    std::vector<std::size_t> wanted, stamped;
     std::vector<std::string> names;
     for (std::size_t i = 0; i < columns_.size(); ++i) {
       names.push_back(columns_[i].name);
-      if (is_number_[i])
-        wanted.push_back(i);
-      else
-        measured_.skipped.push_back("column '" + columns_[i].name + "' holds text");
+      if (contents_[i] == Content::number) wanted.push_back(i);
+      if (contents_[i] == Content::stamp) stamped.push_back(i);
+      if (contents_[i] == Content::text) measured_.skipped.push_back("column '" + columns_[i].name + "' holds text");
     }
     NumberRows rows(wanted, names, decimal_);
     rows.allow_missing_from(0);
+    std::vector<Cells> stamps(stamped.size());
     for (std::size_t i = first_; i < lines_.size(); ++i) {
       Cells cells = split_cells(lines_[i].text, separator_);
       if (is_cut_off(i, cells.size())) break;
-      if (cells.size() >= is_number_.size())
-        rows.add(lines_[i].number, cells, problems_);
-      else
+      if (cells.size() < contents_.size()) {
         problems_.add(
             lines_[i].number,
-            "the line has " + std::to_string(cells.size()) + " cells, others " + std::to_string(is_number_.size()),
+            "the line has " + std::to_string(cells.size()) + " cells, others " + std::to_string(contents_.size()),
             "every line needs the same number of cells", "correct the line");
+        continue;
+      }
+      rows.add(lines_[i].number, cells, problems_);
+      for (std::size_t j = 0; j < stamped.size(); ++j) stamps[j].push_back(cells[stamped[j]]);
     }
     problems_.raise();
     const auto values = rows.by_column();
     values_.assign(columns_.size(), VectorXd());
     for (std::size_t j = 0; j < wanted.size(); ++j) values_[wanted[j]] = values.row(static_cast<Index>(j)).transpose();
+    read_stamps(stamped, stamps, rows.lines());
   }
 
-  /// The file's last line, without a line end and with too few cells.
+  /// Dates and times of day as seconds from the first on; a date alone belongs to the time of day behind it.
+  void read_stamps(const std::vector<std::size_t>& columns, const std::vector<Cells>& stamps,
+                   const std::vector<int>& lines) {
+    for (std::size_t j = 0; j < columns.size(); ++j) {
+      const std::size_t column = columns[j];
+      StampColumn read = read_stamp_column(stamps[j]);
+      if (read.odd) {
+        problems_.add(lines[*read.odd],
+                      "column '" + columns_[column].name + "' holds '" + std::string(stamps[j][*read.odd].substr(0, 40)) +
+                          "', which is no date or time",
+                      "every sample needs its time", "correct the line");
+        continue;
+      }
+      const bool time_follows = j + 1 < columns.size() && columns[j + 1] == column + 1;
+      if (read.dates_only && time_follows) {
+        measured_.skipped.push_back("column '" + columns_[column].name + "' holds dates");
+        continue;
+      }
+      stamp_columns_.push_back(column);
+      columns_[column].unit = "s";
+      values_[column] = std::move(read.seconds);
+      if (stamp_columns_.size() == 1)
+        measured_.notes.push_back(path_ + ": times are counted from " + std::string(stamps[j].front()));
+    }
+    problems_.raise();
+  }
+
+  /// The file's last line, without a line end and with too few cells or digits.
   bool is_cut_off(std::size_t line, std::size_t cells) {
-    if (line + 1 < lines_.size() || text_.ends_with('\n') || cells >= is_number_.size()) return false;
+    if (line + 1 < lines_.size() || ends_in_line_end() || (cells >= contents_.size() && !lacks_digits())) return false;
     measured_.notes.push_back(path_ + ":" + std::to_string(lines_[line].number) +
                               ": the last line is cut off and left out");
     return true;
+  }
+
+  [[nodiscard]] bool ends_in_line_end() const { return text_.ends_with('\n') || text_.ends_with('\r'); }
+
+  /// Whether the file ends within a number: all lines before have one number of decimals there, the last one fewer.
+  [[nodiscard]] bool lacks_digits() const {
+    constexpr std::size_t compared = 8, fewest_digits = 4;  // with the decimal sign
+    if (ends_in_line_end() || lines_.size() < first_ + compared) return false;
+    const auto decimals = [&](const TextLine& line) {
+      const auto cells = split_cells(line.text, separator_);
+      const std::size_t point = cells.empty() ? std::string_view::npos : cells.back().find(decimal_);
+      return point == std::string_view::npos ? 0 : cells.back().size() - point;
+    };
+    const std::size_t usual = decimals(lines_[lines_.size() - 2]);
+    for (std::size_t i = lines_.size() - compared; i + 1 < lines_.size(); ++i)
+      if (decimals(lines_[i]) != usual) return false;
+    return usual >= fewest_digits && decimals(lines_.back()) < usual;
+  }
+
+  /// Whether the column's name says that it may hold times, and its unit and its numbers do not contradict.
+  [[nodiscard]] bool holds_times(std::size_t column) const {
+    const std::string &name = columns_[column].name, &unit = columns_[column].unit;
+    if (contents_[column] != Content::number) return false;
+    if (is_time_name(name)) return column == 0 || !is_unit_but_of_time(unit);
+    return may_be_time_name(name) && (unit.empty() || seconds_in(unit)) && increases(values_[column]);
   }
 
   /// The columns that hold times.
   [[nodiscard]] std::vector<std::size_t> time_columns() {
     std::vector<std::size_t> times;
     for (std::size_t i = 0; i < columns_.size(); ++i)
-      if (is_number_[i] && is_time_name(columns_[i].name)) times.push_back(i);
-    if (!times.empty() || columns_.size() < 2 || !is_number_[0] || !even_times(values_[0])) return times;
+      if (holds_times(i)) times.push_back(i);
+    if (times.empty()) return stamp_columns_.empty() ? first_column_if_even() : stamp_columns_;
+    for (const std::size_t column : stamp_columns_)
+      measured_.skipped.push_back("column '" + columns_[column].name + "' holds dates, beside the times");
+    return times;
+  }
+
+  std::vector<std::size_t> first_column_if_even() {
+    if (columns_.size() < 2 || contents_[0] != Content::number || !even_times(values_[0])) return {};
     measured_.notes.push_back(path_ + ": '" + columns_[0].name + "' increases evenly: it is taken as time");
     return {0};
   }
@@ -226,21 +275,37 @@ private:
     measured_.format = "table of text";
     const auto times = time_columns();
     std::optional<std::size_t> time;
+    if (times.size() == 1) time = times.front();
+    const auto rate = times.empty() ? rate_in_preamble() : std::nullopt;
     for (std::size_t i = 0; i < columns_.size(); ++i) {
       if (std::ranges::find(times, i) != times.end())
         time = i;
-      else if (is_number_[i])
-        add_channel(i, time);
+      else if (contents_[i] == Content::number)
+        add_channel(i, time, rate);
     }
     if (measured_.channels.empty())
       refuse(0, "the file has no channel beside its times", "there is nothing to look at");
   }
 
-  void add_channel(std::size_t column, std::optional<std::size_t> time) {
-    MeasuredChannel channel{
-        .name = unique(columns_[column].name, column), .unit = columns_[column].unit, .values = values_[column]};
+  /// A sampling rate that a line above the table states.
+  std::optional<double> rate_in_preamble() {
+    for (const TextLine& line : split_lines(text_.substr(0, static_cast<std::size_t>(lines_[first_].text.data() - text_.data()))))
+      if (const auto rate = stated_rate(line.text, decimal_)) {
+        measured_.notes.push_back(path_ + ":" + std::to_string(line.number) + ": the sampling rate " + shortest(*rate) +
+                                  " Hz is taken from this line");
+        return rate;
+      }
+    return std::nullopt;
+  }
+
+  void add_channel(std::size_t column, std::optional<std::size_t> time, std::optional<double> rate) {
+    MeasuredChannel channel{.name = unique(columns_[column].name, column),
+                            .unit = columns_[column].unit,
+                            .interval = rate ? 1.0 / *rate : 0.0,
+                            .values = values_[column]};
+    if (named_by_comment_) channel.other_names = {"column_" + std::to_string(column + 1)};
     if (time) {
-      VectorXd stamps = values_[*time] * seconds_of(*time);
+      const VectorXd stamps = values_[*time] * seconds_of(*time);
       // A pair of columns that ends before the others has empty cells there.
       Index count = stamps.size();
       while (count > 0 && std::isnan(stamps[count - 1])) --count;
@@ -251,10 +316,11 @@ private:
   }
 
   double seconds_of(std::size_t time) {
-    const auto seconds = seconds_in(columns_[time].unit);
+    const std::string unit = columns_[time].unit.empty() ? unit_in_time_name(columns_[time].name) : columns_[time].unit;
+    const auto seconds = seconds_in(unit);
     if (!seconds && std::ranges::find(strange_, time) == strange_.end()) {
       strange_.push_back(time);
-      measured_.notes.push_back(path_ + ": '" + columns_[time].name + "' is in '" + columns_[time].unit +
+      measured_.notes.push_back(path_ + ": '" + columns_[time].name + "' is in '" + unit +
                                 "', which is no unit of time: it is taken as s");
     }
     return seconds.value_or(1.0);
@@ -268,14 +334,17 @@ private:
   std::string path_;
   MappedFile file_;
   FileProblems problems_;
+  std::string converted_;  ///< a text in UTF-16
   std::string_view text_;
   std::vector<TextLine> lines_;
   char separator_ = ',', decimal_ = '.';
   bool ends_in_separator_ = false;
-  std::vector<bool> is_number_;  ///< of each column
+  std::vector<Content> contents_;  ///< of each column
+  bool named_by_comment_ = false;
   std::size_t first_ = 0;        ///< line of the table
   std::vector<Channel> columns_;
   std::vector<VectorXd> values_;
+  std::vector<std::size_t> stamp_columns_;
   std::vector<std::size_t> strange_;
   MeasuredFile measured_;
 };
@@ -285,89 +354,5 @@ private:
 MeasuredFile read_measured_table(const std::filesystem::path& path) { return TableReader(path).read(); }
 
 bool is_plain_table(const std::filesystem::path& path) { return TableReader(path).is_plain(); }
-
-namespace {
-
-/// A scalar, or what programs write for one: an array of one element.
-bool is_one_number(const std::vector<Index>& shape) {
-  return std::ranges::all_of(shape, [](Index length) { return length == 1; });
-}
-
-/// A vector in the group of a dataset, with as many values, whose name says that it holds times.
-std::string times_beside(const Hdf5File& file, const std::string& dataset, Index samples) {
-  const std::string group = dataset.substr(0, dataset.rfind('/') + 1);
-  for (const char* name : {"t", "time", "Time", "times", "timestamps"}) {
-    std::string beside = group + name;
-    if (beside == dataset || !file.contains(beside) || !file.holds_numbers(beside)) continue;
-    const auto shape = file.shape(beside);
-    Index length = 1;
-    for (const Index each : shape) length *= each;
-    if (length == samples && (shape.size() == 1 || (shape.size() == 2 && std::min(shape[0], shape[1]) == 1)))
-      return beside;
-  }
-  return "";
-}
-
-std::optional<double> number_beside(const Hdf5File& file, const std::string& dataset,
-                                    std::initializer_list<const char*> names) {
-  const std::string group = dataset.substr(0, dataset.rfind('/'));
-  for (const char* name : names) {
-    for (const std::string& object : {dataset, std::string("/")})
-      if (file.has_attribute(object, name)) return file.number_attribute(object, name);
-    const std::string beside = group + "/" + name;
-    if (file.contains(beside) && file.holds_numbers(beside) && is_one_number(file.shape(beside)))
-      return file.read(beside)[0];
-  }
-  return std::nullopt;
-}
-
-std::string unit_of(const Hdf5File& file, const std::string& dataset, Index column) {
-  for (const char* name : {"unit", "units"}) {
-    if (!file.has_attribute(dataset, name)) continue;
-    const auto units = file.texts_attribute(dataset, name);
-    if (units.size() == 1) return units.front();
-    if (column < std::ssize(units)) return units[static_cast<std::size_t>(column)];
-  }
-  return "";
-}
-
-}  // namespace
-
-MeasuredFile read_measured_hdf5(const std::filesystem::path& path) {
-  const auto file = Hdf5File::open(path.string());
-  MeasuredFile measured{.format = "HDF5 file"};
-  std::set<std::string> times_of_others;
-  for (const auto& dataset : file.datasets()) {
-    const auto shape = file.shape(dataset);
-    if (file.holds_numbers(dataset) && is_one_number(shape)) continue;
-    if (!file.holds_numbers(dataset) || shape.empty() || shape.size() > 2) {
-      measured.skipped.push_back("dataset '" + dataset + "' is no table of numbers");
-      continue;
-    }
-    const auto rate = number_beside(file, dataset, {"sample_rate", "sampling_rate", "fs_Hz", "fs", "sample_rate_Hz"});
-    const auto interval = number_beside(file, dataset, {"dt", "time_step"});
-    Eigen::MatrixXd values = file.read_matrix(dataset);
-    if (values.rows() == 1) values.transposeInPlace();
-    const std::string times = times_beside(file, dataset, values.rows());
-    if (!times.empty()) times_of_others.insert(times);
-    for (Index j = 0; j < values.cols(); ++j) {
-      const std::string column = values.cols() == 1 ? "" : "[" + std::to_string(j) + "]";
-      MeasuredChannel channel{.name = dataset + column,
-                              .unit = unit_of(file, dataset, j),
-                              .interval = rate && *rate > 0.0 ? 1.0 / *rate : interval.value_or(0.0),
-                              .values = values.col(j),
-                              .other_names = {dataset.substr(dataset.rfind('/') + 1) + column}};
-      if (!times.empty()) set_times(channel, file.read(times));
-      measured.channels.push_back(std::move(channel));
-    }
-  }
-  std::erase_if(measured.channels, [&](const auto& channel) { return times_of_others.contains(channel.name); });
-  if (measured.channels.empty())
-    throw InvalidInput(Issue{{path.string(), 0},
-                             "the HDF5 file holds no table of numbers",
-                             "",
-                             "write the channels as one dataset, samples x channels"});
-  return measured;
-}
 
 }  // namespace kalfem

@@ -45,6 +45,30 @@ std::vector<std::string_view> split_blanks(std::string_view line) {
 
 }  // namespace
 
+std::optional<std::string> utf16_as_utf8(std::string_view bytes) {
+  constexpr std::size_t looked_at = 64;
+  const auto zeros = [&](std::size_t first) {
+    std::size_t count = 0;
+    for (std::size_t i = first; i < std::min(bytes.size(), looked_at); i += 2) count += bytes[i] == 0 ? 1 : 0;
+    return count;
+  };
+  bool big_endian = false;
+  if (bytes.starts_with("\xFE\xFF") || bytes.starts_with("\xFF\xFE")) {
+    big_endian = bytes.starts_with("\xFE\xFF");
+    bytes.remove_prefix(2);
+  } else {
+    const std::size_t half = std::min(bytes.size(), looked_at) / 2;
+    big_endian = zeros(0) == half && zeros(1) == 0;
+    if (half < 8 || !(big_endian || (zeros(1) == half && zeros(0) == 0))) return std::nullopt;
+  }
+  std::u16string text(bytes.size() / 2, u'\0');
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto first = static_cast<unsigned char>(bytes[2 * i]), second = static_cast<unsigned char>(bytes[2 * i + 1]);
+    text[i] = static_cast<char16_t>(big_endian ? first << 8U | second : second << 8U | first);
+  }
+  return utf8_of(text);
+}
+
 std::string read_text(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream || std::filesystem::is_directory(path))
@@ -52,14 +76,16 @@ std::string read_text(const std::filesystem::path& path) {
         Issue{{path.string(), 0}, "the file cannot be read", "it does not exist or is not readable", "check the path"});
   std::string text(std::istreambuf_iterator<char>(stream), {});
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
+  if (auto converted = utf16_as_utf8(text)) return *std::move(converted);
   return text;
 }
 
 std::vector<TextLine> split_lines(std::string_view text) {
   std::vector<TextLine> lines;
   int number = 0;
+  const char line_end = text.find('\n') == std::string_view::npos ? '\r' : '\n';
   while (!text.empty()) {
-    const std::size_t end = text.find('\n');
+    const std::size_t end = text.find(line_end);
     std::string_view line = text.substr(0, end);
     if (line.ends_with('\r')) line.remove_suffix(1);
     lines.push_back({line, ++number});
@@ -93,13 +119,14 @@ char find_separator(const std::vector<TextLine>& lines) {
 }
 
 char find_decimal(const std::vector<TextLine>& lines, char separator) {
-  if (separator == ',') return '.';
-  int commas = 0;
-  for (std::size_t i = 1; i < lines.size() && commas < 50; ++i) {
-    if (lines[i].text.find('.') != std::string_view::npos) return '.';
-    if (lines[i].text.find(',') != std::string_view::npos) ++commas;
-  }
-  return commas > 0 ? ',' : '.';
+  constexpr std::size_t looked_at = 50;
+  std::size_t commas = 0, points = 0;
+  for (std::size_t i = 1; i < std::min(lines.size(), looked_at + 1); ++i)
+    for (const auto cell : split_cells(lines[i].text, separator)) {
+      if (cell.find(',') != std::string_view::npos && parse_number(cell, ',')) ++commas;
+      if (cell.find('.') != std::string_view::npos && parse_number(cell, '.')) ++points;
+    }
+  return commas > points ? ',' : '.';
 }
 
 std::vector<std::string_view> split_cells(std::string_view line, char separator) {
@@ -116,6 +143,22 @@ std::vector<std::string_view> split_cells(std::string_view line, char separator)
   return cells;
 }
 
+namespace {
+
+/// Fortran's letter of an exponent, D, as E. Nothing where the cell has none between digits.
+std::optional<double> with_fortran_exponent(std::string_view cell) {
+  const std::size_t letter = cell.find_first_of("dD");
+  std::array<char, 64> copy{};
+  if (letter == std::string_view::npos || letter == 0 || cell.size() > copy.size()) return std::nullopt;
+  std::ranges::copy(cell, copy.begin());
+  copy[letter] = 'E';
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(copy.data(), copy.data() + cell.size(), value);
+  return error == std::errc() && end == copy.data() + cell.size() ? std::optional(value) : std::nullopt;
+}
+
+}  // namespace
+
 std::optional<double> parse_number(std::string_view cell, char decimal) {
   std::array<char, 64> copy{};
   if (decimal != '.') {
@@ -126,7 +169,7 @@ std::optional<double> parse_number(std::string_view cell, char decimal) {
   if (cell.starts_with('+') && !cell.starts_with("+-")) cell.remove_prefix(1);
   double value = 0.0;
   const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  if (end != cell.data() + cell.size() || error == std::errc::invalid_argument) return std::nullopt;
+  if (end != cell.data() + cell.size() || error == std::errc::invalid_argument) return with_fortran_exponent(cell);
   if (error == std::errc::result_out_of_range) return HUGE_VAL;
   return value;
 }
@@ -291,6 +334,56 @@ Channel channel_of(std::string_view title) {
 bool is_time_name(std::string_view name) {
   constexpr std::array known{"t", "time", "t_s", "time_s", "x_value", "zeit"};
   return std::ranges::find(known, lower_case(name)) != known.end();
+}
+
+namespace {
+
+constexpr std::array<std::string_view, 12> time_words = {"time", "times", "zeit",      "temps",      "tiempo", "tempo",
+                                                         "tid",  "tijd",  "timestamp", "timestamps", "zeitstempel",
+                                                         "uhrzeit"};
+constexpr std::array<std::string_view, 8> time_units = {"s", "sec", "ms", "us", "ns", "min", "h", "sek"};
+
+/// Letters between other characters, in small letters.
+std::vector<std::string> letters_of(std::string_view name) {
+  std::vector<std::string> words(1);
+  for (const char c : name) {
+    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || static_cast<unsigned char>(c) >= 0x80;
+    if (letter)
+      words.back() += c;
+    else if (!words.back().empty())
+      words.emplace_back();
+  }
+  if (words.back().empty()) words.pop_back();
+  for (auto& word : words) word = lower_case(word);
+  return words;
+}
+
+bool is_time_word(const std::string& word) { return std::ranges::find(time_words, word) != time_words.end(); }
+
+}  // namespace
+
+std::string unit_in_time_name(std::string_view name) {
+  auto words = letters_of(name);
+  if (words.size() < 2 || std::ranges::find(time_units, words.back()) == time_units.end()) return {};
+  return words.back();
+}
+
+bool may_be_time_name(std::string_view name) {
+  if (is_time_name(name)) return true;
+  auto words = letters_of(name);
+  if (!unit_in_time_name(name).empty()) words.pop_back();
+  if (words.empty()) return false;
+  if (words.front() == "t" && words.size() == 1) return name.starts_with('t');
+  const bool stamp = words.size() > 1 && words.front() == "time" && words[1] == "stamp";
+  return stamp || is_time_word(words.front()) || is_time_word(words.back());
+}
+
+bool increases(const Eigen::VectorXd& values) {
+  Eigen::Index count = values.size();
+  while (count > 0 && std::isnan(values[count - 1])) --count;
+  for (Eigen::Index k = 1; k < count; ++k)
+    if (!(values[k] > values[k - 1])) return false;
+  return count > 1;
 }
 
 Eigen::Index find_channel(const std::vector<Channel>& channels, std::string_view wanted) {

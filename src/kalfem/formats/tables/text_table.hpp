@@ -12,13 +12,16 @@
 
 namespace kalfem {
 
-/// One line of a text file, without its end (\n, \r\n); `number` is 1-based.
+/// One line of a text file, without its end (\n, \r\n, or \r where the text has no \n); `number` is 1-based.
 struct TextLine {
   std::string_view text;
   int number = 0;
 };
 
-/// Content of a file without a leading byte-order mark. Throws InvalidInput when it cannot be read.
+/// Text in UTF-16 (with a byte-order mark, or every other byte zero) as UTF-8; nothing where it is not in UTF-16.
+std::optional<std::string> utf16_as_utf8(std::string_view bytes);
+
+/// Content of a file without a leading byte-order mark, UTF-16 as UTF-8. Throws InvalidInput when it cannot be read.
 std::string read_text(const std::filesystem::path& path);
 
 std::vector<TextLine> split_lines(std::string_view text);
@@ -31,14 +34,15 @@ std::vector<TextLine> content_lines(std::string_view text);
 /// The strongest separator (; tab , space) in the second line, which is data whether there is a header or not.
 char find_separator(const std::vector<TextLine>& lines);
 
-/// A comma is the decimal sign where it does not separate, and the first data lines have commas and no points.
+/// A comma is the decimal sign where more cells of the first data lines are numbers with it than with a point. Cells
+/// that hold neither, such as dates, do not count.
 char find_decimal(const std::vector<TextLine>& lines, char separator);
 
 /// The cells between separators, trimmed, quotation marks removed; a separator inside quotation marks belongs to its
 /// cell. The separator ' ' stands for any run of blanks and tabs.
 std::vector<std::string_view> split_cells(std::string_view line, char separator);
 
-/// The number that fills the whole cell (NaN and infinities included), or nothing.
+/// The number that fills the whole cell (NaN and infinities included, Fortran's exponents 1.5D+03 too), or nothing.
 std::optional<double> parse_number(std::string_view cell, char decimal);
 
 /// Whether programs write this where a value is missing: nothing at all, nan, NA, n/a, null, none and the like.
@@ -110,6 +114,17 @@ Channel channel_of(std::string_view title);
 
 /// Whether a column of this name (without unit) holds times: t, time, t_s, time_s, x_value, zeit.
 bool is_time_name(std::string_view name);
+
+/// Whether a column of this name may hold times, as its values must confirm: "Elapsed Time", "Time 2", "t1", "a_time",
+/// "time_ms", "Temps", "t/s".
+bool may_be_time_name(std::string_view name);
+
+/// Whether all numbers are larger than the one before and their times are more than one. What is missing at the end
+/// does not count.
+bool increases(const Eigen::VectorXd& values);
+
+/// The unit of time that a name ends in: "ms" of "time_ms", "s" of "t/s"; empty where there is none.
+std::string unit_in_time_name(std::string_view name);
 
 /// Column of the channel that `wanted` names with or without its unit, or -1.
 Eigen::Index find_channel(const std::vector<Channel>& channels, std::string_view wanted);

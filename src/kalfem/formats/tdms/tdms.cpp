@@ -8,6 +8,7 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/text.hpp"
 #include "kalfem/formats/mapped_file.hpp"
+#include "kalfem/formats/tables/table_titles.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
 #include "kalfem/formats/tdms/tdms_segments.hpp"
 #include "kalfem/records/time_stamps.hpp"
@@ -40,7 +41,7 @@ std::vector<std::string> parts_of(const std::string& path) {
 std::string text_of(const Properties& properties, const char* name) {
   const auto found = properties.find(name);
   const auto* text = found == properties.end() ? nullptr : std::get_if<std::string>(&found->second);
-  return text == nullptr ? "" : valid_utf8(*text);
+  return text == nullptr ? "" : to_utf8(*text);
 }
 
 std::optional<double> number_of(const Properties& properties, const char* name) {
@@ -91,7 +92,7 @@ private:
   }
 
   void skip(const Found& channel, const std::string& why) {
-    file_.skipped.push_back("channel '" + valid_utf8(channel.group + "/" + channel.name) + "' " + valid_utf8(why));
+    file_.skipped.push_back("channel '" + to_utf8(channel.group + "/" + channel.name) + "' " + to_utf8(why));
   }
 
   /// Scales stand at the channel, its group or the file.
@@ -119,13 +120,23 @@ private:
 
   [[nodiscard]] std::string unique_name(const Found& channel) const {
     const auto alike = std::ranges::count(found_, channel.name, &Found::name);
-    return valid_utf8(alike > 1 ? channel.group + "/" + channel.name : channel.name);
+    return to_utf8(alike > 1 ? channel.group + "/" + channel.name : channel.name);
   }
 
   /// Whether a channel holds the times of others.
   static bool is_time(const Found& channel) {
     if (channel.has_axis()) return false;
-    return channel.object->type == tdms::Type::time || is_time_name(channel_of(channel.name).name);
+    const std::string name = channel_of(channel.name).name;
+    return channel.object->type == tdms::Type::time || is_time_name(name) ||
+           (may_be_time_name(name) && increases(channel.values));
+  }
+
+  /// Of the unit of a channel of times.
+  static double seconds_a_unit(const Found& times) {
+    const Channel title = channel_of(times.name);
+    std::string unit = text_of(times.object->properties, "unit_string");
+    if (unit.empty()) unit = title.unit.empty() ? unit_in_time_name(title.name) : title.unit;
+    return times.object->type == tdms::Type::time ? 1.0 : seconds_in(unit).value_or(1.0);
   }
 
   /// The times of a channel that states none: of the same group and length.
@@ -153,7 +164,7 @@ private:
     if (channel.has_axis())
       set_axis(measured, properties);
     else if (const Found* times = times_for(channel); times != nullptr && !is_time(channel))
-      set_times(measured, times->values);
+      set_times(measured, seconds_a_unit(*times) * times->values);
     measured.values = channel.values;
     file_.channels.push_back(std::move(measured));
   }

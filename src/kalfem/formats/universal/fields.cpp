@@ -77,25 +77,6 @@ bool append_joined(std::string_view line, std::vector<double>& numbers) {
   return true;
 }
 
-void append_character(std::string& text, unsigned code) {
-  if (code < 0x80) {
-    text += static_cast<char>(code);
-  } else if (code < 0x800) {
-    text += static_cast<char>(0xC0U | (code >> 6U));
-    text += static_cast<char>(0x80U | (code & 0x3FU));
-  } else {
-    text += static_cast<char>(0xE0U | (code >> 12U));
-    text += static_cast<char>(0x80U | ((code >> 6U) & 0x3FU));
-    text += static_cast<char>(0x80U | (code & 0x3FU));
-  }
-}
-
-/// Characters of Windows-1252 where Latin-1 has control characters.
-constexpr std::array<unsigned, 32> windows_characters = {
-    0x20AC, 0x81,   0x201A, 0x0192, 0x201E, 0x2026, 0x2020, 0x2021, 0x02C6, 0x2030, 0x0160,
-    0x2039, 0x0152, 0x8D,   0x017D, 0x8F,   0x90,   0x2018, 0x2019, 0x201C, 0x201D, 0x2022,
-    0x2013, 0x2014, 0x02DC, 0x2122, 0x0161, 0x203A, 0x0153, 0x9D,   0x017E, 0x0178};
-
 }  // namespace
 
 std::optional<double> universal_number(std::string_view text) {
@@ -151,22 +132,6 @@ std::vector<std::string_view> words_of(std::string_view line) { return split_cel
 
 std::string_view columns(std::string_view line, std::size_t first, std::size_t count) {
   return first < line.size() ? trimmed(line.substr(first, count)) : std::string_view();
-}
-
-std::string to_utf8(std::string_view text) {
-  bool valid = true;
-  for (std::size_t i = 0; i < text.size() && valid;) {
-    const std::size_t length = utf8_length(text, i);
-    valid = length > 0;
-    i += length;
-  }
-  if (valid) return std::string(text);
-  std::string converted;
-  for (const char c : text) {
-    const auto code = static_cast<unsigned char>(c);
-    append_character(converted, code >= 0x80 && code < 0xA0 ? windows_characters[code - 0x80U] : code);
-  }
-  return converted;
 }
 
 }  // namespace kalfem

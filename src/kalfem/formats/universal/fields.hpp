@@ -30,7 +30,4 @@ std::vector<std::string_view> words_of(std::string_view line);
 /// Columns of a line, from 0, without blanks around them; shorter or empty where the line ends.
 std::string_view columns(std::string_view line, std::size_t first, std::size_t count);
 
-/// Text in UTF-8: as it is where it is valid, otherwise as Latin-1 (Windows-1252 for the characters from 0x80 to 0x9F).
-std::string to_utf8(std::string_view text);
-
 }  // namespace kalfem

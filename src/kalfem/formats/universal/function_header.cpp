@@ -5,7 +5,9 @@
 #include <cmath>
 #include <optional>
 
+#include "kalfem/base/text.hpp"
 #include "kalfem/base/units.hpp"
+#include "kalfem/formats/unit_labels.hpp"
 #include "kalfem/formats/universal/fields.hpp"
 
 namespace kalfem {

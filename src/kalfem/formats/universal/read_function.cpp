@@ -104,7 +104,8 @@ std::vector<PointLayout> layouts(const FunctionHeader& header) {
 [[noreturn]] void refuse_bytes(UniversalReading& reading, const FunctionHeader& header, const BinaryForm& form) {
   const std::uint64_t left = reading.source.bytes_left(), needed = header.points * layouts(header).front().bytes();
   std::string what = "the header declares " + std::to_string(header.points) + " points (" + std::to_string(needed) +
-                     " bytes) and " + std::to_string(form.bytes) + " bytes";
+                     " bytes) and " + std::to_string(form.bytes) + " bytes, which are " +
+                     std::to_string(form.bytes / layouts(header).front().bytes()) + " points";
   if (left < needed)
     what += "; the file has " + std::to_string(left) + " more bytes, which are " +
             std::to_string(left / layouts(header).front().bytes()) + " points";

@@ -1,6 +1,7 @@
 #include <array>
 #include <cmath>
 
+#include "kalfem/base/text.hpp"
 #include "kalfem/formats/universal/dataset_readers.hpp"
 #include "kalfem/formats/universal/fields.hpp"
 

@@ -3,6 +3,7 @@
 #include <complex>
 #include <numbers>
 
+#include "kalfem/base/text.hpp"
 #include "kalfem/formats/universal/dataset_readers.hpp"
 #include "kalfem/formats/universal/fields.hpp"
 

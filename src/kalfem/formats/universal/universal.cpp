@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "kalfem/formats/tables/text_table.hpp"
@@ -23,12 +24,13 @@ int dataset_number(std::string_view line) {
 }
 
 constexpr int functions = 58;  ///< the dataset that its counts of samples close too
+constexpr int units = 164;
 
 /// How datasets are read, by their numbers.
 const std::map<int, void (*)(UniversalReading&)>& readers() {
   static const std::map<int, void (*)(UniversalReading&)> all = {
       {15, read_nodes_15},     {55, read_data_at_nodes}, {functions, read_function}, {82, read_trace_line},
-      {151, read_header},      {164, read_units},        {780, read_elements},       {781, read_nodes_2411},
+      {151, read_header},      {units, read_units},       {780, read_elements},       {781, read_nodes_2411},
       {2411, read_nodes_2411}, {2412, read_elements},    {2414, read_analysis_data},
   };
   return all;
@@ -54,6 +56,14 @@ public:
   }
 
   MeasuredFile read() {
+    read_datasets();
+    if (late_units_) read_again(*late_units_);
+    finish();
+    return std::move(file_);
+  }
+
+private:
+  void read_datasets() {
     bool closed = false;  // a mark that closes a dataset opens the next one where its own mark is missing
     while (source_.next()) {
       const std::string_view text = trimmed(source_.line());
@@ -68,11 +78,22 @@ public:
         note_outside();
       if (damaged_) break;
     }
-    finish();
-    return std::move(file_);
   }
 
-private:
+  /// Units that stand behind data hold for these too.
+  void read_again(const UniversalUnits& stated) {
+    source_.rewind();
+    file_ = {.format = "universal file"};
+    problems_ = FileProblems(problems_.file());
+    skipped_.clear();
+    datasets_ = outside_ = first_outside_ = 0;
+    reading_.units = stated;
+    reading_.local_axes = false;
+    reading_.contradicts.clear();
+    read_datasets();
+    file_.notes.push_back(problems_.file() + ": dataset 164 stands behind data; its units are taken for the whole file");
+  }
+
   /// From a mark on. Whether a dataset was read.
   bool find_dataset() {
     const int mark = source_.number();
@@ -99,6 +120,7 @@ private:
     if (reader != readers().end()) {
       reader->second(reading_);
       if (number == functions) take_end_mark();
+      if (number == units) look_for_late_units();
     } else {
       ++skipped_[number];
       pass_over(reading_);
@@ -112,6 +134,12 @@ private:
     damaged_ = is_binary(reading_.identifier);
     while (!damaged_ && source_.next())
       if (is_universal_mark(source_.line())) break;
+  }
+
+  void look_for_late_units() {
+    const bool data = !file_.channels.empty() || !file_.functions.empty() || !file_.shapes.empty() || !file_.nodes.empty();
+    if (!has_units_ && data && !reading_.units.si()) late_units_ = reading_.units;
+    has_units_ = true;
   }
 
   /// Behind the samples of a function, where the mark may be missing.
@@ -168,7 +196,8 @@ private:
   UniversalReading reading_;
   std::map<int, int> skipped_;
   int datasets_ = 0, outside_ = 0, first_outside_ = 0;
-  bool damaged_ = false;
+  bool damaged_ = false, has_units_ = false;
+  std::optional<UniversalUnits> late_units_;
 };
 
 }  // namespace

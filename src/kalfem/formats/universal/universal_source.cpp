@@ -53,6 +53,13 @@ bool UniversalSource::next() {
   return true;
 }
 
+void UniversalSource::rewind() {
+  stream_->clear();
+  stream_->seekg(0);
+  number_ = 0;
+  again_ = cut_off_ = false;
+}
+
 InvalidInput UniversalSource::problem(std::string what, std::string why, std::string fix) const {
   return InvalidInput(Issue{place(), std::move(what), std::move(why), std::move(fix)});
 }

@@ -25,6 +25,8 @@ public:
 
   /// Moves on to the next line, without its end. False where the file ends.
   bool next();
+  /// Goes back before the first line.
+  void rewind();
   /// The next next() returns this line again.
   void put_back() { again_ = true; }
   [[nodiscard]] const std::string& line() const { return line_; }

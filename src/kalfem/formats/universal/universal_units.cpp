@@ -10,7 +10,7 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/text.hpp"
 #include "kalfem/base/units.hpp"
-#include "kalfem/formats/tables/text_table.hpp"
+#include "kalfem/formats/unit_labels.hpp"
 
 namespace kalfem {
 namespace {
@@ -92,40 +92,6 @@ bool holds_quotient(const UniversalAxis& numerator, const AxisUnit& plain, int r
 }
 
 }  // namespace
-
-std::string understood_unit(std::string label) {
-  const auto trim = [&] { label = std::string(trimmed(label)); };
-  trim();
-  if (label.size() > 2 &&
-      ((label.front() == '[' && label.back() == ']') || (label.front() == '(' && label.find(')') == label.size() - 1)))
-    label = label.substr(1, label.size() - 2);
-  trim();
-  const std::string small = lower_case(label);
-  for (const char* nothing : {"none", "unknown", "null", "n/a", "nounit", "no unit", "no units"})
-    if (small == nothing) return {};
-  if (label.empty() || parsed(label) || label == "G") return label;
-  std::string changed = small;
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 14> words = {{{"newtons", "N"},
-                                                                                    {"newton", "N"},
-                                                                                    {"seconds", "s"},
-                                                                                    {"second", "s"},
-                                                                                    {"sec", "s"},
-                                                                                    {"metres", "m"},
-                                                                                    {"metre", "m"},
-                                                                                    {"meters", "m"},
-                                                                                    {"meter", "m"},
-                                                                                    {"inches", "in"},
-                                                                                    {"inch", "in"},
-                                                                                    {"volts", "V"},
-                                                                                    {"volt", "V"},
-                                                                                    {"lbs", "lbf"}}};
-  for (const auto& [word, symbol] : words)
-    for (std::size_t at = changed.find(word); at != std::string::npos; at = changed.find(word, at + symbol.size()))
-      changed.replace(at, word.size(), symbol);
-  if (changed == "g's" || changed == "gs") return "g";
-  if (changed == "degrees" || changed == "degree") return "deg";
-  return parsed(changed) ? changed : label;
-}
 
 std::string quantity_of(const UniversalAxis& axis, int direction, const std::string& unit) {
   if (const DataType* type = data_type(axis.type))

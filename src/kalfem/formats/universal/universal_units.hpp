@@ -46,8 +46,4 @@ AxisUnit unit_of_quotient(const UniversalAxis& numerator, int response, const Un
 /// there is none.
 int data_type_of(const std::string& quantity, const std::string& unit);
 
-/// A label as parse_unit() understands it, where that is possible: without brackets, "M/SEC^2" as "m/s^2", "NONE" as
-/// nothing. Any other text is left as it is.
-std::string understood_unit(std::string label);
-
 }  // namespace kalfem
