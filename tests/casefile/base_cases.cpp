@@ -46,6 +46,7 @@ estimate:
   alpha: 1
   beta: 2
   kappa: 1
+  update_iterations: 2
   unknown:
     suspension.mu_k1: {initial: 15 N, std: 30 %, transform: log, random_walk: 0 N, truth: 20 N}
     wheel.k_w.stiffness: {initial: 21 kN/m, bounds: [10 kN/m, 40 kN/m]}
@@ -128,6 +129,7 @@ sensors:
 simulate: {duration: 0.5 s, sample_rate: 200 Hz, integrator: generalized_alpha, spectral_radius: 0.7, tolerance: 0.1}
 estimate:
   filter: ekf
+  adaptive_noise: {sensors: true, process: true, memory: 1 s}
   unknown:
     stiffness: {initial: 9 kN/m, std: 1 kN/m, applies_to: [strut.k]}
     strut.c: {initial: 25, std: 20 %}

@@ -262,6 +262,34 @@ void spreads_of_sigma_points() {
   EXPECT_GT(std::abs(found(", kappa: 2", {.kappa = 2.0}) - usual), 2e-5);
 }
 
+void passes_of_an_update() {
+  const auto found = [](const std::string& text, int passes) {
+    const auto [own, expected] = both_filters(
+        ", filter: ukf" + text, {.filter = FilterKind::unscented, .unscented = {.update_iterations = passes}});
+    near(own.log_likelihood, expected.log_likelihood, many_roundings);
+    return own.log_likelihood;
+  };
+  EXPECT_NE(found(", update_iterations: 3", 3), found("", 1));
+}
+
+void noise_that_adapts() {
+  const auto settings = [](const std::string& text) {
+    return with_estimate(stiffness_unknown + text).problem->settings.adaptive_noise;
+  };
+  EXPECT_FALSE(settings("").any());
+  const auto given = settings(", adaptive_noise: {sensors: true, memory: 0.5 s}");
+  EXPECT_TRUE(given.sensors);
+  EXPECT_FALSE(given.process);
+  near(given.memory, 0.5);
+  EXPECT_TRUE(settings(", adaptive_noise: {process: true}").process);
+  near(settings(", adaptive_noise: {process: true}").memory, 2.0);
+  const auto [own, expected] = both_filters(
+      ", filter: ukf, adaptive_noise: {sensors: true, process: true, memory: 0.5 s}",
+      {.filter = FilterKind::unscented, .adaptive_noise = {.sensors = true, .process = true, .memory = 0.5}});
+  near(own.log_likelihood, expected.log_likelihood, many_roundings);
+  near(own.noise->sensors.rightCols(1), expected.noise->sensors.rightCols(1), many_roundings);
+}
+
 void passes_over_the_record() {
   const auto study = with_estimate(prior + ", estimate_initial_state: true, passes: 2", nonlinear);
   EXPECT_TRUE(options_of(study).keep_initial_state);
@@ -420,6 +448,8 @@ KeyChecks estimation_keys() {
   add(at + "local.interface.*.force.", {"std", "correlation_time"}, local_models_are_pushed_by_unknown_forces);
   add(at, {"filter"}, filter_kinds);
   add(at, {"alpha", "beta", "kappa"}, spreads_of_sigma_points);
+  add(at, {"update_iterations"}, passes_of_an_update);
+  add(at + "adaptive_noise.", {"sensors", "process", "memory"}, noise_that_adapts);
   add(at, {"passes", "estimate_initial_state"}, passes_over_the_record);
   add(at, {"smooth"}, estimates_from_the_whole_record);
   add(at, {"settle"}, sums_begin_after_settling);

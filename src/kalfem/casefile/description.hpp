@@ -274,6 +274,7 @@ struct Estimation {
   bool initial_state_from_record = false;
   Named<Located<ConnectorStatePrior>> initial_connector_states;
   AccelerationNoise process_noise;
+  AdaptiveNoiseOptions adaptive_noise;
   double settle = 2.0;
   std::optional<LocalModelOptions> local;
   bool estimate_initial_state = false;

@@ -88,13 +88,24 @@ Schema<Estimation> estimation() {
                          .optional("accelerations", &AccelerationNoise::accelerations,
                                    named(located(deviation("m/s^2/sqrt(Hz)")), NameRule::dotted),
                                    "the same for single degrees of freedom");
-  const auto unscented = Fields<UnscentedOptions>()
-                             .optional("alpha", &UnscentedOptions::alpha, number("-", Bounds::positive()), "spread")
-                             .optional("beta", &UnscentedOptions::beta, number("-"),
-                                       "sigma-point parameter; 2 is best for a normal distribution")
-                             .optional("kappa", &UnscentedOptions::kappa, number("-"),
-                                       "sigma-point parameter; default: 0, or 3 minus the number of nonlinear "
-                                       "arguments for partially linear filters");
+  const auto unscented =
+      Fields<UnscentedOptions>()
+          .optional("alpha", &UnscentedOptions::alpha, number("-", Bounds::positive()), "spread")
+          .optional("beta", &UnscentedOptions::beta, number("-"),
+                    "sigma-point parameter; 2 is best for a normal distribution")
+          .optional("kappa", &UnscentedOptions::kappa, number("-"),
+                    "sigma-point parameter; default: 0, or 3 minus the number of nonlinear "
+                    "arguments for partially linear filters")
+          .optional("update_iterations", &UnscentedOptions::update_iterations, integer(1, 50),
+                    "most passes of each update; from the second on the sensors are linearised about "
+                    "the posterior of the pass before");
+  const auto adaptive = Fields<AdaptiveNoiseOptions>()
+                            .optional("sensors", &AdaptiveNoiseOptions::sensors, boolean(),
+                                      "the noise of each sensor, from the stated one on")
+                            .optional("process", &AdaptiveNoiseOptions::process, boolean(),
+                                      "one factor on the densities of process_noise")
+                            .optional("memory", &AdaptiveNoiseOptions::memory, number("s", plausible::duration()),
+                                      "time after which a sample counts e times less");
   return mapping(
       Fields<Estimation>()
           .optional("filter", &Estimation::filter,
@@ -123,6 +134,8 @@ Schema<Estimation> estimation() {
                     "prior of internal states, connector.state")
           .optional("process_noise", &Estimation::process_noise, mapping(noise),
                     "process noise: what the model leaves out")
+          .optional("adaptive_noise", &Estimation::adaptive_noise, mapping(adaptive),
+                    "noise that the filter finds along the record from its innovations")
           .optional("settle", &Estimation::settle, number("s", plausible::time()),
                     "exclude the time before this from errors and NIS")
           .optional("local", &Estimation::local, local_model(),

@@ -122,7 +122,10 @@ public:
   explicit Trials(const DiagnosisInput& input) : input_(input), base_(input_.run_of(input_.problem, input_.parts)) {
     input_.record = part_for(input_, base_, usual_trials);
     base_ = input_.run_of(input_.problem, input_.parts);
-    options_ = {.filter = base_.choice.filter, .unscented = input_.options.unscented, .state_deviations = false};
+    options_ = {.filter = base_.choice.filter,
+                .unscented = input_.options.unscented,
+                .state_deviations = false,
+                .adaptive_noise = input_.options.adaptive_noise};
   }
 
   Diagnosis run() {

@@ -204,6 +204,53 @@ std::vector<Reason> reasons_of_process_noise(const RecordEstimate& estimate) {
   return reasons;
 }
 
+constexpr double far_from_stated = 3.0;  ///< factor between deviations: stated noise is rarely better known
+constexpr double significant = 4.0;      ///< standard deviations
+
+Reason far_noise(const std::string& subject, const std::string& noise, const std::string& unit, double stated,
+                 double found, const std::string& of_model) {
+  const double factor = std::max(found / stated, stated / found);
+  return {"noise_adapted_far",
+          subject,
+          stated > 0.0 ? fmt::format("{} adapted from {:.2g} to {:.2g} {}: {:.2g} times {}", noise, stated, found, unit,
+                                     factor, found > stated ? "as much" : "less")
+                       : fmt::format("{} is stated as 0 and adapted to {:.2g} {}", noise, found, unit),
+          found > stated ? fmt::format("{}; where the model is right, state {:.2g} {}", of_model, found, unit)
+                         : fmt::format("state {:.2g} {}", found, unit),
+          VerdictState::suspicious,
+          stated > 0.0 ? factor : far_from_stated};
+}
+
+/// Noise that had to move far to explain the record: it may have swallowed what the model misses.
+std::vector<Reason> reasons_of_adapted_noise(const RecordEstimate& estimate) {
+  std::vector<Reason> reasons;
+  if (!estimate.result.noise) return reasons;
+  const auto& noise = *estimate.result.noise;
+  const Index last = noise.sensors.cols() - 1;
+  const auto is_far = [](double log_ratio, double deviation) {
+    return std::abs(log_ratio) > std::log(far_from_stated) + significant * deviation;
+  };
+  for (std::size_t i = 0; noise.sensors_adapt && i < estimate.measurements.channels.size(); ++i) {
+    const auto& channel = estimate.measurements.channels[i];
+    const auto row = static_cast<Index>(i);
+    const double found = noise.sensors(row, last);
+    if (is_far(std::log(found / channel.noise), noise.sensor_uncertainty[row]))
+      reasons.push_back(far_noise(channel.name, "the noise of '" + channel.name + "'", channel.unit, channel.noise,
+                                  found,
+                                  "check the sensor and the model near it: what the model misses counts as noise"));
+  }
+  if (noise.process_factor.size() == 0 || !(noise.density > 0.0)) return reasons;
+  const double found = noise.density_at(last), stated = noise.density_is_stated ? noise.density : 0.0;
+  const double log_factor = std::log(noise.process_factor[last]);
+  // Where none is stated, a density of factor one is hardly visible.
+  const bool far = noise.density_is_stated ? is_far(0.5 * log_factor, 0.5 * noise.process_uncertainty)
+                                           : log_factor > significant * noise.process_uncertainty;
+  if (far)
+    reasons.push_back(far_noise("process noise", "the process noise", "m/s^2/sqrt(Hz)", stated, found,
+                                "look for what the model leaves out: a force, a mode or another law"));
+  return reasons;
+}
+
 std::vector<Reason> reasons_of_open_loop(const RecordEstimate& estimate) {
   std::vector<Reason> reasons;
   if (!estimate.open_loop_failure.empty())
@@ -271,6 +318,7 @@ Verdict verdict_of(const RecordEstimate& estimate) {
   verdict.add(reasons_of_likelihood(estimate));
   verdict.add(reasons_of_inputs(estimate));
   verdict.add(reasons_of_process_noise(estimate));
+  verdict.add(reasons_of_adapted_noise(estimate));
   verdict.add(reasons_of_open_loop(estimate));
   return verdict;
 }

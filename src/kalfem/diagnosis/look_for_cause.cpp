@@ -53,11 +53,12 @@ std::optional<Diagnosis> look_for_cause(const EstimationProblem& problem, const 
   const auto& likelihood = estimate.likelihood;
   auto as_run = std::make_shared<EstimationProblem>(likelihood ? *likelihood->corrected.problem : problem);
   as_run->settings.substeps = std::min(most_trial_substeps, estimate.augmented_model->options().substeps);
-  return diagnose({.problem = std::move(as_run),
-                   .parts = parts,
-                   .record = without(likelihood ? likelihood->corrected.record : record, estimate.events),
-                   .options = {.unscented = problem.settings.unscented},
-                   .nis = computed_nis(estimate.result)});
+  return diagnose(
+      {.problem = std::move(as_run),
+       .parts = parts,
+       .record = without(likelihood ? likelihood->corrected.record : record, estimate.events),
+       .options = {.unscented = problem.settings.unscented, .adaptive_noise = problem.settings.adaptive_noise},
+       .nis = computed_nis(estimate.result)});
 }
 
 }  // namespace kalfem

@@ -102,7 +102,8 @@ AugmentedModel::AugmentedModel(const LocallyNonlinearSystem& system, const Outpu
     : AugmentedModel(Bare{}, system, sensors, chains, std::move(options)) {
   check();
   set_prior();
-  set_process_noise();
+  process_noise_ = linear_noise(options_.process_noise.acceleration, options_.process_noise.input, options_.step);
+  add_walks(process_noise_);
   const auto linear = linear_unknowns(options_);
   VectorXd values(static_cast<Index>(linear.size())), deviations(values.size());
   for (std::size_t i = 0; i < linear.size(); ++i) {
@@ -266,28 +267,43 @@ MatrixXd AugmentedModel::own_covariance(const MatrixXd& physical) const {
   return symmetric(own(own(physical).transpose()));
 }
 
+MatrixXd AugmentedModel::acceleration_noise(const VectorXd& density, double interval) const {
+  return linear_noise(density, VectorXd::Zero(system_.input_count()), interval);
+}
+
+MatrixXd AugmentedModel::other_process_noise() const {
+  MatrixXd noise = linear_noise(VectorXd::Zero(layout_.dofs), options_.process_noise.input, options_.step);
+  add_walks(noise);
+  return noise;
+}
+
 /// White acceleration drives the velocities; white noise drives the last state of every input that has states.
-void AugmentedModel::set_process_noise() {
-  const auto& noise = options_.process_noise;
-  const Index n = layout_.dofs, s = layout_.connector_states;
+MatrixXd AugmentedModel::linear_noise(const VectorXd& acceleration, const VectorXd& input, double interval) const {
+  const Index n = layout_.dofs;
   MatrixXd density = MatrixXd::Zero(layout_.linear, layout_.linear);
-  density.diagonal().segment(n, n) = noise.acceleration.cwiseAbs2();
+  density.diagonal().segment(n, n) = acceleration.cwiseAbs2();
   for (Index i = 0; i < system_.input_count(); ++i) {
     const Index state = form().input_state(i);
     if (state < 0) continue;
     const Index last = state + options_.inputs[static_cast<std::size_t>(i)].states() - 1;
-    density(last, last) = noise.input[i] * noise.input[i];
+    density(last, last) = input[i] * input[i];
   }
-  process_noise_ = MatrixXd::Zero(layout_.size(), layout_.size());
+  MatrixXd noise = MatrixXd::Zero(layout_.size(), layout_.size());
   density = symmetric(form_.from_physical(form_.from_physical(density).transpose()));
   if (!density.isZero(0.0))
-    process_noise_.topLeftCorner(layout_.linear, layout_.linear) =
-        process_noise_covariance(form().dynamics(), density, options_.step);
-  process_noise_.diagonal().segment(layout_.connector_state(), s) = options_.step * noise.connector_states.cwiseAbs2();
+    noise.topLeftCorner(layout_.linear, layout_.linear) =
+        process_noise_covariance(form().dynamics(), density, interval);
+  return noise;
+}
+
+/// Of internal states and unknowns.
+void AugmentedModel::add_walks(MatrixXd& noise) const {
+  noise.diagonal().segment(layout_.connector_state(), layout_.connector_states) =
+      options_.step * options_.process_noise.connector_states.cwiseAbs2();
   for (Index i = 0; i < layout_.unknowns; ++i) {
     const auto& unknown = options_.unknowns[static_cast<std::size_t>(i)];
     const double walk = unknown.random_walk / unknown.transform.slope(unknown.transform.to_state(unknown.initial));
-    process_noise_(layout_.unknown() + i, layout_.unknown() + i) = options_.step * walk * walk;
+    noise(layout_.unknown() + i, layout_.unknown() + i) = options_.step * walk * walk;
   }
 }
 

@@ -41,6 +41,9 @@ struct ProcessNoise {
   Eigen::VectorXd acceleration;      ///< white acceleration on each degree of freedom [m/s^2/sqrt(Hz)], n
   Eigen::VectorXd input;             ///< on each input that is modelled by states [its driving unit/sqrt(Hz)], n_u
   Eigen::VectorXd connector_states;  ///< on each internal state [its unit/sqrt(s)]
+  /// What a density of one at every point is on the degrees of freedom, n, which may be those of a reduced structure;
+  /// empty: ones.
+  Eigen::VectorXd unit_acceleration = {};
 };
 
 /// Prior of everything but the unknown parameters.
@@ -125,6 +128,10 @@ public:
   /// Of the augmented state in the augmented model's coordinates, as everything that the filter sees.
   [[nodiscard]] const Gaussian& prior() const { return prior_; }
   [[nodiscard]] const Eigen::MatrixXd& process_noise() const { return process_noise_; }  ///< Q of one step
+  /// What white accelerations of these densities, n, add to the covariance over an interval [s].
+  [[nodiscard]] Eigen::MatrixXd acceleration_noise(const Eigen::VectorXd& density, double interval) const;
+  /// Q of one step but for white accelerations.
+  [[nodiscard]] Eigen::MatrixXd other_process_noise() const;
 
   /// Rows of the augmented state, and its covariance, in physical coordinates.
   [[nodiscard]] Eigen::MatrixXd physical(Eigen::MatrixXd rows) const {
@@ -150,7 +157,9 @@ private:
   void set_neighbours(const Eigen::VectorXd& values, const Eigen::VectorXd& deviations);
   void set_prior();
   void add_latent_inputs(Eigen::MatrixXd& covariance) const;
-  void set_process_noise();
+  [[nodiscard]] Eigen::MatrixXd linear_noise(const Eigen::VectorXd& acceleration, const Eigen::VectorXd& input,
+                                             double interval) const;
+  void add_walks(Eigen::MatrixXd& noise) const;
   using Move = Eigen::MatrixXd (AugmentedModelForm::*)(const Eigen::Ref<const Eigen::MatrixXd>&) const;
   [[nodiscard]] Eigen::MatrixXd moved(Eigen::MatrixXd rows, Move move) const;
 

@@ -34,38 +34,52 @@ FilterOutcome CovarianceFilter::predict() {
 FilterOutcome CovarianceFilter::expect(const VectorXd& y, const MatrixXd& noise, Innovation& innovation) {
   if (const auto outcome = transform(measurement(), measurement_transform_); outcome != FilterOutcome::usable)
     return outcome;
-  form_innovation(y, noise, innovation);
+  form_innovation(y, noise, innovation.channels, innovation.value, innovation.covariance);
   return FilterOutcome::usable;
 }
 
-FilterOutcome CovarianceFilter::correct(const MatrixXd&, Innovation& innovation) {
+FilterOutcome CovarianceFilter::correct(const MatrixXd& noise, Innovation& innovation) {
   if (!cholesky(innovation.covariance, 0.0, innovation_factor_)) return FilterOutcome::innovation_not_positive_definite;
 
   // K P_yy = P_xy; with P_yy = L L^T and J = P_xy L^-T the update is x + J (L^-1 nu), P - J J^T.
-  solve_on_the_right(innovation_factor_, gain_);
   whitened_ = innovation.value;
   whiten(innovation_factor_, whitened_);
+  score(innovation, innovation_factor_, whitened_);
+  if (update_iterations() > 1 && !iterate(noise, innovation)) return FilterOutcome::innovation_not_positive_definite;
+  solve_on_the_right(innovation_factor_, gain_);
   estimate_.mean.noalias() += gain_.lazyProduct(whitened_);
   estimate_.covariance.diagonal() *= 1.0 + rounding_allowance;
   subtract_square(gain_, estimate_.covariance);
-  score(innovation, innovation_factor_, whitened_);
   return FilterOutcome::usable;
 }
 
+/// The same innovation and gain about the posterior. The innovation that is scored stays the prediction's.
+bool CovarianceFilter::iterate(const MatrixXd& noise, Innovation& innovation) {
+  iterated_.refine({measurement(), estimate_.mean, factor_, innovation.channels, measured_values(), noise},
+                   update_iterations(), measurement_transform_);
+  auto& [value, covariance] = innovation.about_posterior;
+  form_innovation(measured_values(), noise, innovation.channels, value, covariance);
+  innovation.relinearised = true;
+  if (!cholesky(covariance, 0.0, innovation_factor_)) return false;
+  whitened_ = value;
+  whiten(innovation_factor_, whitened_);
+  return true;
+}
+
 /// nu, P_yy + R and P_xy = S D^T of the measured channels from the transform of all of them.
-void CovarianceFilter::form_innovation(const VectorXd& y, const MatrixXd& noise, Innovation& innovation) {
-  innovation.covariance = noise;
+void CovarianceFilter::form_innovation(const VectorXd& y, const MatrixXd& noise, const std::vector<Index>& present,
+                                       VectorXd& value, MatrixXd& covariance) {
+  covariance = noise;
   if (y.size() == channels()) {
-    innovation.value = y - measurement_transform_.mean();
-    measurement_transform_.add_covariance(measurement(), innovation.covariance);
+    value = y - measurement_transform_.mean();
+    measurement_transform_.add_covariance(measurement(), covariance);
     multiply_transposed(factor_, measurement_transform_.deviations(), gain_);
     return;
   }
-  const auto& present = innovation.channels;
-  innovation.value = y - measurement_transform_.mean()(present);
+  value = y - measurement_transform_.mean()(present);
   output_covariance_.setZero(channels(), channels());
   measurement_transform_.add_covariance(measurement(), output_covariance_);
-  innovation.covariance += output_covariance_(present, present);
+  covariance += output_covariance_(present, present);
   multiply_transposed(factor_, measurement_transform_.deviations()(present, Eigen::all), gain_);
 }
 

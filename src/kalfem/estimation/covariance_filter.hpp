@@ -1,6 +1,7 @@
 #pragma once
 
 #include "kalfem/estimation/filter.hpp"
+#include "kalfem/estimation/iterated_update.hpp"
 
 namespace kalfem {
 
@@ -27,13 +28,16 @@ private:
   FilterOutcome expect(const Eigen::VectorXd& y, const Eigen::MatrixXd& noise, Innovation& innovation) override;
   FilterOutcome correct(const Eigen::MatrixXd& noise, Innovation& innovation) override;
   FilterOutcome transform(PartiallyLinearMap& map, UnscentedTransform& transform);
-  void form_innovation(const Eigen::VectorXd& y, const Eigen::MatrixXd& noise, Innovation& innovation);
+  void form_innovation(const Eigen::VectorXd& y, const Eigen::MatrixXd& noise, const std::vector<Eigen::Index>& present,
+                       Eigen::VectorXd& value, Eigen::MatrixXd& covariance);
+  bool iterate(const Eigen::MatrixXd& noise, Innovation& innovation);
 
   /// One for each size, whose arrays then stay.
   UnscentedTransform process_transform_, measurement_transform_, monitored_transform_;
   Gaussian estimate_;                                                      ///< covariance: lower triangle
   Eigen::MatrixXd factor_, innovation_factor_, gain_, output_covariance_;  ///< gain_: J = P_xy L^-T
   Eigen::VectorXd whitened_;
+  IteratedUpdate iterated_;
 };
 
 }  // namespace kalfem

@@ -6,6 +6,7 @@
 #include "kalfem/base/interruption.hpp"
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/stopwatch.hpp"
+#include "kalfem/estimation/adaptive_filter.hpp"
 #include "kalfem/estimation/failure.hpp"
 #include "kalfem/estimation/filter_setup.hpp"
 #include "kalfem/statistics/quantiles.hpp"
@@ -31,7 +32,7 @@ Index sigma_point_variables(const AugmentedModel& augmented_model, FilterKind fi
 }
 
 void check_sigma_points(const AugmentedModel& augmented_model, const EstimationOptions& options, IssueList& issues) {
-  const auto& [alpha, beta, kappa, points] = options.unscented;
+  const auto& [alpha, beta, kappa, points, passes] = options.unscented;
   const auto n = static_cast<double>(sigma_point_variables(augmented_model, options.filter));
   const double spread = kappa ? n + *kappa : 1.0;
   if (alpha > 0.0 && spread > 0.0 && std::isfinite(alpha * alpha * spread) && std::isfinite(beta)) return;
@@ -80,6 +81,8 @@ public:
   EstimationResult run(const Gaussian& prior) {
     setup_->filter->reset(prior);
     result_.prior = prior;
+    if (options_.adaptive_noise.any())
+      adaptation_ = std::make_unique<NoiseAdaptation>(augmented_model_, input_, options_, prior, *setup_);
     if (options_.keep_unknowns) begin_history(prior);
     const Index samples = input_.measured.samples();
     for (Index k = 0; k < samples; ++k) {
@@ -102,11 +105,16 @@ private:
     renew_unknowns(k);
     // Carry the estimate over the interval that ends at the sample; the prior already stands at the first one.
     FilterOutcome outcome = k == 0 ? FilterOutcome::usable : charged(predict_to(k, input_, *setup_), time.predict);
+    if (adaptation_ && k > 0) adaptation_->predict_to(k);
     // Condition it on what the sensors show.
     if (outcome == FilterOutcome::usable)
       outcome = charged(update_at(k, input_, options_.held_out, *setup_, measured_, innovation_), time.update);
     // Store it, with the quantities that are monitored.
     if (outcome == FilterOutcome::usable) outcome = charged(store(k), time.output);
+    if (outcome == FilterOutcome::usable && adaptation_) {
+      adaptation_->learn(k, innovation_, *setup_);
+      time.update += watch.lap();
+    }
     // The tangent along the linear part's unknowns holds near the point of linearisation only.
     if (outcome == FilterOutcome::usable) outcome = charged(relinearise_where_it_moved(k), time.predict);
     if (outcome == FilterOutcome::usable) return true;
@@ -118,10 +126,9 @@ private:
   void renew_unknowns(Index k) {
     for (const auto& [unknown, sample, deviation] : options_.renewals) {
       if (sample != k || k == 0) continue;
-      Gaussian now{setup_->filter->mean(), setup_->filter->covariance()};
       const Index place = augmented_model_.layout().unknown() + unknown;
-      now.covariance(place, place) += deviation * deviation;
-      setup_->filter->reset(now);
+      widen(*setup_, place, deviation * deviation);
+      if (adaptation_) adaptation_->widen(place, deviation * deviation);
     }
   }
 
@@ -141,6 +148,7 @@ private:
 
   EstimationResult finish() {
     result_.final_covariance = model().physical_covariance(setup_->filter->covariance());
+    if (adaptation_) result_.noise = adaptation_->finish();
     if (result_.linearisations > 0) result_.augmented_model = setup_->augmented_model;
     return std::move(result_);
   }
@@ -233,13 +241,15 @@ private:
         history.slope.emplace_back(MatrixXd::Zero(std::ssize(constant_states_), input_.measured.values.rows()));
     if (channels.empty()) return;
     const MatrixXd gain = setup_->filter->gain()(constant_states_, Eigen::all);
-    const MatrixXd cross = gain * innovation_.covariance.selfadjointView<Eigen::Lower>();
+    const MatrixXd cross = gain * innovation_.conditioned_covariance().selfadjointView<Eigen::Lower>();
     const MatrixXd before = setup_->filter->covariance_of(constant_states_) + gain * cross.transpose();
     const MatrixXd own = before.ldlt().solve(cross);
     slope(Eigen::all, channels) = own;
-    const VectorXd moved = setup_->filter->mean()(constant_states_) - gain * innovation_.value - history.mean.front();
-    const VectorXd known = innovation_.covariance.diagonal() - own.cwiseProduct(cross).colwise().sum().transpose();
-    history.at_prior(channels, k) = innovation_.value + own.transpose() * moved;
+    const VectorXd moved =
+        setup_->filter->mean()(constant_states_) - gain * innovation_.conditioned_value() - history.mean.front();
+    const VectorXd known =
+        innovation_.conditioned_covariance().diagonal() - own.cwiseProduct(cross).colwise().sum().transpose();
+    history.at_prior(channels, k) = innovation_.conditioned_value() + own.transpose() * moved;
     history.deviation(channels, k) = known.cwiseMax(0.0).cwiseSqrt();
   }
 
@@ -291,10 +301,12 @@ private:
     auto now = linear_estimate(augmented_model_, linear_unknowns_, result_.unknowns, k);
     if (!now.outdates(linearised_about_)) return FilterOutcome::usable;
     try {
-      setup_ = relinearised(augmented_model_, now, *setup_, input_.noise, options_);
+      setup_ = relinearised(augmented_model_, now, *setup_,
+                            adaptation_ ? adaptation_->measurement_noise() : input_.noise, options_);
     } catch (const InvalidInput&) {
       return FilterOutcome::linear_part_impossible;
     }
+    if (adaptation_) adaptation_->move_to(*setup_);
     linearised_about_ = std::move(now);
     ++result_.linearisations;
     return FilterOutcome::usable;
@@ -305,6 +317,7 @@ private:
   const EstimationOptions& options_;
   Index input_stride_;  ///< columns of the inputs per sample
   std::unique_ptr<FilterSetup> setup_;
+  std::unique_ptr<NoiseAdaptation> adaptation_;  ///< where the noise adapts
   std::vector<Index> linear_unknowns_;
   std::vector<Index> constant_states_;  ///< places of the unknowns without random walk in the state
   bool keeps_slopes_ = false;
@@ -341,6 +354,14 @@ IssueList validate(const AugmentedModel& augmented_model, const EstimationOption
   IssueList issues;
   check_sigma_points(augmented_model, options, issues);
   if (options.deviation_stride < 1) issues.add({}, "the stride of standard deviations is below 1", "");
+  if (options.unscented.update_iterations < 1)
+    issues.add({}, "the number of passes of an update is below 1", "", "use 1 for a plain update");
+  if (options.adaptive_noise.any() && !(options.adaptive_noise.memory > 0.0))
+    issues.add({}, "the memory of the adaptive noise is " + std::to_string(options.adaptive_noise.memory) + " s",
+               "it must be > 0", "");
+  if (options.adaptive_noise.any() && options.passes > 1)
+    issues.add({}, "several passes are requested with adaptive noise",
+               "each pass would find the noise of every instant again from its stated value", "set passes: 1");
   if (options.passes < 1) issues.add({}, "the number of passes is below 1", "");
   if (options.passes > 1 && !augmented_model.options().keep_initial_state)
     issues.add({}, "several passes are requested without estimating the initial state",

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "kalfem/base/progress.hpp"
+#include "kalfem/estimation/adaptive_noise.hpp"
 #include "kalfem/estimation/augmented_model.hpp"
 #include "kalfem/estimation/filter.hpp"
 #include "kalfem/estimation/fixed_gain.hpp"
@@ -31,9 +33,10 @@ struct EstimationOptions {
   bool state_deviations = true;
   /// Samples from one computation of the monitored quantities' standard deviations to the next; they stand in between.
   int deviation_stride = 1;
-  bool keep_gains = false;       ///< of every sample in the result, see run_with_gains()
-  bool keep_unknowns = false;    ///< their history in the result, for deviations that hold where the model is not exact
-  OutlierOptions outliers = {};  ///< what the updates do with samples far from their prediction
+  bool keep_gains = false;     ///< of every sample in the result, see run_with_gains()
+  bool keep_unknowns = false;  ///< their history in the result, for deviations that hold where the model is not exact
+  AdaptiveNoiseOptions adaptive_noise = {};
+  OutlierOptions outliers = {};               ///< what the updates do with samples far from their prediction
   std::vector<HeldOutSamples> held_out = {};  ///< samples to predict only
   std::vector<Renewal> renewals = {};         ///< changes of unknowns that the run allows for
   OutputMap monitored = {};  ///< further quantities to estimate at every sample, without measurement chains
@@ -74,6 +77,19 @@ struct EstimationFailure {
 /// Channels up to which a run keeps the covariances of their innovations.
 inline constexpr Eigen::Index most_covariances = 16;
 
+/// The noise of a run that adapts it. It is that in force at a sample: learned before it.
+struct NoiseCourse {
+  Eigen::MatrixXd sensors;             ///< standard deviation, l x samples
+  bool sensors_adapt = false;          ///< otherwise they are as stated
+  Eigen::VectorXd process_factor;      ///< on the covariance of the white accelerations; empty: as stated
+  double density = 0.0;                ///< of these at factor one, the largest of a point [m/s^2/sqrt(Hz)]
+  bool density_is_stated = false;      ///< otherwise zero was stated, and this is where it started
+  Eigen::VectorXd sensor_uncertainty;  ///< standard deviation of ln(standard deviation of a sensor) at the end
+  double process_uncertainty = 0.0;    ///< standard deviation of ln(factor) at the end
+
+  [[nodiscard]] double density_at(Eigen::Index k) const { return density * std::sqrt(process_factor[k]); }
+};
+
 /// Wall time of the last run over the record [s].
 struct EstimationTime {
   double predict = 0.0, update = 0.0;
@@ -101,6 +117,7 @@ struct EstimationResult {
   /// Samples that counted less or not at all: outliers, and those held out. No innovation above belongs to one left
   /// out.
   std::vector<SetAsideSample> set_aside;
+  std::optional<NoiseCourse> noise;  ///< where it adapts
   Gains gains;                       ///< where they are asked for
   UnknownsHistory unknowns_history;  ///< where it is asked for
   Eigen::MatrixXd final_covariance;  ///< of the augmented state

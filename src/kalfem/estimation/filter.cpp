@@ -58,6 +58,8 @@ FilterOutcome Filter::update(const Eigen::VectorXd& y, Innovation& innovation,
   auto& present = innovation.channels;
   present.clear();
   innovation.set_aside.clear();
+  innovation.relinearised = false;
+  innovation.added_variance.resize(0);
   for (Eigen::Index channel = 0; channel < y.size(); ++channel)
     if (std::isfinite(y[channel])) present.push_back(channel);
   if (present.empty()) return FilterOutcome::usable;
@@ -69,8 +71,14 @@ FilterOutcome Filter::update(const Eigen::VectorXd& y, Innovation& innovation,
   take_channels(y, present);
   Eigen::MatrixXd noise = noise_;
   noise.diagonal() += added_variance_;
+  innovation.added_variance = added_variance_;
   if (const auto outcome = expect(values_, noise, innovation); outcome != FilterOutcome::usable) return outcome;
   return correct(noise, innovation);
+}
+
+void Filter::set_measurement_noise(const Eigen::MatrixXd& noise) {
+  model_.measurement_noise = noise;
+  noise_channels_.clear();
 }
 
 /// Channels come and go in stretches, so R of the present ones is formed only where they change.
@@ -112,8 +120,10 @@ bool Filter::screen(const std::vector<Eigen::Index>& held_out, Innovation& innov
 // same moments of the linear part. Their fast form needs a process matrix with blocks that fit into tiles; otherwise
 // the dense filter gives the same estimates. The extended filter is the limit of points with no spread: a first-order
 // linearisation.
-std::unique_ptr<Filter> make_filter(FilterKind kind, const FilterModel& model, const UnscentedOptions& options,
-                                    int threads) {
+namespace {
+
+std::unique_ptr<Filter> make_representation(FilterKind kind, const FilterModel& model, const UnscentedOptions& options,
+                                            int threads) {
   UnscentedOptions of_arguments = options;
   of_arguments.points = SigmaPoints::of_arguments;
   switch (kind) {
@@ -131,6 +141,15 @@ std::unique_ptr<Filter> make_filter(FilterKind kind, const FilterModel& model, c
       return std::make_unique<CovarianceFilter>(model, UnscentedTransform::linearised());
   }
   return {};
+}
+
+}  // namespace
+
+std::unique_ptr<Filter> make_filter(FilterKind kind, const FilterModel& model, const UnscentedOptions& options,
+                                    int threads) {
+  auto filter = make_representation(kind, model, options, threads);
+  filter->iterate_updates(options.update_iterations);
+  return filter;
 }
 
 void whiten(const Eigen::MatrixXd& lower, Eigen::VectorXd& vector) {

@@ -35,6 +35,12 @@ struct FilterModel {
   PartiallyLinearMap* monitored = nullptr;  ///< further quantities for observe(), or none
 };
 
+/// y - A m - b and A P A^T + Omega + R of a measurement y = A x + b + e, e ~ N(0, Omega), under the prior m, P.
+struct RelinearisedInnovation {
+  Eigen::VectorXd value;       ///< l
+  Eigen::MatrixXd covariance;  ///< l x l, lower triangle
+};
+
 /// The innovation of one measurement.
 struct Innovation {
   std::vector<Eigen::Index> channels;  ///< the l channels that were measured, among all
@@ -42,8 +48,22 @@ struct Innovation {
   Eigen::MatrixXd covariance;          ///< P_yy + R, l x l, lower triangle
   double nis = 0.0;                    ///< normalised innovation squared, value^T covariance^-1 value
   double log_likelihood = 0.0;         ///< of this measurement given those before
+  /// Whether an iterated update conditioned on `about_posterior`, the innovation of the measurement linearised there,
+  /// in the place of `value` and `covariance`, which stay those of the prediction.
+  bool relinearised = false;
+  RelinearisedInnovation about_posterior = {};
+  /// Variance that a robust update gave each channel in addition to R, within `covariance`; empty: none.
+  Eigen::VectorXd added_variance = {};
   /// Channels that were measured and count less or not at all; `sample` is not set. Those left out do not stand above.
   std::vector<SetAsideSample> set_aside = {};
+
+  /// With which the estimate was conditioned: x+ = x- + K conditioned_value().
+  [[nodiscard]] const Eigen::VectorXd& conditioned_value() const {
+    return relinearised ? about_posterior.value : value;
+  }
+  [[nodiscard]] const Eigen::MatrixXd& conditioned_covariance() const {
+    return relinearised ? about_posterior.covariance : covariance;
+  }
 };
 
 /// v <- L^-1 v for a few values, L lower triangular.
@@ -74,12 +94,18 @@ public:
   [[nodiscard]] FilterOutcome update(const Eigen::VectorXd& y, Innovation& innovation,
                                      const std::vector<Eigen::Index>& held_out = {});
   void treat_outliers(const OutlierOptions& options) { outliers_ = options; }
+  /// Most passes of each update, see UnscentedOptions::update_iterations.
+  void iterate_updates(int most) { update_iterations_ = most; }
+  /// R from the next update on, l x l.
+  void set_measurement_noise(const Eigen::MatrixXd& noise);
+  /// Q from the next prediction on, n x n, at the cost of a copy; of its square root where the filter keeps one.
+  virtual void set_process_noise(const Eigen::MatrixXd& noise) { model_.process_noise = noise; }
   /// Mean and, where asked for, standard deviation of the monitored quantities. Means are cheap, deviations may cost as
   /// much as a step.
   [[nodiscard]] virtual FilterOutcome observe(Eigen::VectorXd& mean, Eigen::VectorXd* deviation) = 0;
 
-  /// Gain K of the last update, x+ = x- + K (y - predicted y), n x measured channels [state/output]. It holds until the
-  /// next prediction.
+  /// Gain K of the last update, x+ = x- + K Innovation::conditioned_value(), n x measured channels [state/output]. It
+  /// holds until the next prediction.
   [[nodiscard]] virtual Eigen::MatrixXd gain() const = 0;
 
   [[nodiscard]] virtual const Eigen::VectorXd& mean() const = 0;
@@ -99,6 +125,8 @@ protected:
   [[nodiscard]] PartiallyLinearMap& measurement() const { return model_.measurement; }
   [[nodiscard]] PartiallyLinearMap& monitored() const { return *model_.monitored; }
   [[nodiscard]] const Eigen::MatrixXd& process_noise() const { return model_.process_noise; }
+  [[nodiscard]] int update_iterations() const { return update_iterations_; }
+  [[nodiscard]] const Eigen::VectorXd& measured_values() const { return values_; }  ///< y of the last expect()
   [[nodiscard]] Eigen::Index channels() const { return model_.measurement_noise.rows(); }
 
 private:
@@ -107,6 +135,7 @@ private:
 
   FilterModel model_;
   OutlierOptions outliers_;
+  int update_iterations_ = 1;
   std::vector<Eigen::Index> noise_channels_;  ///< those that noise_ is of
   Eigen::MatrixXd noise_;
   Eigen::VectorXd values_, added_variance_;

@@ -87,16 +87,27 @@ bool LinearEstimate::outdates(const LinearEstimate& there) const {
   return false;
 }
 
-std::unique_ptr<FilterSetup> relinearised(const AugmentedModel& first, const LinearEstimate& here,
-                                          const FilterSetup& before, const MatrixXd& measurement_noise,
-                                          const EstimationOptions& options) {
-  auto model = std::make_shared<const AugmentedModel>(first.about(here.values, here.deviations));
+std::unique_ptr<FilterSetup> moved_to(std::shared_ptr<const AugmentedModel> model, const FilterSetup& before,
+                                      const MatrixXd& measurement_noise, const EstimationOptions& options) {
   auto setup = std::make_unique<FilterSetup>(model, measurement_noise, options);
   // The coordinates depend on where the model is linearised; the estimate goes over through the physical ones.
   const auto& old = *before.augmented_model;
   setup->filter->reset({model->own(old.physical(before.filter->mean())),
                         model->own_covariance(old.physical_covariance(before.filter->covariance()))});
   return setup;
+}
+
+void widen(FilterSetup& setup, Index state, double variance) {
+  Gaussian now{setup.filter->mean(), setup.filter->covariance()};
+  now.covariance(state, state) += variance;
+  setup.filter->reset(now);
+}
+
+std::unique_ptr<FilterSetup> relinearised(const AugmentedModel& first, const LinearEstimate& here,
+                                          const FilterSetup& before, const MatrixXd& measurement_noise,
+                                          const EstimationOptions& options) {
+  return moved_to(std::make_shared<const AugmentedModel>(first.about(here.values, here.deviations)), before,
+                  measurement_noise, options);
 }
 
 }  // namespace kalfem

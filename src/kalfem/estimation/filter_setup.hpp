@@ -47,8 +47,15 @@ struct LinearEstimate {
 LinearEstimate linear_estimate(const AugmentedModel& augmented_model, const std::vector<Eigen::Index>& places,
                                const EstimatedSeries& estimated, std::optional<Eigen::Index> k = std::nullopt);
 
-/// The setup of the augmented model about `here`, its filter with the estimate of `before`. `first`: the augmented
-/// model with which the run started. Throws InvalidInput if the values are not admissible.
+/// The setup of a model, its filter with the estimate of `before`.
+std::unique_ptr<FilterSetup> moved_to(std::shared_ptr<const AugmentedModel> model, const FilterSetup& before,
+                                      const Eigen::MatrixXd& measurement_noise, const EstimationOptions& options);
+
+/// Adds to the variance of one state of the filter's estimate.
+void widen(FilterSetup& setup, Eigen::Index state, double variance);
+
+/// That of the augmented model about `here`. `first`: the augmented model with which the run started. Throws
+/// InvalidInput if the values are not admissible.
 std::unique_ptr<FilterSetup> relinearised(const AugmentedModel& first, const LinearEstimate& here,
                                           const FilterSetup& before, const Eigen::MatrixXd& measurement_noise,
                                           const EstimationOptions& options);

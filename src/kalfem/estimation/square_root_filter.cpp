@@ -26,6 +26,11 @@ MatrixXd root_of(const MatrixXd& noise) {
 SquareRootFilter::SquareRootFilter(const FilterModel& model, UnscentedTransform transform)
     : Filter(model), transform_(std::move(transform)), process_root_(root_of(model.process_noise)) {}
 
+void SquareRootFilter::set_process_noise(const MatrixXd& noise) {
+  Filter::set_process_noise(noise);
+  process_root_ = root_of(noise);
+}
+
 void SquareRootFilter::reset(const Gaussian& estimate) {
   mean_ = estimate.mean;
   array_ = root_of(estimate.covariance).transpose();
@@ -66,8 +71,7 @@ FilterOutcome SquareRootFilter::predict() {
 }
 
 /// The array [D_y G Sigma^(1/2) R^(1/2); S 0 0] of the measured channels, transposed.
-void SquareRootFilter::stack_measurement(const Innovation& innovation, const MatrixXd& noise) {
-  const auto& present = innovation.channels;
+void SquareRootFilter::stack_measurement(const std::vector<Index>& present, const MatrixXd& noise) {
   if (noise_root_of_.rows() != noise.rows() || noise_root_of_ != noise) {
     noise_root_of_ = noise;
     noise_root_ = root_of(noise);
@@ -94,25 +98,49 @@ FilterOutcome SquareRootFilter::expect(const VectorXd& y, const MatrixXd& noise,
   return FilterOutcome::usable;
 }
 
-FilterOutcome SquareRootFilter::correct(const MatrixXd& noise, Innovation& innovation) {
-  const auto& present = innovation.channels;
+/// The triangle [L_y 0; J S+] of the update. False where a downdate or a variance is impossible.
+bool SquareRootFilter::triangularise_measurement(const std::vector<Index>& present, const MatrixXd& noise) {
   const Index l = noise.rows(), n = mean_.size();
-  stack_measurement(innovation, noise);
+  stack_measurement(present, noise);
   triangularise(array_, triangle_);
   VectorXd column = VectorXd::Zero(l + n);
   for (Index j = 0; j < removed_.cols(); ++j) {
     column.head(l) = removed_(present, j);
-    if (!downdate(triangle_, column)) return FilterOutcome::innovation_not_positive_definite;
+    if (!downdate(triangle_, column)) return false;
   }
+  return triangle_.allFinite() && triangle_.diagonal().head(l).minCoeff() > 0.0;
+}
+
+FilterOutcome SquareRootFilter::correct(const MatrixXd& noise, Innovation& innovation) {
+  const Index l = noise.rows(), n = mean_.size();
+  if (!triangularise_measurement(innovation.channels, noise)) return FilterOutcome::innovation_not_positive_definite;
   const MatrixXd innovation_root = triangle_.topLeftCorner(l, l);
-  if (!triangle_.allFinite() || !(innovation_root.diagonal().minCoeff() > 0.0))
-    return FilterOutcome::innovation_not_positive_definite;
   innovation.covariance = innovation_root * innovation_root.transpose();
-  const VectorXd whitened = innovation_root.triangularView<Eigen::Lower>().solve(innovation.value);
+  VectorXd whitened = innovation_root.triangularView<Eigen::Lower>().solve(innovation.value);
   score(innovation, innovation_root, whitened);
+  if (update_iterations() > 1) {
+    if (!iterate(noise, innovation)) return FilterOutcome::innovation_not_positive_definite;
+    whitened = triangle_.topLeftCorner(l, l).triangularView<Eigen::Lower>().solve(innovation.conditioned_value());
+  }
   mean_ += triangle_.bottomLeftCorner(n, l) * whitened;
   factor_ = triangle_.bottomRightCorner(n, n);
   return FilterOutcome::usable;
+}
+
+/// The triangle again, about the posterior; where it is impossible there, about the prediction as before.
+bool SquareRootFilter::iterate(const MatrixXd& noise, Innovation& innovation) {
+  const auto& present = innovation.channels;
+  const Index l = noise.rows();
+  const UnscentedTransform predicted = transform_;
+  iterated_.refine({measurement(), mean_, factor_, present, measured_values(), noise}, update_iterations(), transform_);
+  innovation.relinearised = split_scatter(measurement()) && triangularise_measurement(present, noise);
+  if (innovation.relinearised) {
+    const MatrixXd root = triangle_.topLeftCorner(l, l);
+    innovation.about_posterior = {measured_values() - transform_.mean()(present), root * root.transpose()};
+    return true;
+  }
+  transform_ = predicted;
+  return split_scatter(measurement()) && triangularise_measurement(present, noise);
 }
 
 /// From the triangle [L_y 0; J S+] of the update.

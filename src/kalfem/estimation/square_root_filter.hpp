@@ -1,6 +1,7 @@
 #pragma once
 
 #include "kalfem/estimation/filter.hpp"
+#include "kalfem/estimation/iterated_update.hpp"
 
 namespace kalfem {
 
@@ -16,6 +17,7 @@ public:
 
   void reset(const Gaussian& estimate) override;
   FilterOutcome predict() override;
+  void set_process_noise(const Eigen::MatrixXd& noise) override;
   FilterOutcome observe(Eigen::VectorXd& mean, Eigen::VectorXd* deviation) override;
 
   Eigen::MatrixXd gain() const override;
@@ -31,13 +33,16 @@ private:
   FilterOutcome expect(const Eigen::VectorXd& y, const Eigen::MatrixXd& noise, Innovation& innovation) override;
   FilterOutcome correct(const Eigen::MatrixXd& noise, Innovation& innovation) override;
   bool split_scatter(const PartiallyLinearMap& map);
-  void stack_measurement(const Innovation& innovation, const Eigen::MatrixXd& noise);
+  void stack_measurement(const std::vector<Eigen::Index>& present, const Eigen::MatrixXd& noise);
+  bool triangularise_measurement(const std::vector<Eigen::Index>& present, const Eigen::MatrixXd& noise);
+  bool iterate(const Eigen::MatrixXd& noise, Innovation& innovation);
 
   UnscentedTransform transform_;
   Eigen::VectorXd mean_;
   Eigen::MatrixXd factor_, array_, triangle_, added_, removed_;
   Eigen::MatrixXd process_root_, noise_root_;  ///< Q^(1/2), R^(1/2) of the measured channels
   Eigen::MatrixXd noise_root_of_;              ///< R that noise_root_ is of
+  IteratedUpdate iterated_;
 };
 
 }  // namespace kalfem

@@ -49,6 +49,17 @@ bool UnscentedTransform::apply(PartiallyLinearMap& map, const VectorXd& mean, co
   return true;
 }
 
+bool UnscentedTransform::apply_about(PartiallyLinearMap& map, const VectorXd& mean, const MatrixXd& factor,
+                                     const VectorXd& u, const MatrixXd& T) {
+  there_ = mean;
+  there_.noalias() += factor.triangularView<Eigen::Lower>() * u;
+  multiply_lower(factor, T, factor_there_);
+  if (!apply(map, there_, factor_there_, FactorShape::lower_triangular)) return false;
+  T.triangularView<Eigen::Lower>().solveInPlace<Eigen::OnTheRight>(deviations_);
+  mean_.noalias() -= deviations_ * u;
+  return true;
+}
+
 void UnscentedTransform::add_covariance(const PartiallyLinearMap& map, MatrixXd& covariance) {
   gain_scatter_.noalias() = map.gain().lazyProduct(arguments_.scatter());
   add_symmetric_product(deviations_, deviations_, covariance);

@@ -33,6 +33,12 @@ public:
   [[nodiscard]] bool apply(PartiallyLinearMap& map, const Eigen::VectorXd& mean, const Eigen::MatrixXd& factor,
                            FactorShape shape = FactorShape::general);
 
+  /// The affine model y = A_i x + b_i + e, e ~ N(0, G Sigma G^T), of the map, regressed over sigma points of another
+  /// estimate m + S u, (S T)(S T)^T, and seen from m, S: mean() is then A_i m + b_i and deviations() is A_i S. S and T
+  /// are lower triangular, T regular.
+  [[nodiscard]] bool apply_about(PartiallyLinearMap& map, const Eigen::VectorXd& mean, const Eigen::MatrixXd& factor,
+                                 const Eigen::VectorXd& u, const Eigen::MatrixXd& T);
+
   [[nodiscard]] const Eigen::VectorXd& mean() const { return mean_; }                    ///< mean(y)
   [[nodiscard]] const Eigen::MatrixXd& deviations() const { return deviations_; }        ///< D, n_y x n_x
   [[nodiscard]] const Eigen::MatrixXd& scatter() const { return arguments_.scatter(); }  ///< Sigma, p x p
@@ -42,7 +48,8 @@ public:
 
 private:
   ArgumentTransform arguments_;
-  Eigen::VectorXd mean_, centre_;
+  Eigen::VectorXd mean_, centre_, there_;
+  Eigen::MatrixXd factor_there_;
   Eigen::MatrixXd deviations_, gain_scatter_, selected_;
   Eigen::MatrixXd argument_covariance_, argument_factor_, argument_delta_;
 };

@@ -269,6 +269,7 @@ AugmentedModelSetup make_augmented_model_setup(const EstimationProblem& problem,
   set_zero_prior(setup.model->system(), options);
   set_state_prior(settings, *setup.model, options.prior, issues);
   set_noise(settings.process_noise, *setup.model, options.process_noise, issues);
+  options.process_noise.unit_acceleration = setup.model->coordinate_scale();
   if (local) local->set_priors(setup);
   set_noise_of_unknown_inputs(settings.unknown_inputs, setup);
   options.keep_initial_state = settings.estimate_initial_state;

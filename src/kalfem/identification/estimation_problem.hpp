@@ -8,6 +8,7 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/dynamics/latent_process.hpp"
+#include "kalfem/estimation/adaptive_noise.hpp"
 #include "kalfem/estimation/filter.hpp"
 #include "kalfem/estimation/parameter_transform.hpp"
 #include "kalfem/identification/parameter_set.hpp"
@@ -125,6 +126,7 @@ struct EstimationSettings {
   bool initial_state_from_record = false;         ///< displacements and velocities from the displacement sensors
   Named<Located<ConnectorStatePrior>> initial_connector_states = {};
   AccelerationNoise process_noise = {};
+  AdaptiveNoiseOptions adaptive_noise = {};  ///< noise that the filter finds along the record
   std::optional<LocalModelOptions> local = {};
   double settle = 0.0;                  ///< time before errors and consistency count [s]
   bool estimate_initial_state = false;  ///< keep the initial state in the state vector and update it with every sample

@@ -69,7 +69,7 @@ public:
       : problem_(problem),
         setup_(setup),
         record_(record),
-        options_{.unscented = options.unscented, .state_deviations = false},
+        options_{.unscented = options.unscented, .state_deviations = false, .adaptive_noise = options.adaptive_noise},
         threads_(filter_threads(problem->settings)),
         unknowns_(problem->settings.likelihood_unknowns),
         values_(static_cast<Index>(unknowns_.size())) {

@@ -41,6 +41,7 @@ std::optional<ProcessNoiseTrial> trial_with(double factor, const EstimationProbl
   EstimationOptions options{.unscented = problem->settings.unscented,
                             .passes = problem->settings.passes,
                             .state_deviations = false,
+                            .adaptive_noise = problem->settings.adaptive_noise,
                             .held_out = estimate.held_out};
   options.outliers.treatment = estimate.outliers;
   const auto filtered = run_filter(problem, setup, record, options);
@@ -57,6 +58,7 @@ std::vector<ProcessNoiseTrial> study_process_noise(const EstimationProblemPtr& p
                                                    const AugmentedModelSetup& setup, const Record& record,
                                                    const RecordEstimate& estimate) {
   const bool any_noise = (setup.options.process_noise.acceleration.array() > 0.0).any();
+  if (problem->settings.adaptive_noise.process) return {};  // the record decides
   if (estimate.result.failure || !any_noise || estimate.augmented_model->layout().unknowns == 0) return {};
   std::array<std::optional<ProcessNoiseTrial>, factors.size()> found;
   for_each_index(factors.size(), filter_threads(problem->settings),

@@ -21,7 +21,8 @@ struct ProcessNoiseTrial {
 /// The estimate beside those with a tenth, a third, three and ten times the process noise, all else as it was, in
 /// ascending order; without those at which the filter stops. A Kalman filter's estimates are best with the true
 /// covariance of the process noise, which nobody knows of a real structure: this tells what depends on it.
-/// Nothing without process noise or unknowns, and for an estimate that failed. `setup`: with which `estimate` was made.
+/// Nothing without process noise or unknowns, where it adapts, and for an estimate that failed. `setup`: with which
+/// `estimate` was made.
 std::vector<ProcessNoiseTrial> study_process_noise(const EstimationProblemPtr& problem,
                                                    const AugmentedModelSetup& setup, const Record& record,
                                                    const RecordEstimate& estimate);

@@ -179,6 +179,7 @@ EstimationOptions filter_options(const EstimationProblem& problem, const Augment
           .state_deviations = false,
           .deviation_stride = options.deviation_stride,
           .keep_unknowns = true,
+          .adaptive_noise = settings.adaptive_noise,
           .monitored = with_inputs(make_outputs(*setup.model, options.monitored),
                                    held_by(settings.unknown_inputs, setup), *setup.model),
           .progress = options.progress};
@@ -246,7 +247,9 @@ RecordEstimate estimate_at_first_guesses(const EstimationProblemPtr& problem, co
 RecordEstimate estimate_record(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
                                const Record& record, const RecordEstimateOptions& options) {
   if (problem->settings.likelihood_unknowns.empty()) return estimate_by_filter(problem, setup, record, options);
-  auto likelihood = estimate_likelihood_unknowns(problem, setup, record, {.unscented = problem->settings.unscented});
+  auto likelihood = estimate_likelihood_unknowns(
+      problem, setup, record,
+      {.unscented = problem->settings.unscented, .adaptive_noise = problem->settings.adaptive_noise});
   if (!likelihood) return estimate_at_first_guesses(problem, setup, record, options);
   const auto& [corrected_problem, corrected_setup, corrected_record, log_jacobian] = likelihood->corrected;
   RecordEstimate estimate = estimate_by_filter(corrected_problem, corrected_setup, corrected_record, options);

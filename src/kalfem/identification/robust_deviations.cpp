@@ -41,6 +41,11 @@ InnovationRecord innovations_of(const Record& measured, const EstimationResult& 
                           .first = first,
                           .nis = result.nis,
                           .measured = result.measured};
+  if (result.noise && result.noise->sensors_adapt) {
+    const Index count = result.noise->sensors.cols() - first;
+    record.noise = result.noise->sensors.rightCols(count).cwiseAbs2().rowwise().mean().cwiseSqrt();
+    record.adapted_noise = true;
+  }
   for (const auto& channel : measured.channels) {
     record.sensors.push_back(channel.name);
     record.units.push_back(channel.unit);

@@ -107,7 +107,8 @@ Start estimated_start(const EstimationProblemPtr& problem, const AugmentedModelS
   const auto filtered = run_filter(problem, setup, record,
                                    {.unscented = problem->settings.unscented,
                                     .threads = filter_threads(problem->settings),
-                                    .state_deviations = false});
+                                    .state_deviations = false,
+                                    .adaptive_noise = problem->settings.adaptive_noise});
   Start start{.rest = VectorXd::Zero(static_cast<Index>(setup.sensors.size()))};
   if (filtered.result.failure) start.failure = filtered.result.failure->reason;
   const auto& layout = filtered.augmented_model()->layout();
@@ -139,7 +140,8 @@ MatrixXd one_step_errors(const EstimationProblemPtr& problem, AugmentedModelSetu
   const auto filtered = run_filter(problem, setup, record,
                                    {.unscented = problem->settings.unscented,
                                     .threads = filter_threads(problem->settings),
-                                    .state_deviations = false});
+                                    .state_deviations = false,
+                                    .adaptive_noise = problem->settings.adaptive_noise});
   return filtered.result.failure ? MatrixXd() : filtered.result.innovation;
 }
 

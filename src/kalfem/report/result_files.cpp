@@ -96,10 +96,22 @@ void write_frequencies(SeriesWriter& file, const FrequencyCourse& course) {
   }
 }
 
+/// The noise that was in force at each sample.
+void write_noise(SeriesWriter& file, const NoiseCourse& course, const Record& measurements) {
+  for (std::size_t i = 0; course.sensors_adapt && i < measurements.channels.size(); ++i) {
+    const auto& channel = measurements.channels[i];
+    file.write("/estimate/noise/" + channel.name, course.sensors.row(static_cast<Eigen::Index>(i)).transpose(),
+               channel.unit);
+  }
+  if (course.process_factor.size() > 0)
+    file.write("/estimate/noise/process", course.density * course.process_factor.cwiseSqrt(), "m/s^2/sqrt(Hz)");
+}
+
 void write_estimate(SeriesWriter& file, const EstimationOutcome& outcome) {
   const auto& names = outcome.augmented_model->options().unknowns;
   write_series(file, "/estimate", outcome.points, outcome.inputs, names, outcome.result.unknowns);
   if (outcome.frequencies) write_frequencies(file, *outcome.frequencies);
+  if (outcome.result.noise) write_noise(file, *outcome.result.noise, outcome.measurements);
   if (outcome.smoothed)
     write_series(file, "/smoothed", outcome.smoothed_points, outcome.smoothed_inputs, names,
                  outcome.smoothed->unknowns);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kalfem/report/adaptive_noise_report.hpp"
 #include "kalfem/report/frequency_report.hpp"
 #include "kalfem/report/process_noise_report.hpp"
 #include "kalfem/report/sections.hpp"
@@ -421,6 +422,7 @@ Page make_page(const Study& study, const StudyResults& results) {
     const auto& outcome = *results.estimation;
     if (outcome.augmented_model->layout().unknowns > 0) page.sections.push_back(parameters_section(study, outcome));
     if (outcome.frequencies) page.sections.push_back(frequencies_section(*outcome.frequencies));
+    if (outcome.result.noise) page.sections.push_back(adaptive_noise_section(outcome));
     if (!outcome.process_noise.empty()) page.sections.push_back(process_noise_section(outcome));
     if (!outcome.inputs.empty()) page.sections.push_back(inputs_section(outcome));
     if (outcome.open_loop) page.sections.push_back(open_loop_section(outcome));

@@ -12,6 +12,7 @@
 #include "kalfem/diagnosis/judge_estimation.hpp"
 #include "kalfem/identification/stated_interval.hpp"
 #include "kalfem/identification/walked_range.hpp"
+#include "kalfem/report/adaptive_noise_report.hpp"
 #include "kalfem/report/frequency_report.hpp"
 #include "kalfem/report/process_noise_report.hpp"
 #include "kalfem/report/summary_parts.hpp"
@@ -482,6 +483,8 @@ Json summarise(const Study& study, const StudyResults& results) {
     }
     summary["estimation"] = estimation_summary(*results.estimation);
     if (!results.estimation->events.empty()) summary["events"] = events_summary(*results.estimation);
+    if (results.estimation->result.noise)
+      summary["estimation"]["adaptive_noise"] = adaptive_noise_summary(*results.estimation);
     if (!results.estimation->process_noise.empty())
       summary["estimation"]["process_noise"] = process_noise_summary(*results.estimation);
     if (const auto& course = results.estimation->frequencies) summary["frequencies"] = frequencies_summary(*course);

@@ -10,6 +10,7 @@
 #include "kalfem/identification/stated_interval.hpp"
 #include "kalfem/identification/walked_range.hpp"
 #include "kalfem/records/record.hpp"
+#include "kalfem/report/adaptive_noise_report.hpp"
 #include "kalfem/report/frequency_report.hpp"
 #include "kalfem/report/process_noise_report.hpp"
 #include "kalfem/report/summary_parts.hpp"
@@ -345,6 +346,7 @@ std::string console_report(const Study& study, const StudyResults& results) {
       text +=
           fmt::format("NIS {:.2f} (expected {:.2f}); {} of samples in the 95 % band\n", outcome.consistency.mean_nis,
                       outcome.consistency.expected_nis, per_cent(outcome.consistency.fraction_in_95));
+    if (outcome.result.noise) text += adaptive_noise_words(outcome);
     if (outcome.frequencies)
       text += "\nNatural frequencies over the record [Hz]\n" + to_text(frequencies_table(*outcome.frequencies)) + "\n";
     if (depends_on_process_noise(results.verdict))

@@ -238,6 +238,30 @@ void check_driving_sensor(const d::Case& given, const std::string& point, const 
              "the sensor must measure the interface point itself", fix);
 }
 
+void check_adaptive_noise(const d::Case& given, IssueList& issues) {
+  const auto& estimate = *given.estimate;
+  const auto& adaptive = estimate.adaptive_noise;
+  if (!adaptive.any()) return;
+  const auto at = given.source.at({"estimate", "adaptive_noise"});
+  for (const auto& [name, unknown] : estimate.unknown) {
+    const bool of_sensor = name.starts_with("sensors.") && name.ends_with(".noise");
+    if (!(of_sensor && adaptive.sensors) && !(name == "process_noise" && adaptive.process)) continue;
+    issues.add(
+        unknown.initial.location,
+        "estimate.unknown." + name + " is an unknown, and estimate.adaptive_noise." +
+            (of_sensor ? "sensors" : "process") + " adapts it",
+        "one number for the whole record by maximum likelihood and one that follows the record exclude each other",
+        "remove one of them");
+  }
+  if (estimate.passes > 1)
+    issues.add(given.source.at({"estimate", "passes"}), "estimate.passes is > 1 with estimate.adaptive_noise",
+               "each pass would find the noise of every instant again from its stated value", "set passes: 1");
+  if (given.update)
+    issues.add(at, "estimate.adaptive_noise is given, but the case has `update`",
+               "each step of the updating would judge the record by another noise",
+               "find the noise in a run without `update`, then state it");
+}
+
 }  // namespace
 
 void check_estimation(const d::Case& given, IssueList& issues) {
@@ -248,6 +272,7 @@ void check_estimation(const d::Case& given, IssueList& issues) {
     issues.add(place("passes"), "estimate.passes is > 1 without estimate_initial_state",
                "each pass starts from the initial state that the previous one estimated",
                "set estimate.estimate_initial_state: true");
+  check_adaptive_noise(given, issues);
   if (estimate.initial_state_from_record)
     for (const auto& [point, start] : estimate.initial_state)
       if (start.value.displacement != 0.0 || start.value.velocity != 0.0)

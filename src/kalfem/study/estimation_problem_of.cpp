@@ -231,6 +231,7 @@ EstimationProblem make_estimation_problem(const CaseStudy& study, IssueList& iss
                       .initial_state_from_record = given.initial_state_from_record,
                       .initial_connector_states = given.initial_connector_states,
                       .process_noise = given.process_noise,
+                      .adaptive_noise = given.adaptive_noise,
                       .local = given.local,
                       .settle = given.settle,
                       .estimate_initial_state = given.estimate_initial_state,

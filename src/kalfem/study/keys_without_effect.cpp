@@ -99,6 +99,7 @@ private:
       for (const char* key : {"alpha", "beta", "kappa"}) warn({"estimate", key}, "filter: ekf has no sigma points");
     if (estimate.filter && *estimate.filter != FilterKind::partially_linear && !given_.update)
       warn({"estimate", "threads"}, "only filter: partially_linear_ukf uses threads");
+    if (!estimate.adaptive_noise.any()) warn({"estimate", "adaptive_noise", "memory"}, "no noise adapts");
     for (const auto& [name, unknown] : estimate.unknown)
       if (unknown.transform && *unknown.transform != TransformKind::logit)
         warn({"estimate", "unknown", name, "bounds"}, "only transform: logit keeps a parameter between bounds");

@@ -13,13 +13,14 @@ namespace kalfem {
 /// The innovations of a run, as the filter gives them. A value that is not a number is missing.
 struct InnovationRecord {
   std::vector<std::string> sensors, units;
-  Eigen::VectorXd noise;                  ///< stated standard deviation per sensor
+  Eigen::VectorXd noise;                  ///< standard deviation per sensor: stated, or the mean of what was adapted
   Eigen::MatrixXd innovation;             ///< sensors x samples
   Eigen::MatrixXd deviation;              ///< that the filter expects, sensors x samples
   double sample_rate = 1.0, start = 0.0;  ///< [Hz], [s]
   Eigen::Index first = 0;                 ///< first sample that counts: what comes before is settling
   Eigen::VectorXd nis = {};               ///< normalised innovation squared per sample; empty: not judged
   Eigen::VectorXi measured = {};          ///< its degrees of freedom: channels measured
+  bool adapted_noise = false;             ///< `noise` was found along the record
 };
 
 /// One sensor's normalised innovations e = innovation / deviation, white with variance one for a consistent filter.

@@ -128,11 +128,14 @@ private:
     if (state_of(1.0 / found_.ratio) != VerdictState::consistent)
       reasons_.push_back(
           {"noise_too_large", name_,
-           fmt::format("the noise of '{}' is stated {:.2g} times too large: its innovations are smaller than "
+           fmt::format("the noise of '{}' is {} {:.2g} times too large: its innovations are smaller than "
                        "expected by as much, and deviations of estimates that rest on it are too wide by up to as much",
-                       name_, 1.0 / found_.ratio),
-           fmt::format("state the noise of '{}' as about {}, not {}, or less process noise", name_,
-                       noise_text(record_, i_, noise * found_.ratio), noise_text(record_, i_, noise)),
+                       name_, record_.adapted_noise ? "adapted" : "stated", 1.0 / found_.ratio),
+           record_.adapted_noise
+               ? fmt::format("state less process noise, or a shorter memory: on average '{}' was given {}", name_,
+                             noise_text(record_, i_, noise))
+               : fmt::format("state the noise of '{}' as about {}, not {}, or less process noise", name_,
+                             noise_text(record_, i_, noise * found_.ratio), noise_text(record_, i_, noise)),
            VerdictState::suspicious, 1.0 / found_.ratio});
   }
 

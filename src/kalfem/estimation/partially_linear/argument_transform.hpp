@@ -23,6 +23,9 @@ struct UnscentedOptions {
   /// Uhlmann, 2004); measured to be the best spread, docs/theory/partially-linear-ukf.md.
   std::optional<double> kappa = {};
   SigmaPoints points = SigmaPoints::of_state;
+  /// Most passes of a measurement update. From the second on the measurement is linearised over sigma points of the
+  /// posterior that the pass before gave (iterated_update.hpp); the prior is conditioned once, with the last one.
+  int update_iterations = 1;
 };
 
 struct UnscentedWeights {

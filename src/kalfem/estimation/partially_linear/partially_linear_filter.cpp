@@ -45,9 +45,19 @@ PartiallyLinearFilter::PartiallyLinearFilter(const FilterModel& model, const Uns
       estimate_(rows_of_maps(), layout_, threads) {
   const auto& propagated = estimate_.rows().propagated();
   gain_of_propagated_ = gain_.transpose() * propagated;
-  const MatrixXd rows = layout_.placed(model.process_noise), placed = layout_.placed(rows.transpose());
-  noise_of_propagated_ = placed * propagated;
+  set_noise_of_propagated();
   if (model.monitored) monitored_ = layout_.placed(model.monitored->linear().transpose());
+}
+
+void PartiallyLinearFilter::set_process_noise(const MatrixXd& noise) {
+  Filter::set_process_noise(noise);
+  process_noise_ = SymmetricTiles(noise, layout_);
+  set_noise_of_propagated();
+}
+
+void PartiallyLinearFilter::set_noise_of_propagated() {
+  const MatrixXd rows = layout_.placed(process_noise()), placed = layout_.placed(rows.transpose());
+  noise_of_propagated_ = placed * estimate_.rows().propagated();
 }
 
 /// The rows whose products with P the maps need.
@@ -130,16 +140,42 @@ FilterOutcome PartiallyLinearFilter::expect(const VectorXd& y, const MatrixXd& n
   return FilterOutcome::usable;
 }
 
-FilterOutcome PartiallyLinearFilter::correct(const MatrixXd&, Innovation& innovation) {
+FilterOutcome PartiallyLinearFilter::correct(const MatrixXd& noise, Innovation& innovation) {
   if (!cholesky(innovation.covariance, 0.0, innovation_factor_)) return FilterOutcome::innovation_not_positive_definite;
   whitened_ = innovation.value;
   whiten(innovation_factor_, whitened_);
 
   measurement_map_.output_cross(combination_);
   solve_on_the_right(innovation_factor_, combination_);
-  estimate_.condition(combination_, whitened_);
   score(innovation, innovation_factor_, whitened_);
+  if (update_iterations() > 1 && !measurement_map_.is_linear()) iterate(noise, innovation);
+  estimate_.condition(combination_, whitened_);
   return FilterOutcome::usable;
+}
+
+/// The passes of IteratedUpdate. The posterior of the arguments and the measurement's moments follow from the small
+/// gram matrix, so that a pass costs the same whatever the number of states. Each pass replaces `combination_`,
+/// `whitened_` and the factor of the innovation's covariance; one that fails leaves those of the pass before.
+void PartiallyLinearFilter::iterate(const MatrixXd& noise, Innovation& innovation) {
+  const auto& gram = estimate_.gram();
+  measurement_map_.begin_passes();
+  for (int pass = 1; pass < update_iterations(); ++pass) {
+    thin_product(gram, combination_, rows_of_downdate_);
+    if (!measurement_map_.spread_about(gram, rows_of_downdate_, whitened_)) return;
+    measurement_map_.output_mean(gram, output_mean_);
+    next_value_ = measured_values() - output_mean_;
+    next_covariance_ = noise;
+    measurement_map_.add_output_covariance(gram, next_covariance_);
+    if (!cholesky(next_covariance_, 0.0, next_factor_)) return;
+    innovation.relinearised = true;
+    innovation.about_posterior.value = whitened_ = next_value_;
+    innovation.about_posterior.covariance = next_covariance_;
+    innovation_factor_ = next_factor_;
+    whiten(innovation_factor_, whitened_);
+    measurement_map_.output_cross(combination_);
+    solve_on_the_right(innovation_factor_, combination_);
+    if (measurement_map_.settled()) return;
+  }
 }
 
 /// The rows of monitored quantities are many: their products with P are not formed at every step, and of their

@@ -22,6 +22,7 @@ public:
 
   void reset(const Gaussian& estimate) override;
   FilterOutcome predict() override;
+  void set_process_noise(const Eigen::MatrixXd& noise) override;
   FilterOutcome observe(Eigen::VectorXd& mean, Eigen::VectorXd* deviation) override;
 
   Eigen::MatrixXd gain() const override {
@@ -37,7 +38,9 @@ public:
 private:
   FilterOutcome expect(const Eigen::VectorXd& y, const Eigen::MatrixXd& noise, Innovation& innovation) override;
   FilterOutcome correct(const Eigen::MatrixXd& noise, Innovation& innovation) override;
+  void iterate(const Eigen::MatrixXd& noise, Innovation& innovation);
   ProjectedRows rows_of_maps();
+  void set_noise_of_propagated();
   void move_gain();
   void propagate_mean();
   void propagate_rows();
@@ -58,6 +61,9 @@ private:
   Eigen::MatrixXd source_products_, propagated_products_, propagated_response_;  ///< P g^T, P+ h^T; (H W)^T
   Eigen::MatrixXd combination_;                                                  ///< B, then B L^-T
   Eigen::MatrixXd innovation_factor_;
+  Eigen::MatrixXd rows_of_downdate_, next_factor_;  ///< of an iterated update: H J; L of the next pass
+  Eigen::VectorXd next_value_;
+  Eigen::MatrixXd next_covariance_;
   Eigen::MatrixXd monitored_, monitored_products_, monitored_force_;  ///< A^T, P A^T, A P_xf of monitored quantities
   Eigen::VectorXd whitened_, output_mean_;
   mutable Eigen::VectorXd mean_;  ///< x in the order of the states

@@ -42,7 +42,13 @@ void ProjectedMap::find_places(const ProjectedRows& rows) {
 
 bool ProjectedMap::spread(const MatrixXd& gram) {
   if (linear_only_) return true;
-  const auto q = static_cast<Index>(selection_.size()), p = map_.gain().cols();
+  take_arguments(gram);
+  return evaluate_arguments();
+}
+
+/// P_ww, lower triangle, and mean(w).
+void ProjectedMap::take_arguments(const MatrixXd& gram) {
+  const auto q = static_cast<Index>(selection_.size());
   const auto place = [&](Index argument) { return selection_[static_cast<std::size_t>(argument)]; };
   covariance_.resize(q, q);
   centre_.resize(q);
@@ -50,6 +56,11 @@ bool ProjectedMap::spread(const MatrixXd& gram) {
     for (Index i = j; i < q; ++i) covariance_(i, j) = gram(place(i), place(j));
     centre_[j] = gram(place(j), rows_) + map_.input_offset()[j];
   }
+}
+
+bool ProjectedMap::evaluate_arguments() {
+  const auto q = static_cast<Index>(selection_.size()), p = map_.gain().cols();
+  const auto place = [&](Index argument) { return selection_[static_cast<std::size_t>(argument)]; };
   const auto dependent = q > many_arguments ? Dependent::left_out : Dependent::raised;
   covariance_usable_ = independent_argument_factor(covariance_, dependent, factor_, independent_);
   // Directions that have vanished since stay as points at the centre: their number changes nothing but array sizes.
@@ -67,6 +78,30 @@ bool ProjectedMap::spread(const MatrixXd& gram) {
       for (Index k = 0; k < delta.rows(); ++k) half_covariance_(i, j) += 0.5 * delta(k, i) * delta(k, j);
   }
   return true;
+}
+
+bool ProjectedMap::spread_about(const MatrixXd& gram, const MatrixXd& downdate, const VectorXd& whitened) {
+  const auto q = static_cast<Index>(selection_.size()), p = map_.gain().cols();
+  const auto place = [&](Index argument) { return selection_[static_cast<std::size_t>(argument)]; };
+  take_arguments(gram);
+  prior_covariance_ = covariance_;
+  prior_centre_ = centre_;
+  for (Index c = 0; c < downdate.cols(); ++c)
+    for (Index j = 0; j < q; ++j) {
+      for (Index i = j; i < q; ++i) covariance_(i, j) -= downdate(place(i), c) * downdate(place(j), c);
+      centre_[j] += downdate(place(j), c) * whitened[c];
+    }
+  if (!evaluate_arguments()) return false;
+  prior_products_.noalias() = prior_covariance_.selfadjointView<Eigen::Lower>() * argument_slopes_;
+  half_covariance_ = 0.5 * transform_.scatter();
+  half_covariance_.noalias() += 0.5 * argument_slopes_.transpose().lazyProduct(prior_products_);
+  for (Index j = 0; j < p; ++j) nonlinear_mean_[j] += argument_slopes_.col(j).dot(prior_centre_ - centre_);
+  return true;
+}
+
+bool ProjectedMap::settled() {
+  deviation_ = covariance_.diagonal().cwiseMax(0.0).cwiseSqrt();
+  return moves_.settle(centre_, deviation_);
 }
 
 void ProjectedMap::select_channels(const std::vector<Index>& channels) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "kalfem/estimation/iterated_update.hpp"
 #include "kalfem/estimation/partially_linear/argument_transform.hpp"
 #include "kalfem/estimation/partially_linear/projected_rows.hpp"
 
@@ -20,6 +21,17 @@ public:
   /// phi over sigma points of w about the mean. False where the covariance of w is not positive semi-definite
   /// (`covariance_usable` says so) or the map cannot be evaluated.
   [[nodiscard]] bool spread(const Eigen::MatrixXd& gram);
+  /// The same over sigma points of the posterior with the gram matrix `gram` - J [J; -v^T]^T, J being K x l, brought
+  /// back to the prior `gram`: with phi ~ mean(phi) + F^T (w - mean(w)) + error of covariance Sigma there, the mean and
+  /// the covariance of phi are those which this gives to the prior's w. For iterated updates, IteratedUpdate.
+  [[nodiscard]] bool spread_about(const Eigen::MatrixXd& gram, const Eigen::MatrixXd& downdate,
+                                  const Eigen::VectorXd& whitened);
+  /// Before the passes of an update, and whether the arguments have stopped moving since the pass before,
+  /// ArgumentMoves.
+  void begin_passes() { moves_.restart(); }
+  [[nodiscard]] bool settled();
+  /// Whether further passes of an update would repeat the first.
+  [[nodiscard]] bool is_linear() const { return linear_only_; }
   [[nodiscard]] bool covariance_usable() const { return covariance_usable_; }
 
   [[nodiscard]] const Eigen::VectorXd& nonlinear_mean() const { return nonlinear_mean_; }  ///< mean(phi), p
@@ -37,6 +49,9 @@ public:
   void output_cross(Eigen::MatrixXd& cross) const;
 
 private:
+  void take_arguments(const Eigen::MatrixXd& gram);
+  bool evaluate_arguments();
+
   PartiallyLinearMap& map_;
   bool outputs_ = false, linear_only_ = false, covariance_usable_ = true;
   std::size_t selection_number_ = 0, linear_number_ = 0;
@@ -46,8 +61,11 @@ private:
   ArgumentTransform transform_;
   Eigen::VectorXd centre_, nonlinear_mean_;
   Eigen::MatrixXd covariance_, factor_, argument_slopes_;  ///< P_ww, L, F of the arguments
-  std::vector<Eigen::Index> independent_;                  ///< arguments of the columns of L
-  Eigen::Index directions_ = 0;                            ///< the most columns of L until now
+  Eigen::MatrixXd prior_covariance_, prior_products_;      ///< P_ww, P_ww F of an iterated update's prior
+  Eigen::VectorXd prior_centre_, deviation_;
+  ArgumentMoves moves_;
+  std::vector<Eigen::Index> independent_;  ///< arguments of the columns of L
+  Eigen::Index directions_ = 0;            ///< the most columns of L until now
   Eigen::MatrixXd slopes_, half_covariance_, output_force_;
   std::vector<Eigen::Index> places_;  ///< of the selected channels' rows of A
   Eigen::MatrixXd gain_;              ///< G of these, l x p

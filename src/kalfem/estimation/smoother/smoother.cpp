@@ -5,6 +5,7 @@
 
 #include "kalfem/base/interruption.hpp"
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/estimation/adaptive_filter.hpp"
 #include "kalfem/estimation/filter_setup.hpp"
 #include "kalfem/estimation/smoother/adjoint.hpp"
 
@@ -60,12 +61,13 @@ public:
         options_(options),
         filtered_(filtered),
         linear_unknowns_(linear_unknowns(augmented_model.options())),
-        moments_(transform_of(options)) {}
+        moments_(transform_of(options)),
+        noise_(augmented_model, input.noise, filtered.noise) {}
 
   /// The update at the first sample from the prior; nothing where it fails.
   std::optional<SmootherStep> begin() {
     const std::shared_ptr<const AugmentedModel> first(std::shared_ptr<void>(), &augmented_model_);
-    model_ = std::make_shared<SmootherModel>(std::make_shared<FilterSetup>(first, input_.noise, options_));
+    replace_model(std::make_shared<FilterSetup>(first, input_.noise, options_));
     model_->setup->filter->reset(filtered_.prior);
     linearised_about_ = linear_estimate(augmented_model_, linear_unknowns_, filtered_.unknowns);
     SmootherStep step;
@@ -80,7 +82,7 @@ public:
 
   void restart(const Checkpoint& from) {
     if (!model_ || model_->setup->augmented_model != from.model)
-      model_ = std::make_shared<SmootherModel>(std::make_shared<FilterSetup>(from.model, input_.noise, options_));
+      replace_model(std::make_shared<FilterSetup>(from.model, input_.noise, options_));
     model_->setup->filter->reset(from.estimate);
     linearised_about_ = from.linearised_about;
   }
@@ -90,6 +92,7 @@ public:
     auto& setup = *model_->setup;
     Gaussian before;
     if (step) before = {setup.filter->mean(), setup.filter->covariance()};
+    noise_.before_prediction(k, setup);
     if (predict_to(k, input_, setup) != FilterOutcome::usable) return false;
     if (step) {
       if (!moments_of(setup.transition, before)) return false;
@@ -99,6 +102,11 @@ public:
   }
 
 private:
+  void replace_model(std::shared_ptr<FilterSetup> setup) {
+    model_ = std::make_shared<SmootherModel>(std::move(setup));
+    noise_.forget_setup();
+  }
+
   bool moments_of(PartiallyLinearMap& map, const Gaussian& estimate) {
     const MatrixXd& N = map.selection();
     const MatrixXd selected = N * estimate.covariance;
@@ -110,29 +118,31 @@ private:
     Gaussian predicted;
     if (step) predicted = {setup.filter->mean(), setup.filter->covariance()};
     innovation_.channels.clear();
+    noise_.before_update(k, setup);
     if (update_at(k, input_, options_.held_out, setup, measured_, innovation_) != FilterOutcome::usable) return false;
     if (step) {
-      if (!set_measurement(predicted, step->measurement)) return false;
       step->model = model_;
       step->estimate = {setup.filter->mean(), setup.filter->covariance()};
+      if (!set_measurement(innovation_.relinearised ? step->estimate : predicted, step->measurement)) return false;
     }
     return relinearise(k, step);
   }
 
-  bool set_measurement(const Gaussian& predicted, LinearisedMeasurement& measurement) {
+  /// `about`: the estimate about which the update linearised the measurement.
+  bool set_measurement(const Gaussian& about, LinearisedMeasurement& measurement) {
     auto& setup = *model_->setup;
     const auto& channels = innovation_.channels;
-    const Index n = predicted.mean.size(), l = std::ssize(channels);
+    const Index n = about.mean.size(), l = std::ssize(channels);
     measurement = {MatrixXd(0, n), MatrixXd(n, 0), MatrixXd(0, n), VectorXd()};
     if (l == 0) return true;
     auto& map = setup.measurement;
-    if (!moments_of(map, predicted)) return false;
+    if (!moments_of(map, about)) return false;
     measurement.output = map.linear()(channels, Eigen::all);
     measurement.output += map.gain()(channels, Eigen::all) * (moments_.slopes().transpose() * map.selection());
     measurement.gain = setup.filter->gain();
-    const Eigen::LLT<MatrixXd> factor(innovation_.covariance);
+    const Eigen::LLT<MatrixXd> factor(innovation_.conditioned_covariance());
     measurement.weighted = factor.solve(measurement.output);
-    measurement.innovation = factor.solve(innovation_.value);
+    measurement.innovation = factor.solve(innovation_.conditioned_value());
     return true;
   }
 
@@ -143,7 +153,7 @@ private:
     if (!now.outdates(linearised_about_)) return true;
     const auto before = model_;
     std::shared_ptr<FilterSetup> setup = relinearised(augmented_model_, now, *before->setup, input_.noise, options_);
-    model_ = std::make_shared<SmootherModel>(std::move(setup));
+    replace_model(std::move(setup));
     linearised_about_ = std::move(now);
     if (!step) return true;
     const Index n = step->estimate.mean.size();
@@ -158,6 +168,7 @@ private:
   const EstimationResult& filtered_;
   std::vector<Index> linear_unknowns_;
   ArgumentMoments moments_;
+  NoiseReplay noise_;
   std::shared_ptr<SmootherModel> model_;
   LinearEstimate linearised_about_;
   Innovation innovation_;
