@@ -36,7 +36,7 @@ inline constexpr int max_internal_states = 8;
 ///     force "k*x + mu*x/(m2 + abs(x)) + c*v", parameters k, mu, m2, c.
 /// States are integrated over an interval, motion and signals w linear in between, by the two-stage, second-order,
 /// L-stable diagonally implicit Runge-Kutta method [Ale77], each stage by a damped Newton iteration. All derivatives
-/// are exact (reverse differentiation), through the states too. Points are evaluated 8 at a time.
+/// are exact (reverse differentiation), through the states too. Each operation is done at up to 64 points at once.
 /// Every mistake is reported at once as InvalidInput: syntax (with its position), unknown and unused names, names that
 /// clash with x, v, a, a function or a constant. Evaluation never throws: what is not finite, or a state whose implicit
 /// step does not converge, gives a NaN force. Each thread has arrays of its own, which grow once.

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Dense>
 #include <map>
 #include <string>
 #include <tuple>
@@ -8,7 +7,7 @@
 
 namespace kalfem {
 
-/// An operation of an expression on one, two or three values.
+/// An operation of an expression on values a, b, c, d.
 enum class TapeOperation : unsigned char {
   add,
   subtract,
@@ -48,67 +47,73 @@ enum class TapeOperation : unsigned char {
   hyperbolic_tangent,
   area_sine,
   area_cosine,
-  area_tangent
+  area_tangent,
+  // of derivatives only
+  guarded_multiply,  ///< a b, but 0 where a is 0, even if b is no number
+  power_slope,       ///< b a^(b - 1), where c is a^b
+  // of programs only
+  copy,
+  finish,                    ///< the end
+  cube,                      ///< a^3
+  cube_slope,                ///< 3 a^2
+  multiply_add,              ///< a b + c
+  multiply_subtract,         ///< a b - c
+  subtract_product,          ///< c - a b
+  guarded_multiply_add,      ///< a b + c, but c where a is 0
+  guarded_subtract_product,  ///< c - a b, but c where a is 0
+  sum_of_products,           ///< a b + c d
+  difference_of_products     ///< a b - c d
 };
 
-/// One step of a tape: value `out` from the values `a`, `b`, `c`.
-struct TapeStep {
-  TapeOperation operation = TapeOperation::add;
-  int out = 0, a = -1, b = -1, c = -1;
-  /// In a backward pass: whether a derivative by the operand is wanted.
-  bool by_a = false, by_b = false, by_c = false;
+/// A value of a tape: a variable, a constant or the result of an operation on earlier values.
+struct TapeValue {
+  enum class Kind : unsigned char { variable, constant, result };
+
+  Kind kind = Kind::variable;
+  TapeOperation operation = TapeOperation::copy;
+  int a = -1, b = -1, c = -1;  ///< numbers of the operands, -1: none
+  double constant = 0.0;
+  /// Whether it is a number wherever the variables are, overflow aside.
+  bool always_finite = true;
 };
 
-/// One quantity at W points, a point per lane of the vector registers.
-template <int W>
-using TapeLanes = Eigen::Array<double, W, 1>;
-
-/// Expressions compiled into a list of steps, with common sub-expressions computed once and constants folded. Values
-/// are numbered: variables, constants, results of steps. The syntax is that of muParser, by which the text has been
-/// checked.
+/// Expressions and their derivatives as a list of values, each from values before it. What is equal stands there once,
+/// constants are folded, and neutral operations (x + 0, 1 x) left out.
 class ExpressionTape {
 public:
   /// Number of the value of a new variable.
   int add_variable(const std::string& name);
   /// Lets a name stand for a value that is known already.
   void add_name(const std::string& name, int value) { names_[name] = value; }
-  /// Number of the value of the expression.
+  /// Number of the value of the expression, whose syntax is that of muParser. Throws InvalidInput where it is not.
   int compile(const std::string& text);
 
-  [[nodiscard]] int size() const { return size_; }  ///< number of values
-  [[nodiscard]] const std::vector<std::pair<int, double>>& constants() const { return constants_; }
+  int add_constant(double value);
+  int add_step(TapeOperation operation, int a, int b = -1, int c = -1);
 
-  /// Steps that lead to the values, in order, without those whose value is `known`; they become known.
-  [[nodiscard]] std::vector<TapeStep> steps_to(const std::vector<int>& values, std::vector<char>& known) const;
-  /// Steps that depend on none but these variables and constants, in order; they become known.
-  [[nodiscard]] std::vector<TapeStep> steps_from(const std::vector<int>& variables, std::vector<char>& known) const;
-  /// Steps from the value back to the variables that its derivatives are wanted by.
-  [[nodiscard]] std::vector<TapeStep> steps_back(int value, const std::vector<int>& variables) const;
-  /// Whether the value depends on the variable.
+  [[nodiscard]] int size() const { return static_cast<int>(values_.size()); }
+  [[nodiscard]] const TapeValue& operator[](int value) const { return values_[static_cast<std::size_t>(value)]; }
+  [[nodiscard]] bool is_constant(int value, double number) const;
+  /// The value of a name, a constant or a step, -1: none.
+  [[nodiscard]] int find(const std::string& name) const;
+  [[nodiscard]] int find_constant(double number) const;
+  [[nodiscard]] int find_step(TapeOperation operation, int a, int b) const;
+  /// Which values depend on some of the variables.
+  [[nodiscard]] std::vector<char> that_depend_on(const std::vector<int>& variables) const;
   [[nodiscard]] bool depends(int value, int variable) const;
 
 private:
-  friend class ExpressionParser;
-  int add_constant(double value);
-  int add_step(TapeOperation operation, int a, int b = -1, int c = -1);
-  [[nodiscard]] const double* constant(int value) const;
-  [[nodiscard]] std::vector<char> that_depend_on(const std::vector<int>& variables) const;
+  [[nodiscard]] int neutral(TapeOperation operation, int a, int b);
+  [[nodiscard]] bool always_finite(TapeOperation operation, int a, int b, int c) const;
+  [[nodiscard]] bool is_constant(int value) const {
+    return value >= 0 && (*this)[value].kind == TapeValue::Kind::constant;
+  }
 
-  int size_ = 0;
+  std::vector<TapeValue> values_;
   std::map<std::string, int> names_;
-  std::vector<std::pair<int, double>> constants_;
-  std::vector<TapeStep> steps_;
-  std::map<std::tuple<TapeOperation, int, int, int>, int> known_steps_;
+  std::map<double, int> constants_;
+  std::map<std::tuple<TapeOperation, int, int, int>, int> steps_;
 };
-
-/// Computes the steps' values.
-template <int W>
-void run(const std::vector<TapeStep>& steps, TapeLanes<W>* values);
-
-/// Adds to `adjoints`, from that of the last step's value back, the derivatives by all values that the steps read.
-/// `adjoints` of these values have been set to zero, and that of the result to one.
-template <int W>
-void run_back(const std::vector<TapeStep>& steps, const TapeLanes<W>* values, TapeLanes<W>* adjoints);
 
 /// A function that expressions know.
 struct ExpressionFunction {
