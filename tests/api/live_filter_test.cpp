@@ -60,7 +60,7 @@ TEST(LiveFilter, IsTheOnlineFilterOfTheSameSamples) {
   filter.start(VectorXd::Constant(1, input[0]));
   filter.update(Eigen::Vector2d(a3[0], a5[0]));
   for (Index k = 1; k < a3.size(); ++k) {
-    ASSERT_TRUE(filter.predict(VectorXd::Constant(1, input[k])));
+    ASSERT_TRUE(filter.predict_values(VectorXd::Constant(1, input[k])));
     ASSERT_TRUE(filter.update(Eigen::Vector2d(a3[k], a5[k])));
   }
   const auto found = after(blocks_of(100));
