@@ -64,12 +64,12 @@ TEST_F(TableDialects, NumbersMayHaveFortransExponentsOrQuotedDecimalCommas) {
 }
 
 TEST_F(TableDialects, TimesHaveManyNames) {
-  const std::string rows = ",a\n0,1\n0.1,2\n0.35,3\n0.4,4\n";  // uneven: evenness does not give them away
+  const std::string rows = ",a\n0,1\n0.1,2\n0.35,3\n0.4,4\n0.5,5\n0.6,6\n";  // uneven: evenness does not give them away
   for (const char* name : {"Elapsed Time (s)", "Temps", "time stamp [s]", "\"Time, s\"", "Time / s", "t1", "run_time",
                            "Zeit  1 - Standardabtastrate [s]"}) {
     const auto file = read(name + rows);
     ASSERT_EQ(file.channels.size(), 1u) << name;
-    EXPECT_EQ(file.channels[0].times.size(), 4) << name;
+    EXPECT_EQ(file.channels[0].times.size(), 6) << name;
     const Record record = read_record_file(folder_ / "run.csv", {{.column = "a", .owner = "sensors.a", .unit = "m"}},
                                            {.missing = true});
     EXPECT_EQ(record.values.rows(), 1);

@@ -392,14 +392,18 @@ bool begins_lvm(std::string_view head) { return head.starts_with("LabVIEW Measur
 
 namespace {
 
-/// LabVIEW writes no header where the user wants none.
+/// LabVIEW writes no header where the user wants none: the first line holds numbers alone.
 bool has_no_header(const std::filesystem::path& path) {
-  std::string head(std::size_t{1} << 16, '\0');
+  std::string head(4096, '\0');
   std::ifstream stream(path, std::ios::binary);
   stream.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<std::size_t>(stream.gcount()));
   head = utf16_as_utf8(head).value_or(head);
-  return !head.empty() && head.find("LabVIEW") == std::string::npos && head.find(end_of_header) == std::string::npos;
+  const auto lines = content_lines(head);
+  if (lines.empty()) return false;
+  const auto cells = split_cells(lines.front().text, '\t');
+  return std::ranges::all_of(
+      cells, [](std::string_view cell) { return cell.empty() || parse_number(cell, '.') || parse_number(cell, ','); });
 }
 
 }  // namespace

@@ -302,7 +302,7 @@ private:
     MeasuredChannel channel{.name = unique(columns_[column].name, column),
                             .unit = columns_[column].unit,
                             .interval = rate ? 1.0 / *rate : 0.0,
-                            .values = values_[column]};
+                            .values = std::move(values_[column])};
     if (named_by_comment_) channel.other_names = {"column_" + std::to_string(column + 1)};
     if (time) {
       const VectorXd stamps = values_[*time] * seconds_of(*time);
