@@ -267,8 +267,7 @@ private:
     return parse_number(entry->second[std::min(channel, entry->second.size() - 1)], dialect_.decimal);
   }
 
-  void distribute(const Header& header, const NumberRows& rows, TimeColumns times,
-                  std::vector<LvmChannel>& channels) {
+  void distribute(const Header& header, const NumberRows& rows, TimeColumns times, std::vector<LvmChannel>& channels) {
     const auto values = rows.by_column();
     for (std::size_t j = 0; j < channels.size(); ++j) {
       auto& channel = channels[j].channel;

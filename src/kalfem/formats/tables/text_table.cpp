@@ -339,9 +339,9 @@ bool is_time_name(std::string_view name) {
 
 namespace {
 
-constexpr std::array<std::string_view, 12> time_words = {"time", "times", "zeit",      "temps",      "tiempo", "tempo",
-                                                         "tid",  "tijd",  "timestamp", "timestamps", "zeitstempel",
-                                                         "uhrzeit"};
+constexpr std::array<std::string_view, 12> time_words = {"time",      "times",      "zeit",        "temps",
+                                                         "tiempo",    "tempo",      "tid",         "tijd",
+                                                         "timestamp", "timestamps", "zeitstempel", "uhrzeit"};
 constexpr std::array<std::string_view, 8> time_units = {"s", "sec", "ms", "us", "ns", "min", "h", "sek"};
 
 /// Letters between other characters, in small letters.

@@ -74,7 +74,8 @@ public:
     for (auto& object : content.objects) sort(object);
     find_earliest();
     for (const auto& channel : found_) add(channel);
-    for (std::size_t i = 0; i < file_.channels.size(); ++i) file_.channels[i].values = std::move(found_[sources_[i]].values);
+    for (std::size_t i = 0; i < file_.channels.size(); ++i)
+      file_.channels[i].values = std::move(found_[sources_[i]].values);
   }
 
 private:
