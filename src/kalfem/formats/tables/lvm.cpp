@@ -95,12 +95,15 @@ private:
     if (segments_.empty() && problems_.empty()) refuse_header(1);
   }
 
-  /// As the header says, unless the file's last lines, which are samples, say otherwise.
+  /// As the header says, unless the file's last lines behind all headers say otherwise.
   char decimal_of(const Header& header) {
     constexpr std::size_t looked_at = 20;
     const char said = header.first("Decimal_Separator") == "," ? ',' : '.';
-    const std::vector<TextLine> last(lines_.end() - static_cast<std::ptrdiff_t>(std::min(looked_at, lines_.size())),
-                                     lines_.end());
+    std::vector<TextLine> last;
+    for (auto line = lines_.rbegin(); line != lines_.rend() && last.size() < looked_at; ++line) {
+      if (line->text.starts_with(end_of_header)) break;
+      last.push_back(*line);
+    }
     const auto fits = [&](char decimal) {
       return std::ranges::any_of(last, [&](const TextLine& line) {
         return std::ranges::any_of(split_cells(line.text, dialect_.separator), [&](std::string_view cell) {
