@@ -264,10 +264,16 @@ private:
     return true;
   }
 
+  /// Headers keep the decimal sign that they state where the samples have another one.
+  [[nodiscard]] std::optional<double> number_in(std::string_view cell) const {
+    const auto number = parse_number(cell, dialect_.decimal);
+    return number ? number : parse_number(cell, dialect_.decimal == '.' ? ',' : '.');
+  }
+
   [[nodiscard]] std::optional<double> declared(const Header& header, std::size_t channel) const {
     const auto entry = header.entries.find("Samples");
     if (entry == header.entries.end() || entry->second.empty()) return std::nullopt;
-    return parse_number(entry->second[std::min(channel, entry->second.size() - 1)], dialect_.decimal);
+    return number_in(entry->second[std::min(channel, entry->second.size() - 1)]);
   }
 
   void distribute(const Header& header, const NumberRows& rows, TimeColumns times, std::vector<LvmChannel>& channels) {
@@ -323,7 +329,7 @@ private:
     if (entry == header.entries.end() || entry->second.empty()) return std::nullopt;
     const auto cell = entry->second[std::min(channel, entry->second.size() - 1)];
     if (cell.empty() && channel > 0) return number_for(header, key, 0);
-    const auto number = parse_number(cell, dialect_.decimal);
+    const auto number = number_in(cell);
     if (number && std::isfinite(*number)) return number;
     problems_.add(header.line_of(key),
                   key + " of channel " + std::to_string(channel + 1) + " is '" + std::string(cell) + "'",
