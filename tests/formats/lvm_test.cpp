@@ -195,8 +195,9 @@ TEST_F(LvmFiles, WithoutAHeaderAreTables) {
 }
 
 TEST_F(LvmFiles, OfFrequencyAreFunctions) {
-  const auto file = read(file_header() + "Channels\t1\r\nSamples\t2\r\nX_Dimension\tFrequency\r\nX0\t0\r\nDelta_X\t5\r\n" +
-                         "***End_of_Header***\r\nX_Value\ta\r\n0\t1\r\n5\t2\r\n");
+  const auto file =
+      read(file_header() + "Channels\t1\r\nSamples\t2\r\nX_Dimension\tFrequency\r\nX0\t0\r\nDelta_X\t5\r\n" +
+           "***End_of_Header***\r\nX_Value\ta\r\n0\t1\r\n5\t2\r\n");
   EXPECT_TRUE(file.channels.empty());
   ASSERT_EQ(file.functions.size(), 1u);
   EXPECT_EQ(file.functions[0].lines[1], 5.0);

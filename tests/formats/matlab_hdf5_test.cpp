@@ -138,8 +138,8 @@ TEST_F(MatlabHdf5Files, ObjectsAndMissingPartsAreNamed) {
 }
 
 TEST_F(MatlabHdf5Files, ReferencesThatGoRoundEnd) {
-  const hid_t dataset = H5Dcreate2(file_, "loop", H5T_STD_REF_OBJ, H5Screate(H5S_SCALAR), H5P_DEFAULT, H5P_DEFAULT,
-                                   H5P_DEFAULT);
+  const hid_t dataset =
+      H5Dcreate2(file_, "loop", H5T_STD_REF_OBJ, H5Screate(H5S_SCALAR), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
   set_class(dataset, "cell");
   hobj_ref_t reference{};
   H5Rcreate(&reference, file_, "/loop", H5R_OBJECT, -1);

@@ -50,7 +50,10 @@ TEST_F(MeasuredFiles, AreToldByTheirContentBeforeTheirEnding) {
 }
 
 TEST_F(MeasuredFiles, OfAnotherKindAreRefusedWithTheFormatsThatAreRead) {
-  for (const std::string content : {"PK\x03\x04 and more", "\x89PNG\r\n", "%PDF-1.4", "<html>"}) {
+  const std::string binary("\x01\0\0\0\x07", 5);
+  for (const std::string& content :
+       {std::string("PK\x03\x04 and more"), std::string("\x89PNG\r\n"), std::string("%PDF-1.4"), std::string("<html>"),
+        std::string("MDF     4.10"), binary}) {
     const std::string text = refusal("a.csv", content);
     EXPECT_NE(text.find("universal file (.unv"), std::string::npos) << text;
     EXPECT_NE(text.find(".lvm"), std::string::npos) << text;
@@ -67,6 +70,19 @@ TEST_F(MeasuredFiles, KeepTheChannelsOfTablesInTheirUnits) {
   EXPECT_EQ(measured.channels[1].unit, "kN");
   EXPECT_EQ(measured.channels[0].interval, 0.5);
   EXPECT_EQ(measured.channels[0].values, Eigen::VectorXd(Eigen::Vector3d(1, 3, 5)));
+}
+
+TEST_F(MeasuredFiles, WithRepeatedNamesAreNumbered) {
+  const auto measured = read_measured_file(
+      file("a.lvm",
+           "LabVIEW Measurement\t\nSeparator\tTab\nX_Columns\tOne\n***End_of_Header***\t\nChannels\t2\n"
+           "Samples\t2\t2\nY_Unit_Label\tVolts\tNewtons\nX0\t0\t0\nDelta_X\t1\t1\n***End_of_Header***\n"
+           "X_Value\tUntitled\tUntitled\n0\t1\t2\n1\t3\t4\n"));
+  ASSERT_EQ(measured.channels.size(), 2u);
+  EXPECT_EQ(measured.channels[1].name, "Untitled #2");
+  EXPECT_EQ(measured.channels[0].other_names, std::vector<std::string>{"Untitled"});
+  EXPECT_EQ(measured.channels[0].unit, "V");
+  EXPECT_EQ(measured.channels[1].unit, "N");
 }
 
 }  // namespace

@@ -133,6 +133,11 @@ TEST(Tdms, AFinishedSegmentMayEndInASmallerChunk) {
   EXPECT_EQ(values(rows, "b"), (Numbers{2, 4, 6, 8, 10}));
 }
 
+TEST(Tdms, BytesThatAreNoWholeChunkAreNamed) {
+  EXPECT_TRUE(skipped(parsed(two_channels(ints({1, 2, 3, 4, 5, 6})))).empty());
+  EXPECT_NE(skipped(parsed(two_channels(ints({1, 2, 3, 4, 5})))).find("4 bytes at the end"), std::string::npos);
+}
+
 TEST(Tdms, ASegmentThatWasNeverFinishedKeepsWhatIsWhole) {
   auto w = two_channels();
   w.segment(TdmsWriter::raw_data, {}, ints({5, 6, 7, 8, 9, 10, 11}), true);

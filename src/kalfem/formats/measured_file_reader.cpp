@@ -43,6 +43,13 @@ constexpr std::array foreign_kinds = {
     ForeignKind{"BZh", "compressed by bzip2"},
     ForeignKind{"SQLite format 3", "an SQLite database"},
     ForeignKind{"{\\rtf", "an RTF document"},
+    ForeignKind{"\x93NUMPY", "a NumPy array (.npy)"},
+    ForeignKind{"MDF     ", "a measurement data file of ASAM (.mdf, .mf4)"},
+    ForeignKind{"|CF,", "an imc FAMOS file"},
+    ForeignKind{"OggS", "compressed sound"},
+    ForeignKind{"fLaC", "compressed sound"},
+    ForeignKind{"ID3", "compressed sound"},
+    ForeignKind{"PAR1", "a Parquet table"},
     ForeignKind{"<!DOCTYPE", "a web page"},
     ForeignKind{"<html", "a web page"},
 };
@@ -58,15 +65,21 @@ std::string formats_in_words() {
   return text + "table of text (.csv, .tsv, .txt, .dat), HDF5 (.h5, .hdf5)";
 }
 
-void refuse_foreign(const std::filesystem::path& file, std::string_view head) {
-  const auto kind =
-      std::ranges::find_if(foreign_kinds, [&](const auto& each) { return head.starts_with(each.first_bytes); });
-  if (kind == foreign_kinds.end()) return;
+[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& what) {
   throw InvalidInput(Issue{{file.string(), 0},
-                           "the file is " + std::string(kind->name),
+                           what,
                            "measured data are read from: " + formats_in_words(),
                            "export the data to one of these formats"});
 }
+
+void refuse_foreign(const std::filesystem::path& file, std::string_view head) {
+  const auto kind =
+      std::ranges::find_if(foreign_kinds, [&](const auto& each) { return head.starts_with(each.first_bytes); });
+  if (kind != foreign_kinds.end()) refuse(file, "the file is " + std::string(kind->name));
+}
+
+/// A first line with zero bytes is none of a text.
+bool is_binary(std::string_view head) { return head.substr(0, head.find('\n')).find('\0') != std::string_view::npos; }
 
 std::string read_head(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
@@ -93,7 +106,7 @@ const std::vector<MeasuredFormat>& measured_formats() {
       {"universal file", {".unv", ".uff", ".uf", ".uf58", ".58", ".bunv"}, begins_universal, read_universal},
       {"LabVIEW measurement file", {".lvm"}, begins_lvm, read_lvm},
       {"TDMS file", {".tdms"}, begins_tdms, read_tdms},
-      {"WAV file", {".wav"}, begins_wav, read_wav},
+      {"WAV file", {".wav", ".w64"}, begins_wav, read_wav},
       {"MATLAB file", {".mat"}, begins_matlab, read_matlab_file},
   };
   return formats;
@@ -116,7 +129,9 @@ namespace {
 MeasuredFile read_by_format(const std::filesystem::path& file) {
   if (const MeasuredFormat* format = measured_format(file)) return format->read(file);
   const std::string ending = lower_case(file.extension().string());
-  if (ending == ".h5" || ending == ".hdf5" || read_head(file).starts_with("\x89HDF")) return read_measured_hdf5(file);
+  const std::string head = as_text(read_head(file));
+  if (ending == ".h5" || ending == ".hdf5" || head.starts_with("\x89HDF")) return read_measured_hdf5(file);
+  if (is_binary(head)) refuse(file, "the file is binary, of a kind that is not known");
   return read_measured_table(file);
 }
 

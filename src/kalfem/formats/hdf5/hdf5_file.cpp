@@ -252,9 +252,8 @@ Eigen::VectorXd Hdf5File::read_member(const std::string& dataset, const std::str
   const Hdf5Id id = handle().dataset(dataset), type(H5Tcreate(H5T_COMPOUND, sizeof(double)), H5Tclose);
   handle().require(H5Tinsert(type, member.c_str(), 0, H5T_NATIVE_DOUBLE) >= 0, "read '" + member + "'");
   Eigen::VectorXd values(shape(dataset).at(0));
-  handle().require(
-      values.size() == 0 || H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0,
-      "read '" + member + "' of '" + dataset + "'");
+  handle().require(values.size() == 0 || H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0,
+                   "read '" + member + "' of '" + dataset + "'");
   return values;
 }
 

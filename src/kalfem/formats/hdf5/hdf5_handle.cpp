@@ -95,7 +95,8 @@ bool hdf5_is_complete(hid_t dataset) {
   H5Sget_simple_extent_dims(space, lengths.data(), nullptr);
   if (H5Pget_chunk(creation, rank, chunk.data()) != rank) return false;
   hsize_t expected = 1, found = 0;
-  for (std::size_t i = 0; i < lengths.size(); ++i) expected *= (lengths[i] + chunk[i] - 1) / std::max<hsize_t>(1, chunk[i]);
+  for (std::size_t i = 0; i < lengths.size(); ++i)
+    expected *= (lengths[i] + chunk[i] - 1) / std::max<hsize_t>(1, chunk[i]);
   return H5Dget_num_chunks(dataset, space, &found) >= 0 && found == expected;
 }
 

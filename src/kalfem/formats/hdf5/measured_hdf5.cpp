@@ -116,20 +116,24 @@ private:
     if (!file_.holds_numbers(dataset) || shape.empty() || shape.size() > 2)
       return skip(dataset, "is no table of numbers");
     if (!file_.is_complete(dataset)) return skip(dataset, "is damaged: a part of its values is not in the file");
-    Eigen::MatrixXd values = file_.read_columns_as_rows(dataset);  // turned
-    const std::string across = times_beside(file_, dataset, values.cols());
-    const std::string times = across.empty() ? times_beside(file_, dataset, values.rows()) : across;
-    const bool rows_are_channels = across.empty() && (!times.empty() || values.rows() > values.cols());
-    if (!rows_are_channels) values.transposeInPlace();
+    const Eigen::MatrixXd turned = file_.read_columns_as_rows(dataset);
+    const std::string down = times_beside(file_, dataset, turned.cols());
+    const std::string times = down.empty() ? times_beside(file_, dataset, turned.rows()) : down;
+    const bool rows_are_channels = down.empty() && (!times.empty() || turned.rows() > turned.cols());
+    const Index count = rows_are_channels ? turned.cols() : turned.rows();
     if (!times.empty()) times_of_others_.insert(times);
     const double interval = interval_of(dataset);
-    for (Index j = 0; j < values.cols(); ++j) {
-      const std::string column = values.cols() == 1 ? "" : "[" + std::to_string(j) + "]";
+    for (Index j = 0; j < count; ++j) {
+      const std::string column = count == 1 ? "" : "[" + std::to_string(j) + "]";
       MeasuredChannel channel{.name = dataset + column,
                               .unit = unit_of(file_, dataset, j),
                               .interval = interval,
-                              .values = values.col(j),
+                              .values = {},
                               .other_names = {dataset.substr(dataset.rfind('/') + 1) + column}};
+      if (rows_are_channels)
+        channel.values = turned.col(j);
+      else
+        channel.values = turned.row(j).transpose();
       if (!times.empty()) set_times(channel, file_.read(times));
       measured_.channels.push_back(std::move(channel));
     }

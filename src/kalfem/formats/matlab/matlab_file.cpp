@@ -157,8 +157,8 @@ private:
       return is_time(each, candidate) &&
              (candidate.real.size() == value.real.rows() || candidate.real.size() == value.real.cols());
     });
-    const bool turned = times != nullptr ? times->value->real.size() != value.real.rows()
-                                         : value.real.rows() < value.real.cols();
+    const bool turned =
+        times != nullptr ? times->value->real.size() != value.real.rows() : value.real.rows() < value.real.cols();
     const Index columns = turned ? value.real.rows() : value.real.cols();
     if (columns > most_columns)
       return skip(path, "a matrix of " + std::to_string(value.real.rows()) + " x " + std::to_string(value.real.cols()));

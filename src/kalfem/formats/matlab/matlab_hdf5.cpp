@@ -17,8 +17,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Kind = MatlabValue::Kind;
 
-constexpr int deepest = 16;                  ///< structures within structures
-constexpr std::size_t most_values = 200'000; ///< cells and fields of a file, which may refer to one another
+constexpr int deepest = 16;                   ///< structures within structures
+constexpr std::size_t most_values = 200'000;  ///< cells and fields of a file, which may refer to one another
 
 MatlabValue of_kind(Kind kind) {
   MatlabValue value;
@@ -197,7 +197,8 @@ private:
     const Hdf5Id space(H5Dget_space(dataset), H5Sclose);
     const auto lengths = rows_and_columns(space);
     if (!lengths) return other("an array of " + std::to_string(H5Sget_simple_extent_ndims(space)) + " dimensions");
-    if (!is_plausible(H5Sget_simple_extent_npoints(space))) return other("damaged: it states more values than the file can hold");
+    if (!is_plausible(H5Sget_simple_extent_npoints(space)))
+      return other("damaged: it states more values than the file can hold");
     if (kind == "char") return characters(dataset, *lengths);
     return numbers(dataset, *lengths, complex);
   }

@@ -265,7 +265,8 @@ private:
 
 }  // namespace
 
-// libmatio takes classes of version 7.3 for unknown whose names do not end in a zero, as HDF5's other writers leave them.
+// libmatio takes classes of version 7.3 for unknown whose names do not end in a zero, as HDF5's other writers leave
+// them.
 MatlabContents read_matlab_values(const std::filesystem::path& path) {
   return first_bytes(path).starts_with("MATLAB 7.3") ? read_matlab_hdf5(path) : MatlabReader(path).read();
 }

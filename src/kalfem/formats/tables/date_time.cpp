@@ -74,7 +74,8 @@ std::optional<std::int64_t> read_date(Scanner& text, DateOrder order) {
 /// Hours of a clock of twelve, by AM or PM behind the time.
 bool take_half_of_day(Scanner& text, int& hours) {
   const std::string word = lower_case(text.rest());
-  const bool before = word.starts_with("am") || word.starts_with("a.m."), after = word.starts_with("pm") || word.starts_with("p.m.");
+  const bool before = word.starts_with("am") || word.starts_with("a.m."),
+             after = word.starts_with("pm") || word.starts_with("p.m.");
   if (!before && !after) return true;
   if (hours < 1 || hours > 12) return false;
   hours = hours % 12 + (after ? 12 : 0);
@@ -172,7 +173,8 @@ StampColumn read_stamp_column(const std::vector<std::string_view>& cells) {
       column.odd = k;
       return column;
     }
-    if (before && !stamp->has_date) stamp->days = before->days + (stamp->seconds < before->seconds - 0.5 * seconds_a_day ? 1 : 0);
+    if (before && !stamp->has_date)
+      stamp->days = before->days + (stamp->seconds < before->seconds - 0.5 * seconds_a_day ? 1 : 0);
     if (!first) first = stamp;
     before = stamp;
     timed = timed || stamp->has_time;

@@ -25,9 +25,9 @@ std::optional<DateTime> parse_date_time(std::string_view text, DateOrder order =
 
 /// A column of dates and times of day.
 struct StampColumn {
-  Eigen::VectorXd seconds;               ///< since the first one; NaN where the cell is empty
-  bool dates_only = false;               ///< none has a time of day
-  std::optional<std::size_t> odd = {};   ///< the first cell that holds something else
+  Eigen::VectorXd seconds;              ///< since the first one; NaN where the cell is empty
+  bool dates_only = false;              ///< none has a time of day
+  std::optional<std::size_t> odd = {};  ///< the first cell that holds something else
 };
 
 /// Times without a date that run back by more than half a day are of the next day. Whether day or month comes first is

@@ -95,12 +95,15 @@ private:
     if (segments_.empty() && problems_.empty()) refuse_header(1);
   }
 
-  /// As the header says, unless the file's last lines, which are samples, say otherwise.
+  /// As the header says, unless the file's last lines behind all headers say otherwise.
   char decimal_of(const Header& header) {
     constexpr std::size_t looked_at = 20;
     const char said = header.first("Decimal_Separator") == "," ? ',' : '.';
-    const std::vector<TextLine> last(lines_.end() - static_cast<std::ptrdiff_t>(std::min(looked_at, lines_.size())),
-                                     lines_.end());
+    std::vector<TextLine> last;
+    for (auto line = lines_.rbegin(); line != lines_.rend() && last.size() < looked_at; ++line) {
+      if (line->text.starts_with(end_of_header)) break;
+      last.push_back(*line);
+    }
     const auto fits = [&](char decimal) {
       return std::ranges::any_of(last, [&](const TextLine& line) {
         return std::ranges::any_of(split_cells(line.text, dialect_.separator), [&](std::string_view cell) {
@@ -261,14 +264,19 @@ private:
     return true;
   }
 
+  /// Headers keep the decimal sign that they state where the samples have another one.
+  [[nodiscard]] std::optional<double> number_in(std::string_view cell) const {
+    const auto number = parse_number(cell, dialect_.decimal);
+    return number ? number : parse_number(cell, dialect_.decimal == '.' ? ',' : '.');
+  }
+
   [[nodiscard]] std::optional<double> declared(const Header& header, std::size_t channel) const {
     const auto entry = header.entries.find("Samples");
     if (entry == header.entries.end() || entry->second.empty()) return std::nullopt;
-    return parse_number(entry->second[std::min(channel, entry->second.size() - 1)], dialect_.decimal);
+    return number_in(entry->second[std::min(channel, entry->second.size() - 1)]);
   }
 
-  void distribute(const Header& header, const NumberRows& rows, TimeColumns times,
-                  std::vector<LvmChannel>& channels) {
+  void distribute(const Header& header, const NumberRows& rows, TimeColumns times, std::vector<LvmChannel>& channels) {
     const auto values = rows.by_column();
     for (std::size_t j = 0; j < channels.size(); ++j) {
       auto& channel = channels[j].channel;
@@ -321,7 +329,7 @@ private:
     if (entry == header.entries.end() || entry->second.empty()) return std::nullopt;
     const auto cell = entry->second[std::min(channel, entry->second.size() - 1)];
     if (cell.empty() && channel > 0) return number_for(header, key, 0);
-    const auto number = parse_number(cell, dialect_.decimal);
+    const auto number = number_in(cell);
     if (number && std::isfinite(*number)) return number;
     problems_.add(header.line_of(key),
                   key + " of channel " + std::to_string(channel + 1) + " is '" + std::string(cell) + "'",
@@ -392,14 +400,18 @@ bool begins_lvm(std::string_view head) { return head.starts_with("LabVIEW Measur
 
 namespace {
 
-/// LabVIEW writes no header where the user wants none.
+/// LabVIEW writes no header where the user wants none: the first line holds numbers alone.
 bool has_no_header(const std::filesystem::path& path) {
-  std::string head(std::size_t{1} << 16, '\0');
+  std::string head(4096, '\0');
   std::ifstream stream(path, std::ios::binary);
   stream.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<std::size_t>(stream.gcount()));
   head = utf16_as_utf8(head).value_or(head);
-  return !head.empty() && head.find("LabVIEW") == std::string::npos && head.find(end_of_header) == std::string::npos;
+  const auto lines = content_lines(head);
+  if (lines.empty()) return false;
+  const auto cells = split_cells(lines.front().text, '\t');
+  return std::ranges::all_of(
+      cells, [](std::string_view cell) { return cell.empty() || parse_number(cell, '.') || parse_number(cell, ','); });
 }
 
 }  // namespace

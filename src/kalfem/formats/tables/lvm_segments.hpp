@@ -13,7 +13,7 @@ namespace kalfem {
 /// A channel of a segment with the lines of its samples.
 struct LvmChannel {
   MeasuredChannel channel;
-  Eigen::VectorXd stamps;         ///< X_Value, with X0; empty: there is no such column
+  Eigen::VectorXd stamps;  ///< X_Value, with X0; empty: there is no such column
   std::vector<int> lines;  ///< of the samples
   bool of_frequency = false;
 };

@@ -202,8 +202,8 @@ private:
       StampColumn read = read_stamp_column(stamps[j]);
       if (read.odd) {
         problems_.add(lines[*read.odd],
-                      "column '" + columns_[column].name + "' holds '" + std::string(stamps[j][*read.odd].substr(0, 40)) +
-                          "', which is no date or time",
+                      "column '" + columns_[column].name + "' holds '" +
+                          std::string(stamps[j][*read.odd].substr(0, 40)) + "', which is no date or time",
                       "every sample needs its time", "correct the line");
         continue;
       }
@@ -289,7 +289,8 @@ private:
 
   /// A sampling rate that a line above the table states.
   std::optional<double> rate_in_preamble() {
-    for (const TextLine& line : split_lines(text_.substr(0, static_cast<std::size_t>(lines_[first_].text.data() - text_.data()))))
+    for (const TextLine& line :
+         split_lines(text_.substr(0, static_cast<std::size_t>(lines_[first_].text.data() - text_.data()))))
       if (const auto rate = stated_rate(line.text, decimal_)) {
         measured_.notes.push_back(path_ + ":" + std::to_string(line.number) + ": the sampling rate " + shortest(*rate) +
                                   " Hz is taken from this line");
@@ -302,7 +303,7 @@ private:
     MeasuredChannel channel{.name = unique(columns_[column].name, column),
                             .unit = columns_[column].unit,
                             .interval = rate ? 1.0 / *rate : 0.0,
-                            .values = values_[column]};
+                            .values = std::move(values_[column])};
     if (named_by_comment_) channel.other_names = {"column_" + std::to_string(column + 1)};
     if (time) {
       const VectorXd stamps = values_[*time] * seconds_of(*time);
@@ -341,7 +342,7 @@ private:
   bool ends_in_separator_ = false;
   std::vector<Content> contents_;  ///< of each column
   bool named_by_comment_ = false;
-  std::size_t first_ = 0;        ///< line of the table
+  std::size_t first_ = 0;  ///< line of the table
   std::vector<Channel> columns_;
   std::vector<VectorXd> values_;
   std::vector<std::size_t> stamp_columns_;

@@ -27,11 +27,11 @@ std::string_view without_brackets(std::string_view cell) {
 }
 
 constexpr std::array<std::string_view, 10> rate_words = {
-    "sample rate",        "sampling rate",    "samplerate", "samplingrate", "sample frequency",
-    "sampling frequency", "abtastrate", "abtastfrequenz", "scan rate", "fs"};
-constexpr std::array<std::string_view, 9> interval_words = {
-    "sample interval", "sampling interval", "sample period", "sampling period", "time step",
-    "delta t",         "delta_t",           "abtastintervall", "dt"};
+    "sample rate",        "sampling rate", "samplerate",     "samplingrate", "sample frequency",
+    "sampling frequency", "abtastrate",    "abtastfrequenz", "scan rate",    "fs"};
+constexpr std::array<std::string_view, 9> interval_words = {"sample interval", "sampling interval", "sample period",
+                                                            "sampling period", "time step",         "delta t",
+                                                            "delta_t",         "abtastintervall",   "dt"};
 
 /// Where a phrase ends that stands for itself in the text.
 std::optional<std::size_t> end_of(std::string_view phrase, std::string_view text) {

@@ -119,13 +119,18 @@ char find_separator(const std::vector<TextLine>& lines) {
 }
 
 char find_decimal(const std::vector<TextLine>& lines, char separator) {
-  constexpr std::size_t looked_at = 50;
+  constexpr int looked_at = 50;  // lines with such a sign
   std::size_t commas = 0, points = 0;
-  for (std::size_t i = 1; i < std::min(lines.size(), looked_at + 1); ++i)
+  int found = 0;
+  for (std::size_t i = 1; i < lines.size() && found < looked_at; ++i) {
+    if (lines[i].text.find_first_of(",.") == std::string_view::npos) continue;
+    const std::size_t before = commas + points;
     for (const auto cell : split_cells(lines[i].text, separator)) {
       if (cell.find(',') != std::string_view::npos && parse_number(cell, ',')) ++commas;
       if (cell.find('.') != std::string_view::npos && parse_number(cell, '.')) ++points;
     }
+    found += commas + points > before ? 1 : 0;
+  }
   return commas > points ? ',' : '.';
 }
 
@@ -338,9 +343,9 @@ bool is_time_name(std::string_view name) {
 
 namespace {
 
-constexpr std::array<std::string_view, 12> time_words = {"time", "times", "zeit",      "temps",      "tiempo", "tempo",
-                                                         "tid",  "tijd",  "timestamp", "timestamps", "zeitstempel",
-                                                         "uhrzeit"};
+constexpr std::array<std::string_view, 12> time_words = {"time",      "times",      "zeit",        "temps",
+                                                         "tiempo",    "tempo",      "tid",         "tijd",
+                                                         "timestamp", "timestamps", "zeitstempel", "uhrzeit"};
 constexpr std::array<std::string_view, 8> time_units = {"s", "sec", "ms", "us", "ns", "min", "h", "sek"};
 
 /// Letters between other characters, in small letters.

@@ -70,14 +70,23 @@ struct Found {
 
 class Channels {
 public:
-  Channels(const tdms::Content& content, MeasuredFile& file) : content_(content), file_(file) {
-    for (const auto& object : content.objects) sort(object);
+  Channels(tdms::Content& content, MeasuredFile& file) : content_(content), file_(file) {
+    for (auto& object : content.objects) sort(object);
     find_earliest();
     for (const auto& channel : found_) add(channel);
+    for (std::size_t i = 0; i < file_.channels.size(); ++i)
+      file_.channels[i].values = std::move(found_[sources_[i]].values);
   }
 
 private:
-  void sort(const Object& object) {
+  /// Large files leave no room for numbers as they are stored beside those that are scaled.
+  void sort(Object& object) {
+    take(object);
+    object.numbers.clear();
+    object.numbers.shrink_to_fit();
+  }
+
+  void take(const Object& object) {
     const auto parts = parts_of(object.path);
     if (parts.size() < 2) return;
     Found channel{&object, parts[0], parts[1]};
@@ -165,7 +174,7 @@ private:
       set_axis(measured, properties);
     else if (const Found* times = times_for(channel); times != nullptr && !is_time(channel))
       set_times(measured, seconds_a_unit(*times) * times->values);
-    measured.values = channel.values;
+    sources_.push_back(static_cast<std::size_t>(&channel - found_.data()));
     file_.channels.push_back(std::move(measured));
   }
 
@@ -194,6 +203,7 @@ private:
   const tdms::Content& content_;
   MeasuredFile& file_;
   std::vector<Found> found_;
+  std::vector<std::size_t> sources_;  ///< of the file's channels among those that were found; others may serve as times
   std::optional<tdms::Time> earliest_;
 };
 

@@ -470,6 +470,7 @@ private:
              " samples of its last chunk");
       offset += static_cast<std::size_t>(count) * size;
     }
+    if (!cut) note_rest(data.size() - offset);
   }
 
   void take(Object& object, const Place& place, bool big_endian) {

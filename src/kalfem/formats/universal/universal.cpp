@@ -30,7 +30,7 @@ constexpr int units = 164;
 const std::map<int, void (*)(UniversalReading&)>& readers() {
   static const std::map<int, void (*)(UniversalReading&)> all = {
       {15, read_nodes_15},     {55, read_data_at_nodes}, {functions, read_function}, {82, read_trace_line},
-      {151, read_header},      {units, read_units},       {780, read_elements},       {781, read_nodes_2411},
+      {151, read_header},      {units, read_units},      {780, read_elements},       {781, read_nodes_2411},
       {2411, read_nodes_2411}, {2412, read_elements},    {2414, read_analysis_data},
   };
   return all;
@@ -91,7 +91,8 @@ private:
     reading_.local_axes = false;
     reading_.contradicts.clear();
     read_datasets();
-    file_.notes.push_back(problems_.file() + ": dataset 164 stands behind data; its units are taken for the whole file");
+    file_.notes.push_back(problems_.file() +
+                          ": dataset 164 stands behind data; its units are taken for the whole file");
   }
 
   /// From a mark on. Whether a dataset was read.
@@ -137,7 +138,8 @@ private:
   }
 
   void look_for_late_units() {
-    const bool data = !file_.channels.empty() || !file_.functions.empty() || !file_.shapes.empty() || !file_.nodes.empty();
+    const bool data =
+        !file_.channels.empty() || !file_.functions.empty() || !file_.shapes.empty() || !file_.nodes.empty();
     if (!has_units_ && data && !reading_.units.si()) late_units_ = reading_.units;
     has_units_ = true;
   }

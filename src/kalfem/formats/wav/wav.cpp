@@ -136,8 +136,8 @@ MeasuredFile read_compressed(const std::filesystem::path& path, const WavBlocks&
 
 bool begins_wav(std::string_view head) {
   if (head.starts_with(begins_wave64)) return true;
-  const bool container = head.starts_with("RIFF") || head.starts_with("RIFX") || head.starts_with("RF64") ||
-                         head.starts_with("BW64");
+  const bool container =
+      head.starts_with("RIFF") || head.starts_with("RIFX") || head.starts_with("RF64") || head.starts_with("BW64");
   return container && head.size() >= 12 && head.substr(8, 4) == "WAVE";
 }
 

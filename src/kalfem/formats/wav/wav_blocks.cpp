@@ -25,8 +25,7 @@ public:
       const auto name = bytes_.substr(at, 4);
       const std::uint32_t stated = whole<std::uint32_t>(at + 4);
       const std::size_t begin = at + block_head, left = bytes_.size() - begin;
-      const std::size_t size =
-          name == "data" ? samples_size(stated, begin, left) : std::min<std::size_t>(stated, left);
+      const std::size_t size = name == "data" ? samples_size(stated, begin, left) : std::min<std::size_t>(stated, left);
       take(name, bytes_.substr(begin, size));
       at = next_block(begin + size);
     }

@@ -24,7 +24,7 @@ struct WavBlocks {
   bool has_format = false, has_samples = false;
   WavFormat format;
   std::string_view samples;
-  std::string title;  ///< of the list INFO
+  std::string title;                      ///< of the list INFO
   std::vector<std::string> notes = {};    ///< where the sizes contradict the file
   std::vector<std::string> skipped = {};  ///< further blocks of samples
 };
