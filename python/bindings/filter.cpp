@@ -9,6 +9,12 @@ using Eigen::VectorXd;
 
 namespace {
 
+template <class Work>
+auto without_gil(const Work& work) {
+  const py::gil_scoped_release released;
+  return work();
+}
+
 /// A filter that Python moves, step by step or by channels as they come, but not both ways.
 class PythonFilter {
 public:
@@ -47,7 +53,7 @@ public:
     const Eigen::Map<const Eigen::MatrixXd> of_inputs(u.data(), inputs, u.shape(0)), of_sensors(y.data(), sensors, y.shape(0));
     const Index count = without_gil([&] {
       for (Index k = 0; k < of_sensors.cols(); ++k)
-        if (!filter().predict(of_inputs.col(k)) || !filter().update(of_sensors.col(k))) return k;
+        if (!filter().predict_values(of_inputs.col(k)) || !filter().update(of_sensors.col(k))) return k;
       return of_sensors.cols();
     });
     raise_of_laws(structure_);
@@ -100,12 +106,6 @@ public:
 private:
   enum class Mode { none, steps, blocks };
 
-  template <class Work>
-  static auto without_gil(const Work& work) {
-    const py::gil_scoped_release released;
-    return work();
-  }
-
   void require(Mode mode) {
     if (mode_ == mode) return;
     if (mode_ != Mode::none)
@@ -155,7 +155,7 @@ private:
   bool predict_to(const py::object& u) {
     if (const Column column = PyArray_like(u); column && column.ndim() == 2) return predict_with_rates(column);
     read(u, inputs_, "u", values_);
-    return without_gil([&] { return filter().predict(values_); });
+    return without_gil([&] { return filter().predict_values(values_); });
   }
 
   static Column PyArray_like(const py::object& u) {

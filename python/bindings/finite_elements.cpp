@@ -58,7 +58,7 @@ FiniteElements read(const std::string& file, const std::string& units, const py:
   const std::string stem = std::filesystem::path(file).stem().string();
   FiniteElements elements(name.is_none() ? stem : name.cast<std::string>(), deck.model);
   for (const auto& [set, members] : deck.model.mesh.node_sets)
-    if (members.size() == 1 && !nodes.contains(set.c_str()))
+    if (members.size() == 1 && set != scalar_points && !nodes.contains(set.c_str()))
       elements.node(set, deck.model.mesh.node_ids[static_cast<std::size_t>(members.front())]);
   for (const auto& [key, where] : nodes) name_node(elements, key.cast<std::string>(), where);
   return elements;

@@ -1,3 +1,4 @@
+#include <limits>
 #include <mutex>
 
 #include "calls.hpp"

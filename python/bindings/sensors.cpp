@@ -5,6 +5,11 @@
 namespace kalfem::python {
 namespace {
 
+/// A part of a measurement chain, as one type for Python.
+struct ChainPart {
+  ChainSection section;
+};
+
 DofCombination points_of(const py::handle& given) {
   if (py::isinstance<py::str>(given)) return {{given.cast<std::string>(), 1.0}};
   DofCombination points;
@@ -14,11 +19,11 @@ DofCombination points_of(const py::handle& given) {
 
 template <ObservedQuantity quantity>
 Observation observe(const py::object& at, const py::object& noise, bool relative,
-                    const std::vector<ChainSection>& chain) {
+                    const std::vector<ChainPart>& chain) {
   Observation made;
   made.output = {"", quantity, points_of(at), relative};
   made.noise = number_of(noise, unit_of(quantity), "noise");
-  made.chain.sections = chain;
+  for (const auto& part : chain) made.chain.sections.push_back(part.section);
   return made;
 }
 
@@ -58,7 +63,7 @@ void define(py::module_& module, const char* name, const std::string& meaning) {
   std::string doc = meaning + observe_doc;
   doc.replace(doc.find("{unit}"), 6, unit_of(quantity));
   module.def(name, &observe<quantity>, py::arg("at"), py::arg("noise") = 0.0, py::kw_only(), py::arg("relative") = false,
-             py::arg("chain") = std::vector<ChainSection>{}, doc.c_str());
+             py::arg("chain") = std::vector<ChainPart>{}, doc.c_str());
 }
 
 }  // namespace
@@ -112,30 +117,30 @@ void bind_sensors(py::module_& module) {
   define<ObservedQuantity::connector_deformation>(module, "deformation", "Deformation of a connector [m].\n");
   define<ObservedQuantity::connector_rate>(module, "rate", "Rate of deformation of a connector [m/s].\n");
 
-  py::class_<ChainSection>(module, "ChainSection", "A part of a measurement chain.");
+  py::class_<ChainPart>(module, "ChainSection", "A part of a measurement chain.");
   module.def(
       "low_pass",
-      [](double cutoff, int order, const std::string& family) -> ChainSection {
-        return filter_section(FilterBand::low_pass, family, order, cutoff, 0.0);
+      [](double cutoff, int order, const std::string& family) {
+        return ChainPart{filter_section(FilterBand::low_pass, family, order, cutoff, 0.0)};
       },
       py::arg("cutoff"), py::arg("order") = 4, py::arg("family") = "butterworth",
       "Analogue low-pass filter of the measurement chain; `cutoff`: of -3.01 dB [Hz].");
   module.def(
       "high_pass",
-      [](double cutoff, int order, const std::string& family) -> ChainSection {
-        return filter_section(FilterBand::high_pass, family, order, cutoff, 0.0);
+      [](double cutoff, int order, const std::string& family) {
+        return ChainPart{filter_section(FilterBand::high_pass, family, order, cutoff, 0.0)};
       },
       py::arg("cutoff"), py::arg("order") = 4, py::arg("family") = "butterworth",
       "Analogue high-pass filter of the measurement chain; `cutoff`: of -3.01 dB [Hz].");
   module.def(
-      "delay", [](double seconds, int order) -> ChainSection { return DelaySection{seconds, order}; }, py::arg("seconds"),
+      "delay", [](double seconds, int order) { return ChainPart{DelaySection{seconds, order}}; }, py::arg("seconds"),
       py::arg("order") = 6, "Pure delay of the measurement chain [s].");
   module.def(
       "resonance",
-      [](double frequency, double damping) -> ChainSection { return ResonanceSection{frequency, damping}; },
+      [](double frequency, double damping) { return ChainPart{ResonanceSection{frequency, damping}}; },
       py::arg("frequency"), py::arg("damping") = 0.7, "Roll-off of a sensor with one resonance [Hz].");
   module.def(
-      "gain", [](double factor) -> ChainSection { return GainSection{factor}; }, py::arg("factor"),
+      "gain", [](double factor) { return ChainPart{GainSection{factor}}; }, py::arg("factor"),
       "Constant factor of the measurement chain.");
 }
 

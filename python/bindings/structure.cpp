@@ -1,5 +1,7 @@
 #include "structure.hpp"
 
+#include <algorithm>
+
 #include "sensors.hpp"
 
 namespace kalfem::python {

@@ -5,10 +5,10 @@
 namespace kalfem::python {
 namespace {
 
-py::tuple modes_of_structure(const Structure& structure, Eigen::Index count, const py::object& substructure) {
+py::tuple modes_of_structure(const Structure& structure, Eigen::Index count,
+                             const std::optional<std::string>& substructure) {
   auto found = long_call(structure, py::none(), [&](const Progress&) {
-    return substructure.is_none() ? modes(structure, count)
-                                  : kalfem::modes_of(structure, substructure.cast<std::string>(), count);
+    return substructure ? kalfem::modes_of(structure, *substructure, count) : modes(structure, count);
   });
   return py::make_tuple(found.dofs, array_of(std::move(found.frequencies)), array_of(std::move(found.damping)),
                         array_of(std::move(found.shapes)));

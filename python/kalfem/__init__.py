@@ -5,7 +5,7 @@
 >>> _ = s.add(kf.chain("body", 3, mass=1.0, stiffness=3e4))
 >>> _ = s.connect("mount", "body.1", "ground", law="linear", parameters=dict(k=1e4, c=20.0))
 >>> kf.modes(s).frequencies.round(1)
-array([ 7.6, 29. , 48.2])
+array([ 8.4, 29.9, 48.2])
 
 `docs/python.md` of the project shows what else there is. Results of a run can be read without the compiled module.
 """

@@ -15,7 +15,7 @@ import pytest
 import kalfem as kf
 
 PROJECT = Path(__file__).parents[2]
-MODULES = ["analysis", "laws", "live", "records", "running", "vibration", "errors", "series", "results", "grid", "display"]
+MODULES = ["analysis", "law_library", "live", "records", "running", "vibration", "errors", "series", "results", "grid", "display"]
 
 
 @pytest.fixture(scope="module")
@@ -60,6 +60,12 @@ def test_results_need_no_compiled_module():
     program = "import sys; sys.modules['kalfem._core'] = None; import kalfem as kf; kf.read_results, kf.Run; print('read'); kf.Structure"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert done.stdout == "read\n" and "scripts/python" in done.stderr
+
+
+def test_another_processor_is_one_message():
+    program = "import kalfem._built_for as b; b.FEATURES = ['warp_drive']; import kalfem as kf; kf.Structure"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert "a processor with warp_drive, which this one does not have" in done.stderr.splitlines()[-1]
 
 
 def test_a_numpy_that_cannot_be_served_is_one_message():

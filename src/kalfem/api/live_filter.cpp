@@ -128,7 +128,7 @@ private:
     if (next_ == 0) {
       if (held_.size() > 0) filter_.start(held_);
     } else if (held_.size() > 0) {
-      filter_.predict(held_);
+      filter_.predict_values(held_);
     } else {
       filter_.predict();
     }

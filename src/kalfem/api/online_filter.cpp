@@ -105,7 +105,7 @@ public:
   }
 
   /// With values of the inputs from which their derivatives follow.
-  bool predict_to(const VectorXd& values) {
+  bool predict_values(const VectorXd& values) {
     require_inputs(values);
     const Index count = values.size();
     next_.setZero(3 * count);
@@ -340,7 +340,7 @@ OnlineFilter& OnlineFilter::operator=(OnlineFilter&&) noexcept = default;
 OnlineFilter::~OnlineFilter() = default;
 
 bool OnlineFilter::predict(const std::vector<InputSample>& inputs) { return loop_->predict(loop_->stacked(inputs)); }
-bool OnlineFilter::predict(const VectorXd& values) { return loop_->predict_to(values); }
+bool OnlineFilter::predict_values(const VectorXd& values) { return loop_->predict_values(values); }
 void OnlineFilter::start(const VectorXd& values) { loop_->start(values); }
 bool OnlineFilter::predict() { return loop_->predict(); }
 bool OnlineFilter::update(const VectorXd& measured) { return loop_->update(measured); }

@@ -50,7 +50,7 @@ public:
   bool predict(const std::vector<InputSample>& inputs);
   /// The same from values alone, one an input. The rate and acceleration of a moved ground are the differences between
   /// the samples.
-  bool predict(const Eigen::VectorXd& values);
+  bool predict_values(const Eigen::VectorXd& values);
   /// The inputs at the first sample, before its update(), where the constructor was not told.
   void start(const Eigen::VectorXd& values);
   /// The same with the signals of the structure. Throws InvalidInput if one of its inputs has none.

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "kalfem/base/interruption.hpp"
+
 namespace kalfem {
 
 using Eigen::Index;
@@ -63,6 +65,7 @@ void BlockLanczos::attach(MatrixXd block, Index near, Index columns, MatrixXd& p
 // in the basis, M-orthonormalise the rest and append it. The projections are one block column of Q^T M A^-1 M Q, the
 // triangle couples it with the new block; the residual of a Ritz pair follows from that triangle alone.
 bool BlockLanczos::step() {
+  stop_if_asked();
   if (last_ == 0) return false;
   const Index columns = size_ + last_;
   const MatrixXd image = image_of(mass_weighted_modes_);

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "kalfem/base/interruption.hpp"
 #include "kalfem/base/invalid_input.hpp"
 
 namespace kalfem {
@@ -299,7 +300,10 @@ public:
                 options.start ? std::optional(starting_at(*options.start, options.search)) : std::nullopt) {}
 
   LeastSquaresOutcome run() {
-    while (!search_.finished() && proceeds_) evaluate();
+    while (!search_.finished() && proceeds_) {
+      stop_if_asked();
+      evaluate();
+    }
     outcome_.termination = search_.finished().value_or(Termination::stopped);
     complete_jacobian();
     const auto& state = search_.state();

@@ -220,7 +220,8 @@ std::vector<LeastSquaresOutcome> run_searches(const Residual& residual,
   std::vector<LeastSquaresOutcome> outcomes(starts.size());
   std::vector<std::exception_ptr> thrown(starts.size());
   WorkerPool pool(std::clamp(options.threads, 1, static_cast<int>(starts.size())));
-  pool.run(static_cast<int>(starts.size()), [&](int task) {
+  pool.run(static_cast<int>(starts.size()), [&, asked = StopScope::question()](int task) {
+    const StopScope scope(asked);
     const auto i = static_cast<std::size_t>(task);
     auto search = options.search;
     search.start = starts[i];

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "kalfem/base/interruption.hpp"
 #include "kalfem/base/worker_pool.hpp"
 
 namespace kalfem {
@@ -94,7 +95,8 @@ std::optional<Eigen::MatrixXd> parallel_columns(Eigen::Index rows, Eigen::Index 
   std::vector<char> missing(static_cast<std::size_t>(columns), 0);
   std::vector<std::exception_ptr> thrown(static_cast<std::size_t>(columns));
   WorkerPool pool(std::max(1, std::min(threads, static_cast<int>(columns))));
-  pool.run(static_cast<int>(columns), [&](int i) {
+  pool.run(static_cast<int>(columns), [&, asked = StopScope::question()](int i) {
+    const StopScope scope(asked);
     const auto place = static_cast<std::size_t>(i);
     try {
       if (const auto values = column(static_cast<Eigen::Index>(i)))
