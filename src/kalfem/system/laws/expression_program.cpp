@@ -52,6 +52,7 @@ std::vector<Place> ProgramMaker::full_places(const std::vector<int>& values, Exp
 
 TapeValue ProgramMaker::step(int value) const {
   TapeValue step = tape_[value];
+  if (step.operation == power_slope && tape_.is_constant(step.b, 3.0)) step.c = -1;  // 3 a^2 needs no a^3
   if (step.operation != divide || tape_.is_constant(step.a, 1.0)) return step;
   const int one = tape_.find_constant(1.0), inverse = one < 0 ? -1 : tape_.find_step(divide, one, step.b);
   if (inverse < 0) return step;
