@@ -30,7 +30,15 @@ private:
   int inverse(int value) { return step(divide, number(1.0), value); }
 
   void plus(int operand, int term) {
-    if (wanted(operand)) adjoint(operand) = adjoint(operand) < 0 ? term : step(add, adjoint(operand), term);
+    if (!wanted(operand)) return;
+    int& sum = adjoint(operand);
+    const TapeValue so_far = sum < 0 ? TapeValue{} : tape_[sum];
+    if (sum < 0)
+      sum = term;
+    else if (so_far.operation == subtract)  // what is subtracted last goes with its product in one pass
+      sum = step(subtract, step(add, so_far.a, term), so_far.b);
+    else
+      sum = step(add, sum, term);
   }
   void minus(int operand, int term) {
     if (wanted(operand))

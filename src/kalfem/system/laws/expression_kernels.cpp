@@ -5,60 +5,13 @@
 #include <cstring>
 #include <type_traits>
 
-#include "kalfem/system/laws/expression_lanes.hpp"
+#include "kalfem/system/laws/expression_kernel_shapes.hpp"
 
 namespace kalfem {
 namespace {
 
 using enum TapeOperation;
 using Count = std::ptrdiff_t;
-
-[[gnu::always_inline]] inline double* column(double* const* table, Place place) {
-  return table[place.base] + place.offset;
-}
-
-/// out = compute(operands), block by block; compute writes its first argument.
-template <class Compute, class... Columns>
-[[gnu::always_inline]] inline void for_all(Compute compute, Count count, double* out, const Columns*... in) {
-  in_blocks(
-      count, [&]<class Points>(Count i) __attribute__((always_inline)) {
-        Points result;
-        compute(result, Block<Points>(in + i).value...);
-        store(result, out + i);
-      });
-}
-
-// Kernels call each other in the order of the instructions, so that each has its own jump to the next one.
-// Captureless lambdas become kernels by their number of operands.
-template <class Compute>
-constexpr TapeKernel unary(Compute) {
-  return [](const Instruction* at, double* const* table, Count count) {
-    for_all(Compute{}, count, column(table, at->out), column(table, at->a));
-    at[1].kernel(at + 1, table, count);
-  };
-}
-template <class Compute>
-constexpr TapeKernel binary(Compute) {
-  return [](const Instruction* at, double* const* table, Count count) {
-    for_all(Compute{}, count, column(table, at->out), column(table, at->a), column(table, at->b));
-    at[1].kernel(at + 1, table, count);
-  };
-}
-template <class Compute>
-constexpr TapeKernel ternary(Compute) {
-  return [](const Instruction* at, double* const* table, Count count) {
-    for_all(Compute{}, count, column(table, at->out), column(table, at->a), column(table, at->b), column(table, at->c));
-    at[1].kernel(at + 1, table, count);
-  };
-}
-template <class Compute>
-constexpr TapeKernel quaternary(Compute) {
-  return [](const Instruction* at, double* const* table, Count count) {
-    for_all(Compute{}, count, column(table, at->out), column(table, at->a), column(table, at->b), column(table, at->c),
-            column(table, at->d));
-    at[1].kernel(at + 1, table, count);
-  };
-}
 
 /// A function of the standard library, point by point.
 template <class Function>
@@ -170,27 +123,21 @@ TapeKernel arithmetic(TapeOperation operation) {
       return binary([](auto& y, const auto& a, const auto& b) { y = a * b; });
     case divide:
       return binary([](auto& y, const auto& a, const auto& b) { y = a / b; });
-    case multiply_add:
-      return ternary([](auto& y, const auto& a, const auto& b, const auto& c) { y = a * b + c; });
     case multiply_subtract:
       return ternary([](auto& y, const auto& a, const auto& b, const auto& c) { y = a * b - c; });
-    case subtract_product:
-      return ternary([](auto& y, const auto& a, const auto& b, const auto& c) { y = c - a * b; });
-    case sum_of_products:
-      return quaternary([](auto& y, const auto& a, const auto& b, const auto& c, const auto& d) { y = a * b + c * d; });
     case difference_of_products:
       return quaternary([](auto& y, const auto& a, const auto& b, const auto& c, const auto& d) { y = a * b - c * d; });
     case guarded_multiply:
       return binary(product_where_nonzero);
     case guarded_multiply_add:
       return ternary([](auto& y, const auto& a, const auto& b, const auto& c) {
-        product_where_nonzero(y, a, b);
-        y = c + y;
+        product_where_nonzero(y, b, c);
+        y = a + y;
       });
     case guarded_subtract_product:
       return ternary([](auto& y, const auto& a, const auto& b, const auto& c) {
-        product_where_nonzero(y, a, b);
-        y = c - y;
+        product_where_nonzero(y, b, c);
+        y = a - y;
       });
     case negate:
       return unary([](auto& y, const auto& a) { y = -a; });
@@ -314,6 +261,7 @@ TapeKernel function(TapeOperation operation) {
 TapeKernel kernel_of(TapeOperation operation) {
   if (const auto kernel = arithmetic(operation)) return kernel;
   if (const auto kernel = choice(operation)) return kernel;
+  if (const auto kernel = kernel_of(operation, OperandForm::plain)) return kernel;
   return function(operation);
 }
 

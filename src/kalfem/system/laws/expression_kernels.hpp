@@ -26,6 +26,13 @@ struct Instruction {
 /// The kernel of an operation. `finish` ends a list of instructions.
 TapeKernel kernel_of(TapeOperation operation);
 
+/// How an operand is read.
+enum class OperandForm : unsigned char { plain, square, cube, cube_slope, magnitude, sign };
+
+/// The kernel of an operation whose last operand is read in a form, or null where there is none: of `add`,
+/// `inverse_of_sum`, and the products and their sums.
+TapeKernel kernel_of(TapeOperation operation, OperandForm form);
+
 /// One operation on numbers.
 double compute(TapeOperation operation, double a, double b, double c);
 

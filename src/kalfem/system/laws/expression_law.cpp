@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "kalfem/system/laws/expression_lanes.hpp"
 #include "kalfem/system/laws/expression_law_programs.hpp"
 
 namespace kalfem {
@@ -28,11 +29,7 @@ class LawCall {
 public:
   LawCall(const LawPrograms& programs, const LawPoints& points, LawResponse& out)
       : programs_(programs), at_(programs.at), points_(points), out_(out), work_(Workspace::of_thread()) {
-    const auto size = static_cast<std::size_t>(programs.result_count) * static_cast<std::size_t>(points_together);
-    if (work_.results.size() < size) work_.results.resize(size);
-    const auto columns = static_cast<std::size_t>(first_variable_base + programs.variable_count + answer_count);
-    if (work_.table.size() < columns) work_.table.resize(columns);
-    if (!at_.states.empty()) work_.stages.resize(at_.states.size(), at_.signals.size());
+    grow();
     work_.table[results_base] = work_.results.data();
     set(constants_base, programs.constants.data());
   }
@@ -40,18 +37,29 @@ public:
   /// The law at some points from `first` on.
   void respond(Index first, Index count) {
     point_to(first);
-    run(programs_.of_parameters, work_.table, count);
+    if (programs_.of_parameters.size() > 1) run(programs_.of_parameters, work_.table, count);
     const bool moves = points_.duration != 0.0 && !at_.states.empty();
     if (moves) StateIntegration(programs_.rates, work_.table, work_.stages, count).advance(points_, first);
     run(programs_.of_force, work_.table, count);
     if (moves) add_states(first, count);
     for (std::size_t i = 0; i < at_.states.size(); ++i)
       std::copy_n(work_.table[variable(at_.states[i])], count, &out_.states(first, static_cast<Index>(i)));
-    double* force = &out_.force[first];
-    for (Index k = 0; k < count; ++k) force[k] = std::isfinite(force[k]) ? force[k] : none;
+    in_blocks(count, [force = &out_.force[first]]<class Points>(Index k) {
+      const Points value = Block<Points>(force + k).value, zero{}, no_number = zero + none;
+      const Points kept = value - value == zero ? value : no_number;  // infinity less infinity is no number
+      store(kept, force + k);
+    });
   }
 
 private:
+  void grow() {
+    const auto size = static_cast<std::size_t>(programs_.result_count) * static_cast<std::size_t>(points_together);
+    if (work_.results.size() < size) work_.results.resize(size);
+    const auto columns = static_cast<std::size_t>(first_variable_base + programs_.variable_count + answer_count);
+    if (work_.table.size() < columns) work_.table.resize(columns);
+    if (!at_.states.empty()) work_.stages.resize(at_.states.size(), at_.signals.size());
+  }
+
   static constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
   static std::size_t variable(int number) { return static_cast<std::size_t>(first_variable_base + number); }
@@ -60,9 +68,14 @@ private:
 
   /// Lets the table's variables and answers be the caller's columns from a point on.
   void point_to(Index first) {
+    double** const table = work_.table.data() + first_variable_base;
+    // A block's variables follow each other on the tape.
     const auto set_block = [&](const std::vector<int>& variables, const auto& block) {
-      for (std::size_t i = 0; i < variables.size(); ++i)
-        set(variable(variables[i]), block.data() + static_cast<Index>(i) * block.outerStride() + first);
+      if (variables.empty()) return;
+      auto* column = const_cast<double*>(block.data()) + first;  // only read
+      const Index stride = block.outerStride(), count = std::ssize(variables);
+      double** const entries = table + variables.front();
+      for (Index i = 0; i < count; ++i) entries[i] = column + i * stride;
     };
     set(variable(at_.x), points_.deformation.data() + first);
     set(variable(at_.v), points_.rate.data() + first);

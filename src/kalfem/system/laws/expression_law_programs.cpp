@@ -66,20 +66,17 @@ LawPrograms::LawPrograms(const ExpressionLawOptions& options)
   rates.of_motion = maker.make(maker.needed_before(of_states, at.tape.that_depend_on(at.states)), known_by_rates);
   rates.rates = maker.make(of_rates, known_by_rates);
   rates.tangents = maker.make(wanted.tangents, known_by_rates);
+  rates.rate = maker.full_places(at.rates, rates.rates);
+  rates.by_state = maker.full_places(wanted.by_state, rates.rates);
+  const auto tangents = maker.full_places(wanted.tangents, rates.tangents);
   of_force = maker.make(wanted.force, known);
   of_force.insert(of_force.end() - 1, copies.begin(), copies.end());  // before the end
 
-  const auto places = [&](const Values& values, std::size_t first, std::size_t count) {
-    std::vector<Place> found;
-    for (std::size_t i = first; i < first + count; ++i) found.push_back(maker.place(values[i]));
-    return found;
-  };
-  const std::size_t states = at.states.size();
-  rates.rate = places(at.rates, 0, states);
-  rates.by_state = places(wanted.by_state, 0, states * states);
-  rates.by_deformation = places(wanted.tangents, 0, states);
-  rates.by_rate = places(wanted.tangents, states, states);
-  force_by_state = places(wanted.force, answer_count, states);
+  const auto states = static_cast<std::ptrdiff_t>(at.states.size());
+  rates.by_deformation.assign(tangents.begin(), tangents.begin() + states);
+  rates.by_rate.assign(tangents.begin() + states, tangents.end());
+  for (auto value = wanted.force.begin() + answer_count; value != wanted.force.end(); ++value)
+    force_by_state.push_back(maker.place(*value));
   rates.deformation = at.x;
   rates.motion_rate = at.v;
   rates.states = at.states;

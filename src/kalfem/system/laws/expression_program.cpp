@@ -38,8 +38,21 @@ Place ProgramMaker::place(int value) {
   return place;
 }
 
+std::vector<Place> ProgramMaker::full_places(const std::vector<int>& values, ExpressionProgram& program) {
+  std::vector<Place> full;
+  for (const int value : values) {
+    full.push_back(place(value));
+    if (full.back().base <= constants_base) continue;
+    const Place copied{results_base, rows * result_count_++};
+    program.insert(program.end() - 1, {kernel_of(copy), copied, full.back(), {}, {}, {}});
+    full.back() = copied;
+  }
+  return full;
+}
+
 TapeValue ProgramMaker::step(int value) const {
   TapeValue step = tape_[value];
+  if (step.operation == power_slope && tape_.is_constant(step.b, 3.0)) step.c = -1;  // 3 a^2 needs no a^3
   if (step.operation != divide || tape_.is_constant(step.a, 1.0)) return step;
   const int one = tape_.find_constant(1.0), inverse = one < 0 ? -1 : tape_.find_step(divide, one, step.b);
   if (inverse < 0) return step;
@@ -69,65 +82,136 @@ void ProgramMaker::count_uses(int value) {
     if (operand >= 0) count_uses(operand);
 }
 
-/// Whether the value is a product that can be computed with the sum that reads it.
-bool ProgramMaker::joins(int value) const {
-  if (!is_result(value) || (*known_)[at(value)] != 0 || uses_[at(value)] != 1) return false;
-  const auto operation = step(value).operation;
-  return operation == multiply || operation == guarded_multiply;
+/// Whether the value is a result that only the step being made reads, and that nothing else has computed.
+bool ProgramMaker::is_inner(int value) const {
+  return value >= 0 && is_result(value) && (*known_)[at(value)] == 0 && uses_[at(value)] == 1;
 }
 
-Place ProgramMaker::place_of_operand(int value) {
-  if (value < 0) return {};
-  emit(value);
-  return place(value);
+bool ProgramMaker::is_inner(int value, TapeOperation operation) const {
+  return is_inner(value) && step(value).operation == operation;
+}
+
+OperandForm ProgramMaker::form_of(int value) const {
+  if (!is_inner(value)) return OperandForm::plain;
+  const TapeValue from = step(value);
+  switch (from.operation) {
+    case absolute:
+      return OperandForm::magnitude;
+    case sign:
+      return OperandForm::sign;
+    case square:
+      return OperandForm::square;
+    case power:
+      return tape_.is_constant(from.b, 3.0) ? OperandForm::cube : OperandForm::plain;
+    case power_slope:
+      return tape_.is_constant(from.b, 3.0) ? OperandForm::cube_slope : OperandForm::plain;
+    default:
+      return OperandForm::plain;
+  }
+}
+
+/// Moves a factor that can be read in a form to the end.
+void ProgramMaker::read_last_in_form(Factors& factors) const {
+  for (auto& value : factors.values) {
+    factors.form = form_of(value);
+    if (factors.form == OperandForm::plain) continue;
+    value = step(value).a;
+    std::swap(value, factors.values.back());
+    return;
+  }
+}
+
+/// Two factors, or three where one of the two is itself a product.
+ProgramMaker::Factors ProgramMaker::factors_of(const TapeValue& product) const {
+  Factors factors{{product.a, product.b}};
+  for (const std::size_t i : {0U, 1U}) {
+    const int value = factors.values[i];
+    if (!is_inner(value, multiply)) continue;
+    const TapeValue inner = step(value);
+    factors.values[i] = inner.a;
+    factors.values.insert(factors.values.begin() + static_cast<std::ptrdiff_t>(i) + 1, inner.b);
+    break;
+  }
+  read_last_in_form(factors);
+  return factors;
+}
+
+Instruction ProgramMaker::instruction(TapeOperation operation, OperandForm form, const std::vector<int>& operands) {
+  Instruction made;
+  made.kernel = form == OperandForm::plain ? kernel_of(operation) : kernel_of(operation, form);
+  Place* const places[] = {&made.a, &made.b, &made.c, &made.d};
+  for (std::size_t i = 0; i < operands.size(); ++i) {
+    if (operands[i] < 0) continue;
+    emit(operands[i]);
+    *places[i] = place(operands[i]);
+  }
+  return made;
+}
+
+Instruction ProgramMaker::product(const TapeValue& of) {
+  const Factors factors = factors_of(of);
+  return instruction(factors.values.size() == 3 ? multiply_three : multiply, factors.form, factors.values);
+}
+
+/// A sum or difference, with what it can take in of its operands.
+Instruction ProgramMaker::sum(const TapeValue& of) {
+  const bool plus = of.operation == add;
+  int first = of.a, second = of.b;
+  const auto with_first = [&](const std::vector<int>& factors) {
+    std::vector<int> operands{first};
+    operands.insert(operands.end(), factors.begin(), factors.end());
+    return operands;
+  };
+  if (is_inner(first, multiply) && is_inner(second, multiply)) {
+    Factors one = factors_of(first), other = factors_of(second);
+    if (plus && one.form != OperandForm::plain) std::swap(one, other);
+    const bool bare = one.form == OperandForm::plain && (plus || other.form == OperandForm::plain);
+    if (bare && one.values.size() == 2 && other.values.size() == 2)
+      return instruction(plus ? sum_of_products : difference_of_products, other.form,
+                         {one.values[0], one.values[1], other.values[0], other.values[1]});
+  }
+  if (plus && !is_inner(second, multiply) && !is_inner(second, guarded_multiply)) std::swap(first, second);
+  if (is_inner(second, multiply)) {
+    const Factors factors = factors_of(second);
+    if (factors.values.size() == 3)
+      return instruction(plus ? multiply_three_add : subtract_three, factors.form, with_first(factors.values));
+    return instruction(plus ? multiply_add : subtract_product, factors.form, with_first(factors.values));
+  }
+  if (is_inner(second, guarded_multiply)) {
+    const TapeValue from = step(second);
+    return instruction(plus ? guarded_multiply_add : guarded_subtract_product, OperandForm::plain,
+                       with_first({from.a, from.b}));
+  }
+  if (is_inner(first, multiply)) {
+    const TapeValue from = step(first);
+    return instruction(multiply_subtract, OperandForm::plain, {from.a, from.b, second});
+  }
+  Factors terms{{first, second}};
+  if (plus) read_last_in_form(terms);
+  return instruction(of.operation, terms.form, terms.values);
 }
 
 void ProgramMaker::emit(int value) {
   if (!is_result(value) || (*known_)[at(value)] != 0) return;
   const TapeValue from = step(value);
   Instruction next;
-  TapeOperation operation = from.operation;
-  if (tape_.is_constant(from.b, 3.0))
-    operation = operation == power ? cube : operation == power_slope ? cube_slope : operation;
-  if ((operation == add || operation == subtract) && (joins(from.a) || joins(from.b))) {
-    emit_sum(from, next, operation);
+  if (from.operation == add || from.operation == subtract) {
+    next = sum(from);
+  } else if (from.operation == multiply) {
+    next = product(from);
+  } else if (from.operation == divide && tape_.is_constant(from.a, 1.0) && is_inner(from.b, add)) {
+    Factors terms{{step(from.b).a, step(from.b).b}};
+    read_last_in_form(terms);
+    next = instruction(inverse_of_sum, terms.form, terms.values);
   } else {
-    next.a = place_of_operand(from.a);
-    next.b = place_of_operand(from.b);
-    next.c = place_of_operand(from.c);
+    TapeOperation operation = from.operation;
+    if (operation == power && tape_.is_constant(from.b, 3.0)) operation = cube;
+    if (operation == power_slope && tape_.is_constant(from.b, 3.0)) operation = cube_slope;
+    next = instruction(operation, OperandForm::plain, {from.a, from.b, from.c});
   }
-  next.kernel = kernel_of(operation);
   next.out = place(value);
   program_.push_back(next);
   (*known_)[at(value)] = 1;
-}
-
-/// a b + c, a b - c, c - a b, a b + c d or a b - c d.
-void ProgramMaker::emit_sum(const TapeValue& sum, Instruction& out, TapeOperation& operation) {
-  const bool plus = operation == add;
-  int first = sum.a, second = sum.b;
-  const auto is_plain = [&](int value) { return joins(value) && step(value).operation == multiply; };
-  if (is_plain(first) && is_plain(second)) {
-    operation = plus ? sum_of_products : difference_of_products;
-    out.c = place_of_operand(step(second).a);
-    out.d = place_of_operand(step(second).b);
-  } else if (joins(second) || (plus && joins(first))) {
-    if (!joins(second)) std::swap(first, second);
-    const bool guarded = !is_plain(second);
-    operation = plus ? (guarded ? guarded_multiply_add : multiply_add)
-                     : (guarded ? guarded_subtract_product : subtract_product);
-    out.c = place_of_operand(first);
-    first = second;
-  } else if (is_plain(first)) {
-    operation = multiply_subtract;
-    out.c = place_of_operand(second);
-  } else {
-    out.a = place_of_operand(first);
-    out.b = place_of_operand(second);
-    return;
-  }
-  out.a = place_of_operand(step(first).a);
-  out.b = place_of_operand(step(first).b);
 }
 
 std::vector<int> ProgramMaker::needed_before(const std::vector<int>& targets, const std::vector<char>& later) const {

@@ -32,8 +32,9 @@ inline void run(const ExpressionProgram& program, const ColumnTable& table, Eige
 /// Columns of constants, `points_together` rows each.
 using AlignedColumns = std::vector<double, Eigen::aligned_allocator<double>>;
 
-/// Makes programs of a tape. A value has one place, whichever program computes it; a product that only a sum reads is
-/// computed with the sum, and a quotient a/b is a (1/b) where 1/b is on the tape too.
+/// Makes programs of a tape. A value has one place, whichever program computes it; what only one sum or product
+/// reads is computed with it where there is a kernel for both, and a quotient a/b is a (1/b) where 1/b is on the tape
+/// too.
 class ProgramMaker {
 public:
   /// The tape's first values are its `variables` variables.
@@ -48,17 +49,31 @@ public:
   [[nodiscard]] std::vector<int> needed_before(const std::vector<int>& targets, const std::vector<char>& later) const;
 
   [[nodiscard]] Place place(int value);
+  /// Places of `points_together` rows for the values, which the program copies there if they stand elsewhere.
+  [[nodiscard]] std::vector<Place> full_places(const std::vector<int>& values, ExpressionProgram& program);
   [[nodiscard]] int result_count() const { return result_count_; }
   [[nodiscard]] const AlignedColumns& constants() const { return constants_; }
 
 private:
+  /// Factors of a product, the last of which is read in a form.
+  struct Factors {
+    std::vector<int> values;
+    OperandForm form = OperandForm::plain;
+  };
+
   [[nodiscard]] TapeValue step(int value) const;
   [[nodiscard]] bool is_result(int value) const { return tape_[value].kind == TapeValue::Kind::result; }
   void count_uses(int value);
   void emit(int value);
-  void emit_sum(const TapeValue& sum, Instruction& out, TapeOperation& operation);
-  [[nodiscard]] bool joins(int value) const;
-  Place place_of_operand(int value);
+  [[nodiscard]] bool is_inner(int value) const;
+  [[nodiscard]] bool is_inner(int value, TapeOperation operation) const;
+  [[nodiscard]] Factors factors_of(const TapeValue& product) const;
+  [[nodiscard]] Factors factors_of(int product) const { return factors_of(step(product)); }
+  [[nodiscard]] OperandForm form_of(int value) const;
+  void read_last_in_form(Factors& factors) const;
+  Instruction sum(const TapeValue& of);
+  Instruction product(const TapeValue& of);
+  Instruction instruction(TapeOperation operation, OperandForm form, const std::vector<int>& operands);
 
   const ExpressionTape& tape_;
   int variables_, result_count_ = 0;

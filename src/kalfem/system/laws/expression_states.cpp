@@ -120,7 +120,7 @@ void StateIntegration::solve_stage(double step) {
 void StateIntegration::evaluate(double step, const StateColumns& s, const StateColumns& norm) {
   set_states(s);
   run(at_.rates, table_, count_);
-  in_blocks(count_, [&]<class Points>(Index k) {
+  in_blocks(rows_, [&]<class Points>(Index k) {
     Points sum{};
     for (std::size_t i = 0; i < states_; ++i) {
       const Points residual = Block<Points>(s[i] + k).value - Block<Points>(memory_.base[i] + k).value -
@@ -141,7 +141,7 @@ void StateIntegration::correct(double step) {
 /// Marks the points that have ended and moves the trial states of the others. True: all have.
 bool StateIntegration::find_ended() {
   const bool linear = at_.linear;
-  in_blocks(count_, [&]<class Points>(Index k) {
+  in_blocks(rows_, [&]<class Points>(Index k) {
     const Points no{}, yes = no + 1.0;
     Points ended = yes;
     for (std::size_t i = 0; i < states_; ++i) {
@@ -215,13 +215,27 @@ void StateIntegration::take_tangents(double step, const StateColumns* before, do
   solve<2>(step, memory_.by_motion);
 }
 
+/// The solution for one state.
+template <std::size_t sides>
+void StateIntegration::divide(double step, const StateColumns& right) {
+  const double* by_state = column(table_, at_.by_state.front());
+  in_blocks(rows_, [&]<class Points>(Index first) {
+    const Points slope = Block<Points>(by_state + first).value, inverse = 1.0 / (1.0 - step * slope);
+    for (std::size_t side = 0; side < sides; ++side) {
+      const Points x = Block<Points>(right[side] + first).value * inverse;
+      store(x, right[side] + first);
+    }
+  });
+}
+
 // The matrix is near the identity where steps are short, so rows are exchanged only where a pivot turns out small.
 /// Solves (1 - step dg/ds) x = right at each point, into `right`: `sides` right-hand sides one after the other.
 template <std::size_t sides>
 void StateIntegration::solve(double step, const StateColumns& right) {
   constexpr double least_pivot = 1e-3;
   const std::size_t n = states_;
-  in_blocks(count_, [&]<class Points>(Index first) {
+  if (n == 1) return divide<sides>(step, right);
+  in_blocks(rows_, [&]<class Points>(Index first) {
     const Points zero{}, one = zero + 1.0;
     const auto magnitude = [&](const Points& x, Points& out) { out = x < zero ? -x : x; };
     std::array<std::array<Points, most_states>, most_states> m;
@@ -233,17 +247,15 @@ void StateIntegration::solve(double step, const StateColumns& right) {
     }
     Points weak = zero;
     for (std::size_t k = 0; k < n; ++k) {
-      if (n > 1) {
-        Points pivot, largest, other;
-        magnitude(m[k][k], pivot);
-        largest = pivot;
-        for (std::size_t j = k + 1; j < n; ++j) {
-          magnitude(m[k][j], other);
-          largest = largest < other ? other : largest;
-        }
-        const Points limit = least_pivot * largest;
-        weak = pivot >= limit ? weak : one;
+      Points pivot, largest, other;
+      magnitude(m[k][k], pivot);
+      largest = pivot;
+      for (std::size_t j = k + 1; j < n; ++j) {
+        magnitude(m[k][j], other);
+        largest = largest < other ? other : largest;
       }
+      const Points limit = least_pivot * largest;
+      weak = pivot >= limit ? weak : one;
       const Points inverse = one / m[k][k];
       for (std::size_t i = k + 1; i < n; ++i) {
         const Points factor = m[i][k] * inverse;
@@ -259,15 +271,14 @@ void StateIntegration::solve(double step, const StateColumns& right) {
         side[k] = side[k] * m[k][k];
       }
     for (std::size_t i = 0; i < n; ++i) {
-      const Points good = weak;
       for (std::size_t side = 0; side < sides; ++side) {
         const Points before = Block<Points>(right[side * n + i] + first).value;
-        const Points kept = good == zero ? x[side][i] : before;
+        const Points kept = weak == zero ? x[side][i] : before;
         store(kept, right[side * n + i] + first);
       }
     }
   });
-  if (n > 1) solve_weak<sides>(step, right);
+  solve_weak<sides>(step, right);
 }
 
 /// The same with row exchanges at the points that are marked weak.

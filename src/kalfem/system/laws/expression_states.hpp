@@ -8,7 +8,8 @@
 
 namespace kalfem {
 
-/// How the rates s' = g(d, v, s) of m states and their derivatives are computed, and where they stand then.
+/// How the rates s' = g(d, v, s) of m states and their derivatives are computed, and where they stand then: in columns
+/// of `points_together` rows.
 struct RatePrograms {
   ExpressionProgram of_motion;                                 ///< what depends on the motion and the signals alone
   ExpressionProgram rates;                                     ///< g and dg/ds
@@ -50,7 +51,12 @@ private:
 class StateIntegration {
 public:
   StateIntegration(const RatePrograms& programs, ColumnTable& table, StageMemory& memory, Eigen::Index count)
-      : at_(programs), table_(table), memory_(memory), states_(programs.states.size()), count_(count) {}
+      : at_(programs),
+        table_(table),
+        memory_(memory),
+        states_(programs.states.size()),
+        count_(count),
+        rows_((count + 7) / 8 * 8) {}
 
   /// From points.begin_states; the table's motion is that of the interval's end before and after. Leaves s,
   /// by_motion = [ds/dd, ds/dv] and converged = 1 or 0 in the memory, and the table's states there.
@@ -70,6 +76,8 @@ private:
   void halve_where_worse();
   void finish_stage();
   template <std::size_t sides>
+  void divide(double step, const StateColumns& right);
+  template <std::size_t sides>
   void solve(double step, const StateColumns& right);
   template <std::size_t sides>
   void solve_weak(double step, const StateColumns& right);
@@ -78,7 +86,7 @@ private:
   ColumnTable& table_;
   StageMemory& memory_;
   std::size_t states_;
-  Eigen::Index count_;
+  Eigen::Index count_, rows_;  ///< points, and rows of the columns: in blocks of 8, the last ones without a meaning
 };
 
 }  // namespace kalfem

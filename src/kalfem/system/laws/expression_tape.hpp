@@ -56,13 +56,17 @@ enum class TapeOperation : unsigned char {
   finish,                    ///< the end
   cube,                      ///< a^3
   cube_slope,                ///< 3 a^2
-  multiply_add,              ///< a b + c
   multiply_subtract,         ///< a b - c
-  subtract_product,          ///< c - a b
-  guarded_multiply_add,      ///< a b + c, but c where a is 0
-  guarded_subtract_product,  ///< c - a b, but c where a is 0
+  guarded_multiply_add,      ///< a + b c, but a where b is 0
+  guarded_subtract_product,  ///< a - b c, but a where b is 0
+  difference_of_products,    ///< a b - c d
   sum_of_products,           ///< a b + c d
-  difference_of_products     ///< a b - c d
+  multiply_add,              ///< a + b c
+  subtract_product,          ///< a - b c
+  multiply_three,            ///< a b c
+  multiply_three_add,        ///< a + b c d
+  subtract_three,            ///< a - b c d
+  inverse_of_sum             ///< 1 / (a + b)
 };
 
 /// A value of a tape: a variable, a constant or the result of an operation on earlier values.
