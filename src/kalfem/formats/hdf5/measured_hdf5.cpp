@@ -1,6 +1,7 @@
 #include "kalfem/formats/hdf5/measured_hdf5.hpp"
 
 #include <algorithm>
+#include <new>
 #include <optional>
 #include <set>
 
@@ -166,6 +167,13 @@ private:
 
 }  // namespace
 
-MeasuredFile read_measured_hdf5(const std::filesystem::path& path) { return Hdf5Reader(path).read(); }
+MeasuredFile read_measured_hdf5(const std::filesystem::path& path) try {
+  return Hdf5Reader(path).read();
+} catch (const std::bad_alloc&) {
+  throw InvalidInput(Issue{{path.string(), 0},
+                           "the HDF5 file states more values than fit into memory",
+                           "it is damaged, or too large for this machine",
+                           "export it again, or a part of it"});
+}
 
 }  // namespace kalfem
