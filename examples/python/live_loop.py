@@ -29,7 +29,7 @@ for k, sample in enumerate(np.column_stack([measured["a"], measured["b"]])):
     live.update(sample)
     if k % 300 == 0:
         b, k3 = live.state("table.b.displacement"), live.parameters["stop.k3"]
-        print(f"{live.time:4.1f} s: b at {1e3 * b.value:6.2f} +- {1e3 * b.std:.2f} mm, k3 = {k3.value:.3g} N/m^3")
+        print(f"{live.time:4.1f} s: b at {1e3 * b.value:6.3f} +- {1e3 * b.std:.3f} mm, k3 = {1e-8 * k3.value:.3f}e8 N/m^3")
 
 # %% The same from blocks that come late and out of order, as from a network
 late = kf.Filter(two_masses(2e8), rate, sensors=sensors, unknown={"stop.k3": (2e8, "100 %")}, horizon=1.0)
@@ -38,4 +38,5 @@ for first in range(0, len(t), 100):
     for name, values in [("b", measured["b"]), ("shaker", force), ("a", measured["a"])]:
         late.push(name, t[block], values[block])
 late.flush()
-print("same estimate:", late.parameters["stop.k3"].value == live.parameters["stop.k3"].value)
+same = np.isclose(late.parameters["stop.k3"].value, live.parameters["stop.k3"].value, rtol=1e-9)
+print("same estimate:", same)

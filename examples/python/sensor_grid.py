@@ -26,8 +26,8 @@ found = [[run.parameters[name] for name in parameters] for run in runs]
 percent = np.array([[100 * each.std / each.truth for each in pair] for pair in found])
 order = np.argsort(percent.max(axis=1))
 for i in order[:3]:
-    print(f"body.{pairs[i][0]} and body.{pairs[i][1]}: {percent[i, 0]:.2f} % and {percent[i, 1]:.2f} %")
-print(f"the worst pair is body.{pairs[order[-1]][0]} and body.{pairs[order[-1]][1]}: {percent[order[-1]].max():.1f} %")
+    print(f"body.{pairs[i][0]} and body.{pairs[i][1]}: {percent[i, 0]:.3f} % and {percent[i, 1]:.3f} %")
+print(f"the worst pair is body.{pairs[order[-1]][0]} and body.{pairs[order[-1]][1]}: {percent[order[-1]].max():.3f} %")
 
 # %% A map of the pairs
 figure, axes = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")

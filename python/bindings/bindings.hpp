@@ -41,8 +41,8 @@ py::object array_of(Values values) {
   return py::cast(std::move(values), py::return_value_policy::move);
 }
 
-/// One dimension of numbers. Throws InvalidInput, with the argument's name, where it has another shape or is no array of
-/// numbers.
+/// One dimension of numbers. Throws InvalidInput, with the argument's name, where it has another shape or is no array
+/// of numbers.
 Eigen::VectorXd vector_of(const py::handle& values, const std::string& argument);
 
 }  // namespace kalfem::python

@@ -10,10 +10,8 @@ constexpr std::chrono::milliseconds pause{50};
 
 }  // namespace
 
-LongCall::LongCall(const py::object& progress)
-    : reporter_(progress), question_([this] { return shall_stop(); }) {
-  if (!progress.is_none())
-    progress_ = [this](std::string_view words, double fraction) { report(words, fraction); };
+LongCall::LongCall(const py::object& progress) : reporter_(progress), question_([this] { return shall_stop(); }) {
+  if (!progress.is_none()) progress_ = [this](std::string_view words, double fraction) { report(words, fraction); };
 }
 
 bool LongCall::is_due(Clock::time_point& last) const {

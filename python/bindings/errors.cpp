@@ -14,7 +14,8 @@ std::string in_python(const std::string& text) {
   if (words.starts_with("unknowns")) words.erase(7, 1);
   words = std::regex_replace(words, member, "$1.");
   for (const std::string name : {"OnlineFilter", "LiveFilter"})
-    for (auto at = words.find(name); at != std::string::npos; at = words.find(name)) words.replace(at, name.size(), "Filter");
+    for (auto at = words.find(name); at != std::string::npos; at = words.find(name))
+      words.replace(at, name.size(), "Filter");
   return words;
 }
 
@@ -38,8 +39,9 @@ Eigen::VectorXd vector_of(const py::handle& values, const std::string& argument)
   const Column column = Column::ensure(values);
   if (!column) PyErr_Clear();
   if (!column || column.ndim() != 1)
-    throw InvalidInput(argument + ": " + (column ? std::to_string(column.ndim()) + " dimensions" : "no array of numbers"),
-                       "one dimension of numbers is needed", "give a NumPy array of shape (n,)");
+    throw InvalidInput(
+        argument + ": " + (column ? std::to_string(column.ndim()) + " dimensions" : "no array of numbers"),
+        "one dimension of numbers is needed", "give a NumPy array of shape (n,)");
   return Eigen::Map<const Eigen::VectorXd>(column.data(), column.size());
 }
 

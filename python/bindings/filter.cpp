@@ -50,7 +50,8 @@ public:
       throw InvalidInput("advance: u and y have other shapes than (samples, " + std::to_string(inputs) +
                              ") and (samples, " + std::to_string(sensors) + ")",
                          "a row is one sample", "");
-    const Eigen::Map<const Eigen::MatrixXd> of_inputs(u.data(), inputs, u.shape(0)), of_sensors(y.data(), sensors, y.shape(0));
+    const Eigen::Map<const Eigen::MatrixXd> of_inputs(u.data(), inputs, u.shape(0)),
+        of_sensors(y.data(), sensors, y.shape(0));
     const Index count = without_gil([&] {
       for (Index k = 0; k < of_sensors.cols(); ++k)
         if (!filter().predict_values(of_inputs.col(k)) || !filter().update(of_sensors.col(k))) return k;
@@ -79,11 +80,10 @@ public:
       PyErr_Clear();
       throw InvalidInput("push: t is no time", "", "give the time of the first value, or one for each value");
     }
-    const Index taken = times.ndim() == 0
-                            ? without_gil([&] { return live_.push(name, *times.data(), samples); })
-                            : without_gil([&] {
-                                return live_.push(name, Eigen::Map<const VectorXd>(times.data(), times.size()), samples);
-                              });
+    const Index taken =
+        times.ndim() == 0 ? without_gil([&] { return live_.push(name, *times.data(), samples); }) : without_gil([&] {
+          return live_.push(name, Eigen::Map<const VectorXd>(times.data(), times.size()), samples);
+        });
     raise_of_laws(structure_);
     return taken;
   }
@@ -116,7 +116,8 @@ private:
   }
 
   /// Values in the order of `names`: an array, or a dictionary in which missing sensors are missing values.
-  void read(const py::object& given, const std::vector<std::string>& names, const char* argument, VectorXd& values) const {
+  void read(const py::object& given, const std::vector<std::string>& names, const char* argument,
+            VectorXd& values) const {
     values.resize(std::ssize(names));
     if (PyDict_Check(given.ptr())) {
       read_entries(given, names, argument, values);
@@ -125,10 +126,10 @@ private:
     const Column column = Column::ensure(given);
     if (!column) PyErr_Clear();
     if (!column || column.ndim() > 1 || column.size() != values.size())
-      throw InvalidInput(std::string(argument) + ": " +
-                             (column ? std::to_string(column.size()) + " values" : "no array of numbers"),
-                         "there are " + std::to_string(names.size()) + ": " + joined(names),
-                         "give them as an array in this order, or a dictionary");
+      throw InvalidInput(
+          std::string(argument) + ": " + (column ? std::to_string(column.size()) + " values" : "no array of numbers"),
+          "there are " + std::to_string(names.size()) + ": " + joined(names),
+          "give them as an array in this order, or a dictionary");
     std::copy_n(column.data(), values.size(), values.data());
   }
 
@@ -240,7 +241,8 @@ int
     Samples that it was moved by: fewer where it has stopped.
 )")
       .def("begin", &PythonFilter::start, py::arg("u"), "Tell the inputs at the first sample, before its update().")
-      .def("push", &PythonFilter::push, py::arg("name"), py::arg("t"), py::arg("values"), R"(Hand over samples of one channel.
+      .def("push", &PythonFilter::push, py::arg("name"), py::arg("t"), py::arg("values"),
+           R"(Hand over samples of one channel.
 
 Parameters
 ----------
@@ -265,22 +267,30 @@ What comes later still is dropped and counted in `dropped`.
       .def("state", &PythonFilter::state, py::arg("name"),
            "Mean and standard deviation of ``body.2.displacement``, ``body.2.velocity``, or an output.")
       .def("_parameters", &parameters_of)
-      .def_property_readonly("time", [](PythonFilter& self) { return self.filter().time(); },
-                             "Of the present sample, the first one at 0 [s].")
-      .def_property_readonly("innovation", [](PythonFilter& self) { return VectorXd(self.filter().innovation()); },
-                             "Measured minus predicted of the last update, shape (sensors,).")
-      .def_property_readonly("nis", [](PythonFilter& self) { return self.filter().nis(); },
-                             "Normalised innovation squared of the last update.")
-      .def_property_readonly("failure", [](PythonFilter& self) -> py::object {
-        const auto& failure = self.filter().failure();
-        if (!failure) return py::none();
-        return py::str("the filter stopped at " + std::to_string(failure->time) + " s: " + failure->reason);
-      }, "When and why it stopped; None while it goes on.")
+      .def_property_readonly(
+          "time", [](PythonFilter& self) { return self.filter().time(); },
+          "Of the present sample, the first one at 0 [s].")
+      .def_property_readonly(
+          "innovation", [](PythonFilter& self) { return VectorXd(self.filter().innovation()); },
+          "Measured minus predicted of the last update, shape (sensors,).")
+      .def_property_readonly(
+          "nis", [](PythonFilter& self) { return self.filter().nis(); },
+          "Normalised innovation squared of the last update.")
+      .def_property_readonly(
+          "failure",
+          [](PythonFilter& self) -> py::object {
+            const auto& failure = self.filter().failure();
+            if (!failure) return py::none();
+            return py::str("the filter stopped at " + std::to_string(failure->time) + " s: " + failure->reason);
+          },
+          "When and why it stopped; None while it goes on.")
       .def_property_readonly("usable", [](PythonFilter& self) { return self.filter().usable(); })
-      .def_property_readonly("samples", [](const PythonFilter& self) { return self.live().samples(); },
-                             "Samples that push() has moved it by.")
-      .def_property_readonly("dropped", [](const PythonFilter& self) { return self.live().dropped(); },
-                             "Values that came behind the horizon, or twice.")
+      .def_property_readonly(
+          "samples", [](const PythonFilter& self) { return self.live().samples(); },
+          "Samples that push() has moved it by.")
+      .def_property_readonly(
+          "dropped", [](const PythonFilter& self) { return self.live().dropped(); },
+          "Values that came behind the horizon, or twice.")
       .def_property_readonly("sensors", &PythonFilter::sensors)
       .def_property_readonly("inputs", &PythonFilter::inputs);
 }

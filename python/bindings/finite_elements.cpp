@@ -1,3 +1,5 @@
+#include <pybind11/stl/filesystem.h>
+
 #include "kalfem/base/units.hpp"
 #include "kalfem/formats/deck.hpp"
 #include "kalfem/formats/vtu.hpp"
@@ -48,14 +50,14 @@ void name_node(FiniteElements& elements, const std::string& name, const py::hand
 }
 
 /// What reading a deck gives: the substructure, and the notes of the reader.
-FiniteElements read(const std::string& file, const std::string& units, const py::object& name, const py::dict& nodes,
-                    const std::vector<std::string>& accept) {
+FiniteElements read(const std::filesystem::path& file, const std::string& units, const py::object& name,
+                    const py::dict& nodes, const std::vector<std::string>& accept) {
   Deck deck = read_deck(file);
   IssueList issues;
   accept_missing(deck.notes, accept, issues);
   issues.raise();
   to_si(deck.model, units_of(units));
-  const std::string stem = std::filesystem::path(file).stem().string();
+  const std::string stem = file.stem().string();
   FiniteElements elements(name.is_none() ? stem : name.cast<std::string>(), deck.model);
   for (const auto& [set, members] : deck.model.mesh.node_sets)
     if (members.size() == 1 && set != scalar_points && !nodes.contains(set.c_str()))
@@ -64,7 +66,7 @@ FiniteElements read(const std::string& file, const std::string& units, const py:
   return elements;
 }
 
-py::list notes_of(const std::string& file) {
+py::list notes_of(const std::filesystem::path& file) {
   py::list notes;
   for (const auto& note : read_deck(file).notes)
     notes.append(py::make_tuple(to_string(note.kind), note.what, note.consequence, note.count,
@@ -101,7 +103,7 @@ FiniteElements reduced(const FiniteElements& self, std::optional<double> up_to, 
   return elements.reduce({.method = method_named(method), .modes = {.count = modes, .cutoff = up_to}}, names);
 }
 
-void write_mesh(const FiniteElements& self, const std::string& file, const py::dict& fields) {
+void write_mesh(const FiniteElements& self, const std::filesystem::path& file, const py::dict& fields) {
   std::vector<NodalField> shown;
   for (const auto& [name, values] : fields) shown.push_back({name.cast<std::string>(), values.cast<Eigen::MatrixXd>()});
   write_vtu(file, self.model().mesh, shown);
@@ -142,7 +144,8 @@ Its points are ``name.node.x``; its parameters ``name.steel.youngs_modulus``, ``
           [](FiniteElements self, double alpha, double beta) { return self.rayleigh_damping(alpha, beta); },
           py::arg("alpha"), py::arg("beta"), "C = alpha M + beta K, alpha [1/s], beta [s].")
       .def("reduce", &reduced, py::arg("up_to") = py::none(), py::arg("boundary") = py::list(), py::kw_only(),
-           py::arg("modes") = py::none(), py::arg("method") = "craig_bampton", R"(Use a superelement instead of the full model.
+           py::arg("modes") = py::none(), py::arg("method") = "craig_bampton",
+           R"(Use a superelement instead of the full model.
 
 Parameters
 ----------
@@ -165,7 +168,8 @@ method : str
           py::arg("count") = 10, "Lowest natural frequencies of the full model [Hz], shape (count,).")
       .def_property_readonly("name", &FiniteElements::name)
       .def_property_readonly(
-          "node_positions", [](const FiniteElements& self) -> Eigen::MatrixXd { return self.model().mesh.nodes.transpose(); },
+          "node_positions",
+          [](const FiniteElements& self) -> Eigen::MatrixXd { return self.model().mesh.nodes.transpose(); },
           "Coordinates of the nodes [m], shape (nodes, 3).")
       .def_property_readonly("node_numbers", [](const FiniteElements& self) { return self.model().mesh.node_ids; })
       .def("write_vtu", &write_mesh, py::arg("file"), py::arg("fields") = py::dict(), R"(Write the mesh for ParaView.
@@ -177,11 +181,13 @@ fields : dict of str to array, shape (components, nodes)
     Shown over the nodes.
 )")
       .def("__repr__", [](const FiniteElements& self) {
-        return "<kalfem.FiniteElements '" + self.name() + "', " + std::to_string(self.model().mesh.node_count()) + " nodes>";
+        return "<kalfem.FiniteElements '" + self.name() + "', " + std::to_string(self.model().mesh.node_count()) +
+               " nodes>";
       });
   module.def("read_deck", &read, py::arg("file"), py::kw_only(), py::arg("units") = "m kg s",
              py::arg("name") = py::none(), py::arg("nodes") = py::dict(),
-             py::arg("accept") = std::vector<std::string>{}, R"(Read a finite-element model of Nastran (.bdf) or of Abaqus and CalculiX (.inp).
+             py::arg("accept") = std::vector<std::string>{},
+             R"(Read a finite-element model of Nastran (.bdf) or of Abaqus and CalculiX (.inp).
 
 Parameters
 ----------

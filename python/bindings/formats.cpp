@@ -114,7 +114,8 @@ py::dict read_file(const std::string& path) {
 void bind_formats(py::module_& module) {
   module.def("read", &read_file, py::arg("file"), "Everything that a measured file holds: see kalfem.read.");
   module.def(
-      "unit_factor", [](const std::string& unit, const std::string& expected) { return parse_unit_as(unit, expected).factor; },
+      "unit_factor",
+      [](const std::string& unit, const std::string& expected) { return parse_unit_as(unit, expected).factor; },
       py::arg("unit"), py::arg("expected"), "Factor that turns numbers of a unit into the SI unit of a quantity.");
 }
 

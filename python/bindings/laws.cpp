@@ -21,7 +21,8 @@ ArrayXd steps_about(const Eigen::Ref<const ArrayXd>& x) { return (6e-6 * x.abs()
 class PythonLaw final : public ConnectorLaw {
 public:
   PythonLaw(const py::function& force, std::vector<LawQuantity> parameters)
-      : name_(py::str(py::getattr(force, "__name__", py::str("law")))), parameters_(std::move(parameters)),
+      : name_(py::str(py::getattr(force, "__name__", py::str("law")))),
+        parameters_(std::move(parameters)),
         force_(force) {}
   ~PythonLaw() override {
     const py::gil_scoped_acquire acquired;  // the last owner may be a thread of the library

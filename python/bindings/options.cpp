@@ -69,22 +69,23 @@ private:
     if (entries.contains("applies_to")) prior_.applies_to = entries["applies_to"].cast<std::vector<std::string>>();
     if (entries.contains("initial")) prior_.initial = value(entries["initial"]);
     if (entries.contains("std")) read_std(entries["std"]);
-    if (entries.contains("random_walk"))
-      prior_.random_walk = number_of(entries["random_walk"], "", argument_);
+    if (entries.contains("random_walk")) prior_.random_walk = number_of(entries["random_walk"], "", argument_);
     if (entries.contains("bounds")) read_bounds(entries["bounds"].cast<py::sequence>());
     if (entries.contains("transform")) read_transform(entries["transform"].cast<std::string>());
   }
 
   void read_bounds(const py::sequence& bounds) {
     if (bounds.size() != 2)
-      throw InvalidInput(argument_ + ": " + std::to_string(bounds.size()) + " bounds", "there are a lower and an upper one", "");
+      throw InvalidInput(argument_ + ": " + std::to_string(bounds.size()) + " bounds",
+                         "there are a lower and an upper one", "");
     prior_.transform = {TransformKind::logit, value(py::object(bounds[0])), value(py::object(bounds[1]))};
   }
 
   void read_transform(const std::string& name) {
     if (name == "logit" && prior_.transform) return;
     if (name != "log" && name != "none")
-      throw InvalidInput(argument_ + ": the transform '" + name + "' is given", "it is log or none, or logit with bounds", "");
+      throw InvalidInput(argument_ + ": the transform '" + name + "' is given",
+                         "it is log or none, or logit with bounds", "");
     prior_.transform = {name == "log" ? TransformKind::log : TransformKind::none};
   }
 
@@ -130,11 +131,11 @@ std::vector<std::pair<std::string, PointPrior>> initial_state_of(const py::dict&
       double* const members[] = {&prior.displacement, &prior.velocity, &prior.displacement_std, &prior.velocity_std};
       const auto at = std::ranges::find(known, entry);
       if (at == known.end())
-        throw InvalidInput(entry_of("initial_state", name) + ": there is no entry '" + entry + "'" +
-                               did_you_mean(entry, known), "", "");
+        throw InvalidInput(
+            entry_of("initial_state", name) + ": there is no entry '" + entry + "'" + did_you_mean(entry, known), "",
+            "");
       const bool of_displacement = entry.starts_with("displacement");
-      *members[at - known.begin()] =
-          number_of(value, of_displacement ? "m" : "m/s", entry_of("initial_state", name));
+      *members[at - known.begin()] = number_of(value, of_displacement ? "m" : "m/s", entry_of("initial_state", name));
     }
     all.push_back({name, prior});
   }

@@ -22,8 +22,8 @@ Record from_mapping(const TimeGrid& grid, const py::object& y, const std::vector
     record.channels.push_back({name});
     const std::string argument = entry_of("y", name);
     if (std::ranges::find(known, name) == known.end()) {
-      issues.add({}, "y: there is no channel '" + name + "'" + did_you_mean(name, known),
-                 "each sensor has its channel", "name the sensor as the channel");
+      issues.add({}, "y: there is no channel '" + name + "'" + did_you_mean(name, known), "each sensor has its channel",
+                 "name the sensor as the channel");
     } else if (const VectorXd values = vector_of(y[py::str(name)], argument); values.size() != grid.samples) {
       issues.add({}, argument + ": " + count_of(values.size(), "samples") + ", t has " + std::to_string(grid.samples),
                  "every channel has a value at every time", "write NaN where a sample is missing");

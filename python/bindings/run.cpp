@@ -31,10 +31,13 @@ void bind_run(py::module_& module) {
       .def_property_readonly("summary", &CaseRun::summary, "The text of summary.json.")
       .def_property_readonly("files", [](const CaseRun& self) { return self.result().files; })
       .def("datasets", &datasets_of, "What results.h5 holds: path -> (array, attributes).")
-      .def("write_report", [](const CaseRun& self, const std::string& path) {
-        const py::gil_scoped_release released;
-        write_file_atomically(path, self.report());
-      }, py::arg("path"), "Write report.html.");
+      .def(
+          "write_report",
+          [](const CaseRun& self, const std::string& path) {
+            const py::gil_scoped_release released;
+            write_file_atomically(path, self.report());
+          },
+          py::arg("path"), "Write report.html.");
   module.def("run_case", &run, py::arg("case"), py::arg("set"), py::arg("folder"), py::arg("last_step"),
              py::arg("progress") = py::none(), "Run a case file in this process: see kalfem.run.");
 }

@@ -18,8 +18,7 @@ DofCombination points_of(const py::handle& given) {
 }
 
 template <ObservedQuantity quantity>
-Observation observe(const py::object& at, const py::object& noise, bool relative,
-                    const std::vector<ChainPart>& chain) {
+Observation observe(const py::object& at, const py::object& noise, bool relative, const std::vector<ChainPart>& chain) {
   Observation made;
   made.output = {"", quantity, points_of(at), relative};
   made.noise = number_of(noise, unit_of(quantity), "noise");
@@ -29,9 +28,10 @@ Observation observe(const py::object& at, const py::object& noise, bool relative
 
 const Observation& observation_of(const py::handle& given, const std::string& argument) {
   if (!py::isinstance<Observation>(given))
-    throw InvalidInput(argument + ": a " + std::string(py::str(py::type::of(given).attr("__name__"))) + " is given",
-                       "a sensor is made by acceleration(), velocity(), displacement(), force(), deformation() or rate()",
-                       "write kf.acceleration(\"body.3\", noise=0.3)");
+    throw InvalidInput(
+        argument + ": a " + std::string(py::str(py::type::of(given).attr("__name__"))) + " is given",
+        "a sensor is made by acceleration(), velocity(), displacement(), force(), deformation() or rate()",
+        "write kf.acceleration(\"body.3\", noise=0.3)");
   return given.cast<const Observation&>();
 }
 
@@ -62,8 +62,8 @@ template <ObservedQuantity quantity>
 void define(py::module_& module, const char* name, const std::string& meaning) {
   std::string doc = meaning + observe_doc;
   doc.replace(doc.find("{unit}"), 6, unit_of(quantity));
-  module.def(name, &observe<quantity>, py::arg("at"), py::arg("noise") = 0.0, py::kw_only(), py::arg("relative") = false,
-             py::arg("chain") = std::vector<ChainPart>{}, doc.c_str());
+  module.def(name, &observe<quantity>, py::arg("at"), py::arg("noise") = 0.0, py::kw_only(),
+             py::arg("relative") = false, py::arg("chain") = std::vector<ChainPart>{}, doc.c_str());
 }
 
 }  // namespace
@@ -79,8 +79,7 @@ double number_of(const py::handle& given, const std::string& unit, const std::st
     throw InvalidInput(std::move(issues));
   } catch (const py::cast_error&) {
     throw InvalidInput(argument + ": " + std::string(py::str(py::repr(given))) + " is given",
-                       "a number is needed, or a text with a unit",
-                       "give it in " + (unit.empty() ? "SI units" : unit));
+                       "a number is needed, or a text with a unit", "give it in " + (unit.empty() ? "SI units" : unit));
   }
 }
 
@@ -105,11 +104,14 @@ std::vector<OutputRequest> outputs_of(const py::dict& outputs) {
 
 void bind_sensors(py::module_& module) {
   py::class_<Observation>(module, "Sensor", "What a sensor measures, and its noise. Made by acceleration() and so on.")
-      .def_property_readonly("noise", [](const Observation& self) { return self.noise; },
-                             "Standard deviation of its white noise [its unit].")
-      .def_property_readonly("unit", [](const Observation& self) { return unit_of(self.output.quantity); }, "SI unit.")
-      .def_property_readonly("points", [](const Observation& self) { return self.output.points; },
-                             "Points, or connectors, with their weights.");
+      .def_property_readonly(
+          "noise", [](const Observation& self) { return self.noise; },
+          "Standard deviation of its white noise [its unit].")
+      .def_property_readonly(
+          "unit", [](const Observation& self) { return unit_of(self.output.quantity); }, "SI unit.")
+      .def_property_readonly(
+          "points", [](const Observation& self) { return self.output.points; },
+          "Points, or connectors, with their weights.");
   define<ObservedQuantity::displacement>(module, "displacement", "Absolute displacement of a point [m].\n");
   define<ObservedQuantity::velocity>(module, "velocity", "Absolute velocity of a point [m/s].\n");
   define<ObservedQuantity::acceleration>(module, "acceleration", "Absolute acceleration of a point [m/s^2].\n");
@@ -133,11 +135,16 @@ void bind_sensors(py::module_& module) {
       py::arg("cutoff"), py::arg("order") = 4, py::arg("family") = "butterworth",
       "Analogue high-pass filter of the measurement chain; `cutoff`: of -3.01 dB [Hz].");
   module.def(
-      "delay", [](double seconds, int order) { return ChainPart{DelaySection{seconds, order}}; }, py::arg("seconds"),
-      py::arg("order") = 6, "Pure delay of the measurement chain [s].");
+      "delay",
+      [](double seconds, int order) {
+        return ChainPart{DelaySection{seconds, order}};
+      },
+      py::arg("seconds"), py::arg("order") = 6, "Pure delay of the measurement chain [s].");
   module.def(
       "resonance",
-      [](double frequency, double damping) { return ChainPart{ResonanceSection{frequency, damping}}; },
+      [](double frequency, double damping) {
+        return ChainPart{ResonanceSection{frequency, damping}};
+      },
       py::arg("frequency"), py::arg("damping") = 0.7, "Roll-off of a sensor with one resonance [Hz].");
   module.def(
       "gain", [](double factor) { return ChainPart{GainSection{factor}}; }, py::arg("factor"),

@@ -10,10 +10,8 @@ namespace {
 py::tuple simulate_structure(const Structure& structure, double duration, double sample_rate, const py::dict& sensors,
                              const py::dict& inputs, const py::object& seed, double tolerance,
                              const py::object& progress) {
-  SimulateOptions options{.sensors = sensors_of(sensors),
-                          .duration = duration,
-                          .sample_rate = sample_rate,
-                          .tolerance = tolerance};
+  SimulateOptions options{
+      .sensors = sensors_of(sensors), .duration = duration, .sample_rate = sample_rate, .tolerance = tolerance};
   if (!seed.is_none()) options.seed = seed.cast<std::uint64_t>();
   const auto samples = static_cast<Eigen::Index>(std::llround(duration * sample_rate)) + 1;
   const Structure moved = driven(structure, inputs, 0.0, sample_rate, samples);
@@ -27,7 +25,8 @@ py::tuple simulate_structure(const Structure& structure, double duration, double
     data.add("measurements/" + record.channels[i].name,
              Eigen::VectorXd(record.values.row(static_cast<Eigen::Index>(i)).transpose()), record.channels[i].unit,
              sample_rate);
-  const std::string message = failure ? "the simulation stopped at " + std::to_string(failure->time) + " s: " + failure->reason : "";
+  const std::string message =
+      failure ? "the simulation stopped at " + std::to_string(failure->time) + " s: " + failure->reason : "";
   return py::make_tuple(data.take(), message);
 }
 

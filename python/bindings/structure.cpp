@@ -19,9 +19,9 @@ SparseMatrix matrix_of(const py::object& given, const char* letter) {
   const Column dense = Column::ensure(given);
   if (!dense) PyErr_Clear();
   if (!dense || dense.ndim() != 2)
-    throw InvalidInput(std::string(letter) + ": " +
-                           (dense ? std::to_string(dense.ndim()) + " dimensions" : "no array of numbers"),
-                       "a matrix is needed", "give a NumPy array of shape (n, n), or a SciPy sparse matrix");
+    throw InvalidInput(
+        std::string(letter) + ": " + (dense ? std::to_string(dense.ndim()) + " dimensions" : "no array of numbers"),
+        "a matrix is needed", "give a NumPy array of shape (n, n), or a SciPy sparse matrix");
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   return Eigen::Map<const Rows>(dense.data(), dense.shape(0), dense.shape(1)).sparseView();
 }
@@ -36,21 +36,20 @@ std::vector<std::string> names_of(const py::object& names, Index count) {
 
 LumpedPart lumped_of(const std::string& name, const py::object& mass, const py::object& damping,
                      const py::object& stiffness, const py::object& names) {
-  LumpedMatrices matrices{.mass = matrix_of(mass, "M"),
-                          .damping = matrix_of(damping, "C"),
-                          .stiffness = matrix_of(stiffness, "K")};
+  LumpedMatrices matrices{
+      .mass = matrix_of(mass, "M"), .damping = matrix_of(damping, "C"), .stiffness = matrix_of(stiffness, "K")};
   matrices.dofs = names_of(names, std::max({matrices.mass.rows(), matrices.damping.rows(), matrices.stiffness.rows()}));
   return lumped(name, std::move(matrices));
 }
 
 std::vector<double> ratios_of(const py::object& given) {
-  return py::isinstance<py::float_>(given) || py::isinstance<py::int_>(given)
-             ? std::vector{given.cast<double>()}
-             : given.cast<std::vector<double>>();
+  return py::isinstance<py::float_>(given) || py::isinstance<py::int_>(given) ? std::vector{given.cast<double>()}
+                                                                              : given.cast<std::vector<double>>();
 }
 
 void bind_lumped(py::module_& module) {
-  py::class_<LumpedPart>(module, "Lumped", "A substructure of masses, springs and matrices. Made by lumped() or chain().")
+  py::class_<LumpedPart>(module, "Lumped",
+                         "A substructure of masses, springs and matrices. Made by lumped() or chain().")
       .def("mass", &LumpedPart::mass, py::arg("dof"), py::arg("kilograms"), "Add a mass [kg] under its own name.",
            py::return_value_policy::reference_internal)
       .def("spring", &LumpedPart::spring, py::arg("name"), py::arg("start"), py::arg("end"), py::arg("stiffness"),
@@ -60,7 +59,9 @@ void bind_lumped(py::module_& module) {
            py::return_value_policy::reference_internal)
       .def(
           "modal_damping",
-          [](LumpedPart& self, const py::object& ratios) -> LumpedPart& { return self.modal_damping(ratios_of(ratios)); },
+          [](LumpedPart& self, const py::object& ratios) -> LumpedPart& {
+            return self.modal_damping(ratios_of(ratios));
+          },
           py::arg("ratios"), "Damping ratio of every mode, or one a mode; the last one holds for all further ones.",
           py::return_value_policy::reference_internal)
       .def("rayleigh_damping", &LumpedPart::rayleigh_damping, py::arg("alpha"), py::arg("beta"),
@@ -103,8 +104,8 @@ mass, stiffness, damping : float
 
 /// A signal for an input, or none.
 template <class Add>
-Structure& add_input(const py::object& values, const py::object& sample_rate, double start,
-                     const std::string& name, const Add& add) {
+Structure& add_input(const py::object& values, const py::object& sample_rate, double start, const std::string& name,
+                     const Add& add) {
   if (values.is_none()) return add(nullptr);
   if (sample_rate.is_none())
     throw InvalidInput("input '" + name + "': its samples have no sampling rate", "", "give sample_rate in Hz");
@@ -154,55 +155,34 @@ std::string in_words(const Structure& structure) {
   std::string words = "<kalfem.Structure of";
   for (const auto& part : parts.substructures) words += " " + part.name;
   for (const auto& part : elements) words += " " + part.name();
-  for (const auto& connector : parts.connectors) words += ", " + connector.name + ": " + connector.from + " - " + connector.to;
+  for (const auto& connector : parts.connectors)
+    words += ", " + connector.name + ": " + connector.from + " - " + connector.to;
   for (const auto& input : parts.inputs) words += ", input " + input.name;
   return words + ">";
 }
 
-py::dict row_of(const std::string& name, const std::string& kind, Index dofs) {
-  py::dict row;
-  row["name"] = name;
-  row["kind"] = kind;
-  row["degrees of freedom"] = dofs;
-  return row;
-}
-
-py::list substructures_of(const Structure& structure) {
-  py::list rows;
-  for (const auto& part : structure.description().parts.substructures)
-    rows.append(row_of(part.name, "lumped", std::ssize(dofs_of(part))));
-  for (const auto& part : structure.description().finite_elements)
-    rows.append(row_of(part.name(), "finite elements", 6 * part.model().mesh.node_count()));
-  return rows;
-}
-
-py::list connectors_of(const Structure& structure) {
-  py::list rows;
-  for (const auto& connector : structure.description().parts.connectors) {
-    py::dict row, values;
+/// What a table of the structure shows.
+py::dict contents_of(const Structure& structure) {
+  const auto& [parts, elements, signals] = structure.description();
+  py::list substructures, connectors, inputs;
+  for (const auto& part : parts.substructures)
+    substructures.append(py::make_tuple(part.name, "lumped", dofs_of(part).size()));
+  for (const auto& part : elements)
+    substructures.append(py::make_tuple(part.name(), "finite elements", 6 * part.model().mesh.node_count()));
+  for (const auto& connector : parts.connectors) {
+    py::dict values;
     const auto& parameters = connector.law->parameters();
     for (std::size_t i = 0; i < parameters.size(); ++i)
-      values[py::str(parameters[i].name)] = connector.parameters[static_cast<Index>(i)];
-    row["name"] = connector.name;
-    row["from"] = connector.from;
-    row["to"] = connector.to;
-    row["law"] = connector.law->name();
-    row["parameters"] = values;
-    rows.append(row);
+      values[py::str(parameters[i].name)] =
+          py::make_tuple(connector.parameters[static_cast<Index>(i)], parameters[i].unit);
+    connectors.append(py::make_tuple(connector.name, connector.from, connector.to, connector.law->name(), values));
   }
-  return rows;
-}
-
-py::list inputs_of(const Structure& structure) {
-  py::list rows;
-  for (const auto& input : structure.description().parts.inputs) {
-    py::dict row;
-    row["name"] = input.name;
-    row["unit"] = unit_of(input.kind);
-    row["target"] = input.target;
-    rows.append(row);
-  }
-  return rows;
+  for (const auto& input : parts.inputs) inputs.append(py::make_tuple(input.name, unit_of(input.kind), input.target));
+  py::dict all;
+  all["substructures"] = substructures;
+  all["connectors"] = connectors;
+  all["inputs"] = inputs;
+  return all;
 }
 
 }  // namespace
@@ -243,7 +223,8 @@ Structure driven(const Structure& structure, const py::dict& inputs, double star
 void bind_structure(py::module_& module) {
   constexpr auto internal = py::return_value_policy::reference_internal;
   bind_lumped(module);
-  py::class_<Structure> structure(module, "Structure", R"(A structure: substructures, connectors between their points, and inputs.
+  py::class_<Structure> structure(module, "Structure",
+                                  R"(A structure: substructures, connectors between their points, and inputs.
 
 Points and parameters have names, ``wheel.w`` and ``suspension.k``. Names may appear in any order: they are looked up
 when the structure is used, and all problems are then raised together.
@@ -268,7 +249,8 @@ when the structure is used, and all problems are then raised together.
              const py::object& law, const py::dict& parameters) -> Structure& {
             return self.connect(name, start, end, law_of(law, values_of(parameters, "parameters")));
           },
-          py::arg("name"), py::arg("start"), py::arg("end"), py::arg("law"), py::arg("parameters") = py::dict(), internal,
+          py::arg("name"), py::arg("start"), py::arg("end"), py::arg("law"), py::arg("parameters") = py::dict(),
+          internal,
           R"(Add a connector between two points, or a point and a ground.
 
 Parameters
@@ -292,14 +274,16 @@ parameters : dict of str to float
       .def_property_readonly("parameters", &Structure::parameters,
                              "Names of all numbers that can be estimated or updated, such as ``suspension.k``.")
       .def_property_readonly("points", &Structure::points, "Names of all points for sensors and connectors.")
-      .def_property_readonly("substructures", &substructures_of, "A dictionary each: name, kind, degrees of freedom.")
-      .def_property_readonly("connectors", &connectors_of, "A dictionary each: name, from, to, law, parameters.")
-      .def_property_readonly("inputs", &inputs_of, "A dictionary each: name, unit, target.")
+      .def_property_readonly("contents", &contents_of, R"(What the structure consists of.
+
+A dictionary of lists of tuples: ``substructures`` (name, kind, degrees of freedom), ``connectors`` (name, start, end, law,
+values with units), ``inputs`` (name, unit, target).)")
       .def("value", &Structure::value, py::arg("parameter"), "Value of a parameter [its SI unit].")
       .def(
           "at", [](const Structure& self, const py::dict& values) { return self.at(values_of(values, "values")); },
           py::arg("values"), "The structure at other values of its parameters; it stays as it is itself.")
-      .def("copy", [](const Structure& self) { return Structure(self); }, "An independent copy.")
+      .def(
+          "copy", [](const Structure& self) { return Structure(self); }, "An independent copy.")
       .def("__copy__", [](const Structure& self) { return Structure(self); })
       .def("__deepcopy__", [](const Structure& self, const py::dict&) { return Structure(self); })
       .def("_repr_html_",

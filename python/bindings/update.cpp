@@ -16,16 +16,22 @@ RefinedParameter refined(const Structure& structure, const std::string& name, co
     const std::vector<std::string> known{"initial", "std", "lower", "upper"};
     for (const auto& [key, each] : given.cast<py::dict>()) {
       const auto entry = key.cast<std::string>();
-      if (entry == "initial") range.initial = value(each);
-      else if (entry == "std") range.std = value(each);
-      else if (entry == "lower") range.lower = value(each);
-      else if (entry == "upper") range.upper = value(each);
-      else throw InvalidInput(argument + ": there is no entry '" + entry + "'" + did_you_mean(entry, known), "", "");
+      if (entry == "initial")
+        range.initial = value(each);
+      else if (entry == "std")
+        range.std = value(each);
+      else if (entry == "lower")
+        range.lower = value(each);
+      else if (entry == "upper")
+        range.upper = value(each);
+      else
+        throw InvalidInput(argument + ": there is no entry '" + entry + "'" + did_you_mean(entry, known), "", "");
     }
   } else if (py::isinstance<py::tuple>(given)) {
     const auto pair = given.cast<py::tuple>();
     if (pair.size() != 2)
-      throw InvalidInput(argument + ": " + std::to_string(pair.size()) + " values are given", "", "write (initial, std)");
+      throw InvalidInput(argument + ": " + std::to_string(pair.size()) + " values are given", "",
+                         "write (initial, std)");
     range.initial = value(py::object(pair[0]));
     range.std = value(py::object(pair[1]));
   } else if (!given.is_none()) {
@@ -52,15 +58,17 @@ std::vector<MeasuredFrequency> frequencies_of(const py::object& frequencies, con
       values.size(), py::isinstance<py::float_>(std) || py::isinstance<py::int_>(std) ? std.cast<double>() : 0.0);
   if (!py::isinstance<py::float_>(std) && !py::isinstance<py::int_>(std)) deviations = vector_of(std, "std");
   if (deviations.size() != values.size())
-    throw InvalidInput("std: " + std::to_string(deviations.size()) + " values, frequencies has " +
-                           std::to_string(values.size()), "each frequency has its standard deviation", "");
+    throw InvalidInput(
+        "std: " + std::to_string(deviations.size()) + " values, frequencies has " + std::to_string(values.size()),
+        "each frequency has its standard deviation", "");
   std::vector<MeasuredFrequency> all;
   for (Eigen::Index i = 0; i < values.size(); ++i) all.push_back({values[i], deviations[i]});
   if (modes.is_none()) return all;
   const auto numbers = modes.cast<std::vector<std::optional<int>>>();
   if (numbers.size() != all.size())
-    throw InvalidInput("modes: " + std::to_string(numbers.size()) + " numbers, frequencies has " +
-                           std::to_string(all.size()), "each frequency has its mode, or None", "");
+    throw InvalidInput(
+        "modes: " + std::to_string(numbers.size()) + " numbers, frequencies has " + std::to_string(all.size()),
+        "each frequency has its mode, or None", "");
   for (std::size_t i = 0; i < all.size(); ++i) all[i].mode = numbers[i];
   return all;
 }

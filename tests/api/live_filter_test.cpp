@@ -13,9 +13,8 @@ using testing::HasSubstr;
 
 constexpr double rate = 500.0;
 
-const EstimateOptions options{.sensors = chain_sensors(),
-                              .unknowns = {{"suspension.mu_k1", {.initial = 10.0, .std = 5.0}}},
-                              .substeps = 4};
+const EstimateOptions options{
+    .sensors = chain_sensors(), .unknowns = {{"suspension.mu_k1", {.initial = 10.0, .std = 5.0}}}, .substeps = 4};
 
 Structure live_chain() { return chain_structure().base_displacement("road", "wheel.ground"); }
 
@@ -50,7 +49,8 @@ std::vector<double> after(const std::vector<Block>& blocks, double horizon = 0.5
   live.flush();
   const auto parameter = live.filter().parameter("suspension.mu_k1");
   const auto motion = live.filter().state("body.3.displacement");
-  return {static_cast<double>(live.samples()), parameter.mean, parameter.std, motion.mean, motion.std, live.filter().nis()};
+  return {
+      static_cast<double>(live.samples()), parameter.mean, parameter.std, motion.mean, motion.std, live.filter().nis()};
 }
 
 TEST(LiveFilter, IsTheOnlineFilterOfTheSameSamples) {
@@ -76,7 +76,8 @@ TEST(LiveFilter, GivesTheSameBitsInAnyOrderWithinTheHorizon) {
   auto mixed = blocks_of(20);  // 0.04 s each, moved by up to 0.2 s
   std::mt19937 random(3);
   for (std::size_t i = 0; i + 15 <= mixed.size(); i += 15)
-    std::shuffle(mixed.begin() + static_cast<std::ptrdiff_t>(i), mixed.begin() + static_cast<std::ptrdiff_t>(i + 15), random);
+    std::shuffle(mixed.begin() + static_cast<std::ptrdiff_t>(i), mixed.begin() + static_cast<std::ptrdiff_t>(i + 15),
+                 random);
   EXPECT_EQ(after(mixed), expected);
 }
 
@@ -99,11 +100,15 @@ TEST(LiveFilter, RefusesWhatItCannotPlace) {
   const VectorXd block = VectorXd::Zero(10);
   EXPECT_THAT(refusal_of([&] { return live.push("a4", 1.0, block); }), HasSubstr("no channel 'a4' (did you mean"));
   EXPECT_THAT(refusal_of([&] { return live.push("a3", 1.001, block); }), HasSubstr("lies between two samples"));
-  EXPECT_THAT(refusal_of([&] { return live.push("a3", 1.0, VectorXd::Zero(60)); }), HasSubstr("longer than the horizon"));
+  EXPECT_THAT(refusal_of([&] { return live.push("a3", 1.0, VectorXd::Zero(60)); }),
+              HasSubstr("longer than the horizon"));
   EXPECT_THAT(refusal_of([&] { return live.push("a3", 1e6, block); }), HasSubstr("after the latest ones"));
-  EXPECT_THAT(refusal_of([&] { return live.push("road", 1.0, VectorXd::Constant(10, std::nan(""))); }), HasSubstr("not finite"));
-  EXPECT_THAT(refusal_of([&] { return live.push("a3", VectorXd::Zero(9), block); }), HasSubstr("9 times and 10 values"));
-  EXPECT_THAT(refusal_of([&] { LiveFilter(live_chain(), rate, options, {.horizon = 0.0}); }), HasSubstr("horizon: 0 s"));
+  EXPECT_THAT(refusal_of([&] { return live.push("road", 1.0, VectorXd::Constant(10, std::nan(""))); }),
+              HasSubstr("not finite"));
+  EXPECT_THAT(refusal_of([&] { return live.push("a3", VectorXd::Zero(9), block); }),
+              HasSubstr("9 times and 10 values"));
+  EXPECT_THAT(refusal_of([&] { LiveFilter(live_chain(), rate, options, {.horizon = 0.0}); }),
+              HasSubstr("horizon: 0 s"));
 }
 
 }  // namespace

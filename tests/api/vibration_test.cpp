@@ -62,7 +62,9 @@ TEST(FrequencyResponses, SolveTheEquationsOfMotion) {
 
 TEST(FrequencyResponses, RefuseWhatIsNoMotionOfAPoint) {
   const Eigen::VectorXd lines = Eigen::VectorXd::Ones(1);
-  const auto of = [&](const OutputDescription& output) { return frequency_responses(two_masses(), lines, "m.1", {output}); };
+  const auto of = [&](const OutputDescription& output) {
+    return frequency_responses(two_masses(), lines, "m.1", {output});
+  };
   EXPECT_THAT(refusal_of([&] { return of(connector_force("mount")); }), HasSubstr("is of a connector"));
   EXPECT_THAT(refusal_of([&] { return of(acceleration("m.3")); }), HasSubstr("'m.3'"));
   EXPECT_THAT(refusal_of([&] { return frequency_responses(two_masses(), -lines, "m.1", {displacement("m.1")}); }),

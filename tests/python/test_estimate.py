@@ -66,7 +66,7 @@ def test_missing_samples_are_nan():
         (("0.01 kN", "5 N"), 10.0, 5.0),
         (10.0, 10.0, 5.0),
         (None, 20.0, 10.0),
-        (dict(initial=10.0, std="50 %", transform="log"), 10.0, 5.0),
+        (dict(initial=10.0, std="50 %", transform="none"), 10.0, 5.0),
     ],
 )
 def test_priors_of_every_form(prior, initial, std):
@@ -83,7 +83,7 @@ def test_bounds_and_lists_of_names():
 
 def test_outputs_are_virtual_sensors():
     run = estimate(outputs={"pull": kf.force("suspension")})
-    assert run["estimate/pull"].unit == "N" and np.std(run["estimate/pull"]) > 1.0
+    assert run["estimate/pull"].unit == "N" and np.ptp(run["estimate/pull"]) > 1.0
 
 
 def test_filters_by_name():
@@ -141,7 +141,7 @@ def test_a_simulation_repeats_itself_and_its_noise_has_a_seed():
     other = kf.simulate(chain(), t, sensors=SENSORS, inputs={"road": u}, seed=2, progress=False)
     clean = kf.simulate(chain(), duration=2.0, sample_rate=RATE, sensors=SENSORS, inputs={"road": u}, progress=False)
     assert np.array_equal(again["a3"], data["a3"])
-    assert np.std(other["a3"] - clean["a3"]) == pytest.approx(0.3, rel=0.1)
+    assert (other["a3"] - clean["a3"]).std() == pytest.approx(0.3, rel=0.1)
     assert data["a3"].unit == "m/s^2" and np.allclose(data.t, t)
     with pytest.raises(kf.InvalidInput, match="t begins at 1 s"):
         kf.simulate(chain(), t + 1, sensors=SENSORS, inputs={"road": u})

@@ -14,9 +14,9 @@ CHAIN = TESTS.parents[1] / "examples/chain/chain.yaml"
 
 LONG_RUN = f"kf.run({str(CHAIN)!r}, set={{'simulate.duration': '2000 s'}}, progress=PROGRESS)"
 LONG_ESTIMATE = """
-t = np.arange(2_000_000) / RATE
+t = np.arange(300_000) / RATE
 y = {name: np.zeros(len(t)) for name in SENSORS}
-kf.estimate(chain(20), t, y, sensors=SENSORS, inputs={'road': np.zeros(len(t))}, unknown=UNKNOWN, substeps=4,
+kf.estimate(chain(20), t, y, sensors=SENSORS, inputs={'road': np.zeros(len(t))}, unknown=UNKNOWN, substeps=4, filter='ukf',
             progress=PROGRESS)
 """
 LONG_SIMULATION = """

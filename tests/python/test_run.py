@@ -106,7 +106,7 @@ def test_residuals_have_their_covariance(short):
 
 def test_messages_are_those_of_the_command(tmp_path):
     case = tmp_path / "wrong.yaml"
-    case.write_text(CHAIN.read_text().replace("1.5 kg", "1.5 m").replace("law: saturating", "law: saturing"))
+    case.write_text(CHAIN.read_text().replace("1.5 kg", "1.5 m").replace("duration: 20 s", "duration: 20 kg"))
     told = subprocess.run([COMMAND, "run", case], capture_output=True, text=True)
     with pytest.raises(kf.InvalidInput) as caught:
         kf.run(case)
@@ -124,7 +124,7 @@ def test_messages_are_those_of_the_command(tmp_path):
         ({"estimate.unknown.suspension.mu_k1.std": -1}, r"set\['estimate.unknown.suspension.mu_k1.std'\]"),
         ({"sensors.a3.acceleration": "body.77"}, r"sensors.a3"),
         ({"title.x": 1}, r"set\['title.x'\]: there is no key 'x'"),
-        ({"simulate": "{"}, r"set\['simulate'\]: this is not YAML"),
+        ({"simulate": "a: b: c"}, r"set\['simulate'\]: this is not YAML"),
     ],
 )
 def test_errors_name_the_setting(change, words):
@@ -150,7 +150,7 @@ import kalfem as kf
 def resident():
     return next(int(line.split()[1]) for line in open("/proc/self/status") if line.startswith("VmRSS"))
 def once():
-    kf.run({str(CHAIN)!r}, set={{"simulate.duration": "0.1 s", "simulate.tolerance": 0.1, "estimate.settle": "0 s",
+    kf.run({str(CHAIN)!r}, set={{"simulate.duration": "0.1 s", "excitation.road.random.fade_in": "0.02 s", "simulate.tolerance": 0.1, "estimate.settle": "0 s",
            "estimate.diagnose": False, "predict": None}}, progress=False)
 for _ in range(40):
     once()

@@ -137,9 +137,10 @@ def test_parameters_have_names_values_and_copies():
 
 def test_contents_and_their_table():
     s = chain()
-    assert s.connectors[0]["name"] == "suspension" and s.connectors[0]["parameters"]["mu_k1"] == 20.0
-    assert s.inputs == [{"name": "road", "unit": "m", "target": "wheel.ground"}]
-    assert s.substructures[1] == {"name": "body", "kind": "lumped", "degrees of freedom": 4}
+    (connector,) = s.contents["connectors"]
+    assert connector[:4] == ("suspension", "wheel.w", "body.1", "saturating") and connector[4]["mu_k1"] == (20.0, "N")
+    assert s.contents["inputs"] == [("road", "m", "wheel.ground")]
+    assert s.contents["substructures"][1] == ("body", "lumped", 4)
     assert "suspension" in s._repr_html_() and "suspension" in repr(s)
 
 

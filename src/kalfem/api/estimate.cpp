@@ -145,10 +145,9 @@ EstimateResult estimate(const Structure& structure, const Record& record, const 
   require_channels(record, options.sensors);
   FilterProblem made = make_filter_problem(structure, record.sample_rate, options);
   const Record measured = of_sensors(record, options.sensors);
-  const auto estimated = estimate_record_thoroughly(made.problem, made.setup, measured,
-                                                    {.monitored = made.monitored,
-                                                     .deviation_stride = options.deviation_stride,
-                                                     .progress = options.progress});
+  const auto estimated = estimate_record_thoroughly(
+      made.problem, made.setup, measured,
+      {.monitored = made.monitored, .deviation_stride = options.deviation_stride, .progress = options.progress});
   const auto& filtered = estimated.result;
   EstimateResult estimate;
   estimate.parameters = parameters_of(estimated);

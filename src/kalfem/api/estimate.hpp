@@ -111,7 +111,7 @@ struct EstimateResult {
   Eigen::MatrixXd innovation_covariance;
   /// Whether the filter learned from a sample as from any other: 0 where it is missing, an outlier or left out.
   Eigen::MatrixXi used;
-  Eigen::VectorXd nis;                        ///< normalised innovation squared, one a sample
+  Eigen::VectorXd nis;  ///< normalised innovation squared, one a sample
   double log_likelihood = 0.0;
   std::string filter;                 ///< its name, and the reason for its choice
   std::optional<FilterStop> failure;  ///< empty if the filter ran to the end

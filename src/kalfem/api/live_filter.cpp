@@ -79,10 +79,10 @@ public:
                          "the filter would go on without any sensor for so long",
                          "count the time from `start`, the time of the first sample");
     if (values.size() > horizon_)
-      throw InvalidInput("push: " + std::to_string(values.size()) + " samples of '" +
-                             channels_[static_cast<std::size_t>(channel)] + "' are longer than the horizon of " +
-                             shortest(live_.horizon) + " s",
-                         "the filter would go on without the other channels", "give shorter blocks or a longer horizon");
+      throw InvalidInput(
+          "push: " + std::to_string(values.size()) + " samples of '" + channels_[static_cast<std::size_t>(channel)] +
+              "' are longer than the horizon of " + shortest(live_.horizon) + " s",
+          "the filter would go on without the other channels", "give shorter blocks or a longer horizon");
     if (channel >= sensors_ && !values.allFinite())
       throw InvalidInput("push: '" + channels_[static_cast<std::size_t>(channel)] + "' has a value that is not finite",
                          "the filter's model is driven by it", "leave a missing sample out: the last value is held");
@@ -143,11 +143,11 @@ private:
   LiveOptions live_;
   double rate_;  ///< [Hz]
   std::vector<std::string> channels_;
-  Index sensors_ = 0;  ///< first so many channels
-  Index horizon_ = 0;  ///< in samples; the ring holds one more
-  Eigen::MatrixXd values_;                                   ///< channels x samples
+  Index sensors_ = 0;                                         ///< first so many channels
+  Index horizon_ = 0;                                         ///< in samples; the ring holds one more
+  Eigen::MatrixXd values_;                                    ///< channels x samples
   Eigen::Matrix<char, Eigen::Dynamic, Eigen::Dynamic> here_;  ///< whether a value has come
-  Eigen::VectorXi arrived_;                                  ///< channels that have come, per sample
+  Eigen::VectorXi arrived_;                                   ///< channels that have come, per sample
   VectorXd measured_, held_;
   Index next_ = 0, newest_ = -1;  ///< sample to be taken next, and the latest one that has come
   Index dropped_ = 0;

@@ -175,8 +175,7 @@ Structure& Structure::drive(const std::string& input, const Samples& samples) {
     known.push_back(name);
     if (name != input) continue;
     const bool moves_ground = kind == InputKind::base_displacement;
-    description_->signals[i] =
-        signal_of(name, samples, moves_ground ? Interpolation::cubic : Interpolation::linear);
+    description_->signals[i] = signal_of(name, samples, moves_ground ? Interpolation::cubic : Interpolation::linear);
     return *this;
   }
   throw InvalidInput("there is no input '" + input + "'" + did_you_mean(input, known), "samples drive an input",

@@ -53,8 +53,8 @@ private:
 };
 
 LumpedPart lumped(const std::string& name);
-/// The same from matrices M [kg], C [N s/m] and K [N/m] with the names of their rows; masses, springs and grounds can be
-/// added to it. What is wrong with the matrices is found where the structure is used.
+/// The same from matrices M [kg], C [N s/m] and K [N/m] with the names of their rows; masses, springs and grounds can
+/// be added to it. What is wrong with the matrices is found where the structure is used.
 LumpedPart lumped(const std::string& name, LumpedMatrices matrices);
 /// Equal masses "1", "2", ... [kg] in a row, joined by springs "1-2", "2-3", ... of one stiffness [N/m] and damping
 /// [N s/m]. No ground holds it.

@@ -38,8 +38,7 @@ StructureModes modes_of(const LinearModel& model, Index count) {
   for (Index i = 0; i < found.damping.size(); ++i) {
     if (found.frequencies[i] == 0.0) continue;
     const VectorXd shape = modes.shapes.col(i);
-    const VectorXd force =
-        model.damping * shape + VectorXd(damping_force(model.modal_damping, model.mass, shape));
+    const VectorXd force = model.damping * shape + VectorXd(damping_force(model.modal_damping, model.mass, shape));
     found.damping[i] = shape.dot(force) / (4.0 * std::numbers::pi * found.frequencies[i]);
   }
   return found;

@@ -18,8 +18,8 @@ struct StructureModes {
 };
 
 /// The lowest modes of the whole structure, its connectors linear about rest and its grounds held. Finite elements are
-/// as they are described: reduced or full. `count` 0: all, of at most 1000 degrees of freedom. Throws InvalidInput where
-/// the structure does not fit or a connector has no tangent at rest.
+/// as they are described: reduced or full. `count` 0: all, of at most 1000 degrees of freedom. Throws InvalidInput
+/// where the structure does not fit or a connector has no tangent at rest.
 StructureModes modes(const Structure& structure, Eigen::Index count = 0);
 
 /// The modes of one substructure alone, without connectors; its own grounds are held. Throws InvalidInput if there is

@@ -110,10 +110,10 @@ struct EstimationResult {
   /// Its covariance's lower triangle row by row, l (l + 1) / 2 x samples, NaN where missing; empty for more than
   /// `most_covariances` channels.
   Eigen::MatrixXd innovation_covariance;
-  Eigen::VectorXd nis;                   ///< per sample, NaN if nothing was measured
-  Eigen::VectorXi measured;              ///< channels measured per sample
-  Eigen::VectorXd log_density;           ///< of each sample given those before, 0 if nothing was measured
-  double log_likelihood = 0.0;           ///< their sum
+  Eigen::VectorXd nis;          ///< per sample, NaN if nothing was measured
+  Eigen::VectorXi measured;     ///< channels measured per sample
+  Eigen::VectorXd log_density;  ///< of each sample given those before, 0 if nothing was measured
+  double log_likelihood = 0.0;  ///< their sum
   /// Samples that counted less or not at all: outliers, and those held out. No innovation above belongs to one left
   /// out.
   std::vector<SetAsideSample> set_aside;

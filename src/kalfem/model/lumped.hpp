@@ -38,8 +38,8 @@ struct LumpedMatrices {
   SparseMatrix stiffness = {};  ///< [N/m], dofs x dofs, symmetric
 };
 
-/// Masses joined by springs and dashpots, and what is given as matrices. Springs may end at a ground (the name `ground` or one of `grounds`), whose
-/// motion is an input of the whole system. Without masses it is only a place for grounds.
+/// Masses joined by springs and dashpots, and what is given as matrices. Springs may end at a ground (the name `ground`
+/// or one of `grounds`), whose motion is an input of the whole system. Without masses it is only a place for grounds.
 struct LumpedSubstructure {
   std::string name;
   std::vector<LumpedMass> masses;

@@ -49,8 +49,8 @@ struct Study {
   [[nodiscard]] double sample_rate() const;
 };
 
-/// Reads a case file, with some of its keys changed. Throws InvalidInput with every problem found in it and in the files
-/// it names.
+/// Reads a case file, with some of its keys changed. Throws InvalidInput with every problem found in it and in the
+/// files it names.
 Study load_study(const std::string& file, const std::vector<CaseChange>& changes = {});
 
 }  // namespace kalfem

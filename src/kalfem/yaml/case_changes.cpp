@@ -60,7 +60,9 @@ std::size_t item_of(const YamlNode& list, const std::string& part) {
 
 /// The node with the value at the place that the parts lead to; null removes what stands there.
 YamlNodePtr with_value(const YamlNode& node, const Keys& parts, const YamlNodePtr& value) {
-  const auto rest = [&](std::size_t count) { return Keys(parts.begin() + static_cast<std::ptrdiff_t>(count), parts.end()); };
+  const auto rest = [&](std::size_t count) {
+    return Keys(parts.begin() + static_cast<std::ptrdiff_t>(count), parts.end());
+  };
   YamlNode copy = node;
   if (node.kind == YamlNode::Kind::list) {
     const std::size_t at = item_of(node, parts[0]);
@@ -110,13 +112,14 @@ YamlNodePtr changed(YamlNodePtr root, const std::vector<CaseChange>& changes) {
 }
 
 std::vector<Issue> with_changes_named(std::vector<Issue> issues, const std::vector<CaseChange>& changes) {
+  const std::string ends = ": .[";
   for (auto& issue : issues) {
-    if (issue.location.line > 0) continue;
     const auto about = std::ranges::find_if(changes, [&](const auto& change) {
-      return issue.what.starts_with(change.key) &&
-             std::string(": .[").find(issue.what.substr(change.key.size(), 1)) != std::string::npos;
+      return issue.what.starts_with(change.key) && issue.what.size() > change.key.size() &&
+             ends.find(issue.what[change.key.size()]) != std::string::npos;
     });
     if (about != changes.end()) issue.what = "set['" + about->key + "']: " + issue.what;
+    if (issue.what.starts_with("set['")) issue.location = {};
   }
   return issues;
 }

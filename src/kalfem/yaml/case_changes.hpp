@@ -20,7 +20,7 @@ struct CaseChange {
 /// line. Throws InvalidInput with every change whose key leads nowhere or whose value is not YAML, as "set['key']".
 YamlNodePtr changed(YamlNodePtr root, const std::vector<CaseChange>& changes);
 
-/// Names the change behind each issue about a changed key, which has no line: "set['simulate.duration']: '4 kg' ...".
+/// Names the change behind each issue about a changed key, in place of a line: "set['simulate.duration']: ...".
 std::vector<Issue> with_changes_named(std::vector<Issue> issues, const std::vector<CaseChange>& changes);
 
 }  // namespace kalfem
