@@ -44,7 +44,7 @@ TEST(CaseChanges, FindKeysWithDotsAndItemsOfLists) {
 
 TEST(CaseChanges, NameTheChangeThatDoesNotFit) {
   const std::string text = "a: 1\nb:\n  - name: c\n";
-  const std::string words = refusal(text, {{"a.x", "1"}, {"b.d", "1"}, {"e", std::nullopt}, {"a", "a: b: c"}});
+  const std::string words = refusal(text, {{"a.x", "1"}, {"b.d", "1"}, {"e", std::nullopt}, {"a", "[1, 2"}});
   EXPECT_NE(words.find("set['a.x']: there is no key 'x' in '1'"), std::string::npos) << words;
   EXPECT_NE(words.find("set['b.d']: the list has no item 'd'"), std::string::npos) << words;
   EXPECT_NE(words.find("set['e']: there is no such key"), std::string::npos) << words;

@@ -11,6 +11,9 @@ namespace {
 
 using Eigen::Index;
 
+/// Without the digits that rounding leaves behind.
+std::string seconds(double time) { return shortest(std::round(time * 1e9) * 1e-9) + " s"; }
+
 std::vector<Index> present_samples(const Record& record, Index row) {
   std::vector<Index> present;
   for (Index k = 0; k < record.samples(); ++k)
@@ -29,8 +32,8 @@ void check_gaps(const Record& record, Index row, const std::vector<Index>& prese
   for (std::size_t i = 1; i < present.size(); ++i) {
     const double from = record.time(present[i - 1]), length = record.time(present[i]) - from;
     if (present[i] - present[i - 1] > 1 && length > longest * (1.0 + 1e-9))
-      issues.add({}, channel + " has a gap of " + shortest(length) + " s at " + shortest(from) + " s",
-                 "the longest gap to be bridged is " + shortest(longest) + " s", fix);
+      issues.add({}, channel + " has a gap of " + seconds(length) + " at " + seconds(from),
+                 "the longest gap to be bridged is " + seconds(longest), fix);
   }
 }
 

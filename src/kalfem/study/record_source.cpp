@@ -130,7 +130,8 @@ Record read_channels(const description::Case& given, const std::vector<const des
                      const std::vector<WantedChannel>& wanted, std::vector<std::string>& notes, bool* spread) {
   std::map<std::filesystem::path, std::vector<std::size_t>> files;
   for (std::size_t j = 0; j < sensors.size(); ++j) files[file_of(given, *sensors[j])].push_back(j);
-  if (files.size() == 1) return read_file(given, files.begin()->first, wanted, notes, spread);
+  if (files.size() < 2)
+    return read_file(given, files.empty() ? given.record->file.value : files.begin()->first, wanted, notes, spread);
   MeasuredFile together{.format = "several files"};
   together.channels.resize(wanted.size());
   std::vector<WantedChannel> in_order;

@@ -142,7 +142,7 @@ MatrixXd mac_matrix(const MatrixXd& one, const MatrixXd& other, const SparseMatr
   return (scale.array() > 0.0).select(squares.array() / scale.array(), 0.0);
 }
 
-MatrixXd mac_matrix(const Eigen::MatrixXcd& one, const Eigen::MatrixXcd& other) {
+MatrixXd complex_mac_matrix(const Eigen::MatrixXcd& one, const Eigen::MatrixXcd& other) {
   const VectorXd ones = one.colwise().squaredNorm(), others = other.colwise().squaredNorm();
   const MatrixXd scale = ones * others.transpose();
   const MatrixXd squares = (one.adjoint() * other).cwiseAbs2();

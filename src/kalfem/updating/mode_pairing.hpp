@@ -20,7 +20,7 @@ Eigen::MatrixXd mac_matrix(const Eigen::MatrixXd& one, const Eigen::MatrixXd& ot
                            const SparseMatrix* weight = nullptr);
 
 /// The same of complex shapes, |a_i^H b_j|^2 / (a_i^H a_i  b_j^H b_j).
-Eigen::MatrixXd mac_matrix(const Eigen::MatrixXcd& one, const Eigen::MatrixXcd& other);
+Eigen::MatrixXd complex_mac_matrix(const Eigen::MatrixXcd& one, const Eigen::MatrixXcd& other);
 
 /// The combination A c of a group's shapes that is nearest to a target t in the norm of W: of one shape, its modal
 /// scale factor; of several, what a repeated eigenvalue may show as.
