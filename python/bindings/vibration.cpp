@@ -42,7 +42,7 @@ Eigen::MatrixXd mac(const py::object& a, const py::object& b) {
   if (one.rows() != other.rows())
     throw InvalidInput("b: shapes at " + std::to_string(other.rows()) + " points, a has " + std::to_string(one.rows()),
                        "shapes are compared point by point", "give both at the same points");
-  return mac_matrix(one, other);
+  return complex_mac_matrix(one, other);
 }
 
 }  // namespace

@@ -415,12 +415,13 @@ const std::string component = R"(kalfem: 1
 component:
   law: expression
   let: {c: c0 + c1*u}
-  force: k*x + c*v + 0.01*(noise + chirp)
+  force: k*x + c*v + 0.01*(noise + chirp + column)
   states: {u: {rate: 20*(volt - u), unit: V}}
   signals:
     volt: {sine: {amplitude: 2 V, frequency: 0.7 Hz}}
     noise: {random: {rms: 1 V, band: [0.5, 5 Hz]}}
     chirp: {sweep: {amplitude: 1 V, from: 1 Hz, to: 5 Hz}}
+    column: {channel: f, file: input.csv, unit: V, prepare: {remove_offset: {from: 0.1 s, to: 0.2 s}, remove_trend: true}}
   parameters: {k: 2 kN/m, c0: 30 N s/m, c1: 15}
   motion: {random: {rms: 5 mm, band: [0.5, 5 Hz], seed: 3}}
   base_motion: {constant: 1 mm}

@@ -112,13 +112,13 @@ void add_signal_keys(const Fed& of, KeyChecks& checks) {
   });
   add_preparation_keys(of, "", "", "", 0, checks);
   add({"bridge_gaps"}, [=] {
-    write_file("w.csv", "p\n0\n1\nnan\n3\n4\n");
+    write_file("w.csv", "p\n0\n1\nnan\n3\n4\n5\n6\n");
     const Study study = of.study("file: w.csv, channel: p, sample_rate: 10 Hz, bridge_gaps: 0.2 s");
     near(signal_at(study, 0.2, of.input)[0], 2.0);
   });
   if (!length) return;
   add({"velocity.bridge_gaps"}, [=] {
-    write_file("w.csv", "p,q\n0,0\n1,1\n2,nan\n3,3\n4,4\n");
+    write_file("w.csv", "p,q\n0,0\n1,1\n2,nan\n3,3\n4,4\n5,5\n6,6\n");
     const Study study = of.study(
         "file: w.csv, channel: p, sample_rate: 10 Hz, velocity: {file: w.csv, channel: q, sample_rate: 10 Hz, "
         "bridge_gaps: 0.2 s}");

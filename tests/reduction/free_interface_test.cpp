@@ -174,7 +174,7 @@ TEST(FreeInterface, TwoFreeBeamsCoupledAreTheWhole) {
     return beams.from_parts(10, [&](const auto& model, const auto& end) { return reduced(model, end, modes, kind); });
   };
   const VectorXd all = with(1000, FreeInterfaceKind::rubin);
-  EXPECT_LT(all[1], 1e-4);  // two rigid-body modes, but for the root of rounding
+  EXPECT_LT(all[1], 1e-3);  // two rigid-body modes, but for the root of rounding: sqrt(eps) times 4e5 rad/s, over 2 pi
   // found 5e-9: rounding times the condition of 70 elements
   EXPECT_LT(largest_error(all.tail(8), exact.tail(8)), 5e-8);
   const VectorXd rubin = with(8, FreeInterfaceKind::rubin);
