@@ -12,7 +12,7 @@ namespace {
 using Eigen::Index;
 
 /// Without the digits that rounding leaves behind.
-std::string seconds(double time) { return shortest(std::round(time * 1e9) * 1e-9) + " s"; }
+std::string seconds(double time) { return shortest(std::round(time * 1e9) / 1e9) + " s"; }
 
 std::vector<Index> present_samples(const Record& record, Index row) {
   std::vector<Index> present;
