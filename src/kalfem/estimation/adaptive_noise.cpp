@@ -38,6 +38,7 @@ Slope slope_of(const Eigen::LLT<MatrixXd>& S, const VectorXd& v, const std::vect
   const auto count = static_cast<Index>(derivative.size());
   Slope slope{VectorXd(count), MatrixXd(count, count)};
   const VectorXd u = S.solve(v);
+  const double excess = std::max(1.0, u.dot(v) / static_cast<double>(v.size()));
   std::vector<MatrixXd> relative;
   for (const auto& each : derivative) relative.push_back(S.solve(each));
   for (std::size_t i = 0; i < derivative.size(); ++i) {
@@ -47,7 +48,7 @@ Slope slope_of(const Eigen::LLT<MatrixXd>& S, const VectorXd& v, const std::vect
     for (std::size_t j = 0; j < derivative.size(); ++j) {
       double& entry = slope.information(row, static_cast<Index>(j));
       entry = 0.5 * relative[i].cwiseProduct(relative[j].transpose()).sum();
-      if (moved[i].size() > 0 && moved[j].size() > 0) entry += moved[i].dot(S.solve(moved[j]));
+      if (moved[i].size() > 0 && moved[j].size() > 0) entry += moved[i].dot(S.solve(moved[j])) / excess;
     }
   }
   return slope;
@@ -135,8 +136,9 @@ void NoiseRecursion::learn(const Innovation& innovation, const Innovation* more,
       derivative.back()(k, i) += half;
     }
   }
-  const bool any_outlier = std::ranges::any_of(innovation.set_aside, [](const auto& each) { return each.outlier; });
-  if (options_.process && more && !any_outlier && more->channels == channels) {
+  const bool single_outlier =
+      std::ranges::any_of(innovation.set_aside, [&](const auto& each) { return each.outlier && !counts(each.channel); });
+  if (options_.process && more && !single_outlier && more->channels == channels) {
     places.push_back(noise_.rows());
     derivative.emplace_back((expected_covariance(*more) - S) / log_ratio);
     moved.emplace_back((more->value - innovation.value) / log_ratio);

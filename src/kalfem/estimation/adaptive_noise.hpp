@@ -19,7 +19,7 @@ struct AdaptiveNoiseOptions {
 /// prediction error method [LS83] on the logarithms theta of R's variances and of the process noise's factor, with
 /// exponential forgetting a = 1 - exp(-step / memory) a sample. With S_i = dS / d theta_i and v_i = dv / d theta_i,
 ///     g_i  = 1/2 [v^T S^-1 S_i S^-1 v - tr(S^-1 S_i)] - v^T S^-1 v_i,
-///     J_ij <- (1 - a) J_ij + 1/2 tr(S^-1 S_i S^-1 S_j) + v_i^T S^-1 v_j,
+///     J_ij <- (1 - a) J_ij + 1/2 tr(S^-1 S_i S^-1 S_j) + v_i^T S^-1 v_j / max(1, v^T S^-1 v / l),
 ///     theta <- theta + (J + D)^-1 g.
 /// g is the likelihood's slope and has no mean where the noise is right, however wrong the derivatives are; J, which
 /// joins all of them, only sets the size of a step. D is diagonal: of a sensor memory / 40 of samples, for which the

@@ -177,7 +177,8 @@ private:
     if (open_.size() == deepest_tree)
       fail(mark.line + 1, "the file is nested too deeply", "at most 100 levels are read");
     if (expects_key())
-      fail(mark.line + 1, "a key must be a word or a number, not a map or a list", "check for extra braces");
+      fail(mark.line + 1, "this is not YAML: a list or a map stands where a key should",
+           "close every bracket and brace; a key must be a word or a number");
     open_.push_back({YamlNode{.kind = kind, .line = mark.line + 1}, anchor, std::nullopt});
   }
 
