@@ -20,7 +20,7 @@ Eigen::MatrixXd unit_points(Eigen::Index dimensions, const SobolOptions& options
     std::vector<std::uint64_t> shift(static_cast<std::size_t>(dimensions), 0);
     if (options.points == SobolPoints::scrambled)
       for (auto& bits : shift) bits = static_cast<std::uint64_t>(random.uniform() * 0x1.0p53) << 11;
-    boost::random::sobol_64 sequence(static_cast<std::size_t>(dimensions));
+    boost::random::sobol sequence(static_cast<std::size_t>(dimensions));
     for (Eigen::Index k = 0; k < points.cols(); ++k)
       for (Eigen::Index i = 0; i < dimensions; ++i)
         points(i, k) = static_cast<double>((sequence() ^ shift[static_cast<std::size_t>(i)]) >> 11) * 0x1.0p-53;

@@ -71,6 +71,15 @@ double relative_variance(const Eigen::VectorXd& relative_weight, const Eigen::Ve
   return std::max(sums.squaredNorm(), independent) / (count * count);
 }
 
+/// Var(Z) / Z^2 = 1 - (N / (N - 1))^n (1 - sum over origins of (sum of their descendants' weights)^2) after n
+/// populations.
+double lineage_variance(const Eigen::VectorXd& probability, const Eigen::VectorXi& origin, std::size_t populations) {
+  Eigen::VectorXd shares = Eigen::VectorXd::Zero(probability.size());
+  for (Eigen::Index i = 0; i < probability.size(); ++i) shares[origin[i]] += probability[i];
+  const auto count = static_cast<double>(probability.size());
+  return 1.0 - std::pow(count / (count - 1.0), static_cast<double>(populations)) * (1.0 - shares.squaredNorm());
+}
+
 /// Numbers of the samples drawn, in ascending order.
 Eigen::VectorXi resample(const Eigen::VectorXd& probability, RandomStream random) {
   const Eigen::Index count = probability.size();
@@ -250,7 +259,7 @@ double TemperedState::log_evidence() const {
 double TemperedState::log_evidence_deviation() const {
   double sum = 0.0;
   for (const auto& stage : stages) sum += stage.log_evidence_variance;
-  return std::sqrt(sum);
+  return std::sqrt(std::max(sum, lineage_variance));
 }
 
 TemperedState begin_tempering(const Posterior& posterior, const TemperedOptions& options) {
@@ -260,6 +269,7 @@ TemperedState begin_tempering(const Posterior& posterior, const TemperedOptions&
   state.z.resize(posterior.prior.size(), count);
   state.log_likelihood.resize(count);
   state.ancestor = Eigen::VectorXi::LinSpaced(count, 0, static_cast<int>(count) - 1);
+  state.origin = state.ancestor;
   state.scale = 0.5;
   state.evaluations = count;
   for_each_index(static_cast<std::size_t>(count), options.threads, [&](std::size_t k) {
@@ -293,6 +303,8 @@ void advance(const Posterior& posterior, const TemperedOptions& options, Tempere
   stage.log_evidence = log_mean;
   stage.log_evidence_variance = relative_variance(relative, state.ancestor);
 
+  state.lineage_variance = lineage_variance(probability, state.origin, number);
+  state.origin = Eigen::VectorXi(state.origin(ancestor));
   state.exponent = exponent;
   state.z = std::move(now.z);
   state.log_likelihood = std::move(now.log_likelihood);
@@ -305,6 +317,11 @@ void advance(const Posterior& posterior, const TemperedOptions& options, Tempere
 TemperedResult sample_tempered(const Posterior& posterior, const TemperedOptions& options,
                                const TemperedProgress& progress, const TemperedState* from) {
   validate(options).raise();
+  if (from && (from->z.cols() != options.samples || from->z.rows() != posterior.prior.size()))
+    throw InvalidInput("the stored state has " + std::to_string(from->z.cols()) + " samples of " +
+                           std::to_string(from->z.rows()) + " parameters, not " + std::to_string(options.samples) +
+                           " of " + std::to_string(posterior.prior.size()),
+                       "a run continues with the options that it began with", "use the same options, or start anew");
   TemperedState state = from ? *from : begin_tempering(posterior, options);
   if (!from && progress) progress(state);
   while (!state.finished() && static_cast<int>(state.stages.size()) < options.max_stages) {

@@ -43,13 +43,17 @@ struct TemperedState {
   Eigen::MatrixXd z;               ///< samples as standard normals of the prior, p x N
   Eigen::VectorXd log_likelihood;  ///< of each, N
   Eigen::VectorXi ancestor;        ///< number of the sample of the stage before that each descends from, N
+  Eigen::VectorXi origin;          ///< number of the prior's sample that each descends from, N
+  double lineage_variance = 0.0;   ///< Var(Z) / Z^2 by the lineages' weights
   double scale = 0.0;              ///< of the random walk, in deviations of the samples
   long long evaluations = 0;       ///< of the likelihood
   std::vector<TemperedStage> stages;
 
   [[nodiscard]] bool finished() const { return exponent >= 1.0; }
-  [[nodiscard]] double log_evidence() const;            ///< up to `exponent`
-  [[nodiscard]] double log_evidence_deviation() const;  ///< its standard error
+  [[nodiscard]] double log_evidence() const;  ///< up to `exponent`
+  /// Its standard error: the larger one of two, by the weights of each stage and by all lineages since the prior (Lee
+  /// and Whiteley 2018, Biometrika 105, 609-625), which sees modes whose shares no move corrects.
+  [[nodiscard]] double log_evidence_deviation() const;
 };
 
 /// Called after the prior's samples and after every stage with what has been reached (stage, exponent, evaluations),
