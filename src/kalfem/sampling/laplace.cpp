@@ -7,79 +7,16 @@
 
 #include "kalfem/base/parallel.hpp"
 #include "kalfem/base/units.hpp"
+#include "kalfem/sampling/log_posterior_differences.hpp"
 
 // 1. climb(): BFGS over z from every start. Differences take a twentieth of a deviation by the approximate inverse
 //    Hessian, so they follow the width of the posterior, which may be a thousandth of the prior's.
-// 2. ThetaDifferences: steps of each parameter over which the log-posterior falls by 0.01: the quadratic term is then
-// far
-//    above rounding, even of a log-likelihood of -1e6, and the quartic one far below the quadratic.
-// 3. polish(): Newton steps over theta by these differences, and the Hessian at their end.
+// 2. polish(): Newton steps over theta by ThetaDifferences, and the Hessian at their end.
 
 namespace kalfem {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-/// ln p(data | theta) p(theta), evaluated side by side and counted.
-class Objective {
-public:
-  Objective(const Posterior& posterior, int threads) : posterior_(posterior), threads_(threads) {}
-
-  [[nodiscard]] const JointPrior& prior() const { return posterior_.prior; }
-  [[nodiscard]] int evaluations() const { return evaluations_; }
-
-  /// At the columns of theta.
-  Eigen::VectorXd at(const Eigen::MatrixXd& theta) {
-    Eigen::VectorXd values(theta.cols());
-    evaluations_ += static_cast<int>(theta.cols());
-    for_each_index(static_cast<std::size_t>(theta.cols()), threads_, [&](std::size_t k) {
-      stop_if_asked();
-      const auto i = static_cast<Eigen::Index>(k);
-      const double log_prior = prior().log_density(theta.col(i));
-      values[i] = std::isfinite(log_prior) ? log_prior + posterior_.log_likelihood_at(theta.col(i)) : -infinity;
-    });
-    return values;
-  }
-  /// At the columns of z, the standard normals.
-  Eigen::VectorXd of(const Eigen::MatrixXd& z) {
-    Eigen::MatrixXd theta(z.rows(), z.cols());
-    for (Eigen::Index k = 0; k < z.cols(); ++k) theta.col(k) = prior().from_standard_normal(z.col(k));
-    return at(theta);
-  }
-
-private:
-  const Posterior& posterior_;
-  int threads_;
-  int evaluations_ = 0;
-};
-
-/// x + h_i e_i in the columns 2 i, x - h_i e_i in 2 i + 1.
-Eigen::MatrixXd cross_points(const Eigen::VectorXd& x, const Eigen::VectorXd& steps) {
-  Eigen::MatrixXd points = x.replicate(1, 2 * x.size());
-  for (Eigen::Index i = 0; i < x.size(); ++i) {
-    points(i, 2 * i) += steps[i];
-    points(i, 2 * i + 1) -= steps[i];
-  }
-  return points;
-}
-
-/// First and second differences; one-sided beside an impossible point.
-struct Differences {
-  Eigen::VectorXd gradient, curvature;
-
-  Differences(const Eigen::VectorXd& values, double centre, const Eigen::VectorXd& steps)
-      : gradient(Eigen::VectorXd::Zero(steps.size())), curvature(Eigen::VectorXd::Zero(steps.size())) {
-    for (Eigen::Index i = 0; i < steps.size(); ++i) {
-      const double up = values[2 * i], down = values[2 * i + 1], h = steps[i];
-      if (std::isfinite(up) && std::isfinite(down)) {
-        gradient[i] = (up - down) / (2.0 * h);
-        curvature[i] = (up - 2.0 * centre + down) / (h * h);
-      } else if (std::isfinite(up) || std::isfinite(down)) {
-        gradient[i] = std::isfinite(up) ? (up - centre) / h : (centre - down) / h;
-      }
-    }
-  }
-};
 
 /// A maximum that the search found.
 struct Peak {
@@ -90,10 +27,10 @@ struct Peak {
 };
 
 /// Backtracks until the rise is a small part of what the slope promises.
-bool search_line(Objective& objective, Peak& peak, const Eigen::VectorXd& direction, double slope) {
+bool search_line(LogPosterior& log_posterior, Peak& peak, const Eigen::VectorXd& direction, double slope) {
   for (double length = 1.0; length > 1e-10; length *= 0.5) {
     const Eigen::VectorXd z = peak.z + length * direction;
-    const double value = objective.of(z)[0];
+    const double value = log_posterior.of(z)[0];
     if (!(value >= peak.value + 1e-4 * length * slope)) continue;
     peak.z = z;
     peak.value = value;
@@ -102,11 +39,11 @@ bool search_line(Objective& objective, Peak& peak, const Eigen::VectorXd& direct
   return false;
 }
 
-Peak climb(Objective& objective, const Eigen::VectorXd& start, const LaplaceOptions& options) {
-  Peak peak{.z = start, .value = objective.of(start)[0], .inverse = {}};
+Peak climb(LogPosterior& log_posterior, const Eigen::VectorXd& start, const LaplaceOptions& options) {
+  Peak peak{.z = start, .value = log_posterior.of(start)[0], .inverse = {}};
   if (!std::isfinite(peak.value)) return peak;
   const auto differences = [&](const Eigen::VectorXd& steps) {
-    return Differences(objective.of(cross_points(peak.z, steps)), peak.value, steps);
+    return Differences(log_posterior.of(cross_points(peak.z, steps)), peak.value, steps);
   };
   const auto steps = [&] {
     return Eigen::VectorXd((0.05 * peak.inverse.diagonal().cwiseSqrt()).cwiseMax(1e-7).cwiseMin(0.02));
@@ -125,7 +62,7 @@ Peak climb(Objective& objective, const Eigen::VectorXd& start, const LaplaceOpti
     peak.converged = 0.5 * slope < options.decrement;
     if (peak.converged) break;
     const Eigen::VectorXd before = peak.z;
-    if (!search_line(objective, peak, direction, slope)) {
+    if (!search_line(log_posterior, peak, direction, slope)) {
       if (fresh) break;
       peak.inverse = from_curvature(now.curvature);
       fresh = true;
@@ -142,72 +79,6 @@ Peak climb(Objective& objective, const Eigen::VectorXd& start, const LaplaceOpti
   }
   return peak;
 }
-
-/// Differences over theta with good steps.
-class ThetaDifferences {
-public:
-  ThetaDifferences(Objective& objective, const Eigen::VectorXd& theta, const Eigen::VectorXd& first_steps)
-      : objective_(objective), theta_(theta), value_(objective.at(theta)[0]), steps_(first_steps) {
-    constexpr double wanted_fall = 0.01;
-    for (int k = 0; k < 4; ++k) {
-      keep_inside();
-      const Eigen::VectorXd values = objective_.at(cross_points(theta_, steps_));
-      for (Eigen::Index i = 0; i < steps_.size(); ++i) {
-        const double fall = value_ - 0.5 * (values[2 * i] + values[2 * i + 1]);
-        steps_[i] *= std::clamp(std::sqrt(wanted_fall / std::max(fall, 1e-300)), 0.1, 10.0);
-      }
-    }
-    keep_inside();
-  }
-
-  [[nodiscard]] const Eigen::VectorXd& theta() const { return theta_; }
-
-  Eigen::VectorXd gradient() {
-    return Differences(objective_.at(cross_points(theta_, steps_)), value_, steps_).gradient;
-  }
-
-  Eigen::MatrixXd hessian() {
-    const Eigen::Index size = theta_.size();
-    Eigen::MatrixXd hessian =
-        Differences(objective_.at(cross_points(theta_, steps_)), value_, steps_).curvature.asDiagonal();
-    for (Eigen::Index i = 0; i < size; ++i)
-      for (Eigen::Index j = 0; j < i; ++j) {
-        Eigen::MatrixXd points = theta_.replicate(1, 4);
-        points.row(i) += steps_[i] * Eigen::RowVector4d(1, 1, -1, -1);
-        points.row(j) += steps_[j] * Eigen::RowVector4d(1, -1, 1, -1);
-        const Eigen::VectorXd values = objective_.at(points);
-        hessian(i, j) = (values[0] - values[1] - values[2] + values[3]) / (4.0 * steps_[i] * steps_[j]);
-        hessian(j, i) = hessian(i, j);
-      }
-    return hessian;
-  }
-
-  /// Goes there unless the log-posterior is lower; halves the step three times before it gives up.
-  bool go(Eigen::VectorXd step) {
-    for (int k = 0; k < 4; ++k, step *= 0.5) {
-      const double value = objective_.at(theta_ + step)[0];
-      if (!(value >= value_)) continue;
-      theta_ += step;
-      value_ = value;
-      return true;
-    }
-    return false;
-  }
-
-private:
-  void keep_inside() {
-    for (Eigen::Index i = 0; i < steps_.size(); ++i) {
-      const auto [lower, upper] = support(objective_.prior().marginals()[static_cast<std::size_t>(i)].second);
-      const double room = std::min(theta_[i] - lower, upper - theta_[i]);
-      steps_[i] = std::max(std::min(steps_[i], 0.5 * room), 1e-13 * std::max(std::abs(theta_[i]), 1e-280));
-    }
-  }
-
-  Objective& objective_;
-  Eigen::VectorXd theta_;
-  double value_;
-  Eigen::VectorXd steps_;
-};
 
 bool negative_definite(const Eigen::MatrixXd& hessian) {
   if (!hessian.allFinite()) return false;
@@ -256,9 +127,9 @@ void warn_of_near_bounds(const JointPrior& prior, LaplaceApproximation& result) 
   }
 }
 
-Peak highest_peak(Objective& objective, const LaplaceOptions& options, LaplaceApproximation& result) {
-  const Eigen::Index size = objective.prior().size();
-  std::vector<Eigen::VectorXd> starts = {options.start ? objective.prior().to_standard_normal(*options.start)
+Peak highest_peak(LogPosterior& log_posterior, const LaplaceOptions& options, LaplaceApproximation& result) {
+  const Eigen::Index size = log_posterior.prior().size();
+  std::vector<Eigen::VectorXd> starts = {options.start ? log_posterior.prior().to_standard_normal(*options.start)
                                                        : Eigen::VectorXd(Eigen::VectorXd::Zero(size))};
   RandomStream random(options.seed, "laplace starts");
   for (int k = 0; k < options.random_starts; ++k) {
@@ -268,7 +139,7 @@ Peak highest_peak(Objective& objective, const LaplaceOptions& options, LaplaceAp
   Peak highest;
   bool several = false;
   for (const auto& start : starts) {
-    Peak peak = climb(objective, start, options);
+    Peak peak = climb(log_posterior, start, options);
     if (!std::isfinite(peak.value)) continue;
     if (std::isfinite(highest.value) && peak.converged && highest.converged) {
       const Eigen::VectorXd apart = (peak.z - highest.z).cwiseQuotient(highest.inverse.diagonal().cwiseSqrt());
@@ -292,9 +163,9 @@ LaplaceApproximation laplace_approximation(const Posterior& posterior, const Lap
                        "one for each of the " + std::to_string(posterior.prior.size()) + " parameters",
                        "give one each");
   const JointPrior& prior = posterior.prior;
-  Objective objective(posterior, options.threads);
+  LogPosterior log_posterior(posterior, options.threads);
   LaplaceApproximation result;
-  const Peak peak = highest_peak(objective, options, result);
+  const Peak peak = highest_peak(log_posterior, options, result);
   result.converged = peak.converged;
   result.mode = prior.from_standard_normal(peak.z);
 
@@ -303,28 +174,27 @@ LaplaceApproximation laplace_approximation(const Posterior& posterior, const Lap
   if (bounds.empty()) {
     const Eigen::VectorXd width = 0.1 * peak.inverse.diagonal().cwiseSqrt();
     const Eigen::VectorXd steps = (prior.from_standard_normal(peak.z + width) - result.mode).cwiseAbs();
-    ThetaDifferences differences(objective, result.mode, steps);
+    ThetaDifferences differences(log_posterior, result.mode, steps);
     const Eigen::MatrixXd hessian = polish(differences, options, result.converged);
     result.mode = differences.theta();
     if (negative_definite(hessian)) {
       const Eigen::LDLT<Eigen::MatrixXd> information(-hessian);
       result.covariance = information.solve(Eigen::MatrixXd::Identity(hessian.rows(), hessian.cols()));
-      result.log_evidence = objective.at(result.mode)[0] +
+      result.log_evidence = log_posterior.at(result.mode)[0] +
                             0.5 * static_cast<double>(hessian.rows()) * std::log(2.0 * std::numbers::pi) -
                             0.5 * information.vectorD().array().log().sum();
       warn_of_near_bounds(prior, result);
     } else {
       result.warnings.emplace_back(
           "the log-posterior is not curved downwards in every direction: some combination of parameters is not "
-          "determined by "
-          "the data, or the maximum is none; sample, or give a narrower prior");
+          "determined by the data, or the maximum is none; sample, or give a narrower prior");
     }
   }
   if (!result.converged)
     result.warnings.emplace_back("the search did not converge; try another start or more iterations");
   result.log_prior = prior.log_density(result.mode);
   result.log_likelihood = posterior.log_likelihood_at(result.mode);
-  result.evaluations = objective.evaluations() + 1;
+  result.evaluations = log_posterior.evaluations() + 1;
   return result;
 }
 

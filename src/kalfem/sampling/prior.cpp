@@ -135,7 +135,8 @@ public:
     if (ordered(prior.lower, prior.upper) && right) holds_mass(range_of(prior), prior.lower, prior.upper);
   }
   void operator()(const LogNormalPrior& prior) const {
-    const bool median = positive("median", prior.median), right = positive("log deviation", prior.log_deviation) && median;
+    const bool median = positive("median", prior.median),
+               right = positive("log deviation", prior.log_deviation) && median;
     if (prior.lower < 0.0)
       add("lower bound " + text(prior.lower), "a log-normal parameter is positive", "use a lower bound of 0 or above");
     else if (ordered(prior.lower, prior.upper) && right)

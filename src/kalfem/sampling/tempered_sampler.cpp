@@ -6,14 +6,15 @@
 
 #include "kalfem/base/parallel.hpp"
 #include "kalfem/sampling/evidence.hpp"
+#include "kalfem/sampling/tempered_moves.hpp"
 
 // A stage:
 //   1. next_exponent(): bisection for the exponent at which the weights w_i = L_i^(beta' - beta) vary as asked;
 //   2. relative_variance(): ln S = ln mean w, and its variance from sums over the samples of a common ancestor, which
-//   are correlated
-//      if the moves of the stage before left them so;
+//      are correlated if the moves of the stage before left them so;
 //   3. resample(): multinomial, so that the variance of step 2 holds for the stages after it;
-//   4. Moves: every sample moves once per round. After a round the scale of the random walk follows the acceptance, and
+//   4. move_all(): every sample moves once per round. After a round the scale of the random walk follows the
+//   acceptance, and
 //      rounds end when samples and their ancestors are no longer correlated. With a chain length above one, the second
 //      and later samples of a chain start from the one before and take as many moves.
 // Each sample draws from a stream of its own, so threads change nothing.
@@ -27,12 +28,6 @@ RandomStream stream(const TemperedOptions& options, std::size_t stage, const std
                     Eigen::Index sample = 0) {
   return {options.seed, "tempered " + std::to_string(stage) + " " + use + " " + std::to_string(sample)};
 }
-
-/// Samples of one moment, by columns.
-struct Population {
-  Eigen::MatrixXd z;
-  Eigen::VectorXd log_likelihood;
-};
 
 double variation(const Eigen::VectorXd& log_weight) {
   const Eigen::ArrayXd weight = (log_weight.array() - log_weight.maxCoeff()).exp();
@@ -100,84 +95,6 @@ Eigen::VectorXi resample(const Eigen::VectorXd& probability, RandomStream random
   return chosen;
 }
 
-/// Moves that leave p(z) L^beta unchanged, tuned by a population.
-class Mover {
-public:
-  Mover(const Posterior& posterior, const TemperedOptions& options, double exponent, const Population& archive,
-        const Eigen::VectorXd& probability, double scale)
-      : posterior_(posterior), options_(options), exponent_(exponent), archive_(archive.z), scale_(scale) {
-    const Eigen::MatrixXd centred = archive_.colwise() - Eigen::VectorXd(archive_ * probability);
-    Eigen::MatrixXd covariance = centred * probability.asDiagonal() * centred.transpose();
-    covariance.diagonal().array() += 1e-12 * covariance.diagonal().maxCoeff() + 1e-300;
-    factor_ = covariance.llt().matrixL();
-    double reached = 0.0;
-    for (const double value : probability) cumulative_.push_back(reached += value);
-  }
-
-  [[nodiscard]] double scale() const { return scale_; }
-  [[nodiscard]] long long evaluations() const { return evaluations_; }
-  [[nodiscard]] double acceptance() const {
-    return static_cast<double>(accepted_) / static_cast<double>(std::max(1LL, evaluations_));
-  }
-
-  /// One move of each sample; returns how many of the walks were accepted.
-  void round(Population& now, std::vector<RandomStream>& random, int number) {
-    std::vector<char> accepted(static_cast<std::size_t>(now.z.cols()), 0);
-    const Kind kind = number % 2 == 0 ? Kind::walk : number % 8 == 7 ? Kind::jump : Kind::difference;
-    for_each_index(accepted.size(), options_.threads, [&](std::size_t i) {
-      stop_if_asked();
-      accepted[i] = move(now, static_cast<Eigen::Index>(i), random[i], kind) ? 1 : 0;
-    });
-    const auto count = std::count(accepted.begin(), accepted.end(), 1);
-    accepted_ += count;
-    evaluations_ += static_cast<long long>(accepted.size());
-    if (kind == Kind::walk) adapt(static_cast<double>(count) / static_cast<double>(accepted.size()));
-  }
-
-private:
-  enum class Kind { walk, difference, jump };
-
-  void adapt(double rate) { scale_ = std::clamp(scale_ * std::exp(2.0 * (rate - options_.acceptance)), 1e-4, 4.0); }
-
-  [[nodiscard]] Eigen::Index draw(RandomStream& random) const {
-    const auto found = std::lower_bound(cumulative_.begin(), cumulative_.end(), random.uniform() * cumulative_.back());
-    return std::min<Eigen::Index>(found - cumulative_.begin(), archive_.cols() - 1);
-  }
-
-  [[nodiscard]] Eigen::VectorXd proposal(const Eigen::VectorXd& z, RandomStream& random, Kind kind) const {
-    Eigen::VectorXd step(z.size());
-    for (auto& value : step) value = random.normal();
-    const double size = 2.38 / std::sqrt(static_cast<double>(z.size()));
-    if (kind == Kind::walk) return z + scale_ * size * (factor_ * step);
-    const Eigen::Index first = draw(random), second = draw(random);
-    const double gain = kind == Kind::jump ? 1.0 : size / std::numbers::sqrt2 * random.uniform();
-    return z + gain * (archive_.col(first) - archive_.col(second)) + 0.05 * scale_ * size * (factor_ * step);
-  }
-
-  bool move(Population& now, Eigen::Index i, RandomStream& random, Kind kind) const {
-    const Eigen::VectorXd z = now.z.col(i);
-    const Eigen::VectorXd proposed = proposal(z, random, kind);
-    const double log_uniform = std::log(random.uniform());
-    const double value = posterior_.log_likelihood_of(proposed);
-    if (!std::isfinite(value)) return false;
-    const double ratio = exponent_ * (value - now.log_likelihood[i]) + 0.5 * (z.squaredNorm() - proposed.squaredNorm());
-    if (log_uniform >= ratio) return false;
-    now.z.col(i) = proposed;
-    now.log_likelihood[i] = value;
-    return true;
-  }
-
-  const Posterior& posterior_;
-  const TemperedOptions& options_;
-  double exponent_;
-  const Eigen::MatrixXd& archive_;
-  Eigen::MatrixXd factor_;
-  std::vector<double> cumulative_;
-  double scale_;
-  long long accepted_ = 0;
-  long long evaluations_ = 0;
-};
-
 double correlation(const Eigen::ArrayXd& a, const Eigen::ArrayXd& b) {
   const Eigen::ArrayXd x = a - a.mean(), y = b - b.mean();
   const double scale = std::sqrt(x.square().sum() * y.square().sum());
@@ -199,8 +116,8 @@ Population columns(const Population& population, const std::vector<Eigen::Index>
 }
 
 /// Moves every layer of chains: samples that stand at the same place of their chains.
-TemperedStage move_all(Population& now, const Eigen::VectorXi& ancestor, Mover& mover, const TemperedOptions& options,
-                       std::size_t stage) {
+TemperedStage move_all(Population& now, const Eigen::VectorXi& ancestor, TemperedMover& mover,
+                       const TemperedOptions& options, std::size_t stage) {
   TemperedStage report;
   std::vector<std::vector<Eigen::Index>> layers;
   for (Eigen::Index i = 0, place = 0; i < ancestor.size(); ++i) {
@@ -297,7 +214,7 @@ void advance(const Posterior& posterior, const TemperedOptions& options, Tempere
   const Eigen::VectorXd probability = relative / relative.sum();
   const Eigen::VectorXi ancestor = resample(probability, stream(options, number, "resampling"));
   Population now = columns(archive, std::vector<Eigen::Index>(ancestor.begin(), ancestor.end()));
-  Mover mover(posterior, options, exponent, archive, probability, state.scale);
+  TemperedMover mover(posterior, options, exponent, archive, probability, state.scale);
   TemperedStage stage = move_all(now, ancestor, mover, options, number);
   stage.exponent = exponent;
   stage.log_evidence = log_mean;
