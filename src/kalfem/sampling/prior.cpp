@@ -53,7 +53,8 @@ struct StandardRange {
   [[nodiscard]] double to_normal(double x) const {
     if (whole()) return std::clamp(x, -farthest, farthest);
     if (x <= a || x >= b) return x <= a ? -farthest : farthest;
-    return from_tails(StandardRange{a, x}.mass(), StandardRange{x, b}.mass());
+    const double below = StandardRange{a, x}.mass(), above = StandardRange{x, b}.mass();
+    return from_tails(below / (below + above), above / (below + above));
   }
 };
 
