@@ -82,6 +82,9 @@ TEST(AdaptiveMetropolis, ContinuesBitForBitOnAnyNumberOfThreads) {
     EXPECT_EQ(whole.state.evaluations, continued.state.evaluations);
   }
   EXPECT_EQ(whole.samples.draws_of(0).cols(), 3);
+  EXPECT_THROW(sample_metropolis(linear_gaussian_case(5).posterior, options, {}, &states[0]), InvalidInput);
+  EXPECT_THROW(sample_metropolis(known.posterior, {.chains = 3, .warm_up = 10, .draws = 10}, {}, &states.back()),
+               InvalidInput);
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdio>
+
 #include "evidence_cases.hpp"
 #include "linear_gaussian.hpp"
 
@@ -25,6 +27,8 @@ TEST(Laplace, IsNearOnModalData) {
   for (const auto& known : {yuen_case(), frame_case()}) {
     const LaplaceApproximation result = laplace_approximation(known.posterior, {.random_starts = 3});
     ASSERT_TRUE(result.usable()) << (result.warnings.empty() ? "" : result.warnings[0]);
+    std::printf("%s: ln Z %.4f (exact %.4f), %d evaluations\n", known.name.c_str(), *result.log_evidence,
+                known.log_evidence, result.evaluations);
     EXPECT_NEAR(*result.log_evidence, known.log_evidence, 0.1);
     for (Eigen::Index i = 0; i < 2; ++i) {
       EXPECT_NEAR(result.mode[i], known.mean[i], 0.3 * known.deviation[i]);

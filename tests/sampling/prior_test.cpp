@@ -120,6 +120,8 @@ TEST(Prior, SaysWhatIsWrong) {
   contains(complaint({{"k", NormalPrior{0.0, 1.0, 40.0, 41.0}}}), "no probability between the bounds");
   contains(complaint({{"k", LogNormalPrior{-1.0, 1.0}}}), "median -1");
   contains(complaint({{"k", LogNormalPrior{1.0, 1.0, -1.0, 2.0}}}), "log-normal parameter is positive");
+  contains(complaint({}), "without parameters");
+  EXPECT_THROW(JointPrior({{"k", UniformPrior{0.0, infinity}}}), InvalidInput);  // so no evidence of it can be asked
   Eigen::Matrix3d r;
   r << 1.0, 0.9, -0.9, 0.9, 1.0, 0.9, -0.9, 0.9, 1.0;
   const Named<MarginalPrior> three = {{"a", NormalPrior{}}, {"b", NormalPrior{}}, {"c", NormalPrior{}}};

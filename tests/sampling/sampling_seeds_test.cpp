@@ -13,7 +13,7 @@ namespace {
 constexpr int seeds = 10;
 
 struct OverSeeds {
-  double median = 0.0, stated = 0.0;
+  double median = 0.0, stated = 0.0, evaluations = 0.0;
   int covered = 0;  ///< seeds with the truth within two standard errors
   Eigen::VectorXd mean, deviation;
 };
@@ -29,6 +29,7 @@ OverSeeds run_seeds(const EvidenceCase& known, const TemperedOptions& asked = {}
     const TemperedResult result = sample_tempered(known.posterior, options);
     found.push_back(result.log_evidence);
     over.stated += result.log_evidence_deviation / seeds;
+    over.evaluations += static_cast<double>(result.state.evaluations) / seeds;
     over.covered += std::abs(result.log_evidence - known.log_evidence) < 2.0 * result.log_evidence_deviation ? 1 : 0;
     const auto summary = summarise_samples(result.samples);
     for (std::size_t i = 0; i < summary.size(); ++i) {
@@ -38,8 +39,8 @@ OverSeeds run_seeds(const EvidenceCase& known, const TemperedOptions& asked = {}
   }
   std::sort(found.begin(), found.end());
   over.median = 0.5 * (found[seeds / 2 - 1] + found[seeds / 2]);
-  std::printf("%-26s ln Z %11.4f (exact %11.4f), stated error %.3f, covers in %d of %d\n", known.name.c_str(),
-              over.median, known.log_evidence, over.stated, over.covered, seeds);
+  std::printf("%-26s ln Z %11.4f (exact %11.4f), stated error %.3f, covers in %d of %d, %.0f evaluations\n",
+              known.name.c_str(), over.median, known.log_evidence, over.stated, over.covered, seeds, over.evaluations);
   return over;
 }
 

@@ -101,6 +101,7 @@ TEST(TemperedSampler, ContinuesBitForBit) {
         sample_tempered(known.posterior, options, [&](const TemperedState& state) { states.push_back(state); });
     for (const auto& state : states)
       expect_same(whole.state, sample_tempered(known.posterior, options, {}, &state).state);
+    EXPECT_THROW(sample_tempered(known.posterior, {.samples = 400}, {}, &states[0]), InvalidInput);
   }
 }
 

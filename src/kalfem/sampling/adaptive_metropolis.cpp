@@ -129,6 +129,16 @@ MetropolisResult result_of(const Posterior& posterior, const MetropolisOptions& 
   return result;
 }
 
+void check_state(const MetropolisState& state, const Posterior& posterior, const MetropolisOptions& options) {
+  const auto of_size = [&](const MetropolisChain& chain) { return chain.z.size() == posterior.prior.size(); };
+  if (static_cast<int>(state.chains.size()) == options.chains && state.done <= options.warm_up + options.draws &&
+      std::all_of(state.chains.begin(), state.chains.end(), of_size))
+    return;
+  throw InvalidInput("the stored state, " + std::to_string(state.chains.size()) + " chains after " +
+                         std::to_string(state.done) + " draws, does not fit the options or the parameters",
+                     "a run continues with the options that it began with", "use the same options, or start anew");
+}
+
 }  // namespace
 
 IssueList validate(const MetropolisOptions& options) {
@@ -148,10 +158,7 @@ IssueList validate(const MetropolisOptions& options) {
 MetropolisResult sample_metropolis(const Posterior& posterior, const MetropolisOptions& options,
                                    const MetropolisProgress& progress, const MetropolisState* from) {
   validate(options).raise();
-  if (from && static_cast<int>(from->chains.size()) != options.chains)
-    throw InvalidInput("the stored state has " + std::to_string(from->chains.size()) + " chains, the options " +
-                           std::to_string(options.chains),
-                       "a run continues with the options that it began with", "use the same options, or start anew");
+  if (from) check_state(*from, posterior, options);
   MetropolisState state = from ? *from : begin(posterior, options);
   while (state.done < options.warm_up + options.draws) {
     advance(posterior, options, state);

@@ -234,6 +234,8 @@ double deviation(const MarginalPrior& marginal) {
 
 IssueList validate(const Named<MarginalPrior>& marginals, const Eigen::MatrixXd& correlation) {
   IssueList issues;
+  if (marginals.empty())
+    issues.add({}, "a prior without parameters", "there is nothing to sample", "name at least one unknown parameter");
   for (const auto& [name, marginal] : marginals) std::visit(MarginalCheck(name, issues), marginal);
   if (correlation.size() > 0) check_correlation(correlation, static_cast<Eigen::Index>(marginals.size()), issues);
   return issues;

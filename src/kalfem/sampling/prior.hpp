@@ -49,9 +49,9 @@ double to_normal(const MarginalPrior& marginal, double x);  ///< within +-37, wh
 double mean(const MarginalPrior& marginal);
 double deviation(const MarginalPrior& marginal);
 
-/// What is wrong with a prior: deviations that are not positive, bounds in the wrong order or without probability
-/// between them (under 1e-250), improper (unbounded uniform) marginals, and a correlation matrix that is no p x p
-/// symmetric positive definite one with a unit diagonal. `correlation`: may be empty.
+/// What is wrong with a prior: no parameters, deviations that are not positive, bounds in the wrong order or without
+/// probability between them (under 1e-250), improper (unbounded uniform) marginals, and a correlation matrix that is no
+/// p x p symmetric positive definite one with a unit diagonal. `correlation`: may be empty.
 IssueList validate(const Named<MarginalPrior>& marginals, const Eigen::MatrixXd& correlation = {});
 
 /// Joint prior of named parameters theta (p): marginals, coupled by a Gaussian copula,
