@@ -13,12 +13,11 @@ struct Population {
   Eigen::VectorXd log_likelihood;
 };
 
-/// Metropolis moves that leave N(z; 0, I) L(z)^beta unchanged, tuned by the weighted samples of the stage before. They
-/// alternate between
-///     a walk         z + s 2.38 / sqrt(p) C e,   C C^T the weighted covariance, e ~ N(0, I), s following the
-///     acceptance, a difference   z + g (z_a - z_b) plus a small walk, z_a and z_b drawn from the stage before, g
-///     uniform, a jump         the same with g = 1, which takes a sample from one mode to another
-/// (ter Braak 2006, Stat. Comput. 16, 239-249).
+/// Metropolis moves that leave N(z; 0, I) L(z)^beta unchanged, tuned by the weighted samples of the stage before (after
+/// ter Braak 2006, Stat. Comput. 16, 239-249). Every second one is a walk:
+///     walk         z + s 2.38 / sqrt(p) C e, C C^T the covariance, e ~ N(0, I), s adapted to the acceptance
+///     difference   z + g (z_a - z_b) + small walk, z_a and z_b from the stage before, g uniform
+///     jump         the same with g = 1: from one mode to another
 class TemperedMover {
 public:
   /// `archive`: samples of the stage before, kept by reference; `probability`: their weights, which sum to one.
