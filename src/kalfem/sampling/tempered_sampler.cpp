@@ -14,9 +14,8 @@
 //      are correlated if the moves of the stage before left them so;
 //   3. resample(): multinomial, so that the variance of step 2 holds for the stages after it;
 //   4. move_all(): every sample moves once per round. After a round the scale of the random walk follows the
-//   acceptance, and
-//      rounds end when samples and their ancestors are no longer correlated. With a chain length above one, the second
-//      and later samples of a chain start from the one before and take as many moves.
+//      acceptance, and rounds end when samples and their ancestors are no longer correlated. With a chain length above
+//      one, the second and later samples of a chain start from the one before and take as many moves.
 // Each sample draws from a stream of its own, so threads change nothing.
 
 namespace kalfem {
