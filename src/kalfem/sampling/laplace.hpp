@@ -1,0 +1,42 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kalfem/sampling/posterior.hpp"
+
+namespace kalfem {
+
+struct LaplaceOptions {
+  int max_iterations = 100;
+  double decrement = 1e-6;  ///< ends where a Newton step would raise the log-posterior by less
+  int random_starts = 0;    ///< samples of the prior to start from, beside its median or `start`
+  std::uint64_t seed = 1;
+  std::optional<Eigen::VectorXd> start;  ///< theta
+  int threads = 1;                       ///< that evaluate differences side by side; results do not depend on it
+};
+
+/// Normal approximation of the posterior about its maximum.
+struct LaplaceApproximation {
+  Eigen::VectorXd mode;         ///< theta that maximises p(data | theta) p(theta)
+  double log_likelihood = 0.0;  ///< there
+  double log_prior = 0.0;       ///< there
+  Eigen::MatrixXd covariance;   ///< (-H)^-1 of the Hessian H of the log-posterior; empty unless H is negative definite
+  std::optional<double> log_evidence;  ///< ln p(data | mode) + ln p(mode) + p/2 ln 2 pi - 1/2 ln det(-H)
+  std::vector<std::string> warnings;   ///< why it may not hold, in words; empty: nothing speaks against it
+  bool converged = false;
+  int evaluations = 0;
+
+  [[nodiscard]] bool usable() const { return converged && log_evidence.has_value() && warnings.empty(); }
+};
+
+/// Maximises the log-posterior by BFGS over the standard normals of the prior, where bounds are at infinity, then takes
+/// the Hessian over theta by central differences with steps over which the log-posterior falls by about 0.01.
+/// Warnings: not converged, the Hessian not negative definite, a bound within two deviations of the mode or on it,
+/// starts that ended on other maxima. Throws InvalidInput where no start has a likelihood, and Interrupted.
+LaplaceApproximation laplace_approximation(const Posterior& posterior, const LaplaceOptions& options = {});
+
+}  // namespace kalfem
