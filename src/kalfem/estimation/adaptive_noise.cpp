@@ -136,8 +136,8 @@ void NoiseRecursion::learn(const Innovation& innovation, const Innovation* more,
       derivative.back()(k, i) += half;
     }
   }
-  const bool single_outlier =
-      std::ranges::any_of(innovation.set_aside, [&](const auto& each) { return each.outlier && !counts(each.channel); });
+  const bool single_outlier = std::ranges::any_of(
+      innovation.set_aside, [&](const auto& each) { return each.outlier && !counts(each.channel); });
   if (options_.process && more && !single_outlier && more->channels == channels) {
     places.push_back(noise_.rows());
     derivative.emplace_back((expected_covariance(*more) - S) / log_ratio);
