@@ -14,6 +14,7 @@ ALLOWED = {
     "base": set(),
     "linalg": {"base"},
     "statistics": {"base"},
+    "information": NUMERICS | {"statistics"},
     "verdict": {"base", "statistics"},
     "records": NUMERICS,
     "model": NUMERICS,
