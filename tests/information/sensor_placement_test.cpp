@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "kalfem/base/invalid_input.hpp"
 
 namespace kalfem {
@@ -45,8 +48,9 @@ TEST(SensorPlacement, ExchangeFindsTheBestOfManyAndThreadsDoNotMatter) {
     EXPECT_TRUE(exact.exact);
     EXPECT_FALSE(searched.exact);
     EXPECT_LT(searched.tried, exact.tried / 4);
-    std::printf("C %d: %.6f %.6f tried %g of %g\n", int(criterion), searched.best().criterion, exact.best().criterion,
-                searched.tried, exact.tried);
+    // An exchange may stop at a local optimum; here it finds the best. By the greedy set of the smallest eigenvalue
+    // alone it stopped at 29.7 of 45.5.
+    EXPECT_NEAR(searched.best().criterion, exact.best().criterion, 1e-9);
     const auto again = place_sensors(many, {.sensors = 3, .criterion = criterion, .most_sets = 10, .threads = 1});
     EXPECT_EQ(again.best().criterion, searched.best().criterion);
   }

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <optional>
 
 #include "kalfem/base/invalid_input.hpp"
@@ -187,17 +187,22 @@ private:
       combination.posterior_deviation =
           std::max(value, 0.0) + prior > floor ? 1.0 / std::sqrt(std::max(value, 0.0) + prior) : infinity;
       combination.determined = combination.deviation < options_.weak;
-      // d ln f = sum e_i d ln theta_i = sum e_i (scale_i / value_i) dq_i: the gradient of ln f is the direction.
-      VectorXd logarithmic = combination.direction;
-      bool positive = true;
-      for (Index i = 0; i < logarithmic.size(); ++i) {
-        const double at = result_.parameters[static_cast<std::size_t>(i)].value;
-        positive = positive && at > 0.0;
-        logarithmic[i] *= at / result_.scale[i];
-      }
-      if (positive) combination.exponents = exponents_of(logarithmic, options_);
+      combination.exponents = exponents_along(combination);
       result_.combinations.push_back(std::move(combination));
     }
+  }
+
+  /// Of a determined combination those of the product that grows along it: d ln f = sum e_i d ln theta_i = sum e_i
+  /// (scale_i / value_i) dq_i, whose gradient is the direction. Of another those by which parameters move along it:
+  /// d ln theta_i = (scale_i / value_i) dq_i.
+  [[nodiscard]] std::vector<double> exponents_along(const ParameterCombination& combination) const {
+    VectorXd logarithmic = combination.direction;
+    for (Index i = 0; i < logarithmic.size(); ++i) {
+      const double at = result_.parameters[static_cast<std::size_t>(i)].value;
+      if (!(at > 0.0)) return {};
+      logarithmic[i] *= combination.determined ? at / result_.scale[i] : result_.scale[i] / at;
+    }
+    return exponents_of(logarithmic, options_);
   }
 
   void say() {
@@ -205,13 +210,7 @@ private:
       combination.words = combination.determined ? determined(combination) : undetermined(combination);
     for (const auto& combination : result_.combinations)
       if (!combination.determined) result_.text += (result_.text.empty() ? "" : " ") + combination.words;
-    if (result_.text.empty()) {
-      result_.text = "The record determines every parameter.";
-      return;
-    }
-    for (const auto& combination : result_.combinations)
-      if (combination.determined && !combination.exponents.empty() && names_of(combination).size() > 1)
-        result_.text += fmt::format(" Only {} is determined.", product(combination.exponents, result_.parameters));
+    if (result_.text.empty()) result_.text = "The record determines every parameter.";
   }
 
   [[nodiscard]] std::vector<std::string> names_of(const ParameterCombination& combination) const {
@@ -230,13 +229,37 @@ private:
 
   [[nodiscard]] std::string undetermined(const ParameterCombination& combination) const {
     const auto names = names_of(combination);
-    if (names.size() == 1)
-      return fmt::format("The record tells {} of {}: the excitation is too weak for it, or no sensor sees it.",
-                         std::isinf(combination.deviation) ? "nothing" : "little", names.front());
-    const std::string by = std::isinf(combination.deviation)
-                               ? "without any limit"
-                               : fmt::format("by {:.2g} {}s", combination.deviation, unit());
+    if (names.size() == 1) return little_of(combination);
+    const bool nothing = std::isinf(combination.deviation);
+    if (is_common_factor(combination, names.size()))
+      return fmt::format(
+          "Only {} determined: the record {} when {} are multiplied by the same factor.",
+          names.size() == 2 ? names[0] + " / " + names[1] + " is" : "ratios of " + joined(names) + " are",
+          nothing ? "does not change" : "hardly changes", names.size() == 2 ? "both" : "all");
+    const std::string by = nothing ? "without any limit" : fmt::format("by {:.2g} {}s", combination.deviation, unit());
     return fmt::format("{} cannot be told apart: they may move together {}.", joined(names), by);
+  }
+
+  /// Whether all that move do so in proportion to their values.
+  [[nodiscard]] bool is_common_factor(const ParameterCombination& combination, std::size_t moving) const {
+    const auto ones = std::ranges::count(combination.exponents, 1.0);
+    return static_cast<std::size_t>(ones) == moving &&
+           ones + std::ranges::count(combination.exponents, 0.0) == std::ssize(combination.exponents);
+  }
+
+  /// Of a combination that is one parameter.
+  [[nodiscard]] std::string little_of(const ParameterCombination& combination) const {
+    Index i = 0;
+    combination.direction.cwiseAbs().maxCoeff(&i);
+    const auto& name = result_.parameters[static_cast<std::size_t>(i)].name;
+    const std::string start =
+        fmt::format("The record says {} of {}", std::isinf(combination.deviation) ? "nothing" : "little", name);
+    const double left = result_.posterior_deviation[i] / result_.scale[i];
+    const std::string why = "the excitation is too weak for it, no sensor sees it, or another parameter acts alike";
+    if (prior_[i] > 0.0)
+      return fmt::format("{}: its deviation stays {:.0f} % of the prior's; {}.", start, 100.0 * left, why);
+    if (std::isinf(left)) return fmt::format("{}: {}.", start, why);
+    return fmt::format("{}: its deviation is {:.0f} % of its value; {}.", start, 100.0 * left, why);
   }
 
   /// Of the scaled parameters, in words.

@@ -21,13 +21,14 @@ struct IdentifiabilityOptions {
 };
 
 /// A direction in the scaled parameters q_i = (theta_i - value_i) / scale_i that the record informs independently of
-/// the others: an eigenvector of the scaled information.
+/// the others: an eigenvector of the scaled information. Exponents e_i of a determined one: it is the product
+/// prod_i theta_i^e_i; of another: the record does not tell theta_i from theta_i c^e_i for a factor c.
 struct ParameterCombination {
   Eigen::VectorXd direction;         ///< one per parameter, of unit length
   double deviation = 0.0;            ///< by the record alone, along the direction, in scales; infinity: not informed
   double posterior_deviation = 0.0;  ///< with the prior; infinity without both
   bool determined = false;           ///< by the record
-  std::vector<double> exponents;     ///< of a product prod_i theta_i^e_i recognised in it; empty: none
+  std::vector<double> exponents;     ///< see below; empty: not simple ratios
   std::string words;                 ///< one sentence
 };
 
@@ -39,7 +40,7 @@ struct Identifiability {
   Eigen::VectorXd posterior_deviation;  ///< with the prior [unit]
   Eigen::MatrixXd posterior_correlation;
   std::vector<ParameterCombination> combinations;  ///< the best determined first
-  std::string text;                                ///< the words of those that are not determined, or that all are
+  std::string text;                                ///< words of all that are not determined; or that every parameter is
 };
 
 /// Judges an information matrix [1/(unit_i unit_j)]. Throws InvalidInput where sizes do not fit, a number is not
