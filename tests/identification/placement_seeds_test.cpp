@@ -8,7 +8,6 @@
 #include "kalfem/base/parallel.hpp"
 #include "kalfem/identification/candidate_information.hpp"
 #include "kalfem/identification/open_loop.hpp"
-#include "kalfem/identification/refined_filter.hpp"
 #include "kalfem/information/sensor_placement.hpp"
 
 // All 330 sets of four accelerometers on the eleven degrees of freedom of the chain, ranked by the Cramer-Rao bound of
@@ -22,10 +21,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Set = std::vector<std::size_t>;
 
-constexpr double duration = 20.0;  // [s]
 constexpr std::size_t dofs = 11;
 constexpr std::size_t sampled_sets = 33;
-constexpr int seeds = 10;
 
 /// Degree of freedom 1 is the wheel, 2 to 11 are the body's masses.
 Sensor accelerometer_at(std::size_t dof) {
@@ -49,7 +46,13 @@ struct Ranking {
   [[nodiscard]] double bound_of(const Set& set) const { return bound[rank(set) - 1]; }
 };
 
-Ranking ranking(const EstimationProblem& problem, double absolute_noise = 0.0) {
+Record time_of(double duration) {
+  Record time{.sample_rate = chain_rate};
+  time.values.resize(0, static_cast<Index>(std::llround(duration * chain_rate)) + 1);
+  return time;
+}
+
+Ranking ranking(const EstimationProblem& problem, double duration = 20.0, double absolute_noise = 0.0) {
   std::vector<CandidateSensor> sensors;
   for (std::size_t dof = 1; dof <= dofs; ++dof) {
     Sensor sensor = accelerometer_at(dof);
@@ -65,9 +68,7 @@ Ranking ranking(const EstimationProblem& problem, double absolute_noise = 0.0) {
     theta[static_cast<Index>(names.size())] = *each.truth;
     names.push_back(each.name);
   }
-  Record drive{.sample_rate = chain_rate};
-  drive.values.resize(0, static_cast<Index>(duration * chain_rate) + 1);
-  const auto information = candidate_information(shared(problem), drive, sensors, names, theta);
+  const auto information = candidate_information(shared(problem), time_of(duration), sensors, names, theta);
   std::vector<SensorCandidate> candidates;
   for (std::size_t i = 0; i < dofs; ++i) candidates.push_back({sensors[i].name, {information.value()[i]}});
   const auto placement = place_sensors(
@@ -132,88 +133,105 @@ struct FilterFigures {
 
 class Chain {
 public:
-  Chain() {
+  explicit Chain(double duration) {
     const auto problem = two_unknowns();
     for (std::size_t dof = 1; dof <= dofs; ++dof) sensors_.push_back(accelerometer_at(dof));
     const CoupledModel model = couple(problem.structure->reference_parts());
-    Record time{.sample_rate = chain_rate};
-    time.values.resize(0, static_cast<Index>(duration * chain_rate) + 1);
     clean_ = simulate_open_loop({model.system(), model, sensors_, problem.structure->signals},
-                                at_rest(model.system().size(), 0), time)
+                                at_rest(model.system().size(), 0), time_of(duration))
                  .sensors;
   }
 
-  [[nodiscard]] FilterFigures figures(const Set& set) const {
+  /// One filter over many records of a set.
+  [[nodiscard]] FilterFigures figures(const Set& set, int seeds) const {
+    EstimationProblem problem = two_unknowns();
+    problem.sensors.clear();
+    for (const auto i : set) problem.sensors.push_back(sensors_[i]);
+    const auto given = shared(std::move(problem));
+    IssueList issues;
+    const auto setup = make_augmented_model_setup(*given, given->structure->parts, {}, issues);
+    issues.raise();
+    FilterRun run = make_filter_run(given, setup, record(set, 1));
     FilterFigures sum;
     for (int seed = 1; seed <= seeds; ++seed) {
-      const auto [stated, error] = run(set, static_cast<std::uint64_t>(seed));
-      sum.stated += stated * stated / seeds;
-      sum.error += error * error / seeds;
+      run.input.measured = record(set, static_cast<std::uint64_t>(seed));
+      const auto result =
+          estimate(*run.choice.augmented_model, run.input, {.filter = run.choice.filter, .state_deviations = false});
+      const Eigen::Array2d truth(true_mu_k1, true_mu_c1);
+      const Eigen::Array2d stated = result.unknowns.deviation.rightCols(1).array() / truth,
+                           error = result.unknowns.mean.rightCols(1).array() / truth - 1.0;
+      sum.stated += stated.square().mean() / seeds;
+      sum.error += error.square().mean() / seeds;
     }
     return {std::sqrt(sum.stated), std::sqrt(sum.error)};
   }
 
 private:
-  [[nodiscard]] FilterFigures run(const Set& set, std::uint64_t seed) const {
-    EstimationProblem problem = two_unknowns();
+  [[nodiscard]] Record record(const Set& set, std::uint64_t seed) const {
     Record record{.sample_rate = chain_rate, .values = MatrixXd(static_cast<Index>(set.size()), clean_.cols())};
-    problem.sensors.clear();
     for (std::size_t i = 0; i < set.size(); ++i) {
       const auto& sensor = sensors_[set[i]];
-      problem.sensors.push_back(sensor);
       auto row = record.values.row(static_cast<Index>(i));
       row = clean_.row(static_cast<Index>(set[i]));
       const double noise = sensor.deviation(rms(row.transpose()));
       record.channels.push_back({sensor.name, sensor.unit, noise});
-      RandomStream random(seed, sensor.name);
+      RandomStream random(seed, text_of(set) + " " + sensor.name);  // sets do not share their luck
       for (double& sample : row) sample += noise * random.normal();
     }
-    const auto given = shared(std::move(problem));
-    IssueList issues;
-    const auto setup = make_augmented_model_setup(*given, given->structure->parts, {}, issues);
-    issues.raise();
-    const auto run = run_refined_filter(given, setup, record, {});
-    const auto& unknowns = run.filtered.result.unknowns;
-    const Eigen::Array2d truth(true_mu_k1, true_mu_c1);
-    const Eigen::Array2d stated = unknowns.deviation.rightCols(1).array() / truth,
-                         error = unknowns.mean.rightCols(1).array() / truth - 1.0;
-    return {std::sqrt(stated.square().mean()), std::sqrt(error.square().mean())};
+    return record;
   }
 
   std::vector<Sensor> sensors_;
   MatrixXd clean_;  ///< 11 x samples
 };
 
-TEST(PlacementOverSeeds, TheBoundRanksSetsAsTheFilterDoes) {
-  const Ranking ranked = ranking(two_unknowns());
-  ASSERT_EQ(ranked.sets.size(), 330U);
+/// What the bound says of the filter, over sets that are spread evenly over the ranking.
+struct Agreement {
+  double stated = 0.0, error = 0.0;  ///< rank correlations of the bound with the filter's figures
+  double largest = 0.0;              ///< |stated deviation / bound - 1|
+  double ratio = 0.0;                ///< root mean square of error / bound
+};
+
+Agreement agreement(double duration, int seeds) {
+  const Ranking ranked = ranking(two_unknowns(), duration);
+  EXPECT_EQ(ranked.sets.size(), 330U);
   std::vector<Set> sample;
   for (std::size_t i = 0; i < sampled_sets; ++i) sample.push_back(ranked.sets[i * 329 / (sampled_sets - 1)]);
-  const Chain chain;
+  const Chain chain(duration);
   std::vector<FilterFigures> figures(sample.size());
-  for_each_index(sample.size(), processors(), [&](std::size_t i) { figures[i] = chain.figures(sample[i]); });
+  for_each_index(sample.size(), processors(), [&](std::size_t i) { figures[i] = chain.figures(sample[i], seeds); });
   std::vector<double> bound, stated, error;
-  std::printf("rank  set          bound  stated   error  [%% of the truth, %d seeds]\n", seeds);
+  Agreement found;
+  std::printf("rank  set          bound  stated   error  [%% of the truth; %g s, %d seeds]\n", duration, seeds);
   for (std::size_t i = 0; i < sample.size(); ++i) {
     bound.push_back(ranked.bound_of(sample[i]));
     stated.push_back(figures[i].stated);
     error.push_back(figures[i].error);
-    std::printf("%4zu  %-10s %7.4f %7.4f %7.4f\n", ranked.rank(sample[i]), text_of(sample[i]).c_str(),
-                100.0 * bound.back(), 100.0 * stated.back(), 100.0 * error.back());
+    std::printf("%4zu  %-10s %7.4f %7.4f %7.4f\n", ranked.rank(sample[i]), text_of(sample[i]).c_str(), 100.0 * bound[i],
+                100.0 * stated[i], 100.0 * error[i]);
+    found.largest = std::max(found.largest, std::abs(stated[i] / bound[i] - 1.0));
+    found.ratio += error[i] * error[i] / (bound[i] * bound[i]);
   }
-  double largest = 0.0, sum = 0.0, squares = 0.0;
-  for (std::size_t i = 0; i < bound.size(); ++i) {
-    largest = std::max(largest, std::abs(stated[i] / bound[i] - 1.0));
-    sum += error[i] * error[i] / (bound[i] * bound[i]);
-    squares += 1.0;
-  }
+  found.ratio = std::sqrt(found.ratio / static_cast<double>(sample.size()));
+  found.stated = rank_correlation(bound, stated);
+  found.error = rank_correlation(bound, error);
   std::printf("rank correlation of the bound with the stated deviation %.4f, with the error over the seeds %.4f\n",
-              rank_correlation(bound, stated), rank_correlation(bound, error));
-  std::printf("stated deviation / bound - 1: at most %.4f; rms error / bound over all runs %.4f\n", largest,
-              std::sqrt(sum / squares));
-  EXPECT_GE(rank_correlation(bound, stated), 0.9);
-  EXPECT_LT(largest, 0.1);
+              found.stated, found.error);
+  std::printf("stated deviation / bound - 1: at most %.4f; rms error / bound over all runs %.4f\n", found.largest,
+              found.ratio);
+  return found;
 }
+
+TEST(PlacementOverSeeds, TheBoundIsTheDeviationThatTheFilterStates) {
+  const auto found = agreement(20.0, 10);
+  EXPECT_GE(found.stated, 0.9);
+  EXPECT_LT(found.largest, 0.01);  // found 0.0008
+  EXPECT_NEAR(found.ratio, 1.0, 0.1);
+}
+
+/// Bounds differ by a factor of 1.6 only. With errors that scatter exactly as the bounds say, 10 seeds give rank
+/// correlations of 0.54 (0.27 to 0.75 in 95 %), 100 seeds 0.90 (0.84 to 0.95), 200 seeds 0.95 (0.91 to 0.97).
+TEST(PlacementOverSeeds, TheBoundRanksSetsAsErrorsDo) { EXPECT_GE(agreement(5.0, 200).error, 0.9); }
 
 void print_ranking(const char* name, const Ranking& ranked) {
   std::printf("%s: best %s %.4f %%, median %.4f %%, worst %s %.4f %%\n", name, text_of(ranked.sets.front()).c_str(),
@@ -238,7 +256,11 @@ void print_ranking(const char* name, const Ranking& ranked) {
 TEST(PlacementOverSeeds, PlacesThePapersSetAndClusters) {
   const Ranking known = ranking(two_unknowns());
   print_ranking("noise 15 % of each channel", known);
-  print_ranking("noise 1 m/s^2 on each", ranking(two_unknowns(), 1.0));
+  const auto better = std::ranges::count_if(
+      clusters(), [&](const Set& set) { return known.bound_of(set) < known.bound_of(of_the_paper); });
+  EXPECT_GE(better, 6);                                      // found 7 of 8
+  EXPECT_LT(known.bound.back() / known.bound.front(), 1.8);  // found 1.59: no set fails
+  print_ranking("noise 1 m/s^2 on each", ranking(two_unknowns(), 20.0, 1.0));
   print_ranking("15 %, nine springs of the body unknown",
                 ranking(with_unknown({"body.1-2.stiffness", "body.2-3.stiffness", "body.3-4.stiffness",
                                       "body.4-5.stiffness", "body.5-6.stiffness", "body.6-7.stiffness",
