@@ -15,6 +15,7 @@ ALLOWED = {
     "linalg": {"base"},
     "statistics": {"base"},
     "sampling": NUMERICS | {"statistics"},
+    "information": NUMERICS | {"statistics"},
     "verdict": {"base", "statistics"},
     "records": NUMERICS,
     "model": NUMERICS,

@@ -1,0 +1,225 @@
+#include "kalfem/identification/candidate_information.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kalfem/base/parallel.hpp"
+#include "kalfem/base/units.hpp"
+#include "kalfem/identification/filter_run.hpp"
+#include "kalfem/identification/open_loop.hpp"
+#include "kalfem/identification/parameterised_structure.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr Index fewest_substeps = 4;  ///< of a sample interval in the simulations of which differences are taken
+
+std::vector<Sensor> channels_of(const std::vector<CandidateSensor>& candidates) {
+  std::vector<Sensor> channels;
+  for (const auto& candidate : candidates)
+    channels.insert(channels.end(), candidate.channels.begin(), candidate.channels.end());
+  return channels;
+}
+
+void check_excitation(const EstimationProblem& problem, IssueList& issues) {
+  for (const auto& input : problem.settings.unknown_inputs)
+    issues.add(input.location, "the excitation '" + input.name + "' is unknown",
+               "what sensors will tell is computed along an excitation", "state the excitation that is expected");
+  const auto& signals = problem.structure->signals;
+  for (std::size_t i = 0; i < signals.size(); ++i)
+    if (!signals[i])
+      issues.add({}, "the input '" + problem.structure->parts.inputs[i].name + "' has no signal",
+                 "what sensors will tell is computed along an excitation", "state the excitation that is expected");
+}
+
+void check_noise(const std::vector<CandidateSensor>& candidates, IssueList& issues) {
+  for (const auto& candidate : candidates) {
+    if (candidate.channels.empty())
+      issues.add({}, "the candidate '" + candidate.name + "' has no channel", "it would measure nothing",
+                 "give it a channel, or remove it");
+    for (const auto& channel : candidate.channels)
+      if (!(channel.noise > 0.0) || !std::isfinite(channel.noise))
+        issues.add(channel.location,
+                   "the candidate '" + candidate.name + "' has a channel with the noise " + shortest(channel.noise),
+                   "its information is relative to its noise", "give it a positive noise");
+  }
+}
+
+/// theta's positions in the structure.
+std::vector<StructureBinding> bindings_of(const EstimationProblem& problem, const std::vector<std::string>& names,
+                                          IssueList& issues) {
+  const auto& unknowns = problem.settings.unknowns;
+  std::vector<std::string> known;
+  for (const auto& unknown : unknowns) known.push_back(unknown.name);
+  std::vector<StructureBinding> bindings;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto found = std::ranges::find(unknowns, names[i], &Unknown::name);
+    if (found == unknowns.end())
+      issues.add({}, "'" + names[i] + "' is no unknown of the structure" + did_you_mean(names[i], known),
+                 "sensors are placed for its parameters", "name unknowns of the structure");
+    else if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]) !=
+             names.begin() + static_cast<std::ptrdiff_t>(i))
+      issues.add({}, "the unknown '" + names[i] + "' is named twice", "", "name it once");
+    else
+      for (const auto& target : found->targets) bindings.push_back({static_cast<Index>(i), target});
+  }
+  return bindings;
+}
+
+/// Changes of the parameters between which differences are taken.
+VectorXd steps(const std::vector<std::string>& names, const VectorXd& theta, const FisherInformationOptions& options,
+               IssueList& issues) {
+  const auto count = static_cast<Index>(names.size());
+  if (count == 0 || theta.size() != count || (options.scale.size() > 0 && options.scale.size() != count)) {
+    issues.add({},
+               std::to_string(theta.size()) + " values and " + std::to_string(options.scale.size()) + " scales for " +
+                   std::to_string(count) + " unknowns",
+               "every unknown needs its value", "give one value each, and no scales or one each");
+    issues.raise();
+  }
+  const VectorXd scale = options.scale.size() > 0 ? options.scale : theta.cwiseAbs().eval();
+  for (Index i = 0; i < count; ++i)
+    if (!(scale[i] > 0.0) || !std::isfinite(theta[i]))
+      issues.add({},
+                 "the unknown '" + names[static_cast<std::size_t>(i)] + "' has the value " + shortest(theta[i]) +
+                     " and the scale " + shortest(scale[i]),
+                 "differences are taken over a part of its scale", "give it a finite value and a positive scale");
+  return options.relative_step * scale;
+}
+
+/// The channels as functions of the parameters: the structure starts at rest and moves under its excitation over the
+/// drive's time. Every simulation has the same step, so that outputs are smooth in the parameters.
+class ChannelSimulation {
+public:
+  ChannelSimulation(const EstimationProblem& problem, const Record& drive, std::vector<Sensor> channels,
+                    std::vector<StructureBinding> bindings, const VectorXd& theta)
+      : channels_(std::move(channels)),
+        bindings_(std::move(bindings)),
+        structure_(problem.structure, bindings_, theta.size()),
+        here_(structure_.at(theta)),
+        time_{.sample_rate = drive.sample_rate, .start = drive.start} {
+    time_.values.resize(0, drive.samples_used());
+    for (const auto& signal : problem.structure->signals) signals_.push_back(delayed(signal, -drive.start));
+    for (const auto& channel : channels_) (channel.chain.is_identity() ? sampled_ : stepped_).push_back(channel.output);
+  }
+
+  /// Decides the step. Root mean square of every channel; empty where the simulation fails.
+  [[nodiscard]] std::optional<VectorXd> start(const StructurePtr& given, const VectorXd& theta) {
+    const CoupledModel model = couple(parts_at(theta));
+    const auto solution = simulate_open_loop({model.system(), model, channels_, given->signals},
+                                             at_rest(model.system().size(), model.system().connector_states()), time_);
+    if (solution.simulation.failure || !solution.sensors.allFinite()) return std::nullopt;
+    substeps_ = std::max(fewest_substeps, solution.substeps);
+    return (solution.sensors.rowwise().squaredNorm() / static_cast<double>(solution.sensors.cols())).cwiseSqrt();
+  }
+
+  /// Channels x samples; empty where the simulation fails or the values are impossible.
+  [[nodiscard]] std::optional<MatrixXd> outputs(const VectorXd& theta) const try {
+    const CoupledModel model = couple(parts_at(theta));
+    const double fine_rate = time_.sample_rate * static_cast<double>(substeps_);
+    SimulationOptions options;
+    options.step = 1.0 / fine_rate;
+    options.keep_every = substeps_;
+    options.duration = static_cast<double>(time_.samples() - 1) / time_.sample_rate;
+    options.keep_motion = false;
+    options.every_sample = make_outputs(model, sampled_);
+    options.every_step = make_outputs(model, stepped_);
+    const auto result =
+        simulate(model.system(), signals_, at_rest(model.system().size(), model.system().connector_states()), options);
+    if (result.failure) return std::nullopt;
+    MatrixXd outputs(static_cast<Index>(channels_.size()), time_.samples());
+    for (Index j = 0, sampled = 0, stepped = 0; j < outputs.rows(); ++j) {
+      const auto& chain = channels_[static_cast<std::size_t>(j)].chain;
+      if (chain.is_identity())
+        outputs.row(j) = result.every_sample.row(sampled++);
+      else
+        outputs.row(j) = chain.filter(result.every_step.row(stepped++).transpose(),
+                                      fine_rate)(Eigen::seqN(0, outputs.cols(), substeps_));
+    }
+    if (!outputs.allFinite()) return std::nullopt;
+    return outputs;
+  } catch (const InvalidInput&) {
+    return std::nullopt;
+  }
+
+private:
+  [[nodiscard]] StructureParts parts_at(const VectorXd& theta) const {
+    StructureParts parts = structure_.near(here_, theta);
+    for (const auto& [index, parameter] : bindings_)
+      if (parameter.of_connector()) set_parameter(parts, parameter, theta[index]);
+    return parts;
+  }
+
+  std::vector<Sensor> channels_;
+  std::vector<StructureBinding> bindings_;
+  ParameterisedStructure structure_;
+  StructureAtParameters here_;
+  Record time_;  ///< without channels
+  std::vector<SignalPtr> signals_;
+  std::vector<OutputDescription> sampled_, stepped_;  ///< of channels without and with a measurement chain, in order
+  Index substeps_ = fewest_substeps;
+};
+
+/// dy/dtheta_i, channels x samples, one a parameter.
+std::optional<std::vector<MatrixXd>> sensitivities(const ChannelSimulation& simulation, const VectorXd& theta,
+                                                   const VectorXd& step, int threads) {
+  std::vector<MatrixXd> derivatives(static_cast<std::size_t>(theta.size()));
+  std::vector<char> failed(derivatives.size(), 0);
+  for_each_index(derivatives.size(), threads, [&](std::size_t i) {
+    VectorXd above = theta, below = theta;
+    above[static_cast<Index>(i)] += step[static_cast<Index>(i)];
+    below[static_cast<Index>(i)] -= step[static_cast<Index>(i)];
+    auto right = simulation.outputs(above);
+    const auto left = right ? simulation.outputs(below) : std::nullopt;
+    failed[i] = left ? 0 : 1;
+    if (left) derivatives[i] = (*right - *left) / (above - below)[static_cast<Index>(i)];
+  });
+  if (std::ranges::count(failed, 1) > 0) return std::nullopt;
+  return derivatives;
+}
+
+/// sum_k (dy_k/di) (dy_k/dj) / sigma^2 of a channel.
+MatrixXd channel_information(const std::vector<MatrixXd>& derivatives, Index channel, double deviation) {
+  MatrixXd rows(static_cast<Index>(derivatives.size()), derivatives.front().cols());
+  for (Index i = 0; i < rows.rows(); ++i) rows.row(i) = derivatives[static_cast<std::size_t>(i)].row(channel);
+  return rows * rows.transpose() / (deviation * deviation);
+}
+
+}  // namespace
+
+std::optional<std::vector<MatrixXd>> candidate_information(const EstimationProblemPtr& problem, const Record& drive,
+                                                           const std::vector<CandidateSensor>& candidates,
+                                                           const std::vector<std::string>& names, const VectorXd& theta,
+                                                           const FisherInformationOptions& options) {
+  IssueList issues;
+  check_excitation(*problem, issues);
+  check_noise(candidates, issues);
+  auto bindings = bindings_of(*problem, names, issues);
+  const VectorXd step = steps(names, theta, options, issues);
+  issues.raise();
+  const auto channels = channels_of(candidates);
+  ChannelSimulation simulation(*problem, drive, channels, std::move(bindings), theta);
+  const auto size = simulation.start(problem->structure, theta);
+  if (!size) return std::nullopt;
+  const auto derivatives = sensitivities(simulation, theta, step, options.threads > 0 ? options.threads : processors());
+  if (!derivatives) return std::nullopt;
+  std::vector<MatrixXd> information;
+  Index channel = 0;
+  for (const auto& candidate : candidates) {
+    MatrixXd sum = MatrixXd::Zero(theta.size(), theta.size());
+    for (const auto& each : candidate.channels) {
+      const double deviation = each.deviation((*size)[channel]);
+      if (deviation > 0.0) sum += channel_information(*derivatives, channel, deviation);
+      ++channel;
+    }
+    information.push_back(std::move(sum));
+  }
+  return information;
+}
+
+}  // namespace kalfem
