@@ -18,7 +18,7 @@ struct FilterLikelihoodOptions {
 
 /// What a filter predicts of every sample before it sees it.
 struct PredictedInnovations {
-  Eigen::MatrixXd value;  ///< v_k, l x samples, NaN where missing
+  Eigen::MatrixXd value;  ///< v_k, l x samples, NaN where missing [the channel's unit as recorded, also under a gain]
   /// S_k, its lower triangle row by row, l (l + 1) / 2 x samples, NaN where missing.
   Eigen::MatrixXd covariance;
 };
@@ -29,12 +29,17 @@ struct PredictedInnovations {
 /// filter's state and are set in the structure; the others stay in the state and are integrated out under their priors.
 /// Exact for linear systems, otherwise within the filter's approximation.
 ///
-/// Substeps and the assumed start are decided once at the first values, so that the likelihood is one function of
-/// theta. All const members may be called from several threads at once.
+/// Substeps and the assumed start are decided once at the first values, and finite elements keep the bases of their
+/// reduction there, so that the likelihood is one smooth function of theta. All const members may be called from
+/// several threads at once.
+///
+/// The filter passes once over the record, with the noise and outliers as they are: every sample counts. Unknowns
+/// without a state that are not named keep their initial values. A named sensor offset is taken off the record.
 class FilterLikelihood {
 public:
-  /// `names`: of the problem's unknowns, those without a state (delays, gains, noise) among them. Throws InvalidInput
-  /// where a name is unknown or doubled, or where the filter cannot be made at the first values.
+  /// `names`: of the problem's unknowns, those without a state (delays, gains, noise) and sensor offsets among them; in
+  /// their own units. Throws InvalidInput where a name is unknown or doubled or its unknown drifts, where the problem
+  /// asks for adaptive noise, or where the filter cannot be made at the first values.
   FilterLikelihood(EstimationProblemPtr problem, Record record, std::vector<std::string> names,
                    FilterLikelihoodOptions options = {});
 

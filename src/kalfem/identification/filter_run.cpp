@@ -33,6 +33,9 @@ VectorXd interpolated(const VectorXd& samples, Index parts) {
   return fine;
 }
 
+/// Whether a sensor drives the model in place of an excitation.
+bool is_sensor(const std::string& source) { return !source.empty() && source.front() == '@'; }
+
 /// [r; r'; r''] of the augmented model's inputs at every substep: excitation signals, recorded accelerations in the
 /// place of r'', zero for unknown forces.
 MatrixXd inputs_of(const EstimationProblem& problem, const AugmentedModelSetup& setup, const Record& record) {
@@ -43,7 +46,7 @@ MatrixXd inputs_of(const EstimationProblem& problem, const AugmentedModelSetup& 
   for (Index i = 0; i < n_u; ++i) {
     const std::string& source = sources[static_cast<std::size_t>(i)];
     if (source.empty()) continue;
-    if (source.front() == '@') {
+    if (is_sensor(source)) {
       inputs.row(2 * n_u + i) =
           interpolated(record.values.row(record.find(source.substr(1))).transpose(), parts).transpose();
       continue;
@@ -99,18 +102,23 @@ void set_start_from_record(const AugmentedModelSetup& setup, const Record& recor
       (prior.displacement_deviation.cwiseAbs2() + inverse.cwiseAbs2() * rest.cwiseAbs2()).cwiseSqrt();
 }
 
+/// The noise of recorded accelerations that drive the model is process noise.
+void set_noise_of_drives(const AugmentedModelSetup& setup, const Record& record, ProcessNoise& noise) {
+  for (std::size_t i = 0; i < setup.input_sources.size(); ++i) {
+    const std::string& source = setup.input_sources[i];
+    if (!is_sensor(source)) continue;
+    const auto channel = static_cast<std::size_t>(record.find(source.substr(1)));
+    // White noise of standard deviation s per sample, held over 1 / f, has the density s / sqrt(f).
+    noise.input[static_cast<Index>(i)] = record.channels[channel].noise / std::sqrt(record.sample_rate);
+  }
+}
+
 /// The augmented model's options with what only the record tells: the noise of accelerations that drive it, sensor
 /// states, the size of a motion that is there at the first sample. `inputs`: of the augmented model at the samples.
 AugmentedModelOptions completed_options(const EstimationProblem& problem, const AugmentedModelSetup& setup,
                                         const Record& record, const MatrixXd& inputs, bool moving) {
   AugmentedModelOptions options = setup.options;
-  for (std::size_t i = 0; i < setup.input_sources.size(); ++i) {
-    const std::string& source = setup.input_sources[i];
-    if (source.empty() || source.front() != '@') continue;
-    const auto channel = static_cast<std::size_t>(record.find(source.substr(1)));
-    // White noise of standard deviation s per sample, held over 1 / f, has the density s / sqrt(f).
-    options.process_noise.input[static_cast<Index>(i)] = record.channels[channel].noise / std::sqrt(record.sample_rate);
-  }
+  set_noise_of_drives(setup, record, options.process_noise);
   double largest = 0.0;
   for (Index j = 0; j < record.values.rows(); ++j)
     largest = std::max(largest, rms_of_present(record.values.row(j).transpose()));
@@ -120,23 +128,33 @@ AugmentedModelOptions completed_options(const EstimationProblem& problem, const 
   return options;
 }
 
+/// The sensors of a filter's model.
+struct SensorRows {
+  explicit SensorRows(const AugmentedModelSetup& setup) {
+    std::vector<OutputDescription> outputs;
+    for (const auto& sensor : setup.sensors) {
+      outputs.push_back(sensor.output);
+      chains.push_back(sensor.chain);
+    }
+    map = make_outputs(*setup.model, outputs);
+  }
+  OutputMap map;
+  std::vector<MeasurementChain> chains;
+};
+
 /// `inputs`: of the augmented model at the samples.
 FilterChoice choose(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
                     const MatrixXd& inputs, bool moving, std::optional<StateCoordinates> coordinates) {
-  std::vector<OutputDescription> outputs;
-  std::vector<MeasurementChain> chains;
-  for (const auto& sensor : setup.sensors) {
-    outputs.push_back(sensor.output);
-    chains.push_back(sensor.chain);
-  }
+  const SensorRows sensors(setup);
   AugmentedModelOptions options = completed_options(*problem, setup, record, inputs, moving);
   options.system_at = system_of_linear_unknowns(problem, setup);
-  const OutputMap map = make_outputs(*setup.model, outputs);
   if (!coordinates)
-    return choose_filter(problem->settings.filter, setup.model->system(), map, chains, std::move(options));
+    return choose_filter(problem->settings.filter, setup.model->system(), sensors.map, sensors.chains,
+                         std::move(options));
   FilterChoice choice;
   options.coordinates = *coordinates;
-  choice.augmented_model = std::make_shared<const AugmentedModel>(setup.model->system(), map, chains, options);
+  choice.augmented_model =
+      std::make_shared<const AugmentedModel>(setup.model->system(), sensors.map, sensors.chains, options);
   return choice;
 }
 
@@ -233,6 +251,27 @@ FilterRun make_filter_run(const EstimationProblemPtr& problem, const AugmentedMo
   run.input.inputs = inputs_of(*problem, setup, record);
   run.input.noise = run.input.measured.noise().cwiseAbs2().asDiagonal();
   choose_with_start(problem, setup, record, coordinates, run);
+  return run;
+}
+
+FilterRun make_filter_run_like(const FilterRun& first, const EstimationProblemPtr& problem,
+                               const AugmentedModelSetup& setup, const Record& record,
+                               std::optional<StateCoordinates> coordinates) {
+  const auto& first_options = first.choice.augmented_model->options();
+  FilterRun run{first.choice, {}, first.start};
+  run.input.measured = select_channels(record, names_of(setup.sensors));
+  const bool driven_by_sensors = std::ranges::any_of(setup.input_sources, is_sensor);
+  run.input.inputs = driven_by_sensors ? inputs_of(*problem, setup, record) : first.input.inputs;
+  run.input.noise = run.input.measured.noise().cwiseAbs2().asDiagonal();
+  AugmentedModelOptions options = setup.options;
+  options.substeps = first_options.substeps;
+  options.coordinates = coordinates.value_or(first_options.coordinates);
+  options.prior = first_options.prior;
+  options.system_at = system_of_linear_unknowns(problem, setup);
+  set_noise_of_drives(setup, record, options.process_noise);
+  const SensorRows sensors(setup);
+  run.choice.augmented_model =
+      std::make_shared<const AugmentedModel>(setup.model->system(), sensors.map, sensors.chains, std::move(options));
   return run;
 }
 

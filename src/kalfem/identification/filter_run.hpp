@@ -28,6 +28,14 @@ struct FilterRun {
 FilterRun make_filter_run(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
                           std::optional<StateCoordinates> coordinates = std::nullopt);
 
+/// The run of another model of the same structure over the same record, or over one with other corrections of its
+/// sensors. Substeps, kind of filter, excitation, what is assumed of the start (StatePrior) and, unless given, the
+/// coordinates are those of `first`, so that the models are all that differs. It costs no more than the model. Throws
+/// InvalidInput as make_filter_run() does.
+FilterRun make_filter_run_like(const FilterRun& first, const EstimationProblemPtr& problem,
+                               const AugmentedModelSetup& setup, const Record& record,
+                               std::optional<StateCoordinates> coordinates = std::nullopt);
+
 /// One of several filters that were tried over a record.
 struct FilterAttempt {
   FilterKind filter = FilterKind::unscented;

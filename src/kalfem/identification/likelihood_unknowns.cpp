@@ -225,29 +225,23 @@ LikelihoodInterval LikelihoodEstimate::interval(Index i) const {
 }
 
 Record corrected_record(const std::vector<LikelihoodUnknown>& unknowns, const VectorXd& values, Record record) {
-  for (std::size_t i = 0; i < unknowns.size(); ++i) {
-    const LikelihoodUnknown& unknown = unknowns[i];
-    const double value = values[static_cast<Index>(i)];
-    const Index row = record.find(unknown.sensor);
-    if (row < 0) continue;
-    Channel& channel = record.channels[static_cast<std::size_t>(row)];
-    switch (unknown.kind) {
-      case Kind::sensor_delay:
-        record.values.row(row) = without_delay(record.values.row(row).transpose(), value * record.sample_rate,
-                                               reach_of(unknown, record.sample_rate))
-                                     .transpose();
-        break;
-      case Kind::sensor_gain:
-        record.values.row(row) /= value;
-        channel.noise /= std::abs(value);
-        break;
-      case Kind::sensor_noise:
-        channel.noise = value;
-        break;
-      case Kind::process_noise:
-        break;
-    }
-  }
+  const auto for_each = [&](Kind kind, const auto& correct) {
+    for (std::size_t i = 0; i < unknowns.size(); ++i)
+      if (const Index row = record.find(unknowns[i].sensor); row >= 0 && unknowns[i].kind == kind)
+        correct(unknowns[i], values[static_cast<Index>(i)], row, record.channels[static_cast<std::size_t>(row)]);
+  };
+  // The noise is that of the channel as recorded, so it comes before the gain.
+  for_each(Kind::sensor_noise,
+           [&](const auto& /*unknown*/, double value, Index /*row*/, Channel& channel) { channel.noise = value; });
+  for_each(Kind::sensor_gain, [&](const auto& /*unknown*/, double value, Index row, Channel& channel) {
+    record.values.row(row) /= value;
+    channel.noise /= std::abs(value);
+  });
+  for_each(Kind::sensor_delay, [&](const auto& unknown, double value, Index row, Channel& /*channel*/) {
+    record.values.row(row) = without_delay(record.values.row(row).transpose(), value * record.sample_rate,
+                                           reach_of(unknown, record.sample_rate))
+                                 .transpose();
+  });
   return record;
 }
 
@@ -265,9 +259,10 @@ CorrectedProblem corrected(const EstimationProblemPtr& problem, const AugmentedM
       result.setup.options.process_noise.acceleration = value * setup.model->coordinate_scale();
     }
     const Index row = record.find(unknowns[i].sensor);
-    if (unknowns[i].kind != Kind::sensor_gain || row < 0) continue;
-    const auto present = result.record.values.row(row).transpose().array().isFinite();
-    result.log_jacobian.array() -= present.cast<double>() * std::log(std::abs(value));
+    const bool is_measured = std::ranges::find(setup.sensors, unknowns[i].sensor, &Sensor::name) != setup.sensors.end();
+    if (unknowns[i].kind != Kind::sensor_gain || row < 0 || !is_measured) continue;
+    const auto present = result.record.values.row(row).head(record.samples_used()).transpose().array().isFinite();
+    result.log_jacobian.head(record.samples_used()).array() -= present.cast<double>() * std::log(std::abs(value));
   }
   result.problem = std::move(own);
   return result;

@@ -16,7 +16,8 @@ struct CorrectedProblem {
   EstimationProblemPtr problem;  ///< without likelihood unknowns
   AugmentedModelSetup setup;
   Record record;
-  Eigen::VectorXd log_jacobian;  ///< ln |d corrected / d recorded| of each sample, summed over its channels
+  /// ln |d corrected / d recorded| of each sample, summed over the channels from which the filter learns.
+  Eigen::VectorXd log_jacobian;
 };
 
 /// `values`: of the problem's likelihood unknowns, in their own units. A recorded channel is
