@@ -89,6 +89,7 @@ py::dict datasets_of(EstimateResult& result, const Record& record, const std::ve
     add("estimate/parameters/" + parameter.name + "_std", std::move(parameter.std_history), parameter.unit);
   }
   add("innovation/nis", std::move(result.nis), "-");
+  for (auto& score : result.scores) add("innovation/scores/" + score.name, std::move(score.value), "");
   py::dict all = data.take();
   if (result.innovation_covariance.size() > 0)
     all["innovation/covariance"] =

@@ -18,6 +18,7 @@ CaseRun run(const std::string& case_file, const std::vector<std::pair<std::strin
 py::dict datasets_of(const CaseRun& self) {
   Datasets data;
   self.visit([&](const CaseSeries& series) { data.add(series.path, series.values, series.unit, series.sample_rate); });
+  for (auto& score : self.scores()) data.add("/innovation/scores/" + score.name, std::move(score.value), "");
   py::dict all = data.take();
   if (const auto& [triangles, sensors] = self.innovation_covariance(); triangles.size() > 0)
     all["/innovation/covariance"] = py::make_tuple(covariances_of(triangles, sensors), py::dict());

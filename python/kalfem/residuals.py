@@ -32,7 +32,8 @@ class Residuals:
     nis : TimeSeries
         Normalised innovation squared; its mean is the number of sensors if model and noise are right.
     scores : array, samples x parameters, or None
-        Derivative of ln p(y_k | y_1 .. y_k-1) with respect to each unknown, where it is kept.
+        Derivative of ln p(y_k | y_1 .. y_k-1) with respect to each constant unknown, at its last estimate
+        [1 / its unit]; ``results.h5`` does not hold it.
 
     ``residuals["a3"]`` is one sensor's innovation as a :class:`TimeSeries`, with its expected deviation as ``std``.
     """

@@ -39,6 +39,14 @@ def test_residuals_have_their_covariance():
     np.testing.assert_allclose(s, s.T)
 
 
+def test_scores_of_the_samples_balance_the_prior():
+    run = estimate()
+    found, (initial, deviation) = run.parameters["suspension.mu_k1"].value, UNKNOWN["suspension.mu_k1"]
+    assert run.residuals.scores.shape == (1001, 1)
+    # The gradient of the log posterior is zero at the last estimate.
+    assert run.residuals.scores.sum() == pytest.approx((found - initial) / deviation**2, rel=1e-6)
+
+
 def test_measurements_may_be_a_dictionary_an_array_or_a_table():
     t, u, data = record()
     expected = estimate().parameters["suspension.mu_k1"].value

@@ -157,6 +157,7 @@ EstimateResult estimate(const Structure& structure, const Record& record, const 
   estimate.innovation_covariance = filtered.innovation_covariance;
   estimate.used = used_samples(filtered);
   estimate.nis = filtered.nis;
+  estimate.scores = scores_of_unknowns(estimated);
   estimate.log_likelihood = filtered.log_likelihood;
   estimate.filter = to_string(estimated.filter) + ": " + estimated.filter_reason;
   estimate.substeps = estimated.substeps.substeps;

@@ -14,6 +14,7 @@
 #include "kalfem/estimation/filter_kind.hpp"
 #include "kalfem/estimation/parameter_transform.hpp"
 #include "kalfem/identification/point_prior.hpp"
+#include "kalfem/identification/unknown_scores.hpp"
 #include "kalfem/verdict/verdict.hpp"
 
 namespace kalfem {
@@ -112,6 +113,8 @@ struct EstimateResult {
   /// Whether the filter learned from a sample as from any other: 0 where it is missing, an outlier or left out.
   Eigen::MatrixXi used;
   Eigen::VectorXd nis;  ///< normalised innovation squared, one a sample
+  /// What every sample tells of each constant unknown; empty after a stop and for very long records.
+  std::vector<UnknownScore> scores;
   double log_likelihood = 0.0;
   std::string filter;                 ///< its name, and the reason for its choice
   std::optional<FilterStop> failure;  ///< empty if the filter ran to the end

@@ -114,6 +114,11 @@ CaseRun::InnovationCovariance CaseRun::innovation_covariance() const {
   return {estimation->result.innovation_covariance, estimation->result.innovation.rows()};
 }
 
+std::vector<UnknownScore> CaseRun::scores() const {
+  const auto& estimation = contents_->results.estimation;
+  return estimation ? scores_of_unknowns(*estimation) : std::vector<UnknownScore>{};
+}
+
 std::string CaseRun::report() const {
   Page page = make_page(contents_->study, contents_->results);
   page.run = nlohmann::json::parse(contents_->summary).at("run");

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "kalfem/base/progress.hpp"
+#include "kalfem/identification/unknown_scores.hpp"
 #include "kalfem/verdict/verdict.hpp"
 
 namespace kalfem {
@@ -73,6 +74,8 @@ public:
     Eigen::Index sensors = 0;
   };
   [[nodiscard]] InnovationCovariance innovation_covariance() const;
+  /// What every sample tells of each constant unknown, which results.h5 does not hold; see scores_of_unknowns().
+  [[nodiscard]] std::vector<UnknownScore> scores() const;
   /// The text of report.html.
   [[nodiscard]] std::string report() const;
 

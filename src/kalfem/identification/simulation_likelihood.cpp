@@ -1,0 +1,105 @@
+#include "kalfem/identification/simulation_likelihood.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/units.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+IssueList validate(const CorrelatedError& error, double interval) {
+  IssueList issues;
+  if (!(interval > 0.0) || !std::isfinite(interval))
+    issues.add({}, "the interval of the samples is " + shortest(interval) + " s", "it must be > 0", "");
+  if (!(error.correlation_time >= 0.0) || !std::isfinite(error.correlation_time))
+    issues.add({}, "the correlation time of an error is " + shortest(error.correlation_time) + " s",
+               "it must be zero or positive", "use 0 for independent samples");
+  if (error.deviation && (!(*error.deviation > 0.0) || !std::isfinite(*error.deviation)))
+    issues.add({}, "the deviation of an error is " + shortest(*error.deviation), "it must be > 0",
+               "leave it out to use its most likely value");
+  return issues;
+}
+
+/// The channels' rows in the order of time.
+std::vector<std::vector<Index>> series_of(const Residual& residual) {
+  const RowLayout layout = residual.layout();
+  std::vector<std::vector<Index>> rows;
+  for (Index row = 0; row < residual.size(); ++row) {
+    const std::size_t channel =
+        layout.part.empty() ? 0 : static_cast<std::size_t>(layout.part[static_cast<std::size_t>(row)]);
+    if (channel >= rows.size()) rows.resize(channel + 1);
+    rows[channel].push_back(row);
+  }
+  const auto step = [&](Index row) { return layout.step[static_cast<std::size_t>(row)]; };
+  for (auto& channel : rows) std::ranges::sort(channel, {}, step);
+  return rows;
+}
+
+}  // namespace
+
+// The innovations e_k of the autoregression are independent, so that the sum over them costs no matrix.
+double log_density_of_correlated_series(const Eigen::Ref<const VectorXd>& series, double interval,
+                                        const CorrelatedError& error) {
+  validate(error, interval).raise();
+  Index count = 0, last = 0;
+  double squares = 0.0, log_variances = 0.0;  // sum e_k^2, sum ln(1 - phi^2)
+  for (Index k = 0; k < series.size(); ++k) {
+    if (std::isnan(series[k])) continue;
+    double phi = 0.0, remaining = 1.0;  // 1 - phi^2
+    if (count > 0 && error.correlation_time > 0.0) {
+      const double steps = static_cast<double>(k - last) * interval / error.correlation_time;
+      phi = std::exp(-steps);
+      remaining = -std::expm1(-2.0 * steps);
+    }
+    const double departure = count > 0 ? series[k] - phi * series[last] : series[k];
+    squares += departure * departure / remaining;
+    log_variances += std::log(remaining);
+    last = k;
+    ++count;
+  }
+  if (count == 0 || !std::isfinite(squares)) return -infinity;
+  const auto n = static_cast<double>(count);
+  const double variance = error.deviation ? *error.deviation * *error.deviation : squares / n;
+  const double quadratic = error.deviation ? squares / variance : n;
+  return -0.5 * (n * std::log(2.0 * std::numbers::pi * variance) + quadratic + log_variances);
+}
+
+SimulationLikelihood::SimulationLikelihood(std::shared_ptr<const Residual> residual,
+                                           std::vector<CorrelatedError> errors, double interval)
+    : residual_(std::move(residual)),
+      errors_(std::move(errors)),
+      interval_(interval),
+      rows_(series_of(*residual_)),
+      compared_(residual_->compared_rows()) {
+  IssueList issues;
+  if (errors_.size() != rows_.size())
+    issues.add({},
+               std::to_string(errors_.size()) + " error models for " + std::to_string(rows_.size()) + " channels of '" +
+                   residual_->name() + "'",
+               "every channel has its own", "give one each");
+  issues.raise();
+  for (const auto& error : errors_) validate(error, interval_).raise();
+}
+
+double SimulationLikelihood::log_likelihood(const VectorXd& theta) const {
+  auto value = residual_->evaluate(theta, false);
+  if (!value) return -infinity;
+  for (std::size_t row = 0; row < compared_.size(); ++row)
+    if (!compared_[row]) value->values[static_cast<Index>(row)] = std::numeric_limits<double>::quiet_NaN();
+  double sum = 0.0;
+  for (std::size_t channel = 0; channel < rows_.size(); ++channel)
+    sum += log_density_of_correlated_series(value->values(rows_[channel]), interval_, errors_[channel]);
+  return sum;
+}
+
+}  // namespace kalfem
