@@ -31,8 +31,7 @@ VectorXd steps(const FilterLikelihood& likelihood, const VectorXd& theta, const 
   IssueList issues;
   for (Index i = 0; i < count; ++i)
     if (const double step = options.relative_step * scale[i]; !(step > 0.0) || !std::isfinite(step))
-      issues.add({},
-                 "the step of '" + likelihood.names()[static_cast<std::size_t>(i)] + "' would be " + shortest(step),
+      issues.add({}, "the step of '" + likelihood.names()[static_cast<std::size_t>(i)] + "' would be " + shortest(step),
                  "a difference needs a positive one", "give the parameter a scale");
   issues.raise();
   return options.relative_step * scale;
@@ -106,8 +105,8 @@ void add_sample(const std::vector<Moments>& moments, Index k, MatrixXd& informat
 void check_excitation(const EstimationProblem& problem) {
   IssueList issues;
   const auto refuse = [&](const std::string& name, const SourceLocation& location) {
-    issues.add(location, "the excitation '" + name + "' is unknown",
-               "a record can be expected only under a known one", "state the excitation that is expected");
+    issues.add(location, "the excitation '" + name + "' is unknown", "a record can be expected only under a known one",
+               "state the excitation that is expected");
   };
   for (const auto& input : problem.settings.unknown_inputs) refuse(input.name, input.location);
   const auto& [parts, finite_elements, signals] = *problem.structure;
@@ -166,8 +165,9 @@ std::optional<Record> expected_record(const EstimationProblemPtr& problem, const
   } catch (const InvalidInput&) {
     return std::nullopt;
   }
-  const auto solution = simulate_open_loop({setup.model->system(), *setup.model, setup.sensors, problem->structure->signals},
-                                           setup.options.prior.mean, drive);
+  const auto solution =
+      simulate_open_loop({setup.model->system(), *setup.model, setup.sensors, problem->structure->signals},
+                         setup.options.prior.mean, drive);
   if (solution.simulation.failure || !solution.sensors.allFinite()) return std::nullopt;
   Record record = with_channels(drive, setup.sensors, solution.sensors);
   for (const auto& sensor : setup.sensors) {
