@@ -15,13 +15,18 @@ struct FisherInformationOptions {
 /// Fisher information of the named parameters along a record (Harvey 1989, section 3.4.5),
 ///     I_ij = sum_k [1/2 tr(S_k^-1 dS_k/di S_k^-1 dS_k/dj) + (dv_k/di)^T S_k^-1 (dv_k/dj)],
 /// with the derivatives of the innovations v and their covariances S by central differences of filter passes in one
-/// model. Two passes a parameter and one more. [1/(unit_i unit_j)], symmetric. Empty where a pass fails.
+/// model. Two passes a parameter and one more. [1/(unit_i unit_j)], symmetric. Empty where a pass fails. Its mean over
+/// records is the expected negative Hessian of the log-likelihood. Throws InvalidInput where a step is not positive or
+/// sizes do not fit.
 std::optional<Eigen::MatrixXd> fisher_information(const FilterLikelihood& likelihood, const Eigen::VectorXd& theta,
                                                   const FisherInformationOptions& options = {});
 
 /// The record that the sensors are expected to give at theta: a noise-free simulation of the structure through the
-/// sensors under the known excitation of `drive`, whose sensor channels are replaced. With it fisher_information() is
-/// known before the experiment. Throws InvalidInput where an excitation is unknown; empty where the simulation fails.
+/// sensors under its known excitation, over the samples of `drive`, whose sensor channels are replaced. Unknowns that
+/// are not named have their initial values. The noise of the channels is that of the sensors. With it
+/// fisher_information() is known before the experiment; as noise moves nothing in it, that is a lower bound where
+/// process noise or an uncertain start moves the structure much. Throws InvalidInput where an excitation is unknown;
+/// empty where the simulation fails or theta is impossible.
 std::optional<Record> expected_record(const EstimationProblemPtr& problem, const Record& drive,
                                       const std::vector<std::string>& names, const Eigen::VectorXd& theta);
 

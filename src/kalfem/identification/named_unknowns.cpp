@@ -6,6 +6,7 @@
 
 #include "kalfem/base/units.hpp"
 #include "kalfem/identification/released_elements.hpp"
+#include "kalfem/records/fractional_shift.hpp"
 
 namespace kalfem {
 
@@ -146,6 +147,28 @@ void NamedUnknowns::subtract_offsets(const VectorXd& theta, Record& record) cons
   for (const auto& [of_theta, index] : offsets_)
     if (const Index row = record.find(problem_->offsets[index].sensor); row >= 0)
       record.values.row(row).array() -= theta[of_theta];
+}
+
+Record NamedUnknowns::as_recorded(const VectorXd& theta, Record ideal) const {
+  for (const auto& offset : problem_->offsets)
+    if (const Index row = ideal.find(offset.sensor); row >= 0) ideal.values.row(row).array() += offset.initial;
+  for (const auto& [of_theta, index] : offsets_) {
+    const auto& offset = problem_->offsets[index];
+    if (const Index row = ideal.find(offset.sensor); row >= 0)
+      ideal.values.row(row).array() += theta[of_theta] - offset.initial;
+  }
+  const auto& unknowns = problem_->settings.likelihood_unknowns;
+  const VectorXd values = likelihood_values(theta);
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+    const Index row = ideal.find(unknowns[i].sensor);
+    const double value = values[static_cast<Index>(i)];
+    if (row < 0) continue;
+    if (unknowns[i].kind == Kind::sensor_gain) ideal.values.row(row) *= value;
+    if (unknowns[i].kind == Kind::sensor_noise) ideal.channels[static_cast<std::size_t>(row)].noise = value;
+    if (unknowns[i].kind == Kind::sensor_delay)
+      ideal.values.row(row) = shifted(ideal.values.row(row).transpose(), -value * ideal.sample_rate).transpose();
+  }
+  return ideal;
 }
 
 bool NamedUnknowns::admissible(const VectorXd& theta) const {

@@ -32,6 +32,9 @@ public:
   [[nodiscard]] Eigen::VectorXd likelihood_values(const Eigen::VectorXd& theta) const;
   /// Takes the named sensor offsets off a record of the corrected sensors.
   void subtract_offsets(const Eigen::VectorXd& theta, Record& record) const;
+  /// A record of ideal sensors as the sensors with these offsets, gains and delays give it, and with the noise of those
+  /// whose noise is unknown.
+  [[nodiscard]] Record as_recorded(const Eigen::VectorXd& theta, Record ideal) const;
   /// Whether every value is finite, no gain zero, no noise negative and no sensor's zero.
   [[nodiscard]] bool admissible(const Eigen::VectorXd& theta) const;
   /// What the record's unit is of the corrected one, one a channel: the sensor's gain.
