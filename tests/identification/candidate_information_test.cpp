@@ -77,6 +77,25 @@ TEST(CandidateInformation, IsThatOfDifferencesOfTheRecord) {
   EXPECT_NEAR((*found)[1](0, 0), slope.squaredNorm() / (sigma * sigma), 1e-2 * (*found)[1](0, 0));
 }
 
+// With a known road and start and no process noise nothing is integrated out, so the filter knows as much as the sum.
+// They differ by their simulations: exact steps of the filter's model, Newmark's of the other.
+TEST(CandidateInformation, IsThatOfTheFilterWhereNothingIsIntegratedOut) {
+  auto given = chain_problem();
+  given.settings.initial_state = {{"all", {{0.0, 0.0, 1e-9, 1e-9}}}};
+  const auto problem = shared(given);
+  const auto alone = candidate_information(problem, time_of(2.0), accelerometers(), suspension, truth);
+  const auto set = set_information(problem, time_of(2.0), accelerometers(), suspension, truth);
+  ASSERT_TRUE(alone && set);
+  const MatrixXd sum = (*alone)[0] + (*alone)[1] + (*alone)[2];
+  EXPECT_LT((*set - sum).norm(), 0.02 * sum.norm()) << *set << "\n" << sum;
+
+  given.settings.process_noise.acceleration = 1.0;
+  const auto less = set_information(shared(given), time_of(2.0), accelerometers(), suspension, truth);
+  ASSERT_TRUE(less);
+  EXPECT_LT(less->trace(), 0.9 * sum.trace());
+  EXPECT_THROW(set_information(problem, time_of(2.0), {}, suspension, truth), InvalidInput);
+}
+
 TEST(CandidateInformation, AddsUpOverTheChannelsOfACandidateAndDoesNotDependOnThreads) {
   const auto problem = shared(chain_problem());
   auto candidates = accelerometers();

@@ -222,4 +222,33 @@ std::optional<std::vector<MatrixXd>> candidate_information(const EstimationProbl
   return information;
 }
 
+namespace {
+
+/// With these sensors in place of its own; what is unknown of sensors that are not among them is dropped.
+EstimationProblemPtr with_sensors(const EstimationProblem& problem, std::vector<Sensor> sensors) {
+  auto own = std::make_shared<EstimationProblem>(problem);
+  own->sensors = std::move(sensors);
+  const auto absent = [&](const auto& each) {
+    return !each.sensor.empty() && std::ranges::find(own->sensors, each.sensor, &Sensor::name) == own->sensors.end();
+  };
+  std::erase_if(own->offsets, absent);
+  std::erase_if(own->settings.likelihood_unknowns, absent);
+  return own;
+}
+
+}  // namespace
+
+std::optional<MatrixXd> set_information(const EstimationProblemPtr& problem, const Record& drive,
+                                        const std::vector<CandidateSensor>& set, const std::vector<std::string>& names,
+                                        const VectorXd& theta, const FisherInformationOptions& options) {
+  IssueList issues;
+  check_noise(set, issues);
+  if (set.empty()) issues.add({}, "the set of sensors is empty", "it would measure nothing", "give it a candidate");
+  issues.raise();
+  const auto own = with_sensors(*problem, channels_of(set));
+  const auto record = expected_record(own, drive, names, theta);
+  if (!record) return std::nullopt;
+  return fisher_information(FilterLikelihood(own, *record, names, {.first = theta}), theta, options);
+}
+
 }  // namespace kalfem
