@@ -47,7 +47,8 @@ StudyResults estimated(const std::string& estimate, double factor, const std::st
   const Study truth = study_of(stated(1.0, force));
   Study model = study_of(stated(factor) + estimate);
   StudyResults results = run_study(truth, Step::simulate);
-  const Record record = record_of(truth, results);
+  Record record = record_of(truth, results);
+  for (auto& channel : record.channels) channel.noise *= factor;
   results.estimation.emplace();
   static_cast<RecordEstimate&>(*results.estimation) =
       estimate_record_thoroughly(model.problem, *model.augmented_model, record);

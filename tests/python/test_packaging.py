@@ -50,10 +50,12 @@ def test_the_wheel_installs_into_a_fresh_environment(wheel, tmp_path):
     assert place.startswith(str(tmp_path)) and modes == "3"
 
 
-def test_the_import_takes_no_time():
-    program = "import time; t = time.perf_counter(); import kalfem as kf; kf.Structure; print(time.perf_counter() - t)"
-    times = [float(subprocess.run([sys.executable, "-c", program], capture_output=True, check=True).stdout) for _ in range(5)]
-    assert min(times) < 0.15
+def test_the_import_leaves_slow_packages_alone():
+    """They cost seconds; benchmarks/python_overhead.py times the rest."""
+    program = "import sys; import kalfem as kf; kf.Structure; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", program], capture_output=True, check=True, text=True).stdout.split()
+    assert "numpy" in loaded
+    assert not {"scipy", "pandas", "xarray", "matplotlib", "h5py", "vtk", "pyvista", "distributed", "mpi4py"} & set(loaded)
 
 
 def test_results_need_no_compiled_module():
