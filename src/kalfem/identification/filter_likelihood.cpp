@@ -155,8 +155,8 @@ private:
   FilterRun first_run_;
 };
 
-FilterLikelihood::FilterLikelihood(EstimationProblemPtr problem, Record record, std::vector<std::string> names,
-                                   FilterLikelihoodOptions options)
+FilterLikelihood::FilterLikelihood(const EstimationProblemPtr& problem, Record record, std::vector<std::string> names,
+                                   const FilterLikelihoodOptions& options)
     : implementation_(std::make_shared<const Implementation>(problem, std::move(record), std::move(names), options)) {}
 
 const std::vector<std::string>& FilterLikelihood::names() const { return implementation_->unknowns().names(); }

@@ -40,8 +40,8 @@ public:
   /// `names`: of the problem's unknowns, those without a state (delays, gains, noise) and sensor offsets among them; in
   /// their own units. Throws InvalidInput where a name is unknown or doubled or its unknown drifts, where the problem
   /// asks for adaptive noise, or where the filter cannot be made at the first values.
-  FilterLikelihood(EstimationProblemPtr problem, Record record, std::vector<std::string> names,
-                   FilterLikelihoodOptions options = {});
+  FilterLikelihood(const EstimationProblemPtr& problem, Record record, std::vector<std::string> names,
+                   const FilterLikelihoodOptions& options = {});
 
   [[nodiscard]] const std::vector<std::string>& names() const;
   [[nodiscard]] const Eigen::VectorXd& first() const;  ///< values at which the constructor decided
