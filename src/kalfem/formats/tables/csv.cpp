@@ -12,6 +12,7 @@
 #include "kalfem/base/text.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/formats/stated_times.hpp"
+#include "kalfem/formats/tables/mapped_text.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
 
 namespace kalfem {
@@ -147,7 +148,7 @@ struct Columns {
 class CsvFile {
 public:
   CsvFile(const std::filesystem::path& path, const CsvOptions& options)
-      : problems(path.string()), options_(options), text_(read_text(path)), lines_(content_lines(text_)) {
+      : problems(path.string()), options_(options), text_(path), lines_(content_lines(text_.view())) {
     if (lines_.empty()) throw InvalidInput(Issue{{path.string(), 0}, "the file has no data", "", "check the path"});
     if (options.rows) lines_.resize(std::min(lines_.size(), static_cast<std::size_t>(*options.rows) + 1));
     dialect_ = find_dialect(lines_, options);
@@ -187,7 +188,7 @@ private:
   [[nodiscard]] std::vector<TextLine> with_blank_rows() const {
     std::vector<TextLine> rows;
     auto content = lines_.begin();
-    for (const TextLine& line : split_lines(text_)) {
+    for (const TextLine& line : split_lines(text_.view())) {
       if (content == lines_.end()) break;
       if (line.number == content->number)
         rows.push_back(*content++);
@@ -210,7 +211,7 @@ private:
   }
 
   CsvOptions options_;
-  std::string text_;
+  MappedText text_;
   std::vector<TextLine> lines_;
   Dialect dialect_;
 };

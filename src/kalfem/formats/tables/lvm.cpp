@@ -10,6 +10,7 @@
 #include "kalfem/base/text.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/formats/tables/lvm_segments.hpp"
+#include "kalfem/formats/tables/mapped_text.hpp"
 #include "kalfem/formats/tables/measured_table.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
 #include "kalfem/records/time_stamps.hpp"
@@ -57,7 +58,7 @@ struct Segment {
 class LvmReader {
 public:
   explicit LvmReader(const std::filesystem::path& path)
-      : path_(path.string()), text_(read_text(path)), lines_(split_lines(text_)), problems_(path_) {}
+      : path_(path.string()), text_(path), lines_(split_lines(text_.view())), problems_(path_) {}
 
   LvmContents read() {
     split();
@@ -255,7 +256,7 @@ private:
   /// The file's last line, if it has too few cells, or ends in a cell that may lack digits because more lines were to
   /// come.
   bool is_cut_off(const Segment& segment, const TextLine& line, std::size_t cells, std::size_t needed) {
-    const bool last = line.text.data() + line.text.size() == text_.data() + text_.size();
+    const bool last = line.text.data() + line.text.size() == text_.view().data() + text_.view().size();
     if (!last || segment.rows.size() < 2) return false;
     const auto usual = split_cells(segment.rows.front().text, dialect_.separator).size();
     const bool more_to_come = declared(segment.header, 0).value_or(0.0) > static_cast<double>(segment.rows.size());
@@ -384,7 +385,8 @@ private:
                               " s: X_Value is taken");
   }
 
-  std::string path_, text_;
+  std::string path_;
+  MappedText text_;
   std::vector<TextLine> lines_;
   FileProblems problems_;
   Dialect dialect_;

@@ -9,8 +9,8 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/text.hpp"
 #include "kalfem/base/units.hpp"
-#include "kalfem/formats/mapped_file.hpp"
 #include "kalfem/formats/tables/date_time.hpp"
+#include "kalfem/formats/tables/mapped_text.hpp"
 #include "kalfem/formats/tables/table_titles.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
 #include "kalfem/records/time_stamps.hpp"
@@ -27,14 +27,7 @@ enum class Content { text, number, stamp };
 class TableReader {
 public:
   explicit TableReader(const std::filesystem::path& path)
-      : path_(path.string()), file_(path), problems_(path_), text_(file_.bytes()) {
-    if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);
-    if (auto converted = utf16_as_utf8(text_)) {
-      converted_ = *std::move(converted);
-      text_ = converted_;
-    }
-    lines_ = content_lines(text_);
-  }
+      : path_(path.string()), problems_(path_), text_(path), lines_(content_lines(text_.view())) {}
 
   MeasuredFile read() {
     find_dialect();
@@ -156,7 +149,7 @@ private:
       names = above(2);
     }
     if (first_ == 0) {
-      names = names_in_comment(text_, lines_.front(), separator_, decimal_, width);
+      names = names_in_comment(text_.view(), lines_.front(), separator_, decimal_, width);
       named_by_comment_ = !names.empty();
     }
     columns_ = table_titles(names, units, width);
@@ -229,7 +222,7 @@ private:
     return true;
   }
 
-  [[nodiscard]] bool ends_in_line_end() const { return text_.ends_with('\n') || text_.ends_with('\r'); }
+  [[nodiscard]] bool ends_in_line_end() const { return text_.view().ends_with('\n') || text_.view().ends_with('\r'); }
 
   /// Whether the file ends within a number: all lines before have one number of decimals there, the last one fewer.
   [[nodiscard]] bool lacks_digits() const {
@@ -289,8 +282,8 @@ private:
 
   /// A sampling rate that a line above the table states.
   std::optional<double> rate_in_preamble() {
-    for (const TextLine& line :
-         split_lines(text_.substr(0, static_cast<std::size_t>(lines_[first_].text.data() - text_.data()))))
+    for (const TextLine& line : split_lines(
+             text_.view().substr(0, static_cast<std::size_t>(lines_[first_].text.data() - text_.view().data()))))
       if (const auto rate = stated_rate(line.text, decimal_)) {
         measured_.notes.push_back(path_ + ":" + std::to_string(line.number) + ": the sampling rate " + shortest(*rate) +
                                   " Hz is taken from this line");
@@ -333,10 +326,8 @@ private:
   }
 
   std::string path_;
-  MappedFile file_;
   FileProblems problems_;
-  std::string converted_;  ///< a text in UTF-16
-  std::string_view text_;
+  MappedText text_;
   std::vector<TextLine> lines_;
   char separator_ = ',', decimal_ = '.';
   bool ends_in_separator_ = false;

@@ -75,7 +75,7 @@ std::string read_text(const std::filesystem::path& path) {
     throw InvalidInput(
         Issue{{path.string(), 0}, "the file cannot be read", "it does not exist or is not readable", "check the path"});
   std::string text(std::istreambuf_iterator<char>(stream), {});
-  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
+  if (text.starts_with(byte_order_mark)) text.erase(0, byte_order_mark.size());
   if (auto converted = utf16_as_utf8(text)) return *std::move(converted);
   return text;
 }

@@ -18,6 +18,9 @@ struct TextLine {
   int number = 0;
 };
 
+/// Of UTF-8.
+inline constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+
 /// Text in UTF-16 (with a byte-order mark, or every other byte zero) as UTF-8; nothing where it is not in UTF-16.
 std::optional<std::string> utf16_as_utf8(std::string_view bytes);
 
