@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "identification/information_records.hpp"
+#include "kalfem/identification/expected_record.hpp"
 
 namespace kalfem::test {
 namespace {

@@ -4,6 +4,7 @@
 
 #include "identification/information_records.hpp"
 #include "identification/linear_record.hpp"
+#include "kalfem/identification/expected_record.hpp"
 
 namespace kalfem::test {
 namespace {

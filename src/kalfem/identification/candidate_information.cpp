@@ -5,6 +5,7 @@
 
 #include "kalfem/base/parallel.hpp"
 #include "kalfem/base/units.hpp"
+#include "kalfem/identification/expected_record.hpp"
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/identification/open_loop.hpp"
 #include "kalfem/identification/parameterised_structure.hpp"
@@ -24,17 +25,6 @@ std::vector<Sensor> channels_of(const std::vector<CandidateSensor>& candidates) 
   for (const auto& candidate : candidates)
     channels.insert(channels.end(), candidate.channels.begin(), candidate.channels.end());
   return channels;
-}
-
-void check_excitation(const EstimationProblem& problem, IssueList& issues) {
-  for (const auto& input : problem.settings.unknown_inputs)
-    issues.add(input.location, "the excitation '" + input.name + "' is unknown",
-               "what sensors will tell is computed along an excitation", "state the excitation that is expected");
-  const auto& signals = problem.structure->signals;
-  for (std::size_t i = 0; i < signals.size(); ++i)
-    if (!signals[i])
-      issues.add({}, "the input '" + problem.structure->parts.inputs[i].name + "' has no signal",
-                 "what sensors will tell is computed along an excitation", "state the excitation that is expected");
 }
 
 void check_noise(const std::vector<CandidateSensor>& candidates, IssueList& issues) {
@@ -69,27 +59,6 @@ std::vector<StructureBinding> bindings_of(const EstimationProblem& problem, cons
       for (const auto& target : found->targets) bindings.push_back({static_cast<Index>(i), target});
   }
   return bindings;
-}
-
-/// Changes of the parameters between which differences are taken.
-VectorXd steps(const std::vector<std::string>& names, const VectorXd& theta, const FisherInformationOptions& options,
-               IssueList& issues) {
-  const auto count = static_cast<Index>(names.size());
-  if (count == 0 || theta.size() != count || (options.scale.size() > 0 && options.scale.size() != count)) {
-    issues.add({},
-               std::to_string(theta.size()) + " values and " + std::to_string(options.scale.size()) + " scales for " +
-                   std::to_string(count) + " unknowns",
-               "every unknown needs its value", "give one value each, and no scales or one each");
-    issues.raise();
-  }
-  const VectorXd scale = options.scale.size() > 0 ? options.scale : theta.cwiseAbs().eval();
-  for (Index i = 0; i < count; ++i)
-    if (!(scale[i] > 0.0) || !std::isfinite(theta[i]))
-      issues.add({},
-                 "the unknown '" + names[static_cast<std::size_t>(i)] + "' has the value " + shortest(theta[i]) +
-                     " and the scale " + shortest(scale[i]),
-                 "differences are taken over a part of its scale", "give it a finite value and a positive scale");
-  return options.relative_step * scale;
 }
 
 /// The channels as functions of the parameters: the structure starts at rest and moves under its excitation over the
@@ -197,10 +166,10 @@ std::optional<std::vector<MatrixXd>> candidate_information(const EstimationProbl
                                                            const std::vector<std::string>& names, const VectorXd& theta,
                                                            const FisherInformationOptions& options) {
   IssueList issues;
-  check_excitation(*problem, issues);
+  check_excitation_is_known(*problem, issues);
   check_noise(candidates, issues);
   auto bindings = bindings_of(*problem, names, issues);
-  const VectorXd step = steps(names, theta, options, issues);
+  const VectorXd step = difference_steps(names, theta, options, issues);
   issues.raise();
   const auto channels = channels_of(candidates);
   ChannelSimulation simulation(*problem, drive, channels, std::move(bindings), theta);

@@ -5,8 +5,6 @@
 #include "kalfem/base/parallel.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/identification/filter_run.hpp"
-#include "kalfem/identification/named_unknowns.hpp"
-#include "kalfem/identification/open_loop.hpp"
 
 namespace kalfem {
 
@@ -15,27 +13,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
-
-void check_size(Index count, const VectorXd& theta, const VectorXd& scale) {
-  if (theta.size() != count || (scale.size() > 0 && scale.size() != count))
-    throw InvalidInput(std::to_string(theta.size()) + " values and " + std::to_string(scale.size()) + " scales for " +
-                           std::to_string(count) + " named unknowns",
-                       "there must be one value each, and no scale or one each", "");
-}
-
-/// h of every parameter.
-VectorXd steps(const FilterLikelihood& likelihood, const VectorXd& theta, const FisherInformationOptions& options) {
-  const auto count = static_cast<Index>(likelihood.names().size());
-  check_size(count, theta, options.scale);
-  const VectorXd scale = options.scale.size() > 0 ? options.scale : theta.cwiseAbs().eval();
-  IssueList issues;
-  for (Index i = 0; i < count; ++i)
-    if (const double step = options.relative_step * scale[i]; !(step > 0.0) || !std::isfinite(step))
-      issues.add({}, "the step of '" + likelihood.names()[static_cast<std::size_t>(i)] + "' would be " + shortest(step),
-                 "a difference needs a positive one", "give the parameter a scale");
-  issues.raise();
-  return options.relative_step * scale;
-}
 
 /// [v; S] of every sample, or a derivative of it.
 struct Moments {
@@ -102,79 +79,40 @@ void add_sample(const std::vector<Moments>& moments, Index k, MatrixXd& informat
   information.noalias() += columns.transpose() * columns;
 }
 
-void check_excitation(const EstimationProblem& problem) {
-  IssueList issues;
-  const auto refuse = [&](const std::string& name, const SourceLocation& location) {
-    issues.add(location, "the excitation '" + name + "' is unknown", "a record can be expected only under a known one",
-               "state the excitation that is expected");
-  };
-  for (const auto& input : problem.settings.unknown_inputs) refuse(input.name, input.location);
-  const auto& [parts, finite_elements, signals] = *problem.structure;
-  for (std::size_t i = 0; i < signals.size(); ++i)
-    if (!signals[i]) refuse(parts.inputs[i].name, parts.inputs[i].location);
-  issues.raise();
-}
-
-/// The record with the sensors' channels from the simulation, new ones behind the others.
-Record with_channels(Record record, const std::vector<Sensor>& sensors, const MatrixXd& simulated) {
-  for (std::size_t i = 0; i < sensors.size(); ++i) {
-    Index row = record.find(sensors[i].name);
-    if (row < 0) {
-      row = record.values.rows();
-      record.values.conservativeResize(row + 1, Eigen::NoChange);
-      record.channels.push_back({sensors[i].name});
-    }
-    record.values.row(row) = simulated.row(static_cast<Index>(i));
-    record.channels[static_cast<std::size_t>(row)].unit = sensors[i].unit;
-  }
-  return record;
-}
-
-/// The whole structure, whatever part of it the filter models.
-EstimationProblemPtr whole(const EstimationProblemPtr& problem) {
-  auto own = std::make_shared<EstimationProblem>(*problem);
-  own->settings.local.reset();
-  return own;
-}
-
 }  // namespace
+
+VectorXd difference_steps(const std::vector<std::string>& names, const VectorXd& theta,
+                          const FisherInformationOptions& options, IssueList& issues) {
+  const auto count = static_cast<Index>(names.size());
+  if (count == 0 || theta.size() != count || (options.scale.size() > 0 && options.scale.size() != count)) {
+    issues.add({},
+               std::to_string(theta.size()) + " values and " + std::to_string(options.scale.size()) + " scales for " +
+                   std::to_string(count) + " unknowns",
+               "every unknown needs its value", "give one value each, and no scales or one each");
+    return {};
+  }
+  const VectorXd scale = options.scale.size() > 0 ? options.scale : theta.cwiseAbs().eval();
+  for (Index i = 0; i < count; ++i)
+    if (const double step = options.relative_step * scale[i];
+        !(step > 0.0) || !std::isfinite(step) || !std::isfinite(theta[i]))
+      issues.add({},
+                 "the unknown '" + names[static_cast<std::size_t>(i)] + "' has the value " + shortest(theta[i]) +
+                     " and the scale " + shortest(scale[i]),
+                 "differences are taken over a part of its scale", "give it a finite value and a positive scale");
+  return options.relative_step * scale;
+}
 
 std::optional<MatrixXd> fisher_information(const FilterLikelihood& likelihood, const VectorXd& theta,
                                            const FisherInformationOptions& options) {
-  const VectorXd step = steps(likelihood, theta, options);
+  IssueList issues;
+  const VectorXd step = difference_steps(likelihood.names(), theta, options, issues);
+  issues.raise();
   const auto moments =
       moments_and_derivatives(likelihood, theta, step, options.threads > 0 ? options.threads : processors());
   if (!moments) return std::nullopt;
   MatrixXd information = MatrixXd::Zero(theta.size(), theta.size());
   for (Index k = 0; k < moments->back().value.cols(); ++k) add_sample(*moments, k, information);
   return information;
-}
-
-std::optional<Record> expected_record(const EstimationProblemPtr& problem, const Record& drive,
-                                      const std::vector<std::string>& names, const VectorXd& theta) {
-  check_excitation(*problem);
-  const NamedUnknowns unknowns(whole(problem), names);
-  check_size(static_cast<Index>(names.size()), theta, {});
-  if (!unknowns.admissible(theta)) return std::nullopt;
-  AugmentedModelSetup setup;
-  try {
-    const auto at = unknowns.problem_at(theta);
-    IssueList issues;
-    setup = make_augmented_model_setup(*at, at->structure->parts, {}, issues);
-    issues.raise();
-  } catch (const InvalidInput&) {
-    return std::nullopt;
-  }
-  const auto solution =
-      simulate_open_loop({setup.model->system(), *setup.model, setup.sensors, problem->structure->signals},
-                         setup.options.prior.mean, drive);
-  if (solution.simulation.failure || !solution.sensors.allFinite()) return std::nullopt;
-  Record record = with_channels(drive, setup.sensors, solution.sensors);
-  for (const auto& sensor : setup.sensors) {
-    const Index row = record.find(sensor.name);
-    record.channels[static_cast<std::size_t>(row)].noise = sensor.deviation(rms(record.values.row(row).transpose()));
-  }
-  return unknowns.as_recorded(theta, std::move(record));
 }
 
 }  // namespace kalfem

@@ -21,13 +21,9 @@ struct FisherInformationOptions {
 std::optional<Eigen::MatrixXd> fisher_information(const FilterLikelihood& likelihood, const Eigen::VectorXd& theta,
                                                   const FisherInformationOptions& options = {});
 
-/// The record that the sensors are expected to give at theta: a noise-free simulation of the structure through the
-/// sensors under its known excitation, over the samples of `drive`, whose sensor channels are replaced. Unknowns that
-/// are not named have their initial values. The noise of the channels is that of the sensors. With it
-/// fisher_information() is known before the experiment; as noise moves nothing in it, that is a lower bound where
-/// process noise or an uncertain start moves the structure much. Throws InvalidInput where an excitation is unknown;
-/// empty where the simulation fails or theta is impossible.
-std::optional<Record> expected_record(const EstimationProblemPtr& problem, const Record& drive,
-                                      const std::vector<std::string>& names, const Eigen::VectorXd& theta);
+/// The step of the central difference of each parameter [its unit]. Adds an issue where sizes do not fit, which leaves
+/// it empty, and for every parameter whose value is not finite or whose step would not be positive.
+Eigen::VectorXd difference_steps(const std::vector<std::string>& names, const Eigen::VectorXd& theta,
+                                 const FisherInformationOptions& options, IssueList& issues);
 
 }  // namespace kalfem
