@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <vector>
 
 #include "kalfem/base/random.hpp"
@@ -34,10 +35,34 @@ UnknownInputModel three_states(bool feedthrough) {
   return model;
 }
 
+/// Darouach, Zasadzinski, Onana and Nowakowski 1995, Int. J. Systems Sci. 26, 1983-1990, section 5: one input, two
+/// sensors of three states.
+UnknownInputModel darouachs_case() {
+  UnknownInputModel model;
+  model.A.resize(3, 3);
+  model.A << 0.0, 0.6, 0.075, 0.75, 0.0, 0.0, 0.0, 0.75, 0.0375;
+  model.G = Eigen::Vector3d(0.0, 1.0, 1.0);
+  model.C.resize(2, 3);
+  model.C << 1.0, 1.0, 0.0, 0.0, 1.0, 1.0;
+  model.D = MatrixXd::Zero(2, 1);
+  model.Q = Eigen::Vector3d(3.0, 6.0, 9.0).asDiagonal();
+  model.R = 12.0 * MatrixXd::Identity(2, 2);
+  return model;
+}
+
 const Gaussian start{Eigen::Vector3d(1.0, -2.0, 0.5), 0.3 * Eigen::Matrix3d::Identity()};
 
-/// A record with inputs that no process describes.
-std::vector<VectorXd> record_of(const UnknownInputModel& model, int samples) {
+using Input = std::function<VectorXd(int sample)>;
+
+/// Inputs that no process describes.
+VectorXd step_and_sine(int k) { return Eigen::Vector2d(k > 10 ? 50.0 : 0.0, 20.0 * std::sin(0.7 * k)); }
+
+/// Darouach's d = 10 sign(sin(2 pi t / 50)).
+VectorXd square_wave(int k) {
+  return VectorXd::Constant(1, std::copysign(10.0, std::sin(2.0 * std::numbers::pi * k / 50.0)));
+}
+
+std::vector<VectorXd> record_of(const UnknownInputModel& model, int samples, const Input& input = step_and_sine) {
   RandomStream random(5, "unknown input");
   const auto noise = [&](const MatrixXd& covariance) {
     VectorXd white(covariance.rows());
@@ -47,7 +72,7 @@ std::vector<VectorXd> record_of(const UnknownInputModel& model, int samples) {
   VectorXd x = start.mean + noise(start.covariance);
   std::vector<VectorXd> record;
   for (int k = 0; k < samples; ++k) {
-    const Eigen::Vector2d d(k > 10 ? 50.0 : 0.0, 20.0 * std::sin(0.7 * k));
+    const VectorXd d = input(k);
     record.emplace_back(model.C * x + model.D * d + noise(model.R));
     x = model.A * x + model.G * d + noise(model.Q);
   }
@@ -88,20 +113,20 @@ private:
 /// State after the last sample, then the last input that the record shows.
 Gaussian batch_estimate(const UnknownInputModel& model, const std::vector<VectorXd>& record) {
   const auto last = static_cast<Index>(record.size()) - 1;
-  const Index inputs = last + (model.has_feedthrough() ? 1 : 0), x = 0, d = 3 * (last + 1);
-  BatchLeastSquares batch(d + 2 * inputs);
+  const Index p = model.G.cols(), inputs = last + (model.has_feedthrough() ? 1 : 0), x = 0, d = 3 * (last + 1);
+  BatchLeastSquares batch(d + p * inputs);
   const MatrixXd one = MatrixXd::Identity(3, 3);
   batch.add(start.covariance, start.mean, {{x, one}});
   for (Index k = 0; k <= last; ++k) {
     std::vector<std::pair<Index, MatrixXd>> seen{{x + 3 * k, model.C}};
-    if (model.has_feedthrough()) seen.emplace_back(d + 2 * k, model.D);
+    if (model.has_feedthrough()) seen.emplace_back(d + p * k, model.D);
     batch.add(model.R, record[static_cast<std::size_t>(k)], seen);
     if (k < last)
-      batch.add(model.Q, VectorXd::Zero(3), {{x + 3 * (k + 1), one}, {x + 3 * k, -model.A}, {d + 2 * k, -model.G}});
+      batch.add(model.Q, VectorXd::Zero(3), {{x + 3 * (k + 1), one}, {x + 3 * k, -model.A}, {d + p * k, -model.G}});
   }
   const Gaussian all = batch.solve();
   std::vector<Index> wanted{3 * last, 3 * last + 1, 3 * last + 2};
-  for (const Index i : {2, 1}) wanted.push_back(d + 2 * inputs - i);
+  for (Index i = p; i > 0; --i) wanted.push_back(d + p * inputs - i);
   return {all.mean(wanted), all.covariance(wanted, wanted)};
 }
 
@@ -114,23 +139,29 @@ InputEstimate filtered(const UnknownInputModel& model, const std::vector<VectorX
 }
 
 Gaussian joint(const InputEstimate& estimate) {
-  Gaussian all{VectorXd(5), MatrixXd(5, 5)};
+  const Index size = 3 + estimate.input.mean.size();
+  Gaussian all{VectorXd(size), MatrixXd(size, size)};
   all.mean << estimate.state.mean, estimate.input.mean;
   all.covariance << estimate.state.covariance, estimate.cross, estimate.cross.transpose(), estimate.input.covariance;
   return all;
 }
 
-TEST(UnknownInputFilter, IsLeastSquaresOverTheWholeRecord) {
-  for (const bool feedthrough : {false, true}) {
-    const auto model = three_states(feedthrough);
-    for (const int samples : {2, 3, 25}) {
-      const auto record = record_of(model, samples);
-      const Gaussian found = joint(filtered(model, record)), expected = batch_estimate(model, record);
-      EXPECT_LT((found.mean - expected.mean).norm(), 1e-10 * expected.mean.norm()) << feedthrough << samples;
-      EXPECT_LT((found.covariance - expected.covariance).norm(), 1e-10 * expected.covariance.norm())
-          << feedthrough << samples;
-    }
+void expect_least_squares(const UnknownInputModel& model, const Input& input, const std::vector<int>& sizes) {
+  for (const int samples : sizes) {
+    const auto record = record_of(model, samples, input);
+    const Gaussian found = joint(filtered(model, record)), expected = batch_estimate(model, record);
+    EXPECT_LT((found.mean - expected.mean).norm(), 1e-10 * expected.mean.norm()) << samples;
+    EXPECT_LT((found.covariance - expected.covariance).norm(), 1e-10 * expected.covariance.norm()) << samples;
   }
+}
+
+TEST(UnknownInputFilter, IsLeastSquaresOverTheWholeRecord) {
+  for (const bool feedthrough : {false, true})
+    expect_least_squares(three_states(feedthrough), step_and_sine, {2, 3, 25});
+}
+
+TEST(UnknownInputFilter, IsLeastSquaresOnDarouachsCase) {
+  expect_least_squares(darouachs_case(), square_wave, {2, 3, 100});
 }
 
 /// A Kalman filter whose input is white with a standard deviation s: it comes nearer as 1 / s^2.
