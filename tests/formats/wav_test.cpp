@@ -106,7 +106,7 @@ TEST_F(WavFiles, LargeOnesSayWhereTheyAreCutOff) {
 
 TEST_F(WavFiles, MayHaveOtherBlocksOfOddLengthWithAndWithoutAFillingByte) {
   const auto samples = raw<std::int16_t>({16384, -16384});
-  for (const std::string filling : {std::string(1, '\0'), std::string()}) {
+  for (const std::string& filling : {std::string(1, '\0'), std::string()}) {
     const std::string blocks = "JUNK" + u32(5) + "abcde" + filling + format_block(whole_numbers, 1, 16, 1000) + "LIST" +
                                u32(18) + "INFOINAM" + u32(6) + std::string("Run 7\0", 6) + "data" + u32(4) + samples +
                                "data" + u32(4) + samples;
