@@ -347,6 +347,9 @@ Schema<Case> case_schema() {
           .optional(
               "modifications", &Case::modifications, named(located(modification())),
               "structural modifications: changes of the updated structure whose natural frequencies are predicted")
+          .optional("infer", &Case::infer, located(inference()),
+                    "what the data tell of the unknowns: posterior, evidence, laws compared (`kalfem infer`)")
+          .optional("place", &Case::place, located(placement()), "where to put sensors (`kalfem place`)")
           .optional("report", &Case::report, mapping(report), "contents of the report"));
   const auto read = [=](const CaseNode& node, Case& given) {
     given.source = {node.location().file, node.shared_yaml()};

@@ -18,5 +18,7 @@ Schema<Excitation> excitation();
 Schema<Estimation> estimation();
 Schema<Updating> updating();
 Schema<Modification> modification();
+Schema<Inference> inference();
+Schema<Placement> placement();
 
 }  // namespace kalfem::description

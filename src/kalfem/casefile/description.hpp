@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "kalfem/casefile/finite_element_description.hpp"
+#include "kalfem/casefile/inference_description.hpp"
 #include "kalfem/casefile/update_description.hpp"
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/formats/matrices.hpp"
@@ -319,6 +320,8 @@ struct Case {
   std::optional<Prediction> predict;
   std::optional<Updating> update;
   Named<Located<Modification>> modifications;
+  std::optional<Located<Inference>> infer;
+  std::optional<Located<Placement>> place;
   Report report;
   CaseSource source;  ///< places of its keys
 };

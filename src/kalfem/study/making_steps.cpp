@@ -11,7 +11,7 @@ namespace kalfem {
 
 StudyItem section_with_key(const std::string& key) {
   using enum StudyItem;
-  static constexpr std::array<std::pair<std::string_view, StudyItem>, 16> sections{{{"kalfem", version},
+  static constexpr std::array<std::pair<std::string_view, StudyItem>, 18> sections{{{"kalfem", version},
                                                                                     {"title", title},
                                                                                     {"substructures", substructures},
                                                                                     {"connectors", connectors},
@@ -26,6 +26,8 @@ StudyItem section_with_key(const std::string& key) {
                                                                                     {"predict", predict},
                                                                                     {"update", update},
                                                                                     {"modifications", modifications},
+                                                                                    {"infer", infer},
+                                                                                    {"place", place},
                                                                                     {"report", report}}};
   const auto section = std::ranges::find(sections, key, [](const auto& entry) { return entry.first; });
   return section == sections.end() ? other_keys : section->second;

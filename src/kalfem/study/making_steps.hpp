@@ -28,6 +28,8 @@ enum class StudyItem {
   predict,
   update,
   modifications,
+  infer,
+  place,
   report,
   other_keys,
   // results

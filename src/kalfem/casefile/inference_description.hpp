@@ -1,0 +1,95 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/units.hpp"
+#include "kalfem/yaml/schema.hpp"
+
+/// What `kalfem infer` and `kalfem place` do, as the case file states it, see description.hpp.
+namespace kalfem::description {
+
+struct NormalPrior {
+  Value mean;
+  Value std;  ///< in the parameter's unit, or per cent of the mean
+};
+struct LogNormalPrior {
+  Value median;
+  double std = 0.5;  ///< of the natural logarithm
+};
+struct UniformPrior {
+  std::array<Quantity, 2> between{};
+};
+/// The distribution of a parameter before the data.
+struct Prior {
+  std::variant<NormalPrior, LogNormalPrior, UniformPrior> shape;
+  std::optional<std::array<Quantity, 2>> bounds;  ///< it is cut there
+};
+
+struct PriorCorrelation {
+  std::array<Name, 2> between;
+  double value = 0.0;
+};
+
+/// Another law for a connector, with its own unknown parameters.
+struct LawAlternative {
+  Located<std::string> law;
+  Named<Value> parameters;
+  std::string force;
+  Named<Located<Prior>> priors;  ///< of its unknown parameters
+};
+struct LawComparison {
+  Name connector;
+  Named<Located<LawAlternative>> laws;
+};
+
+/// What the likelihood of the parameters is made of.
+enum class InferenceLikelihood { filter, simulation, comparisons };
+enum class InferenceMethod { tempered, ensemble, laplace };
+
+struct Inference {
+  Named<Located<Prior>> priors;  ///< of unknowns; the others keep those of `estimate` or `update`
+  std::vector<Located<PriorCorrelation>> correlations;
+  std::optional<InferenceLikelihood> likelihood;  ///< if empty: filter with `estimate`, otherwise comparisons
+  double correlation_time = 0.0;                  ///< of the model's error in a simulation [s]
+  InferenceMethod method = InferenceMethod::tempered;
+  int samples = 1000;
+  std::uint64_t seed = 1;
+  std::vector<Name> profile;
+  std::optional<Located<LawComparison>> laws;
+};
+
+/// Points at which a sensor could stand, one candidate each.
+struct AccelerationCandidates {
+  std::vector<Name> points;
+};
+struct VelocityCandidates {
+  std::vector<Name> points;
+};
+struct DisplacementCandidates {
+  std::vector<Name> points;
+};
+struct CandidateGroup {
+  std::variant<AccelerationCandidates, VelocityCandidates, DisplacementCandidates> observed;
+  Value noise;            ///< a percentage of the channel's rms, or in the sensor's unit
+  bool triaxial = false;  ///< the directions of a node are one sensor
+};
+
+enum class PlacementCriterion { determinant, trace, smallest_eigenvalue, information };
+struct Placement {
+  Named<Located<CandidateGroup>> candidates;
+  Located<int> count{1, {}, {}};
+  std::vector<Name> parameters;  ///< that shall be known well; if empty, all unknowns
+  std::vector<Name> keep;        ///< sensors of the case that stay
+  PlacementCriterion criterion = PlacementCriterion::determinant;
+  int draws = 1;  ///< parameter values from the priors over which it is averaged; 1: the initial values
+  int largest_enumeration = 20000;  ///< sets up to which every one is tried
+  std::uint64_t seed = 1;
+};
+
+}  // namespace kalfem::description
