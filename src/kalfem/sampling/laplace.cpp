@@ -2,83 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
-#include "kalfem/base/parallel.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/sampling/log_posterior_differences.hpp"
+#include "kalfem/sampling/peak_search.hpp"
 
-// 1. climb(): BFGS over z from every start. Differences take a twentieth of a deviation by the approximate inverse
-//    Hessian, so they follow the width of the posterior, which may be a thousandth of the prior's.
-// 2. polish(): Newton steps over theta by ThetaDifferences, and the Hessian at their end.
+// 1. find_peaks(): BFGS over z from every start.
+// 2. polish(): Newton steps over theta by LocalDifferences, and the Hessian at their end.
 
 namespace kalfem {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-/// A maximum that the search found.
-struct Peak {
-  Eigen::VectorXd z;
-  double value = -infinity;
-  Eigen::MatrixXd inverse;  ///< of the negative Hessian over z, approximately
-  bool converged = false;
-};
-
-/// Backtracks until the rise is a small part of what the slope promises.
-bool search_line(LogPosterior& log_posterior, Peak& peak, const Eigen::VectorXd& direction, double slope) {
-  for (double length = 1.0; length > 1e-10; length *= 0.5) {
-    const Eigen::VectorXd z = peak.z + length * direction;
-    const double value = log_posterior.of(z)[0];
-    if (!(value >= peak.value + 1e-4 * length * slope)) continue;
-    peak.z = z;
-    peak.value = value;
-    return true;
-  }
-  return false;
-}
-
-Peak climb(LogPosterior& log_posterior, const Eigen::VectorXd& start, const LaplaceOptions& options) {
-  Peak peak{.z = start, .value = log_posterior.of(start)[0], .inverse = {}};
-  if (!std::isfinite(peak.value)) return peak;
-  const auto differences = [&](const Eigen::VectorXd& steps) {
-    return Differences(log_posterior.of(cross_points(peak.z, steps)), peak.value, steps);
-  };
-  const auto steps = [&] {
-    return Eigen::VectorXd((0.05 * peak.inverse.diagonal().cwiseSqrt()).cwiseMax(1e-7).cwiseMin(0.02));
-  };
-  const auto from_curvature = [](const Eigen::VectorXd& curvature) {
-    return Eigen::MatrixXd(curvature.cwiseAbs().cwiseMax(1.0).cwiseInverse().asDiagonal());
-  };
-  const auto size = start.size();
-  peak.inverse = from_curvature(differences(Eigen::VectorXd::Constant(size, 1e-3)).curvature);
-  Differences now = differences(steps());
-  bool fresh = true;  // the inverse is a diagonal one
-  for (int k = 0; k < options.max_iterations; ++k) {
-    stop_if_asked();
-    const Eigen::VectorXd direction = peak.inverse * now.gradient;
-    const double slope = now.gradient.dot(direction);
-    peak.converged = 0.5 * slope < options.decrement;
-    if (peak.converged) break;
-    const Eigen::VectorXd before = peak.z;
-    if (!search_line(log_posterior, peak, direction, slope)) {
-      if (fresh) break;
-      peak.inverse = from_curvature(now.curvature);
-      fresh = true;
-      continue;
-    }
-    const Differences next = differences(steps());
-    const Eigen::VectorXd s = peak.z - before, y = now.gradient - next.gradient;
-    fresh = false;
-    if (const double sy = s.dot(y); sy > 1e-12 * s.norm() * y.norm()) {
-      const Eigen::MatrixXd left = Eigen::MatrixXd::Identity(size, size) - s * y.transpose() / sy;
-      peak.inverse = left * peak.inverse * left.transpose() + s * s.transpose() / sy;
-    }
-    now = next;
-  }
-  return peak;
-}
 
 bool negative_definite(const Eigen::MatrixXd& hessian) {
   if (!hessian.allFinite()) return false;
@@ -89,7 +23,7 @@ bool negative_definite(const Eigen::MatrixXd& hessian) {
 }
 
 /// Newton's method to the end; the Hessian there.
-Eigen::MatrixXd polish(ThetaDifferences& differences, const LaplaceOptions& options, bool& converged) {
+Eigen::MatrixXd polish(LocalDifferences& differences, const LaplaceOptions& options, bool& converged) {
   Eigen::MatrixXd hessian = differences.hessian();
   for (int k = 0; k < 5 && negative_definite(hessian); ++k) {
     const Eigen::VectorXd gradient = differences.gradient();
@@ -128,40 +62,30 @@ void warn_of_near_bounds(const JointPrior& prior, LaplaceApproximation& result) 
 }
 
 Peak highest_peak(LogPosterior& log_posterior, const LaplaceOptions& options, LaplaceApproximation& result) {
-  const Eigen::Index size = log_posterior.prior().size();
-  std::vector<Eigen::VectorXd> starts = {options.start ? log_posterior.prior().to_standard_normal(*options.start)
-                                                       : Eigen::VectorXd(Eigen::VectorXd::Zero(size))};
-  RandomStream random(options.seed, "laplace starts");
-  for (int k = 0; k < options.random_starts; ++k) {
-    starts.emplace_back(size);
-    for (auto& value : starts.back()) value = random.normal();
-  }
-  Peak highest;
-  bool several = false;
-  for (const auto& start : starts) {
-    Peak peak = climb(log_posterior, start, options);
-    if (!std::isfinite(peak.value)) continue;
-    if (std::isfinite(highest.value) && peak.converged && highest.converged) {
-      const Eigen::VectorXd apart = (peak.z - highest.z).cwiseQuotient(highest.inverse.diagonal().cwiseSqrt());
-      several = several || apart.cwiseAbs().maxCoeff() > 1.0;
-    }
-    if (peak.value > highest.value) highest = std::move(peak);
-  }
-  if (!std::isfinite(highest.value))
-    throw InvalidInput("no start has a likelihood", "the search for the maximum has nowhere to begin",
-                       "give a start where the model is possible, or more random starts");
-  if (several)
+  const auto log_density = [&](const Eigen::MatrixXd& z) { return log_posterior.of(z); };
+  std::vector<Peak> peaks = find_peaks(log_density, log_posterior.prior(), options);
+  if (std::count_if(peaks.begin(), peaks.end(), [](const Peak& peak) { return peak.converged; }) > 1)
     result.warnings.emplace_back("starts ended on several maxima; the approximation knows only the highest; sample");
-  return highest;
+  return std::move(peaks.front());
+}
+
+LocalDifferences differences_about(LogPosterior& log_posterior, const Peak& peak) {
+  const JointPrior& prior = log_posterior.prior();
+  const Eigen::VectorXd theta = prior.from_standard_normal(peak.z);
+  const Eigen::VectorXd width = 0.1 * peak.inverse.diagonal().cwiseSqrt();
+  Eigen::VectorXd lower(theta.size()), upper(theta.size());
+  for (Eigen::Index i = 0; i < theta.size(); ++i) {
+    const auto bounds = support(prior.marginals()[static_cast<std::size_t>(i)].second);
+    lower[i] = bounds.lower;
+    upper[i] = bounds.upper;
+  }
+  return {[&log_posterior](const Eigen::MatrixXd& points) { return log_posterior.at(points); }, theta,
+          (prior.from_standard_normal(peak.z + width) - theta).cwiseAbs(), lower, upper};
 }
 
 }  // namespace
 
 LaplaceApproximation laplace_approximation(const Posterior& posterior, const LaplaceOptions& options) {
-  if (options.start && options.start->size() != posterior.prior.size())
-    throw InvalidInput("the start has " + std::to_string(options.start->size()) + " values",
-                       "one for each of the " + std::to_string(posterior.prior.size()) + " parameters",
-                       "give one each");
   const JointPrior& prior = posterior.prior;
   LogPosterior log_posterior(posterior, options.threads);
   LaplaceApproximation result;
@@ -172,11 +96,9 @@ LaplaceApproximation laplace_approximation(const Posterior& posterior, const Lap
   const auto bounds = on_bounds(prior, result.mode);
   result.warnings.insert(result.warnings.end(), bounds.begin(), bounds.end());
   if (bounds.empty()) {
-    const Eigen::VectorXd width = 0.1 * peak.inverse.diagonal().cwiseSqrt();
-    const Eigen::VectorXd steps = (prior.from_standard_normal(peak.z + width) - result.mode).cwiseAbs();
-    ThetaDifferences differences(log_posterior, result.mode, steps);
+    LocalDifferences differences = differences_about(log_posterior, peak);
     const Eigen::MatrixXd hessian = polish(differences, options, result.converged);
-    result.mode = differences.theta();
+    result.mode = differences.point();
     if (negative_definite(hessian)) {
       const Eigen::LDLT<Eigen::MatrixXd> information(-hessian);
       result.covariance = information.solve(Eigen::MatrixXd::Identity(hessian.rows(), hessian.cols()));

@@ -1,0 +1,250 @@
+#include "kalfem/sampling/importance_sampler.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kalfem/base/parallel.hpp"
+#include "kalfem/base/units.hpp"
+#include "kalfem/sampling/evidence.hpp"
+#include "kalfem/sampling/pareto_smoothing.hpp"
+#include "kalfem/sampling/peak_search.hpp"
+#include "kalfem/sampling/student_mixture.hpp"
+
+// 1. find_peaks() over z, and laplace_about() each: the eigenvalues of -H below one, where the likelihood is not curved
+//    downwards, count as one, the prior's own curvature.
+// 2. draw_round() three times: N / 4, N / 4 and N / 2 samples, each from a random stream of its own.
+// 3. Between rounds fit_anew(): one step of expectation and maximisation over the weighted samples.
+
+namespace kalfem {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double enough_samples = 100.0;  ///< effective ones
+
+/// A part of the posterior: one t distribution of the proposal.
+struct Part {
+  double share = 1.0;
+  NormalApproximation scale;
+};
+
+NormalApproximation laplace_about(const Peak& peak, const LogDensity& log_density) {
+  const Eigen::VectorXd unbounded = Eigen::VectorXd::Constant(peak.z.size(), infinity);
+  Eigen::MatrixXd hessian =
+      LocalDifferences(log_density, peak.z, 0.1 * peak.inverse.diagonal().cwiseSqrt(), -unbounded, unbounded).hessian();
+  if (!hessian.allFinite()) hessian = -peak.inverse.inverse();  // beside an impossible model
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> curvature(-hessian);
+  const Eigen::VectorXd variance = curvature.eigenvalues().cwiseMax(1.0).cwiseInverse();
+  return {peak.z, curvature.eigenvectors() * variance.asDiagonal() * curvature.eigenvectors().transpose()};
+}
+
+/// Shares by Z of each Laplace approximation, a tenth of them equal.
+std::vector<Part> parts_about(const std::vector<Peak>& peaks, const LogDensity& log_density) {
+  const auto count = static_cast<Eigen::Index>(peaks.size());
+  std::vector<Part> parts;
+  Eigen::VectorXd log_mass(count);
+  for (Eigen::Index d = 0; d < count; ++d) {
+    const Peak& peak = peaks[static_cast<std::size_t>(d)];
+    parts.push_back({1.0, laplace_about(peak, log_density)});
+    log_mass[d] = peak.value + 0.5 * std::log(parts.back().scale.covariance.determinant());
+  }
+  for (Eigen::Index d = 0; d < count; ++d)
+    parts[static_cast<std::size_t>(d)].share =
+        0.1 / static_cast<double>(count) + 0.9 * std::exp(log_mass[d] - log_sum_exp(log_mass));
+  return parts;
+}
+
+StudentMixture proposal_of(const std::vector<Part>& parts, const ImportanceOptions& options) {
+  StudentMixture mixture;
+  for (const auto& part : parts) {
+    mixture.components.emplace_back(part.scale, options.degrees);
+    mixture.shares.push_back((1.0 - options.prior_share) * part.share);
+  }
+  if (options.prior_share == 0.0) return mixture;
+  const auto size = parts.front().scale.mean.size();
+  const NormalApproximation prior{Eigen::VectorXd::Zero(size), Eigen::MatrixXd::Identity(size, size)};
+  mixture.components.emplace_back(prior, 0);
+  mixture.shares.push_back(options.prior_share);
+  return mixture;
+}
+
+/// Samples of all rounds so far.
+struct Draws {
+  Eigen::MatrixXd z;
+  Eigen::VectorXd log_likelihood;
+  Eigen::VectorXd proposed;  ///< sum over rounds of n_t q_t(z), as a logarithm
+  Eigen::VectorXd log_weight;
+  Eigen::Index count = 0;
+};
+
+/// One round of samples, evaluated side by side in blocks, between which the progress is reported.
+void draw_round(Draws& draws, const StudentMixture& proposal, Eigen::Index size, const Posterior& posterior,
+                const ImportanceOptions& options, const Progress& progress) {
+  const Eigen::Index first = draws.count, last = first + size;
+  const double offset = RandomStream(options.seed, "importance round " + std::to_string(first)).uniform();
+  const Eigen::Index block = std::max(16, 4 * options.threads);
+  for (Eigen::Index begin = first; begin < last; begin += block) {
+    if (progress) progress("samples", static_cast<double>(begin) / options.samples);
+    for_each_index(static_cast<std::size_t>(std::min(block, last - begin)), options.threads, [&](std::size_t k) {
+      stop_if_asked();
+      const auto i = begin + static_cast<Eigen::Index>(k);
+      RandomStream random(options.seed, "importance sample " + std::to_string(i));
+      const double place = (static_cast<double>(i - first) + offset) / static_cast<double>(size);
+      draws.z.col(i) = proposal.draw(place, random);
+      draws.log_likelihood[i] = posterior.log_likelihood_of(draws.z.col(i));
+    });
+  }
+  draws.count = last;
+}
+
+double log_normal_density(const Eigen::VectorXd& z) {
+  return -0.5 * z.squaredNorm() - 0.5 * static_cast<double>(z.size()) * std::log(2.0 * std::numbers::pi);
+}
+
+/// A proposal and the number of samples drawn from it.
+struct Round {
+  std::vector<Part> parts;
+  StudentMixture proposal;
+  Eigen::Index size = 0;
+};
+
+/// ln w = ln f - ln sum_t (n_t / n) q_t of all samples so far.
+Eigen::VectorXd log_weights(const Draws& draws, const std::vector<Round>& rounds) {
+  Eigen::VectorXd log_weight(draws.count), terms(static_cast<Eigen::Index>(rounds.size()));
+  for (Eigen::Index i = 0; i < draws.count; ++i) {
+    for (std::size_t t = 0; t < rounds.size(); ++t)
+      terms[static_cast<Eigen::Index>(t)] =
+          std::log(static_cast<double>(rounds[t].size) / static_cast<double>(draws.count)) +
+          rounds[t].proposal.log_density(draws.z.col(i));
+    log_weight[i] = draws.log_likelihood[i] + log_normal_density(draws.z.col(i)) - log_sum_exp(terms);
+  }
+  return log_weight;
+}
+
+Eigen::VectorXd normalised(const Eigen::VectorXd& log_weight) {
+  return (log_weight.array() - log_sum_exp(log_weight)).exp();
+}
+
+double effective(const Eigen::VectorXd& weight) { return 1.0 / weight.squaredNorm(); }
+
+NormalApproximation moments(const Eigen::MatrixXd& z, const Eigen::VectorXd& weight) {
+  const Eigen::VectorXd mean = z * weight;
+  const Eigen::MatrixXd centred = z.colwise() - mean;
+  return {mean, centred * weight.asDiagonal() * centred.transpose()};
+}
+
+/// Shares, means and covariances of the parts from the weighted samples, each of which belongs to a part by that part's
+/// share of the density there. The part as it was counts like two effective samples for each parameter.
+std::vector<Part> fit_anew(const std::vector<Part>& parts, const Draws& draws, const Eigen::VectorXd& weight,
+                           const ImportanceOptions& options) {
+  const auto count = static_cast<Eigen::Index>(parts.size());
+  Eigen::MatrixXd belongs(draws.count, count);
+  for (Eigen::Index d = 0; d < count; ++d) {
+    const Part& part = parts[static_cast<std::size_t>(d)];
+    const StudentDistribution about(part.scale, options.degrees);
+    for (Eigen::Index i = 0; i < draws.count; ++i)
+      belongs(i, d) = std::log(part.share) + about.log_density(draws.z.col(i));
+  }
+  for (Eigen::Index i = 0; i < draws.count; ++i)
+    belongs.row(i) = weight[i] * normalised(belongs.row(i).transpose()).transpose();
+  std::vector<Part> fitted = parts;
+  for (Eigen::Index d = 0; d < count; ++d) {
+    Part& part = fitted[static_cast<std::size_t>(d)];
+    const double mass = belongs.col(d).sum();
+    part.share = 0.1 / static_cast<double>(count) + 0.9 * mass;
+    if (!(mass > 0.0)) continue;
+    const Eigen::VectorXd own = belongs.col(d) / mass;
+    const double known = effective(own), before = 2.0 * static_cast<double>(draws.z.rows());
+    const NormalApproximation found = moments(draws.z.leftCols(draws.count), own);
+    part.scale.mean = (known * found.mean + before * part.scale.mean) / (known + before);
+    part.scale.covariance = (known * found.covariance + before * part.scale.covariance) / (known + before);
+  }
+  return fitted;
+}
+
+std::vector<std::string> warnings_of(const ImportanceResult& result, bool converged) {
+  std::vector<std::string> warnings;
+  const std::string remedy = "; take more samples, or sample_tempered";
+  const double limit = k_hat_limit(result.samples.values.cols());
+  if (!(result.k_hat < limit))
+    warnings.push_back("k-hat of the weights is " + shortest(std::round(100.0 * result.k_hat) / 100.0) +
+                       ", not below " + shortest(std::round(100.0 * limit) / 100.0) +
+                       ": the posterior has parts that the proposal hardly reaches" + remedy);
+  if (result.effective_samples < enough_samples)
+    warnings.push_back("the weighted samples are worth " + shortest(std::round(result.effective_samples)) +
+                       " independent ones, fewer than 100" + remedy);
+  if (!converged && !warnings.empty())
+    warnings.emplace_back("the search for the maximum did not converge; try another start or more iterations");
+  return warnings;
+}
+
+ImportanceResult result_of(const Posterior& posterior, const Draws& draws, const Eigen::VectorXd& log_weight) {
+  ImportanceResult result;
+  const SmoothedWeights smoothed = smooth_weights(log_weight);
+  const auto count = static_cast<double>(draws.count);
+  result.k_hat = smoothed.k_hat;
+  result.log_evidence = log_sum_exp(smoothed.log_weights) - std::log(count);
+  result.samples = make_sample_set(posterior.prior, draws.z, draws.log_likelihood, 1);
+  result.samples.weights = normalised(smoothed.log_weights);
+  result.effective_samples = effective(result.samples.weights);
+  result.log_evidence_deviation = std::sqrt(std::max(0.0, 1.0 / result.effective_samples - 1.0 / count));
+  result.approximation = moments(draws.z, result.samples.weights);
+  return result;
+}
+
+}  // namespace
+
+bool ImportanceResult::reliable() const {
+  return k_hat < k_hat_limit(samples.values.cols()) && effective_samples >= enough_samples;
+}
+
+IssueList validate(const ImportanceOptions& options) {
+  IssueList issues;
+  const auto check = [&](bool right, const std::string& what, const std::string& why) {
+    if (!right) issues.add({}, "importance sampler: " + what, why, "use the default or a value in that range");
+  };
+  check(options.samples >= 100, std::to_string(options.samples) + " samples", "at least 100 are needed");
+  check(options.degrees >= 1, std::to_string(options.degrees) + " degrees", "at least one; few make wide tails");
+  check(options.prior_share >= 0.0 && options.prior_share < 1.0, "prior_share out of range", "at least 0, below 1");
+  check(options.efficiency >= 0.0 && options.efficiency <= 1.0, "efficiency out of range", "0 to 1");
+  check(options.max_iterations >= 1 && options.threads >= 1, "max_iterations or threads below 1", "at least one");
+  check(options.random_starts >= 0, "negative random_starts", "a number of searches");
+  check(options.decrement > 0.0, "decrement not positive", "the search would never end");
+  return issues;
+}
+
+ImportanceResult sample_importance(const Posterior& posterior, const ImportanceOptions& options,
+                                   const Progress& progress) {
+  validate(options).raise();
+  if (progress) progress("maximum", 0.0);
+  LogPosterior log_posterior(posterior, options.threads);
+  const auto log_density = [&](const Eigen::MatrixXd& z) { return log_posterior.over_normals(z); };
+  const std::vector<Peak> peaks = find_peaks(log_density, posterior.prior,
+                                             {.max_iterations = options.max_iterations,
+                                              .decrement = options.decrement,
+                                              .random_starts = options.random_starts,
+                                              .seed = options.seed,
+                                              .start = options.start});
+  const Eigen::Index samples = options.samples;
+  Draws draws{.z = Eigen::MatrixXd(posterior.prior.size(), samples), .log_likelihood = Eigen::VectorXd(samples)};
+  std::vector<Part> parts = parts_about(peaks, log_density);
+  std::vector<Round> rounds;
+  Eigen::VectorXd log_weight;
+  for (const Eigen::Index size : {samples / 4, samples / 4, samples - samples / 4 * 2}) {
+    if (!rounds.empty()) {
+      const Eigen::VectorXd weight = normalised(smooth_weights(log_weight).log_weights);
+      if (effective(weight) < options.efficiency * static_cast<double>(draws.count))
+        parts = fit_anew(parts, draws, weight, options);
+    }
+    rounds.push_back({parts, proposal_of(parts, options), size});
+    draw_round(draws, rounds.back().proposal, size, posterior, options, progress);
+    log_weight = log_weights(draws, rounds);
+  }
+  ImportanceResult result = result_of(posterior, draws, log_weight);
+  result.evaluations = log_posterior.evaluations() + samples;
+  result.warnings = warnings_of(result, peaks.front().converged);
+  if (progress) progress("samples", 1.0);
+  return result;
+}
+
+}  // namespace kalfem
