@@ -32,16 +32,15 @@ command::ExitCode execute(const CLI::App& app, const Arguments& arguments) {
                                         : command::check(arguments.case_file, arguments.page);
   if (app.got_subcommand("inspect")) return command::inspect(arguments.files, arguments.json, arguments.page);
   if (app.got_subcommand("schema")) return command::schema(arguments.json, arguments.laws);
-  if (app.got_subcommand("modes"))
-    return command::run(arguments.case_file, Step::modes, arguments.folder, arguments.strict);
-  if (app.got_subcommand("simulate"))
-    return command::run(arguments.case_file, Step::simulate, arguments.folder, arguments.strict);
-  if (app.got_subcommand("estimate"))
-    return command::run(arguments.case_file, Step::estimate, arguments.folder, arguments.strict);
-  if (app.got_subcommand("predict"))
-    return command::run(arguments.case_file, Step::predict, arguments.folder, arguments.strict);
-  return command::run(arguments.case_file, Step::update, arguments.folder, arguments.strict,
-                      app.got_subcommand("update"));
+  for (const auto& [verb, step] : {std::pair{"modes", Step::modes},
+                                   {"simulate", Step::simulate},
+                                   {"estimate", Step::estimate},
+                                   {"predict", Step::predict},
+                                   {"update", Step::update},
+                                   {"infer", Step::infer},
+                                   {"place", Step::place}})
+    if (app.got_subcommand(verb)) return command::run(arguments.case_file, step, arguments.folder, arguments.strict);
+  return command::run(arguments.case_file, Step::everything, arguments.folder, arguments.strict);
 }
 
 /// Runs a part of the command; what it throws becomes a message and an exit code.
@@ -91,6 +90,8 @@ int main(int argc, char** argv) {
                arguments);
   add_run_verb(app, "update", "update the linear substructures from measurements, running the steps this needs",
                arguments);
+  add_run_verb(app, "infer", "what the data tell of the unknowns: posterior, evidence, which law", arguments);
+  add_run_verb(app, "place", "where to put sensors", arguments);
   auto* check = app.add_subcommand("check", "validate and explain a case file or a deck without running it");
   check->add_option("case", arguments.case_file, "case file (YAML) or deck (.inp, .bdf, .dat, .nas)")->required();
   check->add_option("--page", arguments.page, "write the model check to this HTML file, with a picture of the mesh");

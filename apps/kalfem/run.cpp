@@ -40,6 +40,8 @@ void require_section(const Study& study, Step asked) {
   if (asked == Step::estimate) require(study.problem != nullptr, "estimate");
   if (asked == Step::predict) require(study.prediction.has_value() || !study.modifications.empty(), "predict");
   if (asked == Step::update) require(study.updating.has_value(), "update");
+  if (asked == Step::infer) require(study.inference.has_value(), "infer");
+  if (asked == Step::place) require(study.placement.has_value(), "place");
 }
 
 /// The state, and every reason for it, worst first.
@@ -55,11 +57,11 @@ void print_verdict(const StudyResults& results) {
 }  // namespace
 
 /// The output folder is taken, and the standard output tried, before anything is computed.
-ExitCode run(const std::string& case_file, Step last, const std::string& folder_name, bool strict, bool by_name) {
+ExitCode run(const std::string& case_file, Step last, const std::string& folder_name, bool strict) {
   const Stopwatch watch;
   OutputFolder folder(output_folder(case_file, folder_name));
   const Study study = load_study(case_file);
-  if (by_name) require_section(study, last);
+  require_section(study, last);
   require_result_places(folder.path(), study);
   print_heading(study);
   const StudyResults results = run_study(study, last,

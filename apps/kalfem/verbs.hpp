@@ -11,9 +11,9 @@ namespace kalfem::command {
 /// 1 also where the machine does not take the output: the disk is full, stdout is closed.
 enum ExitCode { done = 0, a_bug = 1, cannot_write = 1, mend_the_input = 2, not_usable = 3 };
 
-/// run, simulate, estimate, predict, update: the steps up to `last`, results into `folder` (empty: <case>.kalfem-out
-/// beside it). `by_name`: the user asked for that step, so a case without its section is an error.
-ExitCode run(const std::string& case_file, Step last, const std::string& folder, bool strict, bool by_name = true);
+/// run (everything), simulate, estimate, predict, update, infer, place: the steps up to `last`, results into `folder` (empty: <case>.kalfem-out
+/// beside it). A case without the section of the step is an error.
+ExitCode run(const std::string& case_file, Step last, const std::string& folder, bool strict);
 /// check: validate and explain, run nothing. With a page file, the model check of the substructures goes there too.
 ExitCode check(const std::string& case_file, const std::string& page_file);
 /// check of a deck alone: its contents, the cards that kalfem ignores, and the model check. `units`: none (SI) or

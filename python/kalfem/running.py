@@ -19,7 +19,7 @@ def run(
     case: str | Path,
     set: Mapping[str, Any] | None = None,
     out: str | Path | None = None,
-    steps: str = "update",
+    steps: str = "everything",
     progress: bool | Callable[[float, str], None] = True,
 ) -> Run:
     """Run every step that a case file declares, as the command does.
@@ -34,7 +34,8 @@ def run(
     out : path, optional
         A folder for the files that the command writes, bit for bit. If it is not given, nothing is written.
     steps : str
-        Stop after ``modes``, ``simulate``, ``estimate``, ``predict`` or ``update``, which is the last one.
+        ``everything``, or what one of ``modes``, ``simulate``, ``estimate``, ``predict``, ``update``, ``infer`` and
+        ``place`` needs.
     progress : bool or callable
         Show a bar, or call a function with the fraction done and words. An exception that it raises stops the run.
 

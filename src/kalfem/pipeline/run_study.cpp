@@ -12,6 +12,8 @@
 #include "kalfem/identification/initial_state.hpp"
 #include "kalfem/pipeline/reported_quantities.hpp"
 #include "kalfem/pipeline/run_identified_case.hpp"
+#include "kalfem/pipeline/run_inference.hpp"
+#include "kalfem/pipeline/run_placement.hpp"
 #include "kalfem/pipeline/run_steps.hpp"
 #include "kalfem/pipeline/run_updating.hpp"
 #include "kalfem/pipeline/run_validation.hpp"
@@ -189,12 +191,24 @@ const Record& record_of(const Study& study, const StudyResults& results) {
   return results.simulation->measurements;
 }
 
+namespace {
+
+/// Whether a run that ends with `last` takes this step.
+bool takes(Step step, Step last) {
+  if (last == Step::everything) return true;
+  if (last == Step::infer) return step == Step::simulate || step == Step::estimate || step == Step::infer;
+  if (last == Step::place) return step == Step::place;
+  return step <= last;
+}
+
+}  // namespace
+
 StudyResults run_study(const Study& study, Step last, const RunOptions& options) {
   const Stopwatch watch;
   StudyResults results;
-  const bool updates = last >= Step::update && study.updating;
+  const bool updates = takes(Step::update, last) && study.updating;
   results.modes = substructure_modes(study, study.report.modes);
-  if (last >= Step::simulate && study.simulation)
+  if (takes(Step::simulate, last) && study.simulation)
     results.simulation = run_simulation(study, options.progress, results.fields, results.failure);
   std::optional<Updated> updated;
   if (results.complete() && updates) {
@@ -205,7 +219,7 @@ StudyResults run_study(const Study& study, Step last, const RunOptions& options)
     }
   }
   std::optional<AugmentedModelSetup> augmented_model = updated ? updated->augmented_model : study.augmented_model;
-  if (results.complete() && last >= Step::estimate && augmented_model) {
+  if (results.complete() && takes(Step::estimate, last) && augmented_model) {
     results.estimation = run_estimation(study, *augmented_model, results, options.progress);
     results.failure = results.estimation->failure();
     const StructureParts& parts = updated ? updated->parts : study.structure->parts;
@@ -220,13 +234,19 @@ StudyResults run_study(const Study& study, Step last, const RunOptions& options)
   }
   if (results.complete() && study.validation && (results.estimation || results.updating))
     results.validation = run_validation(study, parts_for_validation(study, augmented_model, results), results);
-  if (results.complete() && last >= Step::predict && study.prediction) {
+  if (results.complete() && takes(Step::predict, last) && study.prediction) {
     const auto estimated = estimated_model(study, *augmented_model, updated, *results.estimation, results.failure);
     if (results.complete())
       results.prediction = run_prediction(study, estimated ? *estimated : *study.model, results, options.progress);
   }
-  if (results.complete() && last >= Step::predict)
+  if (results.complete() && takes(Step::predict, last))
     results.modifications = predict_modifications(study, updated_parameters(results));
+  if (results.complete() && takes(Step::infer, last) && study.inference)
+    results.inference = run_inference(study, results, options.progress);
+  if (results.complete() && takes(Step::place, last) && study.placement) {
+    results.placement = run_placement(study, options.progress);
+    results.failure = results.placement->failure;
+  }
   judge(study, results);
   results.identified = identified_case_of(study, results);
   results.total_seconds = study.reduce_seconds + watch.seconds();

@@ -9,6 +9,8 @@
 #include "kalfem/dynamics/converged_solution.hpp"
 #include "kalfem/identification/frequency_course.hpp"
 #include "kalfem/identification/record_estimate.hpp"
+#include "kalfem/pipeline/inference_outcome.hpp"
+#include "kalfem/pipeline/placement_outcome.hpp"
 #include "kalfem/pipeline/validation_outcome.hpp"
 #include "kalfem/prediction/base_driven.hpp"
 #include "kalfem/records/spectrum.hpp"
@@ -145,6 +147,8 @@ struct StudyResults {
   std::optional<UpdatingOutcome> updating;
   std::optional<ValidationOutcome> validation;
   std::vector<StructuralModificationResult> modifications;
+  std::optional<InferenceOutcome> inference;
+  std::optional<PlacementOutcome> placement;
   std::vector<std::string> warnings;  ///< about the results, in addition to those of the study
   Verdict verdict;
   std::optional<IdentifiedCase> identified;  ///< of a usable run with an estimation or an updating
@@ -159,7 +163,8 @@ struct StudyResults {
   [[nodiscard]] std::string why_unusable() const;
 };
 
-enum class Step { modes, simulate, estimate, predict, update };
+/// What a run ends with: the step that a verb of the command names, with all that it needs; or everything.
+enum class Step { modes, simulate, estimate, predict, update, infer, place, everything };
 
 struct RunOptions {
   Progress progress = {};
@@ -170,8 +175,8 @@ struct RunOptions {
 /// The simulated or the measured record, with the noise of each channel; the study or the results own it.
 const Record& record_of(const Study& study, const StudyResults& results);
 
-/// Runs the steps that the case declares, up to the given one. An updating runs first, so the estimation and the
-/// prediction use the updated structure.
+/// Runs the steps that the case declares, as far as the last one needs them. An updating runs first, so the estimation
+/// and the prediction use the updated structure; inference and placement start from the case's own.
 StudyResults run_study(const Study& study, Step last, const RunOptions& options = {});
 
 }  // namespace kalfem

@@ -7,6 +7,7 @@
 #include "kalfem/identification/local_model.hpp"
 #include "kalfem/identification/released_elements.hpp"
 #include "kalfem/study/sensor_unknowns.hpp"
+#include "kalfem/study/spread.hpp"
 #include "kalfem/study/unknown_inputs_of.hpp"
 #include "kalfem/yaml/bounds.hpp"
 
@@ -22,20 +23,9 @@ bool same_dimension(const std::string& one, const std::string& other) try {
   return false;
 }
 
-/// Prior standard deviation or walk: in the parameter's unit, or per cent of the initial value.
-double absolute(const d::Value& given, const std::string& unit, double initial) {
-  const bool percentage = !given.value.bare && given.value.dimension == Dimension{};
-  if (percentage && given.value.value < 0.0)
-    throw InvalidInput(given.issue(shortest(100.0 * given.value.value) + " % given", "it must be >= 0"));
-  if (percentage && initial == 0.0)
-    throw InvalidInput(given.issue("per cent of an initial value of 0 is given", "this would be 0",
-                                   "give it in the parameter's unit"));
-  return percentage ? given.value.value * std::abs(initial) : checked_number(given, unit, Bounds::nonnegative());
-}
-
 /// Standard deviation of the prior; half the initial value if the case gives none.
 double deviation_of(const d::Unknown& given, const std::string& unit, double initial) {
-  const double deviation = given.std ? absolute(*given.std, unit, initial) : 0.5 * std::abs(initial);
+  const double deviation = given.std ? spread_about(*given.std, unit, initial) : 0.5 * std::abs(initial);
   if (deviation > 0.0 && std::isfinite(deviation)) return deviation;
   if (!given.std)
     throw InvalidInput(given.initial.issue("its initial value is 0 and it has no `std`",
@@ -184,7 +174,7 @@ private:
     unknown.transform = transform_of(given, unit, positive);
     check_start(given, unknown.transform, unit, unknown.initial);
     unknown.deviation = deviation_of(given, unit, unknown.initial);
-    unknown.random_walk = given.random_walk ? absolute(*given.random_walk, unit, unknown.initial) : 0.0;
+    unknown.random_walk = given.random_walk ? spread_about(*given.random_walk, unit, unknown.initial) : 0.0;
     if (study_.given.simulate) unknown.truth = unknown.targets.back().value;
     if (given.truth) unknown.truth = checked_number(*given.truth, unit);
   }

@@ -49,7 +49,9 @@ enum class StudyItem {
   filter,
   driven_substructure,
   driven_comparisons,
-  validation
+  validation,
+  inference,
+  placement
 };
 using StudyItems = std::vector<StudyItem>;
 

@@ -12,7 +12,9 @@
 #include "kalfem/study/component_parts.hpp"
 #include "kalfem/study/estimation_problem_of.hpp"
 #include "kalfem/study/filter_checks.hpp"
+#include "kalfem/study/inference_plan.hpp"
 #include "kalfem/study/making_steps.hpp"
+#include "kalfem/study/placement_plan.hpp"
 #include "kalfem/study/record_source.hpp"
 #include "kalfem/study/structural_modifications.hpp"
 #include "kalfem/study/study_elements.hpp"
@@ -95,6 +97,7 @@ public:
     make_updating();
     make_estimation();
     make_validation();
+    make_inference();
     raise_in_line_order(steps_.issues());
     add_warnings();
     return std::move(study_);  // without the rest that only the making needs
@@ -178,6 +181,15 @@ private:
          {"validate"}, [&](IssueList& issues) {
            if (study_.given.validate) study_.validation = make_validation_plan(study_, issues);
          });
+  }
+
+  void make_inference() {
+    step(inference, {augmented_model, filter, comparisons, validation, infer}, {"infer"}, [&](IssueList& issues) {
+      if (study_.given.infer) study_.inference = make_inference_plan(study_, issues);
+    });
+    step(placement, {augmented_model, filter, inference, place}, {"place"}, [&](IssueList& issues) {
+      if (study_.given.place) study_.placement = make_placement_plan(study_, issues);
+    });
   }
 
   void step(StudyItem result, StudyItems needs, std::vector<std::string> key,

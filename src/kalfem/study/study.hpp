@@ -7,6 +7,8 @@
 #include "kalfem/identification/updating_setup.hpp"
 #include "kalfem/records/record_preparation.hpp"
 #include "kalfem/records/spectrum.hpp"
+#include "kalfem/study/inference_plan.hpp"
+#include "kalfem/study/placement_plan.hpp"
 #include "kalfem/study/run_plan.hpp"
 #include "kalfem/study/validation_plan.hpp"
 #include "kalfem/yaml/case_changes.hpp"
@@ -43,6 +45,8 @@ struct Study {
   std::optional<ValidationPlan> validation;            ///< if the case has `validate`
   std::optional<PredictionPlan> prediction;            ///< if the case has `predict`
   std::vector<StructuralModification> modifications;
+  std::optional<InferencePlan> inference;              ///< if the case has `infer`
+  std::optional<PlacementPlan> placement;              ///< if the case has `place`
   ReportPlan report;
   std::vector<std::string> warnings;  ///< settings that are allowed but are probably a mistake
 

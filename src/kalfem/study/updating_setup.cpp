@@ -5,6 +5,7 @@
 #include <map>
 
 #include "kalfem/study/estimation_problem_of.hpp"
+#include "kalfem/study/spread.hpp"
 #include "kalfem/yaml/bounds.hpp"
 
 namespace kalfem {
@@ -82,8 +83,7 @@ private:
   }
 
   double deviation(const d::Value& given, const std::string& unit, double initial) const {
-    const bool percentage = !given.value.bare && given.value.dimension == Dimension{};
-    const double deviation = percentage ? given.value.value * std::abs(initial) : checked_number(given, unit);
+    const double deviation = spread_about(given, unit, initial);
     if (!(deviation > 0.0)) throw InvalidInput(given.issue("the standard deviation of the prior is not positive"));
     return deviation;
   }

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "kalfem/pipeline/run_study.hpp"
+
+namespace kalfem {
+
+/// What the case's `place` asks for, under the case's excitation.
+PlacementOutcome run_placement(const Study& study, const Progress& progress);
+
+}  // namespace kalfem

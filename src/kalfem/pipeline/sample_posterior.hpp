@@ -1,0 +1,13 @@
+#pragma once
+
+#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/sampling/posterior.hpp"
+
+namespace kalfem {
+
+/// Computes the posterior by the plan's method: samples, moments, evidence, diagnostics and warnings of the outcome.
+/// Throws InvalidInput where no start has a likelihood, and Interrupted.
+void sample_posterior(const InferencePlan& plan, const Posterior& posterior, int threads, const Progress& progress,
+                      InferenceOutcome& outcome);
+
+}  // namespace kalfem

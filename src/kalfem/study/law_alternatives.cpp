@@ -1,0 +1,121 @@
+#include "kalfem/study/law_alternatives.hpp"
+
+#include <algorithm>
+
+#include "kalfem/study/case_study.hpp"
+#include "kalfem/study/component_parts.hpp"
+#include "kalfem/study/estimation_problem_of.hpp"
+#include "kalfem/study/stated_prior.hpp"
+
+namespace kalfem {
+namespace {
+
+namespace d = description;
+
+/// The connector in a case as it was read; null if there is none.
+d::Connector* connector_named(const std::string& name, d::Case& given) {
+  if (given.component && name == component_name) return &given.component->value.connector;
+  const auto found = std::ranges::find(given.connectors, name, &std::pair<std::string, d::Connector>::first);
+  return found == given.connectors.end() ? nullptr : &found->second;
+}
+
+std::vector<std::string> connector_names(const d::Case& given) {
+  std::vector<std::string> names;
+  if (given.component) names.push_back(component_name);
+  for (const auto& [name, connector] : given.connectors) names.push_back(name);
+  return names;
+}
+
+/// The alternative between the same ends.
+void put_law(const d::LawAlternative& law, d::Connector& connector) {
+  const Name from = connector.from, to = connector.to;
+  connector = law.connector;
+  connector.from = from;
+  connector.to = to;
+  for (const auto& [parameter, prior] : law.priors) connector.parameters.emplace_back(parameter, centre_of(prior).value);
+}
+
+/// Whether an unknown sets a parameter of the connector, and of nothing else.
+bool is_of_connector(const std::string& name, const d::Unknown& unknown, const std::string& connector) {
+  return std::ranges::all_of(names_of(name, unknown),
+                             [&](const Name& target) { return target.value.starts_with(connector + "."); });
+}
+
+void put_unknowns(const d::LawAlternative& law, const std::string& connector, d::Case& given) {
+  auto& unknowns = given.estimate->unknown;
+  auto& inference = given.infer->value;
+  std::erase_if(unknowns, [&](const auto& each) { return is_of_connector(each.first, each.second, connector); });
+  std::erase_if(inference.priors, [&](const auto& each) { return each.first.starts_with(connector + "."); });
+  for (const auto& [parameter, prior] : law.priors) {
+    const auto [value, spread] = centre_of(prior);
+    const std::string name = connector + "." + parameter;
+    unknowns.emplace_back(name, d::Unknown{.initial = value, .std = spread, .transform = TransformKind::none});
+    inference.priors.emplace_back(name, prior);
+  }
+}
+
+d::Case case_with(const d::LawAlternative& law, const std::string& connector, const d::Case& base) {
+  d::Case given = base;
+  put_law(law, *connector_named(connector, given));
+  auto& inference = given.infer->value;
+  inference.laws.reset();
+  inference.profile.clear();
+  inference.sensitivity.reset();
+  inference.correlations.clear();
+  put_unknowns(law, connector, given);
+  given.update.reset();
+  given.predict.reset();
+  given.place.reset();
+  given.modifications.clear();
+  return given;
+}
+
+void check_comparison(const d::LawComparison& given, const SourceLocation& location, const std::string& path,
+                      const CaseStudy& study, const InferencePlan& plan, IssueList& issues) {
+  if (plan.likelihood != LikelihoodKind::filter)
+    issues.add(location, path + ": laws are compared by likelihood: filter",
+               "their evidence is that of the record, with the motion integrated out", "remove infer.likelihood");
+  d::Case base = *study.description;
+  if (!connector_named(given.connector.value, base)) {
+    const auto names = connector_names(base);
+    issues.add(given.connector.location,
+               given.connector.path + ": there is no connector '" + given.connector.value + "'" +
+                   did_you_mean(given.connector.value, names));
+  }
+  if (given.laws.size() < 2)
+    issues.add(location, path + ".laws: " + std::to_string(given.laws.size()) + " given", "a choice needs two",
+               "add the laws that are possible");
+  for (const auto& [name, law] : given.laws)
+    if (law.value.priors.empty())
+      issues.add(law.location, law.path + ": no unknown parameter", "its evidence is that of its unknown parameters",
+                 "give `priors` of those that are not known");
+  if (study.given.estimate)
+    for (const auto& [name, unknown] : study.given.estimate->unknown) {
+      const auto targets = names_of(name, unknown);
+      const auto of_connector = std::ranges::count_if(
+          targets, [&](const Name& target) { return target.value.starts_with(given.connector.value + "."); });
+      if (of_connector > 0 && of_connector < std::ssize(targets))
+        issues.add(location,
+                   path + ": the unknown '" + name + "' applies to '" + given.connector.value + "' and to others",
+                   "it would lose its meaning with another law", "make it an unknown of its own");
+    }
+}
+
+}  // namespace
+
+void add_law_alternatives(const CaseStudy& study, InferencePlan& plan, IssueList& issues) {
+  const auto& [given, location, path] = *study.given.infer->value.laws;
+  check_comparison(given, location, path, study, plan, issues);
+  if (!issues.empty()) return;
+  plan.connector = given.connector.value;
+  for (const auto& [name, law] : given.laws) try {
+      auto other = make_study(case_with(law.value, plan.connector, *study.description), study.file);
+      plan.laws.push_back({name, law.value.connector.law.value, std::make_shared<const Study>(std::move(other))});
+    } catch (const InvalidInput& error) {
+      for (const auto& issue : error.issues())
+        issues.add(issue.location.line > 0 ? issue.location : law.location, "with the law '" + name + "': " + issue.what,
+                   issue.why, issue.fix);
+    }
+}
+
+}  // namespace kalfem
