@@ -5,32 +5,44 @@
 #include <string>
 
 #include "kalfem/base/parallel.hpp"
+#include "kalfem/sampling/student_mixture.hpp"
 
 // Chains are advanced block by block, side by side. Every block of a chain draws from a stream of its own, so that a
 // stored state continues with the same numbers. In the warm-up the gains of the mean, the covariance and the scale fall
-// with the number of draws as k^-0.6; afterwards the kernel is fixed and the chain an ordinary Markov chain.
+// with the number of draws as k^-0.6; afterwards the kernel is fixed and the chain an ordinary Markov chain. A known
+// start counts as draws made before: its covariance is worth more than that of a few correlated draws.
 
 namespace kalfem {
 namespace {
 
 constexpr int most_starts = 1000;
+constexpr double draws_of_start = 1000.0;  ///< that a known mean and covariance are worth
+constexpr int degrees = 5;                 ///< of freedom of the starts about it
+
+/// Where chains start: a Student t distribution with twice the known deviations, or the prior.
+StudentDistribution starts_of(const MetropolisOptions& options, Eigen::Index size) {
+  if (!options.start) return {{Eigen::VectorXd::Zero(size), Eigen::MatrixXd::Identity(size, size)}, 0};
+  constexpr double variance = degrees / (degrees - 2.0);  // of the t distribution with a scale of one
+  return {{options.start->mean, 4.0 / variance * options.start->covariance}, degrees};
+}
 
 MetropolisChain start_chain(const Posterior& posterior, const MetropolisOptions& options, int number) {
   RandomStream random(options.seed, "metropolis start " + std::to_string(number));
   const Eigen::Index size = posterior.prior.size();
+  const StudentDistribution starts = starts_of(options, size);
   MetropolisChain chain;
-  chain.z.resize(size);
   for (int k = 0; k < most_starts; ++k) {
     stop_if_asked();
-    for (auto& value : chain.z) value = random.normal();
+    chain.z = starts.draw(random);
     chain.log_likelihood = posterior.log_likelihood_of(chain.z);
     if (std::isfinite(chain.log_likelihood)) break;
   }
   if (!std::isfinite(chain.log_likelihood))
-    throw InvalidInput("none of " + std::to_string(most_starts) + " samples of the prior has a likelihood",
+    throw InvalidInput("none of " + std::to_string(most_starts) + " samples of the " +
+                           (options.start ? "start" : "prior") + " has a likelihood",
                        "a chain has nowhere to start", "check the model and the prior's bounds");
-  chain.mean = chain.z;
-  chain.covariance = Eigen::MatrixXd::Identity(size, size);
+  chain.mean = options.start ? options.start->mean : chain.z;
+  chain.covariance = options.start ? options.start->covariance : Eigen::MatrixXd::Identity(size, size);
   chain.log_scale = std::log(2.38 / std::sqrt(static_cast<double>(size)));
   return chain;
 }
@@ -53,8 +65,9 @@ double move(const Posterior& posterior, MetropolisChain& chain, const Eigen::Mat
 }
 
 void adapt(MetropolisChain& chain, double acceptance, int draw, const MetropolisOptions& options) {
-  const double gain = std::pow(draw + 2.0, -0.6);
-  chain.log_scale += gain * (acceptance - options.acceptance);
+  const double scale_gain = std::pow(draw + (options.start ? 100.0 : 2.0), -0.6);
+  const double gain = options.start ? 1.0 / (draws_of_start + draw) : scale_gain;
+  chain.log_scale += scale_gain * (acceptance - options.acceptance);
   const Eigen::VectorXd off = chain.z - chain.mean;
   chain.mean += gain * off;
   chain.covariance += gain * (off * off.transpose() - chain.covariance);
@@ -129,6 +142,17 @@ MetropolisResult result_of(const Posterior& posterior, const MetropolisOptions& 
   return result;
 }
 
+void check_start(const NormalApproximation& start, const JointPrior& prior) {
+  const Eigen::Index size = prior.size();
+  if (start.mean.size() == size && start.covariance.rows() == size && start.covariance.cols() == size &&
+      start.mean.allFinite() && start.covariance.allFinite() &&
+      Eigen::LLT<Eigen::MatrixXd>(start.covariance).info() == Eigen::Success)
+    return;
+  throw InvalidInput("the start of the chains has no mean of " + std::to_string(size) +
+                         " values and positive definite covariance of as many rows",
+                     "chains start about this mean", "give both over z, or leave the start out");
+}
+
 void check_state(const MetropolisState& state, const Posterior& posterior, const MetropolisOptions& options) {
   const auto of_size = [&](const MetropolisChain& chain) { return chain.z.size() == posterior.prior.size(); };
   if (static_cast<int>(state.chains.size()) == options.chains && state.done <= options.warm_up + options.draws &&
@@ -158,6 +182,7 @@ IssueList validate(const MetropolisOptions& options) {
 MetropolisResult sample_metropolis(const Posterior& posterior, const MetropolisOptions& options,
                                    const MetropolisProgress& progress, const MetropolisState* from) {
   validate(options).raise();
+  if (options.start) check_start(*options.start, posterior.prior);
   if (from) check_state(*from, posterior, options);
   MetropolisState state = from ? *from : begin(posterior, options);
   while (state.done < options.warm_up + options.draws) {

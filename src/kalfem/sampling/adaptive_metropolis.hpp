@@ -3,9 +3,11 @@
 #include <Eigen/Dense>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "kalfem/sampling/convergence.hpp"
+#include "kalfem/sampling/normal_approximation.hpp"
 #include "kalfem/sampling/posterior.hpp"
 
 namespace kalfem {
@@ -16,6 +18,9 @@ struct MetropolisOptions {
   int draws = 4000;          ///< kept of each chain
   int block = 100;           ///< draws between two states that may be stored
   double acceptance = 0.25;  ///< rate that the scale is adapted to
+  /// What is known of the posterior over z, such as ImportanceResult::approximation: chains start about its mean, twice
+  /// as wide, and with its covariance. A warm-up of some hundred draws then suffices.
+  std::optional<NormalApproximation> start;
   std::uint64_t seed = 1;
   int threads = 1;  ///< results do not depend on it
 };
@@ -53,8 +58,10 @@ struct MetropolisResult {
 
 /// Random-walk Metropolis with a covariance and a scale that each chain learns in its warm-up and then keeps (Haario,
 /// Saksman and Tamminen 2001, Bernoulli 7, 223-242; Andrieu and Thoms 2008, Stat. Comput. 18, 343-373, algorithm 4).
-/// Chains start from independent samples of the prior, so that split R-hat tells where they have not met.
-/// `from`: continues a stored state. Throws InvalidInput (options; no start with a likelihood) and Interrupted.
+/// Chains start from independent samples of the prior, or of a t distribution about `options.start` with twice its
+/// deviations, so that split R-hat tells where they have not met. Chains about one mode cannot tell of another.
+/// `from`: continues a stored state. Throws InvalidInput (options; a start that does not fit or is not positive
+/// definite; no start with a likelihood) and Interrupted.
 MetropolisResult sample_metropolis(const Posterior& posterior, const MetropolisOptions& options = {},
                                    const MetropolisProgress& progress = {}, const MetropolisState* from = nullptr);
 

@@ -47,7 +47,8 @@ double autocovariance(const Eigen::MatrixXd& centred, Eigen::Index lag) {
 }
 
 double quantile(const Eigen::Ref<const Eigen::MatrixXd>& draws, double probability) {
-  std::vector<double> sorted(draws.reshaped().begin(), draws.reshaped().end());
+  const auto values = draws.reshaped();
+  std::vector<double> sorted(values.begin(), values.end());
   std::sort(sorted.begin(), sorted.end());
   const double place = probability * static_cast<double>(sorted.size() - 1);
   const auto below = static_cast<std::size_t>(place);

@@ -1,8 +1,10 @@
 #include "kalfem/sampling/importance_sampler.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "kalfem/base/parallel.hpp"
 #include "kalfem/base/units.hpp"
@@ -13,8 +15,11 @@
 
 // 1. find_peaks() over z, and laplace_about() each: the eigenvalues of -H below one, where the likelihood is not curved
 //    downwards, count as one, the prior's own curvature.
-// 2. draw_round() three times: N / 4, N / 4 and N / 2 samples, each from a random stream of its own.
-// 3. Between rounds fit_anew(): one step of expectation and maximisation over the weighted samples.
+// 2. draw_rounds(): N / 4, N / 4 and N / 2 samples, each from a random stream of its own.
+// 3. Between rounds, if few samples are effective, fit_anew(): one step of expectation and maximisation over the
+// weighted
+//    samples. These are then discarded: they would be counted where the fit, which they have drawn towards themselves,
+//    is high, and ln Z would be too low by about a tenth for ten parameters.
 
 namespace kalfem {
 namespace {
@@ -54,12 +59,20 @@ std::vector<Part> parts_about(const std::vector<Peak>& peaks, const LogDensity& 
   return parts;
 }
 
-StudentMixture proposal_of(const std::vector<Part>& parts, const ImportanceOptions& options) {
+/// The prior's share of the prior, and `parts` for the rest, of which a quarter remains with `guard` if these are
+/// given.
+StudentMixture proposal_of(const std::vector<Part>& parts, const std::vector<Part>& guard,
+                           const ImportanceOptions& options) {
   StudentMixture mixture;
-  for (const auto& part : parts) {
-    mixture.components.emplace_back(part.scale, options.degrees);
-    mixture.shares.push_back((1.0 - options.prior_share) * part.share);
-  }
+  const double rest = 1.0 - options.prior_share;
+  const auto add = [&](const std::vector<Part>& added, double share) {
+    for (const auto& part : added) {
+      mixture.components.emplace_back(part.scale, options.degrees);
+      mixture.shares.push_back(share * part.share);
+    }
+  };
+  add(parts, guard.empty() ? rest : 0.75 * rest);
+  add(guard, 0.25 * rest);
   if (options.prior_share == 0.0) return mixture;
   const auto size = parts.front().scale.mean.size();
   const NormalApproximation prior{Eigen::VectorXd::Zero(size), Eigen::MatrixXd::Identity(size, size)};
@@ -68,57 +81,40 @@ StudentMixture proposal_of(const std::vector<Part>& parts, const ImportanceOptio
   return mixture;
 }
 
-/// Samples of all rounds so far.
+/// Samples of one proposal.
 struct Draws {
   Eigen::MatrixXd z;
   Eigen::VectorXd log_likelihood;
-  Eigen::VectorXd proposed;  ///< sum over rounds of n_t q_t(z), as a logarithm
-  Eigen::VectorXd log_weight;
-  Eigen::Index count = 0;
+  Eigen::VectorXd log_weight;  ///< ln f - ln q
 };
 
-/// One round of samples, evaluated side by side in blocks, between which the progress is reported.
-void draw_round(Draws& draws, const StudentMixture& proposal, Eigen::Index size, const Posterior& posterior,
-                const ImportanceOptions& options, const Progress& progress) {
-  const Eigen::Index first = draws.count, last = first + size;
+double log_normal_density(const Eigen::VectorXd& z) {
+  return -0.5 * z.squaredNorm() - 0.5 * static_cast<double>(z.size()) * std::log(2.0 * std::numbers::pi);
+}
+
+/// Adds samples number `first` to `last` - 1 of the run, evaluated side by side in blocks, between which the progress
+/// is reported.
+void add_draws(Draws& draws, const StudentMixture& proposal, Eigen::Index first, Eigen::Index last,
+               const Posterior& posterior, const ImportanceOptions& options, const Progress& progress) {
+  const Eigen::Index before = draws.z.cols(), size = last - first;
+  draws.z.conservativeResize(posterior.prior.size(), before + size);
+  draws.log_likelihood.conservativeResize(before + size);
+  draws.log_weight.conservativeResize(before + size);
   const double offset = RandomStream(options.seed, "importance round " + std::to_string(first)).uniform();
   const Eigen::Index block = std::max(16, 4 * options.threads);
   for (Eigen::Index begin = first; begin < last; begin += block) {
     if (progress) progress("samples", static_cast<double>(begin) / options.samples);
     for_each_index(static_cast<std::size_t>(std::min(block, last - begin)), options.threads, [&](std::size_t k) {
       stop_if_asked();
-      const auto i = begin + static_cast<Eigen::Index>(k);
-      RandomStream random(options.seed, "importance sample " + std::to_string(i));
-      const double place = (static_cast<double>(i - first) + offset) / static_cast<double>(size);
-      draws.z.col(i) = proposal.draw(place, random);
-      draws.log_likelihood[i] = posterior.log_likelihood_of(draws.z.col(i));
+      const Eigen::Index number = begin + static_cast<Eigen::Index>(k), i = before + number - first;
+      RandomStream random(options.seed, "importance sample " + std::to_string(number));
+      const double place = (static_cast<double>(number - first) + offset) / static_cast<double>(size);
+      const Eigen::VectorXd z = proposal.draw(place, random);
+      draws.z.col(i) = z;
+      draws.log_likelihood[i] = posterior.log_likelihood_of(z);
+      draws.log_weight[i] = draws.log_likelihood[i] + log_normal_density(z) - proposal.log_density(z);
     });
   }
-  draws.count = last;
-}
-
-double log_normal_density(const Eigen::VectorXd& z) {
-  return -0.5 * z.squaredNorm() - 0.5 * static_cast<double>(z.size()) * std::log(2.0 * std::numbers::pi);
-}
-
-/// A proposal and the number of samples drawn from it.
-struct Round {
-  std::vector<Part> parts;
-  StudentMixture proposal;
-  Eigen::Index size = 0;
-};
-
-/// ln w = ln f - ln sum_t (n_t / n) q_t of all samples so far.
-Eigen::VectorXd log_weights(const Draws& draws, const std::vector<Round>& rounds) {
-  Eigen::VectorXd log_weight(draws.count), terms(static_cast<Eigen::Index>(rounds.size()));
-  for (Eigen::Index i = 0; i < draws.count; ++i) {
-    for (std::size_t t = 0; t < rounds.size(); ++t)
-      terms[static_cast<Eigen::Index>(t)] =
-          std::log(static_cast<double>(rounds[t].size) / static_cast<double>(draws.count)) +
-          rounds[t].proposal.log_density(draws.z.col(i));
-    log_weight[i] = draws.log_likelihood[i] + log_normal_density(draws.z.col(i)) - log_sum_exp(terms);
-  }
-  return log_weight;
 }
 
 Eigen::VectorXd normalised(const Eigen::VectorXd& log_weight) {
@@ -138,14 +134,14 @@ NormalApproximation moments(const Eigen::MatrixXd& z, const Eigen::VectorXd& wei
 std::vector<Part> fit_anew(const std::vector<Part>& parts, const Draws& draws, const Eigen::VectorXd& weight,
                            const ImportanceOptions& options) {
   const auto count = static_cast<Eigen::Index>(parts.size());
-  Eigen::MatrixXd belongs(draws.count, count);
+  Eigen::MatrixXd belongs(draws.z.cols(), count);
   for (Eigen::Index d = 0; d < count; ++d) {
     const Part& part = parts[static_cast<std::size_t>(d)];
     const StudentDistribution about(part.scale, options.degrees);
-    for (Eigen::Index i = 0; i < draws.count; ++i)
+    for (Eigen::Index i = 0; i < draws.z.cols(); ++i)
       belongs(i, d) = std::log(part.share) + about.log_density(draws.z.col(i));
   }
-  for (Eigen::Index i = 0; i < draws.count; ++i)
+  for (Eigen::Index i = 0; i < draws.z.cols(); ++i)
     belongs.row(i) = weight[i] * normalised(belongs.row(i).transpose()).transpose();
   std::vector<Part> fitted = parts;
   for (Eigen::Index d = 0; d < count; ++d) {
@@ -155,7 +151,7 @@ std::vector<Part> fit_anew(const std::vector<Part>& parts, const Draws& draws, c
     if (!(mass > 0.0)) continue;
     const Eigen::VectorXd own = belongs.col(d) / mass;
     const double known = effective(own), before = 2.0 * static_cast<double>(draws.z.rows());
-    const NormalApproximation found = moments(draws.z.leftCols(draws.count), own);
+    const NormalApproximation found = moments(draws.z, own);
     part.scale.mean = (known * found.mean + before * part.scale.mean) / (known + before);
     part.scale.covariance = (known * found.covariance + before * part.scale.covariance) / (known + before);
   }
@@ -178,18 +174,43 @@ std::vector<std::string> warnings_of(const ImportanceResult& result, bool conver
   return warnings;
 }
 
-ImportanceResult result_of(const Posterior& posterior, const Draws& draws, const Eigen::VectorXd& log_weight) {
+ImportanceResult result_of(const Posterior& posterior, const Draws& draws) {
   ImportanceResult result;
-  const SmoothedWeights smoothed = smooth_weights(log_weight);
-  const auto count = static_cast<double>(draws.count);
+  const SmoothedWeights smoothed = smooth_weights(draws.log_weight);
+  const auto count = static_cast<double>(draws.z.cols());
   result.k_hat = smoothed.k_hat;
   result.log_evidence = log_sum_exp(smoothed.log_weights) - std::log(count);
+  if (!std::isfinite(result.log_evidence))
+    throw InvalidInput("none of " + shortest(count) + " samples about the maximum has a likelihood",
+                       "the model is impossible nearly everywhere", "check the model and the prior's bounds");
   result.samples = make_sample_set(posterior.prior, draws.z, draws.log_likelihood, 1);
   result.samples.weights = normalised(smoothed.log_weights);
   result.effective_samples = effective(result.samples.weights);
   result.log_evidence_deviation = std::sqrt(std::max(0.0, 1.0 / result.effective_samples - 1.0 / count));
   result.approximation = moments(draws.z, result.samples.weights);
   return result;
+}
+
+/// The samples since the proposal was last fitted.
+Draws draw_rounds(const std::vector<Part>& about_peaks, const Posterior& posterior, const ImportanceOptions& options,
+                  const Progress& progress) {
+  std::vector<Part> parts = about_peaks;
+  StudentMixture proposal = proposal_of(parts, {}, options);
+  Draws draws;
+  const Eigen::Index samples = options.samples;
+  const std::array<Eigen::Index, 4> ends = {0, samples / 4, samples / 2, samples};
+  for (std::size_t round = 0; round < 3; ++round) {
+    if (round > 0 && draws.log_weight.array().isFinite().any()) {
+      const Eigen::VectorXd weight = normalised(smooth_weights(draws.log_weight).log_weights);
+      if (effective(weight) < options.efficiency * static_cast<double>(weight.size())) {
+        parts = fit_anew(parts, draws, weight, options);
+        proposal = proposal_of(parts, about_peaks, options);
+        draws = {};
+      }
+    }
+    add_draws(draws, proposal, ends[round], ends[round + 1], posterior, options, progress);
+  }
+  return draws;
 }
 
 }  // namespace
@@ -225,23 +246,9 @@ ImportanceResult sample_importance(const Posterior& posterior, const ImportanceO
                                               .random_starts = options.random_starts,
                                               .seed = options.seed,
                                               .start = options.start});
-  const Eigen::Index samples = options.samples;
-  Draws draws{.z = Eigen::MatrixXd(posterior.prior.size(), samples), .log_likelihood = Eigen::VectorXd(samples)};
-  std::vector<Part> parts = parts_about(peaks, log_density);
-  std::vector<Round> rounds;
-  Eigen::VectorXd log_weight;
-  for (const Eigen::Index size : {samples / 4, samples / 4, samples - samples / 4 * 2}) {
-    if (!rounds.empty()) {
-      const Eigen::VectorXd weight = normalised(smooth_weights(log_weight).log_weights);
-      if (effective(weight) < options.efficiency * static_cast<double>(draws.count))
-        parts = fit_anew(parts, draws, weight, options);
-    }
-    rounds.push_back({parts, proposal_of(parts, options), size});
-    draw_round(draws, rounds.back().proposal, size, posterior, options, progress);
-    log_weight = log_weights(draws, rounds);
-  }
-  ImportanceResult result = result_of(posterior, draws, log_weight);
-  result.evaluations = log_posterior.evaluations() + samples;
+  const Draws draws = draw_rounds(parts_about(peaks, log_density), posterior, options, progress);
+  ImportanceResult result = result_of(posterior, draws);
+  result.evaluations = log_posterior.evaluations() + options.samples;
   result.warnings = warnings_of(result, peaks.front().converged);
   if (progress) progress("samples", 1.0);
   return result;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <string>
 
 namespace kalfem {
 namespace {
@@ -72,6 +73,31 @@ SampleSet make_sample_set(const JointPrior& prior, const Eigen::MatrixXd& z, con
     set.log_prior[k] = prior.log_density(theta);
   }
   return set;
+}
+
+SampleSet resample(const SampleSet& samples, Eigen::Index count, std::uint64_t seed) {
+  if (samples.values.cols() == 0 || count < 1)
+    throw InvalidInput(std::to_string(count) + " draws of " + std::to_string(samples.values.cols()) + " samples",
+                       "at least one of each is needed", "ask for at least one draw");
+  const Eigen::VectorXd weights = weights_of(samples);
+  const double offset = RandomStream(seed, "resampling").uniform(), total = weights.sum();
+  std::vector<Eigen::Index> chosen;
+  Eigen::Index last = 0;  // with a weight
+  for (Eigen::Index i = 0; i < weights.size(); ++i)
+    if (weights[i] > 0.0) last = i;
+  double reached = weights[0];
+  for (Eigen::Index k = 0, i = 0; k < count; ++k) {
+    const double place = (static_cast<double>(k) + offset) / static_cast<double>(count) * total;
+    while (place >= reached && i < last) reached += weights[++i];
+    chosen.push_back(i);
+  }
+  return {.names = samples.names,
+          .values = samples.values(Eigen::all, chosen),
+          .log_likelihood = samples.log_likelihood(chosen),
+          .log_prior = samples.log_prior(chosen),
+          .weights = {},
+          .chains = 1,
+          .draws = count};
 }
 
 std::vector<ParameterSummary> summarise_samples(const SampleSet& samples) {

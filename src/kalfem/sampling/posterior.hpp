@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -40,6 +41,11 @@ struct SampleSet {
 /// Samples at the columns of z, p x (chains * draws).
 SampleSet make_sample_set(const JointPrior& prior, const Eigen::MatrixXd& z, const Eigen::VectorXd& log_likelihood,
                           Eigen::Index chains);
+
+/// `count` draws with equal weights from weighted samples, by systematic resampling: sample i is drawn n w_i times,
+/// rounded down or up (Kitagawa 1996, J. Comput. Graph. Stat. 5, 1-25). Equal weights are thinned, or repeated, evenly.
+/// Throws InvalidInput where there is no sample or `count` is below one.
+SampleSet resample(const SampleSet& samples, Eigen::Index count, std::uint64_t seed = 1);
 
 /// Marginal posterior of one parameter.
 struct ParameterSummary {

@@ -9,6 +9,7 @@ namespace kalfem {
 namespace {
 
 Eigen::MatrixXd factor_of(Eigen::MatrixXd covariance) {
+  if (const Eigen::LLT<Eigen::MatrixXd> factor(covariance); factor.info() == Eigen::Success) return factor.matrixL();
   covariance.diagonal().array() += 1e-10 * covariance.diagonal().maxCoeff() + 1e-300;
   return covariance.llt().matrixL();
 }
