@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "kalfem/base/parallel.hpp"
 #include "kalfem/base/units.hpp"
@@ -152,6 +153,20 @@ std::optional<std::vector<MatrixXd>> sensitivities(const ChannelSimulation& simu
   return derivatives;
 }
 
+/// Which channels move by more than rounding: sizes are compared among channels of one unit.
+std::vector<char> moving(const std::vector<Sensor>& channels, const VectorXd& size) {
+  constexpr double smallest_part = 1e-6;
+  std::map<std::string, double> largest;
+  for (std::size_t j = 0; j < channels.size(); ++j) {
+    double& most = largest[channels[j].unit];
+    most = std::max(most, size[static_cast<Index>(j)]);
+  }
+  std::vector<char> moves;
+  for (std::size_t j = 0; j < channels.size(); ++j)
+    moves.push_back(size[static_cast<Index>(j)] > smallest_part * largest[channels[j].unit]);
+  return moves;
+}
+
 /// sum_k (dy_k/di) (dy_k/dj) / sigma^2 of a channel.
 MatrixXd channel_information(const std::vector<MatrixXd>& derivatives, Index channel, double deviation) {
   MatrixXd rows(static_cast<Index>(derivatives.size()), derivatives.front().cols());
@@ -178,12 +193,14 @@ std::optional<std::vector<MatrixXd>> candidate_information(const EstimationProbl
   const auto derivatives = sensitivities(simulation, theta, step, options.threads > 0 ? options.threads : processors());
   if (!derivatives) return std::nullopt;
   std::vector<MatrixXd> information;
+  const auto moves = moving(channels, *size);
   Index channel = 0;
   for (const auto& candidate : candidates) {
     MatrixXd sum = MatrixXd::Zero(theta.size(), theta.size());
     for (const auto& each : candidate.channels) {
       const double deviation = each.deviation((*size)[channel]);
-      if (deviation > 0.0) sum += channel_information(*derivatives, channel, deviation);
+      if (moves[static_cast<std::size_t>(channel)] && deviation > 0.0)
+        sum += channel_information(*derivatives, channel, deviation);
       ++channel;
     }
     information.push_back(std::move(sum));
@@ -191,12 +208,9 @@ std::optional<std::vector<MatrixXd>> candidate_information(const EstimationProbl
   return information;
 }
 
-namespace {
-
-/// With these sensors in place of its own; what is unknown of sensors that are not among them is dropped.
-EstimationProblemPtr with_sensors(const EstimationProblem& problem, std::vector<Sensor> sensors) {
+EstimationProblemPtr with_sensors(const EstimationProblem& problem, const std::vector<CandidateSensor>& set) {
   auto own = std::make_shared<EstimationProblem>(problem);
-  own->sensors = std::move(sensors);
+  own->sensors = channels_of(set);
   const auto absent = [&](const auto& each) {
     return !each.sensor.empty() && std::ranges::find(own->sensors, each.sensor, &Sensor::name) == own->sensors.end();
   };
@@ -205,8 +219,6 @@ EstimationProblemPtr with_sensors(const EstimationProblem& problem, std::vector<
   return own;
 }
 
-}  // namespace
-
 std::optional<MatrixXd> set_information(const EstimationProblemPtr& problem, const Record& drive,
                                         const std::vector<CandidateSensor>& set, const std::vector<std::string>& names,
                                         const VectorXd& theta, const FisherInformationOptions& options) {
@@ -214,7 +226,7 @@ std::optional<MatrixXd> set_information(const EstimationProblemPtr& problem, con
   check_noise(set, issues);
   if (set.empty()) issues.add({}, "the set of sensors is empty", "it would measure nothing", "give it a candidate");
   issues.raise();
-  const auto own = with_sensors(*problem, channels_of(set));
+  const auto own = with_sensors(*problem, set);
   const auto record = expected_record(own, drive, names, theta);
   if (!record) return std::nullopt;
   return fisher_information(FilterLikelihood(own, *record, names, {.first = theta}), theta, options);

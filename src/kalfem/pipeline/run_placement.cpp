@@ -174,7 +174,7 @@ private:
       outcome_.failure = "the expected record cannot be simulated at the initial values of the unknowns";
       return false;
     }
-    at_initial_.emplace(plan_, std::vector{*initial});
+    at_initial_.emplace(plan_, std::vector<CandidateMatrices>{*initial});
     std::vector<CandidateMatrices> at_draws;
     if (plan_.draws == 1) at_draws.push_back(*initial);
     RandomStream random(plan_.seed, "placement");

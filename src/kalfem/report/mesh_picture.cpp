@@ -25,6 +25,7 @@ struct Colour {
   double red, green, blue;
 };
 
+constexpr Colour pale = {0xd3, 0xd8, 0xdd};
 constexpr std::array<Colour, 10> palette = {{{0x6f, 0x9b, 0xc8},
                                              {0xd8, 0xa1, 0x5d},
                                              {0x74, 0xb4, 0x8f},
@@ -35,8 +36,6 @@ constexpr std::array<Colour, 10> palette = {{{0x6f, 0x9b, 0xc8},
                                              {0xae, 0x8b, 0x70},
                                              {0x8f, 0xa0, 0xad},
                                              {0xd0, 0x87, 0x6a}}};
-
-Colour colour_of(int region) { return palette[static_cast<std::size_t>(region) % palette.size()]; }
 
 /// Darker below 1, lighter above.
 std::string shaded(const Colour& colour, double factor) {
@@ -197,8 +196,13 @@ private:
     out_ += fmt::format("<text x=\"{}\" y=\"{}\"{}>{}</text>\n", pixel(x), pixel(y), attributes, escaped(content));
   }
 
+  [[nodiscard]] Colour colour_of(int region) const {
+    return options_.plain ? pale : palette[static_cast<std::size_t>(region) % palette.size()];
+  }
+
   [[nodiscard]] double legend_width() const {
-    std::size_t longest = 8;
+    std::size_t longest = options_.candidate_colours.empty() ? 8 : 15;
+    if (options_.plain) return 34.0 + 7.2 * static_cast<double>(longest);
     for (std::size_t i = 0; i < std::min(regions_.size(), most_legend_rows); ++i)
       longest = std::max(longest, std::min<std::size_t>(regions_[i].size(), 28));
     return 34.0 + 7.2 * static_cast<double>(longest);
@@ -288,7 +292,8 @@ private:
     out_ += "\"/>\n";
   }
 
-  static std::string symbol(MarkKind kind, double x, double y) {
+  /// `own`: the colour of a candidate or a chosen one.
+  static std::string symbol(MarkKind kind, double x, double y, const std::string& own = "#d7191c") {
     const auto p = [&](double dx, double dy) { return pixel(x + dx) + " " + pixel(y + dy); };
     const std::string outline = " stroke=\"var(--halo)\" stroke-width=\"1.2\"";
     switch (kind) {
@@ -307,6 +312,15 @@ private:
       case MarkKind::finding:
         return fmt::format("<path d=\"M{}L{}M{}L{}\" stroke=\"#d4281c\" stroke-width=\"2.2\" fill=\"none\"/>\n",
                            p(-4, -4), p(4, 4), p(-4, 4), p(4, -4));
+      case MarkKind::candidate:
+        return fmt::format(
+            "<circle cx=\"{}\" cy=\"{}\" r=\"4.2\" fill=\"{}\" stroke=\"#3a424b\" stroke-width=\".7\"/>\n", pixel(x),
+            pixel(y), own);
+      case MarkKind::chosen:
+        return fmt::format(
+            "<circle cx=\"{0}\" cy=\"{1}\" r=\"9.5\" fill=\"var(--halo)\" stroke=\"currentColor\" "
+            "stroke-width=\"2.2\"/>\n<circle cx=\"{0}\" cy=\"{1}\" r=\"6\" fill=\"{2}\"/>\n",
+            pixel(x), pixel(y), own);
     }
     return "";
   }
@@ -315,21 +329,24 @@ private:
     std::set<std::tuple<int, long, long>> taken;  // boxes that hold a symbol of the kind
     std::set<std::pair<long, long>> labelled;
     std::map<MarkKind, std::size_t> drawn;
-    std::string labels;
+    std::string labels, above;
     for (const auto& mark : options_.marks) {
       const Vector3d place = view_.project(mesh_.nodes.col(mark.node));
       const bool room =
           taken.insert({static_cast<int>(mark.kind), std::lround(place[0] / 9.0), std::lround(place[1] / 9.0)}).second;
       if (!room || ++drawn[mark.kind] > most_marks) continue;
       const bool hidden = depth_.at(place[0], place[1]) < place[2] - hidden_by;
-      out_ += hidden ? "<g opacity=\".3\">" + symbol(mark.kind, place[0], place[1]) + "</g>\n"
-                     : symbol(mark.kind, place[0], place[1]);
+      const char* opacity = mark.kind == MarkKind::chosen ? ".65" : ".3";
+      const std::string drawn_symbol = symbol(mark.kind, place[0], place[1], mark.colour);
+      std::string& layer = mark.kind == MarkKind::chosen ? above : out_;
+      layer += hidden ? fmt::format("<g opacity=\"{}\">", opacity) + drawn_symbol + "</g>\n" : drawn_symbol;
       if (mark.label.empty() || !labelled.insert({std::lround(place[0] / 44.0), std::lround(place[1] / 15.0)}).second)
         continue;
-      labels += fmt::format("<text class=\"label\" x=\"{}\" y=\"{}\">{}</text>\n", pixel(place[0] + 8.0),
+      const double beside = mark.kind == MarkKind::chosen ? 12.0 : 8.0;
+      labels += fmt::format("<text class=\"label\" x=\"{}\" y=\"{}\">{}</text>\n", pixel(place[0] + beside),
                             pixel(place[1] - 6.0), escaped(mark.label));
     }
-    out_ += labels;
+    out_ += above + labels;
   }
 
   void draw_axes() {
@@ -370,7 +387,7 @@ private:
     const double x = options_.width - margin - legend_width() + 10.0;
     double y = margin + 6.0;
     std::size_t rows = 0;
-    for (std::size_t r = 0; r < regions_.size() && rows < most_legend_rows; ++r) {
+    for (std::size_t r = 0; r < regions_.size() && rows < most_legend_rows && !options_.plain; ++r) {
       const int region = static_cast<int>(r);
       if (!seen.contains(region) && !lines.contains(region)) continue;
       const std::string colour = shaded(colour_of(region), 0.97);
@@ -383,24 +400,37 @@ private:
       y += row_height;
       ++rows;
     }
-    if (regions_.size() > most_legend_rows)
+    if (regions_.size() > most_legend_rows && !options_.plain)
       text(x + 21.0, y + 4.5, fmt::format("and {} more", regions_.size() - most_legend_rows)), y += row_height;
     y += 6.0;
     for (const auto& [kind, name] : {std::pair{MarkKind::mass, "mass"},
                                      {MarkKind::support, "support"},
                                      {MarkKind::spring, "spring"},
                                      {MarkKind::point, "point"},
-                                     {MarkKind::finding, "finding"}}) {
+                                     {MarkKind::finding, "finding"},
+                                     {MarkKind::chosen, "chosen"}}) {
       if (std::ranges::none_of(options_.marks, [&](const auto& mark) { return mark.kind == kind; })) continue;
       out_ += symbol(kind, x + 7.0, kind == MarkKind::support ? y - 4.5 : y);
       text(x + 21.0, y + 4.5, name);
       y += row_height;
     }
+    draw_candidate_legend(x, y);
     if (options_.links.empty()) return;
     out_ += fmt::format(
         "<path d=\"M{} {}h16\" stroke=\"currentColor\" stroke-opacity=\".55\" stroke-dasharray=\"3 2.5\"/>\n",
         pixel(x - 1.0), pixel(y));
     text(x + 21.0, y + 4.5, "link");
+  }
+
+  /// One disc a colour below each other, the ends in words.
+  void draw_candidate_legend(double x, double& y) {
+    const auto& colours = options_.candidate_colours;
+    for (std::size_t i = 0; i < colours.size(); ++i) {
+      out_ += symbol(MarkKind::candidate, x + 7.0, y, colours[i]);
+      if (i == 0) text(x + 21.0, y + 4.5, "best alone");
+      if (i + 1 == colours.size()) text(x + 21.0, y + 4.5, "worst alone");
+      y += i + 1 < colours.size() ? 0.7 * row_height : row_height;
+    }
   }
 
   const Mesh& mesh_;

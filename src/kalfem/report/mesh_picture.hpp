@@ -60,18 +60,21 @@ std::vector<std::size_t> painters_order(const std::vector<ScreenPolygon>& polygo
 
 /// What a symbol at a node stands for.
 enum class MarkKind {
-  mass,     ///< a disc
-  support,  ///< a triangle
-  spring,   ///< a diamond
-  point,    ///< a ring with its label: a sensor or an interface
-  finding   ///< a cross: where something is wrong
+  mass,       ///< a disc
+  support,    ///< a triangle
+  spring,     ///< a diamond
+  point,      ///< a ring with its label: a sensor or an interface
+  finding,    ///< a cross: where something is wrong
+  candidate,  ///< a disc in a colour of its own: where a sensor could stand
+  chosen      ///< a larger one with a rim, above all others: where it should stand
 };
 
 /// A symbol at a node of the mesh.
 struct PictureMark {
   MarkKind kind = MarkKind::point;
   Eigen::Index node = 0;
-  std::string label = {};  ///< written beside it
+  std::string label = {};   ///< written beside it
+  std::string colour = {};  ///< of a candidate or a chosen one, "#rrggbb"
 };
 
 struct MeshPictureOptions {
@@ -82,7 +85,10 @@ struct MeshPictureOptions {
                                           ///< or solids
   std::vector<PictureMark> marks = {};    ///< faint behind the surface; thinned out where many of a kind stand together
   std::vector<std::pair<Eigen::Index, Eigen::Index>> links = {};  ///< dashed lines between nodes
-  std::size_t most_faces = 12000;                                 ///< of what is drawn; finer surfaces are coarsened
+  bool plain = false;  ///< the mesh in one pale colour and without a legend of regions, so that marks stand out
+  /// Colours of candidates from the best to the worst, for the legend; empty: none.
+  std::vector<std::string> candidate_colours = {};
+  std::size_t most_faces = 12000;  ///< of what is drawn; finer surfaces are coarsened
 };
 
 /// A mesh as a picture: parallel projection, outer faces alone, shaded by their direction and painted from back to

@@ -7,6 +7,7 @@
 
 #include "kalfem/report/adaptive_noise_report.hpp"
 #include "kalfem/report/frequency_report.hpp"
+#include "kalfem/report/placement_report.hpp"
 #include "kalfem/report/process_noise_report.hpp"
 #include "kalfem/report/sections.hpp"
 #include "kalfem/report/summary_parts.hpp"
@@ -300,6 +301,7 @@ std::string answer(const StudyResults& results) {
                 results.updating->values.size(), four_digits(results.updating->residual_initial),
                 four_digits(results.updating->residual_final))
           : "";
+  if (!results.estimation && results.placement) return updated + placement_answer(*results.placement);
   if (!results.estimation)
     return updated + (results.simulation ? "The simulation is complete." : updated.empty() ? "Modes computed." : "");
   const auto& consistency = results.estimation->consistency;
@@ -417,6 +419,7 @@ Page make_page(const Study& study, const StudyResults& results) {
                              std::string("Natural frequencies predicted without further updating. ") +
                                  (results.updating ? deviations_leave_out : ""),
                              {modification_table(results.modifications)}});
+  if (results.placement) page.sections.push_back(placement_section(study, *results.placement));
   if (results.validation) page.sections.push_back(validation_section(study, *results.validation));
   if (results.estimation && results.estimation->has_samples()) {
     const auto& outcome = *results.estimation;

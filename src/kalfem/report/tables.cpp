@@ -12,6 +12,7 @@
 #include "kalfem/records/record.hpp"
 #include "kalfem/report/adaptive_noise_report.hpp"
 #include "kalfem/report/frequency_report.hpp"
+#include "kalfem/report/placement_report.hpp"
 #include "kalfem/report/process_noise_report.hpp"
 #include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/updating_tables.hpp"
@@ -314,7 +315,8 @@ std::string console_report(const Study& study, const StudyResults& results) {
   }
   if (!study.structure->finite_elements.empty())
     text += fmt::format("read, assembled and reduced in {:.1f} s\n\n", study.reduce_seconds);
-  if (!results.simulation && !results.estimation) text += to_text(modes_table(study, results)) + "\n";
+  if (results.placement) text += console_placement(*results.placement);
+  if (!results.simulation && !results.estimation && !results.placement) text += to_text(modes_table(study, results)) + "\n";
   if (results.simulation) {
     const auto& reference = results.simulation->reference;
     const bool of_superelements = std::ranges::any_of(study.structure->finite_elements,

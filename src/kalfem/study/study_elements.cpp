@@ -5,6 +5,7 @@
 
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/study/assembly.hpp"
+#include "kalfem/study/candidate_nodes.hpp"
 #include "kalfem/study/finite_element_part.hpp"
 
 namespace kalfem {
@@ -98,6 +99,7 @@ void add_finite_elements(StructureModel& structure, CaseStudy& study, IssueList&
       study.element_notes.push_back({name, std::move(notes)});
       warn_of_notes(study.element_notes.back(), study.warnings);
       for (const auto& warning : warnings) study.warnings.push_back("substructure '" + name + "': " + warning);
+      add_candidate_points(study.given, part);
       FiniteElementSubstructure elements;
       elements.part = std::make_shared<const FiniteElementPart>(std::move(part));
       elements.reduction = reduction_request(given.reduction);

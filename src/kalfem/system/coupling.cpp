@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "kalfem/model/node_points.hpp"
 #include "kalfem/system/laws/law_library.hpp"
 
 namespace kalfem {
@@ -250,11 +251,12 @@ PointMotion CoupledModel::motion(const std::string& point) const {
     return motion;
   }
   for (const auto& part : substructures_) {
-    for (const auto& [name, combination] : part.model->points)
-      if (part.name + "." + name == point) {
-        for (const auto& [dof, coefficient] : combination) motion.dofs[dof_index(part.name + "." + dof)] += coefficient;
-        return motion;
-      }
+    const std::string prefix = part.name + ".";
+    if (!point.starts_with(prefix)) continue;
+    if (const auto found = part.model->points.find(point.substr(prefix.size())); found != part.model->points.end()) {
+      for (const auto& [dof, coefficient] : found->second) motion.dofs[dof_index(prefix + dof)] += coefficient;
+      return motion;
+    }
     for (const auto& ground : part.model->grounds)
       if (part.name + "." + ground.ground == point) {
         for (std::size_t i = 0; i < inputs_.size(); ++i) {
@@ -276,7 +278,8 @@ std::vector<std::string> CoupledModel::reported_points() const {
     if (!part.model->points_only)
       for (const auto& dof : part.model->dofs) add(part, dof);
   for (const auto& part : substructures_) {
-    for (const auto& [name, combination] : part.model->points) add(part, name);
+    for (const auto& [name, combination] : part.model->points)
+      if (!part.model->points_only || !is_numbered_node(name)) add(part, name);
     if (part.model->size() == 0)
       for (const auto& ground : part.model->grounds) add(part, ground.ground);
   }
