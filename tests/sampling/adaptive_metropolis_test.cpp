@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "evidence_cases.hpp"
+#include "kalfem/sampling/importance_sampler.hpp"
 #include "linear_gaussian.hpp"
 
 namespace kalfem {
@@ -85,6 +86,67 @@ TEST(AdaptiveMetropolis, ContinuesBitForBitOnAnyNumberOfThreads) {
   EXPECT_THROW(sample_metropolis(linear_gaussian_case(5).posterior, options, {}, &states[0]), InvalidInput);
   EXPECT_THROW(sample_metropolis(known.posterior, {.chains = 3, .warm_up = 10, .draws = 10}, {}, &states.back()),
                InvalidInput);
+}
+
+TEST(AdaptiveMetropolis, NeedsAShortWarmUpFromAKnownCovariance) {
+  for (const auto& known : {frame_case(), linear_gaussian_case(5)}) {
+    MetropolisOptions options{.warm_up = 200, .draws = 6000};
+    options.start = sample_importance(known.posterior, {.samples = 400}).approximation;
+    const MetropolisResult result = sample_metropolis(known.posterior, options);
+    EXPECT_TRUE(result.converged) << known.name;
+    const auto summary = summarise_samples(result.samples);
+    for (std::size_t i = 0; i < summary.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      const double error = 3.5 / std::sqrt(result.convergence[i].bulk_ess) * known.deviation[k];
+      EXPECT_NEAR(summary[i].mean, known.mean[k], error) << known.name;
+      EXPECT_NEAR(summary[i].deviation, known.deviation[k], 1.5 * error) << known.name;
+    }
+  }
+  EXPECT_FALSE(sample_metropolis(linear_gaussian_case(5).posterior, {.warm_up = 200, .draws = 6000}).converged);
+}
+
+TEST(AdaptiveMetropolis, StartsTwiceAsWideAsTheKnownApproximation) {
+  constexpr int chains = 20000;
+  Eigen::MatrixXd starts(2, chains);
+  int calls = 0;  // the first ones are at the starts
+  const Posterior posterior{JointPrior({{"a", NormalPrior{0.0, 1.0}}, {"b", NormalPrior{0.0, 1.0}}}),
+                            [&](const Eigen::VectorXd& z) {
+                              if (calls < chains) starts.col(calls++) = z;
+                              return 0.0;
+                            }};
+  MetropolisOptions options{.chains = chains, .warm_up = 0, .draws = 8};
+  options.start = NormalApproximation{Eigen::Vector2d(0.5, -1.0), Eigen::Matrix2d{{0.04, 0.03}, {0.03, 0.09}}};
+  const MetropolisState state = sample_metropolis(posterior, options).state;
+  const Eigen::Vector2d mean = starts.rowwise().mean();
+  const Eigen::MatrixXd centred = starts.colwise() - mean;
+  const Eigen::Matrix2d covariance = centred * centred.transpose() / chains;
+  EXPECT_LT((mean - options.start->mean).norm(), 0.02);
+  EXPECT_LT((covariance - 4.0 * options.start->covariance).norm(), 0.04);
+  EXPECT_EQ(state.chains[0].covariance, options.start->covariance);  // no warm-up
+}
+
+TEST(AdaptiveMetropolis, ContinuesBitForBitFromAKnownStart) {
+  const EvidenceCase known = frame_case();
+  MetropolisOptions options{.chains = 3, .warm_up = 150, .draws = 200, .block = 50};
+  options.start = sample_importance(known.posterior, {.samples = 200}).approximation;
+  std::vector<MetropolisState> states;
+  const auto whole =
+      sample_metropolis(known.posterior, options, [&](const MetropolisState& state) { states.push_back(state); });
+  options.threads = 2;
+  for (const auto& state : states)
+    EXPECT_EQ(whole.samples.values, sample_metropolis(known.posterior, options, {}, &state).samples.values);
+}
+
+TEST(AdaptiveMetropolis, RefusesAStartThatDoesNotFit) {
+  const Posterior posterior = linear_gaussian_case(2).posterior;
+  const Eigen::Matrix2d indefinite{{1.0, 2.0}, {2.0, 1.0}};
+  for (const NormalApproximation& start :
+       {NormalApproximation{Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity()},
+        NormalApproximation{Eigen::Vector2d::Zero(), indefinite}, NormalApproximation{Eigen::Vector2d::Zero(), {}}}) {
+    MetropolisOptions options;
+    options.start = start;
+    EXPECT_THROW(sample_metropolis(posterior, options), InvalidInput);
+  }
 }
 
 }  // namespace

@@ -118,7 +118,8 @@ void add_draws(Draws& draws, const StudentMixture& proposal, Eigen::Index first,
 }
 
 Eigen::VectorXd normalised(const Eigen::VectorXd& log_weight) {
-  return (log_weight.array() - log_sum_exp(log_weight)).exp();
+  const Eigen::VectorXd weight = (log_weight.array() - log_weight.maxCoeff()).exp();
+  return weight / weight.sum();
 }
 
 double effective(const Eigen::VectorXd& weight) { return 1.0 / weight.squaredNorm(); }

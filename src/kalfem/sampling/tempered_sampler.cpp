@@ -166,6 +166,10 @@ IssueList validate(const TemperedOptions& options) {
   return issues;
 }
 
+TemperedOptions tempered_options_for_expensive_likelihoods(int samples) {
+  return {.samples = samples, .max_moves = 50, .correlation = 0.45};
+}
+
 double TemperedState::log_evidence() const {
   double sum = 0.0;
   for (const auto& stage : stages) sum += stage.log_evidence;
