@@ -103,6 +103,12 @@ TEST(AdaptiveMetropolis, NeedsAShortWarmUpFromAKnownCovariance) {
     }
   }
   EXPECT_FALSE(sample_metropolis(linear_gaussian_case(5).posterior, {.warm_up = 200, .draws = 6000}).converged);
+
+  const EvidenceCase ten = linear_gaussian_case(10);
+  MetropolisOptions options{.warm_up = 200};
+  options.start = sample_importance(ten.posterior, {.samples = 400}).approximation;
+  for (const auto& convergence : sample_metropolis(ten.posterior, options).convergence)
+    EXPECT_GT(convergence.bulk_ess, 150.0);  // under 20 if the chains forget the covariance that they start with
 }
 
 TEST(AdaptiveMetropolis, StartsTwiceAsWideAsTheKnownApproximation) {

@@ -121,6 +121,28 @@ TEST(ImportanceSampler, TellsOfAPosteriorThatItHardlyReaches) {
     EXPECT_FALSE(sample_importance(known.posterior).reliable()) << known.name;
 }
 
+TEST(ImportanceSampler, NeedsBothALightTailAndEnoughSamplesToBeReliable) {
+  ImportanceResult result;
+  result.samples.values = Eigen::MatrixXd::Zero(1, 1000);
+  result.k_hat = 0.66;  // the limit for 1000 samples is 0.667
+  result.effective_samples = 100.0;
+  EXPECT_TRUE(result.reliable());
+  result.k_hat = 0.67;
+  EXPECT_FALSE(result.reliable());
+  result.k_hat = 0.66;
+  result.effective_samples = 99.0;
+  EXPECT_FALSE(result.reliable());
+}
+
+TEST(ImportanceSampler, IsAsWideAsThePriorWhereTheSearchEndsOnASaddle) {
+  // the search starts and ends halfway between the modes, where the likelihood is curved upwards
+  const EvidenceCase known = two_modes(0.4);
+  const ImportanceResult result = sample_importance(known.posterior);
+  EXPECT_TRUE(result.reliable());
+  EXPECT_NEAR(result.log_evidence, known.log_evidence, 3.0 * result.log_evidence_deviation);
+  EXPECT_LT(result.log_evidence_deviation, 0.08);
+}
+
 TEST(ImportanceSampler, ShareOfThePriorShowsAModeThatTheSearchMissed) {
   const EvidenceCase known = two_modes(0.2);
   const Eigen::VectorXd start = Eigen::Vector2d(0.9, 0.9);

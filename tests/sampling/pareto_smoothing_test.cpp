@@ -63,6 +63,30 @@ TEST(ParetoSmoothing, FitFollowsTheUnit) {
   EXPECT_NEAR(1000.0 * one.scale, thousand.scale, 1e-7);
 }
 
+TEST(ParetoSmoothing, AgreesWithFormulasWrittenOutElsewhere) {
+  // computed apart, in the notation of Zhang and Stephens: k of the other sign, theta = k / sigma
+  const GeneralisedPareto even = fit_generalised_pareto(Eigen::VectorXd::LinSpaced(10, 0.1, 1.0));
+  EXPECT_NEAR(even.shape, -0.7872577745173902, 1e-10);
+  EXPECT_NEAR(even.scale, 0.9128092726263269, 1e-10);
+  Eigen::VectorXd powers(8);
+  powers << 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0;
+  EXPECT_NEAR(fit_generalised_pareto(powers).shape, 1.032011119156347, 1e-10);
+  EXPECT_NEAR(fit_generalised_pareto(powers).scale, 10.227682957705184, 1e-9);
+
+  const SmoothedWeights heavy = smooth_weights(log_power_weights(0.8, 50));
+  EXPECT_NEAR(heavy.k_hat, 0.5796800388090354, 1e-10);
+  EXPECT_NEAR(heavy.log_weights[0], 3.39530033612455, 1e-10);
+  EXPECT_NEAR(heavy.log_weights[9], 1.2961246064199323, 1e-10);
+
+  Eigen::VectorXd light = log_power_weights(0.3, 50);
+  light[0] = light[1] + 0.01;  // the two largest would be above the largest one
+  const SmoothedWeights cut = smooth_weights(light);
+  EXPECT_NEAR(cut.k_hat, 0.17772831727269717, 1e-10);
+  EXPECT_EQ(cut.log_weights[0], light[0]);
+  EXPECT_EQ(cut.log_weights[1], light[0]);
+  EXPECT_NEAR(cut.log_weights[2], 0.9393392268204417, 1e-10);
+}
+
 TEST(ParetoSmoothing, KHatOfPowerLawWeights) {
   constexpr int count = 10000, tail = 300;  // 3 sqrt(count)
   for (const double k : {0.2, 0.5, 0.7, 1.0, 2.0})

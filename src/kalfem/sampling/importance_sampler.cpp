@@ -16,10 +16,8 @@
 // 1. find_peaks() over z, and laplace_about() each: the eigenvalues of -H below one, where the likelihood is not curved
 //    downwards, count as one, the prior's own curvature.
 // 2. draw_rounds(): N / 4, N / 4 and N / 2 samples, each from a random stream of its own.
-// 3. Between rounds, if few samples are effective, fit_anew(): one step of expectation and maximisation over the
-// weighted
-//    samples. These are then discarded: they would be counted where the fit, which they have drawn towards themselves,
-//    is high, and ln Z would be too low by about a tenth for ten parameters.
+// 3. Between rounds, if few samples are effective, fit_anew(): one step of expectation and maximisation over the weighted
+//    samples. These are then discarded, since they have drawn the fit towards themselves.
 
 namespace kalfem {
 namespace {
@@ -51,7 +49,8 @@ std::vector<Part> parts_about(const std::vector<Peak>& peaks, const LogDensity& 
   for (Eigen::Index d = 0; d < count; ++d) {
     const Peak& peak = peaks[static_cast<std::size_t>(d)];
     parts.push_back({1.0, laplace_about(peak, log_density)});
-    log_mass[d] = peak.value + 0.5 * std::log(parts.back().scale.covariance.determinant());
+    const Eigen::LLT<Eigen::MatrixXd> factor(parts.back().scale.covariance);
+    log_mass[d] = peak.value + factor.matrixLLT().diagonal().array().log().sum();
   }
   for (Eigen::Index d = 0; d < count; ++d)
     parts[static_cast<std::size_t>(d)].share =
