@@ -14,6 +14,7 @@
 #include "kalfem/identification/walked_range.hpp"
 #include "kalfem/report/adaptive_noise_report.hpp"
 #include "kalfem/report/frequency_report.hpp"
+#include "kalfem/report/inference_report.hpp"
 #include "kalfem/report/placement_report.hpp"
 #include "kalfem/report/process_noise_report.hpp"
 #include "kalfem/report/summary_parts.hpp"
@@ -498,6 +499,7 @@ Json summarise(const Study& study, const StudyResults& results) {
   }
   if (results.prediction || !results.modifications.empty()) summary["prediction"] = prediction_summary(results);
   if (results.updating) summary["updating"] = updating_summary(study, *results.updating);
+  if (results.inference) summary["inference"] = inference_summary(*results.inference);
   if (results.placement) summary["placement"] = placement_summary(*results.placement);
   if (results.identified)
     summary["identified"] = {{"file", "case.identified.yaml"}, {"notes", results.identified->notes}};

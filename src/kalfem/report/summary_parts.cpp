@@ -13,6 +13,12 @@ namespace kalfem {
 using Eigen::Index;
 using Json = nlohmann::ordered_json;
 
+Json numbers(const Eigen::Ref<const Eigen::VectorXd>& values) {
+  Json list = Json::array();
+  for (const double value : values) list.push_back(number(value));
+  return list;
+}
+
 namespace {
 
 /// What the filter added to a sensor's channel, with its standard deviation; nothing where it estimated none.
@@ -83,12 +89,6 @@ std::string record_words(const Study& study, const StudyResults& results) {
 }
 
 namespace {
-
-Json numbers(const Eigen::Ref<const Eigen::VectorXd>& values) {
-  Json list = Json::array();
-  for (const double value : values) list.push_back(number(value));
-  return list;
-}
 
 const char* to_string(Seen seen) {
   switch (seen) {

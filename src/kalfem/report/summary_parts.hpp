@@ -17,6 +17,8 @@ inline nlohmann::ordered_json number(double value) {
 inline nlohmann::ordered_json number(const std::optional<double>& value) {
   return value ? number(*value) : nlohmann::ordered_json(nullptr);
 }
+/// A list of such numbers.
+nlohmann::ordered_json numbers(const Eigen::Ref<const Eigen::VectorXd>& values);
 
 /// The object "updating" of summary.json.
 nlohmann::ordered_json updating_summary(const Study& study, const UpdatingOutcome& outcome);

@@ -12,6 +12,7 @@
 #include "kalfem/records/record.hpp"
 #include "kalfem/report/adaptive_noise_report.hpp"
 #include "kalfem/report/frequency_report.hpp"
+#include "kalfem/report/inference_report.hpp"
 #include "kalfem/report/placement_report.hpp"
 #include "kalfem/report/process_noise_report.hpp"
 #include "kalfem/report/summary_parts.hpp"
@@ -316,7 +317,8 @@ std::string console_report(const Study& study, const StudyResults& results) {
   if (!study.structure->finite_elements.empty())
     text += fmt::format("read, assembled and reduced in {:.1f} s\n\n", study.reduce_seconds);
   if (results.placement) text += console_placement(*results.placement);
-  if (!results.simulation && !results.estimation && !results.placement) text += to_text(modes_table(study, results)) + "\n";
+  if (!results.simulation && !results.estimation && !results.placement && !results.inference)
+    text += to_text(modes_table(study, results)) + "\n";
   if (results.simulation) {
     const auto& reference = results.simulation->reference;
     const bool of_superelements = std::ranges::any_of(study.structure->finite_elements,
@@ -378,6 +380,7 @@ std::string console_report(const Study& study, const StudyResults& results) {
       text += "Open-loop simulation from the estimated parameters and initial state\n" +
               to_text(open_loop_table(outcome)) + "\n";
   }
+  if (results.inference) text += console_inference(*results.inference);
   if (results.validation) {
     text += validation_words(study, *results.validation) + "\n";
     if (results.validation->held_back.failure.empty()) text += to_text(validation_table(*results.validation));
