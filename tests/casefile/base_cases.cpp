@@ -302,6 +302,42 @@ predict: {substructure: mast}
 report: {fields: {substructure: mast, every: 0.1 s}, modes: 3, superelements: [matrix_market]}
 )";
 
+const std::string placing = R"(kalfem: 1
+substructures:
+  wheel: {masses: {z: 3 kg}, springs: [{from: ground, to: z, stiffness: 1e5, damping: 30}]}
+  mast:
+    finite_elements:
+      tables: {nodes: nodes.csv, elements: elements.csv}
+      materials: {steel: {youngs_modulus: 210 GPa, density: 7850 kg/m^3}}
+      regions:
+        leg: {material: steel, beam: {section: {rectangle: {width: 20 mm, height: 10 mm}}, up: [0, 1, 0]}}
+        arm: {material: steel, beam: {section: {rectangle: {width: 20 mm, height: 10 mm}}, up: [0, 1, 0]}}
+      nodes: {tip: 4, knee: 3}
+      fixed: {clamp: {nodes: 1}}
+    damping: {modal: 1 %}
+    reduction: {modes: 3}
+connectors:
+  mount: {from: wheel.z, to: mast.tip.z, law: linear, parameters: {k: 1e4, c: 10}}
+excitation:
+  road: {base_displacement: wheel.ground, random: {rms: 1 mm, band: [0.5, 30 Hz], fade_in: 0.1 s}}
+sensors:
+  a: {acceleration: mast.tip.z, noise: 5 %}
+simulate: {duration: 0.5 s, sample_rate: 200 Hz, tolerance: 0.1, reference: superelement}
+estimate: {unknown: {mount.k: {initial: 9e3, std: 20 %}, mount.c: {initial: 12, std: 20 %}}, settle: 0.1 s}
+place:
+  candidates:
+    mast: {acceleration: [mast.leg, mast.tip], noise: 5 %, triaxial: true, spacing: 0.4 m}
+    wheel: {velocity: wheel.z, noise: 1 mm/s}
+    knee: {displacement: mast.knee.x, noise: 0.1 mm}
+  count: 2
+  parameters: [mount.k]
+  keep: [a]
+  criterion: trace
+  draws: 2
+  seed: 5
+  largest_enumeration: 100
+)";
+
 const std::string plate = R"(kalfem: 1
 substructures:
   plate:
@@ -443,6 +479,7 @@ std::vector<BaseCase> base_cases() {
           {"latent", latent},
           {"updating", updating},
           {"beams", beams},
+          {"placing", placing},
           {"plate", plate},
           {"sections", sections},
           {"foreign", foreign},

@@ -50,11 +50,12 @@ inline StructureParts chain_parts() {
           .inputs = {{"road", InputKind::base_displacement, "wheel.ground"}}};
 }
 
-inline StructurePtr chain_structure(StructureParts parts = chain_parts()) {
+/// Roads of different names are different realisations of the same spectrum.
+inline StructurePtr chain_structure(StructureParts parts = chain_parts(), const std::string& road = {}) {
   auto structure = std::make_shared<StructureData>();
   structure->parts = std::move(parts);
-  structure->signals = {
-      make_random({.rms = 3e-3, .lower = 0.5, .upper = 30.0, .duration = 20.0, .fade_in = 0.5, .seed = 7})};
+  structure->signals = {make_random(
+      {.rms = 3e-3, .lower = 0.5, .upper = 30.0, .duration = 20.0, .fade_in = 0.5, .seed = 7, .name = road})};
   return structure;
 }
 

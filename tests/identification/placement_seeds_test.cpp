@@ -46,9 +46,9 @@ struct Ranking {
   [[nodiscard]] double bound_of(const Set& set) const { return bound[rank(set) - 1]; }
 };
 
-Record time_of(double duration) {
-  Record time{.sample_rate = chain_rate};
-  time.values.resize(0, static_cast<Index>(std::llround(duration * chain_rate)) + 1);
+Record time_of(double duration, double rate) {
+  Record time{.sample_rate = rate};
+  time.values.resize(0, static_cast<Index>(std::llround(duration * rate)) + 1);
   return time;
 }
 
@@ -68,7 +68,8 @@ Ranking ranking(const EstimationProblem& problem, double duration = 20.0, double
     theta[static_cast<Index>(names.size())] = *each.truth;
     names.push_back(each.name);
   }
-  const auto information = candidate_information(shared(problem), time_of(duration), sensors, names, theta);
+  const auto information =
+      candidate_information(shared(problem), time_of(duration, problem.sample_rate), sensors, names, theta);
   std::vector<SensorCandidate> candidates;
   for (std::size_t i = 0; i < dofs; ++i) candidates.push_back({sensors[i].name, {information.value()[i]}});
   const auto placement = place_sensors(
@@ -82,8 +83,10 @@ Ranking ranking(const EstimationProblem& problem, double duration = 20.0, double
   return ranked;
 }
 
-EstimationProblem two_unknowns() {
+EstimationProblem two_unknowns(double rate = chain_rate) {
   EstimationProblem problem = chain_problem();
+  problem.structure = chain_structure(chain_parts(), "road");  // that of examples/chain/place.yaml
+  problem.sample_rate = rate;
   problem.settings.initial_state.clear();  // at rest
   problem.settings.substeps = 4;
   return problem;
@@ -133,18 +136,17 @@ struct FilterFigures {
 
 class Chain {
 public:
-  explicit Chain(double duration) {
-    const auto problem = two_unknowns();
+  Chain(double duration, double rate) : problem_(two_unknowns(rate)) {
     for (std::size_t dof = 1; dof <= dofs; ++dof) sensors_.push_back(accelerometer_at(dof));
-    const CoupledModel model = couple(problem.structure->reference_parts());
-    clean_ = simulate_open_loop({model.system(), model, sensors_, problem.structure->signals},
-                                at_rest(model.system().size(), 0), time_of(duration))
+    const CoupledModel model = couple(problem_.structure->reference_parts());
+    clean_ = simulate_open_loop({model.system(), model, sensors_, problem_.structure->signals},
+                                at_rest(model.system().size(), 0), time_of(duration, rate))
                  .sensors;
   }
 
   /// One filter over many records of a set.
   [[nodiscard]] FilterFigures figures(const Set& set, int seeds) const {
-    EstimationProblem problem = two_unknowns();
+    EstimationProblem problem = problem_;
     problem.sensors.clear();
     for (const auto i : set) problem.sensors.push_back(sensors_[i]);
     const auto given = shared(std::move(problem));
@@ -168,7 +170,8 @@ public:
 
 private:
   [[nodiscard]] Record record(const Set& set, std::uint64_t seed) const {
-    Record record{.sample_rate = chain_rate, .values = MatrixXd(static_cast<Index>(set.size()), clean_.cols())};
+    Record record{.sample_rate = problem_.sample_rate,
+                  .values = MatrixXd(static_cast<Index>(set.size()), clean_.cols())};
     for (std::size_t i = 0; i < set.size(); ++i) {
       const auto& sensor = sensors_[set[i]];
       auto row = record.values.row(static_cast<Index>(i));
@@ -181,6 +184,7 @@ private:
     return record;
   }
 
+  EstimationProblem problem_;
   std::vector<Sensor> sensors_;
   MatrixXd clean_;  ///< 11 x samples
 };
@@ -192,17 +196,18 @@ struct Agreement {
   double ratio = 0.0;                ///< root mean square of error / bound
 };
 
-Agreement agreement(double duration, int seeds) {
-  const Ranking ranked = ranking(two_unknowns(), duration);
+Agreement agreement(double duration, double rate, int seeds) {
+  const Ranking ranked = ranking(two_unknowns(rate), duration);
   EXPECT_EQ(ranked.sets.size(), 330U);
   std::vector<Set> sample;
   for (std::size_t i = 0; i < sampled_sets; ++i) sample.push_back(ranked.sets[i * 329 / (sampled_sets - 1)]);
-  const Chain chain(duration);
+  const Chain chain(duration, rate);
   std::vector<FilterFigures> figures(sample.size());
   for_each_index(sample.size(), processors(), [&](std::size_t i) { figures[i] = chain.figures(sample[i], seeds); });
   std::vector<double> bound, stated, error;
   Agreement found;
-  std::printf("rank  set          bound  stated   error  [%% of the truth; %g s, %d seeds]\n", duration, seeds);
+  std::printf("rank  set          bound  stated   error  [%% of the truth; %g s at %g Hz, %d seeds]\n", duration, rate,
+              seeds);
   for (std::size_t i = 0; i < sample.size(); ++i) {
     bound.push_back(ranked.bound_of(sample[i]));
     stated.push_back(figures[i].stated);
@@ -223,7 +228,7 @@ Agreement agreement(double duration, int seeds) {
 }
 
 TEST(PlacementOverSeeds, TheBoundIsTheDeviationThatTheFilterStates) {
-  const auto found = agreement(20.0, 10);
+  const auto found = agreement(20.0, chain_rate, 10);
   EXPECT_GE(found.stated, 0.9);
   EXPECT_LT(found.largest, 0.01);  // found 0.0008
   EXPECT_NEAR(found.ratio, 1.0, 0.1);
@@ -231,7 +236,12 @@ TEST(PlacementOverSeeds, TheBoundIsTheDeviationThatTheFilterStates) {
 
 /// Bounds differ by a factor of 1.6 only. With errors that scatter exactly as the bounds say, 10 seeds give rank
 /// correlations of 0.54 (0.27 to 0.75 in 95 %), 100 seeds 0.90 (0.84 to 0.95), 200 seeds 0.95 (0.91 to 0.97).
-TEST(PlacementOverSeeds, TheBoundRanksSetsAsErrorsDo) { EXPECT_GE(agreement(5.0, 200).error, 0.9); }
+/// The chain's highest mode lies at 55 Hz and the road ends at 30 Hz, so 250 Hz show the same motion as 1 kHz.
+TEST(PlacementOverSeeds, TheBoundRanksSetsAsErrorsDo) {
+  const auto found = agreement(10.0, 250.0, 200);
+  EXPECT_GE(found.error, 0.9);
+  EXPECT_NEAR(found.ratio, 1.0, 0.05);
+}
 
 void print_ranking(const char* name, const Ranking& ranked) {
   std::printf("%s: best %s %.4f %%, median %.4f %%, worst %s %.4f %%\n", name, text_of(ranked.sets.front()).c_str(),

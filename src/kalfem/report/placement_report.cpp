@@ -72,7 +72,14 @@ double left_of(const PlacementOutcome& outcome, const PlacedSet& set) {
   return std::sqrt((set.bound.array() / outcome.prior.array()).square().mean());
 }
 
-std::string three_digits(double value) { return std::isfinite(value) ? fmt::format("{:.3g}", value) : "-"; }
+/// With zeros at the end, so that columns show how many digits count.
+std::string digits(double value, int count) {
+  if (!std::isfinite(value)) return "-";
+  std::string text = fmt::format("{:#.{}g}", value, count);
+  if (text.ends_with('.')) text.pop_back();
+  return text;
+}
+std::string three_digits(double value) { return digits(value, 3); }
 
 std::string with_unit(double value, const std::string& unit) {
   return three_digits(value) + (unit.empty() || unit == "-" ? "" : " " + unit);
@@ -96,7 +103,7 @@ std::vector<std::string> headings(const PlacementOutcome& outcome, std::vector<s
 Table sets_table(const PlacementOutcome& outcome, std::size_t most) {
   Table table{"Best sets: expected standard deviations", headings(outcome, {"rank", "sensors", "criterion"}), {}, {}};
   const auto add = [&](const PlacedSet& set, const std::string& rank) {
-    std::vector<std::string> row{rank, listed(outcome, set), fmt::format("{:.5g}", set.criterion)};
+    std::vector<std::string> row{rank, listed(outcome, set), digits(set.criterion, 5)};
     for (const double deviation : set.bound) row.push_back(three_digits(deviation));
     table.rows.push_back(std::move(row));
   };
@@ -117,7 +124,7 @@ Table candidates_table(const PlacementOutcome& outcome, std::size_t most) {
   for (std::size_t i = 0; i < std::min(order.size(), most); ++i) {
     const auto& candidate = *order[i];
     const auto index = static_cast<std::size_t>(&candidate - outcome.candidates.data());
-    table.rows.push_back({rank_text(candidate.rank), candidate.name, fmt::format("{:.5g}", candidate.criterion),
+    table.rows.push_back({rank_text(candidate.rank), candidate.name, digits(candidate.criterion, 5),
                           candidate.moves ? per_cent(candidate.left) : "tells nothing",
                           std::ranges::find(best, index) != best.end() ? "yes" : ""});
   }
@@ -229,7 +236,7 @@ public:
   }
 
   [[nodiscard]] std::string svg() const {
-    const double first = 26.0 + 7.4 * static_cast<double>(longest_name_),
+    const double first = 36.0 + 8.2 * static_cast<double>(longest_name_),
                  height = row * static_cast<double>(candidates_.size());
     std::string out = fmt::format(
         "<svg class=\"placement-bars\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" "
@@ -349,10 +356,10 @@ Json placement_summary(const PlacementOutcome& outcome) {
 std::string placement_answer(const PlacementOutcome& outcome) {
   if (!outcome.failure.empty()) return "No sensors placed: " + outcome.failure + ".";
   const auto& best = outcome.best.front();
-  const std::string among =
-      outcome.placement.exact ? fmt::format("Best of all {:.0f} sets", outcome.placement.tried)
-                              : fmt::format("Best set found, after {:.0f} of them were tried", outcome.placement.tried);
-  return fmt::format("{}, {} sensor{}: {}. Expected standard deviations: {}.", among, best.candidates.size(),
+  const std::string among = outcome.placement.exact
+                                ? fmt::format("Best of all {:.0f} sets of", outcome.placement.tried)
+                                : fmt::format("Best of the {:.0f} sets tried, not all, of", outcome.placement.tried);
+  return fmt::format("{} {} sensor{}: {}. Expected standard deviations: {}.", among, best.candidates.size(),
                      best.candidates.size() == 1 ? "" : "s", listed(outcome, best), deviations_in_words(outcome, best));
 }
 
