@@ -137,7 +137,7 @@ TEST(ImportanceSampler, NeedsBothALightTailAndEnoughSamplesToBeReliable) {
 TEST(ImportanceSampler, IsAsWideAsThePriorWhereTheSearchEndsOnASaddle) {
   // the search starts and ends halfway between the modes, where the likelihood is curved upwards
   const EvidenceCase known = two_modes(0.4);
-  const ImportanceResult result = sample_importance(known.posterior, {.efficiency = 0.0});  // never fitted anew
+  const ImportanceResult result = sample_importance(known.posterior, {.prior_share = 0.0, .efficiency = 0.0});
   EXPECT_TRUE(result.reliable());
   EXPECT_NEAR(result.log_evidence, known.log_evidence, 3.0 * result.log_evidence_deviation);
   EXPECT_LT(result.log_evidence_deviation, 0.08);

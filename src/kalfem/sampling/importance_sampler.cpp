@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "kalfem/base/parallel.hpp"
@@ -16,13 +15,12 @@
 // 1. find_peaks() over z, and laplace_about() each: the eigenvalues of -H below one, where the likelihood is not curved
 //    downwards, count as one, the prior's own curvature.
 // 2. draw_rounds(): N / 4, N / 4 and N / 2 samples, each from a random stream of its own.
-// 3. Between rounds, if few samples are effective, fit_anew(): one step of expectation and maximisation over the weighted
-//    samples. These are then discarded, since they have drawn the fit towards themselves.
+// 3. Between rounds, if few samples are effective, fit_anew(): one step of expectation and maximisation over the
+//    weighted samples. These are then discarded, since they have drawn the fit towards themselves.
 
 namespace kalfem {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double enough_samples = 100.0;  ///< effective ones
 
 /// A part of the posterior: one t distribution of the proposal.
@@ -31,10 +29,12 @@ struct Part {
   NormalApproximation scale;
 };
 
+/// Steps of the differences are at most 0.15, over which the prior alone falls by 0.01.
 NormalApproximation laplace_about(const Peak& peak, const LogDensity& log_density) {
-  const Eigen::VectorXd unbounded = Eigen::VectorXd::Constant(peak.z.size(), infinity);
+  const Eigen::VectorXd reach = Eigen::VectorXd::Constant(peak.z.size(), 0.3);  // twice the longest step
+  const Eigen::VectorXd first_steps = 0.1 * peak.inverse.diagonal().cwiseSqrt();
   Eigen::MatrixXd hessian =
-      LocalDifferences(log_density, peak.z, 0.1 * peak.inverse.diagonal().cwiseSqrt(), -unbounded, unbounded).hessian();
+      LocalDifferences(log_density, peak.z, first_steps, peak.z - reach, peak.z + reach).hessian();
   if (!hessian.allFinite()) hessian = -peak.inverse.inverse();  // beside an impossible model
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> curvature(-hessian);
   const Eigen::VectorXd variance = curvature.eigenvalues().cwiseMax(1.0).cwiseInverse();
