@@ -111,4 +111,27 @@ inline EvidenceCase blobs_case() {
   return {"two blobs", {uniform_box(2, -5.0, 5.0), likelihood}, -6.679};
 }
 
+/// Two parameters along a parabola, b = c (a^2 - 1) +- 0.1; ln Z by quadrature over a.
+inline EvidenceCase banana_case(double curvature) {
+  const auto likelihood = [=](const Eigen::VectorXd& x) {
+    return log_normal(x[1] - curvature * (x[0] * x[0] - 1.0), 0.0, 0.1);
+  };
+  constexpr int points = 20001;
+  double sum = 0.0;
+  for (int k = 0; k < points; ++k) {
+    const double a = -10.0 + 20.0 * k / (points - 1);
+    sum += std::exp(log_normal(a, 0.0, 1.0) + log_normal(curvature * (a * a - 1.0), 0.0, std::sqrt(100.01)));
+  }
+  return {"parabola, curvature " + std::to_string(curvature).substr(0, 4),
+          {JointPrior({{"a", NormalPrior{0.0, 1.0}}, {"b", NormalPrior{0.0, 10.0}}}), likelihood},
+          std::log(sum * 20.0 / (points - 1))};
+}
+
+/// Data that determine only the sum of two parameters: Z = E[1 - |s|] of the sum's error s.
+inline EvidenceCase ridge_case() {
+  return {"ridge",
+          {uniform_box(2, 0.0, 1.0), [](const Eigen::VectorXd& x) { return log_normal(x[0] + x[1], 1.0, 0.01); }},
+          std::log(1.0 - 0.01 * std::sqrt(2.0 / std::numbers::pi))};
+}
+
 }  // namespace kalfem

@@ -179,6 +179,27 @@ TEST(SamplingSeeds, ImportanceSamplingTellsWhereItFails) {
   }
 }
 
+TEST(SamplingSeeds, ImportanceSamplingSeldomTrustsACurvedRidge) {
+  constexpr int runs = 40;
+  int misled = 0;
+  for (const auto& known : {ridge_case(), banana_case(0.3), banana_case(1.0), banana_case(3.0), banana_case(10.0)}) {
+    double bias = 0.0, stated = 0.0;
+    int reliable = 0, wrong = 0;
+    for (int seed = 1; seed <= runs; ++seed) {
+      const ImportanceResult result = sample_importance(known.posterior, {.seed = static_cast<std::uint64_t>(seed)});
+      const double error = result.log_evidence - known.log_evidence;
+      bias += error / runs;
+      stated += result.log_evidence_deviation / runs;
+      reliable += result.reliable() ? 1 : 0;
+      wrong += result.reliable() && std::abs(error) > 3.0 * result.log_evidence_deviation ? 1 : 0;
+    }
+    std::printf("%-26s mean error of ln Z %.3f, stated error %.3f, called reliable in %d of %d, wrongly in %d\n",
+                known.name.c_str(), bias, stated, reliable, runs, wrong);
+    misled += wrong;
+  }
+  EXPECT_LE(misled, 10);  // of 200
+}
+
 TEST(SamplingSeeds, ImportanceSamplingHasNoBias) {
   // 400 runs tell a bias of a tenth of the standard error; samples kept from before a fit would have one of 2.5
   constexpr int runs = 400;
