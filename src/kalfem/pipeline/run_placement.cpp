@@ -7,6 +7,7 @@
 #include "kalfem/base/parallel.hpp"
 #include "kalfem/base/random.hpp"
 #include "kalfem/base/stopwatch.hpp"
+#include "kalfem/base/units.hpp"
 #include "kalfem/identification/expected_record.hpp"
 #include "kalfem/information/identifiability.hpp"
 
@@ -282,6 +283,7 @@ private:
     const Set& best = outcome_.placement.best().candidates;
     outcome_.remarks.push_back("With the best set: " +
                                identifiability(at_initial_->of_all(best).front(), parameters).text);
+    remark_hidden();
     constexpr std::size_t most_named = 10;
     std::vector<std::string> still;
     for (const auto& candidate : outcome_.candidates)
@@ -294,6 +296,19 @@ private:
         "Under the case's excitation these candidates do not move, or not with the unknowns, so "
         "they tell nothing: " +
         names + ".");
+  }
+
+  /// What the ranking does not know: the filter has process noise and may have an unknown start.
+  void remark_hidden() {
+    constexpr double much = 1.5;
+    double largest = 0.0;
+    for (const auto& [set, filter] : outcome_.checked)
+      if (filter.size() > 0) largest = std::max(largest, filter.cwiseQuotient(set.bound).maxCoeff());
+    if (largest > much)
+      outcome_.remarks.push_back(
+          "A run of the filter leaves deviations up to " + shortest(std::round(10.0 * largest) / 10.0) +
+          " times the bound: process noise or an unknown start hides a part of what the sensors tell. Sets are ranked "
+          "without it.");
   }
 
   const Study& study_;

@@ -330,6 +330,7 @@ private:
     std::set<std::pair<long, long>> labelled;
     std::map<MarkKind, std::size_t> drawn;
     std::string labels, above;
+    int drawn_labels = 0;  // of chosen ones
     for (const auto& mark : options_.marks) {
       const Vector3d place = view_.project(mesh_.nodes.col(mark.node));
       const bool room =
@@ -342,9 +343,10 @@ private:
       layer += hidden ? fmt::format("<g opacity=\"{}\">", opacity) + drawn_symbol + "</g>\n" : drawn_symbol;
       if (mark.label.empty() || !labelled.insert({std::lround(place[0] / 44.0), std::lround(place[1] / 15.0)}).second)
         continue;
-      const double beside = mark.kind == MarkKind::chosen ? 12.0 : 8.0;
-      labels += fmt::format("<text class=\"label\" x=\"{}\" y=\"{}\">{}</text>\n", pixel(place[0] + beside),
-                            pixel(place[1] - 6.0), escaped(mark.label));
+      const bool chosen = mark.kind == MarkKind::chosen;
+      const double down = chosen ? (++drawn_labels % 2 == 0 ? 23.0 : -11.0) : -6.0;  // in turn: they may be neighbours
+      labels += fmt::format("<text class=\"label\" x=\"{}\" y=\"{}\"{}>{}</text>\n", pixel(place[0] + 8.0),
+                            pixel(place[1] + down), chosen ? " font-weight=\"700\"" : "", escaped(mark.label));
     }
     out_ += above + labels;
   }

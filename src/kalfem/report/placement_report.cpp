@@ -356,11 +356,14 @@ Json placement_summary(const PlacementOutcome& outcome) {
 std::string placement_answer(const PlacementOutcome& outcome) {
   if (!outcome.failure.empty()) return "No sensors placed: " + outcome.failure + ".";
   const auto& best = outcome.best.front();
-  const std::string among = outcome.placement.exact
-                                ? fmt::format("Best of all {:.0f} sets of", outcome.placement.tried)
-                                : fmt::format("Best of the {:.0f} sets tried, not all, of", outcome.placement.tried);
-  return fmt::format("{} {} sensor{}: {}. Expected standard deviations: {}.", among, best.candidates.size(),
-                     best.candidates.size() == 1 ? "" : "s", listed(outcome, best), deviations_in_words(outcome, best));
+  const std::string sensors =
+      fmt::format("{} sensor{}", best.candidates.size(), best.candidates.size() == 1 ? "" : "s");
+  const std::string found =
+      outcome.placement.exact
+          ? fmt::format("Best of all {:.0f} sets of {}", outcome.placement.tried, sensors)
+          : fmt::format("Best set of {} that {:.0f} trials found, not all sets", sensors, outcome.placement.tried);
+  return fmt::format("{}: {}. Expected standard deviations: {}.", found, listed(outcome, best),
+                     deviations_in_words(outcome, best));
 }
 
 std::string console_placement(const PlacementOutcome& outcome) {

@@ -20,6 +20,7 @@ public:
     for (const auto& [name, sensor] : given_.sensors) of_sensor(name, sensor);
     of_estimation();
     of_updating();
+    of_placement();
     of_report();
     return std::move(warnings_);
   }
@@ -148,6 +149,11 @@ private:
       if (std::holds_alternative<d::FrfData>(given.value.data) && (evolves || update.starts > 1))
         warn({"update", "compare", name, "smoothing"}, "it applies to a search from one starting point only");
     }
+  }
+
+  void of_placement() {
+    if (given_.place && given_.place->value.draws == 1)
+      warn({"place", "seed"}, "without `draws` the initial values are used");
   }
 
   void of_report() {
