@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "kalfem/base/parallel.hpp"
@@ -309,6 +310,24 @@ private:
           "A run of the filter leaves deviations up to " + shortest(std::round(10.0 * largest) / 10.0) +
           " times the bound: process noise or an unknown start hides a part of what the sensors tell. Sets are ranked "
           "without it.");
+    remark_other_order();
+  }
+
+  /// Where a set that ranks lower leaves smaller deviations in the filter than the best one.
+  void remark_other_order() {
+    constexpr double clearly = 0.95;
+    const auto left = [&](const CheckedSet& checked) {
+      return checked.filter.size() > 0 ? checked.filter.cwiseQuotient(outcome_.prior).norm()
+                                       : std::numeric_limits<double>::infinity();
+    };
+    const auto best = std::ranges::min_element(outcome_.checked, {}, left);
+    const double ratio = left(*best) / left(outcome_.checked.front());
+    if (!(ratio < clearly)) return;
+    std::string names;
+    for (const auto i : best->set.candidates) names += (names.empty() ? "" : ", ") + plan_.candidates[i].name;
+    outcome_.remarks.push_back("By the filter the best set is not the best: " + names + " leave deviations " +
+                               shortest(std::round(100.0 * ratio) / 100.0) +
+                               " times as large. The ranking by the bound does not hold for the filter here.");
   }
 
   const Study& study_;

@@ -216,8 +216,12 @@ std::vector<PictureMark> marks_on(const std::string& substructure, const Study& 
     if (!chosen.contains(node) && outcome.candidates[candidate].rank)
       others.emplace_back(*outcome.candidates[candidate].rank, node);
   std::ranges::sort(others);
-  for (const auto& [rank, node] : others)
-    marks.push_back({MarkKind::candidate, node, std::to_string(rank + 1), colour_of(outcome, rank)});
+  constexpr std::size_t most_numbers = 40;
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    const auto [rank, node] = others[i];
+    const std::string number = i < most_numbers ? std::to_string(rank + 1) : "";
+    marks.push_back({MarkKind::candidate, node, number, colour_of(outcome, rank)});
+  }
   return marks;
 }
 
@@ -300,7 +304,8 @@ void add_pictures(const Study& study, const PlacementOutcome& outcome, Section& 
     drawn.insert(elements.part->name);
     section.items.emplace_back(Picture{
         .title = "Candidates on " + elements.part->name,
-        .caption = "Colour and number: rank of the best candidate at the node, alone. With a rim: the best set, each "
+        .caption = "Colour and number: rank of the best candidate at the node, alone; the best ones are numbered. With "
+                   "a rim: the best set, each "
                    "with its rank alone and its direction. Faint: behind the surface.",
         .svg = mesh_picture_svg(elements.part->elements.mesh,
                                 {.marks = std::move(marks), .plain = true, .candidate_colours = rank_colours})});
