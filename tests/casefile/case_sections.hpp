@@ -44,6 +44,8 @@ KeyChecks sensor_and_record_keys();
 KeyChecks simulation_keys();
 KeyChecks estimation_keys();
 KeyChecks updating_keys();
+KeyChecks inference_keys();
 KeyChecks report_keys();
+KeyChecks placement_keys();
 
 }  // namespace kalfem::wiring

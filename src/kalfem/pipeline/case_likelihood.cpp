@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
+#include "kalfem/identification/channel_simulation.hpp"
 #include "kalfem/identification/filter_likelihood.hpp"
 #include "kalfem/identification/fisher_information.hpp"
 #include "kalfem/identification/simulation_likelihood.hpp"
-#include "kalfem/identification/simulation_residual.hpp"
 #include "kalfem/pipeline/run_updating.hpp"
 
 namespace kalfem {
@@ -22,9 +22,9 @@ namespace {
 
 constexpr double impossible = -std::numeric_limits<double>::infinity();
 
-CaseLikelihood by_filter(const Study& study, const Record& record) {
+CaseLikelihood by_filter(const Study& study, const Record& record, const VectorXd& first) {
   const auto& plan = *study.inference;
-  const FilterLikelihood likelihood(study.problem, record, names_of(plan), {.first = start_of(plan)});
+  const FilterLikelihood likelihood(study.problem, record, names_of(plan), {.first = first});
   const VectorXd scale = plan.prior.deviation();
   return {names_of(plan), [=](const VectorXd& theta) { return likelihood.log_likelihood(theta); },
           [=, threads = filter_threads(study.problem->settings)](const VectorXd& theta) {
@@ -34,70 +34,40 @@ CaseLikelihood by_filter(const Study& study, const Record& record) {
                       record.channels.size())};
 }
 
-/// The plan's parameters as those of a simulation that is compared with the record.
-struct SimulatedParameters {
-  std::vector<UpdatingParameter> parameters;
-  std::vector<StructureBinding> bindings;
-};
+std::string errors_in_words(double correlation_time) {
+  return correlation_time > 0.0 ? fmt::format("correlated over {:.3g} s", correlation_time)
+                                : std::string("independent from sample to sample");
+}
 
-SimulatedParameters simulated_parameters(const Study& study) {
+/// The structure starts at rest; errors of each sensor have the size that fits best.
+CaseLikelihood by_simulation(const Study& study, const Record& record, const VectorXd& first) {
   const auto& plan = *study.inference;
-  SimulatedParameters simulated;
   IssueList issues;
-  for (std::size_t i = 0; i < plan.parameters.size(); ++i) {
-    const auto& [name, unit, start, truth] = plan.parameters[i];
-    const auto [lower, upper] = support(plan.prior.marginals()[i].second);
-    simulated.parameters.push_back({name, unit, start, lower, upper});
-    const auto& unknowns = study.problem->settings.unknowns;
-    const auto unknown = std::ranges::find(unknowns, name, &Unknown::name);
-    if (unknown == unknowns.end())
-      issues.add(plan.location, "infer: '" + name + "' is no parameter of the structure",
-                 "a simulation knows no gains, delays and noise of sensors", "use likelihood: filter");
-    else
-      for (const auto& target : unknown->targets) simulated.bindings.push_back({static_cast<Index>(i), target});
-  }
+  auto bindings = bindings_of_unknowns(*study.problem, names_of(plan), issues);
   issues.raise();
-  return simulated;
-}
-
-CaseLikelihood by_simulation(const Study& study, const Record& record) {
-  const auto& plan = *study.inference;
-  const auto [parameters, bindings] = simulated_parameters(study);
-  const auto structure = std::make_shared<const ParameterisedStructure>(study.structure, bindings, std::ssize(parameters));
-  const auto residual = std::make_shared<SimulationResidual>(
-      study.structure, study.sensors, record, structure, parameters,
-      SimulationResidual::Options{.name = "record", .initial = study.simulation ? study.simulation->initial : InitialMotion{}});
-  const std::vector<CorrelatedError> errors(study.sensors.size(), {.correlation_time = plan.correlation_time});
-  const SimulationLikelihood likelihood(residual, errors, 1.0 / record.sample_rate);
-  const std::string kind = plan.correlation_time > 0.0
-                               ? fmt::format("correlated over {:.3g} s", plan.correlation_time)
-                               : std::string("independent from sample to sample");
-  return {names_of(plan), [=](const VectorXd& theta) { return likelihood.log_likelihood(theta); },
-          [](const VectorXd&) { return std::optional<MatrixXd>(); },
-          "the record against its simulation, errors " + kind + " and of the size that fits each sensor best"};
-}
-
-/// ln N(r; 0, I) of the weighted residuals in their standard deviations.
-CaseLikelihood by_comparisons(const Study& study, const StudyResults& results) {
-  const auto comparisons = all_comparisons(study, results);
-  std::vector<ResidualSum::Term> terms;
-  for (const auto& comparison : comparisons)
-    terms.push_back({comparison.continuation_steps.back(), comparison.weight});
-  const auto sum = std::make_shared<const ResidualSum>(std::move(terms));
-  const double normalisation = 0.5 * static_cast<double>(sum->size()) * std::log(2.0 * std::numbers::pi);
-  std::string words = "the comparisons of `update`: ";
-  for (std::size_t i = 0; i < comparisons.size(); ++i) words += (i == 0 ? "" : ", ") + comparisons[i].kind;
-  return {names_of(*study.inference),
+  std::vector<std::string> sensors;
+  for (const auto& sensor : study.problem->sensors) sensors.push_back(sensor.name);
+  const auto simulation =
+      std::make_shared<ChannelSimulation>(*study.problem, record, study.problem->sensors, std::move(bindings), first);
+  if (!simulation->start(study.structure, first))
+    throw InvalidInput(Issue{plan.location, "infer: the simulation fails at the first values of the parameters",
+                             "the likelihood compares it with the record", "change the initial values"});
+  const auto measured = std::make_shared<const Record>(select_channels(record, sensors));
+  const CorrelatedError error{.correlation_time = plan.correlation_time};
+  return {names_of(plan),
           [=](const VectorXd& theta) {
-            const auto value = sum->evaluate(theta, false);
-            return value ? -0.5 * value->values.squaredNorm() - normalisation : impossible;
+            const auto outputs = simulation->outputs(theta);
+            if (!outputs) return impossible;
+            double sum = 0.0;
+            for (Index j = 0; j < outputs->rows(); ++j)
+              sum += log_density_of_correlated_series(
+                  (measured->values.row(j).head(outputs->cols()) - outputs->row(j)).transpose(),
+                  1.0 / measured->sample_rate, error);
+            return sum;
           },
-          [=](const VectorXd& theta) -> std::optional<MatrixXd> {
-            const auto value = sum->evaluate(theta, true);
-            if (!value) return std::nullopt;
-            return MatrixXd(value->jacobian.transpose() * value->jacobian);
-          },
-          words};
+          [](const VectorXd&) { return std::optional<MatrixXd>(); },
+          "the record against its simulation from rest, errors " + errors_in_words(plan.correlation_time) +
+              " and of the size that fits each sensor best"};
 }
 
 }  // namespace
@@ -114,13 +84,31 @@ VectorXd start_of(const InferencePlan& plan) {
   return start;
 }
 
-CaseLikelihood likelihood_of(const Study& study, const Record& record) {
-  return study.inference->likelihood == LikelihoodKind::filter ? by_filter(study, record) : by_simulation(study, record);
+CaseLikelihood likelihood_of_record(const Study& study, const Record& record, const VectorXd& first) {
+  return study.inference->likelihood == LikelihoodKind::filter ? by_filter(study, record, first)
+                                                               : by_simulation(study, record, first);
 }
 
-CaseLikelihood likelihood_of(const Study& study, const StudyResults& results) {
-  if (study.inference->likelihood == LikelihoodKind::comparisons) return by_comparisons(study, results);
-  return likelihood_of(study, record_of(study, results));
+// ln N(r; 0, I) of the weighted residuals in their standard deviations.
+CaseLikelihood likelihood_of_comparisons(const Study& study, const StudyResults& results) {
+  const auto comparisons = all_comparisons(study, results);
+  std::vector<ResidualSum::Term> terms;
+  for (const auto& comparison : comparisons) terms.push_back({comparison.continuation_steps.back(), comparison.weight});
+  const auto sum = std::make_shared<const ResidualSum>(std::move(terms));
+  const double normalisation = 0.5 * static_cast<double>(sum->size()) * std::log(2.0 * std::numbers::pi);
+  std::string words = "the comparisons of `update`: ";
+  for (std::size_t i = 0; i < comparisons.size(); ++i) words += (i == 0 ? "" : ", ") + comparisons[i].kind;
+  return {names_of(*study.inference),
+          [=](const VectorXd& theta) {
+            const auto value = sum->evaluate(theta, false);
+            return value ? -0.5 * value->values.squaredNorm() - normalisation : impossible;
+          },
+          [=](const VectorXd& theta) -> std::optional<MatrixXd> {
+            const auto value = sum->evaluate(theta, true);
+            if (!value) return std::nullopt;
+            return MatrixXd(value->jacobian.transpose() * value->jacobian);
+          },
+          words};
 }
 
 }  // namespace kalfem

@@ -19,12 +19,12 @@ struct CaseLikelihood {
   std::string words;  ///< what it is made of
 };
 
-/// Of the simulated or the measured record (`study.problem` is there), or of the updating's comparisons. Throws
-/// InvalidInput where it cannot be made at the parameters' start.
-CaseLikelihood likelihood_of(const Study& study, const StudyResults& results);
+/// Of a record under the study's excitation, as the plan's kind says: `filter` or `simulation`. `first`: where the
+/// filter's substeps and finite elements' bases are decided. Throws InvalidInput where it cannot be made there.
+CaseLikelihood likelihood_of_record(const Study& study, const Record& record, const Eigen::VectorXd& first);
 
-/// The same of a record that is given, under the study's excitation.
-CaseLikelihood likelihood_of(const Study& study, const Record& record);
+/// Of the updating's comparisons.
+CaseLikelihood likelihood_of_comparisons(const Study& study, const StudyResults& results);
 
 /// Names of the plan's parameters, and where their search starts.
 std::vector<std::string> names_of(const InferencePlan& plan);

@@ -8,6 +8,7 @@
 
 #include "kalfem/information/identifiability.hpp"
 #include "kalfem/sampling/convergence.hpp"
+#include "kalfem/sampling/marginal_prior.hpp"
 #include "kalfem/sampling/posterior.hpp"
 #include "kalfem/sampling/profile_likelihood.hpp"
 #include "kalfem/sampling/sobol.hpp"
@@ -22,29 +23,29 @@ struct ProfileLikelihood : Profile {
 /// Response of the structure at draws of the posterior beside what a sensor measured, sample by sample.
 struct PredictiveBand {
   std::string sensor, unit;
-  double start = 0.0, sample_rate = 0.0;         ///< [s], [Hz]
-  Eigen::VectorXd measured;                      ///< NaN where missing
-  Eigen::VectorXd lower, mean, upper;            ///< of the draws; 95 % about it with the sensor's noise
-  double coverage = 0.0;                         ///< share of the measured samples inside
+  double start = 0.0, sample_rate = 0.0;  ///< [s], [Hz]
+  Eigen::VectorXd measured;               ///< NaN where missing
+  Eigen::VectorXd lower, mean, upper;     ///< of the draws; 95 % about it with the sensor's noise
+  double coverage = 0.0;                  ///< share of the measured samples inside
 };
 
 /// One law of a comparison.
 struct RankedLaw {
   std::string name, law;
-  Eigen::Index parameters = 0;            ///< unknown ones
-  double log_evidence = 0.0;              ///< ln Z
-  double log_evidence_deviation = 0.0;    ///< standard error of the samples
-  double log_likelihood = 0.0;            ///< the largest one found
-  double occam = 0.0;                     ///< ln Z less the largest ln p(data | parameters): what its freedom costs
-  double probability = 0.0;               ///< P(law | data) with equal prior probabilities
-  std::string words;                      ///< the best law against this one, after Kass and Raftery; empty for the best
+  Eigen::Index parameters = 0;          ///< unknown ones
+  double log_evidence = 0.0;            ///< ln Z
+  double log_evidence_deviation = 0.0;  ///< standard error of the samples
+  double log_likelihood = 0.0;          ///< the largest one found
+  double occam = 0.0;                   ///< ln Z less the largest ln p(data | parameters): what its freedom costs
+  double probability = 0.0;             ///< P(law | data) with equal prior probabilities
+  std::string words;                    ///< the best law against this one, after Kass and Raftery; empty for the best
   std::vector<ParameterSummary> posterior;
-  std::vector<std::string> units;         ///< of its parameters
-  std::optional<double> validation;       ///< mean ln p of a sample of the validation part, given the posterior
+  std::vector<std::string> units;              ///< of its parameters
+  std::optional<double> validation;            ///< mean ln p of a sample of the validation part, given the posterior
   std::optional<double> validation_one_step;   ///< NRMSE of the prediction one sample ahead there
   std::optional<double> validation_open_loop;  ///< NRMSE of the simulation there
   std::vector<std::string> warnings;
-  std::string failure;                    ///< why it has no evidence
+  std::string failure;  ///< why it has no evidence
 };
 
 /// Laws for one connector, the most probable first.
@@ -72,28 +73,29 @@ struct OutputSensitivity {
 
 /// What the data tell of the parameters. Lists are by parameter unless they say otherwise.
 struct InferenceOutcome {
-  std::string likelihood, method;          ///< in words
-  SampleSet samples;                       ///< of the posterior; weighted after importance sampling
+  std::string likelihood, method;  ///< in words
+  SampleSet samples;               ///< of the posterior; weighted after importance sampling
   std::vector<std::string> units;
   std::vector<std::optional<double>> truths;
   std::vector<ParameterSummary> prior, posterior;
+  std::vector<MarginalPrior> prior_marginals;  ///< their shapes, for pictures; empty: none is drawn
   Eigen::MatrixXd correlation;
-  Eigen::VectorXd most_probable;           ///< values of the largest p(data | theta) p(theta) found
-  double log_likelihood = 0.0;             ///< there
+  Eigen::VectorXd most_probable;  ///< values of the largest p(data | theta) p(theta) found
+  double log_likelihood = 0.0;    ///< there
   std::optional<double> log_evidence, log_evidence_deviation;
-  std::vector<Convergence> convergence;    ///< of Markov chains
-  std::optional<double> effective_samples; ///< of weighted samples
-  std::optional<double> pareto_k;          ///< of their weights; above 0.7 they do not hold
-  double acceptance = 0.0;                 ///< of moves, 0 without
-  long long evaluations = 0;               ///< of the likelihood
-  std::optional<Identifiability> before;   ///< by the Fisher information of the expected record at the prior's centre
-  std::optional<Identifiability> after;    ///< by that of the record at the posterior's mean
+  std::vector<Convergence> convergence;     ///< of Markov chains
+  std::optional<double> effective_samples;  ///< of weighted samples
+  std::optional<double> pareto_k;           ///< of their weights; above 0.7 they do not hold
+  double acceptance = 0.0;                  ///< of moves, 0 without
+  long long evaluations = 0;                ///< of the likelihood
+  std::optional<Identifiability> before;    ///< by the Fisher information of the expected record at the prior's centre
+  std::optional<Identifiability> after;     ///< by that of the record at the posterior's mean
   std::vector<FilterComparison> beside_filter;
   std::vector<ProfileLikelihood> profiles;
-  std::vector<PredictiveBand> bands;       ///< one a sensor, where the excitation is known
+  std::vector<PredictiveBand> bands;  ///< one a sensor, where the excitation is known
   std::optional<LawRanking> laws;
   std::vector<OutputSensitivity> sensitivity;  ///< one an output
-  std::vector<std::string> warnings;       ///< why the posterior may not hold, in words
+  std::vector<std::string> warnings;           ///< why the posterior may not hold, in words
   double seconds = 0.0;
 };
 

@@ -9,6 +9,7 @@
 #include "kalfem/identification/filter_likelihood.hpp"
 #include "kalfem/pipeline/case_likelihood.hpp"
 #include "kalfem/pipeline/sample_posterior.hpp"
+#include "kalfem/pipeline/search_start.hpp"
 #include "kalfem/sampling/evidence.hpp"
 #include "kalfem/sampling/importance_sampler.hpp"
 
@@ -83,9 +84,11 @@ RankedLaw evaluate(const LawAlternative& alternative, const Record& record, cons
   const auto& plan = *study.inference;
   const int threads = filter_threads(study.problem->settings);
   RankedLaw law{.name = alternative.name, .law = alternative.law, .parameters = std::ssize(plan.parameters)};
-  const Posterior posterior{plan.prior, likelihood_of(study, record).log_likelihood};
+  const RecordEstimate estimate = estimate_record(study.problem, *study.augmented_model, record);
+  const VectorXd start = search_start(plan, &estimate);
+  const Posterior posterior{plan.prior, likelihood_of_record(study, record, start).log_likelihood};
   InferenceOutcome outcome;
-  sample_posterior(plan, posterior, threads, progress, outcome);
+  sample_posterior(plan, posterior, start, threads, progress, outcome);
   law.warnings = outcome.warnings;
   if (!outcome.log_evidence) {
     law.failure = "its method gives no evidence";
@@ -120,8 +123,8 @@ LawRanking rank_laws(const Study& study, const Record& record, const Progress& p
   });
   VectorXd evidence(std::ssize(ranking.laws));
   for (std::size_t i = 0; i < ranking.laws.size(); ++i)
-    evidence[static_cast<Index>(i)] = ranking.laws[i].failure.empty() ? ranking.laws[i].log_evidence
-                                                                      : -std::numeric_limits<double>::infinity();
+    evidence[static_cast<Index>(i)] =
+        ranking.laws[i].failure.empty() ? ranking.laws[i].log_evidence : -std::numeric_limits<double>::infinity();
   if (!std::isfinite(evidence.maxCoeff())) return ranking;
   const VectorXd probabilities = model_probabilities(evidence);
   for (std::size_t i = 0; i < ranking.laws.size(); ++i) {

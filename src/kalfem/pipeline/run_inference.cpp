@@ -11,6 +11,7 @@
 #include "kalfem/pipeline/output_sensitivity.hpp"
 #include "kalfem/pipeline/predictive_bands.hpp"
 #include "kalfem/pipeline/sample_posterior.hpp"
+#include "kalfem/pipeline/search_start.hpp"
 
 namespace kalfem {
 
@@ -78,8 +79,8 @@ std::vector<ProfileLikelihood> profiles_of(const InferencePlan& plan, const Post
   std::vector<ProfileLikelihood> profiles;
   for (const std::size_t i : plan.profile) {
     ProfileLikelihood profile;
-    static_cast<Profile&>(profile) = profile_likelihood(posterior, static_cast<Index>(i), outcome.most_probable,
-                                                        deviation, {.threads = threads});
+    static_cast<Profile&>(profile) =
+        profile_likelihood(posterior, static_cast<Index>(i), outcome.most_probable, deviation, {.threads = threads});
     profile.name = plan.parameters[i].name;
     profile.unit = plan.parameters[i].unit;
     profiles.push_back(std::move(profile));
@@ -127,10 +128,12 @@ InferenceOutcome run_inference(const Study& study, const StudyResults& results, 
     outcome.prior.push_back(summary_of(plan.parameters[i].name, plan.prior.marginals()[i].second));
   }
   if (of_record) outcome.before = identifiability_before(study, record_of(study, results));
-  const CaseLikelihood likelihood = likelihood_of(study, results);
+  const VectorXd start = search_start(plan, results.estimation ? &*results.estimation : nullptr);
+  const CaseLikelihood likelihood = of_record ? likelihood_of_record(study, record_of(study, results), start)
+                                              : likelihood_of_comparisons(study, results);
   outcome.likelihood = likelihood.words;
   const Posterior posterior{plan.prior, likelihood.log_likelihood};
-  sample_posterior(plan, posterior, threads, progress, outcome);
+  sample_posterior(plan, posterior, start, threads, progress, outcome);
   if (!outcome.posterior.empty()) {
     outcome.after = judged(plan, likelihood, posterior_mean(outcome));
     if (plan.likelihood == LikelihoodKind::filter && results.estimation && !results.estimation->result.failure)

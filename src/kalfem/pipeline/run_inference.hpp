@@ -4,8 +4,8 @@
 
 namespace kalfem {
 
-/// What a record can tell of the parameters before it is looked at: the information of the record that is expected at the
-/// initial values under the known excitation, over the time of `drive`. Empty where it cannot be foreseen.
+/// What a record can tell of the parameters before it is looked at: the information of the record that is expected at
+/// the initial values under the known excitation, over the time of `drive`. Empty where it cannot be foreseen.
 std::optional<Identifiability> identifiability_before(const Study& study, const Record& drive);
 
 /// What the case's `infer` asks for, of the simulated or measured record, or of the comparisons of its updating.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kalfem/pipeline/case_likelihood.hpp"
 #include "kalfem/sampling/adaptive_metropolis.hpp"
 #include "kalfem/sampling/importance_sampler.hpp"
 #include "kalfem/sampling/laplace.hpp"
@@ -40,8 +39,9 @@ SampleSet normal_samples(const Posterior& posterior, const LaplaceApproximation&
   return make_sample_set(posterior.prior, z, VectorXd::Constant(plan.samples, laplace.log_likelihood), 1);
 }
 
-void by_laplace(const InferencePlan& plan, const Posterior& posterior, int threads, InferenceOutcome& outcome) {
-  const auto laplace = laplace_approximation(posterior, {.seed = plan.seed, .start = start_of(plan), .threads = threads});
+void by_laplace(const InferencePlan& plan, const Posterior& posterior, const VectorXd& start, int threads,
+                InferenceOutcome& outcome) {
+  const auto laplace = laplace_approximation(posterior, {.seed = plan.seed, .start = start, .threads = threads});
   outcome.method = "normal distribution about the most probable values (Laplace)";
   outcome.warnings.insert(outcome.warnings.end(), laplace.warnings.begin(), laplace.warnings.end());
   outcome.evaluations = laplace.evaluations;
@@ -51,10 +51,10 @@ void by_laplace(const InferencePlan& plan, const Posterior& posterior, int threa
   if (laplace.covariance.size() > 0) outcome.samples = normal_samples(posterior, laplace, plan);
 }
 
-void by_importance(const InferencePlan& plan, const Posterior& posterior, int threads, const Progress& progress,
-                   InferenceOutcome& outcome) {
+void by_importance(const InferencePlan& plan, const Posterior& posterior, const VectorXd& start, int threads,
+                   const Progress& progress, InferenceOutcome& outcome) {
   auto found = sample_importance(
-      posterior, {.samples = plan.samples, .start = start_of(plan), .seed = plan.seed, .threads = threads}, progress);
+      posterior, {.samples = plan.samples, .start = start, .seed = plan.seed, .threads = threads}, progress);
   outcome.method = "importance samples about the most probable values";
   outcome.samples = std::move(found.samples);
   outcome.log_evidence = found.log_evidence;
@@ -68,7 +68,7 @@ void by_importance(const InferencePlan& plan, const Posterior& posterior, int th
 /// The exponent goes from 0 to 1 in steps that shrink at first, so its square root shows how far the run is.
 void by_tempering(const InferencePlan& plan, const Posterior& posterior, int threads, const Progress& progress,
                   InferenceOutcome& outcome) {
-  TemperedOptions options = tempered_options_for_dear_likelihoods(plan.samples);
+  TemperedOptions options = tempered_options_for_expensive_likelihoods(plan.samples);
   options.seed = plan.seed;
   options.threads = threads;
   auto found = sample_tempered(posterior, options, [&](const TemperedState& state) {
@@ -83,10 +83,10 @@ void by_tempering(const InferencePlan& plan, const Posterior& posterior, int thr
   if (!found.finished) outcome.warnings.emplace_back("tempering did not reach the posterior: take more samples");
 }
 
-void by_chains(const InferencePlan& plan, const Posterior& posterior, int threads, const Progress& progress,
-               InferenceOutcome& outcome) {
-  const auto pilot = sample_importance(
-      posterior, {.samples = pilot_samples, .start = start_of(plan), .seed = plan.seed, .threads = threads});
+void by_chains(const InferencePlan& plan, const Posterior& posterior, const VectorXd& start, int threads,
+               const Progress& progress, InferenceOutcome& outcome) {
+  const auto pilot =
+      sample_importance(posterior, {.samples = pilot_samples, .start = start, .seed = plan.seed, .threads = threads});
   const int draws = std::max(50, (plan.samples + chains - 1) / chains);
   const MetropolisOptions options{.chains = chains,
                                   .warm_up = std::max(50, draws / 4),
@@ -122,20 +122,20 @@ void set_most_probable(InferenceOutcome& outcome) {
 
 }  // namespace
 
-void sample_posterior(const InferencePlan& plan, const Posterior& posterior, int threads, const Progress& progress,
-                      InferenceOutcome& outcome) {
+void sample_posterior(const InferencePlan& plan, const Posterior& posterior, const VectorXd& start, int threads,
+                      const Progress& progress, InferenceOutcome& outcome) {
   switch (plan.method) {
     case PosteriorMethod::laplace:
-      by_laplace(plan, posterior, threads, outcome);
+      by_laplace(plan, posterior, start, threads, outcome);
       break;
     case PosteriorMethod::importance:
-      by_importance(plan, posterior, threads, progress, outcome);
+      by_importance(plan, posterior, start, threads, progress, outcome);
       break;
     case PosteriorMethod::tempered:
       by_tempering(plan, posterior, threads, progress, outcome);
       break;
     case PosteriorMethod::metropolis:
-      by_chains(plan, posterior, threads, progress, outcome);
+      by_chains(plan, posterior, start, threads, progress, outcome);
       break;
   }
   set_most_probable(outcome);

@@ -22,8 +22,9 @@ struct Profile {
 };
 
 /// l(theta_i) = max over the other parameters of ln p(data | theta), at values about `centre` (Raue et al. 2009,
-/// Bioinformatics 25, 1923-1929). The others are sought within `reach` deviations times two, inside the prior's support:
-/// no prior acts on them. Of one parameter alone it is the likelihood itself. Throws InvalidInput and Interrupted.
+/// Bioinformatics 25, 1923-1929). The others are sought within `reach` deviations times two, inside the prior's
+/// support: no prior acts on them. Of one parameter alone it is the likelihood itself. Throws InvalidInput and
+/// Interrupted.
 Profile profile_likelihood(const Posterior& posterior, Eigen::Index parameter, const Eigen::VectorXd& centre,
                            const Eigen::VectorXd& deviation, const ProfileOptions& options = {});
 

@@ -116,8 +116,7 @@ void check_start(const d::Inference& given, const SourceLocation& place, Paramet
     if (!improper.empty()) continue;
     const auto [lower, upper] = support(list.priors()[i].second);
     if (lower <= parameter.start && parameter.start <= upper) continue;
-    const auto own = std::ranges::find(given.priors, parameter.name,
-                                       &std::pair<std::string, Located<d::Prior>>::first);
+    const auto own = std::ranges::find(given.priors, parameter.name, &std::pair<std::string, Located<d::Prior>>::first);
     issues.add(own == given.priors.end() ? place : own->second.location,
                "infer.priors." + parameter.name + ": the prior holds " + shortest(lower) + " to " + shortest(upper) +
                    " " + parameter.unit + ", which excludes the initial value " + shortest(parameter.start),
@@ -158,7 +157,8 @@ void check_likelihood(const CaseStudy& study, const InferencePlan& plan, IssueLi
   const auto& settings = study.problem->settings;
   if (plan.likelihood == LikelihoodKind::filter) {
     if (settings.adaptive_noise.any())
-      refuse("the case asks for adaptive noise", "a likelihood is that of one noise, not of one that follows the record",
+      refuse("the case asks for adaptive noise",
+             "a likelihood is that of one noise, not of one that follows the record",
              "remove estimate.adaptive_noise, or make noise an unknown: sensors.NAME.noise");
     return;
   }
@@ -184,7 +184,8 @@ std::optional<SensitivityPlan> sensitivity_of(const CaseStudy& study, const Infe
     const auto add = [&](SensitivityPlan::Output output) { sensitivity.outputs.push_back(std::move(output)); };
     const std::string kind = name.value.substr(0, name.value.find('.'));
     const std::string of = kind.size() < name.value.size() ? name.value.substr(kind.size() + 1) : "";
-    const bool is_number = !of.empty() && of.size() < 5 && std::ranges::all_of(of, [](char c) { return c >= '0' && c <= '9'; });
+    const bool is_number =
+        !of.empty() && of.size() < 5 && std::ranges::all_of(of, [](char c) { return c >= '0' && c <= '9'; });
     if (name.value == "nis")
       add({SensitivityOutput::mean_nis, name.value});
     else if (kind == "frequency" && is_number && std::stoi(of) > 0 && std::stoi(of) <= study.model->system().size())

@@ -32,7 +32,8 @@ void put_law(const d::LawAlternative& law, d::Connector& connector) {
   connector = law.connector;
   connector.from = from;
   connector.to = to;
-  for (const auto& [parameter, prior] : law.priors) connector.parameters.emplace_back(parameter, centre_of(prior).value);
+  for (const auto& [parameter, prior] : law.priors)
+    connector.parameters.emplace_back(parameter, centre_of(prior).value);
 }
 
 /// Whether an unknown sets a parameter of the connector, and of nothing else.
@@ -78,9 +79,8 @@ void check_comparison(const d::LawComparison& given, const SourceLocation& locat
   d::Case base = *study.description;
   if (!connector_named(given.connector.value, base)) {
     const auto names = connector_names(base);
-    issues.add(given.connector.location,
-               given.connector.path + ": there is no connector '" + given.connector.value + "'" +
-                   did_you_mean(given.connector.value, names));
+    issues.add(given.connector.location, given.connector.path + ": there is no connector '" + given.connector.value +
+                                             "'" + did_you_mean(given.connector.value, names));
   }
   if (given.laws.size() < 2)
     issues.add(location, path + ".laws: " + std::to_string(given.laws.size()) + " given", "a choice needs two",
@@ -113,8 +113,8 @@ void add_law_alternatives(const CaseStudy& study, InferencePlan& plan, IssueList
       plan.laws.push_back({name, law.value.connector.law.value, std::make_shared<const Study>(std::move(other))});
     } catch (const InvalidInput& error) {
       for (const auto& issue : error.issues())
-        issues.add(issue.location.line > 0 ? issue.location : law.location, "with the law '" + name + "': " + issue.what,
-                   issue.why, issue.fix);
+        issues.add(issue.location.line > 0 ? issue.location : law.location,
+                   "with the law '" + name + "': " + issue.what, issue.why, issue.fix);
     }
 }
 
