@@ -84,14 +84,14 @@ TEST_F(Place, RefusesSeveralMistakesAtOnceEachWithItsLine) {
 )");
   EXPECT_EQ(outcome.code, 2);
   for (const char* expected :
-       {"case.yaml:19: place.candidates.floors.acceleration[1]: there is no point or node 'frame.3' (did you mean",
-        "case.yaml:19: place.candidates.floors.acceleration[2]: the candidate 'frame.1' is given twice",
-        "case.yaml:19: place.candidates.floors.acceleration[3]: 'frame.ground' is a ground",
-        "case.yaml:20: place.candidates.floors.noise: the noise is 0 %",
-        "case.yaml:21: place.candidates.gauge.displacement: 'frame.2' is one direction",
-        "case.yaml:22: place.count: 9 sensors are to be placed, but there are 2 candidates",
-        "case.yaml:23: place.parameters[1]: there is no unknown 'mount.m' of the structure",
-        "case.yaml:24: place.keep"})
+       {"case.yaml:18: place.candidates.floors.acceleration[1]: there is no point or node 'frame.3' (did you mean",
+        "case.yaml:18: place.candidates.floors.acceleration[2]: the candidate 'frame.1' is given twice",
+        "case.yaml:18: place.candidates.floors.acceleration[3]: 'frame.ground' is a ground",
+        "case.yaml:19: place.candidates.floors.noise: the noise is 0 %",
+        "case.yaml:20: place.candidates.gauge.displacement: 'frame.2' is one direction",
+        "case.yaml:21: place.count: 9 sensors are to be placed, but there are 2 candidates",
+        "case.yaml:22: place.parameters[1]: there is no unknown 'mount.m' of the structure",
+        "case.yaml:23: place.keep"})
     EXPECT_NE(outcome.errors.find(expected), std::string::npos) << expected << "\n" << outcome.errors;
   EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
 }
@@ -100,7 +100,7 @@ TEST_F(Place, NeedsAnEstimateAndItsSection) {
   const std::string place = "place: {candidates: {g: {acceleration: all, noise: 1 %}}, count: 1}\n";
   const auto without_estimate = run(frame + place);
   EXPECT_EQ(without_estimate.code, 2);
-  EXPECT_NE(without_estimate.errors.find("case.yaml:16: place: the case has no `estimate`"), std::string::npos)
+  EXPECT_NE(without_estimate.errors.find("case.yaml:14: place: the case has no `estimate`"), std::string::npos)
       << without_estimate.errors;
   const auto without_section = run(frame + estimate);
   EXPECT_EQ(without_section.code, 2);

@@ -248,7 +248,7 @@ TEST(PlacementOverSeeds, TheBoundRanksSetsAsErrorsDo) {
   const auto found = agreement(5.0, two_unknowns(250.0, 8), 200);
   EXPECT_GE(found.error, 0.9);
   EXPECT_NEAR(found.ratio, 1.0, 0.05);
-  EXPECT_LT(found.bias, 0.2);  // found 0.14, of chance alone 0.07
+  EXPECT_LT(found.bias, 0.15);  // found 0.138, of chance alone 0.07
 }
 
 void print_ranking(const char* name, const Ranking& ranked) {
