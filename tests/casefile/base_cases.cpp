@@ -312,8 +312,8 @@ substructures:
       regions:
         leg: {material: steel, beam: {section: {rectangle: {width: 20 mm, height: 10 mm}}, up: [0, 1, 0]}}
         arm: {material: steel, beam: {section: {rectangle: {width: 20 mm, height: 10 mm}}, up: [0, 1, 0]}}
-      nodes: {tip: 4, knee: 3}
-      fixed: {clamp: {nodes: 1}}
+      nodes: {tip: 4, knee: 3, foot: 1}
+      fixed: {clamp: {nodes: foot}}
     damping: {modal: 1 %}
     reduction: {modes: 3}
 connectors:
