@@ -15,9 +15,19 @@ CaseRun run(const std::string& case_file, const std::vector<std::pair<std::strin
   });
 }
 
+/// Draws of chains, one after the other, as chains x draws.
+Eigen::MatrixXd by_chain(const Eigen::VectorXd& values, Eigen::Index chains) {
+  return values.reshaped(values.size() / chains, chains).transpose();
+}
+
 py::dict datasets_of(const CaseRun& self) {
   Datasets data;
-  self.visit([&](const CaseSeries& series) { data.add(series.path, series.values, series.unit, series.sample_rate); });
+  self.visit([&](const CaseSeries& series) {
+    if (series.chains)
+      data.add(series.path, by_chain(series.values, *series.chains), series.unit);
+    else
+      data.add(series.path, series.values, series.unit, series.sample_rate);
+  });
   for (auto& score : self.scores()) data.add("/innovation/scores/" + score.name, std::move(score.value), "");
   py::dict all = data.take();
   if (const auto& [triangles, sensors] = self.innovation_covariance(); triangles.size() > 0)

@@ -49,14 +49,16 @@ class FolderSource:
         """Values and attributes of one dataset."""
         with self._open() as file:
             dataset = file[path]
-            return dataset[()], {key: _text(value) for key, value in dataset.attrs.items()}
+            names = (name for name in dataset.attrs if not name.isupper())  # HDF5's own: CLASS, DIMENSION_LIST
+            return dataset[()], {name: _text(dataset.attrs[name]) for name in names}
 
     def _list(self):
         paths = []
         h5py = optional("h5py", "reading results.h5")
 
         def collect(path, item):
-            if isinstance(item, h5py.Dataset):
+            # Whole numbers count the chains and draws of a posterior: they are axes, not results.
+            if isinstance(item, h5py.Dataset) and not (item.is_scale and item.dtype.kind == "i"):
                 paths.append(path)
 
         with self._open() as file:

@@ -9,6 +9,7 @@
 #include "kalfem/report/result_set.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/statistics/quantiles.hpp"
+#include "report/sample_inference.hpp"
 
 /// summary.json and results.h5 say what was computed: each number stands under its own name and in its own unit.
 namespace kalfem::wiring {
@@ -215,6 +216,50 @@ TEST(Summary, HoldsTheModel) {
   same(reduced["reduction"]["modes"][0]["full_hz"], error_indicators.modes[0].full);
   same(reduced["reduction"]["modes"][0]["reduced_hz"], error_indicators.modes[0].reduced);
   same(reduced["reduction"]["modes"][0]["mac"], error_indicators.modes[0].mac);
+}
+
+TEST(ResultsFile, HoldsThePosteriorByChainAndDraw) {
+  const Study& study = everything().study;
+  StudyResults results;
+  results.inference = sample_inference();
+  const auto& outcome = *results.inference;
+  const auto path = write_file("posterior.h5", "").string();
+  write_results(path, study, results, "this run");
+  const auto file = Hdf5File::open(path);
+  const auto& samples = outcome.samples;
+  for (Index i = 0; i < 4; ++i) {
+    const std::string name = "/posterior/" + samples.names[std::size_t(i)];
+    EXPECT_EQ(file.read_matrix(name), samples.draws_of(i).transpose()) << name;
+    EXPECT_EQ(file.text_attribute(name, "unit"), outcome.units[std::size_t(i)]);
+    EXPECT_TRUE(file.has_attribute(name, "DIMENSION_LIST"));
+  }
+  EXPECT_EQ(file.read("/posterior/chain"), Eigen::Vector4d(0.0, 1.0, 2.0, 3.0));
+  EXPECT_EQ(file.read("/posterior/draw"), VectorXd::LinSpaced(300, 0.0, 299.0));
+  EXPECT_EQ(file.read_matrix("/sample_stats/lp")(1, 2), samples.log_likelihood[300 + 2] + samples.log_prior[300 + 2]);
+  EXPECT_EQ(file.read_matrix("/sample_stats/log_likelihood")(3, 299), samples.log_likelihood[1199]);
+  EXPECT_EQ(file.read("/predictive/a3/mean"), outcome.bands[0].mean);
+  EXPECT_EQ(file.read("/predictive/a3/lower"), outcome.bands[0].lower);
+  EXPECT_EQ(file.read("/predictive/a3/upper"), outcome.bands[0].upper);
+  EXPECT_EQ(file.read("/predictive/time")[1], 1.005);
+  EXPECT_EQ(file.read("/profile/suspension.mu_k1/value"), outcome.profiles[0].values);
+  EXPECT_EQ(file.read("/profile/suspension.mu_k1/log_likelihood"), outcome.profiles[0].log_likelihood);
+}
+
+TEST(ResultsFile, HoldsWeightedSamplesWithEqualWeights) {
+  const Study& study = everything().study;
+  StudyResults results;
+  results.inference = sample_inference();
+  auto& samples = results.inference->samples;
+  samples.chains = 1;
+  samples.draws = samples.values.cols();
+  samples.weights = VectorXd::Zero(samples.draws);
+  samples.weights[7] = 0.25;
+  samples.weights[9] = 0.75;
+  const auto path = write_file("weighted.h5", "").string();
+  write_results(path, study, results, "this run");
+  const VectorXd drawn = Hdf5File::open(path).read("/posterior/suspension.k");
+  EXPECT_EQ((drawn.array() == samples.values(0, 7)).count(), 300);
+  EXPECT_EQ((drawn.array() == samples.values(0, 9)).count(), 900);
 }
 
 TEST(ResultsFile, HoldsEverySeriesUnderItsName) {

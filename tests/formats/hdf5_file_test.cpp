@@ -29,6 +29,30 @@ protected:
   const std::string path_ = (folder_ / "record.h5").string();
 };
 
+TEST_F(Hdf5FileTest, AxesNameTheDimensionsOfSeveralDatasets) {
+  const Eigen::VectorXd rows = Eigen::VectorXd::LinSpaced(6, 1.0, 6.0);
+  Hdf5File out = Hdf5File::create(path_);
+  out.write_axis("/posterior/chain", 2);
+  out.write_axis("/posterior/draw", 3);
+  for (const char* name : {"/posterior/a.k", "/posterior/a.c"}) {
+    out.write_rows(name, rows, 2);
+    out.set_axes(name, {"/posterior/chain", "/posterior/draw"});
+  }
+  EXPECT_NE(message([&] { out.set_axes("/posterior/a.k", {"/posterior/chain"}); }).find("every dimension"),
+            std::string::npos);
+  EXPECT_NE(message([&] { out.write_rows("/posterior/b", rows, 4); }).find("equal length"), std::string::npos);
+  out.close();
+
+  const Hdf5File file = Hdf5File::open(path_);
+  Eigen::MatrixXd expected(2, 3);
+  expected << 1.0, 2.0, 3.0, 4.0, 5.0, 6.0;
+  EXPECT_EQ(file.read_matrix("/posterior/a.c"), expected);
+  EXPECT_EQ(file.read("/posterior/draw"), Eigen::Vector3d(0.0, 1.0, 2.0));
+  EXPECT_EQ(file.text_attribute("/posterior/draw", "CLASS"), "DIMENSION_SCALE");
+  EXPECT_EQ(file.text_attribute("/posterior/draw", "NAME"), "draw");
+  EXPECT_TRUE(file.has_attribute("/posterior/a.k", "DIMENSION_LIST"));
+}
+
 TEST_F(Hdf5FileTest, VectorsAndMatricesComeBackBitByBit) {
   // Long enough for several compressed chunks.
   const Eigen::MatrixXd record = Eigen::MatrixXd::Random(30011, 7);

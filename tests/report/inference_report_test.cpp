@@ -150,6 +150,7 @@ TEST(WithDeviation, WritesTheDigitsThatTheDeviationJustifies) {
   EXPECT_EQ(with_deviation(29.9712, 0.0996), "29.97 ± 0.10");
   EXPECT_EQ(with_deviation(501.2, 23.4), "501 ± 23");
   EXPECT_EQ(with_deviation(-0.5, 2.0), "-0.5 ± 2.0");
+  EXPECT_EQ(with_deviation(209968.2, 884.8), "209970 ± 880");
   EXPECT_EQ(with_deviation(2.1e11, 3.2e9), "2.100e+11 ± 3.2e+09");
   EXPECT_EQ(with_deviation(2.1e-5, 3.2e-6), "2.10e-05 ± 3.2e-06");
   EXPECT_EQ(with_deviation(3.0, 0.0), "3");

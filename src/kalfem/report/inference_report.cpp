@@ -53,7 +53,8 @@ Json identifiability_json(const std::optional<Identifiability>& judged) {
 Json correlation_json(const InferenceOutcome& outcome) {
   Json names = Json::array(), matrix = Json::array();
   for (const auto& parameter : outcome.posterior) names.push_back(parameter.name);
-  for (Index i = 0; i < outcome.correlation.rows(); ++i) matrix.push_back(numbers(outcome.correlation.row(i).transpose()));
+  for (Index i = 0; i < outcome.correlation.rows(); ++i)
+    matrix.push_back(numbers(outcome.correlation.row(i).transpose()));
   return {{"names", names}, {"matrix", matrix}};
 }
 

@@ -137,8 +137,13 @@ std::string with_deviation(double mean, double deviation) {
   if (!std::isfinite(mean) || !std::isfinite(deviation) || deviation <= 0.0) return four_digits(mean);
   const int place = std::stoi(fmt::format("{:.1e}", deviation).substr(4));  // of the first digit: 1.0e-01 is -1
   const double largest = std::max(std::abs(mean), deviation);
-  if (largest < 1e5 && largest >= 1e-3)
-    return fmt::format("{:.{}f} ± {:.{}f}", mean, std::max(0, 1 - place), deviation, std::max(0, 1 - place));
+  if (largest < 1e6 && largest >= 1e-3) {
+    const double last = std::pow(10.0, std::max(0, place - 1));  // digits left of the point are rounded, too
+    const auto written = [&](double value) {
+      return fmt::format("{:.{}f}", last > 1.0 ? last * std::round(value / last) : value, std::max(0, 1 - place));
+    };
+    return written(mean) + " ± " + written(deviation);
+  }
   const int digits = std::max(1, static_cast<int>(std::floor(std::log10(largest))) - place + 1);
   return fmt::format("{:.{}e} ± {:.1e}", mean, std::min(digits, 15), deviation);
 }
@@ -162,7 +167,8 @@ std::string inference_method_words(const InferenceOutcome& outcome) {
   if (const auto& k = outcome.pareto_k; k && std::isfinite(*k)) text += fmt::format(", Pareto k {:.2f}", *k);
   if (const auto& evidence = outcome.log_evidence; evidence && std::isfinite(*evidence))
     text += "; ln Z = " + with_deviation(*evidence, outcome.log_evidence_deviation.value_or(0.0));
-  return text + fmt::format("; {} likelihoods, {:.1f} s.", outcome.evaluations, outcome.seconds);
+  text += fmt::format("; {} likelihoods", outcome.evaluations);
+  return text + (std::isfinite(outcome.seconds) ? fmt::format(", {:.1f} s.", outcome.seconds) : ".");
 }
 
 std::string filter_words(const InferenceOutcome& outcome) {

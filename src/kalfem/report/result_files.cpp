@@ -3,6 +3,7 @@
 #include "kalfem/base/version.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
 #include "kalfem/formats/matrices/write.hpp"
+#include "kalfem/sampling/posterior.hpp"
 
 namespace kalfem {
 namespace {
@@ -51,6 +52,12 @@ public:
   /// A column without a time: one value per iteration of the updating, or per line of a response.
   void write_column(const std::string& name, const Eigen::VectorXd& values, const std::string& unit) {
     if (values.size() > 0) visit_({name, values, unit});
+  }
+
+  /// Values of Markov chains, one chain after the other.
+  void write_chains(const std::string& name, const Eigen::VectorXd& values, const std::string& unit,
+                    Eigen::Index chains) {
+    if (values.size() > 0) visit_({name, values, unit, {}, chains});
   }
 
 private:
@@ -170,10 +177,82 @@ void write_updating(SeriesWriter& file, const Study& study, const UpdatingOutcom
     }
 }
 
+/// Equally weighted draws and their densities, in the groups and under the names of ArviZ's InferenceData.
+void write_posterior(SeriesWriter& file, const InferenceOutcome& outcome) {
+  const bool weighted = outcome.samples.weights.size() > 0;
+  const SampleSet draws = weighted ? resample(outcome.samples, outcome.samples.values.cols()) : outcome.samples;
+  for (std::size_t i = 0; i < draws.names.size(); ++i)
+    file.write_chains("/posterior/" + draws.names[i], draws.values.row(static_cast<Eigen::Index>(i)).transpose(),
+                      i < outcome.units.size() ? outcome.units[i] : "-", draws.chains);
+  file.write_chains("/sample_stats/lp", draws.log_likelihood + draws.log_prior, "-", draws.chains);
+  file.write_chains("/sample_stats/log_likelihood", draws.log_likelihood, "-", draws.chains);
+}
+
+/// Over the time of the record's part that was simulated.
+void write_bands(SeriesWriter& file, const std::vector<PredictiveBand>& bands) {
+  if (bands.empty()) return;
+  const auto& first = bands.front();
+  Eigen::VectorXd time(first.mean.size());
+  for (Eigen::Index k = 0; k < time.size(); ++k) time[k] = first.start + static_cast<double>(k) / first.sample_rate;
+  file.write_column("/predictive/time", time, "s");
+  for (const auto& band : bands) {
+    const std::string name = "/predictive/" + band.sensor;
+    file.write_column(name + "/measured", band.measured, band.unit);
+    file.write_column(name + "/lower", band.lower, band.unit);
+    file.write_column(name + "/mean", band.mean, band.unit);
+    file.write_column(name + "/upper", band.upper, band.unit);
+  }
+}
+
+void write_inference(SeriesWriter& file, const InferenceOutcome& outcome) {
+  if (outcome.samples.values.cols() > 0) write_posterior(file, outcome);
+  write_bands(file, outcome.bands);
+  for (const auto& profile : outcome.profiles) {
+    file.write_column("/profile/" + profile.name + "/value", profile.values, profile.unit);
+    file.write_column("/profile/" + profile.name + "/log_likelihood", profile.log_likelihood, "-");
+  }
+}
+
 /// The record of a run, if it has one.
 const Record* measured_of(const StudyResults& results) {
   if (results.estimation) return &results.estimation->measurements;
   return results.simulation ? &results.simulation->measurements : nullptr;
+}
+
+/// The time over which a series stands, if it has as many instants: its group's, or that of a group around it.
+std::optional<std::string> time_of(const Hdf5File& file, const ResultSeries& series) {
+  for (auto slash = series.path.rfind('/'); slash != std::string::npos; slash = series.path.rfind('/', slash - 1)) {
+    const std::string time = series.path.substr(0, slash) + "/time";
+    if (file.contains(time)) return file.shape(time)[0] == series.values.size() ? std::optional(time) : std::nullopt;
+    if (slash == 0) break;
+  }
+  return std::nullopt;
+}
+
+/// Draws of Markov chains over the chains and draws of their group.
+void write_draws(Hdf5File& file, const ResultSeries& series) {
+  const std::string group = series.path.substr(0, series.path.rfind('/'));
+  const std::vector<std::string> axes{group + "/chain", group + "/draw"};
+  if (!file.contains(axes.front())) {
+    file.write_axis(axes.front(), *series.chains);
+    file.write_axis(axes.back(), series.values.size() / *series.chains);
+  }
+  file.write_rows(series.path, series.values, *series.chains);
+  file.set_axes(series.path, axes);
+}
+
+/// Dimensions get the names that netCDF-4 asks for: time, chain and draw.
+void write_dataset(Hdf5File& file, const ResultSeries& series) {
+  if (series.chains) {
+    write_draws(file, series);
+    return;
+  }
+  const auto time = time_of(file, series);
+  file.write(series.path, series.values);
+  if (series.path.ends_with("/time"))
+    file.make_axis(series.path);
+  else if (time)
+    file.set_axes(series.path, {*time});
 }
 
 }  // namespace
@@ -182,6 +261,7 @@ void visit_results(const Study& study, const StudyResults& results, const Series
   SeriesWriter file(study.sample_rate(), visit);
   if (results.updating) write_updating(file, study, *results.updating);
   if (results.validation) write_validation(file, results.validation->held_back);
+  if (results.inference) write_inference(file, *results.inference);
   const Record* record = measured_of(results);
   if (!record) return;
   const Eigen::Index samples =
@@ -200,13 +280,13 @@ void visit_results(const Study& study, const StudyResults& results, const Series
 }
 
 void write_results(const std::string& path, const Study& study, const StudyResults& results, const std::string& run) {
-  if (!measured_of(results) && !results.updating) return;
+  if (!measured_of(results) && !results.updating && !results.inference) return;
   Hdf5File file = Hdf5File::create(path);
   file.set_attribute("/", "kalfem", version);
   file.set_attribute("/", "run", run);
   file.set_attribute("/", "sample_rate", study.sample_rate());
   visit_results(study, results, [&](const ResultSeries& series) {
-    file.write(series.path, series.values);
+    write_dataset(file, series);
     file.set_attribute(series.path, "unit", series.unit);
     if (series.sample_rate) file.set_attribute(series.path, "sample_rate", *series.sample_rate);
   });

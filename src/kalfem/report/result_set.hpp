@@ -27,7 +27,8 @@ struct ResultSeries {
   std::string path;
   Eigen::VectorXd values;
   std::string unit;
-  std::optional<double> sample_rate = {};  ///< [Hz]; empty: the values are not at even times
+  std::optional<double> sample_rate = {};   ///< [Hz]; empty: the values are not at even times
+  std::optional<Eigen::Index> chains = {};  ///< of values that are draws: so many chains, one after the other
 };
 using SeriesVisitor = std::function<void(const ResultSeries&)>;
 
@@ -40,10 +41,12 @@ std::string summary_text(nlohmann::ordered_json summary, const std::vector<std::
 /// Writes every time series with names, units and sampling rate into an HDF5 file:
 /// /time, /measurements/<sensor>, /truth/<point>/<quantity>, /estimate/<point>/<quantity>{,_std},
 /// /estimate/parameters/<name>{,_std}, /innovation/{value,deviation,nis}, /prediction/<point>/<quantity>,
-/// /validation/time, /validation/<sensor>/{measured,simulated}.
-/// No file where there are none. Throws InvalidInput where the file cannot be written, WriteFailure where the disk is
-/// full.
-/// `run`: the identity that the file carries as the attribute `run` of its root, see run_identity().
+/// /validation/time, /validation/<sensor>/{measured,simulated}, /predictive/time,
+/// /predictive/<sensor>/{measured,lower,mean,upper}, /profile/<name>/{value,log_likelihood}.
+/// /posterior/<name> and /sample_stats/{lp,log_likelihood} are chain x draw, as ArviZ's InferenceData asks; weighted
+/// samples are drawn anew with equal weights. Dimensions have netCDF-4's names time, chain and draw. No file where
+/// there are none. Throws InvalidInput where the file cannot be written, WriteFailure where the disk is full. `run`:
+/// the identity that the file carries as the attribute `run` of its root, see run_identity().
 void write_results(const std::string& path, const Study& study, const StudyResults& results, const std::string& run);
 
 /// Writes the augmented model's superelements for other codes, in the formats that the case asks for:

@@ -104,7 +104,7 @@ const std::string& CaseRun::summary() const { return contents_->summary; }
 
 void CaseRun::visit(const std::function<void(const CaseSeries&)>& visitor) const {
   visit_results(contents_->study, contents_->results, [&](const ResultSeries& series) {
-    visitor({series.path, series.values, series.unit, series.sample_rate});
+    visitor({series.path, series.values, series.unit, series.sample_rate, series.chains});
   });
 }
 

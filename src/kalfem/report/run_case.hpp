@@ -51,7 +51,8 @@ struct CaseSeries {
   std::string path;  ///< "/estimate/body.3/displacement"
   Eigen::VectorXd values;
   std::string unit;
-  std::optional<double> sample_rate = {};  ///< [Hz]; empty: the values are not at even times
+  std::optional<double> sample_rate = {};   ///< [Hz]; empty: the values are not at even times
+  std::optional<Eigen::Index> chains = {};  ///< of values that are draws: so many chains, one after the other
 };
 
 /// A run of a case with everything that it found, whether or not files were written. A value that is cheap to copy.

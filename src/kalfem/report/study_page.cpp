@@ -7,6 +7,8 @@
 
 #include "kalfem/report/adaptive_noise_report.hpp"
 #include "kalfem/report/frequency_report.hpp"
+#include "kalfem/report/inference_report.hpp"
+#include "kalfem/report/inference_tables.hpp"
 #include "kalfem/report/placement_report.hpp"
 #include "kalfem/report/process_noise_report.hpp"
 #include "kalfem/report/sections.hpp"
@@ -301,6 +303,7 @@ std::string answer(const StudyResults& results) {
                 results.updating->values.size(), four_digits(results.updating->residual_initial),
                 four_digits(results.updating->residual_final))
           : "";
+  if (!results.estimation && results.inference) return updated + inference_answer(*results.inference);
   if (!results.estimation && results.placement) return updated + placement_answer(*results.placement);
   if (!results.estimation)
     return updated + (results.simulation ? "The simulation is complete." : updated.empty() ? "Modes computed." : "");
@@ -420,6 +423,7 @@ Page make_page(const Study& study, const StudyResults& results) {
                                  (results.updating ? deviations_leave_out : ""),
                              {modification_table(results.modifications)}});
   if (results.placement) page.sections.push_back(placement_section(study, *results.placement));
+  if (results.inference) page.sections.push_back(inference_section(*results.inference));
   if (results.validation) page.sections.push_back(validation_section(study, *results.validation));
   if (results.estimation && results.estimation->has_samples()) {
     const auto& outcome = *results.estimation;

@@ -113,6 +113,15 @@ void Hdf5File::write_matrix(const std::string& dataset, const Eigen::Ref<const E
                          by_rows.data());
 }
 
+void Hdf5File::write_rows(const std::string& dataset, const Eigen::Ref<const Eigen::VectorXd>& values,
+                          Eigen::Index rows) {
+  if (rows < 1 || values.size() % rows != 0)
+    handle().fail(std::to_string(values.size()) + " values of '" + dataset + "' in " + std::to_string(rows) + " rows",
+                  "rows must be of equal length");
+  handle().write_numbers(dataset, {static_cast<hsize_t>(rows), static_cast<hsize_t>(values.size() / rows)},
+                         values.data());
+}
+
 void Hdf5File::write_strings(const std::string& dataset, const std::vector<std::string>& values) {
   std::vector<const char*> texts;
   for (const auto& value : values) {

@@ -46,6 +46,15 @@ public:
   void write(const std::string& dataset, const Eigen::Ref<const Eigen::VectorXd>& values);
   void write_matrix(const std::string& dataset, const Eigen::Ref<const Eigen::MatrixXd>& values);
   void write_strings(const std::string& dataset, const std::vector<std::string>& values);
+  /// A matrix that is stored already row by row, rows x columns.
+  void write_rows(const std::string& dataset, const Eigen::Ref<const Eigen::VectorXd>& values, Eigen::Index rows);
+  /// Makes a dataset of one dimension an axis: a dimension scale, which netCDF-4 and xarray take for a coordinate. Its
+  /// name is the last part of the path.
+  void make_axis(const std::string& dataset);
+  /// An axis of the integers from 0 to `count` - 1.
+  void write_axis(const std::string& dataset, Eigen::Index count);
+  /// Names the dimensions of a dataset by axes, one each in their order. Once a dataset.
+  void set_axes(const std::string& dataset, const std::vector<std::string>& axes);
   /// Attaches a value to an existing dataset or group ("/" for the file itself); an old value is replaced.
   void set_attribute(const std::string& object, const std::string& name, const std::string& value);
   void set_attribute(const std::string& object, const std::string& name, double value);
