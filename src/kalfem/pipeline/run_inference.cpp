@@ -126,6 +126,7 @@ InferenceOutcome run_inference(const Study& study, const StudyResults& results, 
     outcome.units.push_back(plan.parameters[i].unit);
     outcome.truths.push_back(plan.parameters[i].truth);
     outcome.prior.push_back(summary_of(plan.parameters[i].name, plan.prior.marginals()[i].second));
+    outcome.prior_marginals.push_back(plan.prior.marginals()[i].second);
   }
   if (of_record) outcome.before = identifiability_before(study, record_of(study, results));
   const VectorXd start = search_start(plan, results.estimation ? &*results.estimation : nullptr);
