@@ -302,6 +302,58 @@ predict: {substructure: mast}
 report: {fields: {substructure: mast, every: 0.1 s}, modes: 3, superelements: [matrix_market]}
 )";
 
+const std::string inferring = R"(kalfem: 1
+substructures:
+  s: {masses: {a: 2 kg, b: 1 kg}, springs: [{name: k, from: ground, to: a, stiffness: 800 N/m, damping: 4 N s/m}]}
+connectors:
+  mount: {from: s.a, to: s.b, law: cubic, parameters: {k: 500 N/m, k3: 2e7, c: 3 N s/m}}
+excitation:
+  f: {force: s.a, random: {rms: 4 N, band: [0.5, 20 Hz], seed: 3}}
+sensors:
+  a: {acceleration: s.a, noise: 20 %}
+  b: {acceleration: s.b, noise: 20 %}
+simulate: {duration: 0.5 s, sample_rate: 200 Hz, tolerance: 0.1}
+estimate:
+  substeps: 1
+  diagnose: false
+  unknown:
+    mount.k: {initial: 490 N/m, std: 5 %}
+    mount.c: {initial: 3, std: 5 %}
+    s.k.stiffness: {initial: 800 N/m, std: 5 %}
+  settle: 0.1 s
+infer:
+  parameters: [mount.k, mount.c, s.k.stiffness]
+  priors:
+    mount.k: {normal: {mean: 500 N/m, std: 10 %}, bounds: [100 N/m, 900 N/m]}
+    mount.c: {lognormal: {median: 3 N s/m, std: 0.2}}
+    s.k.stiffness: {uniform: [600 N/m, 1000 N/m]}
+  correlations: [{between: [mount.k, mount.c], value: 0.3}]
+  likelihood: filter
+  correlation_time: 0 s
+  method: laplace
+  samples: 50
+  seed: 2
+  predictions: 2
+  profile: [mount.k]
+  compare_laws:
+    connector: mount
+    laws:
+      linear: {law: linear, priors: {k: {normal: {mean: 500 N/m, std: 10 %}}, c: {uniform: [1, 9]}}}
+      fed:
+        law: expression
+        let: {g: 2*k}
+        force: "g*x + q*s + 3*v + 1e-3*(noise + tone + chirp + level + column)"
+        states: {s: {rate: "v - s", unit: m}}
+        parameters: {q: 1 N/m}
+        priors: {k: {lognormal: {median: 250 N/m, std: 0.1}, bounds: [1 N/m, 900 N/m]}}
+        signals:
+          noise: {random: {rms: 1 V, band: [0.5, 5 Hz], duration: 1 s, fade_in: 0.1 s, seed: 2}, scale: 2}
+          tone: {sine: {amplitude: 1 V, frequency: 3 Hz, phase: 0.1, fade_in: 0.1 s}}
+          chirp: {sweep: {amplitude: 1 V, from: 1 Hz, to: 5 Hz, duration: 1 s, kind: linear, fade_in: 0.1 s}}
+          level: {constant: 2 V}
+          column: {channel: f, file: input.csv, unit: V, bridge_gaps: 20 ms, prepare: {remove_trend: true}}
+)";
+
 const std::string placing = R"(kalfem: 1
 substructures:
   wheel: {masses: {z: 3 kg}, springs: [{from: ground, to: z, stiffness: 1e5, damping: 30}]}
@@ -479,6 +531,7 @@ std::vector<BaseCase> base_cases() {
           {"latent", latent},
           {"updating", updating},
           {"beams", beams},
+          {"inferring", inferring},
           {"placing", placing},
           {"plate", plate},
           {"sections", sections},

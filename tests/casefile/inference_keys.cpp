@@ -79,6 +79,14 @@ void numbers() {
 }
 
 /// The correlation time reaches the likelihood: longer than a sample, the same errors are likelier or less so.
+/// The other unknown stays in the filter's state.
+void chosen_parameters() {
+  const Study study = with_infer("parameters: c.c");
+  ASSERT_EQ(plan_of(study).parameters.size(), 1u);
+  EXPECT_EQ(plan_of(study).parameters[0].name, "c.c");
+  near(std::get<NormalPrior>(plan_of(study).prior.marginals().at(0).second).mean, 5.0);
+}
+
 void likelihoods() {
   const auto of = [](const std::string& text) {
     const Study study = with_infer(text);
@@ -97,7 +105,7 @@ void likelihoods() {
 const std::string alternative =
     "law: expression, force: \"g*x + q*s + c*v + 0.1*tone\", let: {g: 2*k}, states: {s: {rate: \"v - s\", unit: m}}, "
     "parameters: {q: 3 N/m, c: 4}, signals: {tone: {sine: {amplitude: 1 V, frequency: 3 Hz}}}, "
-    "priors: {k: {uniform: [200 N/m, 300 N/m], }}";
+    "priors: {k: {uniform: [200 N/m, 300 N/m]}}";
 
 const std::string linear =
     "law: linear, priors: {k: {normal: {mean: 500 N/m, std: 50}, bounds: [0, 900]}, c: "
@@ -108,7 +116,7 @@ void laws() {
   const Study study =
       with_infer("compare_laws: {connector: c, laws: {one: {" + alternative + "}, two: {" + linear + "}}}");
   ASSERT_EQ(plan_of(study).laws.size(), 2u);
-  EXPECT_EQ(plan_of(study).connector, "c");
+  EXPECT_EQ(plan_of(study).connectors, std::vector<std::string>{"c"});
   const auto& [name, law, other] = plan_of(study).laws[0];
   EXPECT_EQ(name, "one");
   EXPECT_EQ(law, "expression");
@@ -156,6 +164,7 @@ KeyChecks inference_keys() {
   const std::vector<std::string> prior{"normal.mean",   "normal.std", "lognormal.median",
                                        "lognormal.std", "uniform",    "bounds"};
   add(at + "priors.*.", prior, priors);
+  add(at, {"parameters"}, chosen_parameters);
   add(at + "correlations[].", {"between", "value"}, prior_correlations);
   add(at, {"method", "samples", "seed", "predictions", "profile"}, numbers);
   add(at, {"likelihood", "correlation_time"}, likelihoods);

@@ -45,7 +45,7 @@ struct LawAlternative {
   Named<Located<Prior>> priors;  ///< of its unknown parameters
 };
 struct LawComparison {
-  Name connector;
+  std::vector<Name> connectors;  ///< each gets the law, with parameters of its own
   Named<Located<LawAlternative>> laws;
 };
 
@@ -56,6 +56,7 @@ struct Sensitivity {
 };
 
 struct Inference {
+  std::vector<Name> parameters;  ///< of these; if empty, of all. The filter integrates the others out
   Named<Located<Prior>> priors;  ///< of unknowns; the others keep those of `estimate` or `update`
   std::vector<Located<PriorCorrelation>> correlations;
   std::optional<LikelihoodKind> likelihood;  ///< if empty: filter with `estimate`, otherwise comparisons

@@ -36,7 +36,8 @@ Schema<LawComparison> law_comparison() {
                        .required("priors", &LawAlternative::priors, named(located(prior())),
                                  "unknown parameters of the law with their distributions before the data");
   return mapping(Fields<LawComparison>()
-                     .required("connector", &LawComparison::connector, name(), "connector that each law is put into")
+                     .required("connector", &LawComparison::connectors, one_or_list(name()),
+                               "connector that each law is put into; of several each has parameters of its own")
                      .required("laws", &LawComparison::laws, named(located(mapping(law))),
                                "the laws to choose from, by names of your own"));
 }
@@ -84,6 +85,9 @@ Schema<Inference> inference() {
                                          "correlation of the two as standard normal variables (Gaussian copula)");
   return mapping(
       Fields<Inference>()
+          .optional("parameters", &Inference::parameters, one_or_list(name()),
+                    "unknowns whose posterior is sought; default: all that are constant. The filter integrates the "
+                    "others out, which costs less where there are many")
           .optional("priors", &Inference::priors, named(located(prior()), NameRule::dotted),
                     "distributions of unknowns before the data; default: normal as `initial` and `std` say, log-normal "
                     "with transform: log, cut at `bounds`")

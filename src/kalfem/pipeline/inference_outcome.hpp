@@ -50,7 +50,7 @@ struct RankedLaw {
 
 /// Laws for one connector, the most probable first.
 struct LawRanking {
-  std::string connector;
+  std::string connector;  ///< its name, or the names of several
   std::vector<RankedLaw> laws;
 };
 

@@ -8,6 +8,7 @@
 #include "kalfem/identification/expected_record.hpp"
 #include "kalfem/identification/filter_likelihood.hpp"
 #include "kalfem/pipeline/case_likelihood.hpp"
+#include "kalfem/pipeline/predictive_bands.hpp"
 #include "kalfem/pipeline/sample_posterior.hpp"
 #include "kalfem/pipeline/search_start.hpp"
 #include "kalfem/sampling/evidence.hpp"
@@ -73,7 +74,7 @@ void validate(const Study& study, const InferenceOutcome& outcome, int threads, 
   const Record compared = select_channels(record, sensors);
   if (const auto innovations = likelihood.innovations(mean))
     law.validation_one_step = mean_ratio(innovations->value, compared.values.leftCols(innovations->value.cols()));
-  if (!starts_known(study)) return;
+  if (!starts_known(study) || !can_be_simulated(study)) return;
   if (const auto simulated = expected_record(problem, record, names, mean))
     law.validation_open_loop =
         mean_ratio(select_channels(*simulated, sensors).values - compared.values, compared.values);
@@ -110,7 +111,9 @@ RankedLaw evaluate(const LawAlternative& alternative, const Record& record, cons
 
 LawRanking rank_laws(const Study& study, const Record& record, const Progress& progress) {
   const auto& alternatives = study.inference->laws;
-  LawRanking ranking{.connector = study.inference->connector};
+  LawRanking ranking;
+  for (const auto& connector : study.inference->connectors)
+    ranking.connector += (ranking.connector.empty() ? "" : ", ") + connector;
   for (std::size_t i = 0; i < alternatives.size(); ++i) {
     const auto of_all = [&, i](std::string_view, double fraction) {
       if (progress) progress("laws", (static_cast<double>(i) + fraction) / static_cast<double>(alternatives.size()));

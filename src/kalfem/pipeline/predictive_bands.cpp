@@ -16,11 +16,23 @@ using Eigen::VectorXd;
 
 namespace {
 
-bool can_be_simulated(const EstimationProblem& problem) {
-  IssueList unknown;
-  check_excitation_is_known(problem, unknown);
-  return unknown.empty() && !problem.settings.local;
+/// Whether every unknown of the structure is inferred: a simulation needs a value of each.
+bool infers_all(const Study& study) {
+  const auto names = names_of(*study.inference);
+  return std::ranges::all_of(study.problem->settings.unknowns, [&](const Unknown& unknown) {
+    return std::ranges::find(names, unknown.name) != names.end();
+  });
 }
+
+}  // namespace
+
+bool can_be_simulated(const Study& study) {
+  IssueList unknown;
+  check_excitation_is_known(*study.problem, unknown);
+  return unknown.empty() && !study.problem->settings.local && infers_all(study);
+}
+
+namespace {
 
 /// The responses that were simulated, one a draw.
 std::vector<Record> responses(const Study& study, const Record& record, const SampleSet& draws, int threads) {
@@ -69,7 +81,7 @@ PredictiveBand band_of(const std::vector<Record>& responses, const Record& recor
 std::vector<PredictiveBand> predictive_bands(const Study& study, const Record& record, const SampleSet& samples,
                                              int threads) {
   const auto& plan = *study.inference;
-  if (plan.predictions == 0 || !study.problem || !can_be_simulated(*study.problem)) return {};
+  if (plan.predictions == 0 || !study.problem || !can_be_simulated(study)) return {};
   const auto found = responses(study, record, resample(samples, plan.predictions, plan.seed), threads);
   std::vector<PredictiveBand> bands;
   if (found.empty()) return bands;

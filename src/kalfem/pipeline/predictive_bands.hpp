@@ -4,9 +4,13 @@
 
 namespace kalfem {
 
+/// Whether parameters that are inferred make a simulation of the record: its excitation is known, every unknown of the
+/// structure is inferred, and the filter has no local model.
+bool can_be_simulated(const Study& study);
+
 /// Response at some draws of the posterior beside the record: the simulation under the known excitation through every
-/// sensor, 95 % of it with the sensor's noise. Empty where the excitation is not known, the filter has a local model,
-/// or no simulation ran to its end.
+/// sensor, 95 % of it with the sensor's noise. Empty where it cannot be
+/// simulated, or no simulation ran to its end.
 std::vector<PredictiveBand> predictive_bands(const Study& study, const Record& record, const SampleSet& samples,
                                              int threads);
 

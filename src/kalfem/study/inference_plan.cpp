@@ -49,6 +49,17 @@ public:
   [[nodiscard]] const std::vector<InferredParameter>& parameters() const { return parameters_; }
   [[nodiscard]] Named<MarginalPrior>& priors() { return priors_; }
 
+  /// Keeps those that are named, in the list's order.
+  void keep(const std::vector<Name>& names, IssueList& issues) {
+    if (names.empty()) return;
+    std::vector<bool> kept(parameters_.size(), false);
+    for (const auto& name : names)
+      if (const auto place = find(name, issues)) kept[*place] = true;
+    std::size_t at = 0, of_prior = 0;
+    std::erase_if(parameters_, [&](const auto&) { return !kept[at++]; });
+    std::erase_if(priors_, [&](const auto&) { return !kept[of_prior++]; });
+  }
+
   [[nodiscard]] std::optional<std::size_t> find(const std::string& name) const {
     const auto place = std::ranges::find(parameters_, name, &InferredParameter::name);
     if (place == parameters_.end()) return std::nullopt;
@@ -227,7 +238,9 @@ InferencePlan make_inference_plan(const CaseStudy& study, IssueList& issues) {
   check_likelihood(study, plan, issues);
   if (!issues.empty()) return plan;
   ParameterList list(study, plan);
-  if (list.parameters().empty())
+  const bool none = list.parameters().empty();
+  list.keep(given.parameters, issues);
+  if (none)
     issues.add(location, "infer: the case has no constant unknown", "there is nothing to infer",
                "add one to estimate.unknown");
   set_stated_priors(given, list, issues);

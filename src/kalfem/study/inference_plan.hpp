@@ -52,9 +52,9 @@ struct InferencePlan {
   int predictions = 40;  ///< draws whose response is simulated
   std::uint64_t seed = 1;
   std::vector<InferredParameter> parameters;
-  JointPrior prior;                  ///< of these parameters, in the same order
-  std::vector<std::size_t> profile;  ///< parameters whose profile likelihood is computed
-  std::string connector;             ///< whose law is chosen
+  JointPrior prior;                     ///< of these parameters, in the same order
+  std::vector<std::size_t> profile;     ///< parameters whose profile likelihood is computed
+  std::vector<std::string> connectors;  ///< whose law is chosen
   std::vector<LawAlternative> laws;
   std::optional<SensitivityPlan> sensitivity;
   SourceLocation location = {};

@@ -36,6 +36,18 @@ void put_law(const d::LawAlternative& law, d::Connector& connector) {
     connector.parameters.emplace_back(parameter, centre_of(prior).value);
 }
 
+/// Without the initial values of states that the alternative has not: another law has the states that it declares.
+void leave_out_states(const d::LawAlternative& law, const std::string& connector, const std::string& former_law,
+                      d::Case& given) {
+  if (law.connector.law.value == former_law && law.connector.states.empty()) return;
+  std::erase_if(given.estimate->initial_connector_states, [&](const auto& each) {
+    const std::string prefix = connector + ".";
+    return each.first.starts_with(prefix) &&
+           std::ranges::find(law.connector.states, each.first.substr(prefix.size()),
+                             &std::pair<std::string, d::ExpressionState>::first) == law.connector.states.end();
+  });
+}
+
 /// Whether an unknown sets a parameter of the connector, and of nothing else.
 bool is_of_connector(const std::string& name, const d::Unknown& unknown, const std::string& connector) {
   return std::ranges::all_of(names_of(name, unknown),
@@ -45,30 +57,48 @@ bool is_of_connector(const std::string& name, const d::Unknown& unknown, const s
 void put_unknowns(const d::LawAlternative& law, const std::string& connector, d::Case& given) {
   auto& unknowns = given.estimate->unknown;
   auto& inference = given.infer->value;
+  const bool names_parameters = !inference.parameters.empty();
   std::erase_if(unknowns, [&](const auto& each) { return is_of_connector(each.first, each.second, connector); });
   std::erase_if(inference.priors, [&](const auto& each) { return each.first.starts_with(connector + "."); });
+  std::erase_if(inference.parameters, [&](const Name& each) { return each.value.starts_with(connector + "."); });
   for (const auto& [parameter, prior] : law.priors) {
     const auto [value, spread] = centre_of(prior);
     const std::string name = connector + "." + parameter;
     unknowns.emplace_back(name, d::Unknown{.initial = value, .std = spread, .transform = TransformKind::none});
     inference.priors.emplace_back(name, prior);
+    if (names_parameters) inference.parameters.push_back({name, prior.location, prior.path});
   }
 }
 
-d::Case case_with(const d::LawAlternative& law, const std::string& connector, const d::Case& base) {
+d::Case case_with(const d::LawAlternative& law, const std::vector<std::string>& connectors, const d::Case& base) {
   d::Case given = base;
-  put_law(law, *connector_named(connector, given));
   auto& inference = given.infer->value;
   inference.laws.reset();
   inference.profile.clear();
   inference.sensitivity.reset();
   inference.correlations.clear();
-  put_unknowns(law, connector, given);
+  for (const auto& connector : connectors) {
+    d::Connector& place = *connector_named(connector, given);
+    leave_out_states(law, connector, place.law.value, given);
+    put_law(law, place);
+    put_unknowns(law, connector, given);
+  }
   given.update.reset();
   given.predict.reset();
   given.place.reset();
   given.modifications.clear();
   return given;
+}
+
+/// An unknown of one of the connectors must not set a parameter elsewhere.
+void check_unshared(const std::string& name, const d::Unknown& unknown, const Name& connector, IssueList& issues) {
+  const auto targets = names_of(name, unknown);
+  const auto own = std::ranges::count_if(
+      targets, [&](const Name& target) { return target.value.starts_with(connector.value + "."); });
+  if (own > 0 && own < std::ssize(targets))
+    issues.add(connector.location,
+               connector.path + ": the unknown '" + name + "' applies to '" + connector.value + "' and to others",
+               "it would lose its meaning with another law", "make it an unknown of its own");
 }
 
 void check_comparison(const d::LawComparison& given, const SourceLocation& location, const std::string& path,
@@ -77,11 +107,12 @@ void check_comparison(const d::LawComparison& given, const SourceLocation& locat
     issues.add(location, path + ": laws are compared by likelihood: filter",
                "their evidence is that of the record, with the motion integrated out", "remove infer.likelihood");
   d::Case base = *study.description;
-  if (!connector_named(given.connector.value, base)) {
-    const auto names = connector_names(base);
-    issues.add(given.connector.location, given.connector.path + ": there is no connector '" + given.connector.value +
-                                             "'" + did_you_mean(given.connector.value, names));
-  }
+  for (const auto& connector : given.connectors)
+    if (!connector_named(connector.value, base)) {
+      const auto names = connector_names(base);
+      issues.add(connector.location, connector.path + ": there is no connector '" + connector.value + "'" +
+                                         did_you_mean(connector.value, names));
+    }
   if (given.laws.size() < 2)
     issues.add(location, path + ".laws: " + std::to_string(given.laws.size()) + " given", "a choice needs two",
                "add the laws that are possible");
@@ -89,16 +120,9 @@ void check_comparison(const d::LawComparison& given, const SourceLocation& locat
     if (law.value.priors.empty())
       issues.add(law.location, law.path + ": no unknown parameter", "its evidence is that of its unknown parameters",
                  "give `priors` of those that are not known");
-  if (study.given.estimate)
-    for (const auto& [name, unknown] : study.given.estimate->unknown) {
-      const auto targets = names_of(name, unknown);
-      const auto of_connector = std::ranges::count_if(
-          targets, [&](const Name& target) { return target.value.starts_with(given.connector.value + "."); });
-      if (of_connector > 0 && of_connector < std::ssize(targets))
-        issues.add(location,
-                   path + ": the unknown '" + name + "' applies to '" + given.connector.value + "' and to others",
-                   "it would lose its meaning with another law", "make it an unknown of its own");
-    }
+  if (!study.given.estimate) return;
+  for (const auto& [name, unknown] : study.given.estimate->unknown)
+    for (const auto& connector : given.connectors) check_unshared(name, unknown, connector, issues);
 }
 
 }  // namespace
@@ -107,9 +131,9 @@ void add_law_alternatives(const CaseStudy& study, InferencePlan& plan, IssueList
   const auto& [given, location, path] = *study.given.infer->value.laws;
   check_comparison(given, location, path, study, plan, issues);
   if (!issues.empty()) return;
-  plan.connector = given.connector.value;
+  for (const auto& connector : given.connectors) plan.connectors.push_back(connector.value);
   for (const auto& [name, law] : given.laws) try {
-      auto other = make_study(case_with(law.value, plan.connector, *study.description), study.file);
+      auto other = make_study(case_with(law.value, plan.connectors, *study.description), study.file);
       plan.laws.push_back({name, law.value.connector.law.value, std::make_shared<const Study>(std::move(other))});
     } catch (const InvalidInput& error) {
       for (const auto& issue : error.issues())
