@@ -115,6 +115,14 @@ TEST(InferenceReport, AnswersFirst) {
   EXPECT_TRUE(contains(answer, "One warning"));
 }
 
+TEST(InferenceReport, WarnsOfLaws) {
+  auto outcome = sample_inference();
+  outcome.laws->laws[1].warnings = {"few samples"};
+  EXPECT_EQ(inference_warnings(outcome),
+            (std::vector<std::string>{"the record is short: 800 samples", "law linear: few samples"}));
+  EXPECT_TRUE(contains(console_inference(outcome), "Warning: law linear: few samples\n"));
+}
+
 TEST(InferenceReport, SaysWhereTheFilterDiffers) {
   auto outcome = sample_inference();
   EXPECT_TRUE(
@@ -126,13 +134,13 @@ TEST(InferenceReport, SaysWhereTheFilterDiffers) {
 
 TEST(InferenceReport, LeavesOutColumnsWithoutNumbers) {
   auto outcome = sample_inference();
-  EXPECT_EQ(posterior_table(outcome).columns.size(), 9u);
+  EXPECT_EQ(posterior_table(outcome).columns.size(), 7u);
   outcome.truths.assign(4, std::nullopt);
-  const auto columns = posterior_table(outcome).columns;
-  EXPECT_EQ(std::ranges::count(columns, "truth") + std::ranges::count(columns, "z"), 0);
+  EXPECT_EQ(posterior_table(outcome).columns,
+            (std::vector<std::string>{"parameter", "prior", "posterior", "95 % interval", "std / prior std"}));
   const auto laws = law_table(*outcome.laws);
   EXPECT_EQ(std::ranges::count(laws.columns, "open loop"), 0);
-  EXPECT_EQ(laws.rows[2].back(), "no sample of the prior has a likelihood");
+  EXPECT_EQ(laws.rows[2][6], "not known: no sample of the prior has a likelihood");
 }
 
 TEST(InferenceReport, OrdersOutputsParametersByTheirTotalIndex) {

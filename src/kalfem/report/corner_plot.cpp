@@ -166,7 +166,7 @@ public:
   }
 
 private:
-  static constexpr double left = 74.0, top = 44.0, right = 24.0, bottom = 52.0, gap = 12.0, row_gap = 46.0;
+  static constexpr double left = 84.0, top = 44.0, right = 24.0, bottom = 56.0, gap = 12.0, row_gap = 46.0;
 
   [[nodiscard]] double x(std::size_t column) const { return left + static_cast<double>(column) * (panel_ + gap); }
   [[nodiscard]] double y(std::size_t row) const { return top + static_cast<double>(row) * (panel_ + row_gap); }
@@ -322,8 +322,16 @@ private:
           "x=\"{0:.1f}\" y=\"{3:.1f}\" text-anchor=\"middle\">{4}</text>\n",
           at, base, base + 4.0, base + 16.0, label(axis, value, step_of(axis, values)));
     }
-    out_ += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>\n", x(column) + 0.5 * panel_,
-                        base + 36.0, axis_label(axis));
+    write_label(axis, fmt::format("x=\"{:.1f}\"", x(column) + 0.5 * panel_), base + 33.0, "");
+  }
+
+  /// Name and below it the unit.
+  void write_label(const Axis& axis, const std::string& across, double y, const std::string& turn) {
+    out_ += fmt::format("<text {} y=\"{:.1f}\"{} text-anchor=\"middle\">{}</text>\n", across, y, turn,
+                        escaped(shortened(axis.values.name, letters())));
+    if (const auto unit = unit_of(axis); !unit.empty())
+      out_ += fmt::format("<text class=\"quiet\" {} y=\"{:.1f}\"{} text-anchor=\"middle\">[{}]</text>\n", across,
+                          y + 14.0, turn, escaped(unit));
   }
 
   void draw_axis_beside(std::size_t row) {
@@ -336,18 +344,9 @@ private:
           "x=\"{3:.1f}\" y=\"{4:.1f}\" text-anchor=\"end\">{5}</text>\n",
           left - 4.0, at, left, left - 7.0, at + 4.0, label(axis, value, step_of(axis, values)));
     }
-    const double middle = y(row) + 0.5 * panel_;
-    out_ += fmt::format(
-        "<text x=\"14\" y=\"{0:.1f}\" transform=\"rotate(-90 14 {0:.1f})\" text-anchor=\"middle\">{1}</text>\n", middle,
-        axis_label(axis));
-  }
-
-  [[nodiscard]] std::string axis_label(const Axis& axis) const {
-    const std::string unit = unit_of(axis);
-    const std::size_t taken = unit.empty() ? 0 : unit.size() + 3;
-    const std::string name =
-        shortened(axis.values.name, std::max<std::size_t>(8, letters() - std::min(letters(), taken)));
-    return escaped(unit.empty() ? name : name + " [" + unit + "]");
+    // Turned about the middle of the row, in whose coordinates y runs to the right.
+    write_label(axis, "x=\"0\"", 14.0,
+                fmt::format(" transform=\"translate(0 {:.1f}) rotate(-90)\"", y(row) + 0.5 * panel_));
   }
 
   std::vector<Axis> axes_;
@@ -393,7 +392,8 @@ std::vector<Index> equally_weighted(const VectorXd& weights, Index count) {
 }
 
 std::string caption_of(const InferenceOutcome& outcome, std::size_t drawn, bool with_prior, bool with_truth) {
-  std::string text = "Diagonal: density of the posterior; the line is its mean";
+  std::string text = drawn > 1 ? "Diagonal: density of the posterior; the line is its mean"
+                               : "Density of the posterior; the line is its mean";
   if (with_prior) text += ", the dotted curve the prior";
   if (with_truth) text += "; dashed lines are the true values";
   text += ".";

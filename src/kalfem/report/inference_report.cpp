@@ -157,7 +157,7 @@ Json inference_summary(const InferenceOutcome& outcome) {
 
 std::string console_inference(const InferenceOutcome& outcome) {
   std::string text = inference_answer(outcome) + "\n";
-  for (const auto& warning : outcome.warnings) text += "Warning: " + warning + "\n";
+  for (const auto& warning : inference_warnings(outcome)) text += "Warning: " + warning + "\n";
   text += inference_method_words(outcome) + "\n";
   const auto add = [&text](const Table& table) {
     if (!table.rows.empty()) text += "\n" + table.title + "\n" + to_text(table);
@@ -169,8 +169,8 @@ std::string console_inference(const InferenceOutcome& outcome) {
   add(convergence_table(outcome));
   add(posterior_correlation_table(outcome));
   add(identifiability_table(outcome));
-  if (outcome.before) add_line("Before the record: " + outcome.before->text);
-  if (outcome.after) add_line("After it: " + outcome.after->text);
+  if (outcome.before) add_line("Expected at the prior's centre: " + outcome.before->text);
+  if (outcome.after) add_line("At the posterior's mean: " + outcome.after->text);
   add(filter_table(outcome));
   add_line(filter_words(outcome));
   add(profile_table(outcome));

@@ -81,10 +81,10 @@ std::string text_of(const InferenceOutcome& outcome) {
   const auto add = [&text](const std::string& heading, const std::string& words) {
     if (!words.empty()) text += "\n\n" + heading + words;
   };
-  for (const auto& warning : outcome.warnings) add("Warning: ", warning);
+  for (const auto& warning : inference_warnings(outcome)) add("Warning: ", warning);
   add("", inference_method_words(outcome));
-  if (outcome.before) add("Before the record was used: ", outcome.before->text);
-  if (outcome.after) add("By the record: ", outcome.after->text);
+  if (outcome.before) add("Expected at the prior's centre: ", outcome.before->text);
+  if (outcome.after) add("At the posterior's mean: ", outcome.after->text);
   add("", filter_words(outcome));
   return text;
 }

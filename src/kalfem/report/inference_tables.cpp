@@ -57,26 +57,30 @@ Table without_empty_columns(Table table) {
 
 std::string joined(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, ", ")); }
 
+/// In a sentence.
+constexpr std::size_t most_named = 4;
+
 /// Each with its value; of many the best known.
 std::string determined_words(std::vector<InferredValues> values) {
-  constexpr std::size_t most = 4;
   std::ranges::stable_sort(values, {}, [](const auto& each) { return each.deviation_left().value_or(1.0); });
   std::vector<std::string> words;
-  for (std::size_t i = 0; i < std::min(values.size(), most); ++i)
+  for (std::size_t i = 0; i < std::min(values.size(), most_named); ++i)
     words.push_back(
         values[i].name + " = " +
         with_unit(with_deviation(values[i].posterior->mean, values[i].posterior->deviation), values[i].unit));
-  return joined(words) + (values.size() > most ? ", ..." : "");
+  return joined(words) + (values.size() > most_named ? ", ..." : "");
 }
 
 std::string undetermined_words(const std::vector<InferredValues>& values) {
   std::vector<std::string> words;
-  for (const auto& each : values)
-    words.push_back(each.name +
-                    (each.deviation_left() && std::isfinite(*each.deviation_left())
-                         ? fmt::format(" ({:.0f} % of its prior deviation is left)", 100.0 * *each.deviation_left())
-                         : ""));
-  return "The data tell little of " + joined(words) + ".";
+  for (std::size_t i = 0; i < std::min(values.size(), most_named); ++i) {
+    const auto left = values[i].deviation_left();
+    words.push_back(values[i].name + (left && std::isfinite(*left)
+                                          ? fmt::format(" ({:.0f} % of its prior deviation is left)", 100.0 * *left)
+                                          : ""));
+  }
+  return "The data tell little of " + joined(words) +
+         (values.size() > most_named ? fmt::format(" and {} others.", values.size() - most_named) : ".");
 }
 
 std::string parameter_words(const InferenceOutcome& outcome) {
@@ -197,21 +201,28 @@ std::string law_words(const InferenceOutcome& outcome) {
   return text;
 }
 
+std::vector<std::string> inference_warnings(const InferenceOutcome& outcome) {
+  std::vector<std::string> all = outcome.warnings;
+  if (outcome.laws)
+    for (const auto& law : outcome.laws->laws)
+      for (const auto& warning : law.warnings) all.push_back("law " + law.name + ": " + warning);
+  return all;
+}
+
 Table posterior_table(const InferenceOutcome& outcome) {
-  Table table{
-      "Posterior",
-      {"parameter", "unit", "prior", "posterior", "95 % interval", "deviation left", "most probable", "truth", "z"},
-      {},
-      {}};
+  Table table{"Posterior",
+              {"parameter", "prior", "posterior", "95 % interval", "std / prior std", "truth", "(mean - truth) / std"},
+              {},
+              {}};
   for (const auto& values : inferred_values(outcome)) {
     const auto& [name, unit, prior, posterior, truth, most_probable, convergence] = values;
-    const auto left = values.deviation_left();
-    const auto z = values.z();
-    table.rows.push_back({name, unit.empty() ? "-" : unit, prior ? with_deviation(prior->mean, prior->deviation) : "-",
+    const auto left = values.deviation_left(), z = values.z();
+    table.rows.push_back({with_unit_in_brackets(name, unit),
+                          prior ? with_deviation(prior->mean, prior->deviation) : "-",
                           posterior ? with_deviation(posterior->mean, posterior->deviation) : "-",
                           posterior ? interval(posterior->q2_5, posterior->q97_5) : "-",
-                          left && std::isfinite(*left) ? fmt::format("{:.1f} %", 100.0 * *left) : "-",
-                          cell(most_probable), cell(truth), z && std::isfinite(*z) ? fmt::format("{:+.2f}", *z) : "-"});
+                          left && std::isfinite(*left) ? fmt::format("{:.1f} %", 100.0 * *left) : "-", cell(truth),
+                          z && std::isfinite(*z) ? fmt::format("{:+.2f}", *z) : "-"});
   }
   return without_empty_columns(std::move(table));
 }
@@ -240,7 +251,7 @@ Table posterior_correlation_table(const InferenceOutcome& outcome) {
 
 Table identifiability_table(const InferenceOutcome& outcome) {
   Table table{"Standard deviations: Cramer-Rao bounds of the record alone, and the posterior's",
-              {"parameter", "unit", "bound before", "bound after", "posterior"},
+              {"parameter", "bound before", "bound after", "posterior"},
               {},
               {}};
   if (!outcome.before && !outcome.after) return table;
@@ -251,7 +262,7 @@ Table identifiability_table(const InferenceOutcome& outcome) {
   };
   const auto all = inferred_values(outcome);
   for (std::size_t i = 0; i < all.size(); ++i)
-    table.rows.push_back({all[i].name, all[i].unit.empty() ? "-" : all[i].unit, bound(outcome.before, i),
+    table.rows.push_back({with_unit_in_brackets(all[i].name, all[i].unit), bound(outcome.before, i),
                           bound(outcome.after, i), all[i].posterior ? four_digits(all[i].posterior->deviation) : "-"});
   return without_empty_columns(std::move(table));
 }
@@ -294,19 +305,19 @@ Table coverage_table(const InferenceOutcome& outcome) {
 Table law_table(const LawRanking& ranking) {
   Table table{"Laws of '" + ranking.connector + "'",
               {"law", "unknowns", "ln Z", "probability", "Occam's cost", "largest ln p", "evidence against it",
-               "validation ln p", "one step ahead", "open loop", "no evidence because"},
+               "validation ln p", "one step", "open loop"},
               {},
               {}};
   for (const auto& law : ranking.laws) {
-    std::vector<std::string> row{law.name == law.law ? law.name : fmt::format("{} ({})", law.name, law.law),
-                                 std::to_string(law.parameters)};
+    std::vector<std::string> row{law.name == law.law ? law.name : fmt::format("{} ({})", law.name, law.law)};
     if (law.failure.empty())
       row.insert(row.end(),
-                 {with_deviation(law.log_evidence, law.log_evidence_deviation), share(law.probability),
-                  four_digits(-law.occam), four_digits(law.log_likelihood), law.words.empty() ? "-" : law.words,
-                  cell(law.validation), cell(law.validation_one_step), cell(law.validation_open_loop), "-"});
+                 {std::to_string(law.parameters), with_deviation(law.log_evidence, law.log_evidence_deviation),
+                  share(law.probability), four_digits(-law.occam), four_digits(law.log_likelihood),
+                  law.words.empty() ? "-" : law.words, cell(law.validation), cell(law.validation_one_step),
+                  cell(law.validation_open_loop)});
     else
-      row.insert(row.end(), {"-", "-", "-", "-", "-", "-", "-", "-", law.failure});
+      row.insert(row.end(), {"-", "-", "-", "-", "-", "not known: " + law.failure, "-", "-", "-"});
     table.rows.push_back(std::move(row));
   }
   return without_empty_columns(std::move(table));

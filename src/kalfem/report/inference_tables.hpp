@@ -34,6 +34,8 @@ std::string inference_answer(const InferenceOutcome& outcome);
 std::string inference_method_words(const InferenceOutcome& outcome);
 /// Where the filter's normal distribution differs from the posterior, or that it does not; empty without a filter.
 std::string filter_words(const InferenceOutcome& outcome);
+/// Why the posterior may not hold, and of which law the evidence.
+std::vector<std::string> inference_warnings(const InferenceOutcome& outcome);
 /// The most probable law and how it stands against the next; empty without laws.
 std::string law_words(const InferenceOutcome& outcome);
 
