@@ -58,7 +58,7 @@ def test_moments_are_those_of_the_summary(run):
         assert set(data.data_vars) == set(stated) == {"mount.k", "mount.c"}
         for name, variable in data.data_vars.items():
             assert abs(float(variable.mean()) - stated[name]["mean"]) < 0.1 * stated[name]["std"]
-            assert abs(float(variable.std()) / stated[name]["std"] - 1) < 0.1
+            assert abs(float(variable.std()) / stated[name]["std"] - 1) < 0.15
             assert variable.attrs["unit"] == stated[name]["unit"]
 
 

@@ -113,6 +113,10 @@ TEST(InferenceReport, AnswersFirst) {
   EXPECT_TRUE(contains(answer, "Of 3 laws for 'suspension', saturating is the most probable (99.90 %)."));
   EXPECT_TRUE(contains(answer, "The evidence against the next one, linear, is very strong."));
   EXPECT_TRUE(contains(answer, "One warning"));
+  auto two = sample_inference();
+  two.prior.resize(2);
+  two.posterior.resize(2);
+  EXPECT_TRUE(contains(inference_answer(two), "The data determine both parameters: suspension.k = "));
 }
 
 TEST(InferenceReport, WarnsOfLaws) {

@@ -153,7 +153,7 @@ public:
         "style=\"max-width:{0:.0f}px;max-height:none;margin-top:0.6rem\">\n<style>.corner "
         "text{{fill:var(--text,#1b2129)}}.corner "
         ".quiet{{fill:var(--muted,#5b6673)}}.corner .frame{{fill:none;stroke:var(--line,#dde1e6)}}.corner "
-        ".draws{{fill:var(--estimate,#0072b2);fill-opacity:0.3}}.corner .bars{{fill:var(--estimate,#0072b2);"
+        ".bars{{fill:var(--estimate,#0072b2);"
         "fill-opacity:0.28;stroke:var(--estimate,#0072b2);stroke-width:1}}.corner .contour{{fill:none;stroke:"
         "var(--estimate,#0072b2);stroke-width:1.3;stroke-linecap:round}}.corner .inner{{stroke-width:2}}.corner "
         ".mean{{stroke:var(--estimate,#0072b2);stroke-width:1.6}}.corner .truth{{stroke:var(--truth,#1b2129);"
@@ -242,7 +242,7 @@ private:
       if (across.shows(across.samples[k]) && up.shows(up.samples[k]))
         path += "M" + place(across.samples[k], up.samples[k]) + "h0";
     out_ += fmt::format(
-        "<path d=\"{}\" fill=\"none\" stroke=\"var(--estimate,#0072b2)\" stroke-opacity=\"0.32\" stroke-width=\"3\" "
+        "<path d=\"{}\" fill=\"none\" stroke=\"var(--estimate,#0072b2)\" stroke-opacity=\"0.42\" stroke-width=\"3\" "
         "stroke-linecap=\"round\"/>\n",
         path);
     Eigen::Matrix2Xd points(2, across.samples.size());

@@ -21,6 +21,8 @@ std::optional<Value> entry(const std::vector<Value>& values, std::size_t index) 
 
 std::string cell(const std::optional<double>& value) { return value ? four_digits(*value) : "-"; }
 
+std::string three_digits(double value) { return std::isfinite(value) ? fmt::format("{:.3g}", value) : "-"; }
+
 std::string interval(double lower, double upper) { return four_digits(lower) + " to " + four_digits(upper); }
 /// One that may be open on either side.
 std::string interval(const std::optional<double>& lower, const std::optional<double>& upper) {
@@ -83,6 +85,13 @@ std::string undetermined_words(const std::vector<InferredValues>& values) {
          (values.size() > most_named ? fmt::format(" and {} others.", values.size() - most_named) : ".");
 }
 
+/// "all 4 parameters", "1 of 4 parameters".
+std::string counted(const std::vector<InferredValues>& some, const std::vector<InferredValues>& all) {
+  if (some.size() < all.size()) return fmt::format("{} of {} parameters", some.size(), all.size());
+  if (all.size() == 1) return "the parameter";
+  return all.size() == 2 ? "both parameters" : fmt::format("all {} parameters", all.size());
+}
+
 std::string parameter_words(const InferenceOutcome& outcome) {
   const auto all = inferred_values(outcome);
   if (all.empty()) return "";
@@ -91,13 +100,7 @@ std::string parameter_words(const InferenceOutcome& outcome) {
   std::vector<InferredValues> known, unknown;
   for (const auto& each : all) (each.determined() ? known : unknown).push_back(each);
   std::string text;
-  if (!known.empty())
-    text =
-        fmt::format("The data determine {}: {}.",
-                    unknown.empty() ? all.size() == 1 ? "the parameter" : fmt::format("all {} parameters", all.size())
-                    : known.size() == 1 ? fmt::format("1 of {} parameters", all.size())
-                                        : fmt::format("{} of {} parameters", known.size(), all.size()),
-                    determined_words(known));
+  if (!known.empty()) text = fmt::format("The data determine {}: {}.", counted(known, all), determined_words(known));
   if (!unknown.empty()) text += (text.empty() ? "" : " ") + undetermined_words(unknown);
   return text;
 }
@@ -179,13 +182,13 @@ std::string filter_words(const InferenceOutcome& outcome) {
   if (outcome.beside_filter.empty()) return "";
   std::string text;
   for (const auto& each : outcome.beside_filter)
-    if (!each.agrees())
+    if (!each.agrees() && std::isfinite(each.mean_difference) && std::isfinite(each.deviation_ratio))
       text += fmt::format(
-          "{}{}: the filter's mean lies {} posterior deviations away, its deviation is {} times the "
+          "{}{}: the filter's mean lies {:.2g} posterior deviations away, its deviation is {:.2g} times the "
           "posterior's.",
-          text.empty() ? "" : " ", each.name, four_digits(std::abs(each.mean_difference)),
-          four_digits(each.deviation_ratio));
-  return text.empty() ? "The filter's normal distribution agrees with the posterior." : text;
+          text.empty() ? "" : " ", each.name, std::abs(each.mean_difference), each.deviation_ratio);
+  const bool all_agree = std::ranges::all_of(outcome.beside_filter, &FilterComparison::agrees);
+  return all_agree ? "The filter's normal distribution agrees with the posterior." : text;
 }
 
 std::string law_words(const InferenceOutcome& outcome) {
@@ -211,7 +214,7 @@ std::vector<std::string> inference_warnings(const InferenceOutcome& outcome) {
 
 Table posterior_table(const InferenceOutcome& outcome) {
   Table table{"Posterior",
-              {"parameter", "prior", "posterior", "95 % interval", "std / prior std", "truth", "(mean - truth) / std"},
+              {"parameter", "prior", "posterior", "95 % interval", "std / prior std", "truth", "error / std"},
               {},
               {}};
   for (const auto& values : inferred_values(outcome)) {
@@ -278,7 +281,7 @@ Table filter_table(const InferenceOutcome& outcome) {
     const bool known = found != all.end() && found->posterior;
     table.rows.push_back({each.name, with_deviation(each.filter_mean, each.filter_deviation),
                           known ? with_deviation(found->posterior->mean, found->posterior->deviation) : "-",
-                          four_digits(each.mean_difference), four_digits(each.deviation_ratio),
+                          three_digits(each.mean_difference), three_digits(each.deviation_ratio),
                           each.agrees() ? "yes" : "no"});
   }
   return table;
