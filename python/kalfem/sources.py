@@ -58,7 +58,7 @@ class FolderSource:
 
         def collect(path, item):
             # Whole numbers count the chains and draws of a posterior: they are axes, not results.
-            if isinstance(item, h5py.Dataset) and not (item.is_scale and item.dtype.kind == "i"):
+            if isinstance(item, h5py.Dataset) and not ("CLASS" in item.attrs and item.dtype.kind == "i"):
                 paths.append(path)
 
         with self._open() as file:
