@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t most_parameters = 8;
 constexpr Index most_points = 600;
-constexpr int bins = 28;
+constexpr int least_bins = 10, most_bins = 28;
 
 // ---- contours -------------------------------------------------------------------------------------------------------
 
@@ -142,6 +142,7 @@ public:
         cloud_(std::move(cloud)),
         correlation_(std::move(correlation)),
         priors_(std::move(priors)),
+        bins_(std::clamp(static_cast<int>(1.2 / weights_.norm()), least_bins, most_bins)),
         panel_(std::clamp(880.0 / static_cast<double>(axes_.size()), 112.0, 300.0)) {}
 
   std::string svg() {
@@ -193,15 +194,15 @@ private:
 
   void draw_marginal(std::size_t index) {
     const auto& axis = axes_[index];
-    const double width = (axis.high - axis.low) / bins;
-    VectorXd shares = VectorXd::Zero(bins);
+    const double width = (axis.high - axis.low) / bins_;
+    VectorXd shares = VectorXd::Zero(bins_);
     for (Index k = 0; k < axis.samples.size(); ++k)
       if (axis.shows(axis.samples[k]))
-        shares[std::min(bins - 1, static_cast<int>(bins * axis.part(axis.samples[k])))] += weights_[k];
+        shares[std::min(bins_ - 1, static_cast<int>(bins_ * axis.part(axis.samples[k])))] += weights_[k];
     const double highest = 1.12 * std::max(1e-300, shares.maxCoeff());
     const auto height = [&](double share) { return panel_ * (1.0 - share / highest); };
     std::string path = fmt::format("M0 {:.1f}", panel_);
-    for (int i = 0; i < bins; ++i) path += fmt::format("V{:.1f}H{:.1f}", height(shares[i]), panel_ * (i + 1) / bins);
+    for (int i = 0; i < bins_; ++i) path += fmt::format("V{:.1f}H{:.1f}", height(shares[i]), panel_ * (i + 1) / bins_);
     out_ += fmt::format("<path class=\"bars\" d=\"{}V{:.1f}Z\"/>\n", path, panel_);
     if (priors_[index]) draw_prior(axis, *priors_[index], width, height);
     line_at(axis, axis.values.posterior->mean, "mean", true);
@@ -354,6 +355,7 @@ private:
   std::vector<Index> cloud_;
   MatrixXd correlation_;
   std::vector<std::optional<MarginalPrior>> priors_;
+  int bins_;  ///< of a histogram, more for more effective samples
   double panel_;
   std::string out_;
 };

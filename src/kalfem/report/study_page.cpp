@@ -313,6 +313,8 @@ std::string answer(const StudyResults& results) {
   text += std::isfinite(consistency.mean_nis)
               ? fmt::format("; mean NIS {:.2f} (expected {:.2f}).", consistency.mean_nis, consistency.expected_nis)
               : "; nothing was measured after settling.";
+  if (const auto words = results.inference ? law_words(*results.inference) : std::string(); !words.empty())
+    text += " " + words;
   if (const auto reasons = results.verdict.reasons(); !reasons.empty())
     text += fmt::format(" {} for doubt, the worst: {}.",
                         reasons.size() == 1 ? "One reason" : fmt::format("{} reasons", reasons.size()),
