@@ -65,7 +65,8 @@ def test_moments_are_those_of_the_summary(run):
 def test_a_folder_has_what_memory_has(run):
     in_memory, folder = run
     written = kf.read_results(folder)
-    paths = {path for path in written.keys() if path.split("/")[0] in ("posterior", "sample_stats", "profile", "predictive")}
+    groups = ("posterior/", "sample_stats/", "profile/", "predictive/")
+    paths = {path for path in written.keys() if path.startswith(groups)}
     assert {"posterior/mount.k", "sample_stats/lp", "profile/mount.k/value", "predictive/a/mean"} <= paths
     for path in paths:
         assert np.array_equal(written[path], in_memory[path], equal_nan=True), path
