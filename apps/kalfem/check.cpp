@@ -14,6 +14,7 @@
 #include "kalfem/model/unit_system.hpp"
 #include "kalfem/pipeline/record_expectation.hpp"
 #include "kalfem/pipeline/reported_quantities.hpp"
+#include "kalfem/pipeline/run_inference.hpp"
 #include "kalfem/pipeline/run_study.hpp"
 #include "kalfem/pipeline/run_updating.hpp"
 #include "kalfem/report/record_check.hpp"
@@ -142,6 +143,13 @@ std::optional<RecordCheck> checked_record(const Study& study) {
   return check;
 }
 
+/// What the record can tell of the parameters that the case infers, before it is run.
+void print_identifiability(const Study& study) {
+  if (!study.inference) return;
+  const auto found = identifiability_before(study);
+  if (found) print("Before the run, from the expected record: {}\n\n", found->text);
+}
+
 void check_parts(const Study& study, const std::optional<RecordCheck>& record, const std::string& page_file) {
   Page page{.title = study.title.empty() ? "kalfem" : study.title,
             .subtitle = "Check of the case",
@@ -180,6 +188,7 @@ ExitCode check(const std::string& case_file, const std::string& page_file) {
   if (study.validation) print("{}\n\n", validation_part_words(*study.validation));
   if (study.augmented_model) print_table(unknown_table(*study.augmented_model));
   if (study.updating) print_table(updating_table(*study.updating));
+  print_identifiability(study);
   check_parts(study, record, page_file);
   for (const auto& warning : study.warnings) print_error("warning: {}\n", warning);
   print("No problem found. Nothing was run.\n");

@@ -302,7 +302,7 @@ predict: {substructure: mast}
 report: {fields: {substructure: mast, every: 0.1 s}, modes: 3, superelements: [matrix_market]}
 )";
 
-const std::string inferring = R"(kalfem: 1
+const std::string inferring = R"yaml(kalfem: 1
 substructures:
   s: {masses: {a: 2 kg, b: 1 kg}, springs: [{name: k, from: ground, to: a, stiffness: 800 N/m, damping: 4 N s/m}]}
 connectors:
@@ -352,7 +352,7 @@ infer:
           chirp: {sweep: {amplitude: 1 V, from: 1 Hz, to: 5 Hz, duration: 1 s, kind: linear, fade_in: 0.1 s}}
           level: {constant: 2 V}
           column: {channel: f, file: input.csv, unit: V, bridge_gaps: 20 ms, prepare: {remove_trend: true}}
-)";
+)yaml";
 
 const std::string placing = R"(kalfem: 1
 substructures:

@@ -62,7 +62,7 @@ TEST(InferenceOfACase, AgreesWithTheFilterOnALongRecord) {
   for (std::size_t i = 0; i < 2; ++i) {
     const auto& posterior = outcome.posterior[i];
     EXPECT_LT(std::abs(posterior.mean - *outcome.truths[i]), 4.0 * posterior.deviation) << posterior.name;
-    EXPECT_LT(posterior.deviation, 0.2 * outcome.prior[i].deviation);
+    EXPECT_LT(posterior.deviation, 0.5 * outcome.prior[i].deviation);
     // of a normal likelihood the profile's interval is 1.96 deviations each way; the prior hardly matters
     const auto& profile = outcome.profiles[i];
     ASSERT_TRUE(profile.lower && profile.upper);
@@ -179,8 +179,7 @@ estimate:
     tower.s2.damping: {initial: 2, std: 30 %}
 infer: {}
 )");
-  const auto results = run_study(study, Step::simulate);
-  const auto found = identifiability_before(study, record_of(study, results));
+  const auto found = identifiability_before(study);
   ASSERT_TRUE(found.has_value());
   EXPECT_NE(found->text.find("ratios"), std::string::npos) << found->text;
   EXPECT_FALSE(found->combinations.back().determined);

@@ -143,6 +143,31 @@ void laws() {
   near(std::get<LogNormalPrior>(second[1].second).log_deviation, 0.3);
 }
 
+/// The signals of an alternative are those of the case that has its connector; component_keys.cpp and
+/// structure_keys.cpp hold them against their definitions.
+void law_signals() {
+  std::vector<double> column(300);
+  for (std::size_t k = 0; k < column.size(); ++k) column[k] = std::sin(0.2 * static_cast<double>(k));
+  write_file("fed.csv", csv_of(100.0, {{"f", column}}));
+  const std::string connector =
+      "law: expression, force: \"k*x + 3*v + noise + tone + chirp + level + column\", signals: {"
+      "noise: {random: {rms: 2 V, band: [0.5, 5 Hz], duration: 1 s, fade_in: 0.1 s, seed: 2}, scale: 2}, "
+      "tone: {sine: {amplitude: 1 V, frequency: 3 Hz, phase: 0.1, fade_in: 0.1 s}}, "
+      "chirp: {sweep: {amplitude: 1 V, from: 1 Hz, to: 5 Hz, duration: 1 s, kind: logarithmic, fade_in: 0.1 s}}, "
+      "level: {constant: 2 V}, "
+      "column: {channel: f, file: fed.csv, sample_rate: 100 Hz, unit: mV, bridge_gaps: 20 ms, prepare: {remove_offset: "
+      "{from: 0.1 s, to: 0.2 s}, remove_trend: true, high_pass: 0.5 Hz, low_pass: 30 Hz, sample_rate: 80 Hz}}}";
+  const Study study = with_infer("compare_laws: {connector: c, laws: {one: {" + connector +
+                                 ", priors: {k: {uniform: [200, 300]}}}, two: {" + linear + "}}}");
+  const Study expected = study_of(estimated_case(
+      {{"estimate", ""}, {"connectors", "{c: {from: s.a, to: s.b, parameters: {k: 250}, " + connector + "}}"}}));
+  const auto& found = plan_of(study).laws.at(0).study->structure->signals;
+  const auto& signals = expected.structure->signals;
+  ASSERT_EQ(found.size(), signals.size());
+  ASSERT_EQ(found.size(), 6u);
+  for (std::size_t i = 0; i < found.size(); ++i) same_signal(*found[i], *signals[i], 0.01, 40);
+}
+
 void sensitivities() {
   const Study study = with_infer("sensitivity: {outputs: [frequency.2, force.c, nis], samples: 64}");
   const auto& plan = *plan_of(study).sensitivity;
@@ -171,6 +196,36 @@ KeyChecks inference_keys() {
   add(at + "compare_laws.", {"connector"}, laws);
   add(law_at, {"law", "parameters", "force", "let", "states.*.rate", "states.*.unit"}, laws);
   add(law_at + "priors.*.", prior, laws);
+  add(law_at + "signals.*.",
+      {"bridge_gaps",
+       "channel",
+       "constant",
+       "file",
+       "prepare.high_pass",
+       "prepare.low_pass",
+       "prepare.remove_offset.from",
+       "prepare.remove_offset.to",
+       "prepare.remove_trend",
+       "prepare.sample_rate",
+       "random.band",
+       "random.duration",
+       "random.fade_in",
+       "random.rms",
+       "random.seed",
+       "sample_rate",
+       "scale",
+       "sine.amplitude",
+       "sine.fade_in",
+       "sine.frequency",
+       "sine.phase",
+       "sweep.amplitude",
+       "sweep.duration",
+       "sweep.fade_in",
+       "sweep.from",
+       "sweep.kind",
+       "sweep.to",
+       "unit"},
+      law_signals);
   add(at + "sensitivity.", {"outputs", "samples"}, sensitivities);
   return keys;
 }

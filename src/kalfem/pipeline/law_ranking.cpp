@@ -86,8 +86,8 @@ RankedLaw evaluate(const LawAlternative& alternative, const Record& record, cons
   const int threads = filter_threads(study.problem->settings);
   RankedLaw law{.name = alternative.name, .law = alternative.law, .parameters = std::ssize(plan.parameters)};
   const RecordEstimate estimate = estimate_record(study.problem, *study.augmented_model, record);
-  const VectorXd start = search_start(plan, &estimate);
-  const Posterior posterior{plan.prior, likelihood_of_record(study, record, start).log_likelihood};
+  const auto [likelihood, start] = begin_search(study, record, &estimate);
+  const Posterior posterior{plan.prior, likelihood.log_likelihood};
   InferenceOutcome outcome;
   sample_posterior(plan, posterior, start, threads, progress, outcome);
   law.warnings = outcome.warnings;

@@ -31,6 +31,14 @@ ParameterSummary summary_of(const std::string& name, const MarginalPrior& prior)
           from_normal(prior, 1.959963984540054)};
 }
 
+/// The samples of the record, or of the simulation that makes one, without channels where there are none yet.
+Record time_of(const Study& study) {
+  if (study.record) return study.record->record;
+  Record time{.sample_rate = study.simulation->sample_rate};
+  time.values.resize(0, std::llround(study.simulation->duration * time.sample_rate) + 1);
+  return time;
+}
+
 std::vector<InformedParameter> informed(const InferencePlan& plan, const VectorXd& values) {
   const VectorXd deviation = plan.prior.deviation();
   std::vector<InformedParameter> parameters;
@@ -97,14 +105,14 @@ std::optional<Identifiability> judged(const InferencePlan& plan, const CaseLikel
 
 }  // namespace
 
-std::optional<Identifiability> identifiability_before(const Study& study, const Record& drive) {
+std::optional<Identifiability> identifiability_before(const Study& study) {
   const auto& plan = *study.inference;
   if (plan.likelihood == LikelihoodKind::comparisons || !study.problem) return std::nullopt;
   IssueList unknown;
   check_excitation_is_known(*study.problem, unknown);
   if (!unknown.empty()) return std::nullopt;
   const VectorXd start = start_of(plan);
-  const auto expected = expected_record(study.problem, drive, names_of(plan), start);
+  const auto expected = expected_record(study.problem, time_of(study), names_of(plan), start);
   if (!expected) return std::nullopt;
   const FilterLikelihood likelihood(study.problem, *expected, names_of(plan), {.first = start});
   const auto information = fisher_information(
@@ -128,10 +136,11 @@ InferenceOutcome run_inference(const Study& study, const StudyResults& results, 
     outcome.prior.push_back(summary_of(plan.parameters[i].name, plan.prior.marginals()[i].second));
     outcome.prior_marginals.push_back(plan.prior.marginals()[i].second);
   }
-  if (of_record) outcome.before = identifiability_before(study, record_of(study, results));
-  const VectorXd start = search_start(plan, results.estimation ? &*results.estimation : nullptr);
-  const CaseLikelihood likelihood = of_record ? likelihood_of_record(study, record_of(study, results), start)
-                                              : likelihood_of_comparisons(study, results);
+  if (of_record) outcome.before = identifiability_before(study);
+  const RecordEstimate* estimate = results.estimation ? &*results.estimation : nullptr;
+  const auto [likelihood, start] = of_record
+                                       ? begin_search(study, record_of(study, results), estimate)
+                                       : PosteriorSearch{likelihood_of_comparisons(study, results), start_of(plan)};
   outcome.likelihood = likelihood.words;
   const Posterior posterior{plan.prior, likelihood.log_likelihood};
   sample_posterior(plan, posterior, start, threads, progress, outcome);

@@ -5,8 +5,9 @@
 namespace kalfem {
 
 /// What a record can tell of the parameters before it is looked at: the information of the record that is expected at
-/// the initial values under the known excitation, over the time of `drive`. Empty where it cannot be foreseen.
-std::optional<Identifiability> identifiability_before(const Study& study, const Record& drive);
+/// the initial values under the known excitation, over the time of the case's record or simulation. Empty where it
+/// cannot be foreseen.
+std::optional<Identifiability> identifiability_before(const Study& study);
 
 /// What the case's `infer` asks for, of the simulated or measured record, or of the comparisons of its updating.
 InferenceOutcome run_inference(const Study& study, const StudyResults& results, const Progress& progress);

@@ -19,6 +19,8 @@ namespace {
 constexpr int chains = 4;
 constexpr int pilot_samples = 200;  ///< by importance sampling, from which Markov chains start
 
+constexpr int further_starts = 5;  ///< of the search for the maximum, where its samples do not hold
+
 /// Samples of the normal distribution inside the prior's support.
 SampleSet normal_samples(const Posterior& posterior, const LaplaceApproximation& laplace, const InferencePlan& plan) {
   const Index size = laplace.mode.size();
@@ -53,15 +55,21 @@ void by_laplace(const InferencePlan& plan, const Posterior& posterior, const Vec
 
 void by_importance(const InferencePlan& plan, const Posterior& posterior, const VectorXd& start, int threads,
                    const Progress& progress, InferenceOutcome& outcome) {
-  auto found = sample_importance(
-      posterior, {.samples = plan.samples, .start = start, .seed = plan.seed, .threads = threads}, progress);
+  ImportanceOptions options{.samples = plan.samples, .start = start, .seed = plan.seed, .threads = threads};
+  auto found = sample_importance(posterior, options, progress);
+  outcome.evaluations = found.evaluations;
+  if (!found.reliable()) {  // the search may have ended on a side maximum
+    options.random_starts = further_starts;
+    auto wider = sample_importance(posterior, options, progress);
+    outcome.evaluations += wider.evaluations;
+    if (wider.log_evidence > found.log_evidence) found = std::move(wider);
+  }
   outcome.method = "importance samples about the most probable values";
   outcome.samples = std::move(found.samples);
   outcome.log_evidence = found.log_evidence;
   outcome.log_evidence_deviation = found.log_evidence_deviation;
   outcome.effective_samples = found.effective_samples;
   outcome.pareto_k = found.k_hat;
-  outcome.evaluations = found.evaluations;
   outcome.warnings.insert(outcome.warnings.end(), found.warnings.begin(), found.warnings.end());
 }
 

@@ -1,15 +1,19 @@
 #pragma once
 
-#include <Eigen/Dense>
-
-#include "kalfem/identification/record_estimate.hpp"
-#include "kalfem/study/inference_plan.hpp"
+#include "kalfem/pipeline/case_likelihood.hpp"
 
 namespace kalfem {
 
-/// Where the search for the most probable parameters begins: at what the filter has found along the record, inside the
-/// priors; at the plan's own start without an estimate, or where the filter stopped. From a prior's centre the
-/// likelihood of a lightly damped structure has many maxima: each is a phase that fits for a while.
-Eigen::VectorXd search_start(const InferencePlan& plan, const RecordEstimate* estimate);
+/// The likelihood of a case's record and where the search for the most probable parameters begins.
+struct PosteriorSearch {
+  CaseLikelihood likelihood;
+  Eigen::VectorXd start;
+};
+
+/// Begins at what the filter has found along the record, or at the plan's own start: where the posterior is larger.
+/// From a prior's centre the likelihood of a lightly damped structure has many maxima, each a phase that fits for a
+/// while; and a filter may have stopped, or ended where no structure is. `estimate`: may be null. Throws InvalidInput
+/// where neither has a likelihood.
+PosteriorSearch begin_search(const Study& study, const Record& record, const RecordEstimate* estimate);
 
 }  // namespace kalfem

@@ -27,7 +27,7 @@ Eigen::VectorXd model_probabilities(const Eigen::Ref<const Eigen::VectorXd>& log
   const double total = log_sum_exp(log_weight);
   if (!std::isfinite(total))
     throw InvalidInput("no model is possible", "every evidence is zero", "check the models and their priors");
-  return (log_weight.array() - total).exp();
+  return log_weight.unaryExpr([total](double each) { return std::exp(each - total); });  // to zero, where Eigen's stops
 }
 
 std::string kass_raftery(double log_bayes_factor) {
