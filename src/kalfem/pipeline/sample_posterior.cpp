@@ -19,7 +19,7 @@ namespace {
 constexpr int chains = 4;
 constexpr int pilot_samples = 200;  ///< by importance sampling, from which Markov chains start
 
-constexpr int further_starts = 5;  ///< of the search for the maximum, where its samples do not hold
+constexpr int further_starts = 2;  ///< of the search for the maximum, where its samples do not hold
 
 /// Samples of the normal distribution inside the prior's support.
 SampleSet normal_samples(const Posterior& posterior, const LaplaceApproximation& laplace, const InferencePlan& plan) {

@@ -1,0 +1,79 @@
+#include <gtest/gtest.h>
+
+#include "command.hpp"
+
+// The verb `infer`: its files, its refusals, and a record without a determined answer.
+
+namespace kalfem::test {
+namespace {
+
+using Json = nlohmann::json;
+
+const std::string oscillator = R"(kalfem: 1
+substructures: {s: {masses: {m: 2 kg}, springs: [{name: k, from: ground, to: m, stiffness: 600 N/m, damping: 4}]}}
+connectors: {c: {from: s.ground, to: s.m, law: linear, parameters: {k: 200 N/m}}}
+excitation: {f: {force: s.m, random: {rms: 10 N, band: [0.5, 10 Hz], seed: 4}}}
+sensors: {a: {acceleration: s.m, noise: 5 %}}
+simulate: {duration: 4 s, sample_rate: 100 Hz}
+)";
+
+const std::string one_unknown =
+    "estimate: {diagnose: false, settle: 0.2 s, unknown: {c.k: {initial: 180, std: 20 %}}}\n";
+const std::string two_springs =
+    "estimate: {diagnose: false, settle: 0.2 s, unknown: {c.k: {initial: 200, std: 20 %}, s.k.stiffness: {initial: "
+    "600, "
+    "std: 20 %}}}\n";
+
+class Infer : public testing::Test {
+protected:
+  Outcome run(const std::string& text, const std::string& verb = "infer") {
+    const std::string file = (folder_ / "case.yaml").string();
+    std::ofstream(file) << text;
+    return run_command(verb + " " + file + (verb == "check" ? "" : " --out " + (folder_ / "out").string()), folder_);
+  }
+  [[nodiscard]] Json inference() const { return read_summary(folder_ / "out")["inference"]; }
+
+  ScratchFolder folder_{"infer"};
+};
+
+TEST_F(Infer, WritesThePosterior) {
+  const auto outcome = run(oscillator + one_unknown + "infer: {samples: 200, predictions: 5, profile: c.k}\n");
+  ASSERT_EQ(outcome.code, 0) << outcome.errors;
+  EXPECT_NE(outcome.output.find("The data determine"), std::string::npos) << outcome.output;
+  const Json found = inference();
+  const Json parameter = found["parameters"]["c.k"];
+  EXPECT_NEAR(parameter["mean"].get<double>(), 200.0, 4.0 * parameter["std"].get<double>());
+  EXPECT_LT(found["pareto_k"].get<double>(), 0.7);
+  EXPECT_TRUE(found["profiles"]["c.k"]["interval_95"][0].is_number());
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "out" / "results.h5"));
+  EXPECT_NE(read(folder_ / "out" / "report.html").find("c.k"), std::string::npos);
+}
+
+TEST_F(Infer, IsPartOfRun) {
+  ASSERT_EQ(run(oscillator + one_unknown + "infer: {samples: 100, predictions: 0}\n", "run").code, 0);
+  EXPECT_TRUE(inference().is_object());
+  ASSERT_EQ(run(oscillator + one_unknown + "infer: {samples: 100, predictions: 0}\n", "estimate").code, 0);
+  EXPECT_FALSE(inference().is_object());
+}
+
+// Two springs side by side: only their sum is seen.
+TEST_F(Infer, SaysWhatTheRecordCannotTellBeforeTheRunAndAfter) {
+  const auto check = run(oscillator + two_springs + "infer: {}\n", "check");
+  ASSERT_EQ(check.code, 0) << check.errors;
+  EXPECT_NE(check.output.find("cannot be told apart"), std::string::npos) << check.output;
+  const auto outcome = run(oscillator + two_springs + "infer: {samples: 300, predictions: 0}\n");
+  ASSERT_EQ(outcome.code, 0) << outcome.errors;
+  const Json found = inference();
+  EXPECT_NE(found["identifiability"]["after"]["text"].get<std::string>().find("cannot be told apart"),
+            std::string::npos);
+  EXPECT_LT(found["correlation"]["matrix"][0][1].get<double>(), -0.95);
+}
+
+TEST_F(Infer, NeedsItsSection) {
+  const auto outcome = run(oscillator + one_unknown);
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_NE(outcome.errors.find("the case has no `infer`"), std::string::npos) << outcome.errors;
+}
+
+}  // namespace
+}  // namespace kalfem::test
