@@ -11,8 +11,8 @@ namespace kalfem::command {
 /// 1 also where the machine does not take the output: the disk is full, stdout is closed.
 enum ExitCode { done = 0, a_bug = 1, cannot_write = 1, mend_the_input = 2, not_usable = 3 };
 
-/// run (everything), simulate, estimate, predict, update, infer, place: the steps up to `last`, results into `folder` (empty: <case>.kalfem-out
-/// beside it). A case without the section of the step is an error.
+/// run (everything), simulate, estimate, predict, update, infer, place: the steps up to `last`, results into `folder`
+/// (empty: <case>.kalfem-out beside it). A case without the section of the step is an error.
 ExitCode run(const std::string& case_file, Step last, const std::string& folder, bool strict);
 /// check: validate and explain, run nothing. With a page file, the model check of the substructures goes there too.
 ExitCode check(const std::string& case_file, const std::string& page_file);

@@ -35,7 +35,8 @@ std::string reported_name(const Place& place, Index dof) {
   const std::string& name = model.dofs[static_cast<std::size_t>(dof)];
   if (model.points_only)
     for (const auto& [point, combination] : model.points)
-      if (!is_numbered_node(point) && combination.size() == 1 && combination.contains(name) && combination.at(name) == 1.0)
+      if (!is_numbered_node(point) && combination.size() == 1 && combination.contains(name) &&
+          combination.at(name) == 1.0)
         return place.part.name + "." + point;
   return place.part.name + "." + name;
 }

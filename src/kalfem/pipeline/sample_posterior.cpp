@@ -19,6 +19,7 @@ namespace {
 constexpr int chains = 4;
 constexpr int pilot_samples = 200;  ///< by importance sampling, from which Markov chains start
 
+constexpr int search_steps = 30;   ///< a rough likelihood has no maximum to converge to; the samples mend the rest
 constexpr int further_starts = 2;  ///< of the search for the maximum, where its samples do not hold
 
 /// Samples of the normal distribution inside the prior's support.
@@ -55,7 +56,8 @@ void by_laplace(const InferencePlan& plan, const Posterior& posterior, const Vec
 
 void by_importance(const InferencePlan& plan, const Posterior& posterior, const VectorXd& start, int threads,
                    const Progress& progress, InferenceOutcome& outcome) {
-  ImportanceOptions options{.samples = plan.samples, .start = start, .seed = plan.seed, .threads = threads};
+  ImportanceOptions options{
+      .samples = plan.samples, .max_iterations = search_steps, .start = start, .seed = plan.seed, .threads = threads};
   auto found = sample_importance(posterior, options, progress);
   outcome.evaluations = found.evaluations;
   if (!found.reliable()) {  // the search may have ended on a side maximum

@@ -5,8 +5,8 @@
 
 namespace kalfem {
 
-/// Computes the posterior by the plan's method, whose search begins at `start`: samples, moments, evidence, diagnostics and warnings of the outcome.
-/// Throws InvalidInput where no start has a likelihood, and Interrupted.
+/// Computes the posterior by the plan's method, whose search begins at `start`: samples, moments, evidence, diagnostics
+/// and warnings of the outcome. Throws InvalidInput where no start has a likelihood, and Interrupted.
 void sample_posterior(const InferencePlan& plan, const Posterior& posterior, const Eigen::VectorXd& start, int threads,
                       const Progress& progress, InferenceOutcome& outcome);
 

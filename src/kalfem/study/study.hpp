@@ -45,8 +45,8 @@ struct Study {
   std::optional<ValidationPlan> validation;            ///< if the case has `validate`
   std::optional<PredictionPlan> prediction;            ///< if the case has `predict`
   std::vector<StructuralModification> modifications;
-  std::optional<InferencePlan> inference;              ///< if the case has `infer`
-  std::optional<PlacementPlan> placement;              ///< if the case has `place`
+  std::optional<InferencePlan> inference;  ///< if the case has `infer`
+  std::optional<PlacementPlan> placement;  ///< if the case has `place`
   ReportPlan report;
   std::vector<std::string> warnings;  ///< settings that are allowed but are probably a mistake
 
