@@ -344,14 +344,14 @@ infer:
         let: {g: 2*k}
         force: "g*x + q*s + 3*v + 1e-3*(noise + tone + chirp + level + column)"
         states: {s: {rate: "v - s", unit: m}}
-        parameters: {q: 1 N/m}
-        priors: {k: {lognormal: {median: 250 N/m, std: 0.1}, bounds: [1 N/m, 900 N/m]}}
+        parameters: {q: 1}
+        priors: {k: {lognormal: {median: 250, std: 0.1}, bounds: [1, 900]}}
         signals:
           noise: {random: {rms: 1 V, band: [0.5, 5 Hz], duration: 1 s, fade_in: 0.1 s, seed: 2}, scale: 2}
           tone: {sine: {amplitude: 1 V, frequency: 3 Hz, phase: 0.1, fade_in: 0.1 s}}
           chirp: {sweep: {amplitude: 1 V, from: 1 Hz, to: 5 Hz, duration: 1 s, kind: linear, fade_in: 0.1 s}}
           level: {constant: 2 V}
-          column: {channel: f, file: input.csv, unit: V, bridge_gaps: 20 ms, prepare: {remove_trend: true}}
+          column: {channel: f, file: input.csv, unit: V, bridge_gaps: 20 ms, prepare: {remove_offset: {from: 0.1 s, to: 0.2 s}, remove_trend: true}}
 )yaml";
 
 const std::string placing = R"(kalfem: 1
@@ -388,6 +388,7 @@ place:
   draws: 2
   seed: 5
   largest_enumeration: 100
+infer: {samples: 50, sensitivity: {outputs: [frequency.1, force.mount, nis], samples: 16}}
 )";
 
 const std::string plate = R"(kalfem: 1

@@ -10,8 +10,9 @@ namespace {
 
 /// Parameters of expressions, and signals that they read, may have any unit.
 bool has_any_unit(const std::string& path) {
-  return std::ranges::any_of(std::array{"maxwell.parameters", "component.parameters", ".signals."},
-                             [&](const char* part) { return path.find(part) != std::string::npos; });
+  return std::ranges::any_of(
+      std::array{"maxwell.parameters", "component.parameters", "fed.parameters", "fed.priors", ".signals."},
+      [&](const char* part) { return path.find(part) != std::string::npos; });
 }
 
 using Json = nlohmann::ordered_json;

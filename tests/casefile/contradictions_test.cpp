@@ -116,7 +116,7 @@ INSTANTIATE_TEST_SUITE_P(
                "initial: 15 N, std: 30 %, transform: log",
                "initial: 0 N, std: 30 %",
                "    suspension.mu_k1:",
-               {"initial value of 0"}},
+               {"per cent of a value of 0"}},
         Change{"ZeroWithoutStd",
                "chain",
                "initial: 15 N, std: 30 %, transform: log",

@@ -51,7 +51,7 @@ inline StructureParts chain_parts() {
 }
 
 /// Roads of different names are different realisations of the same spectrum.
-inline StructurePtr chain_structure(StructureParts parts = chain_parts(), const std::string& road = {}) {
+inline StructurePtr chain_structure(StructureParts parts = chain_parts(), const std::string& road = "random") {
   auto structure = std::make_shared<StructureData>();
   structure->parts = std::move(parts);
   structure->signals = {make_random(

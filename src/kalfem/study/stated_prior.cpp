@@ -59,16 +59,17 @@ MarginalPrior stated_prior(const Located<d::Prior>& given, const std::string& un
 }
 
 PriorCentre centre_of(const Located<d::Prior>& given) {
-  const auto like = [&](const Quantity& model, double value) {
-    return d::Value{{value, model.dimension, model.bare}, given.location, given.path};
+  const auto like = [&](const Quantity& model, double value, const std::string& key) {
+    return d::Value{{value, model.dimension, model.bare}, given.location, given.path + key};
   };
   if (const auto* normal = std::get_if<d::NormalPrior>(&given.value.shape)) return {normal->mean, normal->std};
   if (const auto* lognormal = std::get_if<d::LogNormalPrior>(&given.value.shape)) {
     const auto& median = lognormal->median.value;
-    return {lognormal->median, like(median, lognormal->std * median.value)};
+    return {lognormal->median, like(median, lognormal->std * median.value, ".lognormal")};
   }
   const auto& [lower, upper] = std::get<d::UniformPrior>(given.value.shape).between;
-  return {like(lower, 0.5 * (lower.value + upper.value)), like(lower, 0.5 * std::abs(upper.value - lower.value))};
+  return {like(lower, 0.5 * (lower.value + upper.value), ".uniform"),
+          like(lower, 0.5 * std::abs(upper.value - lower.value), ".uniform")};
 }
 
 }  // namespace kalfem
