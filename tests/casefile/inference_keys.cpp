@@ -75,6 +75,7 @@ void numbers() {
   EXPECT_EQ(plan_of(study).predictions, 5);
   EXPECT_EQ(plan_of(study).profile, std::vector<std::size_t>{1});
   EXPECT_EQ(plan_of(with_infer("method: laplace")).method, PosteriorMethod::laplace);
+  EXPECT_EQ(plan_of(with_infer("method: filter")).method, PosteriorMethod::filter);
   EXPECT_EQ(plan_of(with_infer("method: metropolis")).method, PosteriorMethod::metropolis);
 }
 

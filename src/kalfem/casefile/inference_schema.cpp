@@ -109,6 +109,9 @@ Schema<Inference> inference() {
                         {{"importance", PosteriorMethod::importance,
                           "importance samples about the most probable values, with evidence: a thousand likelihoods, "
                           "where the posterior has one maximum"},
+                         {"filter", PosteriorMethod::filter,
+                          "normal distribution of the filter at the record's end, with evidence, all unknowns in its "
+                          "state: one pass a law, within the filter's approximation"},
                          {"laplace", PosteriorMethod::laplace,
                           "normal distribution about the most probable values, with evidence: the cheap first answer"},
                          {"tempered", PosteriorMethod::tempered,

@@ -11,6 +11,7 @@ enum class LikelihoodKind {
 
 /// How a posterior is computed.
 enum class PosteriorMethod {
+  filter,      ///< the filter's normal distribution at the record's end, parameters in its state
   laplace,     ///< normal distribution about the maximum
   importance,  ///< importance samples about the maximum
   tempered,    ///< from the prior to the posterior by tempering

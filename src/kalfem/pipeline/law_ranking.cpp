@@ -9,8 +9,7 @@
 #include "kalfem/identification/filter_likelihood.hpp"
 #include "kalfem/pipeline/case_likelihood.hpp"
 #include "kalfem/pipeline/predictive_bands.hpp"
-#include "kalfem/pipeline/sample_posterior.hpp"
-#include "kalfem/pipeline/search_start.hpp"
+#include "kalfem/pipeline/record_posterior.hpp"
 #include "kalfem/sampling/evidence.hpp"
 #include "kalfem/sampling/importance_sampler.hpp"
 
@@ -86,10 +85,8 @@ RankedLaw evaluate(const LawAlternative& alternative, const Record& record, cons
   const int threads = filter_threads(study.problem->settings);
   RankedLaw law{.name = alternative.name, .law = alternative.law, .parameters = std::ssize(plan.parameters)};
   const RecordEstimate estimate = estimate_record(study.problem, *study.augmented_model, record);
-  const auto [likelihood, start] = begin_search(study, record, &estimate);
-  const Posterior posterior{plan.prior, likelihood.log_likelihood};
   InferenceOutcome outcome;
-  sample_posterior(plan, posterior, start, threads, progress, outcome);
+  posterior_of_record(study, record, &estimate, threads, progress, outcome);
   law.warnings = outcome.warnings;
   if (!outcome.log_evidence) {
     law.failure = "its method gives no evidence";

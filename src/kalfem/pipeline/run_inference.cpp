@@ -10,8 +10,8 @@
 #include "kalfem/pipeline/law_ranking.hpp"
 #include "kalfem/pipeline/output_sensitivity.hpp"
 #include "kalfem/pipeline/predictive_bands.hpp"
+#include "kalfem/pipeline/record_posterior.hpp"
 #include "kalfem/pipeline/sample_posterior.hpp"
-#include "kalfem/pipeline/search_start.hpp"
 
 namespace kalfem {
 
@@ -96,6 +96,20 @@ std::vector<ProfileLikelihood> profiles_of(const InferencePlan& plan, const Post
   return profiles;
 }
 
+/// Whether the filter has a normal distribution of its own beside the posterior.
+bool has_filter_beside(const InferencePlan& plan, const RecordEstimate* estimate) {
+  return plan.likelihood == LikelihoodKind::filter && plan.method != PosteriorMethod::filter && estimate &&
+         !estimate->result.failure;
+}
+
+CaseLikelihood posterior_of_comparisons(const Study& study, const StudyResults& results, int threads,
+                                        const Progress& progress, InferenceOutcome& outcome) {
+  const auto& plan = *study.inference;
+  auto likelihood = likelihood_of_comparisons(study, results);
+  sample_posterior(plan, {plan.prior, likelihood.log_likelihood}, start_of(plan), threads, progress, outcome);
+  return likelihood;
+}
+
 std::optional<Identifiability> judged(const InferencePlan& plan, const CaseLikelihood& likelihood,
                                       const VectorXd& theta) {
   const auto information = likelihood.information(theta);
@@ -138,17 +152,14 @@ InferenceOutcome run_inference(const Study& study, const StudyResults& results, 
   }
   if (of_record) outcome.before = identifiability_before(study);
   const RecordEstimate* estimate = results.estimation ? &*results.estimation : nullptr;
-  const auto [likelihood, start] = of_record
-                                       ? begin_search(study, record_of(study, results), estimate)
-                                       : PosteriorSearch{likelihood_of_comparisons(study, results), start_of(plan)};
+  const CaseLikelihood likelihood =
+      of_record ? posterior_of_record(study, record_of(study, results), estimate, threads, progress, outcome)
+                : posterior_of_comparisons(study, results, threads, progress, outcome);
   outcome.likelihood = likelihood.words;
-  const Posterior posterior{plan.prior, likelihood.log_likelihood};
-  sample_posterior(plan, posterior, start, threads, progress, outcome);
   if (!outcome.posterior.empty()) {
     outcome.after = judged(plan, likelihood, posterior_mean(outcome));
-    if (plan.likelihood == LikelihoodKind::filter && results.estimation && !results.estimation->result.failure)
-      outcome.beside_filter = beside_filter(outcome, *results.estimation);
-    outcome.profiles = profiles_of(plan, posterior, outcome, threads);
+    if (has_filter_beside(plan, estimate)) outcome.beside_filter = beside_filter(outcome, *estimate);
+    outcome.profiles = profiles_of(plan, {plan.prior, likelihood.log_likelihood}, outcome, threads);
     if (of_record) outcome.bands = predictive_bands(study, record_of(study, results), outcome.samples, threads);
   }
   if (!plan.laws.empty()) outcome.laws = rank_laws(study, record_of(study, results), progress);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "kalfem/sampling/adaptive_metropolis.hpp"
 #include "kalfem/sampling/importance_sampler.hpp"
@@ -135,6 +136,8 @@ void set_most_probable(InferenceOutcome& outcome) {
 void sample_posterior(const InferencePlan& plan, const Posterior& posterior, const VectorXd& start, int threads,
                       const Progress& progress, InferenceOutcome& outcome) {
   switch (plan.method) {
+    case PosteriorMethod::filter:
+      throw std::logic_error("the filter's posterior is not sampled: take_filter_posterior()");
     case PosteriorMethod::laplace:
       by_laplace(plan, posterior, start, threads, outcome);
       break;
@@ -149,6 +152,10 @@ void sample_posterior(const InferencePlan& plan, const Posterior& posterior, con
       break;
   }
   set_most_probable(outcome);
+  summarise_posterior(outcome);
+}
+
+void summarise_posterior(InferenceOutcome& outcome) {
   if (outcome.samples.values.cols() == 0) return;
   outcome.posterior = summarise_samples(outcome.samples);
   outcome.correlation = posterior_correlation(outcome.samples);

@@ -10,4 +10,7 @@ namespace kalfem {
 void sample_posterior(const InferencePlan& plan, const Posterior& posterior, const Eigen::VectorXd& start, int threads,
                       const Progress& progress, InferenceOutcome& outcome);
 
+/// Moments and correlation of the outcome's samples.
+void summarise_posterior(InferenceOutcome& outcome);
+
 }  // namespace kalfem

@@ -105,6 +105,11 @@ std::string parameter_words(const InferenceOutcome& outcome) {
   return text;
 }
 
+/// A logarithm of a probability density: differences count, so it keeps its decimals.
+std::string nats(double value, double deviation = 0.0) {
+  return deviation > 0.0 ? with_deviation(value, deviation) : fmt::format("{:.2f}", value);
+}
+
 }  // namespace
 
 std::optional<double> InferredValues::z() const {
@@ -173,7 +178,7 @@ std::string inference_method_words(const InferenceOutcome& outcome) {
     text += fmt::format(", worth {:.0f} independent ones", *worth);
   if (const auto& k = outcome.pareto_k; k && std::isfinite(*k)) text += fmt::format(", Pareto k {:.2f}", *k);
   if (const auto& evidence = outcome.log_evidence; evidence && std::isfinite(*evidence))
-    text += "; ln Z = " + with_deviation(*evidence, outcome.log_evidence_deviation.value_or(0.0));
+    text += "; ln Z = " + nats(*evidence, outcome.log_evidence_deviation.value_or(0.0));
   text += fmt::format("; {} likelihoods", outcome.evaluations);
   return text + (std::isfinite(outcome.seconds) ? fmt::format(", {:.1f} s.", outcome.seconds) : ".");
 }
@@ -314,11 +319,10 @@ Table law_table(const LawRanking& ranking) {
   for (const auto& law : ranking.laws) {
     std::vector<std::string> row{law.name == law.law ? law.name : fmt::format("{} ({})", law.name, law.law)};
     if (law.failure.empty())
-      row.insert(row.end(),
-                 {std::to_string(law.parameters), with_deviation(law.log_evidence, law.log_evidence_deviation),
-                  share(law.probability), four_digits(-law.occam), four_digits(law.log_likelihood),
-                  law.words.empty() ? "-" : law.words, cell(law.validation), cell(law.validation_one_step),
-                  cell(law.validation_open_loop)});
+      row.insert(row.end(), {std::to_string(law.parameters), nats(law.log_evidence, law.log_evidence_deviation),
+                             share(law.probability), nats(-law.occam), nats(law.log_likelihood),
+                             law.words.empty() ? "-" : law.words, cell(law.validation), cell(law.validation_one_step),
+                             cell(law.validation_open_loop)});
     else
       row.insert(row.end(), {"-", "-", "-", "-", "-", "not known: " + law.failure, "-", "-", "-"});
     table.rows.push_back(std::move(row));

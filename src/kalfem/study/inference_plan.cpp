@@ -179,6 +179,26 @@ void check_likelihood(const CaseStudy& study, const InferencePlan& plan, IssueLi
            "remove estimate.local or use likelihood: filter");
 }
 
+/// The filter's own posterior is that of the unknowns in its state, under the priors that it starts from.
+void check_filter_method(const CaseStudy& study, const InferencePlan& plan, IssueList& issues) {
+  if (plan.method != PosteriorMethod::filter) return;
+  const auto& given = study.given.infer->value;
+  const std::string fix = "remove it, or take method: importance";
+  if (plan.likelihood != LikelihoodKind::filter)
+    issues.add(plan.location, "infer: method: filter with another likelihood than the filter's",
+               "its posterior is what the filter knows at the record's end", "take method: importance");
+  for (const auto& [name, prior] : given.priors)
+    issues.add(prior.location, prior.path + ": method: filter starts from the priors of estimate.unknown", "", fix);
+  for (const auto& correlation : given.correlations)
+    issues.add(correlation.location, correlation.path + ": method: filter starts from independent priors", "", fix);
+  if (plan.likelihood == LikelihoodKind::filter && !study.problem->settings.likelihood_unknowns.empty())
+    issues.add(plan.location,
+               "infer: method: filter, but '" + study.problem->settings.likelihood_unknowns.front().name +
+                   "' is not in the filter's state",
+               "delays, gains and noise are found by a search, each value with a filter of its own",
+               "take method: importance");
+}
+
 std::optional<SensitivityPlan> sensitivity_of(const CaseStudy& study, const InferencePlan& plan, IssueList& issues) {
   if (!study.given.infer->value.sensitivity) return std::nullopt;
   const auto& [given, location, path] = *study.given.infer->value.sensitivity;
@@ -236,6 +256,7 @@ InferencePlan make_inference_plan(const CaseStudy& study, IssueList& issues) {
   plan.likelihood =
       given.likelihood.value_or(study.given.estimate ? LikelihoodKind::filter : LikelihoodKind::comparisons);
   check_likelihood(study, plan, issues);
+  if (issues.empty()) check_filter_method(study, plan, issues);
   if (!issues.empty()) return plan;
   ParameterList list(study, plan);
   const bool none = list.parameters().empty();

@@ -64,8 +64,11 @@ void put_unknowns(const d::LawAlternative& law, const std::string& connector, d:
   for (const auto& [parameter, prior] : law.priors) {
     const auto [value, spread] = centre_of(prior);
     const std::string name = connector + "." + parameter;
-    unknowns.emplace_back(name, d::Unknown{.initial = value, .std = spread, .transform = TransformKind::none});
-    inference.priors.emplace_back(name, prior);
+    const bool positive = std::holds_alternative<d::LogNormalPrior>(prior.value.shape);
+    unknowns.emplace_back(
+        name,
+        d::Unknown{.initial = value, .std = spread, .transform = positive ? TransformKind::log : TransformKind::none});
+    if (inference.method != PosteriorMethod::filter) inference.priors.emplace_back(name, prior);
     if (names_parameters) inference.parameters.push_back({name, prior.location, prior.path});
   }
 }
@@ -101,6 +104,15 @@ void check_unshared(const std::string& name, const d::Unknown& unknown, const Na
                "it would lose its meaning with another law", "make it an unknown of its own");
 }
 
+/// A filter's state is normal, or normal in logarithms.
+void check_priors_of_filter(const d::LawAlternative& law, IssueList& issues) {
+  for (const auto& [parameter, prior] : law.priors)
+    if (std::holds_alternative<d::UniformPrior>(prior.value.shape) || prior.value.bounds)
+      issues.add(prior.location, prior.path + ": method: filter has no bounded priors",
+                 "its state is normal, or normal in logarithms",
+                 "give `normal` or `lognormal` without bounds, or take method: importance");
+}
+
 void check_comparison(const d::LawComparison& given, const SourceLocation& location, const std::string& path,
                       const CaseStudy& study, const InferencePlan& plan, IssueList& issues) {
   if (plan.likelihood != LikelihoodKind::filter)
@@ -120,6 +132,8 @@ void check_comparison(const d::LawComparison& given, const SourceLocation& locat
     if (law.value.priors.empty())
       issues.add(law.location, law.path + ": no unknown parameter", "its evidence is that of its unknown parameters",
                  "give `priors` of those that are not known");
+  if (plan.method == PosteriorMethod::filter)
+    for (const auto& [name, law] : given.laws) check_priors_of_filter(law.value, issues);
   if (!study.given.estimate) return;
   for (const auto& [name, unknown] : study.given.estimate->unknown)
     for (const auto& connector : given.connectors) check_unshared(name, unknown, connector, issues);
