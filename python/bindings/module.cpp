@@ -17,6 +17,7 @@ PYBIND11_MODULE(_core, module) {
   bind_update(module);
   bind_vibration(module);
   bind_formats(module);
+  bind_likelihood(module);
   bind_run(module);
 }
 

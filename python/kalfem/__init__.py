@@ -44,6 +44,7 @@ _NAMES = {
     "live": ("Filter", "Estimate"),
     "law_library": ("laws",),
     "running": ("run",),
+    "likelihood": ("Likelihood",),
     "records": ("read", "Record", "MeasuredFile"),
     "ensemble": ("map", "Ensemble", "Failure"),
     "results": ("read_results", "Run"),
@@ -108,6 +109,7 @@ if TYPE_CHECKING:
         UnknownName as UnknownName,
     )
     from .law_library import laws as laws
+    from .likelihood import Likelihood as Likelihood
     from .live import Estimate as Estimate, Filter as Filter
     from .mesh import mesh_of as mesh_of, read_mesh as read_mesh
     from .records import MeasuredFile as MeasuredFile, Record as Record, read as read

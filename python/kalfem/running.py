@@ -49,11 +49,16 @@ def run(
     InvalidInput
         With every problem of the case in ``.issues``, by file and line, or by the key of `set`.
     """
-    changes = [(key, None if value is None else _as_yaml(value)) for key, value in (set or {}).items()]
+    changes = as_changes(set)
     folder = "" if out is None else os.fspath(out)
     with reporter(progress) as bar:
         done = core.run_case(os.fspath(case), changes, folder, steps, bar)
     return Run.from_memory(done.summary, done.datasets, done.write_report)
+
+
+def as_changes(settings: Mapping[str, Any] | None) -> list[tuple[str, str | None]]:
+    """Keys of a case with their values as YAML; None removes the key."""
+    return [(key, None if value is None else _as_yaml(value)) for key, value in (settings or {}).items()]
 
 
 def _as_yaml(value):

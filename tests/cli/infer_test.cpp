@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <csignal>
+
 #include "command.hpp"
+#include "started_command.hpp"
 
 // The verb `infer`: its files, its refusals, and a record without a determined answer.
 
@@ -47,6 +50,30 @@ TEST_F(Infer, WritesThePosterior) {
   EXPECT_TRUE(found["profiles"]["c.k"]["interval_95"][0].is_number());
   EXPECT_TRUE(std::filesystem::exists(folder_ / "out" / "results.h5"));
   EXPECT_NE(read(folder_ / "out" / "report.html").find("c.k"), std::string::npos);
+}
+
+// Killed at a likelihood, the run goes on from there and ends with the same bits.
+TEST_F(Infer, ContinuesAKilledRun) {
+  const std::string text = oscillator + one_unknown + "infer: {samples: 400, predictions: 0, profile: c.k}\n";
+  ASSERT_EQ(run(text).code, 0);
+  const Json whole = inference()["parameters"], evidence = inference()["log_evidence"];
+  std::filesystem::remove_all(folder_ / "out");
+  const auto checkpoint = folder_ / "out" / "infer.checkpoint";
+  const pid_t child =
+      start({KALFEM_COMMAND, "infer", (folder_ / "case.yaml").string(), "--out", (folder_ / "out").string()});
+  std::error_code not_yet;
+  while (!std::filesystem::exists(checkpoint) || std::filesystem::file_size(checkpoint, not_yet) < 8000)
+    ASSERT_EQ(waitpid(child, nullptr, WNOHANG), 0) << "it ended before it could be killed";
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  ASSERT_TRUE(std::filesystem::exists(checkpoint));
+  std::ofstream(checkpoint, std::ios::app) << "a line cut sho";
+  const auto outcome = run(text);
+  ASSERT_EQ(outcome.code, 0) << outcome.errors;
+  EXPECT_EQ(inference()["parameters"], whole);
+  EXPECT_EQ(inference()["log_evidence"], evidence);
+  EXPECT_GT(inference()["evaluations_from_earlier_run"].get<int>(), 50);
+  EXPECT_FALSE(std::filesystem::exists(checkpoint));
 }
 
 TEST_F(Infer, IsPartOfRun) {

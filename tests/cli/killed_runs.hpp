@@ -1,8 +1,6 @@
 #pragma once
 
-#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <array>
 #include <chrono>
@@ -11,22 +9,10 @@
 #include <thread>
 
 #include "short_case.hpp"
+#include "started_command.hpp"
 
 /// Runs that are killed at any moment leave the results of one run, whole: those before or those of the killed one.
 namespace kalfem::test {
-
-inline pid_t start(const std::vector<std::string>& arguments) {
-  const pid_t child = fork();
-  if (child != 0) return child;
-  const int nowhere = open("/dev/null", O_WRONLY);
-  dup2(nowhere, STDOUT_FILENO);
-  dup2(nowhere, STDERR_FILENO);
-  std::vector<char*> words;
-  for (const auto& word : arguments) words.push_back(const_cast<char*>(word.c_str()));
-  words.push_back(nullptr);
-  execv(words[0], words.data());
-  _exit(127);
-}
 
 struct KilledRuns {
   int killed = 0, took_effect = 0;

@@ -65,13 +65,6 @@ std::optional<VectorXd> SimulationResidual::values(const StructureParts& parts) 
   return residual;
 }
 
-std::vector<bool> SimulationResidual::compared_rows() const {
-  std::vector<bool> there;
-  for (Index j = 0; j < measured_.rows(); ++j)
-    for (Index k = 0; k < measured_.cols(); ++k) there.push_back(!std::isnan(measured_(j, k)));
-  return there;
-}
-
 // The Jacobian is by differences: two simulations per parameter, in parallel, with the finite elements in the bases of
 // `parameters`.
 std::optional<ResidualValue> SimulationResidual::evaluate(const VectorXd& parameters, bool with_jacobian) const try {

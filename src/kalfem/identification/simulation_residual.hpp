@@ -39,7 +39,6 @@ public:
   [[nodiscard]] RowLayout layout() const override { return layout_of_series(measured_.cols(), measured_.rows()); }
   [[nodiscard]] std::optional<ResidualValue> evaluate(const Eigen::VectorXd& parameters,
                                                       bool with_jacobian) const override;
-  [[nodiscard]] std::vector<bool> compared_rows() const override;
 
 private:
   [[nodiscard]] std::optional<Eigen::VectorXd> values(const StructureParts& parts) const;

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "kalfem/identification/channel_simulation.hpp"
+#include "kalfem/identification/correlated_error.hpp"
 #include "kalfem/identification/filter_likelihood.hpp"
 #include "kalfem/identification/fisher_information.hpp"
-#include "kalfem/identification/simulation_likelihood.hpp"
 #include "kalfem/pipeline/run_updating.hpp"
 
 namespace kalfem {

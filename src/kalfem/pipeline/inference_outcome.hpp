@@ -88,6 +88,7 @@ struct InferenceOutcome {
   std::optional<double> pareto_k;           ///< of their weights; above 0.7 they do not hold
   double acceptance = 0.0;                  ///< of moves, 0 without
   long long evaluations = 0;                ///< of the likelihood
+  long long evaluations_before = 0;         ///< of these, and of those of laws and profiles, in an earlier run
   std::optional<Identifiability> before;    ///< by the Fisher information of the expected record at the prior's centre
   std::optional<Identifiability> after;     ///< by that of the record at the posterior's mean
   std::vector<FilterComparison> beside_filter;

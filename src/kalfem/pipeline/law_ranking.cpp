@@ -79,14 +79,15 @@ void validate(const Study& study, const InferenceOutcome& outcome, int threads, 
         mean_ratio(select_channels(*simulated, sensors).values - compared.values, compared.values);
 }
 
-RankedLaw evaluate(const LawAlternative& alternative, const Record& record, const Progress& progress) try {
+RankedLaw evaluate(const LawAlternative& alternative, const Record& record, LikelihoodCheckpoint& checkpoint,
+                   const Progress& progress) try {
   const Study& study = *alternative.study;
   const auto& plan = *study.inference;
   const int threads = filter_threads(study.problem->settings);
   RankedLaw law{.name = alternative.name, .law = alternative.law, .parameters = std::ssize(plan.parameters)};
   const RecordEstimate estimate = estimate_record(study.problem, *study.augmented_model, record);
   InferenceOutcome outcome;
-  posterior_of_record(study, record, &estimate, threads, progress, outcome);
+  posterior_of_record(study, record, &estimate, checkpoint, progress, outcome);
   law.warnings = outcome.warnings;
   if (!outcome.log_evidence) {
     law.failure = "its method gives no evidence";
@@ -106,7 +107,8 @@ RankedLaw evaluate(const LawAlternative& alternative, const Record& record, cons
 
 }  // namespace
 
-LawRanking rank_laws(const Study& study, const Record& record, const Progress& progress) {
+LawRanking rank_laws(const Study& study, const Record& record, LikelihoodCheckpoint& checkpoint,
+                     const Progress& progress) {
   const auto& alternatives = study.inference->laws;
   LawRanking ranking;
   for (const auto& connector : study.inference->connectors)
@@ -115,7 +117,7 @@ LawRanking rank_laws(const Study& study, const Record& record, const Progress& p
     const auto of_all = [&, i](std::string_view, double fraction) {
       if (progress) progress("laws", (static_cast<double>(i) + fraction) / static_cast<double>(alternatives.size()));
     };
-    ranking.laws.push_back(evaluate(alternatives[i], record, of_all));
+    ranking.laws.push_back(evaluate(alternatives[i], record, checkpoint, of_all));
   }
   std::ranges::stable_sort(ranking.laws, [](const RankedLaw& one, const RankedLaw& other) {
     if (one.failure.empty() != other.failure.empty()) return one.failure.empty();

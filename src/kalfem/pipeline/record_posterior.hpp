@@ -1,6 +1,6 @@
 #pragma once
 
-#include "kalfem/pipeline/case_likelihood.hpp"
+#include "kalfem/pipeline/likelihood_checkpoint.hpp"
 
 namespace kalfem {
 
@@ -8,6 +8,12 @@ namespace kalfem {
 /// of the same record; null where there is none, which method: filter needs. Throws InvalidInput where no start has a
 /// likelihood or the filter stopped, and Interrupted.
 CaseLikelihood posterior_of_record(const Study& study, const Record& record, const RecordEstimate* estimate,
-                                   int threads, const Progress& progress, InferenceOutcome& outcome);
+                                   LikelihoodCheckpoint& checkpoint, const Progress& progress,
+                                   InferenceOutcome& outcome);
+
+/// The same of the comparisons of its updating.
+CaseLikelihood posterior_of_comparisons(const Study& study, const StudyResults& results,
+                                        LikelihoodCheckpoint& checkpoint, const Progress& progress,
+                                        InferenceOutcome& outcome);
 
 }  // namespace kalfem

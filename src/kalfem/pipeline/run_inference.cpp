@@ -11,7 +11,6 @@
 #include "kalfem/pipeline/output_sensitivity.hpp"
 #include "kalfem/pipeline/predictive_bands.hpp"
 #include "kalfem/pipeline/record_posterior.hpp"
-#include "kalfem/pipeline/sample_posterior.hpp"
 
 namespace kalfem {
 
@@ -102,14 +101,6 @@ bool has_filter_beside(const InferencePlan& plan, const RecordEstimate* estimate
          !estimate->result.failure;
 }
 
-CaseLikelihood posterior_of_comparisons(const Study& study, const StudyResults& results, int threads,
-                                        const Progress& progress, InferenceOutcome& outcome) {
-  const auto& plan = *study.inference;
-  auto likelihood = likelihood_of_comparisons(study, results);
-  sample_posterior(plan, {plan.prior, likelihood.log_likelihood}, start_of(plan), threads, progress, outcome);
-  return likelihood;
-}
-
 std::optional<Identifiability> judged(const InferencePlan& plan, const CaseLikelihood& likelihood,
                                       const VectorXd& theta) {
   const auto information = likelihood.information(theta);
@@ -138,11 +129,12 @@ std::optional<Identifiability> identifiability_before(const Study& study) {
 // 1. What the record can tell, before it is looked at.
 // 2. The posterior by the plan's method, and what it says of identifiability, of the record, and beside the filter.
 // 3. Which law, and which unknown matters to which output.
-InferenceOutcome run_inference(const Study& study, const StudyResults& results, const Progress& progress) {
+InferenceOutcome run_inference(const Study& study, const StudyResults& results, const RunOptions& options) {
   const Stopwatch watch;
   const auto& plan = *study.inference;
   const bool of_record = plan.likelihood != LikelihoodKind::comparisons;
   const int threads = study.problem ? filter_threads(study.problem->settings) : processors();
+  LikelihoodCheckpoint checkpoint(options.folder);
   InferenceOutcome outcome;
   for (std::size_t i = 0; i < plan.parameters.size(); ++i) {
     outcome.units.push_back(plan.parameters[i].unit);
@@ -153,8 +145,8 @@ InferenceOutcome run_inference(const Study& study, const StudyResults& results, 
   if (of_record) outcome.before = identifiability_before(study);
   const RecordEstimate* estimate = results.estimation ? &*results.estimation : nullptr;
   const CaseLikelihood likelihood =
-      of_record ? posterior_of_record(study, record_of(study, results), estimate, threads, progress, outcome)
-                : posterior_of_comparisons(study, results, threads, progress, outcome);
+      of_record ? posterior_of_record(study, record_of(study, results), estimate, checkpoint, options.progress, outcome)
+                : posterior_of_comparisons(study, results, checkpoint, options.progress, outcome);
   outcome.likelihood = likelihood.words;
   if (!outcome.posterior.empty()) {
     outcome.after = judged(plan, likelihood, posterior_mean(outcome));
@@ -162,8 +154,9 @@ InferenceOutcome run_inference(const Study& study, const StudyResults& results, 
     outcome.profiles = profiles_of(plan, {plan.prior, likelihood.log_likelihood}, outcome, threads);
     if (of_record) outcome.bands = predictive_bands(study, record_of(study, results), outcome.samples, threads);
   }
-  if (!plan.laws.empty()) outcome.laws = rank_laws(study, record_of(study, results), progress);
+  if (!plan.laws.empty()) outcome.laws = rank_laws(study, record_of(study, results), checkpoint, options.progress);
   if (plan.sensitivity) outcome.sensitivity = output_sensitivity(study, record_of(study, results), threads);
+  outcome.evaluations_before = checkpoint.from_earlier();
   outcome.seconds = watch.seconds();
   return outcome;
 }

@@ -9,7 +9,8 @@ namespace kalfem {
 /// cannot be foreseen.
 std::optional<Identifiability> identifiability_before(const Study& study);
 
-/// What the case's `infer` asks for, of the simulated or measured record, or of the comparisons of its updating.
-InferenceOutcome run_inference(const Study& study, const StudyResults& results, const Progress& progress);
+/// What the case's `infer` asks for, of the simulated or measured record, or of the comparisons of its updating. Keeps
+/// the likelihoods in the options' folder, from which a run that was killed continues.
+InferenceOutcome run_inference(const Study& study, const StudyResults& results, const RunOptions& options);
 
 }  // namespace kalfem

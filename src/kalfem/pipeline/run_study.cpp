@@ -201,11 +201,7 @@ bool takes(Step step, Step last) {
   return step <= last;
 }
 
-}  // namespace
-
-StudyResults run_study(const Study& study, Step last, const RunOptions& options) {
-  const Stopwatch watch;
-  StudyResults results;
+void take_steps(const Study& study, Step last, const RunOptions& options, StudyResults& results) {
   const bool updates = takes(Step::update, last) && study.updating;
   results.modes = substructure_modes(study, study.report.modes);
   if (takes(Step::simulate, last) && study.simulation)
@@ -242,10 +238,24 @@ StudyResults run_study(const Study& study, Step last, const RunOptions& options)
   if (results.complete() && takes(Step::predict, last))
     results.modifications = predict_modifications(study, updated_parameters(results));
   if (results.complete() && takes(Step::infer, last) && study.inference)
-    results.inference = run_inference(study, results, options.progress);
+    results.inference = run_inference(study, results, options);
   if (results.complete() && takes(Step::place, last) && study.placement) {
     results.placement = run_placement(study, options.progress);
     results.failure = results.placement->failure;
+  }
+}
+
+}  // namespace
+
+StudyResults run_study(const Study& study, Step last, const RunOptions& options) {
+  const Stopwatch watch;
+  StudyResults results;
+  try {
+    take_steps(study, last, options, results);
+  } catch (const Interrupted&) {
+    if (!options.keep_finished) throw;
+    results.interrupted = true;
+    results.failure = "the run was stopped before its end";
   }
   judge(study, results);
   results.identified = identified_case_of(study, results);

@@ -153,6 +153,7 @@ struct StudyResults {
   Verdict verdict;
   std::optional<IdentifiedCase> identified;  ///< of a usable run with an estimation or an updating
   std::string failure;                       ///< why a step failed, in words; empty if all ran to their end
+  bool interrupted = false;                  ///< it was asked to stop
   double total_seconds = 0.0;
 
   /// Whether every step ran to its end.
@@ -168,8 +169,9 @@ enum class Step { modes, simulate, estimate, predict, update, infer, place, ever
 
 struct RunOptions {
   Progress progress = {};
-  std::filesystem::path folder = {};  ///< where a long updating keeps its checkpoint; empty for none
+  std::filesystem::path folder = {};  ///< where a long updating or inference keeps its checkpoint; empty: none
   std::function<void(int number, const UpdatingStep&)> on_updating_step = {};
+  bool keep_finished = false;  ///< asked to stop, the run returns the steps that are finished; otherwise it throws
 };
 
 /// The simulated or the measured record, with the noise of each channel; the study or the results own it.

@@ -143,6 +143,7 @@ Json inference_summary(const InferenceOutcome& outcome) {
                   {"effective_samples", number(outcome.effective_samples)},
                   {"pareto_k", number(outcome.pareto_k)},
                   {"evaluations", outcome.evaluations},
+                  {"evaluations_from_earlier_run", outcome.evaluations_before},
                   {"identifiability",
                    {{"before", identifiability_json(outcome.before)}, {"after", identifiability_json(outcome.after)}}},
                   {"beside_filter", filter_json(outcome.beside_filter)},

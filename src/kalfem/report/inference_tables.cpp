@@ -180,6 +180,7 @@ std::string inference_method_words(const InferenceOutcome& outcome) {
   if (const auto& evidence = outcome.log_evidence; evidence && std::isfinite(*evidence))
     text += "; ln Z = " + nats(*evidence, outcome.log_evidence_deviation.value_or(0.0));
   text += fmt::format("; {} likelihoods", outcome.evaluations);
+  if (outcome.evaluations_before > 0) text += fmt::format(" ({} kept from an earlier run)", outcome.evaluations_before);
   return text + (std::isfinite(outcome.seconds) ? fmt::format(", {:.1f} s.", outcome.seconds) : ".");
 }
 

@@ -16,6 +16,7 @@
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/base/text.hpp"
 #include "kalfem/formats/vtu.hpp"
+#include "kalfem/pipeline/likelihood_checkpoint.hpp"
 #include "kalfem/pipeline/run_study.hpp"
 #include "kalfem/pipeline/updating_checkpoint.hpp"
 
@@ -164,14 +165,15 @@ WriteFailure with_final_names(const WriteFailure& failure, const OutputFolder& f
   return WriteFailure(std::move(issues));
 }
 
-ResultSet switch_to_files(OutputFolder& folder, const Names& files, bool updated) {
+ResultSet switch_to_files(OutputFolder& folder, const Names& files, const StudyResults& results) {
   Names former = former_files(folder.path());
   ResultSet set;
   for (const auto& name : former)
     if (!std::ranges::binary_search(files, name) && fs::is_regular_file(folder.path() / name))
       set.removed.push_back(name);
   std::ranges::sort(set.removed);
-  if (updated) former.emplace_back(checkpoint_name);
+  if (results.updating) former.emplace_back(checkpoint_name);
+  if (results.inference) former.emplace_back(likelihoods_name);
   set.files = folder.replace(former);
   return set;
 }
@@ -188,7 +190,7 @@ ResultSet write_result_set(OutputFolder& folder, const Study& study, const Study
                            const Stopwatch& run) {
   try {
     ResultSet written = write_files(folder.staging(), study, results, run);
-    ResultSet set = switch_to_files(folder, written.files, results.updating.has_value());
+    ResultSet set = switch_to_files(folder, written.files, results);
     set.summary = std::move(written.summary);
     return set;
   } catch (const WriteFailure& failure) {
@@ -199,6 +201,7 @@ ResultSet write_result_set(OutputFolder& folder, const Study& study, const Study
 void require_result_places(const fs::path& folder, const Study& study) {
   Names names(main_files.begin(), main_files.end());
   if (study.updating) names.emplace_back(checkpoint_name);
+  if (study.inference) names.emplace_back(likelihoods_name);
   for (const auto& elements : study.structure->finite_elements) names.push_back(elements.part->name + "_modes.vtu");
   std::error_code ignored;
   for (const auto& name : names)

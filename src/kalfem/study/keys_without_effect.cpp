@@ -20,6 +20,7 @@ public:
     for (const auto& [name, sensor] : given_.sensors) of_sensor(name, sensor);
     of_estimation();
     of_updating();
+    of_inference();
     of_placement();
     of_report();
     return std::move(warnings_);
@@ -149,6 +150,13 @@ private:
       if (std::holds_alternative<d::FrfData>(given.value.data) && (evolves || update.starts > 1))
         warn({"update", "compare", name, "smoothing"}, "it applies to a search from one starting point only");
     }
+  }
+
+  void of_inference() {
+    if (!given_.infer) return;
+    const auto& infer = given_.infer->value;
+    if (infer.likelihood != LikelihoodKind::simulation)
+      warn({"infer", "correlation_time"}, "it applies to likelihood: simulation only");
   }
 
   void of_placement() {

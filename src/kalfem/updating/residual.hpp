@@ -61,8 +61,6 @@ public:
   /// Nothing where the model has no response there (a negative stiffness): an optimiser then takes a shorter step.
   [[nodiscard]] virtual std::optional<ResidualValue> evaluate(const Eigen::VectorXd& parameters,
                                                               bool with_jacobian) const = 0;
-  /// By row, whether it compares something: rows of missing samples are zero at all theta. Empty: all do.
-  [[nodiscard]] virtual std::vector<bool> compared_rows() const { return {}; }
 };
 using ResidualPtr = std::shared_ptr<const Residual>;
 

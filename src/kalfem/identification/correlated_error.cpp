@@ -1,6 +1,5 @@
-#include "kalfem/identification/simulation_likelihood.hpp"
+#include "kalfem/identification/correlated_error.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -30,21 +29,6 @@ IssueList validate(const CorrelatedError& error, double interval) {
   return issues;
 }
 
-/// The channels' rows in the order of time.
-std::vector<std::vector<Index>> series_of(const Residual& residual) {
-  const RowLayout layout = residual.layout();
-  std::vector<std::vector<Index>> rows;
-  for (Index row = 0; row < residual.size(); ++row) {
-    const std::size_t channel =
-        layout.part.empty() ? 0 : static_cast<std::size_t>(layout.part[static_cast<std::size_t>(row)]);
-    if (channel >= rows.size()) rows.resize(channel + 1);
-    rows[channel].push_back(row);
-  }
-  const auto step = [&](Index row) { return layout.step[static_cast<std::size_t>(row)]; };
-  for (auto& channel : rows) std::ranges::sort(channel, {}, step);
-  return rows;
-}
-
 }  // namespace
 
 // The innovations e_k of the autoregression are independent, so that the sum over them costs no matrix.
@@ -72,34 +56,6 @@ double log_density_of_correlated_series(const Eigen::Ref<const VectorXd>& series
   const double variance = error.deviation ? *error.deviation * *error.deviation : squares / n;
   const double quadratic = error.deviation ? squares / variance : n;
   return -0.5 * (n * std::log(2.0 * std::numbers::pi * variance) + quadratic + log_variances);
-}
-
-SimulationLikelihood::SimulationLikelihood(std::shared_ptr<const Residual> residual,
-                                           std::vector<CorrelatedError> errors, double interval)
-    : residual_(std::move(residual)),
-      errors_(std::move(errors)),
-      interval_(interval),
-      rows_(series_of(*residual_)),
-      compared_(residual_->compared_rows()) {
-  IssueList issues;
-  if (errors_.size() != rows_.size())
-    issues.add({},
-               std::to_string(errors_.size()) + " error models for " + std::to_string(rows_.size()) + " channels of '" +
-                   residual_->name() + "'",
-               "every channel has its own", "give one each");
-  issues.raise();
-  for (const auto& error : errors_) validate(error, interval_).raise();
-}
-
-double SimulationLikelihood::log_likelihood(const VectorXd& theta) const {
-  auto value = residual_->evaluate(theta, false);
-  if (!value) return -infinity;
-  for (std::size_t row = 0; row < compared_.size(); ++row)
-    if (!compared_[row]) value->values[static_cast<Index>(row)] = std::numeric_limits<double>::quiet_NaN();
-  double sum = 0.0;
-  for (std::size_t channel = 0; channel < rows_.size(); ++channel)
-    sum += log_density_of_correlated_series(value->values(rows_[channel]), interval_, errors_[channel]);
-  return sum;
 }
 
 }  // namespace kalfem

@@ -1,0 +1,88 @@
+#include <memory>
+
+#include "calls.hpp"
+#include "kalfem/pipeline/search_start.hpp"
+
+namespace kalfem::python {
+namespace {
+
+/// A case with `infer`, its record, and the likelihood of its parameters.
+struct OpenedLikelihood {
+  Study study;
+  StudyResults results;
+  PosteriorSearch search;
+};
+
+std::shared_ptr<OpenedLikelihood> open_likelihood(const std::string& file, const std::vector<CaseChange>& set) {
+  auto opened = std::make_shared<OpenedLikelihood>(OpenedLikelihood{load_study(file, set), {}, {}});
+  const Study& study = opened->study;
+  if (!study.inference)
+    throw InvalidInput(Issue{
+        {file, 0}, "the case has no `infer`", "it says which parameters have a likelihood", "add a section infer: {}"});
+  if (study.inference->likelihood == LikelihoodKind::comparisons) {
+    opened->search = {likelihood_of_comparisons(study, {}), start_of(*study.inference)};
+    return opened;
+  }
+  opened->results = run_study(study, Step::simulate);
+  if (!opened->results.complete()) throw InvalidInput(Issue{{file, 0}, opened->results.failure, "", ""});
+  opened->search = begin_search(study, record_of(study, opened->results), nullptr);
+  return opened;
+}
+
+/// A value of every parameter.
+void require_size(const OpenedLikelihood& self, const Eigen::VectorXd& values, const char* argument) {
+  const auto size = self.study.inference->prior.size();
+  if (values.size() != size)
+    throw InvalidInput(std::string(argument) + ": " + std::to_string(values.size()) + " values for " +
+                           std::to_string(size) + " parameters",
+                       "", "give one each, in the order of `names`");
+}
+
+}  // namespace
+
+void bind_likelihood(py::module_& module) {
+  using Self = OpenedLikelihood;
+  py::class_<Self, std::shared_ptr<Self>>(module, "CaseLikelihood", "See kalfem.Likelihood.")
+      .def(py::init([](const std::string& file, const std::vector<std::pair<std::string, std::optional<std::string>>>& set,
+                       const py::object& progress) {
+             std::vector<CaseChange> changes;
+             for (const auto& [key, value] : set) changes.push_back({key, value});
+             return LongCall(progress).run([&](const Progress&) { return open_likelihood(file, changes); });
+           }),
+           py::arg("case"), py::arg("set"), py::arg("progress") = py::none())
+      .def_property_readonly("names", [](const Self& self) { return self.search.likelihood.names; })
+      .def_property_readonly("units",
+                             [](const Self& self) {
+                               std::vector<std::string> units;
+                               for (const auto& parameter : self.study.inference->parameters)
+                                 units.push_back(parameter.unit);
+                               return units;
+                             })
+      .def_property_readonly("start", [](const Self& self) { return self.search.start; })
+      .def_property_readonly("words", [](const Self& self) { return self.search.likelihood.words; })
+      .def(
+          "log_likelihood",
+          [](const Self& self, const Eigen::VectorXd& theta) {
+            require_size(self, theta, "theta");
+            const py::gil_scoped_release released;
+            return Posterior{self.study.inference->prior, self.search.likelihood.log_likelihood}.log_likelihood_at(
+                theta);
+          },
+          py::arg("theta"))
+      .def(
+          "log_prior",
+          [](const Self& self, const Eigen::VectorXd& theta) {
+            require_size(self, theta, "theta");
+            return self.study.inference->prior.log_density(theta);
+          },
+          py::arg("theta"))
+      .def(
+          "from_standard_normal",
+          [](const Self& self, const Eigen::VectorXd& z) {
+            require_size(self, z, "z");
+            return self.study.inference->prior.from_standard_normal(z);
+          },
+          py::arg("z"));
+}
+
+}  // namespace kalfem::python
