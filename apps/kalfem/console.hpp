@@ -4,6 +4,7 @@
 
 #include <string_view>
 
+#include "kalfem/base/interruption.hpp"
 #include "kalfem/base/progress.hpp"
 
 namespace kalfem::command {
@@ -33,7 +34,14 @@ void print_error(fmt::format_string<Values...> format, Values&&... values) {
 /// Throws WriteFailure where stdout did not take the text up to here.
 void require_output();
 
-/// A bar on stderr while a step runs longer than a second; only on a terminal.
-Progress progress_bar();
+/// A bar on a terminal's stderr while a step runs longer than a second. Without a terminal, `in_lines`: a line on
+/// stdout for each tenth of a step that runs longer than five seconds.
+Progress progress_bar(bool in_lines);
+
+/// From now on SIGINT and SIGTERM ask the command to stop; the second one ends it at once. A signal that the caller has
+/// switched off stays so.
+void listen_to_signals();
+/// Whether one of them came. For StopScope.
+const StopQuestion& stop_question();
 
 }  // namespace kalfem::command

@@ -1,4 +1,6 @@
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <exception>
 #include <sstream>
 
@@ -13,25 +15,46 @@ using namespace kalfem;
 namespace {
 
 struct Arguments {
-  std::string case_file, folder, page;
+  command::RunArguments run;
+  std::string case_file, page, shell, topic, kind, folder;
   std::vector<std::string> units, files;
-  bool json = false, laws = false, strict = false;
+  bool json = false, quiet = false, laws = false;
 };
 
 CLI::App* add_run_verb(CLI::App& app, const char* verb, const char* meaning, Arguments& arguments) {
   auto* command = app.add_subcommand(verb, meaning);
-  command->add_option("case", arguments.case_file, "case file (YAML)")->required();
-  command->add_option("--out", arguments.folder, "folder for the results; default: <case>.kalfem-out");
-  command->add_flag("--strict", arguments.strict, "exit with 3 where the results are suspicious, too");
+  command->add_option("case", arguments.run.case_file, "case file (YAML)")->required();
+  command->add_option("--out", arguments.run.folder, "folder for the results; default: <case>.kalfem-out");
+  command
+      ->add_option("--set", arguments.run.changes,
+                   "KEY=VALUE, in place of the value of the case: --set simulate.duration=4s; several times")
+      ->allow_extra_args(false);
+  command->add_flag("--strict", arguments.run.strict, "exit with 3 where the results are suspicious, too");
+  auto* quiet = command->add_flag("--quiet", arguments.quiet, "print the verdict only, beside warnings and errors");
+  command->add_flag("--json", arguments.json, "print summary.json in place of the report")->excludes(quiet);
   return command;
 }
 
-command::ExitCode execute(const CLI::App& app, const Arguments& arguments) {
+std::vector<command::VerbForCompletion> verbs_of(const CLI::App& app) {
+  std::vector<command::VerbForCompletion> verbs;
+  for (const auto* verb : app.get_subcommands(nullptr)) {
+    verbs.push_back({verb->get_name(), verb->get_description(), {}});
+    for (const auto* option : verb->get_options())
+      for (const auto& name : option->get_lnames()) verbs.back().options.push_back("--" + name);
+  }
+  return verbs;
+}
+
+command::ExitCode execute(const CLI::App& app, Arguments& arguments) {
   if (app.got_subcommand("check"))
     return is_deck(arguments.case_file) ? command::check_deck(arguments.case_file, arguments.units, arguments.page)
                                         : command::check(arguments.case_file, arguments.page);
   if (app.got_subcommand("inspect")) return command::inspect(arguments.files, arguments.json, arguments.page);
-  if (app.got_subcommand("schema")) return command::schema(arguments.json, arguments.laws);
+  if (app.got_subcommand("new")) return command::new_case(arguments.kind, arguments.folder);
+  if (app.got_subcommand("completion")) return command::completion(arguments.shell, verbs_of(app));
+  if (app.got_subcommand("schema")) return command::schema(arguments.json, arguments.laws, arguments.topic);
+  if (arguments.json) arguments.run.told = command::Told::json;
+  if (arguments.quiet) arguments.run.told = command::Told::verdict;
   for (const auto& [verb, step] : {std::pair{"modes", Step::modes},
                                    {"simulate", Step::simulate},
                                    {"estimate", Step::estimate},
@@ -39,15 +62,19 @@ command::ExitCode execute(const CLI::App& app, const Arguments& arguments) {
                                    {"update", Step::update},
                                    {"infer", Step::infer},
                                    {"place", Step::place}})
-    if (app.got_subcommand(verb)) return command::run(arguments.case_file, step, arguments.folder, arguments.strict);
-  return command::run(arguments.case_file, Step::everything, arguments.folder, arguments.strict);
+    if (app.got_subcommand(verb)) return command::run(arguments.run, step);
+  return command::run(arguments.run, Step::everything);
 }
 
 /// Runs a part of the command; what it throws becomes a message and an exit code.
 template <class Part>
 int guarded(const Part& part) {
   try {
+    const StopScope scope(&command::stop_question());
     return part();
+  } catch (const Interrupted&) {
+    command::print_error_text("stopped before anything was finished\n");
+    return command::interrupted;
   } catch (const WriteFailure& error) {
     command::print_error("{}\n", error.what());
     return command::cannot_write;
@@ -60,13 +87,22 @@ int guarded(const Part& part) {
   }
 }
 
+/// The verb that was meant, where the first argument is none.
+std::string hint_for_verb(const CLI::App& app, int argc, char** argv) {
+  std::vector<std::string> verbs;
+  for (const auto* verb : app.get_subcommands(nullptr)) verbs.push_back(verb->get_name());
+  if (argc < 2 || argv[1][0] == '-' || std::ranges::find(verbs, argv[1]) != verbs.end()) return "";
+  return "kalfem: there is no verb '" + std::string(argv[1]) + "'" + did_you_mean(argv[1], verbs) +
+         "; kalfem --help lists them\n";
+}
+
 /// Help, the version, or what is wrong with the arguments.
-int told(const CLI::App& app, const CLI::ParseError& error) {
+int told(const CLI::App& app, const CLI::ParseError& error, const std::string& hint) {
   return guarded([&] {
     std::ostringstream output, errors;
     const bool asked_for = app.exit(error, output, errors) == 0;
     command::print_text(output.str());
-    command::print_error_text(errors.str());
+    command::print_error_text(hint.empty() || asked_for ? errors.str() : hint);
     command::require_output();
     return asked_for ? command::done : command::mend_the_input;
   });
@@ -76,6 +112,7 @@ int told(const CLI::App& app, const CLI::ParseError& error) {
 
 int main(int argc, char** argv) {
   command::prepare_streams();
+  command::listen_to_signals();
   CLI::App app{"Identifies and updates nonlinear finite-element models of structures from vibration measurements.",
                "kalfem"};
   app.set_version_flag("--version", version);
@@ -102,12 +139,22 @@ int main(int argc, char** argv) {
   inspect->add_flag("--json", arguments.json, "as JSON, an array of one object a file");
   inspect->add_option("--page", arguments.page, "write an HTML page with the course of every channel to this file");
   auto* schema = app.add_subcommand("schema", "print the reference of the case file");
+  schema->add_option("section", arguments.topic, "one section of the case file: estimate");
   schema->add_flag("--json", arguments.json, "as a JSON Schema, for editors");
   schema->add_flag("--laws", arguments.laws, "list the connector laws and their parameters");
+  auto* new_case = app.add_subcommand("new", "write a commented case with its data, to run and to change");
+  new_case->add_option("kind", arguments.kind, fmt::format("{}", fmt::join(command::starter_kinds(), ", ")))
+      ->required()
+      ->check(CLI::IsMember(command::starter_kinds()));
+  new_case->add_option("folder", arguments.folder, "where to write it")->required();
+  app.add_subcommand("completion", "print what a shell needs to complete verbs and options")
+      ->add_option("shell", arguments.shell, "bash, zsh or fish")
+      ->required()
+      ->check(CLI::IsMember({"bash", "zsh", "fish"}));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return told(app, error);
+    return told(app, error, hint_for_verb(app, argc, argv));
   }
   return guarded([&] {
     const auto code = execute(app, arguments);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "console.hpp"
@@ -33,16 +34,34 @@ void print_laws() {
       to_text(functions));
 }
 
+/// The document with one of its sections only.
+nlohmann::ordered_json section_of(nlohmann::ordered_json document, const std::string& topic) {
+  auto& sections = document.at("properties");
+  std::vector<std::string> names;
+  for (const auto& [name, section] : sections.items()) names.push_back(name);
+  if (std::ranges::find(names, topic) == names.end())
+    throw InvalidInput("the case file has no section '" + topic + "'" + did_you_mean(topic, names),
+                       fmt::format("its sections are {}", fmt::join(names, ", ")), "");
+  for (const auto& name : names)
+    if (name != topic) sections.erase(name);
+  return document;
+}
+
+nlohmann::ordered_json whole_document() {
+  return whole_json_schema(description::case_schema().json_schema(), "kalfem case file");
+}
+
 }  // namespace
 
-ExitCode schema(bool as_json, bool laws) {
-  const auto document = whole_json_schema(description::case_schema().json_schema(), "kalfem case file");
+std::string case_file_schema() { return whole_document().dump(2) + "\n"; }
+
+ExitCode schema(bool as_json, bool laws, const std::string& topic) {
   if (laws)
     print_laws();
   else if (as_json)
-    print("{}\n", document.dump(2));
+    print_text(case_file_schema());
   else
-    print("{}\n", reference_text(document));
+    print("{}\n", reference_text(topic.empty() ? whole_document() : section_of(whole_document(), topic)));
   return done;
 }
 
