@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "kalfem/report/display_unit.hpp"
 #include "kalfem/report/tables.hpp"
 
 namespace kalfem {
@@ -66,10 +67,12 @@ constexpr std::size_t most_named = 4;
 std::string determined_words(std::vector<InferredValues> values) {
   std::ranges::stable_sort(values, {}, [](const auto& each) { return each.deviation_left().value_or(1.0); });
   std::vector<std::string> words;
-  for (std::size_t i = 0; i < std::min(values.size(), most_named); ++i)
-    words.push_back(
-        values[i].name + " = " +
-        with_unit(with_deviation(values[i].posterior->mean, values[i].posterior->deviation), values[i].unit));
+  for (std::size_t i = 0; i < std::min(values.size(), most_named); ++i) {
+    const auto& [mean, deviation] = std::pair(values[i].posterior->mean, values[i].posterior->deviation);
+    const DisplayUnit shown(values[i].unit, {mean, deviation});
+    words.push_back(values[i].name + " = " +
+                    with_unit(with_deviation(shown.scaled(mean), shown.scaled(deviation)), shown.unit()));
+  }
   return joined(words) + (values.size() > most_named ? ", ..." : "");
 }
 
@@ -226,12 +229,15 @@ Table posterior_table(const InferenceOutcome& outcome) {
   for (const auto& values : inferred_values(outcome)) {
     const auto& [name, unit, prior, posterior, truth, most_probable, convergence] = values;
     const auto left = values.deviation_left(), z = values.z();
-    table.rows.push_back({with_unit_in_brackets(name, unit),
-                          prior ? with_deviation(prior->mean, prior->deviation) : "-",
-                          posterior ? with_deviation(posterior->mean, posterior->deviation) : "-",
-                          posterior ? interval(posterior->q2_5, posterior->q97_5) : "-",
-                          left && std::isfinite(*left) ? fmt::format("{:.1f} %", 100.0 * *left) : "-", cell(truth),
-                          z && std::isfinite(*z) ? fmt::format("{:+.2f}", *z) : "-"});
+    const DisplayUnit shown(unit, {posterior ? posterior->mean : 0.0, prior ? prior->mean : 0.0});
+    const auto with_its_deviation = [&](const std::optional<ParameterSummary>& of) {
+      return of ? with_deviation(shown.scaled(of->mean), shown.scaled(of->deviation)) : "-";
+    };
+    table.rows.push_back(
+        {with_unit_in_brackets(name, shown.unit()), with_its_deviation(prior), with_its_deviation(posterior),
+         posterior ? interval(shown.scaled(posterior->q2_5), shown.scaled(posterior->q97_5)) : "-",
+         left && std::isfinite(*left) ? fmt::format("{:.1f} %", 100.0 * *left) : "-", truth ? shown.value(*truth) : "-",
+         z && std::isfinite(*z) ? fmt::format("{:+.2f}", *z) : "-"});
   }
   return without_empty_columns(std::move(table));
 }

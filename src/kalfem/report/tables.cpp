@@ -11,6 +11,7 @@
 #include "kalfem/identification/walked_range.hpp"
 #include "kalfem/records/record.hpp"
 #include "kalfem/report/adaptive_noise_report.hpp"
+#include "kalfem/report/display_unit.hpp"
 #include "kalfem/report/frequency_report.hpp"
 #include "kalfem/report/inference_report.hpp"
 #include "kalfem/report/placement_report.hpp"
@@ -97,10 +98,12 @@ void add_likelihood_unknowns(const LikelihoodEstimate& likelihood, Table& table)
     const auto row = static_cast<Eigen::Index>(i);
     const double estimate = likelihood.values[row];
     const auto interval = likelihood.interval(row);
-    table.rows.push_back({name, unit, four_digits(initial), four_digits(estimate),
-                          four_digits(interval.lower) + " to " + four_digits(interval.upper),
-                          interval.robust ? "robust std" : "std", four_digits(likelihood.deviation[row]),
-                          four_digits(likelihood.robust_deviation[row]), truth ? four_digits(*truth) : "-",
+    const double std = likelihood.deviation[row], robust = likelihood.robust_deviation[row];
+    const DisplayUnit shown(unit, {estimate, initial, std});
+    table.rows.push_back({name, shown.unit(), shown.value(initial), shown.value(estimate, std),
+                          shown.value(interval.lower, std) + " to " + shown.value(interval.upper, std),
+                          interval.robust ? "robust std" : "std", shown.deviation(std), shown.deviation(robust),
+                          truth ? shown.value(*truth) : "-",
                           truth && *truth != 0.0 ? per_cent(estimate / *truth - 1.0) : "-"});
   }
 }
@@ -121,19 +124,20 @@ Table parameter_table(const Study& study, const EstimationOutcome& outcome) {
     const double estimate = outcome.result.unknowns.mean(row, last);
     const auto interval = stated_interval(outcome, row);
     const auto range = walked_range(outcome, row);
-    const auto between = [](double least, double greatest) {
-      return four_digits(least) + " to " + four_digits(greatest);
+    const double std = outcome.result.unknowns.deviation(row, last);
+    const DisplayUnit shown(unknown.unit, {estimate, unknown.initial, std});
+    const auto between = [&](double least, double greatest) {
+      return shown.value(least, std) + " to " + shown.value(greatest, std);
     };
-    table.rows.push_back(
-        {unknown.name, unknown.unit, four_digits(unknown.initial),
-         range ? between(range->least, range->greatest) : four_digits(estimate),
-         range ? between(range->lower, range->upper) : between(interval.lower, interval.upper),
-         range             ? "all of the record"
-         : interval.robust ? "robust std"
-                           : "std",
-         four_digits(outcome.result.unknowns.deviation(row, last)),
-         std::isfinite(outcome.robust_deviation[row]) ? four_digits(outcome.robust_deviation[row]) : "-",
-         truth ? four_digits(*truth) : "-", truth && *truth != 0.0 ? per_cent(estimate / *truth - 1.0) : "-"});
+    table.rows.push_back({unknown.name, shown.unit(), shown.value(unknown.initial),
+                          range ? between(range->least, range->greatest) : shown.value(estimate, std),
+                          range ? between(range->lower, range->upper) : between(interval.lower, interval.upper),
+                          range             ? "all of the record"
+                          : interval.robust ? "robust std"
+                                            : "std",
+                          shown.deviation(std), shown.deviation(outcome.robust_deviation[row]),
+                          truth ? shown.value(*truth) : "-",
+                          truth && *truth != 0.0 ? per_cent(estimate / *truth - 1.0) : "-"});
   }
   if (outcome.likelihood) add_likelihood_unknowns(*outcome.likelihood, table);
   return table;

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 
+#include "kalfem/report/display_unit.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/updating/parameter_interval.hpp"
 
@@ -36,9 +38,14 @@ double mean_frequency_error(const std::vector<PairedMode>& modes) {
   return count > 0 ? sum / count : std::nan("");
 }
 
-static std::string deviation_of(const Eigen::VectorXd& deviations, const UpdatingOutcome& outcome, std::size_t i) {
-  if (i < outcome.statistics.at_bound.size() && outcome.statistics.at_bound[i]) return "at its bound";
-  return static_cast<Index>(i) < deviations.size() ? finite(deviations[static_cast<Index>(i)]) : "-";
+static bool is_at_bound(const UpdatingOutcome& outcome, std::size_t i) {
+  return i < outcome.statistics.at_bound.size() && outcome.statistics.at_bound[i];
+}
+
+/// NaN of a parameter at its bound, and where there are no statistics.
+static double deviation_of(const Eigen::VectorXd& deviations, const UpdatingOutcome& outcome, std::size_t i) {
+  const bool known = static_cast<Index>(i) < deviations.size() && !is_at_bound(outcome, i);
+  return known ? deviations[static_cast<Index>(i)] : std::numeric_limits<double>::quiet_NaN();
 }
 
 Table updated_parameter_table(const Study& study, const UpdatingOutcome& outcome) {
@@ -53,15 +60,20 @@ Table updated_parameter_table(const Study& study, const UpdatingOutcome& outcome
     const double value = outcome.values[static_cast<Index>(i)];
     const auto interval =
         parameter_interval(parameter, static_cast<Index>(i), value, outcome.statistics, outcome.robust);
-    table.rows.push_back({parameter.name, parameter.unit, four_digits(parameter.initial), four_digits(value),
-                          interval ? four_digits(interval->lower) + " to " + four_digits(interval->upper) : "-",
-                          !interval          ? "-"
-                          : interval->robust ? "robust std"
-                                             : "std",
-                          parameter.initial != 0.0 ? signed_per_cent(value / parameter.initial - 1.0) : "-",
-                          deviation_of(outcome.statistics.deviations, outcome, i),
-                          deviation_of(outcome.robust.deviations, outcome, i), truth ? four_digits(*truth) : "-",
-                          truth && *truth != 0.0 ? signed_per_cent(value / *truth - 1.0) : "-"});
+    const double std = deviation_of(outcome.statistics.deviations, outcome, i);
+    const DisplayUnit shown(parameter.unit, {value, parameter.initial, std});
+    const auto deviation = [&](const Eigen::VectorXd& deviations) {
+      return is_at_bound(outcome, i) ? "at its bound" : shown.deviation(deviation_of(deviations, outcome, i));
+    };
+    table.rows.push_back(
+        {parameter.name, shown.unit(), shown.value(parameter.initial), shown.value(value, std),
+         interval ? shown.value(interval->lower, std) + " to " + shown.value(interval->upper, std) : "-",
+         !interval          ? "-"
+         : interval->robust ? "robust std"
+                            : "std",
+         parameter.initial != 0.0 ? signed_per_cent(value / parameter.initial - 1.0) : "-",
+         deviation(outcome.statistics.deviations), deviation(outcome.robust.deviations),
+         truth ? shown.value(*truth) : "-", truth && *truth != 0.0 ? signed_per_cent(value / *truth - 1.0) : "-"});
   }
   return table;
 }
