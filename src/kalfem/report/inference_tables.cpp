@@ -47,17 +47,6 @@ std::string share(double probability) {
   return probability > 0.0 && probability < 1e-4 ? fmt::format("{:.1e}", probability) : per_cent(probability);
 }
 
-/// Without columns, other than the first, of which every row has only a dash.
-Table without_empty_columns(Table table) {
-  for (std::size_t c = table.columns.size(); c-- > 1;) {
-    if (std::ranges::any_of(table.rows, [c](const auto& row) { return row[c] != "-"; })) continue;
-    const auto at = static_cast<std::ptrdiff_t>(c);
-    table.columns.erase(table.columns.begin() + at);
-    for (auto& row : table.rows) row.erase(row.begin() + at);
-  }
-  return table;
-}
-
 std::string joined(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, ", ")); }
 
 /// In a sentence.

@@ -40,6 +40,9 @@ Section model_check_section(const std::string& name, const FiniteElementModel& m
 /// (identified with its 95 % band, and true) where the law has no memory, and the path that it went.
 Section connectors_section(const Study& study, const EstimationOutcome& outcome);
 
+/// Every sensor: measured beside what the filter expected, innovations with their band, and their autocorrelation.
+Section sensors_section(const Study& study, const EstimationOutcome& outcome);
+
 /// The updating on the page: parameters, what they rest on, the course of the search, measured and model responses.
 Section updating_section(const Study& study, const StudyResults& results);
 

@@ -210,7 +210,7 @@ Chart nis_chart(const EstimationOutcome& outcome) {
 }
 
 Section consistency_section(const EstimationOutcome& outcome) {
-  Section section{"Innovations", "", {}};
+  Section section{"Consistency", "", {}};
   if (std::isfinite(outcome.consistency.mean_nis)) {
     section.text = fmt::format("Mean NIS {:.3f} (expected {:.3f}); {:.1f} % of the samples are in the 95 % band.",
                                outcome.consistency.mean_nis, outcome.consistency.expected_nis,
@@ -219,27 +219,6 @@ Section consistency_section(const EstimationOutcome& outcome) {
   }
   section.text += "\n\nThe filter takes " + substep_words(outcome) + "." +
                   (outcome.start.moving ? "\n\nAt the start, " + explain(outcome.start) + "." : "");
-  for (std::size_t i = 0; i < outcome.measurements.channels.size(); ++i) {
-    const auto row = static_cast<Index>(i);
-    const auto& channel = outcome.measurements.channels[i];
-    if (outcome.result.innovation.row(row).array().isNaN().all()) continue;
-    const VectorXd zero = VectorXd::Zero(outcome.result.innovation.cols());
-    section.items.emplace_back(
-        Chart{.id = "innovation-" + channel.name,
-              .title = "Innovation of " + channel.name,
-              .caption = std::isfinite(outcome.consistency.innovation_to_noise[row])
-                             ? fmt::format("RMS / noise = {:.3f}.", outcome.consistency.innovation_to_noise[row])
-                             : "",
-              .x_label = "time [s]",
-              .y_label = "innovation [" + channel.unit + "]",
-              .x = times(outcome.measurements),
-              .series = {{.label = "innovation",
-                          .y = series_values(outcome.result.innovation.row(row).transpose()),
-                          .role = Role::measured},
-                         with_band("expected 95 %", zero, outcome.result.innovation_deviation.row(row).transpose(),
-                                   Role::limit)},
-              .half_width = true});
-  }
   return section;
 }
 
@@ -415,10 +394,13 @@ Page make_page(const Study& study, const StudyResults& results) {
             .summary = answer(results),
             .sections = {}};
   if (results.verdict.state() != VerdictState::consistent) page.sections.push_back(verdict_section(results));
+  const bool estimated = results.estimation && results.estimation->has_samples();
+  if (estimated && results.estimation->augmented_model->layout().unknowns > 0)
+    page.sections.push_back(parameters_section(study, *results.estimation));
+  if (results.updating) page.sections.push_back(updating_section(study, results));
   if (const auto words = record_words(study, results); !words.empty()) page.sections.push_back({"Record", words, {}});
   if (results.estimation && !results.estimation->events.empty())
     page.sections.push_back(events_section(results.estimation->events));
-  if (results.updating) page.sections.push_back(updating_section(study, results));
   if (!results.modifications.empty())
     page.sections.push_back({"Modifications",
                              std::string("Natural frequencies predicted without further updating. ") +
@@ -426,10 +408,10 @@ Page make_page(const Study& study, const StudyResults& results) {
                              {modification_table(results.modifications)}});
   if (results.placement) page.sections.push_back(placement_section(study, *results.placement));
   if (results.inference) page.sections.push_back(inference_section(*results.inference));
+  if (estimated) page.sections.push_back(sensors_section(study, *results.estimation));
   if (results.validation) page.sections.push_back(validation_section(study, *results.validation));
-  if (results.estimation && results.estimation->has_samples()) {
+  if (estimated) {
     const auto& outcome = *results.estimation;
-    if (outcome.augmented_model->layout().unknowns > 0) page.sections.push_back(parameters_section(study, outcome));
     if (outcome.frequencies) page.sections.push_back(frequencies_section(*outcome.frequencies));
     if (outcome.result.noise) page.sections.push_back(adaptive_noise_section(outcome));
     if (!outcome.process_noise.empty()) page.sections.push_back(process_noise_section(outcome));

@@ -66,6 +66,16 @@ bool shown(const Study& study, const std::string& point) {
 
 std::string per_cent(double ratio) { return std::isfinite(ratio) ? fmt::format("{:.2f} %", 100.0 * ratio) : "-"; }
 
+Table without_empty_columns(Table table) {
+  for (std::size_t c = table.columns.size(); c-- > 1;) {
+    if (std::ranges::any_of(table.rows, [c](const auto& row) { return row[c] != "-"; })) continue;
+    const auto at = static_cast<std::ptrdiff_t>(c);
+    table.columns.erase(table.columns.begin() + at);
+    for (auto& row : table.rows) row.erase(row.begin() + at);
+  }
+  return table;
+}
+
 std::string four_digits(double value) { return std::isfinite(value) ? fmt::format("{:.4g}", value) : "-"; }
 
 Table modes_table(const Study& study, const StudyResults& results) {
@@ -140,7 +150,7 @@ Table parameter_table(const Study& study, const EstimationOutcome& outcome) {
                           truth && *truth != 0.0 ? per_cent(estimate / *truth - 1.0) : "-"});
   }
   if (outcome.likelihood) add_likelihood_unknowns(*outcome.likelihood, table);
-  return table;
+  return without_empty_columns(std::move(table));
 }
 
 Table input_table(const EstimationOutcome& outcome) {

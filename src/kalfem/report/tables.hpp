@@ -49,6 +49,8 @@ std::string to_text(const Table& table);
 
 /// Four significant digits.
 std::string four_digits(double value);
+/// Without columns, other than the first, of which every row has only a dash.
+Table without_empty_columns(Table table);
 /// A ratio with two decimals, "-" where it is not finite.
 std::string per_cent(double ratio);
 

@@ -75,7 +75,7 @@ Table updated_parameter_table(const Study& study, const UpdatingOutcome& outcome
          deviation(outcome.statistics.deviations), deviation(outcome.robust.deviations),
          truth ? shown.value(*truth) : "-", truth && *truth != 0.0 ? signed_per_cent(value / *truth - 1.0) : "-"});
   }
-  return table;
+  return without_empty_columns(std::move(table));
 }
 
 Table comparison_table(const UpdatingOutcome& outcome) {
