@@ -153,7 +153,7 @@ Table sensitivity_table(const UpdatingOutcome& outcome) {
 /// Empty beyond the last mode.
 static std::string predicted_frequency(const StructuralModificationResult& modification, Index mode) {
   if (mode >= modification.frequencies.size()) return "";
-  const std::string frequency = fmt::format("{:.2f}", modification.frequencies[mode]);
+  std::string frequency = fmt::format("{:.2f}", modification.frequencies[mode]);
   if (modification.deviations.size() == 0) return frequency;
   const double deviation = modification.deviations[mode];
   return frequency + (std::isfinite(deviation) ? fmt::format(" +- {:.2f}", deviation) : " +- ?");
