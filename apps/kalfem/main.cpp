@@ -97,27 +97,18 @@ std::string hint_for_verb(const CLI::App& app, int argc, char** argv) {
 }
 
 /// Help, the version, or what is wrong with the arguments.
-int told(const CLI::App& app, const CLI::ParseError& error, const std::string& hint) {
-  return guarded([&] {
-    std::ostringstream output, errors;
-    const bool asked_for = app.exit(error, output, errors) == 0;
-    command::print_text(output.str());
-    command::print_error_text(hint.empty() || asked_for ? errors.str() : hint);
-    command::require_output();
-    return asked_for ? command::done : command::mend_the_input;
-  });
+command::ExitCode told(const CLI::App& app, const CLI::ParseError& error, const std::string& hint) {
+  std::ostringstream output, errors;
+  const bool asked_for = app.exit(error, output, errors) == 0;
+  command::print_text(output.str());
+  command::print_error_text(hint.empty() || asked_for ? errors.str() : hint);
+  command::require_output();
+  return asked_for ? command::done : command::mend_the_input;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  command::prepare_streams();
-  command::listen_to_signals();
-  CLI::App app{"Identifies and updates nonlinear finite-element models of structures from vibration measurements.",
-               "kalfem"};
+void add_verbs(CLI::App& app, Arguments& arguments) {
   app.set_version_flag("--version", version);
   app.require_subcommand(1);
-  Arguments arguments;
   add_run_verb(app, "run", "run everything the case asks for", arguments);
   add_run_verb(app, "modes", "compute the natural modes of every substructure, full and reduced", arguments);
   add_run_verb(app, "simulate", "simulate the structure and make its record", arguments);
@@ -151,14 +142,27 @@ int main(int argc, char** argv) {
       ->add_option("shell", arguments.shell, "bash, zsh or fish")
       ->required()
       ->check(CLI::IsMember({"bash", "zsh", "fish"}));
+}
+
+int parse_and_execute(int argc, char** argv) {
+  CLI::App app{"Identifies and updates nonlinear finite-element models of structures from vibration measurements.",
+               "kalfem"};
+  Arguments arguments;
+  add_verbs(app, arguments);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return told(app, error, hint_for_verb(app, argc, argv));
   }
-  return guarded([&] {
-    const auto code = execute(app, arguments);
-    command::require_output();
-    return code;
-  });
+  const auto code = execute(app, arguments);
+  command::require_output();
+  return code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  command::prepare_streams();
+  command::listen_to_signals();
+  return guarded([&] { return parse_and_execute(argc, argv); });
 }
