@@ -6,6 +6,7 @@
 #include "kalfem/estimation/consistency.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
 #include "kalfem/identification/stated_interval.hpp"
+#include "kalfem/report/display_unit.hpp"
 #include "kalfem/report/result_set.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/statistics/quantiles.hpp"
@@ -99,7 +100,9 @@ TEST(StatedInterval, ComesFromTheLargerOfTheTwoDeviations) {
   near(usual.lower, mean[1] - 1.959963984540054 * stated[1], many_roundings);
   const auto table = parameter_table(everything().study, outcome);
   EXPECT_EQ(table.columns[4], "95 % interval");
-  EXPECT_EQ(table.rows[0][4], four_digits(wider.lower) + " to " + four_digits(wider.upper));
+  const double std = outcome.result.unknowns.deviation(0, outcome.result.unknowns.deviation.cols() - 1);
+  const DisplayUnit shown(table.rows[0][1], {1.0});
+  EXPECT_EQ(table.rows[0][4], shown.value(wider.lower, std) + " to " + shown.value(wider.upper, std));
   EXPECT_EQ(table.rows[0][5], "robust std");
   EXPECT_EQ(table.rows[1][5], "std");
 }
