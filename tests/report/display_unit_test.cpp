@@ -34,6 +34,8 @@ TEST(DisplayUnit, ShowsTwoDigitsOfTheDeviation) {
   EXPECT_EQ(pascal.value(2.0996e11, 1.3e8), "209.96");
   EXPECT_EQ(none_of_it.value(12345.0, 450.0), "12350");
   EXPECT_EQ(none_of_it.value(12345.0, 45.0), "12345");
+  EXPECT_EQ(none_of_it.value(1.2345, 0.0996), "1.23");
+  EXPECT_EQ(none_of_it.deviation(0.0996), "0.10");
   EXPECT_EQ(newton.value(17984.3), "17.98");
   EXPECT_EQ(newton.value(17984.3, none), "17.98");
   EXPECT_EQ(newton.value(none, 1.0), "-");

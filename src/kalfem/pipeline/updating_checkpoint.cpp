@@ -138,9 +138,9 @@ void UpdatingCheckpoint::write(const Content& content) const {
   write_file_atomically(file_, json.dump(1) + "\n");
 }
 
-std::string fingerprint_of(const Study& study, double first_residual) {
+std::string fingerprint_of(const Study& study, double first_value) {
   return std::string(version) + "-" + std::to_string(std::hash<std::string>{}(study.resolved_case)) + "-" +
-         std::to_string(std::bit_cast<std::uint64_t>(first_residual));
+         std::to_string(std::bit_cast<std::uint64_t>(first_value));
 }
 
 }  // namespace kalfem

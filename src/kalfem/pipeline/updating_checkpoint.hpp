@@ -34,8 +34,8 @@ private:
   Eigen::Index parameters_;
 };
 
-/// Fingerprint of the case with all its defaults, the version of the program, and the residual at the initial values.
-/// This residual stands for the contents of the files that the case names.
-std::string fingerprint_of(const Study& study, double first_residual);
+/// Fingerprint of the case with all its defaults, the version of the program, and a value at the start: of the residual
+/// or of the likelihood. This value stands for the contents of the files that the case names.
+std::string fingerprint_of(const Study& study, double first_value);
 
 }  // namespace kalfem

@@ -34,6 +34,13 @@ int thousands(std::string_view symbol, double value) {
 
 }  // namespace
 
+int last_place(double deviation) { return std::stoi(fmt::format("{:.1e}", deviation).substr(4)) - 1; }
+
+std::string rounded_at(int place, double value) {
+  const double step = std::pow(10.0, std::max(0, place));
+  return fmt::format("{:.{}f}", place > 0 ? step * std::round(value / step) : value, std::max(0, -place));
+}
+
 DisplayUnit::DisplayUnit(const std::string& unit, const std::vector<double>& values) : unit_(unit) {
   const auto decides = std::ranges::find_if(values, [](double v) { return std::isfinite(v) && v != 0.0; });
   if (decides == values.end()) return;
@@ -50,10 +57,9 @@ std::string DisplayUnit::value(double value, double deviation) const {
   const double shown = value * factor_, last = deviation * factor_;
   if (!std::isfinite(shown) || !std::isfinite(last) || last == 0.0) return four_digits(shown);
   constexpr double plain = 1e6;  // beyond it, and far below one, powers of ten are shorter
-  const int place = static_cast<int>(std::floor(std::log10(std::abs(last)))) - 1;
+  const int place = last_place(std::abs(last));
   if (std::abs(shown) >= plain || place < -7) return four_digits(shown);
-  const double step = std::pow(10.0, std::max(0, place));
-  return fmt::format("{:.{}f}", place > 0 ? step * std::round(shown / step) : shown, std::max(0, -place));
+  return rounded_at(place, shown);
 }
 
 }  // namespace kalfem

@@ -5,6 +5,12 @@
 
 namespace kalfem {
 
+/// The number of the last place at which a deviation has two digits: -2 for 0.31. The deviation is rounded first,
+/// because 0.0996 has its two digits, 0.10, one place further left. `deviation`: finite and positive.
+int last_place(double deviation);
+/// A value rounded there, without a power of ten: 17984 for 17984.3 +- 31, 12350 for 12345 +- 450.
+std::string rounded_at(int place, double value);
+
 /// How people read one quantity: with a prefix of its unit that brings it between 1 and 1000, "210.0 GPa" for
 /// 2.1e11 Pa, and with the digits that its deviation leaves.
 class DisplayUnit {

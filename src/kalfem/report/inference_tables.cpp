@@ -136,19 +136,12 @@ std::vector<InferredValues> inferred_values(const InferenceOutcome& outcome) {
   return all;
 }
 
-// The deviation is rounded first, because 0.0996 has its two digits, 0.10, one place further left.
 std::string with_deviation(double mean, double deviation) {
   if (!std::isfinite(mean) || !std::isfinite(deviation) || deviation <= 0.0) return four_digits(mean);
-  const int place = std::stoi(fmt::format("{:.1e}", deviation).substr(4));  // of the first digit: 1.0e-01 is -1
+  const int place = last_place(deviation);
   const double largest = std::max(std::abs(mean), deviation);
-  if (largest < 1e6 && largest >= 1e-3) {
-    const double last = std::pow(10.0, std::max(0, place - 1));  // digits left of the point are rounded, too
-    const auto written = [&](double value) {
-      return fmt::format("{:.{}f}", last > 1.0 ? last * std::round(value / last) : value, std::max(0, 1 - place));
-    };
-    return written(mean) + " ± " + written(deviation);
-  }
-  const int digits = std::max(1, static_cast<int>(std::floor(std::log10(largest))) - place + 1);
+  if (largest < 1e6 && largest >= 1e-3) return rounded_at(place, mean) + " ± " + rounded_at(place, deviation);
+  const int digits = std::max(1, static_cast<int>(std::floor(std::log10(largest))) - place);
   return fmt::format("{:.{}e} ± {:.1e}", mean, std::min(digits, 15), deviation);
 }
 

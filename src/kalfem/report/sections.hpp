@@ -49,4 +49,9 @@ Section updating_section(const Study& study, const StudyResults& results);
 /// The entries of a vector, as a series of a chart holds them.
 inline std::vector<double> series_values(const Eigen::VectorXd& vector) { return {vector.begin(), vector.end()}; }
 
+/// The times of a record's samples, as the abscissae of a chart.
+std::vector<double> times(const Record& record);
+/// A curve with the 95 % band of a normal distribution; without a deviation, the curve alone.
+Series with_band(const std::string& label, const Eigen::VectorXd& mean, const Eigen::VectorXd& deviation, Role role);
+
 }  // namespace kalfem

@@ -16,14 +16,16 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr Index lags = 40;
-constexpr double relevant_correlation = 0.38;  ///< of neighbours: deviations widen by sqrt((1 + r) / (1 - r)) = 1.5
+/// Of neighbours: deviations widen by sqrt((1 + r) / (1 - r)), which the verdict calls suspicious from here on.
+constexpr double relevant_correlation =
+    (suspicious_widening * suspicious_widening - 1.0) / (suspicious_widening * suspicious_widening + 1.0);
 
 /// The filter's innovations of one sensor.
 struct SensorCourse {
   SensorCourse(const EstimationOutcome& outcome, Index row)
       : name(outcome.measurements.channels[static_cast<std::size_t>(row)].name),
         unit(outcome.measurements.channels[static_cast<std::size_t>(row)].unit),
-        measured(outcome.measurements.values.row(row).head(outcome.result.innovation.cols()).transpose()),
+        measured(outcome.measurements.values.row(row).transpose()),
         innovation(outcome.result.innovation.row(row).transpose()),
         deviation(outcome.result.innovation_deviation.row(row).transpose()) {
     const Index from = std::min(outcome.settled, innovation.size() - 1);
@@ -35,47 +37,32 @@ struct SensorCourse {
   VectorXd settled;  ///< innovations after settling, in their expected deviations
 };
 
-std::vector<double> times(const EstimationOutcome& outcome) {
-  std::vector<double> t;
-  for (Index k = 0; k < outcome.result.innovation.cols(); ++k) t.push_back(outcome.measurements.time(k));
-  return t;
-}
-
 Chart course_chart(const EstimationOutcome& outcome, const SensorCourse& sensor, double zoom) {
-  const double width = normal_quantile(0.975), from = outcome.measurements.time(outcome.settled);
-  const VectorXd expected = sensor.measured - sensor.innovation;
+  const double from = outcome.measurements.time(outcome.settled);
   Chart chart{.id = "sensor-" + sensor.name,
               .title = sensor.name,
               .caption = "Expected: one sample ahead, with the 95 % band of what the sensor would show.",
               .x_label = "time [s]",
               .y_label = "[" + sensor.unit + "]",
-              .x = times(outcome),
+              .x = times(outcome.measurements),
               .series = {{.label = "measured", .y = series_values(sensor.measured), .role = Role::measured},
-                         {.label = "expected",
-                          .y = series_values(expected),
-                          .lower = series_values(expected - width * sensor.deviation),
-                          .upper = series_values(expected + width * sensor.deviation),
-                          .role = Role::estimate}},
+                         with_band("expected", sensor.measured - sensor.innovation, sensor.deviation, Role::estimate)},
               .half_width = true};
   if (from < chart.x.back()) chart.x_window = AxisRange{from, std::min(from + zoom, chart.x.back())};
   return chart;
 }
 
 Chart innovation_chart(const EstimationOutcome& outcome, const SensorCourse& sensor, double innovation_to_noise) {
-  const VectorXd width = normal_quantile(0.975) * sensor.deviation;
-  Series expected{.label = "expected 95 %",
-                  .y = std::vector<double>(static_cast<std::size_t>(sensor.innovation.size()), 0.0),
-                  .lower = series_values(-width),
-                  .upper = series_values(width),
-                  .role = Role::limit};
+  const VectorXd zero = VectorXd::Zero(sensor.innovation.size());
   return {
       .id = "innovation-" + sensor.name,
       .title = "Innovation of " + sensor.name,
       .caption = std::isfinite(innovation_to_noise) ? fmt::format("RMS / noise = {:.3f}.", innovation_to_noise) : "",
       .x_label = "time [s]",
       .y_label = "innovation [" + sensor.unit + "]",
-      .x = times(outcome),
-      .series = {{.label = "innovation", .y = series_values(sensor.innovation), .role = Role::measured}, expected},
+      .x = times(outcome.measurements),
+      .series = {{.label = "innovation", .y = series_values(sensor.innovation), .role = Role::measured},
+                 with_band("expected 95 %", zero, sensor.deviation, Role::limit)},
       .half_width = true};
 }
 
@@ -92,15 +79,16 @@ std::vector<double> correlogram(const VectorXd& sequence) {
 
 Chart correlation_chart(const SensorCourse& sensor, const std::vector<double>& values) {
   const double significant = 1.96 / std::sqrt(static_cast<double>(sensor.settled.array().isFinite().count()));
-  Chart chart{.id = "correlation-" + sensor.name,
-              .title = "Autocorrelation of the innovations of " + sensor.name,
-              .caption = fmt::format("White innovations stay within ±{:.3f} at 95 % of the lags; neighbours above {} "
-                                     "make the deviations of parameters more than 1.5 times too small.",
-                                     significant, relevant_correlation),
-              .x_label = "lag [samples]",
-              .y_label = "correlation [-]",
-              .y_window = AxisRange{-1.0, 1.0},
-              .half_width = true};
+  Chart chart{
+      .id = "correlation-" + sensor.name,
+      .title = "Autocorrelation of the innovations of " + sensor.name,
+      .caption = fmt::format("White innovations stay within ±{:.3f} at 95 % of the lags; neighbours above {:.2f} "
+                             "make the deviations of parameters more than {} times too small.",
+                             significant, relevant_correlation, suspicious_widening),
+      .x_label = "lag [samples]",
+      .y_label = "correlation [-]",
+      .y_window = AxisRange{-1.0, 1.0},
+      .half_width = true};
   for (std::size_t lag = 1; lag < values.size(); ++lag) chart.x.push_back(static_cast<double>(lag));
   const auto level = [&](double value) { return std::vector<double>(chart.x.size(), value); };
   chart.series = {{.label = "innovations", .y = {values.begin() + 1, values.end()}, .role = Role::estimate},

@@ -26,21 +26,6 @@ using Eigen::VectorXd;
 
 constexpr double band_probability = 0.95;
 
-std::vector<double> times(const Record& record) {
-  std::vector<double> t(static_cast<std::size_t>(record.samples()));
-  for (std::size_t k = 0; k < t.size(); ++k) t[k] = record.time(static_cast<Index>(k));
-  return t;
-}
-
-Series with_band(const std::string& label, const VectorXd& mean, const VectorXd& deviation, Role role) {
-  Series series{.label = label, .y = series_values(mean), .role = role};
-  if (deviation.size() == 0) return series;
-  const double width = normal_quantile(0.5 * (1.0 + band_probability));
-  series.lower = series_values(mean - width * deviation);
-  series.upper = series_values(mean + width * deviation);
-  return series;
-}
-
 Section parameters_section(const Study& study, const EstimationOutcome& outcome) {
   Section section{"Parameters",
                   "The 95 % interval in the table comes from the larger of the two standard deviations; `from` names "

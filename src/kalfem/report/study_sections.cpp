@@ -139,6 +139,21 @@ Chart path(const EstimationOutcome& outcome, const std::string& name) {
 
 }  // namespace
 
+std::vector<double> times(const Record& record) {
+  std::vector<double> t(static_cast<std::size_t>(record.samples()));
+  for (std::size_t k = 0; k < t.size(); ++k) t[k] = record.time(static_cast<Index>(k));
+  return t;
+}
+
+Series with_band(const std::string& label, const VectorXd& mean, const VectorXd& deviation, Role role) {
+  Series series{.label = label, .y = series_values(mean), .role = role};
+  if (deviation.size() == 0) return series;
+  const VectorXd width = normal_quantile(0.975) * deviation;
+  series.lower = series_values(mean - width);
+  series.upper = series_values(mean + width);
+  return series;
+}
+
 Section connectors_section(const Study& study, const EstimationOutcome& outcome) {
   Section section{"Connectors", "The identified laws.", {}};
   const auto& connectors = outcome.augmented_model->system().connectors;
