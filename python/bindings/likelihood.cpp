@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <memory>
 
 #include "calls.hpp"
+#include "kalfem/pipeline/sample_posterior.hpp"
 #include "kalfem/pipeline/search_start.hpp"
 
 namespace kalfem::python {
@@ -27,6 +29,57 @@ std::shared_ptr<OpenedLikelihood> open_likelihood(const std::string& file, const
   if (!opened->results.complete()) throw InvalidInput(Issue{{file, 0}, opened->results.failure, "", ""});
   opened->search = begin_search(study, record_of(study, opened->results), nullptr);
   return opened;
+}
+
+PosteriorMethod method_named(const std::string& name) {
+  const std::vector<std::pair<std::string, PosteriorMethod>> methods{{"importance", PosteriorMethod::importance},
+                                                                     {"laplace", PosteriorMethod::laplace},
+                                                                     {"tempered", PosteriorMethod::tempered},
+                                                                     {"metropolis", PosteriorMethod::metropolis}};
+  const auto found = std::ranges::find(methods, name, &std::pair<std::string, PosteriorMethod>::first);
+  if (found == methods.end())
+    throw InvalidInput("method: there is no '" + name + "' here", "",
+                       "give importance, laplace, tempered or metropolis");
+  return found->second;
+}
+
+/// The likelihood as a function of Python, which may ask a worker elsewhere: it waits without the GIL of others.
+LogLikelihood evaluated_by(const py::function& evaluate) {
+  return [&evaluate](const Eigen::VectorXd& theta) {
+    const py::gil_scoped_acquire acquired;
+    try {
+      return evaluate(theta).cast<double>();
+    } catch (const py::error_already_set& error) {
+      throw std::runtime_error(error.what());  // of a thread that Python does not know
+    }
+  };
+}
+
+py::dict sample(const OpenedLikelihood& self, const std::string& method, int samples, std::uint64_t seed, int threads,
+                const std::optional<py::function>& evaluate, const py::object& progress) {
+  InferencePlan plan = *self.study.inference;
+  plan.method = method_named(method);
+  plan.samples = samples;
+  plan.seed = seed;
+  const Posterior posterior{plan.prior, evaluate ? evaluated_by(*evaluate) : self.search.likelihood.log_likelihood};
+  const auto outcome = LongCall(progress).run([&](const Progress& report) {
+    InferenceOutcome found;
+    sample_posterior(plan, posterior, self.search.start, threads, report, found);
+    return found;
+  });
+  const auto count = outcome.samples.values.cols();
+  const bool equal = outcome.samples.weights.size() == 0;
+  py::dict result;
+  result["values"] = Eigen::MatrixXd(outcome.samples.values.transpose());
+  result["weights"] =
+      equal ? Eigen::VectorXd::Constant(count, 1.0 / static_cast<double>(count)).eval() : outcome.samples.weights;
+  result["log_likelihood"] = outcome.samples.log_likelihood;
+  result["log_prior"] = outcome.samples.log_prior;
+  result["log_evidence"] = outcome.log_evidence;
+  result["log_evidence_std"] = outcome.log_evidence_deviation;
+  result["evaluations"] = outcome.evaluations;
+  result["warnings"] = outcome.warnings;
+  return result;
 }
 
 /// A value of every parameter.
@@ -82,7 +135,9 @@ void bind_likelihood(py::module_& module) {
             require_size(self, z, "z");
             return self.study.inference->prior.from_standard_normal(z);
           },
-          py::arg("z"));
+          py::arg("z"))
+      .def("sample", &sample, py::arg("method"), py::arg("samples"), py::arg("seed"), py::arg("threads"),
+           py::arg("evaluate"), py::arg("progress") = py::none());
 }
 
 }  // namespace kalfem::python

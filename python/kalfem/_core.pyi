@@ -183,6 +183,15 @@ class CaseLikelihood:
     def log_likelihood(self, theta: ArrayLike) -> float: ...
     def log_prior(self, theta: ArrayLike) -> float: ...
     def from_standard_normal(self, z: ArrayLike) -> NDArray[np.float64]: ...
+    def sample(
+        self,
+        method: str,
+        samples: int,
+        seed: int,
+        threads: int,
+        evaluate: Callable[[ArrayLike], float] | None,
+        progress: _Progress = None,
+    ) -> dict[str, Any]: ...
 
 def run_case(
     case: str, set: Sequence[tuple[str, str | None]], folder: str, last_step: str, progress: _Progress = None

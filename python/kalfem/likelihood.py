@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
+from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from statistics import NormalDist
 from typing import Any
@@ -14,7 +16,37 @@ import numpy as np
 
 from .compiled import core
 from .errors import unknown_name
+from .progress import reporter
 from .running import as_changes
+
+
+@lru_cache(maxsize=4)
+def _opened(case, _written_at, changes):
+    """Of each process one: a worker gets the same likelihood with every task."""
+    return core.CaseLikelihood(case, list(changes))
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """Samples of a posterior, from :meth:`Likelihood.sample`."""
+
+    names: list[str]
+    values: np.ndarray  #: samples [n, p]
+    weights: np.ndarray  #: their sum is 1
+    log_likelihood: np.ndarray
+    log_prior: np.ndarray
+    log_evidence: float | None
+    log_evidence_std: float | None
+    evaluations: int  #: of the likelihood
+    warnings: list[str]  #: why the samples may not hold
+
+    @property
+    def mean(self) -> np.ndarray:
+        return self.weights @ self.values
+
+    @property
+    def std(self) -> np.ndarray:
+        return np.sqrt(self.weights @ (self.values - self.mean) ** 2)
 
 
 class Likelihood:
@@ -52,7 +84,7 @@ class Likelihood:
 
     def _open(self):
         if self._opened is None:
-            self._opened = core.CaseLikelihood(self._case, as_changes(self._set))
+            self._opened = _opened(self._case, os.stat(self._case).st_mtime_ns, tuple(as_changes(self._set)))
         return self._opened
 
     def __getstate__(self):
@@ -83,6 +115,32 @@ class Likelihood:
         """ln p(data | theta) of many theta, on the workers of an executor (by default here, one after the other)."""
         values = [self._values(theta) for theta in thetas]
         return np.array(list(executor.map(self, values) if executor else map(self, values)))
+
+    def sample(
+        self,
+        method: str = "importance",
+        samples: int = 1000,
+        seed: int = 1,
+        executor: Executor | None = None,
+        workers: int | None = None,
+        progress: bool | Callable[[float, str], None] = True,
+    ) -> Posterior:
+        """Samples of the posterior by kalfem's own samplers, the same bits wherever the likelihoods are computed.
+
+        Parameters
+        ----------
+        method : str
+            ``importance``, ``laplace``, ``tempered`` or ``metropolis``: see the documentation of ``infer``.
+        executor : concurrent.futures.Executor, optional
+            Computes the likelihoods: processes, ``dask.distributed.Client.get_executor()`` or
+            ``mpi4py.futures.MPIPoolExecutor()``. By default threads of this process.
+        workers : int, optional
+            Likelihoods that are asked for at once; by default one per processor.
+        """
+        evaluate = (lambda theta: executor.submit(self, theta).result()) if executor else None
+        with reporter(progress) as bar:
+            found = self._open().sample(method, samples, seed, workers or os.cpu_count() or 1, evaluate, bar)
+        return Posterior(names=self.names, **found)
 
     def _values(self, theta):
         if not isinstance(theta, Mapping):

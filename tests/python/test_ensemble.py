@@ -1,13 +1,11 @@
 """kf.map over threads, processes, Dask and MPI: order, failures, resumption."""
 
-import os
 import pickle
 import subprocess
 import sys
 import threading
 import time
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,18 +15,11 @@ from kalfem.ensemble import Failure
 from kalfem.errors import InvalidInput
 from kalfem.grid import points
 from kalfem.tasks import CaseTask
-
-HERE = Path(__file__).parent
+from programs import environment, output_under_mpi
 
 
 def quiet_map(*arguments, **options):
     return ensemble.map(*arguments, progress=False, **options)
-
-
-def environment():
-    """Of worker processes: they find the package and the functions of the tests."""
-    package = str(Path(ensemble.__file__).parents[1])
-    return {**os.environ, "PYTHONPATH": os.pathsep.join([package, str(HERE), os.environ.get("PYTHONPATH", "")])}
 
 
 @pytest.fixture(params=["default", "threads", "processes"])
@@ -224,14 +215,4 @@ if __name__ == "__main__":
 
 
 def test_mpi(tmp_path):
-    pytest.importorskip("mpi4py")
-    program = tmp_path / "program.py"
-    program.write_text(MPI_PROGRAM)
-    command = ["mpiexec", "-n", "3", "--oversubscribe", "--allow-run-as-root", sys.executable]
-    try:
-        done = subprocess.run(
-            command + ["-m", "mpi4py.futures", program], env=environment(), capture_output=True, text=True, timeout=120
-        )
-    except FileNotFoundError:
-        pytest.skip("mpiexec is not installed")
-    assert done.stdout.strip() == "True ValueError: three is not allowed 5.0", done.stderr
+    assert output_under_mpi(MPI_PROGRAM, tmp_path) == "True ValueError: three is not allowed 5.0"

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import kalfem as kf
+from programs import output_under_mpi
 
 CASE = """
 kalfem: 1
@@ -18,6 +19,17 @@ sensors: {a: {acceleration: body.m, noise: 5 %}}
 simulate: {duration: 2 s, sample_rate: 100 Hz, seed: 2}
 estimate: {substeps: 2, diagnose: false, unknown: {mount.k: {initial: 780 N/m, std: 50 N/m}, mount.c: {initial: 3 N s/m, std: 1 N s/m}}}
 infer: {priors: {mount.c: {uniform: [1, 9]}}, predictions: 0}
+"""
+
+
+MPI_PROGRAM = """
+import sys
+import kalfem as kf
+from mpi4py.futures import MPIPoolExecutor
+
+if __name__ == "__main__":
+    with MPIPoolExecutor() as executor:
+        print(repr(kf.Likelihood(sys.argv[1]).sample(samples=100, executor=executor, progress=False).log_evidence))
 """
 
 
@@ -56,6 +68,33 @@ def test_goes_to_other_processes(likelihood):
     with ProcessPoolExecutor(1) as executor:
         assert np.array_equal(likelihood.map(thetas, executor), here)
     assert np.array_equal(pickle.loads(pickle.dumps(likelihood)).map(thetas), here)
+
+
+@pytest.mark.parametrize("method", ["importance", "laplace", "tempered", "metropolis"])
+def test_samples_are_the_same_wherever_they_are_computed(likelihood, method):
+    options = dict(method=method, samples=100, seed=3, progress=False)
+    here = likelihood.sample(**options)
+    with ProcessPoolExecutor(2) as executor:
+        there = likelihood.sample(executor=executor, workers=2, **options)
+    assert np.array_equal(here.values, there.values) and np.array_equal(here.weights, there.weights)
+    assert here.log_evidence == there.log_evidence and here.evaluations == there.evaluations
+    assert abs(here.mean[0] - 800.0) < 6 * here.std[0] + 20.0
+
+
+def test_samples_over_mpi(likelihood, tmp_path):
+    here = likelihood.sample(samples=100, progress=False)
+    assert output_under_mpi(MPI_PROGRAM, tmp_path, likelihood._case) == repr(here.log_evidence)
+
+
+def test_a_worker_that_fails_ends_the_sampling(likelihood):
+    class Broken:
+        def submit(self, function, theta):
+            raise OSError("the worker is gone")
+
+    with pytest.raises(Exception, match="the worker is gone"):
+        likelihood.sample(executor=Broken(), progress=False)
+    with pytest.raises(kf.InvalidInput, match="there is no 'gibbs'"):
+        likelihood.sample(method="gibbs", progress=False)
 
 
 def test_says_what_is_wrong(likelihood):
