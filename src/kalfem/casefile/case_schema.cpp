@@ -352,8 +352,9 @@ Schema<Case> case_schema() {
           .optional("place", &Case::place, located(placement()), "where to put sensors (`kalfem place`)")
           .optional("report", &Case::report, mapping(report), "contents of the report"));
   const auto read = [=](const CaseNode& node, Case& given) {
-    given.source = {node.location().file, node.shared_yaml()};
-    return all.read(node, given);
+    const bool is_usable = all.read(node, given);
+    given.source = {node.location().file, node.shared_yaml(), node.files()};
+    return is_usable;
   };
   return make_schema<Case>(
       read, [=](const Case& given) { return all.write(given); }, all.json_schema());

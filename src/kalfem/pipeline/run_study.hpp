@@ -99,11 +99,15 @@ struct FoundMinimum {
   bool converged = false;
 };
 
-/// Magnitude of one frequency response.
+/// One frequency response, measured and of the model with its best factor.
 struct FrfCurve {
-  std::string name;                                ///< "2 per force at 1"
-  Eigen::VectorXd lines, measured, before, after;  ///< [Hz], |H|, the model's with its best factor
-  std::optional<double> scale;                     ///< best factor on the updated model, if it is free
+  std::string name;                          ///< "2 per force at 1"
+  std::string quantity, unit;                ///< "acceleration", "(m/s^2)/N"
+  Eigen::VectorXd lines;                     ///< [Hz]
+  Eigen::VectorXcd measured, before, after;  ///< H
+  bool magnitudes_only = false;              ///< the measured one has no phases
+  Eigen::VectorXd coherence;                 ///< of the measurement; empty: not known
+  std::optional<double> scale;               ///< best factor on the updated model, if it is free
 };
 
 /// A comparison before and after the updating.
@@ -115,6 +119,7 @@ struct ComparisonResult {
   std::string derivatives;                             ///< of a driven record: which ones, and why
   std::vector<FrfCurve> responses;                     ///< of frequency responses
   std::vector<PairedMode> modes_initial, modes_final;  ///< of natural frequencies
+  Eigen::MatrixXd mac_initial, mac_final;              ///< measured x the model's elastic modes
 };
 
 struct UpdatingOutcome {

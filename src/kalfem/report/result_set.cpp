@@ -148,6 +148,9 @@ ResultSet write_files(const fs::path& staging, const Study& study, const StudyRe
     write_file_atomically(staging / "case.identified.yaml", identified_case(*results.identified, identity));
   Page page = make_page(study, results);
   page.run = identity;
+  for (const auto& file : files_in(staging))
+    if (file.find('/') == std::string::npos) page.files.push_back(file);
+  page.files.emplace_back("summary.json");
   write_file_atomically(staging / "report.html", render_html(page));
   Names files = files_in(staging);
   files.insert(std::ranges::lower_bound(files, "summary.json"), "summary.json");

@@ -13,6 +13,7 @@
 #include "kalfem/identification/stated_interval.hpp"
 #include "kalfem/identification/walked_range.hpp"
 #include "kalfem/report/adaptive_noise_report.hpp"
+#include "kalfem/report/data_files.hpp"
 #include "kalfem/report/frequency_report.hpp"
 #include "kalfem/report/inference_report.hpp"
 #include "kalfem/report/placement_report.hpp"
@@ -503,6 +504,8 @@ Json summarise(const Study& study, const StudyResults& results) {
   if (results.placement) summary["placement"] = placement_summary(*results.placement);
   if (results.identified)
     summary["identified"] = {{"file", "case.identified.yaml"}, {"notes", results.identified->notes}};
+  for (const auto& [path, bytes, sha256] : data_files(study))
+    summary["data"].push_back({{"file", path.string()}, {"bytes", bytes}, {"sha256", sha256}});
   summary["run"] = run_identity(study, summary);
   summary["timing"] = timing_summary(study, results);
   return summary;
