@@ -9,8 +9,6 @@
 #include <memory>
 #include <vector>
 
-#include "kalfem/casefile/description.hpp"
-
 namespace kalfem {
 
 namespace fs = std::filesystem;
@@ -33,8 +31,7 @@ std::string sha256_of(const fs::path& file) {
 
 std::vector<DataFile> data_files(const Study& study) {
   std::vector<DataFile> files;
-  if (!study.description) return files;
-  for (const auto& path : study.description->source.files()) {
+  for (const auto& path : study.files) {
     if (std::ranges::find(files, path, &DataFile::path) != files.end()) continue;
     std::error_code error;
     const auto bytes = fs::file_size(path, error);

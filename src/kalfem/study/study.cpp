@@ -88,6 +88,7 @@ public:
     study_.structure = structure_;
     leave_out_unread_sections();
     study_.description = std::make_shared<const d::Case>(study_.given);
+    study_.files = study_.given.source.files();
     step(component, {}, {"component"}, [&](IssueList& issues) { expand_component(study_.given, issues); });
   }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <memory>
 
@@ -30,6 +31,7 @@ struct Study {
   std::string title, file;
   std::string resolved_case;                             ///< the case with all its defaults, as YAML
   std::shared_ptr<const description::Case> description;  ///< the case as it was read
+  std::vector<std::filesystem::path> files;              ///< that the case names: records, decks, tables
   StructurePtr structure;
   std::vector<ElementNotes> element_notes;  ///< one per finite-element substructure
   double reduce_seconds = 0.0;
