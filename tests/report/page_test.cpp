@@ -18,7 +18,7 @@
 namespace kalfem {
 namespace {
 
-Page page_of(std::variant<Chart, Table, Picture> item) {
+Page page_of(std::variant<Chart, Table, Picture, Listing> item) {
   return {.title = "t", .sections = {{.heading = "h", .items = {item}}}};
 }
 

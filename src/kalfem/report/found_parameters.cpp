@@ -32,6 +32,7 @@ void add_unknowns(const Study& study, const EstimationOutcome& outcome, std::vec
     found.push_back(
         {.name = unknowns[i].name,
          .unit = unknowns[i].unit,
+         .own_unit = study.written_unit(unknowns[i].name),
          .value = outcome.result.unknowns.mean(row, last),
          .deviation = std::fmax(outcome.result.unknowns.deviation(row, last), outcome.robust_deviation[row]),
          .prior = confidence_interval(unknowns[i].transform, prior.mean[first + row],
@@ -41,13 +42,15 @@ void add_unknowns(const Study& study, const EstimationOutcome& outcome, std::vec
   }
 }
 
-void add_likelihood_unknowns(const LikelihoodEstimate& likelihood, std::vector<FoundParameter>& found) {
+void add_likelihood_unknowns(const Study& study, const LikelihoodEstimate& likelihood,
+                             std::vector<FoundParameter>& found) {
   for (std::size_t i = 0; i < likelihood.unknowns.size(); ++i) {
     const auto& unknown = likelihood.unknowns[i];
     const auto row = static_cast<Index>(i);
     const auto stated = likelihood.interval(row);
     found.push_back({.name = unknown.name,
                      .unit = unknown.unit,
+                     .own_unit = study.written_unit(unknown.name),
                      .value = likelihood.values[row],
                      .deviation = std::fmax(likelihood.deviation[row], likelihood.robust_deviation[row]),
                      .prior = about(unknown.initial, unknown.deviation),
@@ -67,6 +70,7 @@ void add_updated(const Study& study, const UpdatingOutcome& outcome, std::vector
     const auto interval = parameter_interval(parameter, row, value, outcome.statistics, outcome.robust);
     FoundParameter own{.name = parameter.name,
                        .unit = parameter.unit,
+                       .own_unit = study.written_unit(parameter.name),
                        .value = value,
                        .deviation = std::fmax(deviation_in(outcome.statistics.deviations, row),
                                               deviation_in(outcome.robust.deviations, row)),
@@ -77,12 +81,13 @@ void add_updated(const Study& study, const UpdatingOutcome& outcome, std::vector
   }
 }
 
-void add_inferred(const InferenceOutcome& outcome, std::vector<FoundParameter>& found) {
+void add_inferred(const Study& study, const InferenceOutcome& outcome, std::vector<FoundParameter>& found) {
   for (const auto& each : inferred_values(outcome)) {
     if (!each.posterior) continue;
     const auto interval = [](const ParameterSummary& summary) { return Interval{summary.q2_5, summary.q97_5}; };
     FoundParameter own{.name = each.name,
                        .unit = each.unit,
+                       .own_unit = study.written_unit(each.name),
                        .value = each.posterior->mean,
                        .deviation = each.posterior->deviation,
                        .interval = interval(*each.posterior),
@@ -136,7 +141,7 @@ std::optional<double> FoundParameter::z() const {
 std::vector<FoundParameter> found_unknowns(const Study& study, const EstimationOutcome& outcome) {
   std::vector<FoundParameter> found;
   add_unknowns(study, outcome, found);
-  if (outcome.likelihood) add_likelihood_unknowns(*outcome.likelihood, found);
+  if (outcome.likelihood) add_likelihood_unknowns(study, *outcome.likelihood, found);
   return found;
 }
 
@@ -147,12 +152,12 @@ std::vector<FoundParameter> found_parameters(const Study& study, const StudyResu
     const auto unknowns = found_unknowns(study, *results.estimation);
     found.insert(found.end(), unknowns.begin(), unknowns.end());
   }
-  if (found.empty() && results.inference) add_inferred(*results.inference, found);
+  if (found.empty() && results.inference) add_inferred(study, *results.inference, found);
   return found;
 }
 
 std::string value_in_words(const FoundParameter& parameter) {
-  const DisplayUnit shown(parameter.unit, {parameter.value, parameter.deviation});
+  const DisplayUnit shown(parameter.unit, {parameter.value, parameter.deviation}, parameter.own_unit);
   const bool is_known = std::isfinite(parameter.deviation) && parameter.deviation > 0.0;
   std::string text = shown.value(parameter.value, parameter.deviation);
   if (is_known) text += " ± " + shown.deviation(parameter.deviation);

@@ -14,6 +14,7 @@ namespace kalfem {
 /// What a run found about one parameter, by whichever step looked for it.
 struct FoundParameter {
   std::string name, unit;            ///< SI
+  std::string own_unit;              ///< in which the case states it; empty: none
   double value = 0.0;                ///< [unit]
   double deviation = 0.0;            ///< the larger of the two that a step states; not a number: it has none [unit]
   std::optional<Interval> prior;     ///< 95 %; nothing without a prior

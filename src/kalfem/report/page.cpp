@@ -182,7 +182,14 @@ private:
     return element(
         "header", "",
         text_element("h1", "", page.title) + text_element("p", "class=\"subtitle\"", page.subtitle) +
-            element("div", "class=\"verdict\" role=\"status\"", badge + text_element("p", "", page.summary)));
+            element("div", "class=\"verdict\" role=\"status\"", badge + text_element("p", "", page.summary)) +
+            warnings(page));
+  }
+
+  static std::string warnings(const Page& page) {
+    std::string items;
+    for (const auto& warning : page.warnings) items += text_element("li", "", warning);
+    return items.empty() ? items : element("ul", "class=\"warnings\" aria-label=\"Warnings\"", items);
   }
 
   static std::string links(const Page& page) {

@@ -41,7 +41,7 @@ Chart course_of(const Study& study, const EstimationOutcome& outcome, Index i) {
               .half_width = true};
   if (const auto& truth = study.augmented_model->true_parameters[static_cast<std::size_t>(i)])
     chart.series.push_back({.label = "truth", .y = std::vector<double>(chart.x.size(), *truth), .role = Role::truth});
-  return with_readable_ordinates(std::move(chart), unknown.name, unknown.unit);
+  return with_readable_ordinates(std::move(chart), unknown.name, unknown.unit, study.written_unit(unknown.name));
 }
 
 /// The end of the same, where the band is narrow: what follows a fifth of the record.

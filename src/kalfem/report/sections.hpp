@@ -66,8 +66,9 @@ std::vector<double> times(const Record& record);
 /// A curve with the 95 % band of a normal distribution; without a deviation, the curve alone.
 Series with_band(const std::string& label, const Eigen::VectorXd& mean, const Eigen::VectorXd& deviation, Role role);
 /// The chart with its ordinates in the unit that people read, "displacement [mm]": that of its largest value.
-/// `unit`: SI.
-Chart with_readable_ordinates(Chart chart, const std::string& quantity, const std::string& unit);
+/// `unit`: SI; `own`: the one that the user wrote, which then stays.
+Chart with_readable_ordinates(Chart chart, const std::string& quantity, const std::string& unit,
+                              const std::string& own = {});
 /// The same of the abscissae.
 Chart with_readable_abscissae(Chart chart, const std::string& quantity, const std::string& unit);
 

@@ -14,12 +14,12 @@ namespace {
 
 /// Scales all lists alike; the axis' label then.
 std::string scale_alike(const std::vector<std::vector<double>*>& lists, const std::string& quantity,
-                        const std::string& unit) {
+                        const std::string& unit, const std::string& own = {}) {
   double largest = 0.0;
   for (const auto* list : lists)
     for (const double value : *list)
       if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
-  const DisplayUnit shown(unit, {largest});
+  const DisplayUnit shown(unit, {largest}, own);
   for (auto* list : lists)
     for (double& value : *list) value = shown.scaled(value);
   return (quantity.empty() ? "" : quantity + " ") + "[" + shown.unit() + "]";
@@ -42,10 +42,11 @@ Series with_band(const std::string& label, const VectorXd& mean, const VectorXd&
   return series;
 }
 
-Chart with_readable_ordinates(Chart chart, const std::string& quantity, const std::string& unit) {
+Chart with_readable_ordinates(Chart chart, const std::string& quantity, const std::string& unit,
+                              const std::string& own) {
   std::vector<std::vector<double>*> lists;
   for (auto& series : chart.series) lists.insert(lists.end(), {&series.y, &series.lower, &series.upper});
-  chart.y_label = scale_alike(lists, quantity, unit);
+  chart.y_label = scale_alike(lists, quantity, unit, own);
   return chart;
 }
 

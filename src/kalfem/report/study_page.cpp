@@ -214,7 +214,6 @@ Section model_section(const Study& study, const StudyResults& results) {
                                   elements.reduced->model.size(), elements.reduced->boundary.size(),
                                   elements.reduced->error_indicators.reason);
   }
-  for (const auto& warning : study.warnings) section.text += "Warning: " + warning + ". ";
   return section;
 }
 
@@ -232,10 +231,13 @@ Page make_page(const Study& study, const StudyResults& results) {
                                     study.model->system().connector_count()),
             .status = results.verdict.state(),
             .summary = answer(study, results),
-            .sections = {}};
+            .warnings = study.warnings};
+  page.warnings.insert(page.warnings.end(), results.warnings.begin(), results.warnings.end());
   page.sections.push_back(overview_section(study, results));
   if (results.verdict.state() != VerdictState::consistent) page.sections.push_back(verdict_section(results));
   const bool estimated = results.estimation && results.estimation->has_samples();
+  const bool measured_first = estimated && study.record;  // what was measured is what people know
+  if (measured_first) page.sections.push_back(sensors_section(study, *results.estimation));
   if (estimated && results.estimation->augmented_model->layout().unknowns > 0)
     page.sections.push_back(parameters_section(study, *results.estimation));
   if (results.updating) page.sections.push_back(updating_section(study, results));
@@ -248,7 +250,7 @@ Page make_page(const Study& study, const StudyResults& results) {
                              {modification_table(results.modifications)}});
   if (results.placement) page.sections.push_back(placement_section(study, *results.placement));
   if (results.inference) page.sections.push_back(inference_section(*results.inference));
-  if (estimated) page.sections.push_back(sensors_section(study, *results.estimation));
+  if (estimated && !measured_first) page.sections.push_back(sensors_section(study, *results.estimation));
   if (results.validation) page.sections.push_back(validation_section(study, *results.validation));
   if (estimated) {
     const auto& outcome = *results.estimation;

@@ -102,14 +102,14 @@ Table modes_table(const Study& study, const StudyResults& results) {
 
 namespace {
 
-void add_likelihood_unknowns(const LikelihoodEstimate& likelihood, Table& table) {
+void add_likelihood_unknowns(const Study& study, const LikelihoodEstimate& likelihood, Table& table) {
   for (std::size_t i = 0; i < likelihood.unknowns.size(); ++i) {
     const auto& [name, kind, sensor, unit, initial, deviation, truth] = likelihood.unknowns[i];
     const auto row = static_cast<Eigen::Index>(i);
     const double estimate = likelihood.values[row];
     const auto interval = likelihood.interval(row);
     const double std = likelihood.deviation[row], robust = likelihood.robust_deviation[row];
-    const DisplayUnit shown(unit, {estimate, initial, std});
+    const DisplayUnit shown(unit, {estimate, initial, std}, study.written_unit(name));
     table.rows.push_back({name, shown.unit(), shown.value(initial), shown.value(estimate, std),
                           shown.value(interval.lower, std) + " to " + shown.value(interval.upper, std),
                           interval.robust ? "robust std" : "std", shown.deviation(std), shown.deviation(robust),
@@ -135,7 +135,7 @@ Table parameter_table(const Study& study, const EstimationOutcome& outcome) {
     const auto interval = stated_interval(outcome, row);
     const auto range = walked_range(outcome, row);
     const double std = outcome.result.unknowns.deviation(row, last);
-    const DisplayUnit shown(unknown.unit, {estimate, unknown.initial, std});
+    const DisplayUnit shown(unknown.unit, {estimate, unknown.initial, std}, study.written_unit(unknown.name));
     const auto between = [&](double least, double greatest) {
       return shown.value(least, std) + " to " + shown.value(greatest, std);
     };
@@ -149,7 +149,7 @@ Table parameter_table(const Study& study, const EstimationOutcome& outcome) {
                           truth ? shown.value(*truth) : "-",
                           truth && *truth != 0.0 ? per_cent(estimate / *truth - 1.0) : "-"});
   }
-  if (outcome.likelihood) add_likelihood_unknowns(*outcome.likelihood, table);
+  if (outcome.likelihood) add_likelihood_unknowns(study, *outcome.likelihood, table);
   return without_empty_columns(std::move(table));
 }
 
@@ -196,7 +196,11 @@ Table error_table(const std::string& title, const Study& study, const std::vecto
     return std::ranges::any_of(cells, [&](const auto& row) { return row.second.contains(column); });
   };
   std::erase_if(table.columns, [&](const auto& column) { return column != "point" && !used(column); });
+  const auto rests = [&](const auto& own) {
+    return std::ranges::all_of(own, [](const auto& cell) { return cell.second == "at rest"; });
+  };
   for (const auto& name : order) {
+    if (rests(cells[name])) continue;
     std::vector<std::string> row{name};
     for (std::size_t c = 1; c < table.columns.size(); ++c) {
       const auto cell = cells[name].find(table.columns[c]);

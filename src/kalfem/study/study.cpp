@@ -19,9 +19,15 @@
 #include "kalfem/study/structural_modifications.hpp"
 #include "kalfem/study/study_elements.hpp"
 #include "kalfem/study/updating_setup.hpp"
+#include "kalfem/study/written_units.hpp"
 #include "kalfem/yaml/case_reader.hpp"
 
 namespace kalfem {
+
+std::string Study::written_unit(const std::string& parameter) const {
+  const auto found = units.find(parameter);
+  return found == units.end() ? "" : found->second;
+}
 
 double Study::sample_rate() const {
   return record ? record->record.sample_rate : simulation ? simulation->sample_rate : 0.0;
@@ -89,6 +95,7 @@ public:
     leave_out_unread_sections();
     study_.description = std::make_shared<const d::Case>(study_.given);
     study_.files = study_.given.source.files();
+    study_.units = written_units(study_.given.source);
     step(component, {}, {"component"}, [&](IssueList& issues) { expand_component(study_.given, issues); });
   }
 

@@ -32,6 +32,7 @@ struct Study {
   std::string resolved_case;                             ///< the case with all its defaults, as YAML
   std::shared_ptr<const description::Case> description;  ///< the case as it was read
   std::vector<std::filesystem::path> files;              ///< that the case names: records, decks, tables
+  std::map<std::string, std::string> units;              ///< in which it states its parameters, see written_units()
   StructurePtr structure;
   std::vector<ElementNotes> element_notes;  ///< one per finite-element substructure
   double reduce_seconds = 0.0;
@@ -53,6 +54,8 @@ struct Study {
   std::vector<std::string> warnings;  ///< settings that are allowed but are probably a mistake
 
   [[nodiscard]] double sample_rate() const;
+  /// The unit in which the case states a parameter; empty where it states none.
+  [[nodiscard]] std::string written_unit(const std::string& parameter) const;
 };
 
 /// Reads a case file, with some of its keys changed. Throws InvalidInput with every problem found in it and in the
