@@ -22,7 +22,7 @@ std::vector<DrawnFace> outer_faces(const Mesh& mesh, const std::vector<std::stri
 
 /// Faces and the places of their corners.
 struct DrawnSurface {
-  Eigen::Matrix3Xd places;   ///< [m]
+  Eigen::Matrix3Xd places;       ///< [m]
   std::vector<DrawnFace> faces;  ///< their nodes are columns of `places`
   bool coarsened = false;
   std::vector<Eigen::Index> place_of = {};  ///< coarsened: per node the column of `places` that it is part of, -1: none

@@ -238,10 +238,9 @@ private:
 
   /// The script builds the view; without WebGL it says so in its place.
   std::string html(const Scene& scene) {
-    return element(
-        "figure", "class=\"chart full scene\" data-scene=\"" + std::to_string(scenes_++) + "\"",
-        text_element("h3", "", scene.title) + "<div class=\"structure\"></div>\n" +
-            text_element("figcaption", "", scene.caption));
+    return element("figure", "class=\"chart full scene\" data-scene=\"" + std::to_string(scenes_++) + "\"",
+                   text_element("h3", "", scene.title) + "<div class=\"structure\"></div>\n" +
+                       text_element("figcaption", "", scene.caption));
   }
 
   std::size_t sections_ = 0;

@@ -30,8 +30,8 @@ using Eigen::Index;
 void write_modes(const fs::path& folder, const FiniteElementPart& part, const SubstructureModes& modes) {
   std::vector<NodalField> fields;
   for (Index i = 0; i < modes.frequencies.size(); ++i)
-    fields.push_back(
-        {fmt::format("mode {:02d}: {:.2f} Hz", i + 1, modes.frequencies[i]), nodal_translations(part, modes.shapes.col(i))});
+    fields.push_back({fmt::format("mode {:02d}: {:.2f} Hz", i + 1, modes.frequencies[i]),
+                      nodal_translations(part, modes.shapes.col(i))});
   write_vtu((folder / (part.name + "_modes.vtu")).string(), part.elements.mesh, fields);
 }
 

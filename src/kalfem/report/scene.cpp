@@ -108,8 +108,7 @@ Json faces_json(const std::vector<DrawnFace>& faces) {
 
 Json regions_json(const std::vector<std::string>& regions) {
   Json list = Json::array();
-  for (std::size_t r = 0; r < regions.size(); ++r)
-    list.push_back({{"name", regions[r]}, {"colour", region_colour(r)}});
+  for (std::size_t r = 0; r < regions.size(); ++r) list.push_back({{"name", regions[r]}, {"colour", region_colour(r)}});
   return list;
 }
 
@@ -124,7 +123,8 @@ std::string mistake_of(const SceneField& field, Index places) {
     return fmt::format("its coordinates are {} x {} for {} shapes at {} times", field.coordinates.rows(),
                        field.coordinates.cols(), field.shapes.cols(), field.times.size());
   if (!field.shapes.allFinite() || !field.coordinates.allFinite()) return "it holds a number that is not finite";
-  if (std::ranges::adjacent_find(field.times, std::greater_equal()) != field.times.end()) return "its times do not increase";
+  if (std::ranges::adjacent_find(field.times, std::greater_equal()) != field.times.end())
+    return "its times do not increase";
   return "";
 }
 
@@ -154,7 +154,8 @@ std::vector<std::string> mistakes_of(const Scene& scene) {
            static_cast<std::size_t>(face.region) >= scene.regions.size() ||
            std::any_of(face.nodes.begin(), face.nodes.begin() + std::clamp(face.count, 0, 4), outside);
   };
-  if (std::ranges::any_of(scene.faces, bad_face)) mistakes.emplace_back("a face names a corner or region that it has not");
+  if (std::ranges::any_of(scene.faces, bad_face))
+    mistakes.emplace_back("a face names a corner or region that it has not");
   if (std::ranges::any_of(scene.marks, outside, &SceneMark::place)) mistakes.emplace_back("a mark has no place");
   if (std::ranges::any_of(scene.lines, [&](const auto& line) { return outside(line.from) || outside(line.to); }))
     mistakes.emplace_back("a line has no place");

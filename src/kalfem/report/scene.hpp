@@ -32,26 +32,26 @@ struct SceneLine {
 
 /// Displacements of all places over time, u(t) = sum_i q_i(t) s_i: of a mode the shape alone, which oscillates.
 struct SceneField {
-  std::string name;                 ///< "mode 3: 24.31 Hz"
-  Eigen::MatrixXd shapes;           ///< s, 3 places x shapes: x, y and z of the first place, of the second, ... [m]
-  std::vector<double> times = {};   ///< of a motion, increasing [s]; empty: a mode, with one shape
-  Eigen::MatrixXd coordinates = {}; ///< q of a motion [-], shapes x times
+  std::string name;                  ///< "mode 3: 24.31 Hz"
+  Eigen::MatrixXd shapes;            ///< s, 3 places x shapes: x, y and z of the first place, of the second, ... [m]
+  std::vector<double> times = {};    ///< of a motion, increasing [s]; empty: a mode, with one shape
+  Eigen::MatrixXd coordinates = {};  ///< q of a motion [-], shapes x times
 };
 
 /// A structure that the reader of a page turns, and that takes the shapes of its modes and motions.
 struct Scene {
   std::string title = {};
   std::string caption = {};
-  Eigen::Matrix3Xd places = {};            ///< [m]
-  std::vector<DrawnFace> faces = {};       ///< their nodes are columns of `places`, their regions places in `regions`
+  Eigen::Matrix3Xd places = {};       ///< [m]
+  std::vector<DrawnFace> faces = {};  ///< their nodes are columns of `places`, their regions places in `regions`
   std::vector<std::string> regions = {};
   std::vector<SceneMark> marks = {};
   std::vector<SceneLine> lines = {};
   std::vector<SceneField> fields = {};
 };
 
-/// A motion in at most `most_shapes` principal shapes (proper orthogonal decomposition): the fewest whose error is below
-/// `tolerance` of the motion, both as rms over places and times. `displacement`: 3 places x times [m].
+/// A motion in at most `most_shapes` principal shapes (proper orthogonal decomposition): the fewest whose error is
+/// below `tolerance` of the motion, both as rms over places and times. `displacement`: 3 places x times [m].
 SceneField motion_field(const std::string& name, const std::vector<double>& times, const Eigen::MatrixXd& displacement,
                         Eigen::Index most_shapes = 12, double tolerance = 1e-3);
 

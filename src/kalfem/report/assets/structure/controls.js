@@ -11,13 +11,13 @@ export class Controls {
     this.play = button("Play", on.play, {"aria-pressed": "false", class: "play"});
     this.time = make("input", {type: "range", min: 0, max: 1, step: "any", "aria-label": "Time"});
     this.clock = make("output", {});
-    this.speed = select(Object.keys(speeds), (index, name) => on.speed(speeds[name]));
+    this.speed = select(Object.keys(speeds), (index, name) => on.speed(speeds[name]), {"aria-label": "Speed"});
     this.speed.value = "1/4 speed";
     this.amplitude = make("input", {type: "range", ...amplitudes});
     this.time.addEventListener("input", () => on.time(Number(this.time.value)));
     this.amplitude.addEventListener("input", () => on.amplitude(Number(this.amplitude.value)));
     this.ofField = make("span", {class: "group"}, this.play, labelled("Amplitude", this.amplitude));
-    this.ofMotion = make("span", {class: "group"}, this.time, this.clock, labelled("", this.speed));
+    this.ofMotion = make("span", {class: "group"}, this.time, this.clock, this.speed);
     this.node = make("div", {class: "controls"});
     if (fields.length) this.node.append(labelled("Shape", this.shape), this.ofField, this.ofMotion);
     this.node.append(switched("Edges", showsEdges, on.edges), switched("Names", true, on.names), button("Fit", on.fit));
@@ -44,8 +44,8 @@ export class Controls {
   }
 }
 
-function select(names, action) {
-  const node = make("select", {}, ...names.map(name => make("option", {value: name}, name)));
+function select(names, action, attributes = {}) {
+  const node = make("select", attributes, ...names.map(name => make("option", {value: name}, name)));
   node.addEventListener("change", () => action(node.selectedIndex, node.value));
   return node;
 }
