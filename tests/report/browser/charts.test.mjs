@@ -76,6 +76,7 @@ test("a link shows a moment in all charts", async () => {
   const [from, to] = await shownTimes(page, "nis");
   close(from, 11, 0.02);  // the zoomed view is 1.5 s wide
   close(to, 14, 0.02);
+  await page.mouse.move(0, 0);
   await page.evaluate(() => { location.hash = "#chart-mu_k1@3"; });
   await page.waitForFunction(() => document.activeElement.closest("figure")?.id === "chart-mu_k1");
   assert.match(await page.textContent("#chart-mu_k1 .tip"), /time \[s\]\s+3/);

@@ -5,10 +5,10 @@
 
 import {execFileSync, spawnSync} from "node:child_process";
 import {existsSync, mkdirSync, readdirSync} from "node:fs";
-import {dirname, join} from "node:path";
+import {dirname, join, resolve} from "node:path";
 import {fileURLToPath} from "node:url";
 
-const [program, packages, folder] = process.argv.slice(2);
+const [program, packages, folder] = process.argv.slice(2).map(path => resolve(path));
 const places = (process.env.PATH || "").split(":").map(place => join(place, "chromium"));
 const chromium = places.find(existsSync);
 if (!chromium) {

@@ -69,7 +69,7 @@ test("it turns by mouse and keyboard and comes back", async () => {
     assert.notDeepEqual(await picture(), before, key);
   }
   await stage.press("0");
-  await page.mouse.move(0, 0);
+  await stage.blur();
   assert.deepEqual(await picture(), first);
 });
 

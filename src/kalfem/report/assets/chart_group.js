@@ -50,10 +50,10 @@ export class ChartGroup {
     view.readAt(moment);
   }
 
-  // uPlot's options for a cursor that the charts on the screen share.
+  // uPlot's options for a cursor that the charts on the screen share, but for one that is read by keyboard.
   cursorOf(view) {
     const moves = type => type === "mousemove" || type === "mouseleave";
     return {key: view.data.x_label, setSeries: false, scales: ["x", null],
-            filters: {pub: moves, sub: type => moves(type) && view.onScreen}};
+            filters: {pub: moves, sub: type => moves(type) && view.onScreen && !view.byKeyboard}};
   }
 }

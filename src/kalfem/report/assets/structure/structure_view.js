@@ -39,6 +39,8 @@ export class StructureView {
     this.buildScene();
     this.orbit = new OrbitCamera(this.structure, () => this.request());
     this.listen();
+    this.fit();
+    if (isPrinting()) this.replaceByPicture();
   }
 
   buildScene() {
@@ -67,7 +69,7 @@ export class StructureView {
       event.preventDefault();
       this.setPlaying(!this.playing);
     });
-    new ResizeObserver(() => this.fit()).observe(this.stage);
+    new ResizeObserver(() => { if (!isPrinting()) this.fit(); }).observe(this.stage);
     new IntersectionObserver(([entry]) => { this.onScreen = entry.isIntersecting; this.request(); }).observe(this.stage);
     prefersDark.addEventListener("change", () => { this.mesh.takePageColors(); this.request(); });
     addEventListener("beforeprint", () => this.replaceByPicture());
@@ -122,7 +124,7 @@ export class StructureView {
 
   fit() {
     const {clientWidth: width, clientHeight: height} = this.stage;
-    if (!width || isPrinting()) return;
+    if (!width) return;
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.renderer.setSize(width, height);
     this.orbit.setAspect(width / height);
