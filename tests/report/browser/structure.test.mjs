@@ -36,7 +36,7 @@ test("a structure is drawn and takes the shapes of its modes", async () => {
   const motion = await picture();
   await shoot(figure, "structure-motion");
   assert.equal(new Set([resting, first, second, motion].map(String)).size, 4);
-  assert.match(await figure.locator(".key").textContent(), /0\.00\d+ m, drawn \d+ times as large/);
+  assert.match(await figure.locator(".key").textContent(), /1\.\d+ mm, drawn \d+ times as large/);
   await choose("undeformed");
   assert.deepEqual(await picture(), resting);
   assertQuiet(page);

@@ -39,3 +39,9 @@ export function extent(lists) {
   }
   return low <= high ? [low, high] : null;
 }
+
+// A length in metres with the unit that reads best.
+export function lengthText(metres) {
+  const [unit, factor] = metres >= 1 ? ["m", 1] : metres >= 1e-3 ? ["mm", 1e3] : ["\u00b5m", 1e6];
+  return `${formatted(Number((factor * metres).toPrecision(3)))} ${unit}`;
+}

@@ -1,7 +1,7 @@
 // What the colours and symbols of a structure mean, below it.
 
 import {make} from "../dom.js";
-import {formatted} from "../numbers.js";
+import {formatted, lengthText} from "../numbers.js";
 import {gradient} from "./color_scale.js";
 import {nameOf, symbol} from "./marks.js";
 
@@ -24,7 +24,7 @@ export class Key {
     this.scale.hidden = !field;
     if (!field) return;
     this.largest.textContent = field.isMode ? "largest"
-        : `${formatted(field.peak)} m, drawn ${formatted(Number(enlarged.toPrecision(2)))} times as large`;
+        : `${lengthText(field.peak)}, drawn ${formatted(Number(enlarged.toPrecision(2)))} times as large`;
   }
 }
 

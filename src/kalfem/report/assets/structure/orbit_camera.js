@@ -30,7 +30,9 @@ export class OrbitCamera {
     this.zoom = 1;
     this.target = new Vector3(...this.structure.center);
     this.update();
-    this.extent = this.seenExtent();
+    const {low, high, right, up} = this.seenBox();
+    this.extent = {x: (high.x - low.x) / 2, y: (high.y - low.y) / 2};
+    this.target.addScaledVector(right, (low.x + high.x) / 2).addScaledVector(up, (low.y + high.y) / 2);
     this.update();
   }
 
@@ -54,18 +56,25 @@ export class OrbitCamera {
     this.onChange();
   }
 
-  // How far the structure reaches from its centre to the side and upwards, as it is seen now.
-  seenExtent() {
-    const {places, center} = this.structure;
-    const right = new Vector3(), up = new Vector3(), place = new Vector3(), middle = new Vector3(...center);
-    this.camera.matrixWorld.extractBasis(right, up, new Vector3());
-    const extent = {x: 0, y: 0};
-    for (let k = 0; k < places.length; k += 3) {
-      place.fromArray(places, k).sub(middle);
-      extent.x = Math.max(extent.x, Math.abs(place.dot(right)));
-      extent.y = Math.max(extent.y, Math.abs(place.dot(up)));
+  // How far the structure reaches from the target to the right and upwards, as it is seen now.
+  seenBox() {
+    const {right, up} = this.directions(), place = new Vector3();
+    const low = {x: Infinity, y: Infinity}, high = {x: -Infinity, y: -Infinity};
+    for (let k = 0; k < this.structure.places.length; k += 3) {
+      place.fromArray(this.structure.places, k).sub(this.target);
+      for (const [axis, direction] of [["x", right], ["y", up]]) {
+        const reach = place.dot(direction);
+        low[axis] = Math.min(low[axis], reach);
+        high[axis] = Math.max(high[axis], reach);
+      }
     }
-    return extent;
+    return {low, high, right, up};
+  }
+
+  directions() {
+    const right = new Vector3(), up = new Vector3();
+    this.camera.matrixWorld.extractBasis(right, up, new Vector3());
+    return {right, up};
   }
 
   turn(azimuth, elevation) {
@@ -76,8 +85,7 @@ export class OrbitCamera {
 
   // By parts of the picture's height, to the right and upwards.
   move(x, y) {
-    const right = new Vector3(), up = new Vector3();
-    this.camera.matrixWorld.extractBasis(right, up, new Vector3());
+    const {right, up} = this.directions();
     this.target.addScaledVector(right, -2 * x * this.halfHeight).addScaledVector(up, -2 * y * this.halfHeight);
     this.update();
   }
