@@ -454,14 +454,21 @@ std::vector<std::string> drawable_regions(const Mesh& mesh) {
 
 }  // namespace
 
+std::string region_colour(std::size_t region) { return shaded(palette[region % palette.size()], 1.0); }
+
+std::vector<std::string> drawn_regions(const FiniteElementModel& model) {
+  std::vector<std::string> names;
+  for (const auto& [region, property] : model.properties)
+    if (model.mesh.regions.contains(region)) names.push_back(region);
+  return names;
+}
+
 std::string mesh_picture_svg(const Mesh& mesh, const MeshPictureOptions& options) {
   return Painter(mesh, options, options.regions.empty() ? drawable_regions(mesh) : options.regions).run();
 }
 
 std::string mesh_picture_svg(const FiniteElementModel& model, MeshPictureOptions options) {
-  if (options.regions.empty())
-    for (const auto& [region, property] : model.properties)
-      if (model.mesh.regions.contains(region)) options.regions.push_back(region);
+  if (options.regions.empty()) options.regions = drawn_regions(model);
   std::vector<PictureMark> marks;
   for (const auto& support : model.fixed)
     for (const auto node : support.nodes) marks.push_back({MarkKind::support, node});

@@ -101,6 +101,11 @@ private:
             "it is inserted into the page unchanged");
   }
 
+  void check(const Scene& scene) {
+    where_ = "scene '" + scene.title + "'";
+    for (const auto& mistake : mistakes_of(scene)) require(false, mistake, "it cannot be drawn");
+  }
+
   void require(bool fulfilled, const std::string& what, const std::string& why) {
     if (!fulfilled) issues_.add({}, where_ + ": " + what, why);
   }
@@ -288,9 +293,26 @@ private:
     return html;
   }
 
+  /// The script builds the view; without WebGL it says so in its place.
+  std::string html(const Scene& scene) {
+    return element("figure", "class=\"chart full scene\" data-scene=\"" + std::to_string(scenes_++) + "\"",
+                   text_element("h3", "", scene.title) + "<div class=\"structure\"></div>\n" +
+                       text_element("figcaption", "", scene.caption));
+  }
+
   std::size_t sections_ = 0;
   std::size_t charts_ = 0;
+  std::size_t scenes_ = 0;
 };
+
+/// The data and the script of scenes, of a page that has any.
+std::string scene_scripts(const Page& page) {
+  const auto is_scene = [](const auto& item) { return std::holds_alternative<Scene>(item); };
+  const auto has_scene = [&](const Section& section) { return std::ranges::any_of(section.items, is_scene); };
+  if (std::ranges::none_of(page.sections, has_scene)) return "";
+  return element("script", "type=\"application/json\" id=\"scene-data\"", scenes_as_json(page)) +
+         element("script", "", std::string(assets::scene_script()));
+}
 
 }  // namespace
 
@@ -304,12 +326,12 @@ std::string render_html(const Page& page) {
       "<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<meta name=\"color-scheme\" content=\"light dark\">\n<meta http-equiv=\"Content-Security-Policy\" content=\"" +
       std::string(content_policy) + "\">\n" + element("title", "", escaped(page.title)) + identity +
-      style(assets::uplot_style()) + style(assets::report_style());
+      style(assets::page_style());
   const std::string body =
       "<a class=\"skip\" href=\"#main\">Skip to the results</a>\n" + Body().of(page) +
       "<noscript><p class=\"note\">The charts need JavaScript; the tables do not.</p></noscript>\n" +
       element("script", "type=\"application/json\" id=\"chart-data\"", charts_as_json(page)) +
-      script(assets::uplot_script()) + script(assets::report_script());
+      script(assets::page_script()) + scene_scripts(page);
   return "<!DOCTYPE html>\n" + element("html", "lang=\"en\"", element("head", "", head) + element("body", "", body));
 }
 

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "kalfem/report/scene.hpp"
 #include "kalfem/verdict/verdict.hpp"
 
 namespace kalfem {
@@ -83,7 +84,7 @@ struct Listing {
 struct Section {
   std::string heading = {};
   std::string text = {};  ///< plain text; an empty line starts a paragraph
-  std::vector<std::variant<Chart, Table, Picture, Listing>> items = {};
+  std::vector<std::variant<Chart, Table, Picture, Listing, Scene>> items = {};
 };
 
 struct Page {
@@ -118,5 +119,8 @@ std::vector<std::size_t> rows_to_draw(std::span<const std::span<const double>> c
 /// The charts of a page, in the order of their appearance, as a JSON array that may stand inside a script element:
 /// thinned to about `report_points` rows, gaps as null, "<", ">" and "&" escaped.
 std::string charts_as_json(const Page& page);
+
+/// The scenes of a page likewise.
+std::string scenes_as_json(const Page& page);
 
 }  // namespace kalfem

@@ -19,6 +19,7 @@
 #include "kalfem/pipeline/likelihood_checkpoint.hpp"
 #include "kalfem/pipeline/run_study.hpp"
 #include "kalfem/pipeline/updating_checkpoint.hpp"
+#include "kalfem/report/nodal_translations.hpp"
 
 namespace kalfem {
 namespace {
@@ -26,17 +27,11 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Index;
 
-/// Translations of all nodes, 3 x nodes, from the free degrees of freedom.
-Eigen::MatrixXd translations(const FiniteElementPart& part, const Eigen::VectorXd& displacement) {
-  const Eigen::VectorXd all = part.assembled.expansion * displacement;
-  return all.reshaped(6, part.elements.mesh.node_count()).topRows(3);
-}
-
 void write_modes(const fs::path& folder, const FiniteElementPart& part, const SubstructureModes& modes) {
   std::vector<NodalField> fields;
   for (Index i = 0; i < modes.frequencies.size(); ++i)
-    fields.push_back(
-        {fmt::format("mode {:02d}: {:.2f} Hz", i + 1, modes.frequencies[i]), translations(part, modes.shapes.col(i))});
+    fields.push_back({fmt::format("mode {:02d}: {:.2f} Hz", i + 1, modes.frequencies[i]),
+                      nodal_translations(part, modes.shapes.col(i))});
   write_vtu((folder / (part.name + "_modes.vtu")).string(), part.elements.mesh, fields);
 }
 
@@ -45,7 +40,7 @@ void write_series(const fs::path& folder, const FiniteElementPart& part, const F
   for (std::size_t k = 0; k < series.times.size(); ++k) {
     const std::string file = fmt::format("{}/{:05d}.vtu", series.name, k);
     write_vtu((folder / file).string(), part.elements.mesh,
-              {{"displacement", translations(part, series.displacement.col(static_cast<Index>(k)))}});
+              {{"displacement", nodal_translations(part, series.displacement.col(static_cast<Index>(k)))}});
     entries.push_back({series.times[k], file});
   }
   write_pvd((folder / (series.name + ".pvd")).string(), entries);

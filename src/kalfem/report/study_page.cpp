@@ -15,6 +15,7 @@
 #include "kalfem/report/process_noise_report.hpp"
 #include "kalfem/report/sections.hpp"
 #include "kalfem/report/structure_picture.hpp"
+#include "kalfem/report/structure_scene.hpp"
 #include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/report/updating_tables.hpp"
@@ -213,6 +214,7 @@ Section model_section(const Study& study, const StudyResults& results) {
       section.text += fmt::format("The filter's model has {} coordinates of it: {} of the boundary, {}. ",
                                   elements.reduced->model.size(), elements.reduced->boundary.size(),
                                   elements.reduced->error_indicators.reason);
+    if (auto scene = structure_scene(study, results, *elements.part)) section.items.emplace_back(std::move(*scene));
   }
   return section;
 }
