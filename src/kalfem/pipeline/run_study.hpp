@@ -173,8 +173,8 @@ struct StudyResults {
 enum class Step { modes, simulate, estimate, predict, update, infer, place, everything };
 
 struct RunOptions {
-  Progress progress = {};
-  std::filesystem::path folder = {};  ///< where a long updating or inference keeps its checkpoint; empty: none
+  Progress progress = {};             ///< of the whole run: "simulate (1 of 3): reference 3 of at most 7"
+  std::filesystem::path folder = {};  ///< where long steps keep their checkpoints; empty: nowhere
   std::function<void(int number, const UpdatingStep&)> on_updating_step = {};
   bool keep_finished = false;  ///< asked to stop, the run returns the steps that are finished; otherwise it throws
 };

@@ -76,11 +76,19 @@ public:
 
   void keep(UpdatingStep step) {
     outcome_.trace.push_back(std::move(step));
+    show_progress(static_cast<int>(outcome_.trace.size()));
     if (options_.on_updating_step)
       options_.on_updating_step(static_cast<int>(outcome_.trace.size()), outcome_.trace.back());
   }
 
 private:
+  /// When the search will converge is not known: half of it is expected in so many evaluations.
+  void show_progress(int evaluations) const {
+    constexpr double half = 8.0;
+    if (options_.progress)
+      options_.progress("evaluation " + std::to_string(evaluations), evaluations / (evaluations + half));
+  }
+
   const Study& study_;
   const RunOptions& options_;
   UpdatingOutcome& outcome_;

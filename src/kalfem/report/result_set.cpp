@@ -18,6 +18,7 @@
 #include "kalfem/formats/vtu.hpp"
 #include "kalfem/pipeline/likelihood_checkpoint.hpp"
 #include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/pipeline/simulation_checkpoint.hpp"
 #include "kalfem/pipeline/updating_checkpoint.hpp"
 #include "kalfem/report/nodal_translations.hpp"
 
@@ -26,14 +27,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Eigen::Index;
-
-void write_modes(const fs::path& folder, const FiniteElementPart& part, const SubstructureModes& modes) {
-  std::vector<NodalField> fields;
-  for (Index i = 0; i < modes.frequencies.size(); ++i)
-    fields.push_back({fmt::format("mode {:02d}: {:.2f} Hz", i + 1, modes.frequencies[i]),
-                      nodal_translations(part, modes.shapes.col(i))});
-  write_vtu((folder / (part.name + "_modes.vtu")).string(), part.elements.mesh, fields);
-}
 
 void write_series(const fs::path& folder, const FiniteElementPart& part, const FieldSeries& series) {
   std::vector<SeriesEntry> entries;
@@ -170,6 +163,7 @@ ResultSet switch_to_files(OutputFolder& folder, const Names& files, const StudyR
     if (!std::ranges::binary_search(files, name) && fs::is_regular_file(folder.path() / name))
       set.removed.push_back(name);
   std::ranges::sort(set.removed);
+  if (results.simulation && !results.interrupted) former.emplace_back(simulation_name);
   if (results.updating) former.emplace_back(checkpoint_name);
   if (results.inference) former.emplace_back(likelihoods_name);
   set.files = folder.replace(former);
@@ -177,6 +171,14 @@ ResultSet switch_to_files(OutputFolder& folder, const Names& files, const StudyR
 }
 
 }  // namespace
+
+void write_modes(const fs::path& folder, const FiniteElementPart& part, const SubstructureModes& modes) {
+  std::vector<NodalField> fields;
+  for (Index i = 0; i < modes.frequencies.size(); ++i)
+    fields.push_back({fmt::format("mode {:02d}: {:.2f} Hz", i + 1, modes.frequencies[i]),
+                      nodal_translations(part, modes.shapes.col(i))});
+  write_vtu((folder / (part.name + "_modes.vtu")).string(), part.elements.mesh, fields);
+}
 
 std::string summary_text(Json summary, const Names& files, double total_seconds) {
   summary["files"] = files;
@@ -198,6 +200,7 @@ ResultSet write_result_set(OutputFolder& folder, const Study& study, const Study
 
 void require_result_places(const fs::path& folder, const Study& study) {
   Names names(main_files.begin(), main_files.end());
+  if (study.simulation) names.emplace_back(simulation_name);
   if (study.updating) names.emplace_back(checkpoint_name);
   if (study.inference) names.emplace_back(likelihoods_name);
   for (const auto& elements : study.structure->finite_elements) names.push_back(elements.part->name + "_modes.vtu");

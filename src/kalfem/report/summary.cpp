@@ -1,13 +1,13 @@
 #include "kalfem/report/result_set.hpp"
 
 #include <cmath>
-#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include <fmt/format.h>
 
+#include "kalfem/base/hash.hpp"
 #include "kalfem/base/version.hpp"
 #include "kalfem/diagnosis/judge_estimation.hpp"
 #include "kalfem/identification/stated_interval.hpp"
@@ -27,18 +27,6 @@ namespace kalfem {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// Fowler, Noll and Vo's hash FNV-1a of 64 bits: the same on every computer, as std::hash is not.
-class Hash {
-public:
-  void add(const std::string& text) {
-    for (const char c : text) state_ = (state_ ^ static_cast<unsigned char>(c)) * 0x100000001B3U;
-  }
-  [[nodiscard]] std::uint64_t value() const { return state_; }
-
-private:
-  std::uint64_t state_ = 0xCBF29CE484222325U;
-};
 
 void drop_times(Json& json) {
   if (json.is_object()) {

@@ -291,7 +291,6 @@ std::string substep_words(const EstimationOutcome& outcome) {
                      choice.limited ? "; more substeps would be needed, but the limit is reached" : "");
 }
 
-/// Of a filter, by the time of the record over that of its computation.
 std::string speed_in_words(double ratio) {
   return ratio >= 1.0 ? fmt::format("{:.3g} times faster than real time", ratio)
                       : fmt::format("{:.3g} times slower than real time", 1.0 / ratio);

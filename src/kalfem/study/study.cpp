@@ -89,8 +89,10 @@ class StudyMaker {
   using enum StudyItem;
 
 public:
-  StudyMaker(d::Case given, const std::string& file, const IssueList& found_by_reader)
-      : study_(planned_study(std::move(given), file)), steps_(study_.given.source, found_by_reader) {
+  StudyMaker(d::Case given, const std::string& file, const IssueList& found_by_reader, Progress progress = {})
+      : study_(planned_study(std::move(given), file)),
+        steps_(study_.given.source, found_by_reader),
+        progress_(std::move(progress)) {
     study_.structure = structure_;
     leave_out_unread_sections();
     study_.description = std::make_shared<const d::Case>(study_.given);
@@ -116,7 +118,7 @@ private:
     step(agreement_of_sections, {other_keys, substructures, sensors}, {},
          [&](IssueList& issues) { check_sections(study_.given, issues); });
     step(elements, needs_of_elements(), {"substructures"},
-         [&](IssueList& issues) { add_finite_elements(*structure_, study_, issues); });
+         [&](IssueList& issues) { add_finite_elements(*structure_, study_, progress_, issues); });
     step(parts, {substructures, elements, component}, {"substructures"},
          [&](IssueList& issues) { structure_->parts = make_parts(study_.given, structure_->reduced_parts(), issues); });
     step(names, {substructures, elements}, {"substructures"}, [&](IssueList& issues) { check_names(issues); });
@@ -265,16 +267,17 @@ private:
   std::shared_ptr<StructureModel> structure_ = std::make_shared<StructureModel>();  ///< of the study, while it is made
   std::shared_ptr<const CoupledModel> start_;  ///< the model from which a prediction or an updating starts
   MakingSteps steps_;
+  Progress progress_;
 };
 
 }  // namespace
 
-Study load_study(const std::string& file, const std::vector<CaseChange>& changes) try {
+Study load_study(const std::string& file, const std::vector<CaseChange>& changes, const Progress& progress) try {
   IssueList issues;
   d::Case given =
       read_case_text(read_text_file(file), file, shared_case_schema(), issues, process_environment(), changes);
   if (given.source.empty()) raise_in_line_order(issues);
-  return StudyMaker(std::move(given), file, issues).make();
+  return StudyMaker(std::move(given), file, issues, progress).make();
 } catch (const InvalidInput& error) {
   if (changes.empty()) throw;
   throw InvalidInput(with_changes_named(error.issues(), changes));

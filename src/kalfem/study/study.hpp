@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 
+#include "kalfem/base/progress.hpp"
 #include "kalfem/formats/deck.hpp"
 #include "kalfem/identification/updating_setup.hpp"
 #include "kalfem/records/record_preparation.hpp"
@@ -59,7 +60,7 @@ struct Study {
 };
 
 /// Reads a case file, with some of its keys changed. Throws InvalidInput with every problem found in it and in the
-/// files it names.
-Study load_study(const std::string& file, const std::vector<CaseChange>& changes = {});
+/// files it names. Only finite-element substructures take time: `progress` shows them, "reduce 1 of 4".
+Study load_study(const std::string& file, const std::vector<CaseChange>& changes = {}, const Progress& progress = {});
 
 }  // namespace kalfem
