@@ -6,7 +6,7 @@ A mark is an HTML comment in front of a block, which no reader sees:
     <!-- exits with: 3 -->           the exit code of a shell block, default 0
     <!-- in: FILE -->                the block is a part of this case, `FILE at KEY` of this section of it
     <!-- without: KEY, KEY -->       ... which stands in the place of these keys
-    <!-- absent files: A, B -->      ... and names files that are the reader's own
+    <!-- absent: A, B -->            ... and names files or channels that are the reader's own
     <!-- file: FILE -->              the block is the content of this file
     <!-- before: TEXT -->            lines that the page does not show, run before the block
     <!-- data: FOLDER -->            the block needs this folder of measured data
@@ -16,7 +16,7 @@ A mark is an HTML comment in front of a block, which no reader sees:
 import re
 from dataclasses import dataclass, field
 
-MARKS = {"output", "exits with", "in", "without", "absent files", "file", "before", "data", "not run"}
+MARKS = {"output", "exits with", "in", "without", "absent", "file", "before", "data", "not run"}
 FENCED = re.compile(r"(?P<marks>(?:^<!--(?:(?!-->).)*-->\n+)*)^```(?P<language>[\w+]*)[^\n]*\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
 COMMENT = re.compile(r"<!--\s*(?P<name>[a-z ]+?)\s*(?::\s*(?P<value>.*?))?\s*-->", re.DOTALL)
 COMMAND = re.compile(r"^ {4,}(kalfem|scripts/|build/|ctest|cmake|python3|apt|nice|import |#include)\b", re.MULTILINE)

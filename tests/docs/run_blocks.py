@@ -71,11 +71,11 @@ class PageRun:
         file = self.folder / block.marks["file"] if "file" in block.marks else base.with_name("page.yaml")
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(text)
-        if "absent files" not in block.marks:
+        if "absent" not in block.marks:
             self.run("kalfem", "check", str(file))
             return
         printed = self.run("kalfem", "check", str(file), code=2)
-        absent = [name.strip() for name in block.marks["absent files"].split(",")]
+        absent = [name.strip() for name in block.marks["absent"].split(",")]
         complaints = [line for line in printed.splitlines() if line.startswith(str(file))]
         if other := [line for line in complaints if not any(name in line for name in absent)]:
             raise Different("\n".join(other))

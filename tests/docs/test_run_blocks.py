@@ -77,7 +77,7 @@ class Pages(unittest.TestCase):
         self.assertIn("kHz", problems_of(block("yaml", "stiffness: 30 kHz", place))[0])
 
     def test_files_of_the_reader_are_the_only_ones_that_may_lack(self):
-        marks = "<!-- in: examples/start/measured/case.yaml -->\n<!-- absent files: mine.csv -->"
+        marks = "<!-- in: examples/start/measured/case.yaml -->\n<!-- absent: mine.csv -->"
         self.assertEqual(problems_of(block("yaml", "record: {file: mine.csv}", marks)), [])
         self.assertIn("ends", problems_of(block("yaml", "record: {file: mine.csv, ends: 3 s}", marks))[0])
 
