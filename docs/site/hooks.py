@@ -8,6 +8,7 @@ The command is $KALFEM_COMMAND, or build/release/bin/kalfem.
 """
 
 import os
+import posixpath
 import re
 import subprocess
 import sys
@@ -15,7 +16,6 @@ from pathlib import Path
 
 from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File
-from mkdocs.utils import get_relative_url
 
 sys.path.insert(0, str(Path(__file__).parent))
 import reference  # noqa: E402
@@ -73,6 +73,6 @@ def on_page_markdown(markdown, page, config, files):
     """Links the sources' keys, outside code."""
     if page.file.src_path == "sources.md":
         return markdown
-    target = get_relative_url(files.get_file_from_path("sources.md").url, page.file.url)
+    target = posixpath.relpath("sources.md", posixpath.dirname(page.file.src_path))
     parts = CODE.split(markdown)
     return "".join(part if CODE.fullmatch(part) else sources.linked(part, target) for part in parts)
