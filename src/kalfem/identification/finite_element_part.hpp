@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,6 +21,7 @@ struct FiniteElementPart {
   MassProperties mass;                                    ///< with the fixed degrees of freedom
   Eigen::Vector3d moving_mass = Eigen::Vector3d::Zero();  ///< that the free part moves along x, y, z [kg]
   std::vector<NamedNode> nodes;
+  std::map<std::string, std::vector<Eigen::Index>> load_groups = {};  ///< cells of the groups that loads name
   LinearModel full;                   ///< with its damping
   FiniteElementDamping damping;       ///< included in `full`, with its dashpots
   std::vector<std::string> boundary;  ///< names of the degrees of freedom that the rest of the structure touches

@@ -60,7 +60,7 @@ std::vector<SubstructureModes> substructure_modes(const Study& study, Eigen::Ind
   }
   for (const auto& elements : study.structure->finite_elements) {
     const auto& part = *elements.part;
-    const auto modes = lowest_normal_modes(part.full, count);
+    const auto modes = count > 0 ? lowest_normal_modes(part.full, count) : NormalModes{};
     all.push_back({part.name, part.full.size(), part.mass.mass, modes.frequencies, modes.shapes});
   }
   return all;

@@ -14,6 +14,7 @@
 #include "kalfem/pipeline/run_identified_case.hpp"
 #include "kalfem/pipeline/run_inference.hpp"
 #include "kalfem/pipeline/run_placement.hpp"
+#include "kalfem/pipeline/run_statics.hpp"
 #include "kalfem/pipeline/run_steps.hpp"
 #include "kalfem/pipeline/run_updating.hpp"
 #include "kalfem/pipeline/run_validation.hpp"
@@ -197,13 +198,14 @@ namespace {
 bool takes(Step step, Step last) {
   if (last == Step::everything) return true;
   if (last == Step::infer) return step == Step::simulate || step == Step::estimate || step == Step::infer;
-  if (last == Step::place) return step == Step::place;
+  if (last == Step::place || last == Step::statics) return step == last;
   return step <= last;
 }
 
 void take_steps(const Study& study, Step last, const RunOptions& options, StudyResults& results) {
   const bool updates = takes(Step::update, last) && study.updating;
-  results.modes = substructure_modes(study, study.report.modes);
+  results.modes = substructure_modes(study, last == Step::statics ? 0 : study.report.modes);
+  if (takes(Step::statics, last) && study.statics) results.statics = run_statics(*study.statics, results.warnings);
   if (takes(Step::simulate, last) && study.simulation)
     results.simulation = run_simulation(study, options.progress, results.fields, results.failure);
   std::optional<Updated> updated;

@@ -12,6 +12,7 @@
 #include "kalfem/report/placement_report.hpp"
 #include "kalfem/report/process_noise_report.hpp"
 #include "kalfem/report/sections.hpp"
+#include "kalfem/report/statics_report.hpp"
 #include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/report/updating_tables.hpp"
@@ -269,6 +270,7 @@ std::string answer(const StudyResults& results) {
           : "";
   if (!results.estimation && results.inference) return updated + inference_answer(*results.inference);
   if (!results.estimation && results.placement) return updated + placement_answer(*results.placement);
+  if (!results.estimation && !results.simulation && results.statics) return updated + statics_answer(*results.statics);
   if (!results.estimation)
     return updated + (results.simulation ? "The simulation is complete." : updated.empty() ? "Modes computed." : "");
   const auto& consistency = results.estimation->consistency;
@@ -392,6 +394,7 @@ Page make_page(const Study& study, const StudyResults& results) {
                                  (results.updating ? deviations_leave_out : ""),
                              {modification_table(results.modifications)}});
   if (results.placement) page.sections.push_back(placement_section(study, *results.placement));
+  if (results.statics) page.sections.push_back(statics_section(*study.statics, *results.statics));
   if (results.inference) page.sections.push_back(inference_section(*results.inference));
   if (estimated) page.sections.push_back(sensors_section(study, *results.estimation));
   if (results.validation) page.sections.push_back(validation_section(study, *results.validation));

@@ -179,15 +179,17 @@ void add_grounds(const d::Substructure& given, LinearModel& model) {
 
 DescribedPart make_finite_element_part(const std::string& name, const d::Substructure& given,
                                        const std::vector<std::string>& attached,
-                                       const std::vector<std::string>& parameters) {
+                                       const std::vector<std::string>& parameters,
+                                       const std::vector<std::string>& load_groups) {
   DescribedPart described;
   FiniteElementPart& part = described.part;
   part.name = name;
   part.damping = {{given.damping.mass_factor, given.damping.stiffness_factor},
                   {given.damping.modal, given.damping.modal_up_to}};
-  auto [elements, nodes, notes] = build_finite_elements(name, given);
+  auto [elements, nodes, notes, groups] = build_finite_elements(name, given, load_groups);
   part.elements = std::move(elements);
   part.nodes = std::move(nodes);
+  part.load_groups = std::move(groups);
   described.notes = std::move(notes);
   const bool is_given = given.reduction && !given.reduction->value.boundary.empty();
   const auto boundary =

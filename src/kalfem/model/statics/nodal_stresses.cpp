@@ -82,9 +82,10 @@ std::vector<NodalStress> nodal_stresses(const Mesh& mesh, const RegionStress& re
   return means;
 }
 
-std::optional<StressPeak> stress_peak(const Mesh& mesh, const RegionStress& region) {
+std::optional<StressPeak> stress_peak(const Mesh& mesh, const RegionStress& region,
+                                      const std::vector<NodalStress>& means) {
   std::optional<StressPeak> peak = beam_peak(mesh, region);
-  for (const auto& mean : nodal_stresses(mesh, region))
+  for (const auto& mean : means)
     if (const double value = von_mises(mean.stress); !peak || value > peak->value)
       peak = StressPeak{
           .region = region.region, .value = value, .cell = mean.cell, .node = mean.node, .layer = mean.layer};

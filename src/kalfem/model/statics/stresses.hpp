@@ -89,6 +89,7 @@ struct StressPeak {
   Layer layer = Layer::solid;
   bool of_beam = false;
 };
-std::optional<StressPeak> stress_peak(const Mesh& mesh, const RegionStress& region);
+std::optional<StressPeak> stress_peak(const Mesh& mesh, const RegionStress& region,
+                                      const std::vector<NodalStress>& means);
 
 }  // namespace kalfem
